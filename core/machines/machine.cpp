@@ -76,6 +76,14 @@ void read_place(FieldReader& fields, Machine& machine) {
                   "use \"axes\": \"carriage-feed\"");
 }
 
+// Whether the words of a variant (see kHpglWords) let coordinates be negative; GPGL always does.
+bool takes_negative(const Machine& machine) {
+  const auto has = [&](const char* word) {
+    return machine.variant.find(word) != std::string::npos;
+  };
+  return machine.language == "gpgl" || has("negative") || has("camm");
+}
+
 // What lies outside of the machine's window could never be cut.
 void check_window(FieldReader& fields, const Machine& machine) {
   for (const Mat& mat : machine.mats)
@@ -85,11 +93,8 @@ void check_window(FieldReader& fields, const Machine& machine) {
           fmt::format("mat {} is {:g} x {:g} mm, larger than the machine's {:g} x {:g} "
                       "mm; correct the mat, or width_mm and length_mm",
                       mat.name, mat.width_mm, mat.length_mm, machine.width_mm, machine.length_mm));
-  const bool negative = machine.language == "gpgl" ||
-                        machine.variant.find("negative") != std::string::npos ||
-                        machine.variant.find("camm") != std::string::npos;
   const auto check_margin = [&](const char* name, double margin_mm) {
-    if (margin_mm < 0 && !negative)
+    if (margin_mm < 0 && !takes_negative(machine))
       fields.refuse(name, ErrorKind::OutOfRange,
                     fmt::format("is {:g}, but variant {} takes no negative coordinates; use 0 or "
                                 "more, or add +negative to the variant",
@@ -146,6 +151,7 @@ Result<Machine> read_machine(const TableRow& row) {
   machine.name = fields.text("name", {});
   machine.title = fields.text("title", {});
   machine.source = fields.text("source", "");
+  machine.built_in = row.table < 0;
   const std::vector<std::string> languages{"gpgl", "hpgl", "cricut", "hand"};
   machine.language = languages[fields.word("language", 0, languages)];
   read_size(fields, machine);

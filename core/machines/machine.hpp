@@ -38,7 +38,7 @@ struct Mat {
   double width_mm{}, length_mm{};  ///< usable area, along carriage and feed
 };
 
-/// Which way a machine's first coordinate goes, the X of HPGL. The second goes the other way.
+/// Along what a machine's first coordinate runs, the X of HPGL; the second runs along the other.
 enum class Axes : std::uint8_t {
   FeedCarriage,  ///< along the feed, as on roll cutters and in GPGL
   CarriageFeed,  ///< along the carriage: flatbed cutters and desktop plotters
@@ -63,6 +63,7 @@ struct Machine {
   std::string variant;   ///< dialect of the language: one of kGpglVariants; for HPGL words of
                          ///< kHpglWords joined by "+"; empty for the others
   std::string source;    ///< where its figures come from, and which are not measured
+  bool built_in{false};  ///< a row of popcut's own table, not replaced by a user's
   double unit_mm{0.05};
   double width_mm{}, length_mm{};  ///< largest area without a mat, along carriage and feed
   double margin_left_mm{}, margin_top_mm{};

@@ -11,9 +11,9 @@ using std::chrono::nanoseconds;
 namespace {
 
 // A stroke whose line was begun has to be sent whole; the move to its start cuts nothing and can be
-// sent before. So a line is begun only if it ends within this
-// part of a window; the rest of the window allows for the model's errors. A longer one is begun
-// when the machine has less than the least part left, in which every recorded query was answered.
+// sent before. So a line is begun only if its stroke ends within this part of a window; the rest of
+// the window allows for the model's errors. A longer one is begun when the machine has less than
+// the least part left, in which every recorded query was answered.
 constexpr double kStrokeWindow = 0.85;
 constexpr double kLeastWindow = 0.25;
 

@@ -36,26 +36,29 @@ SessionEnd SessionRun::run() {
   end_.seconds = to_seconds(transport_.now() - begun_);
   end_.confirmed = answers_ && !end_.error;
   if (end_.error && phase_ >= SessionPhase::Cutting) end_.likely_stroke = likely_stroke();
-  const std::vector<std::uint64_t>& lines = journal_.first_lines_of();
+  const std::vector<std::uint64_t>& lines = journal_.first_lines();
   for (std::size_t k = 0; k < lines.size(); ++k)
     end_.fates.push_back(fate_of({lines[k], program_.strokes[k].end}, ready_bytes_, good_bytes_,
                                  accepted_ + in_doubt_, machine_.buffer_bytes));
   return std::move(end_);
 }
 
+/// Up to which byte a machine has done all commands that end within `seconds` of the geometry.
+std::uint64_t SessionRun::byte_at(double seconds) const {
+  const auto at =
+      std::upper_bound(plan_.geometry.begin(), plan_.geometry.end(), seconds,
+                       [](double s, const TimedCommand& command) { return s < command.seconds; });
+  return at == plan_.geometry.begin() ? 0 : std::prev(at)->end_byte;
+}
+
 /// The stroke in which the knife is now: the first that ends after where the model is.
 std::optional<std::size_t> SessionRun::likely_stroke() {
-  pace_.advance(transport_.now(), sent_s_);
-  const auto at =
-      std::upper_bound(plan_.geometry.begin(), plan_.geometry.end(), pace_.at_s(),
-                       [](double s, const TimedCommand& command) { return s < command.seconds; });
-  const std::uint64_t byte = at == plan_.geometry.begin() ? 0 : std::prev(at)->end_byte;
   const auto& strokes = program_.strokes;
   const auto found = std::upper_bound(
-      strokes.begin(), strokes.end(), byte,
+      strokes.begin(), strokes.end(), byte_at(model_s()),
       [](std::uint64_t value, const ByteRange& stroke) { return value < stroke.end; });
   // It has not gone beyond what was sent.
-  const std::vector<std::uint64_t>& lines = journal_.first_lines_of();
+  const std::vector<std::uint64_t>& lines = journal_.first_lines();
   const auto sent = std::lower_bound(lines.begin(), lines.end(), accepted_ + in_doubt_);
   const auto at_stroke =
       std::min(found - strokes.begin(), static_cast<std::ptrdiff_t>(sent - lines.begin()) - 1);
@@ -83,10 +86,7 @@ void SessionRun::report(SessionPhase phase) {
   if (!options_.progress) return;
   // Strokes that end before the command at which the model is.
   const double now_s = model_s();
-  const auto at =
-      std::upper_bound(plan_.geometry.begin(), plan_.geometry.end(), now_s,
-                       [](double s, const TimedCommand& command) { return s < command.seconds; });
-  const std::uint64_t byte = at == plan_.geometry.begin() ? 0 : std::prev(at)->end_byte;
+  const std::uint64_t byte = byte_at(now_s);
   const auto& strokes = program_.strokes;
   while (strokes_passed_ < strokes.size() && strokes[strokes_passed_].end <= byte)
     ++strokes_passed_;
@@ -97,7 +97,7 @@ void SessionRun::report(SessionPhase phase) {
 }
 
 Result<void> SessionRun::phases() {
-  Result<Schedule> plan = schedule(program_, machine_, journal_.first_lines_of());
+  Result<Schedule> plan = schedule(program_, machine_, journal_.first_lines());
   if (!plan) return tl::unexpected(plan.error());
   plan_ = std::move(*plan);
   return connect()
@@ -194,6 +194,7 @@ Result<void> SessionRun::hold() {
   return stay();
 }
 
+/// Held, with the tool up and the machine at rest, until the host continues or ends the job.
 Result<void> SessionRun::stay() {
   while (pause_asked() && !cancel_asked() && !give_up_asked() && !journal_.failure()) {
     report(SessionPhase::Held);

@@ -52,6 +52,7 @@ class SessionRun {
   Result<void> geometry();
   Result<void> park();
   void lift_without_memory();
+  [[nodiscard]] std::uint64_t byte_at(double seconds) const;
   [[nodiscard]] std::optional<std::size_t> likely_stroke();
 
   // Streaming.

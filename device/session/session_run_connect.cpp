@@ -43,7 +43,8 @@ Result<void> SessionRun::check_identity() {
     if (!reply || !*reply) continue;
     end_.identity = **reply;
     // A late reply to a status query is no name: the name follows.
-    while (parse_status(end_.identity) != DeviceStatus::Unknown) {
+    for (int k = 0; k < options_.tries && parse_status(end_.identity) != DeviceStatus::Unknown;
+         ++k) {
       const Result<std::string> next = inquirer_.await(options_.reply_s * options_.tries);
       if (!next && next.error().kind != ErrorKind::Timeout) return tl::unexpected(next.error());
       end_.identity = next ? *next : "";

@@ -20,14 +20,17 @@ class StrokeJournal {
  public:
   StrokeJournal(const EncodedProgram& program, const Machine& machine,
                 const SessionOptions& options)
-      : program_(program), machine_(machine), options_(options), lines_(first_lines(program)) {}
+      : program_(program),
+        machine_(machine),
+        options_(options),
+        lines_(popcut::first_lines(program)) {}
 
   /// True if the bytes before `until` may be sent: the strokes they belong to are in the journal.
   [[nodiscard]] bool intend(std::uint64_t until);
   /// Reports what is known now, if it is more than before; the counts are those of `fate_of`.
   void settle(std::uint64_t ready_bytes, std::uint64_t good_bytes, std::uint64_t accepted);
   /// For each stroke, where its first line begins: the bytes before cut nothing.
-  [[nodiscard]] const std::vector<std::uint64_t>& first_lines_of() const { return lines_; }
+  [[nodiscard]] const std::vector<std::uint64_t>& first_lines() const { return lines_; }
   /// The first place at or after `byte` where the tool can stay up: the end of a stroke, or after
   /// the move to the next. The start of the geometry counts as one.
   [[nodiscard]] std::uint64_t stop_after(std::uint64_t byte) const;
@@ -37,6 +40,7 @@ class StrokeJournal {
   [[nodiscard]] const std::optional<Error>& failure() const { return failure_; }
 
  private:
+  /// How many strokes begin before `byte`, settings included.
   [[nodiscard]] std::int64_t begun_before(std::uint64_t byte) const;
 
   const EncodedProgram& program_;

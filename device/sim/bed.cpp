@@ -75,7 +75,7 @@ Bed::Bed(const Machine& machine, double page_length_mm)
       left_mm_(machine.margin_left_mm),
       top_mm_(machine.margin_top_mm),
       page_length_mm_(page_length_mm) {
-  const BedFacts* own = find_bed(machine.name);
+  const BedFacts* own = machine.built_in ? find_bed(machine.name) : nullptr;
   if (own == nullptr) return;
   step_mm_ = own->step_mm;
   feed_first_ = own->first == 'f';

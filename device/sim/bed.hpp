@@ -13,8 +13,8 @@ namespace popcut {
 ///
 /// For the machines that popcut knows, axes, step and reach come from a table of the simulator's
 /// own (bed.cpp). The encoder does not share it: a program with exchanged axes runs off this bed
-/// instead of being read back by the mistake that wrote it. The beds of other machines follow their
-/// rows.
+/// instead of being read back by the mistake that wrote it. The beds of other machines, and of
+/// those whose row a user has replaced, follow their rows.
 class Bed {
  public:
   /// @param page_length_mm  length of the sheet; machines that count the feed upward have their

@@ -245,8 +245,7 @@ void SimCutter::search_marks(std::span<const double> args) {
   const auto ends = now_ + to_time(seconds);
   if (answers()) replies_.push_back({ends, marks_found_ ? "    0\x03" : "    1\x03"});
   if (!marks_found_) return;
-  origin_ = {(printed.y + machine_.margin_top_mm) / unit,
-             (printed.x + machine_.margin_left_mm) / unit};
+  origin_ = bed_.to_machine(printed);
 }
 
 void SimCutter::unknown(std::string_view text) {

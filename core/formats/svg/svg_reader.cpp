@@ -186,19 +186,17 @@ class SvgReader {
   // Applies an element's own transform to its place.
   Result<void> transform(const SvgElement& e, const SvgStyle& style, Place& place) {
     if (!e.has_transform) return {};
-    {
-      const auto own = parse_svg_transform(e.transform);
-      if (!own)
-        return wrong(e.node,
-                     fmt::format("the transform \"{}\" cannot be read; use matrix, translate, "
-                                 "scale, rotate, skewX or skewY with numbers",
-                                 e.transform.substr(0, 60)));
-      const double x = user_units(style.origin.x, {user_mm_, place.frame.width, style.font});
-      const double y = user_units(style.origin.y, {user_mm_, place.frame.height, style.font});
-      if (style.own_box) note(SvgNote::OwnBox, e.node);
-      place.to_page =
-          place.to_page * SvgTransform{1, 0, 0, 1, x, y} * *own * SvgTransform{1, 0, 0, 1, -x, -y};
-    }
+    const auto own = parse_svg_transform(e.transform);
+    if (!own)
+      return wrong(e.node,
+                   fmt::format("the transform \"{}\" cannot be read; use matrix, translate, "
+                               "scale, rotate, skewX or skewY with numbers",
+                               e.transform.substr(0, 60)));
+    const double x = user_units(style.origin.x, {user_mm_, place.frame.width, style.font});
+    const double y = user_units(style.origin.y, {user_mm_, place.frame.height, style.font});
+    if (style.own_box) note(SvgNote::OwnBox, e.node);
+    place.to_page =
+        place.to_page * SvgTransform{1, 0, 0, 1, x, y} * *own * SvgTransform{1, 0, 0, 1, -x, -y};
     return {};
   }
 

@@ -185,40 +185,22 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
   facts.machine = *machine;
   facts.material = *material;
   const std::string sheet = fmt::format("/sheets/{}", number - 1);
-  Placement& t = facts.transform;
-  std::vector<std::pair<const char*, double*>> numbers{{"/area_mm/0", &facts.area_mm[0]},
-                                                       {"/area_mm/1", &facts.area_mm[1]}};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto side = number_at(json, fmt::format("{}/area_mm/{}", sheet, k));
+    if (!side) return tl::unexpected(side.error());
+    facts.area_mm[k] = *side;
+  }
+  Reader reader(json);
   if (find(json, "/layout") != nullptr) {
     auto pieces = read_split_facts(json, sheet);
     if (!pieces) return tl::unexpected(pieces.error());
     facts.pieces = std::move(*pieces);
   } else {
-    numbers.insert(numbers.end(), {{"/transform/0/0", &t.xx},
-                                   {"/transform/0/1", &t.xy},
-                                   {"/transform/0/2", &t.x0},
-                                   {"/transform/1/0", &t.yx},
-                                   {"/transform/1/1", &t.yy},
-                                   {"/transform/1/2", &t.y0}});
+    facts.transform = reader.placement(sheet + "/transform");
   }
-  for (const auto& [pointer, value] : numbers) {
-    const auto number_read = number_at(json, sheet + pointer);
-    if (!number_read) return tl::unexpected(number_read.error());
-    *value = *number_read;
-  }
-  if (find(json, "/drawing_transform") != nullptr) {
-    Placement& d = facts.drawing_transform;
-    for (const auto& [pointer, value] : std::initializer_list<std::pair<const char*, double*>>{
-             {"/drawing_transform/0/0", &d.xx},
-             {"/drawing_transform/0/1", &d.xy},
-             {"/drawing_transform/0/2", &d.x0},
-             {"/drawing_transform/1/0", &d.yx},
-             {"/drawing_transform/1/1", &d.yy},
-             {"/drawing_transform/1/2", &d.y0}}) {
-      const auto read = number_at(json, pointer);
-      if (!read) return tl::unexpected(read.error());
-      *value = *read;
-    }
-  }
+  if (find(json, "/drawing_transform") != nullptr)  // plans of before have none
+    facts.drawing_transform = reader.placement("/drawing_transform");
+  if (reader.error()) return tl::unexpected(*reader.error());
   if (const auto folds = text_at(json, "/folds")) facts.folds = *folds;
   if (const auto snap = number_at(json, "/snap_mm")) facts.snap_mm = *snap;
   if (const auto profile = text_at(json, "/svg_profile")) facts.svg_profile = *profile;

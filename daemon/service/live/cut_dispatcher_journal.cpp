@@ -26,8 +26,7 @@ std::string text_of_attention(const SessionProgress& progress) {
     return "paused at the machine's panel; continue there";
   if (progress.asks)
     return "the machine was paused at its panel and is ready now, and popcut cannot tell whether "
-           "it "
-           "went on; look at it: resume if it did, cancel if it was cancelled there";
+           "it went on; look at it: resume if it did, cancel if it was cancelled there";
   if (progress.mute_s < kBusySeconds) return "";
   return "the machine accepts no data; check whether it is jammed or waits for input at its panel";
 }

@@ -163,6 +163,15 @@ TEST_CASE("a program with exchanged axes runs off the simulator's own bed", "[de
   CHECK(value(simulate(bytes, renamed(wrong, "mine"), sheet)).clipped_mm < 0.2);
 }
 
+TEST_CASE("the bed of a row that a user has replaced is the user's", "[device][sim]") {
+  const Machine longer = value(find_machine("cameo3", {R"({"popcut": 1, "machines": [
+      {"name": "cameo3", "like": "cameo3", "length_mm": 6000}]})"}));
+  CHECK_FALSE(longer.built_in);
+  CHECK(Bed(longer, 6000).feed_mm() == 6000);
+  CHECK(machine("cameo3").built_in);
+  CHECK(Bed(machine("cameo3"), 6000).feed_mm() == 3000);
+}
+
 TEST_CASE("a machine that answers OH gets no program beyond its limits", "[device][session]") {
   const Machine gcc = machine("gcc-bobcat");
   Machine small = gcc;  // as the machine in inkcut's list of replies: 186 mm across

@@ -487,7 +487,7 @@ TEST_CASE("strokes are cut only inside clip paths", "[core][formats][svg][clip]"
   CHECK(ring.points == std::vector<PagePoint>{{30, 20}, {15, 20}, {15, 15}, {30, 15}});
   // An empty clip path hides all.
   CHECK(clipped("<clipPath id='c'/>", line + "clip-path='url(#c)'/>").lines.empty());
-  // What is no clip path of shapes is told, and nothing is cut off.
+  // A clip path that is not made of shapes gets a warning, and nothing is clipped.
   const LineWork text =
       clipped("<clipPath id='c'><text>A</text></clipPath>", line + "clip-path='url(#c)'/>");
   check_spans(text, {0, 50});
