@@ -201,6 +201,21 @@ foreach(file ${files})
   endif()
 endforeach()
 
+# A file of tests that no program is built from passes always.
+file(GLOB_RECURSE built RELATIVE ${ROOT} ${ROOT}/tests/CMakeLists.txt ${ROOT}/tests/*/CMakeLists.txt)
+set(named " ")
+foreach(file ${built})
+  file(READ ${ROOT}/${file} text)
+  string(APPEND named " ${text} ")
+endforeach()
+file(GLOB_RECURSE test_sources RELATIVE ${ROOT} ${ROOT}/tests/*_test.cpp)
+foreach(file ${test_sources})
+  get_filename_component(name ${file} NAME_WE)
+  if(NOT named MATCHES "[ (/\n]${name}([.]cpp)?[ )\n]")
+    string(APPEND wrong "${file}: no program is built from it; name it in a CMakeLists.txt of tests\n")
+  endif()
+endforeach()
+
 # 4. Crowded folders, those of the tests too; tests/support is a stock that nobody looks through.
 file(GLOB_RECURSE test_files RELATIVE ${ROOT} ${ROOT}/tests/*.[ch]pp)
 list(FILTER test_files EXCLUDE REGEX "^tests/support/")

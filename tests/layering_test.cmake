@@ -45,6 +45,9 @@ expect(library "daemon/http/a.hpp: includes <sqlite3.h>: only daemon/store may"
   daemon/http/a.hpp "#include <sqlite3.h>")
 expect(threads "core/a.hpp: includes <thread>: core has no" core/a.hpp "#include <thread>")
 expect(lost "core/odd.cpp: no header of its name" core/odd.cpp "" core/even.hpp "")
+expect(unbuilt "tests/unit/device/odd_test.cpp: no program is built from it"
+  tests/unit/device/odd_test.cpp "//" tests/unit/CMakeLists.txt "device/very_odd_test.cpp")
+expect(built "" tests/unit/device/odd_test.cpp "//" tests/unit/CMakeLists.txt "device/odd_test.cpp )")
 expect(part_of_nothing "core/odd.cpp: no header of its name" core/odd.cpp "// Part of core/gone.hpp.")
 expect(twice "core/b.hpp: Point is also defined in"
   core/a.hpp "namespace popcut {\nstruct Point {}\n" core/b.hpp "namespace popcut {\nstruct Point {}\n")

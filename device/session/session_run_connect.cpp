@@ -82,7 +82,8 @@ Result<void> SessionRun::check_limits() {
   }
   const Result<Program> read = decode(program_.dialect, std::as_bytes(std::span(program_.bytes)));
   if (!read) return tl::unexpected(read.error());
-  MachinePoint least = limits->least, most = limits->most;
+  if (read->points.empty()) return {};
+  MachinePoint least = read->points.front(), most = least;
   for (const MachinePoint& p : read->points) {
     least = {std::min(least.a, p.a), std::min(least.b, p.b)};
     most = {std::max(most.a, p.a), std::max(most.b, p.b)};
@@ -90,10 +91,11 @@ Result<void> SessionRun::check_limits() {
   if (least.a >= limits->least.a && least.b >= limits->least.b && most.a <= limits->most.a &&
       most.b <= limits->most.b)
     return {};
-  const bool exchanged = most.b <= limits->most.a && most.a <= limits->most.b;
+  const bool exchanged = least.b >= limits->least.a && least.a >= limits->least.b &&
+                         most.b <= limits->most.a && most.a <= limits->most.b;
   return tl::unexpected(refused(fmt::format(
-      "the machine reaches {:g},{:g} to {:g},{:g} of its steps, and the program goes to {:g},{:g} "
-      "and {:g},{:g}; nothing was cut. {}",
+      "the machine reaches {:.0f},{:.0f} to {:.0f},{:.0f} of its steps, and the program goes from "
+      "{:.0f},{:.0f} to {:.0f},{:.0f}; nothing was cut. {}",
       limits->least.a, limits->least.b, limits->most.a, limits->most.b, least.a, least.b, most.a,
       most.b,
       exchanged ? "It would fit with the axes exchanged: correct \"axes\" in the machine's row"

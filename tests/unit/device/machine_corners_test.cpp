@@ -42,10 +42,12 @@ std::vector<BedPoint> drawn(const std::string& program, const std::string& machi
     if (kDown.count(word) || kUp.count(word) || kPlain.count(word))
       for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) {
         const auto add = [&] {
-          points.push_back(carriage_first ? BedPoint{at[0] * step, at[1] * step}
-                                          : BedPoint{at[1] * step, at[0] * step});
+          const BedPoint p = carriage_first ? BedPoint{at[0] * step, at[1] * step}
+                                            : BedPoint{at[1] * step, at[0] * step};
+          if (points.empty() || p.across != points.back().across || p.along != points.back().along)
+            points.push_back(p);
         };
-        if (down && (points.empty() || k == 0)) add();
+        if (down && k == 0) add();
         at[0] = numbers[k], at[1] = numbers[k + 1];
         if (down) add();
       }
@@ -196,7 +198,7 @@ TEST_CASE("a machine that answers OH gets no program beyond its limits", "[devic
   const SessionEnd wide = run(200, 300, Axes::FeedCarriage);
   REQUIRE(wide.error);
   CHECK_THAT(message(*wide.error), Catch::Contains("0,0 to 1000000,7440") &&
-                                       Catch::Contains("12000,8000") &&
+                                       Catch::Contains("12000,8000;") &&
                                        Catch::Contains("nothing was cut"));
   CHECK(count(wide, StrokeFate::NotSent) == 5);
   const SessionEnd exchanged = run(180, 300, Axes::CarriageFeed);
