@@ -58,8 +58,10 @@ struct JobOptions {
   std::optional<int> mat_code{};  ///< sent with TG; none: 0 (no mat) for machines with mats
   double window_left_mm{};        ///< upper left corner of the working window
   double window_top_mm{};
-  bool autoblade{true};  ///< false: the autoblade's holder has a ratchet blade in it
-  bool track_enhancing{false};
+  bool autoblade{true};   ///< false: the autoblade's holder has a ratchet blade in it
+  bool ask_blade{false};  ///< the autoblade's depth is for machines that report an autoblade only
+  /// Rolls the sheet in and out before the cut. None: the program leaves it as it is set.
+  std::optional<bool> track_enhancing{};
   bool corner_lift{false};                   ///< lift at sharp corners ("line segment overcut")
   std::optional<int> corner_start_tenths{};  ///< corner extension in 0.1 mm; none: the variant's
   std::optional<int> corner_end_tenths{};

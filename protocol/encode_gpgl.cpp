@@ -95,7 +95,7 @@ class GpglEncoder final : public StrokeEncoder {
     values_["lift"] = options_.corner_lift ? 1 : 0;
     values_["extend_start"] = options_.corner_start_tenths.value_or(variant_.corner_tenths);
     values_["extend_end"] = options_.corner_end_tenths.value_or(variant_.corner_tenths);
-    if (options_.track_enhancing) values_["track"] = 0;  // 0 is on
+    if (options_.track_enhancing) values_["track"] = *options_.track_enhancing ? 0 : 1;
   }
 
   void set_stroke_values(const StrokeSteps& steps) {
@@ -115,6 +115,7 @@ class GpglEncoder final : public StrokeEncoder {
   }
 
   void write_setup(const StrokeSteps& first) override {
+    program_.ask_blade = options_.ask_blade;
     set_job_values();
     set_stroke_values(first);
     std::vector<std::uint64_t> ends = write_settings(program_.bytes, variant_.start, values_);

@@ -61,6 +61,15 @@ std::vector<std::uint64_t> first_lines(const EncodedProgram& program) {
   return lines;
 }
 
+std::vector<ByteRange> autoblade_commands(const EncodedProgram& program) {
+  std::vector<ByteRange> found;
+  const Result<Program> read = decode(program.dialect, program.view());
+  if (!read) return found;
+  for (const Command& command : read->commands)
+    if (command.verb == Verb::Autoblade) found.push_back({command.begin, command.end});
+  return found;
+}
+
 std::string lift_after(const EncodedProgram& program, std::size_t index) {
   const ByteRange range = program.strokes.at(index);
   if (range.begin == range.end) return {};
@@ -90,6 +99,7 @@ Result<EncodedProgram> rest_of(const EncodedProgram& program, std::size_t first)
   if (!settings) return tl::unexpected(settings.error());
   EncodedProgram rest;
   rest.dialect = program.dialect;
+  rest.ask_blade = program.ask_blade;
   const auto append = [&](std::string_view bytes) {
     const std::uint64_t begin = rest.bytes.size();
     rest.bytes += bytes;

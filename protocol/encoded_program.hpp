@@ -37,6 +37,9 @@ struct EncodedProgram {
   /// The search for registration marks, if there are any. The machine answers it once; send nothing
   /// more until it has answered that it found them.
   ByteRange search{};
+  /// The commands that set an autoblade's depth are sent only to a machine that reports an
+  /// autoblade in its first holder. Else they are always sent: a person said what the blade is.
+  bool ask_blade{false};
 
   [[nodiscard]] std::span<const std::byte> view(ByteRange range) const {
     return std::as_bytes(std::span(bytes)).subspan(range.begin, range.end - range.begin);
@@ -47,6 +50,9 @@ struct EncodedProgram {
 /// For each stroke, the byte where its first line begins: before it are only settings and the move
 /// to its start, with the tool up. Its begin if the program cannot be read.
 [[nodiscard]] std::vector<std::uint64_t> first_lines(const EncodedProgram& program);
+
+/// The commands that set an autoblade's depth, in order; none if the program cannot be read.
+[[nodiscard]] std::vector<ByteRange> autoblade_commands(const EncodedProgram& program);
 
 /// The bytes that lift the tool at the end of stroke `index`, for a pause between strokes: a move
 /// to the position it is at. Empty for a dot.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -85,6 +86,26 @@ Result<double> parse_number(std::string_view reply) {
   return parse_numbers(reply, 1, 1).map([](const std::vector<double>& values) {
     return values[0];
   });
+}
+
+Result<std::vector<int>> parse_tools(std::string_view reply) {
+  const auto values = parse_numbers(reply, 1, 8);
+  if (!values) return tl::unexpected(values.error());
+  std::vector<int> codes;
+  for (const double value : *values) {
+    if (!(value >= 0 && value <= 255) || value != std::floor(value))
+      return fail(ErrorKind::Malformed, "", "tool codes of 0 to 255 were expected");
+    codes.push_back(static_cast<int>(value));
+  }
+  return codes;
+}
+
+std::string_view tool_name(int code) {
+  constexpr std::array<std::string_view, 8> kNames{
+      "empty",       "ratchet blade", "autoblade",    "deep-cut blade",
+      "kraft blade", "rotary blade",  "unknown tool", "pen"};
+  if (code == 255) return "error";
+  return code >= 0 && code < 8 ? kNames[static_cast<std::size_t>(code)] : "unknown tool";
 }
 
 }  // namespace popcut

@@ -18,6 +18,9 @@ inline constexpr std::string_view kIdentityQuery{"FG\x03"};
 
 inline constexpr std::string_view kWindowQuery{"U\x03"};  ///< the far corner of the window
 
+/// Asks a GPGL machine for the tools in its holders (variant cameo4).
+inline constexpr std::string_view kToolsQuery{"\x1b\x15"};
+
 /// Asks an HPGL machine for the limits of its coordinates; the reply ends with CR.
 inline constexpr std::string_view kLimitsQuery{"OH;"};
 
@@ -52,6 +55,16 @@ struct CoordinateLimits {
 /// @retval Malformed  not that many numbers
 [[nodiscard]] Result<std::vector<double>> parse_numbers(std::string_view reply, std::size_t least,
                                                         std::size_t most);
+inline constexpr int kAutobladeCode = 2;
+
+/// The reply to ESC NAK, one code per holder: 0 empty, 1 ratchet blade, 2 autoblade, 3 deep cut, 4
+/// kraft blade, 5 rotary blade, 7 pen, 255 error.
+///
+/// @retval Malformed  not one to eight codes
+[[nodiscard]] Result<std::vector<int>> parse_tools(std::string_view reply);
+/// "empty", "ratchet blade", ...; "unknown tool" for codes without a known meaning.
+[[nodiscard]] std::string_view tool_name(int code);
+
 /// One number, padded with blanks: the reply to FQ0.
 ///
 /// @retval Malformed  not one number

@@ -89,6 +89,8 @@ struct Machine {
   /// right and down. So with right-handed coordinates, the feed grows downward exactly if it comes
   /// first; the other way round, the sheet would be a mirror image.
   [[nodiscard]] bool feed_up() const { return (axes == Axes::CarriageFeed) != mirrored; }
+  /// Whether it reports which tool each holder has (ESC NAK).
+  [[nodiscard]] bool reports_tools() const { return variant == "cameo4"; }
   /// Whether popcut writes programs for it and can move it.
   [[nodiscard]] bool driven() const { return language == "gpgl" || language == "hpgl"; }
 };

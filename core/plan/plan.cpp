@@ -197,7 +197,8 @@ Ordered ordered_for(const LineWork& work, const Machine& machine, const PlanOpti
   return ordered;
 }
 
-void measure(PlannedSheet& sheet, const Machine& machine, const Material& material) {
+void measure(PlannedSheet& sheet, const Machine& machine, const Material& material,
+             BladeKind blade) {
   const Toolpath& path = sheet.sent_path();
   for (std::size_t i = 0; i < path.strokes.size(); ++i) {
     const Stroke& stroke = path.strokes[i];
@@ -217,7 +218,7 @@ void measure(PlannedSheet& sheet, const Machine& machine, const Material& materi
                               sheet.knife.blade_tools};
   sheet.seconds = motion.setup_s + strokes_seconds(path, motion, swivel) +
                   travel_seconds(out, motion) + travel_seconds(back, motion) + motion.trailer_s;
-  if (machine.autoblade)
+  if (sets_autoblade(machine, blade))
     sheet.seconds +=
         motion.autoblade_reset_s + motion.autoblade_tap_s * (10 - material.autoblade_depth);
   sheet.seconds_range = {sheet.seconds * (1 - motion.spread), sheet.seconds * (1 + motion.spread)};
@@ -365,7 +366,7 @@ class Planner {
                    material.cut.force_step_gf == 0.0 ? material.cut.passes : 1, room_,
                    material.swivel_above_deg * std::numbers::pi / 180, strokes.blade_tools};
     sheet.sent = sent_strokes(sheet.path, sheet.knife);
-    measure(sheet, out_.machine, material);
+    measure(sheet, out_.machine, material, options_.blade);
     out_.sheets.push_back(std::move(sheet));
     return {};
   }
@@ -381,6 +382,11 @@ class Planner {
 
 }  // namespace
 
+bool sets_autoblade(const Machine& machine, BladeKind blade) {
+  return machine.autoblade &&
+         (blade == BladeKind::Autoblade || (blade == BladeKind::Auto && machine.reports_tools()));
+}
+
 Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& material,
                   const PlanOptions& options) {
   if (auto valid = check_plan_options(options); !valid) return tl::unexpected(valid.error());
@@ -390,6 +396,9 @@ Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& mate
     return tl::unexpected(amount.error());
   auto mat = choose_mat(machine, options.mat);
   if (!mat) return tl::unexpected(mat.error());
+  if (options.blade == BladeKind::Autoblade && !machine.autoblade)
+    return fail(ErrorKind::OutOfRange, "/options/blade",
+                fmt::format("{} cannot hold an autoblade; leave `blade` out", machine.title));
   const auto mode = fold_mode(machine, material, options, drawing);
   if (!mode) return tl::unexpected(mode.error());
   // Where popcut does not drive, each line is drawn once; how often to cut it is chosen there.

@@ -59,6 +59,10 @@ struct Plan {
   LineWork whole{};                ///< set if the drawing was split: the cleaned drawing
 };
 
+/// Whether programs set the depth of the autoblade: a person says that it is one, or the machine
+/// will report it before the cut.
+[[nodiscard]] bool sets_autoblade(const Machine& machine, BladeKind blade);
+
 /// Turns a drawing into ordered strokes. Steps: place it on the mat (or split it into pieces that
 /// fit, see `lay_out`), clean it, dash the folds, order the strokes. The material gives force,
 /// speed and tool, within the limits of the machine. Closed cuts get their overcut. The blade

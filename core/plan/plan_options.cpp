@@ -224,6 +224,12 @@ std::vector<PlanOption> make_table() {
            "How long best searches: 2 tries twice as many changes and stops after 2 minutes"),
       number("seed", MEMBER(order.seed), "N", {0, kMostSeed},
            "Random seed of best; the same seed gives the same order"),
+      word("blade", MEMBER(blade), {"auto", "autoblade", "ratchet"},
+           "Which blade is in the machine: autoblade (the machine sets its depth), ratchet (you set "
+           "it), or auto (the one that the machine reports; the depth stays as it is if it reports "
+           "none)"),
+      flag("track-enhancing", MEMBER(track_enhancing),
+           "Silhouette: roll the sheet in and out before the cut, so that a long sheet slips less"),
       flag("mat-free", MEMBER(mat_free),
            "Cut without a mat: work in bands along the feed, never turn the blade in a sharp "
            "corner, cut the outline last"),

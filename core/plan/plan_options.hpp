@@ -30,6 +30,13 @@ enum class LabelTool : std::uint8_t {
 /// Which of TB51 and TB53 gives a registration mark's arm; sources disagree.
 enum class MarkForm : std::uint8_t { Arm, Line };
 
+/// Which blade the first holder has, on machines that can hold an autoblade.
+enum class BladeKind : std::uint8_t {
+  Auto,       ///< the one that the machine reports; its depth stays as it is where it reports none
+  Autoblade,  ///< the machine sets it to the material's depth
+  Ratchet,    ///< set by hand
+};
+
 /// How a drawing becomes sheets. The members that a person may set are the rows of
 /// `plan_option_table`; their defaults are those below.
 struct PlanOptions {
@@ -42,6 +49,8 @@ struct PlanOptions {
   bool mirror{false};                ///< cut the sheet as seen from behind
   std::string dialect{};             ///< "gpgl" or "hpgl"; empty: the machine's
   OrderOptions order{};              ///< its `cost` is the machine's
+  BladeKind blade{BladeKind::Auto};  ///< of a machine that can hold an autoblade
+  bool track_enhancing{false};       ///< the sheet is rolled in and out before the cut
   bool mat_free{false};              ///< without a mat: sets bands and corners of `order`
   CleanOptions clean{};
   KnifeOptions knife{};

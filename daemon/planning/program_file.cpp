@@ -112,7 +112,8 @@ std::string program_index(const EncodedProgram& program) {
                    {"setup", ends_of(program.setup)},
                    {"search", program.geometry.begin},
                    {"strokes", ends_of(program.strokes)},
-                   {"dots", program.dots}};
+                   {"dots", program.dots},
+                   {"ask_blade", program.ask_blade}};
   return index.dump() + "\n";
 }
 
@@ -126,6 +127,7 @@ Result<EncodedProgram> read_program(std::string_view index, std::string bytes) {
   program.dialect = static_cast<Dialect>(fields.word("dialect", {}, {"gpgl", "hpgl"}));
   const nlohmann::json* size = fields.value("bytes");
   const std::string sha256 = fields.text("sha256", std::nullopt);
+  const bool ask_blade = fields.boolean("ask_blade", false);  // not in those of popcut 1.0
   for (const char* list : {"setup", "search", "strokes", "dots"}) fields.value(list);
   if (const auto whole = fields.finish(); !whole) return tl::unexpected(whole.error());
   const bool same = size != nullptr && size->is_number_unsigned() &&
@@ -135,6 +137,7 @@ Result<EncodedProgram> read_program(std::string_view index, std::string bytes) {
     return fail(ErrorKind::CheckFailed, "/sha256",
                 fmt::format("the program's {} bytes differ from the plan; plan again",
                             program.bytes.size()));
+  program.ask_blade = ask_blade;
   const auto read =
       read_blocks(fields, program).and_then([&] { return read_dots(fields, program); });
   if (!read) return tl::unexpected(read.error());

@@ -12,8 +12,8 @@ namespace popcut::planning {
 
 /// `sheet-NN.program.json`: what a stored program's bytes are for. {"popcut": 1, "dialect":
 /// "gpgl"|"hpgl", "bytes": N, "sha256": "...", "setup": [end, ...], "search": end, "strokes": [end,
-/// ...], "dots": [index, ...]}. Every block begins where the one before it ended; the trailer is
-/// the rest.
+/// ...], "dots": [index, ...], "ask_blade": true|false}. Every block begins where the one before it
+/// ended; the trailer is the rest.
 [[nodiscard]] std::string program_index(const EncodedProgram& program);
 
 /// A stored program, from its index and its bytes. Nothing of either is trusted.

@@ -86,7 +86,7 @@ struct SessionOptions {
 struct SessionEnd {
   std::optional<Error> error;     ///< none: all was sent and the machine has come to rest
   bool cancelled{false};          ///< ended early because `SessionOptions::cancel` was set
-  bool confirmed{false};          ///< the machine itself reported ready after the trailer
+  bool confirmed{false};          ///< the machine itself reported ready after the last stroke
   std::vector<StrokeFate> fates;  ///< one per stroke; dots are never sent and stay NotSent
   std::string identity;           ///< its reply to FG
   /// After an error during the geometry: the stroke that the knife was most likely in, by the model

@@ -166,14 +166,23 @@ Result<void> SessionRun::geometry() {
     transport_.wait(std::max(nap, nanoseconds(1'000'000)));
   }
   report(SessionPhase::Finishing);
-  return wait_ready(plan_.geometry_s, left_s());
+  Result<void> ready = wait_ready(slowest_left_s(), left_s());
+  if (ready || ready.error().kind != ErrorKind::Timeout || status_ != DeviceStatus::Moving)
+    return ready;
+  // All was sent, and the machine should have done it long ago. The trailer lifts the tool, should
+  // it be down, and cuts nothing.
+  std::uint64_t at = program_.trailer.begin;
+  if (const Result<void> sent = send(program_.trailer, at); !sent) return sent;
+  return fail(ErrorKind::Timeout, "",
+              ready.error().detail +
+                  ". All was sent, also the end of the job, which lifts the tool and parks");
 }
 
 /// Waits at the end of a stroke, with the tool up, until the machine has done all that was sent:
 /// then all of it is certain, and how long it took corrects the model's speed.
 Result<void> SessionRun::synchronise() {
   constexpr double kNapS = 0.1;
-  return lift().and_then([&] { return wait_ready(plan_.geometry_s, left_s(), kNapS); });
+  return lift().and_then([&] { return wait_ready(slowest_left_s(), left_s(), kNapS); });
 }
 
 /// Lifts the tool where a stroke ends: the end of a stroke alone leaves it in the sheet.
@@ -188,7 +197,7 @@ Result<void> SessionRun::lift() {
 Result<void> SessionRun::hold() {
   Result<void> at_rest = lift().and_then([&] {
     report(SessionPhase::Held);
-    return wait_ready(plan_.geometry_s, left_s());
+    return wait_ready(slowest_left_s(), left_s());
   });
   if (!at_rest) return at_rest;
   return stay();
@@ -222,11 +231,35 @@ Result<void> SessionRun::park() {
   report(SessionPhase::Parking);
   // After a cancel the rest of the geometry is skipped and the trailer follows.
   std::uint64_t at = program_.trailer.begin;
-  return send(program_.trailer, at).and_then([&] { return wait_ready(plan_.trailer_s); });
+  Result<void> parked =
+      send(program_.trailer, at).and_then([&] { return wait_ready(plan_.trailer_s); });
+  const bool moves = !parked && parked.error().kind == ErrorKind::Timeout &&
+                     status_ == DeviceStatus::Moving && ready_bytes_ >= accepted_;
+  if (!moves) return parked;
+  // All strokes are certain: what failed is only the way home.
+  end_.remarks.push_back(
+      "the machine was ready after the last stroke, but still says that it moves after the way to "
+      "its park position; check that its tool is up, then switch it off and on");
+  return {};
+}
+
+/// Sends the program's bytes from `accepted_` to `end`, without those of `left_out_`.
+Result<void> SessionRun::send_program(std::uint64_t end) {
+  Result<void> sent;
+  while (sent && accepted_ < end) {
+    const auto next = std::find_if(left_out_.begin(), left_out_.end(),
+                                   [&](const ByteRange& range) { return range.end > accepted_; });
+    const ByteRange gap = next == left_out_.end() ? ByteRange{end, end} : *next;
+    if (gap.begin <= accepted_)
+      accepted_ = std::min(gap.end, end);
+    else
+      sent = send({accepted_, std::min(gap.begin, end)}, accepted_);
+  }
+  return sent;
 }
 
 Result<void> SessionRun::send_until(std::uint64_t end) {
-  Result<void> sent = send({accepted_, end}, accepted_);
+  Result<void> sent = send_program(end);
   while (next_command_ < plan_.geometry.size() &&
          plan_.geometry[next_command_].end_byte <= accepted_)
     sent_s_ = plan_.geometry[next_command_++].seconds;
@@ -433,7 +466,10 @@ Result<void> SessionRun::wait_ready(double whole_s, double left_s, double nap_s)
     if (waited > 3 * whole_s + options_.stuck_s)
       return fail(
           ErrorKind::Timeout, "",
-          fmt::format("the machine is still busy after {:.0f} s; check what it is doing", waited));
+          fmt::format(
+              "the machine is still busy after {:.0f} s, where {:.0f} s were expected; check "
+              "what it is doing",
+              waited, left_s));
     report(phase_);
     const nanoseconds polled_at = transport_.now();
     transport_.wait(to_time(nap_s));

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "device/session/inquirer.hpp"
 #include "device/session/pace.hpp"
@@ -46,6 +47,7 @@ class SessionRun {
   Result<void> phases();
   Result<void> connect();
   Result<void> check_identity();
+  Result<void> check_blade();
   Result<void> check_limits();
   Result<void> settings();
   Result<void> search();
@@ -61,6 +63,7 @@ class SessionRun {
     at = range.begin;
     return send(program_.view(range), at);
   }
+  Result<void> send_program(std::uint64_t end);
   Result<void> send_until(std::uint64_t end);
   [[nodiscard]] std::uint64_t affordable();
   [[nodiscard]] bool cancel_asked() const {
@@ -99,6 +102,11 @@ class SessionRun {
     pace_.advance(transport_.now(), sent_s_);
     return pace_.at_s();
   }
+  /// The longest that the machine can still need for what was sent.
+  [[nodiscard]] double slowest_left_s() {
+    pace_.advance(transport_.now(), sent_s_);
+    return (sent_s_ - pace_.least_s()) / pace_.slow();
+  }
   [[nodiscard]] double left_s() { return (sent_s_ - model_s()) / pace_.rate(); }
 
   void report(SessionPhase phase);
@@ -120,7 +128,8 @@ class SessionRun {
   SessionEnd end_;
   SessionPhase phase_{SessionPhase::Connecting};
   std::uint64_t accepted_{}, ready_bytes_{}, good_bytes_{};
-  std::uint64_t in_doubt_{};  ///< bytes after `accepted_`, if the last write failed
+  std::vector<ByteRange> left_out_;  ///< bytes of the program that this machine does not get
+  std::uint64_t in_doubt_{};         ///< bytes after `accepted_`, if the last write failed
   DeviceStatus status_{DeviceStatus::Unknown};
   Pace pace_;
   Time next_poll_{};

@@ -32,7 +32,7 @@ Result<void> SessionRun::connect() {
         ErrorReason::PanelStop));
   status_ = **status;
   if (const Result<void> ready = wait_ready(0); !ready) return ready;
-  return check_identity();
+  return check_identity().and_then([&] { return check_blade(); });
 }
 
 Result<void> SessionRun::check_identity() {
@@ -63,6 +63,28 @@ Result<void> SessionRun::check_identity() {
         refused(fmt::format("the machine reports that it is a {}, not a {}; give its "
                             "name with --machine",
                             said->model, meant->model)));
+  return {};
+}
+
+/// Asks which blade is in the first holder, if the program sets the depth of an autoblade only
+/// where there is one. On another blade, the machine would tap it against the bed.
+Result<void> SessionRun::check_blade() {
+  if (!program_.ask_blade) return {};
+  const std::vector<ByteRange> commands = autoblade_commands(program_);
+  if (commands.empty()) return {};
+  const Result<std::optional<std::string>> reply = inquirer_.ask(kToolsQuery);
+  if (!reply && reply.error().kind != ErrorKind::Timeout) return tl::unexpected(reply.error());
+  const Result<std::vector<int>> tools =
+      reply && *reply ? parse_tools(**reply)
+                      : Result<std::vector<int>>(fail(ErrorKind::Timeout, "", ""));
+  if (tools && tools->front() == kAutobladeCode) return {};
+  left_out_ = commands;
+  end_.remarks.push_back(
+      tools ? fmt::format("the machine reports in its first holder: {}; popcut does not set the "
+                          "depth of a blade there",
+                          tool_name(tools->front()))
+            : "the machine did not say which blade it has; popcut does not set its depth. If it is "
+              "an autoblade, plan with --blade autoblade");
   return {};
 }
 
@@ -105,7 +127,7 @@ Result<void> SessionRun::check_limits() {
 Result<void> SessionRun::settings() {
   report(SessionPhase::Settings);
   for (const ByteRange& block : program_.setup)
-    if (const Result<void> sent = send(block, accepted_); !sent) return sent;
+    if (const Result<void> sent = send_program(block.end); !sent) return sent;
   if (const Result<void> ready = wait_ready(plan_.setup_s); !ready || !answers_) return ready;
   window_said_ = window_reply();
   return {};

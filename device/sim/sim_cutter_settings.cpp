@@ -298,7 +298,7 @@ std::string SimCutter::reply_to(std::string_view query) const {
     const MachinePoint at = bed_.to_machine(position_);
     return fmt::format("{:>6},{:>6},{:>6}\x03", number(at.a), number(at.b), tool_ * 10);
   }
-  if (query == "NAK" && machine_.variant == "cameo4") {
+  if (query == "NAK" && machine_.reports_tools()) {
     std::string codes;
     for (int holder = 0; holder < machine_.tool_holders; ++holder) {
       const auto at = static_cast<std::size_t>(holder);

@@ -219,6 +219,17 @@ void say_cricut(const Plan& plan) {
       layers);
 }
 
+// An autoblade whose depth nobody sets may not cut through.
+void say_blade(const PlanJob& job, const PlanArguments& arguments) {
+  const Machine& machine = job.plan.machine;
+  if (!machine.autoblade || machine.reports_tools() || arguments.options.contains("blade")) return;
+  fmt::print(
+      stderr,
+      "  blade    as it is set; for an autoblade add --blade autoblade, and the machine sets "
+      "it to {}\n",
+      job.plan.material.autoblade_depth);
+}
+
 void say(const PlanJob& job, const std::string& folder, const Formats& formats) {
   const Plan& plan = job.plan;
   fmt::print(
@@ -287,7 +298,10 @@ Result<void> run_plan(const Options& options, const Globals& globals) {
   if (auto done = folder->add("plan.json", json); !done) return done;
   if (auto done = folder->commit("popcut plan " POPCUT_VERSION); !done) return done;
   if (globals.json) fmt::print("{}", json);
-  if (!globals.quiet) say(*job, options.folder, *formats);
+  if (!globals.quiet) {
+    say(*job, options.folder, *formats);
+    if (formats->has("program", machine)) say_blade(*job, options.plan);
+  }
   return {};
 }
 

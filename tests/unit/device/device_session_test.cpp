@@ -465,4 +465,52 @@ TEST_CASE("a schedule covers every command of the geometry in order", "[device][
                       [&](const TimedCommand& c) { return c.end_byte == stroke.end; }));
 }
 
+TEST_CASE("a machine that says moving for ever after it parked has done the job",
+          "[device][session]") {
+  const Bench bench;
+  ScriptedTransport cable;
+  bool parks = false;
+  const std::string trailer(bench.program.bytes.substr(bench.program.trailer.begin));
+  cable.on_enquiry = [&]() -> std::optional<std::string> {
+    parks = parks || cable.program().find(trailer) != std::string::npos;
+    return parks ? "1\x03" : "0\x03";
+  };
+  const SessionEnd end = run_session(cable, bench.machine, bench.program);
+  CHECK_FALSE(end.error);
+  CHECK(parks);
+  CHECK(count(end, StrokeFate::Certain) == 40);
+  REQUIRE(end.remarks.size() == 1);
+  CHECK_THAT(end.remarks[0], Catch::Contains("still says that it moves"));
+}
+
+TEST_CASE("a machine that says moving for ever after its strokes is given up in minutes and parked",
+          "[device][session]") {
+  const Bench bench(400);
+  SimTransport sure(cutter(at_pace(bench.machine, 1)));
+  const double whole_s = run_session(sure, bench.machine, bench.program).seconds;
+  ScriptedTransport cable;
+  const ByteRange last = bench.program.strokes.back();
+  const std::string last_stroke = bench.program.bytes.substr(last.begin, last.end - last.begin);
+  cable.on_enquiry = [&]() -> std::optional<std::string> {
+    const std::string sent = cable.program();
+    return sent.size() > last_stroke.size() &&
+                   sent.compare(sent.size() - last_stroke.size(), sent.npos, last_stroke) == 0
+               ? "1\x03"
+               : "0\x03";
+  };
+  const SessionEnd end = run_session(cable, bench.machine, bench.program);
+  REQUIRE(end.error);
+  CHECK(kind(end) == ErrorKind::Timeout);
+  CHECK_THAT(end.error->detail, Catch::Contains("All was sent") && Catch::Contains("expected"));
+  CHECK_FALSE(end.confirmed);
+  CHECK(end.seconds < whole_s + 240);
+  const std::string sent = cable.program();
+  const std::string trailer(bench.program.bytes.substr(bench.program.trailer.begin));
+  REQUIRE(sent.size() > trailer.size());
+  CHECK(sent.substr(sent.size() - trailer.size()) == trailer);
+  CHECK(count(end, StrokeFate::NotSent) == 0);
+  CHECK(count(end, StrokeFate::InDoubt) > 0);
+  CHECK(count(end, StrokeFate::InDoubt) < 60);
+}
+
 }  // namespace device_session_test

@@ -116,6 +116,30 @@ TEST_CASE("without a mat the sheet names none", "[core][plan]") {
   CHECK(planned->sheets.at(0).mat.code == 0);
 }
 
+TEST_CASE("the depth of an autoblade is set where the machine reports it or a person says so",
+          "[core][plan]") {
+  const auto seconds = [](const char* name, BladeKind blade) {
+    PlanOptions options;
+    options.blade = blade;
+    const auto made = plan(card(), *find_machine(name), paper(), options);
+    REQUIRE(made);
+    return made->sheets[0].seconds;
+  };
+  // A reset, and 0.45 s for each step above the lowest: captures of a Cameo 3.
+  for (const char* name : {"cameo3", "cameo4"}) {
+    const double tapped = seconds(name, BladeKind::Autoblade);
+    CHECK(tapped - seconds(name, BladeKind::Ratchet) == Approx(8.7).margin(1));
+    CHECK(seconds(name, BladeKind::Auto) ==
+          (name == std::string("cameo4") ? tapped : seconds(name, BladeKind::Ratchet)));
+  }
+  PlanOptions wrong;
+  wrong.blade = BladeKind::Autoblade;
+  const auto refused = plan(card(), *find_machine("cameo2"), paper(), wrong);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().place == "/options/blade");
+  CHECK_THAT(refused.error().detail, Catch::Contains("Cameo 2 cannot hold an autoblade"));
+}
+
 TEST_CASE("pen lines stay under cuts", "[core][plan][clean]") {
   LineWork work;
   draw(work, Operation::Draw, {{0, 0}, {10, 0}});

@@ -107,6 +107,12 @@ TEST_CASE("the settings of a Cameo 3 are sent in the order and blocks of its own
     CHECK(setup_of(encoded(line, cameo3(), paper(), options)) ==
           start + "!5,1|FX10,1|FE1,1| FF9,0,1|FF9,9,1|FC0,1,1|FY0|FC18,1,1|TF1,1| ");
   }
+  SECTION("with track enhancing off, whatever the machine was left at") {
+    JobOptions options = on_mat(kMat);
+    options.track_enhancing = false;
+    CHECK(setup_of(encoded(line, cameo3(), paper(), options)) ==
+          start + "!5,1|FX10,1|FE0,1| FF1,0,1|FF1,1,1|FC0,1,1|FY1|FC18,1,1|TF1,1| ");
+  }
   SECTION("without a mat") {
     Machine machine = cameo3();
     machine.mats = {kMat};
