@@ -85,8 +85,8 @@ class GpglEncoder final : public StrokeEncoder {
     values_["top"] = units(options_.window_top_mm);
     values_["left"] = units(options_.window_left_mm);
     // The window must hold the page where the machine's margins put it.
-    if (page_length() > 0) values_["bottom"] = units(bottom);
-    if (page_width() > 0) values_["right"] = units(right);
+    if (page_length() > 0) values_["bottom"] = units(bottom / machine_.scale_feed);
+    if (page_width() > 0) values_["right"] = units(right / machine_.scale_carriage);
     if (machine_.tool_holders > 1) values_["park"] = 0;
     if (machine_.firmware_blade_offset) {
       values_["offset"] = units(material_.blade_offset_mm);

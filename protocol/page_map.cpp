@@ -29,7 +29,8 @@ Result<PageMap> page_map(const Machine& machine, double page_length_mm) {
                             "page in mm",
                             machine.name));
   return PageMap{.dialect = *dialect,
-                 .unit_mm = machine.unit_mm,
+                 .feed_unit_mm = machine.unit_mm * machine.scale_feed,
+                 .carriage_unit_mm = machine.unit_mm * machine.scale_carriage,
                  .margin_left_mm = machine.margin_left_mm,
                  .margin_top_mm = machine.margin_top_mm,
                  .feed_first = machine.axes == Axes::FeedCarriage,

@@ -11,7 +11,7 @@ namespace popcut {
 /// page's corner on the machine.
 struct PageMap {
   Dialect dialect{};
-  double unit_mm{0.05};
+  double feed_unit_mm{0.05}, carriage_unit_mm{0.05};  ///< what one unit moves along each
   double margin_left_mm{};
   double margin_top_mm{};
   bool feed_first{true};    ///< the first coordinate is the feed: GPGL, roll cutters
@@ -22,16 +22,16 @@ struct PageMap {
   /// fractions.
   [[nodiscard]] constexpr MachinePoint to_machine(PagePoint page) const {
     const double y = feed_up ? page_length_mm - page.y : page.y;
-    const double feed = (y + margin_top_mm) / unit_mm;
-    const double carriage = (page.x + margin_left_mm) / unit_mm;
+    const double feed = (y + margin_top_mm) / feed_unit_mm;
+    const double carriage = (page.x + margin_left_mm) / carriage_unit_mm;
     return feed_first ? MachinePoint{feed, carriage} : MachinePoint{carriage, feed};
   }
 
   [[nodiscard]] constexpr PagePoint to_page(MachinePoint point) const {
     const double feed = feed_first ? point.a : point.b;
     const double carriage = feed_first ? point.b : point.a;
-    const double y = feed * unit_mm - margin_top_mm;
-    return {carriage * unit_mm - margin_left_mm, feed_up ? page_length_mm - y : y};
+    const double y = feed * feed_unit_mm - margin_top_mm;
+    return {carriage * carriage_unit_mm - margin_left_mm, feed_up ? page_length_mm - y : y};
   }
 };
 

@@ -13,6 +13,7 @@ set(walls
   "core/pattern : core/(curvature|deploy|design|drawing|figures|formats|layout|machines|plan|verify)/ : a pattern is a value"
   "core/drawing : core/(curvature|deploy|design|figures|formats|layout|machines|plan|verify)/ : lines come before what is done with them"
   "core/machines : core/(curvature|deploy|design|figures|formats|layout|plan|verify)/ : a machine is a row of a table"
+  "core/calibrate : core/(curvature|deploy|design|figures|formats|layout|pattern|plan|verify)/ : it measures a machine"
   "core/curvature : core/(deploy|design|drawing|figures|layout|machines|plan|verify)/ : it computes for design"
   "core/design : core/(deploy|figures|formats|layout|machines|plan|verify)/ : a design knows no file and no machine"
   "core/plot : core/(curvature|deploy|design|drawing|figures|formats|layout|machines|pattern|plan|verify)/ : it draws plain numbers"

@@ -63,6 +63,10 @@ void read_place(FieldReader& fields, Machine& machine) {
   const std::vector<std::string> axes{"feed-carriage", "carriage-feed"};
   machine.axes = static_cast<Axes>(fields.word("axes", 0, axes));
   machine.mirrored = fields.boolean("mirrored", false);
+  fields.optional_object("scale", [&](FieldReader& inner) {
+    machine.scale_carriage = inner.number("carriage", 1.0, 0.8, 1.25);
+    machine.scale_feed = inner.number("feed", 1.0, 0.8, 1.25);
+  });
   const bool gpgl = machine.language == "gpgl";
   if (gpgl && machine.axes != Axes::FeedCarriage)
     fields.refuse("axes", ErrorKind::OutOfRange,
@@ -76,14 +80,6 @@ void read_place(FieldReader& fields, Machine& machine) {
                   "use \"axes\": \"carriage-feed\"");
 }
 
-// Whether the words of a variant (see kHpglWords) let coordinates be negative; GPGL always does.
-bool takes_negative(const Machine& machine) {
-  const auto has = [&](const char* word) {
-    return machine.variant.find(word) != std::string::npos;
-  };
-  return machine.language == "gpgl" || has("negative") || has("camm");
-}
-
 // What lies outside of the machine's window could never be cut.
 void check_window(FieldReader& fields, const Machine& machine) {
   for (const Mat& mat : machine.mats)
@@ -94,7 +90,7 @@ void check_window(FieldReader& fields, const Machine& machine) {
                       "mm; correct the mat, or width_mm and length_mm",
                       mat.name, mat.width_mm, mat.length_mm, machine.width_mm, machine.length_mm));
   const auto check_margin = [&](const char* name, double margin_mm) {
-    if (margin_mm < 0 && !takes_negative(machine))
+    if (margin_mm < 0 && !machine.takes_negative())
       fields.refuse(name, ErrorKind::OutOfRange,
                     fmt::format("is {:g}, but variant {} takes no negative coordinates; use 0 or "
                                 "more, or add +negative to the variant",
@@ -139,6 +135,18 @@ void read_driving(FieldReader& fields, Machine& machine) {
   machine.usb_vendor = static_cast<std::uint16_t>(fields.integer("usb_vendor", 0, 0, 0xFFFF));
   machine.usb_product = static_cast<std::uint16_t>(fields.integer("usb_product", 0, 0, 0xFFFF));
   machine.identity = fields.text("identity", "");
+  fields.optional_objects(
+      "forces",
+      [&](FieldReader& inner) {
+        MaterialForce force;
+        force.material = inner.text("material", {});
+        force.cut_gf = inner.number("cut_gf", {}, 0.0, 10'000.0, true);
+        if (const auto depth = inner.optional_integer("depth", 0, 10))
+          force.depth = static_cast<int>(*depth);
+        machine.forces.push_back(std::move(force));
+      },
+      1000);
+  machine.calibrated = fields.text("calibrated", "");
   machine.answers_limits = fields.boolean("answers_limits", false);
   if (machine.answers_limits && machine.language != "hpgl")
     fields.refuse("answers_limits", ErrorKind::OutOfRange,
@@ -273,6 +281,30 @@ Result<Machine> find_driven_machine(std::string_view name,
   auto machine = find_machine(name, user_tables);
   if (machine && !machine->driven()) return tl::unexpected(not_driven(*machine));
   return machine;
+}
+
+// The words of a variant (see kHpglWords) say it; in GPGL they always may.
+bool Machine::takes_negative() const {
+  const auto has = [&](const char* word) { return variant.find(word) != std::string::npos; };
+  return language == "gpgl" || has("negative") || has("camm");
+}
+
+Material on_machine(Material material, const Machine& machine) {
+  const auto found =
+      std::find_if(machine.forces.rbegin(), machine.forces.rend(),
+                   [&](const MaterialForce& force) { return force.material == material.name; });
+  if (found == machine.forces.rend()) return material;
+  const double ratio = material.cut.force_gf > 0 ? found->cut_gf / material.cut.force_gf : 1;
+  const auto change = [&](ToolSettings& tool) {
+    if (tool.tip != ToolTip::Blade) return;
+    tool.force_gf *= ratio;
+    tool.force_step_gf *= ratio;
+  };
+  for (ToolSettings* tool : {&material.cut, &material.fold, &material.draw}) change(*tool);
+  if (material.score) change(*material.score);
+  if (material.light) change(*material.light);
+  if (found->depth) material.autoblade_depth = *found->depth;
+  return material;
 }
 
 double host_blade_offset_mm(const Machine& machine, const Material& material) {

@@ -46,6 +46,13 @@ enum class Axes : std::uint8_t {
 /// "feed-carriage", "carriage-feed"
 [[nodiscard]] const char* axes_name(Axes axes);
 
+/// What a person found for a material on one machine (`popcut calibrate`).
+struct MaterialForce {
+  std::string material;        ///< its name
+  double cut_gf{};             ///< that its blade needs to cut through
+  std::optional<int> depth{};  ///< of the autoblade
+};
+
 /// How folds are made: a row of cuts, a line pressed with a stylus, or a line cut half through.
 enum class FoldMode : std::uint8_t { Perforate, Score, Light };
 
@@ -82,6 +89,10 @@ struct Machine {
   /// The machine's coordinates are left-handed, seen from above; those of nearly all are
   /// right-handed.
   bool mirrored{false};
+  /// What one mm that is sent comes out as, mm: 1 but for what `popcut calibrate` measured.
+  double scale_carriage{1}, scale_feed{1};
+  std::vector<MaterialForce> forces{};  ///< of the materials that were tried on it
+  std::string calibrated{};             ///< the day of `popcut calibrate`; empty: never
   bool answers_limits{false};           ///< HPGL: it answers OH with the limits of its coordinates
   FoldMode folds{FoldMode::Perforate};  ///< how it folds; only where popcut does not drive it
 
@@ -89,6 +100,8 @@ struct Machine {
   /// right and down. So with right-handed coordinates, the feed grows downward exactly if it comes
   /// first; the other way round, the sheet would be a mirror image.
   [[nodiscard]] bool feed_up() const { return (axes == Axes::CarriageFeed) != mirrored; }
+  /// Whether its coordinates may be negative.
+  [[nodiscard]] bool takes_negative() const;
   /// Whether it reports which tool each holder has (ESC NAK).
   [[nodiscard]] bool reports_tools() const { return variant == "cameo4"; }
   /// Whether popcut writes programs for it and can move it.
@@ -148,6 +161,10 @@ struct Material {
   int autoblade_depth{};          ///< 0..10, for machines with an autoblade
   TabShape tabs;                  ///< glue tabs between the pieces of a split drawing
 };
+
+/// A material as this machine cuts it: with the force and depth that were found on it. The other
+/// forces of blades change in proportion, those of pens and styluses do not.
+[[nodiscard]] Material on_machine(Material material, const Machine& machine);
 
 /// The blade offset in mm that popcut must compensate; 0 where the firmware does it.
 [[nodiscard]] double host_blade_offset_mm(const Machine& machine, const Material& material);

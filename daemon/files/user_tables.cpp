@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/files/user_tables.hpp"
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 
 #include <fmt/format.h>
 
+#include "daemon/files/held_folder.hpp"
 #include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::uintmax_t kTableLimitBytes = 4u << 20;
 
 std::vector<fs::path> folders() {
   std::vector<fs::path> found{"/etc/popcut"};
@@ -22,6 +29,17 @@ std::vector<fs::path> folders() {
   else if (home != nullptr && *home == '/')
     found.push_back(fs::path(home) / ".config" / "popcut");
   return found;
+}
+
+Result<void> write_all(int file, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t wrote = ::write(file, text.data(), text.size());
+    if (wrote < 0 && errno == EINTR) continue;
+    if (wrote < 0) return fail(ErrorKind::Unwritable, "", std::strerror(errno));
+    text.remove_prefix(static_cast<std::size_t>(wrote));
+  }
+  if (::fsync(file) != 0) return fail(ErrorKind::Unwritable, "", std::strerror(errno));
+  return {};
 }
 
 }  // namespace
@@ -42,7 +60,6 @@ Error UserTables::with_file(Error error, const char* option) const {
 }
 
 Result<UserTables> read_user_tables() {
-  constexpr std::uintmax_t kTableLimitBytes = 4u << 20;
   UserTables tables;
   for (const fs::path& folder : folders())
     for (const char* name : {"machines.json", "materials.json", "svg_profiles.json"}) {
@@ -55,6 +72,44 @@ Result<UserTables> read_user_tables() {
       tables.files.push_back(file.string());
     }
   return tables;
+}
+
+Result<OwnTable> own_machines() {
+  const std::vector<fs::path> found = folders();
+  if (found.size() < 2)
+    return fail(ErrorKind::Unwritable, "$HOME", "is not set, so there is no place for your table");
+  const fs::path file = found.back() / "machines.json";
+  std::error_code ignored;
+  OwnTable table{file.string(), ""};
+  if (!fs::exists(file, ignored)) return table;
+  auto text = read_file(file, kTableLimitBytes);
+  if (!text) return tl::unexpected(text.error());
+  table.text = std::move(*text);
+  return table;
+}
+
+Result<void> write_own_machines(const std::string& text) {
+  const auto table = own_machines();
+  if (!table) return tl::unexpected(table.error());
+  std::error_code error;
+  fs::create_directories(fs::path(table->file).parent_path(), error);
+  // Who keeps the table elsewhere and links to it here keeps that link.
+  const fs::path real = fs::weakly_canonical(table->file, error);
+  const auto failed = [&](const std::string& why) {
+    return fail(ErrorKind::Unwritable, table->file, "cannot be written: " + why);
+  };
+  std::string name;
+  const auto folder = HeldFolder::around(real.string(), name);
+  if (!folder) return tl::unexpected(folder.error());
+  const std::string aside = "." + name + ".new";
+  const int file = folder->create_again(aside);
+  if (file < 0) return failed(std::strerror(errno));
+  const Result<void> written = write_all(file, text);
+  ::close(file);
+  if (written && folder->rename(aside, name) == 0 && folder->sync()) return {};
+  const std::string why = written ? std::strerror(errno) : written.error().detail;
+  folder->remove(aside);
+  return failed(why);
 }
 
 Result<std::vector<SimFault>> read_faults(const std::string& file) {

@@ -28,6 +28,18 @@ struct UserTables {
 /// @retval Malformed  one is there and cannot be read
 [[nodiscard]] Result<UserTables> read_user_tables();
 
+/// The user's own table of machines: where it is, and its text; empty if there is none.
+///
+/// @retval Unwritable  there is no home to keep it in
+struct OwnTable {
+  std::string file, text;
+};
+[[nodiscard]] Result<OwnTable> own_machines();
+/// Writes it, whole or not at all.
+///
+/// @retval Unwritable  the file or its folder
+[[nodiscard]] Result<void> write_own_machines(const std::string& text);
+
 /// Reads a fault script, which without a file has no faults; its errors name the file.
 [[nodiscard]] Result<std::vector<SimFault>> read_faults(const std::string& file);
 

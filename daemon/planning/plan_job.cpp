@@ -180,8 +180,9 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
   tell(options.progress, "reading the input");
   auto input = read(*reading);
   if (!input) return tl::unexpected(input.error());
-  const auto material = choose_material(options, *input, tables, input_name);
+  auto material = choose_material(options, *input, tables, input_name);
   if (!material) return tl::unexpected(material.error());
+  *material = on_machine(std::move(*material), *machine);
 
   if (!input->seams_x.empty() && options.no_split)
     return named(

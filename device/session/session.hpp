@@ -69,6 +69,8 @@ struct SessionOptions {
   std::function<void()> ask{};
   /// Called about every `poll_s`, and when the phase changes.
   std::function<void(const SessionProgress&)> progress;
+  /// A run whose time counts: no waits for the machine on the way. For short ones.
+  bool timed{false};
   /// Skips all earlier strokes: after the setup and the settings they changed, the tool moves, up,
   /// to the start of this one. Strokes keep their numbers in the whole program.
   std::size_t first_stroke{0};
@@ -94,6 +96,9 @@ struct SessionEnd {
   std::optional<std::size_t> likely_stroke;
   std::vector<std::string> remarks;
   double seconds{};  ///< on the transport's clock
+  /// How long settings, strokes and the way back took until the machine was at rest, as near as its
+  /// replies tell; 0 for what was not reached.
+  double setup_s{}, geometry_s{}, trailer_s{};
 };
 
 /// Sends a program to a cutter: asks for identity and status, sends the settings and waits until

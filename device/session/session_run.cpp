@@ -100,11 +100,19 @@ Result<void> SessionRun::phases() {
   Result<Schedule> plan = schedule(program_, machine_, journal_.first_lines());
   if (!plan) return tl::unexpected(plan.error());
   plan_ = std::move(*plan);
-  return connect()
-      .and_then([&] { return settings(); })
-      .and_then([&] { return search(); })
-      .and_then([&] { return geometry(); })
-      .and_then([&] { return park(); });
+  Time from{};
+  const auto timed = [&](double& seconds, Result<void> done) {
+    const Time to = answers_ && rested_at_ > from ? rested_at_ : transport_.now();
+    if (done) seconds = to_seconds(to - from);
+    from = transport_.now();
+    return done;
+  };
+  double unused = 0;
+  return timed(unused, connect())
+      .and_then([&] { return timed(end_.setup_s, settings()); })
+      .and_then([&] { return timed(unused, search()); })
+      .and_then([&] { return timed(end_.geometry_s, geometry()); })
+      .and_then([&] { return timed(end_.trailer_s, park()); });
 }
 
 std::uint64_t SessionRun::affordable() {
@@ -140,7 +148,8 @@ Result<void> SessionRun::geometry() {
       if (const Result<void> held = hold(); !held) return held;
       hold_at = nowhere;
     }
-    if (sync_at == nowhere && pace_.sync_due()) sync_at = journal_.stop_after(accepted_);
+    if (sync_at == nowhere && !options_.timed && pace_.sync_due())
+      sync_at = journal_.stop_after(accepted_);
     if (accepted_ == sync_at) {
       if (const Result<void> synced = synchronise(); !synced) return synced;
       sync_at = nowhere;
@@ -315,6 +324,9 @@ void SessionRun::note_ready(std::uint64_t bytes, Time asked_at) {
   // It may have waited for more since before the last query that it answered "moving".
   const Time earliest = std::min(busy_at_, asked_at);
   const bool waited = to_seconds(asked_at - earliest) > 0.3;
+  // It last moved within a poll of now, or nobody saw it move.
+  rested_at_ =
+      to_seconds(asked_at - earliest) < 2 * options_.poll_s ? (earliest + asked_at) / 2 : asked_at;
   pace_.rest(asked_at, earliest, sent_s_, waited);
 }
 

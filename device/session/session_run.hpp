@@ -133,6 +133,7 @@ class SessionRun {
   DeviceStatus status_{DeviceStatus::Unknown};
   Pace pace_;
   Time next_poll_{};
+  Time rested_at_{};                ///< when it came to rest, between two replies
   Time busy_at_{};                  ///< when it last said that it moves
   std::optional<Time> mute_since_;  ///< since when it accepts no bytes
   std::size_t next_command_{};      ///< first of `plan_.geometry` that was not sent

@@ -67,7 +67,8 @@ const BedFacts* find_bed(std::string_view machine) {
 }  // namespace
 
 Bed::Bed(const Machine& machine, double page_length_mm)
-    : step_mm_(machine.unit_mm),
+    : feed_step_mm_(machine.unit_mm * machine.scale_feed),
+      carriage_step_mm_(machine.unit_mm * machine.scale_carriage),
       feed_first_(machine.axes == Axes::FeedCarriage),
       feed_up_(machine.feed_up()),
       carriage_mm_(machine.width_mm),
@@ -77,7 +78,7 @@ Bed::Bed(const Machine& machine, double page_length_mm)
       page_length_mm_(page_length_mm) {
   const BedFacts* own = machine.built_in ? find_bed(machine.name) : nullptr;
   if (own == nullptr) return;
-  step_mm_ = own->step_mm;
+  feed_step_mm_ = carriage_step_mm_ = own->step_mm;
   feed_first_ = own->first == 'f';
   feed_up_ = !feed_first_;  // else the sheet would come out as its mirror image
   carriage_mm_ = own->carriage_mm;
@@ -85,16 +86,16 @@ Bed::Bed(const Machine& machine, double page_length_mm)
 }
 
 PagePoint Bed::to_page(MachinePoint point) const {
-  const double along = (feed_first_ ? point.a : point.b) * step_mm_ - top_mm_;
-  const double across = (feed_first_ ? point.b : point.a) * step_mm_ - left_mm_;
+  const double along = (feed_first_ ? point.a : point.b) * feed_step_mm_ - top_mm_;
+  const double across = (feed_first_ ? point.b : point.a) * carriage_step_mm_ - left_mm_;
   return {across, feed_up_ ? page_length_mm_ - along : along};
 }
 
 MachinePoint Bed::to_machine(PagePoint place) const {
   const double along = (feed_up_ ? page_length_mm_ - place.y : place.y) + top_mm_;
   const double across = place.x + left_mm_;
-  return feed_first_ ? MachinePoint{along / step_mm_, across / step_mm_}
-                     : MachinePoint{across / step_mm_, along / step_mm_};
+  const double feed = along / feed_step_mm_, carriage = across / carriage_step_mm_;
+  return feed_first_ ? MachinePoint{feed, carriage} : MachinePoint{carriage, feed};
 }
 
 Window Bed::reach() const {

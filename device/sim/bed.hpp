@@ -30,7 +30,7 @@ class Bed {
   [[nodiscard]] double feed_mm() const { return feed_mm_; }
 
  private:
-  double step_mm_;
+  double feed_step_mm_, carriage_step_mm_;
   bool feed_first_;
   bool feed_up_;
   double carriage_mm_, feed_mm_;  ///< reach

@@ -2,8 +2,6 @@
 #include <unistd.h>
 
 #include <array>
-#include <atomic>
-#include <csignal>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -20,6 +18,7 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/cut_device.hpp"
 #include "daemon/cli/commands/cut_queue.hpp"
+#include "daemon/cli/commands/stop_signals.hpp"
 #include "daemon/cli/input/expectation.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/options/plan_arguments.hpp"
@@ -41,35 +40,6 @@ struct Options {
   int copies{1}, priority{0};
   std::string name;
   bool wait{false};
-};
-
-// Ctrl-C, SIGTERM and a closed terminal ask the session to stop at the end of a stroke, with the
-// tool up. A second one does not wait for the end of the stroke.
-std::atomic<bool> stop_asked{false}, give_up_asked{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler");
-extern "C" void ask_to_stop(int) {
-  if (stop_asked.exchange(true)) give_up_asked = true;
-}
-
-class InterruptGuard {
- public:
-  InterruptGuard() {
-    stop_asked = give_up_asked = false;
-    for (std::size_t k = 0; k < kStops.size(); ++k)
-      before_[k] = std::signal(kStops[k], ask_to_stop);
-    pipe_before_ = std::signal(SIGPIPE, SIG_IGN);  // who reads the progress must not end the cut
-  }
-  ~InterruptGuard() {
-    for (std::size_t k = 0; k < kStops.size(); ++k) std::signal(kStops[k], before_[k]);
-    std::signal(SIGPIPE, pipe_before_);
-  }
-  InterruptGuard(const InterruptGuard&) = delete;
-  InterruptGuard& operator=(const InterruptGuard&) = delete;
-
- private:
-  static constexpr std::array kStops{SIGINT, SIGTERM, SIGHUP};
-  std::array<void (*)(int), kStops.size()> before_{};
-  void (*pipe_before_)(int);
 };
 
 // 1. May it be cut?
@@ -119,8 +89,8 @@ Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const CutTarge
   const double whole = planned.seconds;
   PauseKey pause;
   SessionOptions options;
-  options.cancel = &stop_asked;
-  options.give_up = &give_up_asked;
+  options.cancel = &StopSignals::stop_asked;
+  options.give_up = &StopSignals::give_up_asked;
   options.pause = &pause.asked();
   options.progress = [&](const SessionProgress& p) {
     pause.look();
@@ -133,12 +103,12 @@ Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const CutTarge
     try {
       bar.show(what, 1 - p.seconds_left / std::max(whole, 1.0), p.seconds_left);
     } catch (const std::system_error&) {  // nobody looks: the terminal is gone
-      stop_asked = true;
+      StopSignals::stop_asked = true;
     }
   };
   if (pause.works()) options.ask = [&] { pause.press(); };
   CutSheet cut;
-  const InterruptGuard guard;  // at the question, Ctrl-C ends popcut as usual
+  const StopSignals guard;  // at the question, Ctrl-C ends popcut as usual
   const bool at_terminal = isatty(STDERR_FILENO) == 1;
   cut.end = run_session(cable->transport(), target.machine, job.programs[sheet], options);
   // A terminal that is gone must not keep the files from being written.

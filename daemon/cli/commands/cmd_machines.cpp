@@ -51,7 +51,9 @@ Json machine_json(const Machine& machine) {
   row["mirrored"] = machine.mirrored;
   row["margin_left_mm"] = machine.margin_left_mm;
   row["margin_top_mm"] = machine.margin_top_mm;
+  row["scale"] = {{"carriage", machine.scale_carriage}, {"feed", machine.scale_feed}};
   row["motion"] = motion_json(machine.motion);
+  row["calibrated"] = machine.calibrated.empty() ? Json() : Json(machine.calibrated);
   return row;
 }
 
@@ -90,6 +92,10 @@ Result<void> show_machine(const std::string& name, const Globals& globals) {
                              m.mirrored ? "; mirrored" : ""));
     line("margins",
          fmt::format("{:g} mm at the left, {:g} mm at the top", m.margin_left_mm, m.margin_top_mm));
+    if (m.scale_carriage != 1 || m.scale_feed != 1)
+      line("scale", fmt::format("100 mm come out as {:.2f} mm along the carriage and {:.2f} mm "
+                                "along the feed; popcut corrects that",
+                                100 * m.scale_carriage, 100 * m.scale_feed));
     line("force", steps_words(m.force_gf, "gf"));
     line("speed", steps_words(m.speed_mm_s, "mm/s"));
     line("tools", fmt::format("{} holder{}{}", m.tool_holders, m.tool_holders == 1 ? "" : "s",
@@ -99,6 +105,11 @@ Result<void> show_machine(const std::string& name, const Globals& globals) {
                      m.motion.accel_mm_s2, m.motion.travel_mm_s, 100 * m.motion.spread));
     line("usb", usb_id(m) == "-" ? "not known" : usb_id(m));
   }
+  for (const MaterialForce& force : m.forces)
+    line("cuts", fmt::format("{} with {:g} gf{}", force.material, force.cut_gf,
+                             force.depth ? fmt::format(", blade depth {}", *force.depth) : ""));
+  line("tested", m.calibrated.empty() ? m.driven() ? "not calibrated; see 'popcut calibrate'" : ""
+                                      : "calibrated on " + m.calibrated);
   line("source", m.source.empty() ? "not known" : m.source);
   return {};
 }
@@ -117,8 +128,9 @@ Result<void> list_machines(const Globals& globals) {
   for (const Machine& m : *machines) {
     std::string mats;
     for (const Mat& mat : m.mats) mats += " " + mat.name;
-    fmt::print("{:<18} {:<40} {:<5} {:>6.1f} x {:<7.0f} mm  {:<9}{}\n", m.name, m.title, m.language,
-               m.width_mm, m.length_mm, usb_id(m), mats);
+    fmt::print("{:<18} {:<40} {:<5} {:>6.1f} x {:<7.0f} mm  {:<9}{}{}\n", m.name, m.title,
+               m.language, m.width_mm, m.length_mm, usb_id(m), mats,
+               m.calibrated.empty() ? "" : "  calibrated " + m.calibrated);
   }
   return {};
 }
