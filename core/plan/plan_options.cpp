@@ -224,6 +224,9 @@ std::vector<PlanOption> make_table() {
            "How long best searches: 2 tries twice as many changes and stops after 2 minutes"),
       number("seed", MEMBER(order.seed), "N", {0, kMostSeed},
            "Random seed of best; the same seed gives the same order"),
+      text("pen", MEMBER(pens), "TEXT",
+           "Settings for this job in place of the material's, such as \"cut: force=90 passes=2; fold: "
+           "speed=20\": force (gf), speed (mm/s), passes, step (gf more on each further pass), tool"),
       word("blade", MEMBER(blade), {"auto", "autoblade", "ratchet"},
            "Which blade is in the machine: autoblade (the machine sets its depth), ratchet (you set "
            "it), or auto (the one that the machine reports; the depth stays as it is if it reports "

@@ -49,6 +49,7 @@ struct PlanOptions {
   bool mirror{false};                ///< cut the sheet as seen from behind
   std::string dialect{};             ///< "gpgl" or "hpgl"; empty: the machine's
   OrderOptions order{};              ///< its `cost` is the machine's
+  std::string pens{};                ///< settings in place of the material's, see `with_pens`
   BladeKind blade{BladeKind::Auto};  ///< of a machine that can hold an autoblade
   bool track_enhancing{false};       ///< the sheet is rolled in and out before the cut
   bool mat_free{false};              ///< without a mat: sets bands and corners of `order`

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/plan/drawing_transform.hpp"
+#include "core/plan/pens.hpp"
 
 namespace popcut::planning {
 namespace {
@@ -182,7 +183,8 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
   if (!input) return tl::unexpected(input.error());
   auto material = choose_material(options, *input, tables, input_name);
   if (!material) return tl::unexpected(material.error());
-  *material = on_machine(std::move(*material), *machine);
+  material = with_pens(on_machine(std::move(*material), *machine), options.pens);
+  if (!material) return tl::unexpected(material.error());
 
   if (!input->seams_x.empty() && options.no_split)
     return named(

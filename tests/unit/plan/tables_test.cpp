@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/machines/machine.hpp"
+#include "core/plan/pens.hpp"
 #include "core/text/near_names.hpp"
 #include "core/text/words.hpp"
 
@@ -162,6 +163,53 @@ TEST_CASE("a user's HPGL machine names its habits as words joined by plus signs"
   REQUIRE(machines);
   CHECK(std::count_if(machines->begin(), machines->end(),
                       [](const Machine& m) { return m.language == "hpgl"; }) >= 6);
+}
+
+TEST_CASE("a job's own settings replace the material's and wrong ones are named", "[core][plan]") {
+  const Material paper = *find_material("paper-220");
+  const auto changed = with_pens(paper, " cut: force=90 passes=2 step=7 ;fold: speed=20 tool=2;");
+  REQUIRE(changed);
+  CHECK(changed->cut.force_gf == 90);
+  CHECK(changed->cut.passes == 2);
+  CHECK(changed->cut.force_step_gf == 7);
+  CHECK(changed->cut.speed_mm_s == paper.cut.speed_mm_s);
+  CHECK(changed->fold.speed_mm_s == 20);
+  CHECK(changed->fold.tool == 2);
+  CHECK(changed->draw.force_gf == paper.draw.force_gf);
+  CHECK(with_pens(paper, "")->cut.force_gf == paper.cut.force_gf);
+  const auto error = [&](std::string_view pens) {
+    const auto made = with_pens(paper, pens);
+    return made ? std::string("accepted") : message(made.error());
+  };
+  CHECK_THAT(error("red: force=90"), Catch::Contains("/options/pen") && Catch::Contains("\"red\""));
+  CHECK_THAT(error("cut force=90"), Catch::Contains("colon"));
+  CHECK_THAT(error("cut: forse=90"), Catch::Contains("did you mean force"));
+  CHECK_THAT(error("cut: force"), Catch::Contains("no setting of cut"));
+  CHECK_THAT(error("cut: force=much"), Catch::Contains("\"much\"; give a number from 0 to 10000"));
+  CHECK_THAT(error("cut: force=-1"), Catch::Contains("from 0 to 10000"));
+  CHECK_THAT(error("cut: passes=1.5"), Catch::Contains("whole number from 1 to 20"));
+  CHECK_THAT(error("cut: force=9; cut: force=8"), Catch::Contains("twice"));
+  CHECK_THAT(error("cut: force=nan"), Catch::Contains("\"nan\""));
+  Material plain = paper;
+  plain.light.reset();
+  CHECK_FALSE(with_pens(plain, "light: force=9"));
+}
+
+TEST_CASE("what was found for a material on a machine is used there", "[core][machines]") {
+  const Machine tried = *find_machine("cameo3", {R"({"popcut": 1, "machines": [{"name": "cameo3",
+      "like": "cameo3", "forces": [{"material": "paper-220", "cut_gf": 100, "depth": 7}]}]})"});
+  const Material paper = *find_material("paper-220");
+  const Material here = on_machine(paper, tried);
+  CHECK(here.cut.force_gf == Approx(100));
+  CHECK(here.fold.force_gf == Approx(100 * paper.fold.force_gf / paper.cut.force_gf));
+  CHECK(here.draw.force_gf == paper.draw.force_gf);  // a pen
+  CHECK(here.autoblade_depth == 7);
+  CHECK(on_machine(*find_material("card-300"), tried).cut.force_gf ==
+        find_material("card-300")->cut.force_gf);
+  const auto wrong = find_machine("c", {R"({"popcut": 1, "machines": [{"name": "c",
+      "like": "cameo3", "forces": [{"material": "paper-220", "cut_gf": 0}]}]})"});
+  REQUIRE_FALSE(wrong);
+  CHECK_THAT(message(wrong.error()), Catch::Contains("/machines/0/forces/0/cut_gf"));
 }
 
 }  // namespace tables_test
