@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
+
+#include <fmt/format.h>
 
 namespace popcut {
 namespace {
@@ -52,6 +55,51 @@ LineWork transformed(LineWork drawing, const Placement& map) {
     else if (line.operation == Operation::FoldValley)
       line.operation = Operation::FoldMountain;
   }
+  return out;
+}
+
+Result<std::vector<PagePoint>> copies_at(const LineWork& drawing, int count,
+                                         std::array<double, 2> reach_mm, double gap_mm) {
+  if (count <= 1) return std::vector<PagePoint>{};
+  const Box box = bounds(drawing);
+  const double across = box.width() + gap_mm, along = box.height() + gap_mm;
+  constexpr double kSlackMm = 1e-6;
+  const auto fit = [&](double room, double cell) {
+    return static_cast<int>(std::clamp((room + gap_mm + kSlackMm) / cell, 0.0, 100'000.0));
+  };
+  const int in_row = fit(reach_mm[0], across), rows = fit(reach_mm[1], along);
+  const std::int64_t most = std::int64_t{in_row} * rows;
+  const std::int64_t turned = std::int64_t{fit(reach_mm[0], along)} * fit(reach_mm[1], across);
+  const std::string more =
+      turned > most ? fmt::format(" (or {} if you `rotate` it by 90)", turned) : "";
+  if (count > most)
+    return fail(ErrorKind::Infeasible, "/options/per-sheet",
+                fmt::format("is {}, but of {:.1f} x {:.1f} mm with {:g} mm between them {} fit on "
+                            "{:g} x {:g} mm; {}",
+                            count, box.width(), box.height(), gap_mm,
+                            most == 0 ? "none" : std::to_string(most), reach_mm[0], reach_mm[1],
+                            most > 1 ? fmt::format("use at most {}{}", most, more)
+                                     : fmt::format("leave it out, or use `scale`{}", more)));
+  std::vector<PagePoint> places;
+  places.reserve(static_cast<std::size_t>(count));
+  for (int k = 0; k < count; ++k) places.push_back({across * (k % in_row), along * (k / in_row)});
+  return places;
+}
+
+LineWork copied(LineWork drawing, std::span<const PagePoint> places) {
+  if (places.empty()) return drawing;
+  LineWork out = drawing.without_lines();
+  out.has_page = false;
+  out.points.reserve(drawing.points.size() * places.size());
+  out.lines.reserve(drawing.lines.size() * places.size());
+  std::vector<PagePoint> moved;
+  for (const PagePoint& place : places)
+    for (const DrawnLine& line : drawing.lines) {
+      moved.clear();
+      for (const PagePoint& p : drawing.points_of(line))
+        moved.push_back({p.x + place.x, p.y + place.y});
+      out.append(line.operation, moved);
+    }
   return out;
 }
 

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+#include <span>
+#include <vector>
+
 #include "core/drawing/linework.hpp"
 #include "core/layout/sheet.hpp"
 #include "core/plan/plan_options.hpp"
@@ -19,6 +23,18 @@ namespace popcut {
 /// mountain and valley folds are exchanged: what is folded from it is the same piece. The drawing's
 /// place on its page no longer counts.
 [[nodiscard]] LineWork transformed(LineWork drawing, const Placement& map);
+
+/// Where `count` copies of a drawing lie beside each other on `reach_mm` (across and along): rows
+/// of equal cells with `gap_mm` between them, as many in a row as fit. The first is at 0, 0.
+///
+/// @retval Infeasible  not so many fit; the detail says how many do
+[[nodiscard]] Result<std::vector<PagePoint>> copies_at(const LineWork& drawing, int count,
+                                                       std::array<double, 2> reach_mm,
+                                                       double gap_mm);
+
+/// The drawing once at each of these places; its place on its page no longer counts. The drawing
+/// itself if there are none.
+[[nodiscard]] LineWork copied(LineWork drawing, std::span<const PagePoint> places);
 
 /// How far curves may lie from the lines that replace them when a drawing is read, mm of the
 /// drawing: on the sheet, after `scale`, this is `curve_tolerance_mm`. The scale that `width` makes

@@ -396,6 +396,22 @@ Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& mate
     return tl::unexpected(amount.error());
   auto mat = choose_mat(machine, options.mat);
   if (!mat) return tl::unexpected(mat.error());
+  constexpr double kBetweenCopiesMm = 3;
+  std::array<double, 2> room = reach_mm(machine, *mat);
+  if (options.place.at) room = {room[0] - options.place.at->x, room[1] - options.place.at->y};
+  const auto copies =
+      copies_at(drawing, static_cast<int>(options.per_sheet), room, kBetweenCopiesMm);
+  if (!copies) return tl::unexpected(copies.error());
+  if (!copies->empty()) {
+    if (drawing.points.size() > kMaxDrawnPoints / copies->size())
+      return fail(ErrorKind::OutOfRange, "/options/per-sheet",
+                  fmt::format("makes {} points of a drawing with {}; a plan has at most {}",
+                              copies->size() * drawing.points.size(), drawing.points.size(),
+                              kMaxDrawnPoints));
+    drawing = copied(std::move(drawing), *copies);
+    if (auto amount = check_amount(drawing, material.dashes); !amount)
+      return tl::unexpected(amount.error());
+  }
   if (options.blade == BladeKind::Autoblade && !machine.autoblade)
     return fail(ErrorKind::OutOfRange, "/options/blade",
                 fmt::format("{} cannot hold an autoblade; leave `blade` out", machine.title));
@@ -408,7 +424,7 @@ Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& mate
     if (once.score) once.score->passes = 1;
   }
   auto planned = Planner(std::move(drawing), machine, once, options, std::move(*mat), *mode).run();
-  if (planned) planned->drawing_transform = map;
+  if (planned) planned->drawing_transform = map, planned->copies = *copies;
   return planned;
 }
 

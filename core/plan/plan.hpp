@@ -54,9 +54,10 @@ struct Plan {
   double snap_mm{};
   std::string svg_profile{};  ///< how an SVG was read, as the next two
   double svg_dpi{}, curve_tolerance_mm{};
-  Placement drawing_transform{};   ///< what `scale`, `rotate` and `mirror` did to the drawing
-  std::optional<Layout> layout{};  ///< set if the drawing was split
-  LineWork whole{};                ///< set if the drawing was split: the cleaned drawing
+  Placement drawing_transform{};    ///< what `scale`, `rotate` and `mirror` did to the drawing
+  std::vector<PagePoint> copies{};  ///< where `per-sheet` put them; empty: one
+  std::optional<Layout> layout{};   ///< set if the drawing was split
+  LineWork whole{};                 ///< set if the drawing was split: the cleaned drawing
 };
 
 /// Whether programs set the depth of the autoblade: a person says that it is one, or the machine

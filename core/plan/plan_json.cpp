@@ -218,6 +218,19 @@ void fill_list(std::string& text, std::size_t from, const char* name, const std:
   text.replace(at + empty.size() - 2, 2, list);
 }
 
+Json copies_json(const std::vector<PagePoint>& copies) {
+  Json list = Json::array();
+  for (const PagePoint& at : copies) list.push_back({at.x, at.y});
+  return list;
+}
+
+const ToolSettings& fold_tool(const Plan& plan) {
+  const Material& material = plan.material;
+  if (plan.folds == FoldMode::Score && material.score) return *material.score;
+  if (plan.folds == FoldMode::Light && material.light) return *material.light;
+  return material.fold;
+}
+
 }  // namespace
 
 std::string plan_json(const Plan& plan) {
@@ -229,6 +242,8 @@ std::string plan_json(const Plan& plan) {
             {"snap_mm", plan.snap_mm},
             {"svg_profile", plan.svg_profile},
             {"drawing_transform", transform_json(plan.drawing_transform)},
+            {"copies", copies_json(plan.copies)},
+            {"passes", {{"cut", plan.material.cut.passes}, {"fold", fold_tool(plan).passes}}},
             {"svg_dpi", plan.svg_dpi},
             {"curve_tolerance_mm", plan.curve_tolerance_mm},
             {"sheets", Json::array()},

@@ -215,6 +215,8 @@ std::vector<PlanOption> make_table() {
            "Scale the drawing to this width, in mm", "as drawn"),
       number("rotate", MEMBER(rotate_deg), "DEG", {-360, 360, "degrees"},
            "Turn the drawing clockwise, in degrees"),
+      number("per-sheet", MEMBER(per_sheet), "N", {1, 10'000},
+           "How often to cut the drawing on the sheet, side by side"),
       flag("mirror", MEMBER(mirror),
            "Cut from the back: the mirror image, with mountain and valley folds exchanged"),
       word("order", MEMBER(order.method), {"quick", "best", "keep"},
@@ -321,6 +323,10 @@ Result<void> check_pairs(const PlanOptions& options) {
                 "contradicts `seam-x` and `seam-y`; give one or the other");
   if (options.width_mm && options.scale != 1)
     return fail(ErrorKind::Usage, "/options/width", "contradicts `scale`; give one or the other");
+  if (options.per_sheet > 1 &&
+      (options.marks || !options.seams_x.empty() || !options.seams_y.empty() || options.place.clip))
+    return fail(ErrorKind::Usage, "/options/per-sheet",
+                "goes with one whole drawing; leave out `marks`, `seam-x`, `seam-y` and `clip`");
   const bool changed =
       options.width_mm || options.scale != 1 || options.rotate_deg != 0 || options.mirror;
   if (options.marks && changed)

@@ -47,6 +47,7 @@ struct PlanOptions {
   std::optional<double> width_mm{};  ///< of the drawing on the sheet, in place of `scale`
   double rotate_deg{0};              ///< clockwise
   bool mirror{false};                ///< cut the sheet as seen from behind
+  std::uint64_t per_sheet{1};        ///< copies of the drawing, side by side
   std::string dialect{};             ///< "gpgl" or "hpgl"; empty: the machine's
   OrderOptions order{};              ///< its `cost` is the machine's
   std::string pens{};                ///< settings in place of the material's, see `with_pens`

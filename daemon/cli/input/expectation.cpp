@@ -200,6 +200,7 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
   }
   if (find(json, "/drawing_transform") != nullptr)  // plans of before have none
     facts.drawing_transform = reader.placement("/drawing_transform");
+  if (find(json, "/copies") != nullptr) facts.copies = reader.points("/copies", 0);
   if (reader.error()) return tl::unexpected(*reader.error());
   if (const auto folds = text_at(json, "/folds")) facts.folds = *folds;
   if (const auto snap = number_at(json, "/snap_mm")) facts.snap_mm = *snap;
@@ -207,6 +208,13 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
   if (const auto dpi = number_at(json, "/svg_dpi"); dpi && *dpi > 0) facts.svg_dpi = *dpi;
   if (const auto most = number_at(json, "/curve_tolerance_mm"); most && *most > 0)
     facts.curve_tolerance_mm = *most;
+  const auto passes = [&](const char* pointer) -> std::optional<int> {
+    const auto found = number_at(json, pointer);
+    if (!found || !(*found >= 1 && *found <= 20)) return std::nullopt;
+    return static_cast<int>(*found);
+  };
+  facts.cut_passes = passes("/passes/cut");
+  facts.fold_passes = passes("/passes/fold");
   if (const auto offset = number_at(json, sheet + "/blade_offset_mm"))
     facts.blade_offset_mm = *offset;
   if (const nlohmann::json* tools = find(json, sheet + "/blade_tools"); tools && tools->is_array())
@@ -333,8 +341,8 @@ Result<Expectation> read_expectation(const std::string& file, const std::optiona
                     file));
   const auto material = find_material(plan->material, tables.texts);
   if (!material) return tl::unexpected(within("--plan", tables.with_file(material.error())));
-  out.expected.drawing =
-      drawing_on_sheet(transformed(std::move(input->drawing), plan->drawing_transform), *plan);
+  out.expected.drawing = drawing_on_sheet(
+      copied(transformed(std::move(input->drawing), plan->drawing_transform), plan->copies), *plan);
   out.expected.folds_whole = plan->folds != "perforate";
   out.expected.blade_offset_mm = plan->blade_offset_mm;
   out.expected.blade_tools = plan->blade_tools;
@@ -343,6 +351,8 @@ Result<Expectation> read_expectation(const std::string& file, const std::optiona
   out.expected.fold_passes = material->fold.passes;
   if (plan->folds == "score" && material->score) out.expected.fold_passes = material->score->passes;
   if (plan->folds == "light" && material->light) out.expected.fold_passes = material->light->passes;
+  out.expected.cut_passes = plan->cut_passes.value_or(out.expected.cut_passes);
+  out.expected.fold_passes = plan->fold_passes.value_or(out.expected.fold_passes);
   return out;
 }
 

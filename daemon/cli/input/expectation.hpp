@@ -19,8 +19,10 @@ struct PlanFacts {
   std::string machine;
   std::string material;
   std::array<double, 2> area_mm{};
-  Placement transform;               ///< pattern to sheet
-  Placement drawing_transform;       ///< of the pattern, before
+  Placement transform;            ///< pattern to sheet
+  Placement drawing_transform;    ///< of the pattern, before
+  std::vector<PagePoint> copies;  ///< of it, after that
+  std::optional<int> cut_passes, fold_passes;
   std::vector<PlannedPiece> pieces;  ///< where the pattern was split: those on this sheet
   LineWork also_allowed;             ///< overcuts, lead-ins, marks, labels, scored folds
   std::string folds{"perforate"};

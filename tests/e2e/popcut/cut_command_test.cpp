@@ -79,6 +79,45 @@ TEST_CASE("simulate compares a program with a pattern and its plan", "[cli][e2e]
   }
 }
 
+TEST_CASE("copies, sizes, turns and settings of one job together are cut as the design says",
+          "[cli][e2e]") {
+  const Bench bench;
+  const std::string spec = source_file("examples/unit.json");
+  REQUIRE(bench.popcut({"design", spec, "-o", "design", "-q"}).exit == 0);
+  const std::vector<std::vector<std::string>> jobs{
+      {"--per-sheet", "4"},
+      {"--per-sheet", "9", "--scale", "0.5", "--mirror"},
+      {"--per-sheet", "3", "--rotate", "90", "--pen", "cut: passes=2 force=70; fold: passes=3"},
+      {"--per-sheet", "2", "--width", "110", "--rotate", "30", "--mirror", "--mat-free"},
+      {"--per-sheet", "5", "--scale", "0.6", "--at", "20,30", "--pen", "cut: passes=2"}};
+  for (const std::vector<std::string>& job : jobs) {
+    CAPTURE(job);
+    std::vector<std::string> words{"plan", spec, "--machine", "cameo3", "-o", "many", "-q"};
+    words.insert(words.end(), job.begin(), job.end());
+    const Ran planned = bench.popcut(words);
+    INFO(planned.err);
+    REQUIRE(planned.exit == 0);
+    const auto plan = nlohmann::json::parse(text_of_file(bench.temp / "many/plan.json"));
+    CHECK(plan["copies"].size() == std::stoul(job[1]));
+    for (const std::string& pattern : {std::string("design/pattern.fold"), spec}) {
+      const Ran ran = bench.popcut({"simulate", "many/sheet-01.gpgl", "-o", "sim", "--expect",
+                                    pattern, "--plan", "many/plan.json"});
+      INFO(ran.err);
+      CHECK(ran.exit == 0);
+    }
+    // One copy fewer is not what was asked for.
+    nlohmann::json wrong = plan;
+    wrong["copies"].erase(wrong["copies"].size() - 1);
+    write_file(bench.temp / "wrong.json", wrong.dump());
+    CHECK(bench
+              .popcut({"simulate", "many/sheet-01.gpgl", "-o", "sim", "--expect", spec, "--plan",
+                       "wrong.json"})
+              .exit == 6);
+  }
+  check_refused(bench.popcut({"plan", spec, "--per-sheet", "50", "-o", "none"}), 4,
+                "8 fit on 304.8 x 304.8 mm; use at most 8");
+}
+
 TEST_CASE("a sheet that differs from the expected one gives exit code 6 and is still drawn",
           "[cli][e2e]") {
   const Bench bench;

@@ -103,4 +103,24 @@ TEST_CASE("the dashes of a scaled fold keep the material's size", "[core][plan]"
   CHECK(longest < 2 * paper.dashes.dash_mm);
 }
 
+TEST_CASE("copies lie in rows without touching, and no more than fit", "[core][plan]") {
+  const LineWork one = drawing();  // 20 x 10 mm
+  const auto places = copies_at(one, 5, {70, 40}, 3);
+  REQUIRE(places);
+  CHECK(*places == std::vector<PagePoint>{{0, 0}, {23, 0}, {46, 0}, {0, 13}, {23, 13}});
+  const LineWork many = copied(one, *places);
+  CHECK(many.lines.size() == 5 * one.lines.size());
+  CHECK(bounds(many).width() == Approx(66));
+  CHECK(bounds(many).height() == Approx(23));
+  CHECK(copies_at(one, 9, {66, 36}, 3));  // exactly
+  const auto error = copies_at(one, 10, {66, 36}, 3).error();
+  CHECK(error.place == "/options/per-sheet");
+  CHECK_THAT(error.detail, Catch::Contains("9 fit") && Catch::Contains("use at most 9"));
+  CHECK_THAT(copies_at(one, 2, {19, 36}, 3).error().detail, Catch::Contains("none fit"));
+  PlanOptions options;
+  options.per_sheet = 2;
+  options.marks = true;
+  CHECK(check_plan_options(options).error().place == "/options/per-sheet");
+}
+
 }  // namespace drawing_transform_test
