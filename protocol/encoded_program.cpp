@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "protocol/encoded_program.hpp"
 
+#include <optional>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -87,6 +89,59 @@ std::string lift_after(const EncodedProgram& program, std::size_t index) {
     break;
   }
   return "PU;";
+}
+
+Result<EncodedProgram> read_foreign(Dialect dialect, std::string bytes) {
+  EncodedProgram program;
+  program.dialect = dialect;
+  program.bytes = std::move(bytes);
+  const Result<Program> whole = decode(dialect, program.view());
+  if (!whole) return tl::unexpected(whole.error());
+  std::uint64_t end = 0;
+  std::optional<std::uint64_t> first_move;
+  std::vector<MachinePoint> ends;  // of the strokes
+  for (const Command& command : whole->commands) {
+    const auto wrong = [&](std::string why) {
+      return fail(ErrorKind::Malformed, fmt::format("byte {}", command.begin + 1), std::move(why));
+    };
+    if (command.verb == Verb::Unknown)
+      return wrong(fmt::format("\"{}\" is no command of {}; popcut sends only what it can read",
+                               printable(whole->texts[command.text], 20),
+                               dialect == Dialect::Gpgl ? "GPGL" : "HPGL"));
+    if (command.verb == Verb::Query)
+      return wrong(fmt::format("\"{}\" asks the cutter something; remove it, popcut asks itself",
+                               printable(whole->texts[command.text], 20)));
+    const bool moves = command.verb == Verb::Move && command.count > 0;
+    if (moves && !first_move) first_move = command.begin;
+    if (command.verb != Verb::Draw || command.count == 0) continue;
+    if (!first_move)
+      return wrong("draws before it has moved to a place; begin with a move, tool up");
+    const bool goes_on = !program.strokes.empty() && program.strokes.back().end == command.begin;
+    if (goes_on)
+      program.strokes.back().end = command.end;
+    else
+      program.strokes.push_back({end == 0 ? *first_move : end, command.end});
+    end = command.end;
+    const MachinePoint last = whole->points[command.first + command.count - 1];
+    if (goes_on)
+      ends.back() = last;
+    else
+      ends.push_back(last);
+  }
+  if (program.strokes.empty())
+    return fail(ErrorKind::OutOfRange, "", "draws no line; there is nothing to cut");
+  for (std::size_t k = 0; k < program.strokes.size(); ++k) {
+    const Result<Program> alone = decode(dialect, program.view(program.strokes[k]));
+    if (!alone || alone->points.empty() || alone->points.back() != ends[k])
+      return fail(ErrorKind::OutOfRange, fmt::format("byte {}", program.strokes[k].begin + 1),
+                  "is relative to what came before, so popcut could not stop there; write absolute "
+                  "coordinates at the start of each line");
+  }
+  if (*first_move > 0) program.setup.push_back({0, *first_move});
+  program.search = {*first_move, *first_move};
+  program.geometry = {*first_move, end};
+  program.trailer = {end, program.bytes.size()};
+  return program;
 }
 
 Result<EncodedProgram> rest_of(const EncodedProgram& program, std::size_t first) {

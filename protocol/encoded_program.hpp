@@ -58,6 +58,14 @@ struct EncodedProgram {
 /// to the position it is at. Empty for a dot.
 [[nodiscard]] std::string lift_after(const EncodedProgram& program, std::size_t index);
 
+/// A program that somebody else wrote, divided as a session needs it: settings before the first
+/// move, strokes, and what follows the last line.
+///
+/// @retval Malformed   a command cannot be read, or asks the machine something; place is "byte N"
+/// @retval OutOfRange  it draws no line, or has strokes that cannot be read by themselves (relative
+///                     coordinates from stroke to stroke)
+[[nodiscard]] Result<EncodedProgram> read_foreign(Dialect dialect, std::string bytes);
+
 /// The rest of a program from stroke `first` on, as a program of its own: the whole setup, the
 /// settings that earlier strokes changed, the search for marks if there is one, the strokes from
 /// `first` on (each begins with a move, tool up), and the trailer. Its stroke 0 is `first`.

@@ -36,6 +36,7 @@ void register_plan(CLI::App& app, const Globals& globals, Run& run);
 void register_simulate(CLI::App& app, const Globals& globals, Run& run);
 void register_cut(CLI::App& app, const Globals& globals, Run& run);
 void register_calibrate(CLI::App& app, const Globals& globals, Run& run);
+void register_send(CLI::App& app, const Globals& globals, Run& run);
 void register_curvature(CLI::App& app, const Globals& globals, Run& run);
 void register_figures(CLI::App& app, const Globals& globals, Run& run);
 void register_doctor(CLI::App& app, const Globals& globals, Run& run);

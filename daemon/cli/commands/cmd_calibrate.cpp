@@ -20,8 +20,7 @@
 #include "core/text/words.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/cut_device.hpp"
-#include "daemon/cli/commands/stop_signals.hpp"
-#include "daemon/cli/view/progress_bar.hpp"
+#include "daemon/cli/commands/cut_session.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "device/session/session.hpp"
@@ -167,34 +166,25 @@ class Calibration {
     job.track_enhancing = false;
     const auto program = encode(path, known_, material, job);
     if (!program) return tl::unexpected(program.error());
-    auto cable = Cable::open(target_, name, area());
-    if (!cable) return tl::unexpected(cable.error());
-    ProgressBar bar(!globals_.quiet);
     SessionOptions how;
     how.poll_s = 0.1;
     how.timed = true;
-    how.cancel = &StopSignals::stop_asked;
-    how.give_up = &StopSignals::give_up_asked;
-    how.progress = [&](const SessionProgress& p) {
-      bar.show(name, p.strokes > 0 ? static_cast<double>(p.strokes_done) / p.strokes : 0,
-               p.seconds_left);
-    };
-    const StopSignals guard;
-    SessionEnd end = run_session(cable->transport(), known_, *program, how);
-    bar.clear();
+    auto sent = send_program(target_, known_, {*program, name, area(), 30}, !globals_.quiet, how);
+    if (!sent) return tl::unexpected(sent.error());
+    SessionEnd& end = sent->end;
     if (folder_) {
       const char* ending = program->dialect == Dialect::Hpgl ? "hpgl" : "gpgl";
       if (const auto kept = folder_->add(fmt::format("{}.{}", name, ending), program->bytes); !kept)
         return tl::unexpected(kept.error());
-      if (const auto trace = cable->trace())
-        if (const auto kept = folder_->add(name + ".svg", trace_svg(*trace)); !kept)
+      if (sent->trace)
+        if (const auto kept = folder_->add(name + ".svg", trace_svg(*sent->trace)); !kept)
           return tl::unexpected(kept.error());
     }
     if (end.error) return tl::unexpected(within(name, *end.error));
     if (end.cancelled)
       return fail(ErrorKind::Refused, name,
                   "stopped as you asked, with the tool up and parked; your table is as it was");
-    return end;
+    return std::move(end);
   }
   Result<void> cut(const Toolpath& path, const std::string& name) {
     return cut(for_the_axis(path), name, material_).map([](const SessionEnd&) {});

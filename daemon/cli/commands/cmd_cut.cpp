@@ -18,12 +18,10 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/cut_device.hpp"
 #include "daemon/cli/commands/cut_queue.hpp"
-#include "daemon/cli/commands/stop_signals.hpp"
+#include "daemon/cli/commands/cut_session.hpp"
 #include "daemon/cli/input/expectation.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/options/plan_arguments.hpp"
-#include "daemon/cli/view/pause_key.hpp"
-#include "daemon/cli/view/progress_bar.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "device/compare/expect.hpp"
@@ -82,42 +80,16 @@ struct CutSheet {
 Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const CutTarget& target,
                            const Globals& globals) {
   const PlannedSheet& planned = job.plan.sheets[sheet];
-  auto cable = Cable::open(target, sheet_path(target, sheet, job.plan.sheets.size()),
-                           {planned.area_mm[0], planned.area_mm[1]});
-  if (!cable) return tl::unexpected(cable.error());
-  ProgressBar bar(!globals.quiet);
-  const double whole = planned.seconds;
-  PauseKey pause;
-  SessionOptions options;
-  options.cancel = &StopSignals::stop_asked;
-  options.give_up = &StopSignals::give_up_asked;
-  options.pause = &pause.asked();
-  options.progress = [&](const SessionProgress& p) {
-    pause.look();
-    const std::string what =
-        p.phase == SessionPhase::Cutting
-            ? fmt::format("cutting, stroke {} of {}", p.strokes_done, p.strokes)
-        : p.asks ? "did the cutter go on after its pause? press p if so, Ctrl-C if it was cancelled"
-        : p.phase == SessionPhase::Held ? "paused with the tool up; press p to go on"
-                                        : std::string(name_of(p.phase));
-    try {
-      bar.show(what, 1 - p.seconds_left / std::max(whole, 1.0), p.seconds_left);
-    } catch (const std::system_error&) {  // nobody looks: the terminal is gone
-      StopSignals::stop_asked = true;
-    }
-  };
-  if (pause.works()) options.ask = [&] { pause.press(); };
+  auto sent = send_program(target, target.machine,
+                           {job.programs[sheet],
+                            sheet_path(target, sheet, job.plan.sheets.size()),
+                            {planned.area_mm[0], planned.area_mm[1]},
+                            planned.seconds},
+                           !globals.quiet);
+  if (!sent) return tl::unexpected(sent.error());
   CutSheet cut;
-  const StopSignals guard;  // at the question, Ctrl-C ends popcut as usual
-  const bool at_terminal = isatty(STDERR_FILENO) == 1;
-  cut.end = run_session(cable->transport(), target.machine, job.programs[sheet], options);
-  // A terminal that is gone must not keep the files from being written.
-  if (at_terminal && isatty(STDERR_FILENO) != 1 &&
-      std::freopen("/dev/null", "w", stderr) == nullptr)
-    cut.end.remarks.push_back("the terminal is gone");
-  cut.trace = cable->trace();
-  if (!cut.end.error && !cut.end.cancelled)
-    if (const auto kept = cable->finish(); !kept) cut.end.error = kept.error();
+  cut.end = std::move(sent->end);
+  cut.trace = std::move(sent->trace);
   for (const StrokeFate fate : cut.end.fates)
     ++(fate == StrokeFate::Certain   ? cut.certain
        : fate == StrokeFate::InDoubt ? cut.in_doubt

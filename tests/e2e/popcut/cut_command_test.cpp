@@ -79,6 +79,31 @@ TEST_CASE("simulate compares a program with a pattern and its plan", "[cli][e2e]
   }
 }
 
+TEST_CASE("a program file is sent as it is, after a rehearsal", "[cli][e2e]") {
+  const Bench bench;
+  bench.plan("cameo4");
+  const Ran ran =
+      bench.popcut({"send", "plan/sheet-01.gpgl", "--device", "sim:cameo4", "--yes", "--json"});
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  const auto json = nlohmann::json::parse(ran.out);
+  CHECK(json["done"] == true);
+  CHECK(json["strokes"]["certain"].get<int>() > 20);
+  CHECK(json["strokes"]["not_sent"] == 0);
+  REQUIRE(bench.popcut({"send", "plan/sheet-01.gpgl", "--device", "file:copy.gpgl", "-q"}).exit ==
+          0);
+  CHECK(text_of_file(bench.temp / "copy.gpgl") == text_of_file(bench.temp / "plan/sheet-01.gpgl"));
+  check_refused(bench.popcut({"send", "plan/sheet-01.gpgl", "-q"}), 5, "not a terminal");
+  check_refused(bench.popcut({"send", "plan/sheet-01.gpgl", "--yes", "--device", "usb:1-1"}), 2,
+                "works only with simulated devices");
+  write_file(bench.temp / "far.plt", "IN;PU100,100;PD900000,100;");
+  check_refused(bench.popcut({"send", "far.plt", "--device", "sim:hpgl-generic", "--yes"}), 4,
+                "beyond the 600 x 5000 mm");
+  check_refused(bench.popcut({"send", "far.plt", "--yes"}), 5, "is written in HPGL");
+  write_file(bench.temp / "empty.plt", "");
+  check_refused(bench.popcut({"send", "empty.plt", "--yes"}), 3, "is empty");
+}
+
 TEST_CASE("copies, sizes, turns and settings of one job together are cut as the design says",
           "[cli][e2e]") {
   const Bench bench;

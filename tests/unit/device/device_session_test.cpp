@@ -513,4 +513,57 @@ TEST_CASE("a machine that says moving for ever after its strokes is given up in 
   CHECK(count(end, StrokeFate::InDoubt) < 60);
 }
 
+TEST_CASE("a program read from its bytes alone is divided as it was written",
+          "[device][protocol][session]") {
+  std::mt19937 random(11);
+  for (const char* name : {"cameo3", "cameo4", "portrait", "hpgl-generic", "mh-721", "camm-1",
+                           "stika-sv15", "vevor-cutter"})
+    for (int round = 0; round < 10; ++round) {
+      CAPTURE(name, round);
+      const SimJob job(machine(name), random, 25, 200);
+      const EncodedProgram& written = job.program;
+      const EncodedProgram read = value(read_foreign(written.dialect, written.bytes));
+      // A line's end after a command goes with either.
+      const auto same = [&](std::uint64_t at, std::uint64_t end) {
+        return at == end || (at + 1 == end && written.bytes[at] == '\n');
+      };
+      CHECK(same(read.geometry.end, written.geometry.end));
+      CHECK(read.trailer.end == written.trailer.end);
+      std::vector<std::uint64_t> ends;
+      for (std::size_t k = 0; k < written.strokes.size(); ++k)
+        if (written.strokes[k].begin != written.strokes[k].end)
+          ends.push_back(written.strokes[k].end);
+      REQUIRE(read.strokes.size() == ends.size());
+      for (std::size_t k = 0; k < ends.size(); ++k) CHECK(same(read.strokes[k].end, ends[k]));
+      SimTransport cable = job.cable();
+      const SessionEnd end = run_session(cable, job.machine, read);
+      CHECK_FALSE(end.error);
+      CHECK(cable.cutter().trace().strokes.size() == ends.size());
+    }
+}
+
+TEST_CASE("a foreign program that cannot be read or stopped is refused with its byte",
+          "[device][protocol]") {
+  const auto error = [](Dialect dialect, const std::string& bytes) {
+    const auto read = read_foreign(dialect, bytes);
+    return read ? std::string("accepted") : message(read.error());
+  };
+  CHECK(error(Dialect::Hpgl, "IN;SP1;PU100,100;PD200,100;PU0,0;") == "accepted");
+  CHECK_THAT(error(Dialect::Hpgl, "IN;PU1,1;PD2,1;ZZ9;"), Catch::Contains("byte 16"));
+  CHECK_THAT(error(Dialect::Hpgl, "IN;PU1,1;PD2,1;OI;"), Catch::Contains("asks the cutter"));
+  CHECK_THAT(error(Dialect::Hpgl, "IN;PD2,1;"), Catch::Contains("before it has moved"));
+  CHECK_THAT(error(Dialect::Hpgl, "IN;PU5,5;PR;PD2,1;PU3,3;PD4,4;"), Catch::Contains("relative"));
+  CHECK_THAT(error(Dialect::Hpgl, "IN;PU5,5;"), Catch::Contains("draws no line"));
+  CHECK_THAT(error(Dialect::Gpgl,
+                   "M1,1\x03"
+                   "D2,2\x03"
+                   "FG\x03"),
+             Catch::Contains("byte 11"));
+  CHECK_THAT(error(Dialect::Gpgl,
+                   "M1,1\x03"
+                   "D2,2"),
+             Catch::Contains("byte 6"));  // cut off
+  CHECK_THAT(error(Dialect::Gpgl, ""), Catch::Contains("draws no line"));
+}
+
 }  // namespace device_session_test
