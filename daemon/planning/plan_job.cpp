@@ -181,6 +181,10 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
   tell(options.progress, "reading the input");
   auto input = read(*reading);
   if (!input) return tl::unexpected(input.error());
+  // A person gave the size that the file does not.
+  if (options.width_mm)
+    std::erase_if(input->drawing.warnings,
+                  [](const Warning& warning) { return warning.code == "no_unit"; });
   auto material = choose_material(options, *input, tables, input_name);
   if (!material) return tl::unexpected(material.error());
   material = with_pens(on_machine(std::move(*material), *machine), options.pens);

@@ -49,11 +49,15 @@ struct FoldFile {
 [[nodiscard]] double fold_unit_mm(const std::string& unit);
 
 /// The lines of the first flat frame, in page mm: x = second coordinate, y = first coordinate. This
-/// is a rotation as seen from +Z, so mountains and valleys keep their side. M and V become folds. C
-/// becomes a cut, and so do B edges that lie on each other (split form), once. Other B edges become
-/// the outline, or a cut if they bound a hole. F, J and flat U edges are left out.
+/// is a rotation as seen from +Z, so mountains and valleys keep their side. A frame that is flat in
+/// another plane is first turned to +Z, by the smallest rotation: the side from which its faces run
+/// counterclockwise, or without faces the one nearest to +z, +y, +x. Where only faces are given,
+/// their sides are the edges; without any assignment, sides of one face are the border. M and V
+/// become folds. C becomes a cut, and so do B edges that lie on each other (split form), once.
+/// Other B edges become the outline, or a cut if they bound a hole. F, J and flat U edges are left
+/// out.
 ///
-/// @retval Malformed, OutOfRange  as `read_fold`; no frame is flat in z; coordinates beyond 100 m
+/// @retval Malformed, OutOfRange  as `read_fold`; no frame is flat; coordinates beyond 100 m
 [[nodiscard]] Result<LineWork> linework_from_fold(std::string_view text,
                                                   const FoldLimits& limits = {});
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,7 +18,7 @@ namespace {
 constexpr std::size_t kMostOverlaps = 20'000'000;  // limit of pairs of overlapping border edges
 
 bool flat(const FoldFrame& frame) {
-  if (frame.vertices.empty() || frame.edges.empty()) return false;
+  if (frame.vertices.empty() || (frame.edges.empty() && frame.faces.empty())) return false;
   double low = 1e300, high = -1e300, size = 0.0;
   for (const auto& p : frame.vertices) {
     low = std::min(low, p[2]);
@@ -25,6 +26,115 @@ bool flat(const FoldFrame& frame) {
     size = std::max({size, std::abs(p[0]), std::abs(p[1])});
   }
   return high - low <= 1e-6 * std::max(size, 1.0);
+}
+
+using Point = std::array<double, 3>;
+
+Point minus(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Point cross(const Point& a, const Point& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// The sum of the faces' areas as vectors: it points to the side from which they run
+/// counterclockwise. Zero without faces.
+Point area_vector(const FoldFrame& frame) {
+  Point area{};
+  for (const auto& face : frame.faces)
+    for (std::size_t i = 1; i + 1 < face.size(); ++i) {
+      const Point& p = frame.vertices[face[0]];
+      const Point a =
+          cross(minus(frame.vertices[face[i]], p), minus(frame.vertices[face[i + 1]], p));
+      for (std::size_t c = 0; c < 3; ++c) area[c] += a[c];
+    }
+  return area;
+}
+
+/// The unit normal of the plane in which all vertices lie; none if they lie in no plane, or on a
+/// line. It points to the side of the faces, else to +z, +y or +x, the first that it can.
+std::optional<Point> plane_of(const FoldFrame& frame) {
+  if (frame.vertices.size() < 3 || (frame.edges.empty() && frame.faces.empty()))
+    return std::nullopt;
+  const auto farthest = [&](auto measure) {
+    std::size_t best = 0;
+    double most = -1;
+    for (std::size_t i = 0; i < frame.vertices.size(); ++i)
+      if (const double d = measure(frame.vertices[i]); d > most) most = d, best = i;
+    return frame.vertices[best];
+  };
+  const Point& p = frame.vertices[0];
+  const Point u = minus(farthest([&](const Point& v) { return dot(minus(v, p), minus(v, p)); }), p);
+  const double size = std::sqrt(dot(u, u));
+  Point n = cross(u, minus(farthest([&](const Point& v) {
+                             const Point a = cross(u, minus(v, p));
+                             return dot(a, a);
+                           }),
+                           p));
+  const double area = std::sqrt(dot(n, n));
+  constexpr double kFlat = 1e-6;
+  if (!(area > kFlat * size * size)) return std::nullopt;
+  for (double& c : n) c /= area;
+  for (const Point& v : frame.vertices)
+    if (std::abs(dot(minus(v, p), n)) > kFlat * std::max(size, 1e-300)) return std::nullopt;
+  double side = dot(area_vector(frame), n);
+  for (const std::size_t axis : {2u, 1u, 0u})
+    if (std::abs(side) < 1e-9 * size * size) side = std::abs(n[axis]) > 1e-6 ? n[axis] : 0;
+  if (side < 0)
+    for (double& c : n) c = -c;
+  return n;
+}
+
+/// The frame turned so that `normal` points to +z, by the smallest rotation (Rodrigues).
+FoldFrame turned_up(FoldFrame frame, const Point& normal) {
+  // About the axis k = n x z; v' = v cos + (k x v) sin + k (k.v)(1 - cos).
+  const double sine = std::hypot(normal[0], normal[1]), cosine = normal[2];
+  const Point k = sine > 1e-12 ? Point{normal[1] / sine, -normal[0] / sine, 0} : Point{1, 0, 0};
+  const double height = dot(frame.vertices[0], normal);
+  for (Point& v : frame.vertices) {
+    const Point turned = cross(k, v);
+    const double along = dot(k, v) * (1 - cosine);
+    for (std::size_t c = 0; c < 3; ++c) v[c] = v[c] * cosine + turned[c] * sine + k[c] * along;
+    v[2] -= height;
+  }
+  return frame;
+}
+
+/// Edges that no list gives, from the faces; and the border: where nothing says what an edge is,
+/// those of one face only.
+void fill_from_faces(FoldFrame& frame) {
+  std::vector<std::array<std::uint32_t, 2>> sides;
+  for (const auto& face : frame.faces)
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const std::uint32_t a = face[i], b = face[(i + 1) % face.size()];
+      if (a != b) sides.push_back({std::min(a, b), std::max(a, b)});
+    }
+  std::sort(sides.begin(), sides.end());
+  if (frame.edges.empty()) {
+    frame.edges = sides;
+    frame.edges.erase(std::unique(frame.edges.begin(), frame.edges.end()), frame.edges.end());
+    frame.assignments.assign(frame.edges.size(), 'U');
+    frame.fold_angles_deg.assign(frame.edges.size(), 0.0);
+  }
+  const bool assigned = std::any_of(frame.assignments.begin(), frame.assignments.end(),
+                                    [](char letter) { return letter != 'U'; });
+  if (assigned) return;
+  for (std::size_t e = 0; e < frame.edges.size(); ++e) {
+    const std::array<std::uint32_t, 2> side{std::min(frame.edges[e][0], frame.edges[e][1]),
+                                            std::max(frame.edges[e][0], frame.edges[e][1])};
+    const auto [from, to] = std::equal_range(sides.begin(), sides.end(), side);
+    if (to - from == 1) frame.assignments[e] = 'B';
+  }
+}
+
+/// The first frame that is flat in some plane, looking at +z; folded forms come last.
+std::optional<FoldFrame> flat_anywhere(const FoldFile& file) {
+  for (const bool folded : {false, true})
+    for (const FoldFrame& frame : file.frames) {
+      if (frame.folded_form != folded) continue;
+      if (flat(frame)) return frame;
+      if (const auto normal = plane_of(frame)) return turned_up(frame, *normal);
+    }
+  return std::nullopt;
 }
 
 /// The parts of 0..length that no interval of `taken` (sorted by start) covers.
@@ -153,10 +263,16 @@ const FoldFrame* flat_frame(const FoldFile& file) {
 Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& limits) {
   const auto file = read_fold(text, limits);
   if (!file) return tl::unexpected(file.error());
-  const FoldFrame* frame = flat_frame(*file);
-  if (frame == nullptr)
-    return fail(ErrorKind::Malformed, "/vertices_coords",
-                "no frame with edges is flat; add the flat crease pattern");
+  std::optional<FoldFrame> frame = flat_anywhere(*file);
+  if (!frame)
+    return fail(
+        ErrorKind::Malformed, "/vertices_coords",
+        file->frames.size() == 1 && file->frames[0].edges.empty()
+            ? "has vertices, but the file has neither edges_vertices nor faces_vertices; add "
+              "the creases"
+            : "lie in no plane: this is a folded model; give its flat crease pattern, which "
+              "most programs export beside it");
+  fill_from_faces(*frame);
   const double mm = fold_unit_mm(frame->unit);
   if (mm == 0.0)
     return fail(
@@ -164,11 +280,18 @@ Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& lim
         fmt::format("is {}; use mm, cm, m, in, pt, um, nm or unit", frame->unit.substr(0, 20)));
   LineWork work;
   work.name = frame->title;
-  if (frame->unit.empty() || frame->unit == "unit")
+  if (frame->unit.empty() || frame->unit == "unit") {
+    Box box;
+    for (const auto& v : frame->vertices) box.add({v[1], v[0]});
     work.warnings.push_back(
         {.code = "no_unit",
-         .message = "the file gives no unit of length (frame_unit); 1 unit is read as 1 mm",
+         .message =
+             fmt::format("the file gives no unit of length (frame_unit); 1 unit is read as 1 "
+                         "mm, and the drawing is {:.4g} x {:.4g} mm; `width` or `scale` gives "
+                         "it another size",
+                         box.width(), box.height()),
          .spoils = true});
+  }
   if (seen_from_back(*frame))
     work.warnings.push_back(
         {.code = "seen_from_back",

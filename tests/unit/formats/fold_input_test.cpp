@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 
 #include "core/drawing/planar_graph.hpp"
@@ -140,6 +144,139 @@ TEST_CASE("a slit that ends inside a face is opened and keeps its tip", "[core][
   CHECK(split.edges.size() == 7);
   CHECK(split.vertices.size() == 7);  // its mouth is two vertices, its tip one
   CHECK(std::count(split.assignments.begin(), split.assignments.end(), 'B') == 7);
+}
+
+TEST_CASE("a FOLD pattern is read in whatever plane it lies, from the side of its faces",
+          "[core][formats][fold]") {
+  // A kite: lengths of its border and folds are all different, and it has no mirror symmetry.
+  const std::vector<std::array<double, 2>> flat{{0, 0}, {40, 0}, {50, 30}, {5, 45}};
+  const std::string rest =
+      R"("edges_vertices":[[0,1],[1,2],[2,3],[3,0],[0,2]],"edges_assignment":["B","B","B","B","M"])";
+  const std::string faces = R"(,"faces_vertices":[[0,1,2],[0,2,3]])";
+  const auto read = [&](auto&& place, bool with_faces) {
+    std::string vertices;
+    for (const auto& [x, y] : flat) {
+      const std::array<double, 3> v = place(x, y);
+      vertices +=
+          fmt::format("{}[{:.12g},{:.12g},{:.12g}]", vertices.empty() ? "" : ",", v[0], v[1], v[2]);
+    }
+    const auto work = linework_from_fold(R"({"frame_unit":"mm","vertices_coords":[)" + vertices +
+                                         "]," + rest + (with_faces ? faces : "") + "}");
+    INFO((work ? "" : message(work.error())));
+    REQUIRE(work);
+    return *work;
+  };
+  using P = std::array<double, 3>;
+  const LineWork meant = read([](double x, double y) { return P{x, y, 0}; }, true);
+  // The side after the longest one, going round with the area at the same hand: a mirror image has
+  // another one there.
+  const auto after_longest = [](const LineWork& work) {
+    for (const DrawnLine& line : work.lines) {
+      if (line.operation != Operation::Outline) continue;
+      const auto p = work.points_of(line);
+      const std::size_t n = p.size() - 1;
+      double area = 0;
+      std::vector<double> sides;
+      for (std::size_t k = 0; k < n; ++k) {
+        area += p[k].x * p[k + 1].y - p[k + 1].x * p[k].y;
+        sides.push_back(distance(p[k], p[k + 1]));
+      }
+      const auto longest =
+          static_cast<std::size_t>(std::max_element(sides.begin(), sides.end()) - sides.begin());
+      return sides[(longest + (area > 0 ? 1 : n - 1)) % n];
+    }
+    return 0.0;
+  };
+  const auto same = [&](const LineWork& work) {
+    CHECK(total_mm(work, Operation::Outline) == Approx(total_mm(meant, Operation::Outline)));
+    CHECK(total_mm(work, Operation::FoldMountain) ==
+          Approx(total_mm(meant, Operation::FoldMountain)));
+    CHECK(count(work, Operation::FoldValley) == 0);
+    CHECK(after_longest(work) == Approx(after_longest(meant)));
+  };
+  same(meant);
+  CHECK(after_longest(read(
+            [](double x, double y) {
+              return P{-x, y, 0};
+            },
+            false)) != Approx(after_longest(meant)));  // the check sees a mirror image
+  // Origami Simulator: y up, the pattern in x and z; seen from +y, z runs down.
+  same(read([](double x, double y) { return P{x, 0, -y}; }, false));
+  same(read([](double x, double y) { return P{x, 7, -y}; }, true));
+  same(read([](double x, double y) { return P{-3, x, y}; }, false));
+  same(read([](double x, double y) { return P{x, y, 12}; }, false));
+  std::mt19937 random(5);
+  std::normal_distribution<double> number;
+  for (int round = 0; round < 50; ++round) {
+    // A random rotation: two orthogonal unit vectors; the faces say which side is the front.
+    P u{number(random), number(random), number(random)},
+        v{number(random), number(random), number(random)};
+    const auto dot = [](const P& a, const P& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+    const auto unit = [&](P& a) {
+      const double l = std::sqrt(dot(a, a));
+      for (double& c : a) c /= l;
+    };
+    unit(u);
+    const double along = dot(u, v);
+    for (std::size_t c = 0; c < 3; ++c) v[c] -= along * u[c];
+    unit(v);
+    same(read(
+        [&](double x, double y) {
+          return P{x * u[0] + y * v[0], x * u[1] + y * v[1] + 3, x * u[2] + y * v[2]};
+        },
+        true));
+  }
+}
+
+TEST_CASE("faces of a FOLD file stand for edges and border where no list gives them",
+          "[core][formats][fold]") {
+  const std::string square = R"("vertices_coords":[[0,0],[10,0],[10,10],[0,10]],)"
+                             R"("faces_vertices":[[0,1,2],[0,2,3]])";
+  const auto alone = linework_from_fold(R"({"frame_unit":"mm",)" + square + "}");
+  REQUIRE(alone);
+  CHECK(total_mm(*alone, Operation::Outline) == Approx(40));
+  CHECK(alone->lines.size() == 1);
+  REQUIRE(alone->warnings.size() == 1);  // the diagonal: nothing says that it is a fold
+  CHECK(alone->warnings[0].spoils);
+  const auto angled = linework_from_fold(
+      R"({"frame_unit":"mm",)" + square +
+      R"(,"edges_vertices":[[2,0],[0,1],[1,2],[2,3],[3,0]],"edges_foldAngle":[90,0,0,0,0]})");
+  REQUIRE(angled);
+  CHECK(total_mm(*angled, Operation::FoldValley) == Approx(std::hypot(10, 10)));
+  CHECK(total_mm(*angled, Operation::Outline) == Approx(40));
+}
+
+TEST_CASE("a FOLD file without a flat pattern or a size says what to give",
+          "[core][formats][fold]") {
+  const auto why = [](const std::string& members) {
+    const auto work = linework_from_fold("{" + members + "}");
+    return work ? std::string("accepted") : message(work.error());
+  };
+  CHECK_THAT(why(R"("vertices_coords":[[0,0,0],[1,0,1],[1,1,0],[0,1,1]],)"
+                 R"("edges_vertices":[[0,1],[1,2],[2,3],[3,0]])"),
+             Catch::Contains("folded model") && Catch::Contains("flat crease pattern"));
+  CHECK_THAT(why(R"("vertices_coords":[[0,0],[1,0],[1,1]])"), Catch::Contains("neither"));
+  CHECK_THAT(why(R"("vertices_coords":[[0,0],[0,0],[0,0]],"edges_vertices":[[0,1]])"),
+             !Catch::Contains("folded"));
+  CHECK_THAT(
+      why(R"("frame_unit":"furlong","vertices_coords":[[0,0],[1,0]],"edges_vertices":[[0,1]])"),
+      Catch::Contains("/frame_unit") && Catch::Contains("use mm, cm"));
+  const auto tiny =
+      linework_from_fold(R"({"vertices_coords":[[0,0],[1,0],[1,2]],)"
+                         R"("edges_vertices":[[0,1],[1,2]],"edges_assignment":["b","v"]})");
+  REQUIRE(tiny);
+  CHECK(count(*tiny, Operation::FoldValley) == 1);
+  CHECK_THAT(tiny->warnings.at(0).message,
+             Catch::Contains("2 x 1 mm") && Catch::Contains("`width`"));
+  for (const auto& [unit, mm] : std::vector<std::pair<std::string, double>>{
+           {"mm", 1}, {"cm", 10}, {"m", 1000}, {"in", 25.4}, {"pt", 25.4 / 72}, {"um", 0.001}}) {
+    const auto work = linework_from_fold(R"({"frame_unit":")" + unit +
+                                         R"(","vertices_coords":[[0,0],[3,0]],)"
+                                         R"("edges_vertices":[[0,1]],"edges_assignment":["C"]})");
+    REQUIRE(work);
+    CHECK(total_mm(*work, Operation::Cut) == Approx(3 * mm));
+    CHECK(work->warnings.empty());
+  }
 }
 
 }  // namespace fold_input_test
