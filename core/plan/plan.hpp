@@ -54,6 +54,7 @@ struct Plan {
   double snap_mm{};
   std::string svg_profile{};  ///< how an SVG was read, as the next two
   double svg_dpi{}, curve_tolerance_mm{};
+  std::optional<double> unit_mm{};  ///< of a DXF or FOLD file, where `units` gave it
   Placement drawing_transform{};    ///< what `scale`, `rotate` and `mirror` did to the drawing
   std::vector<PagePoint> copies{};  ///< where `per-sheet` put them; empty: one
   std::optional<Layout> layout{};   ///< set if the drawing was split

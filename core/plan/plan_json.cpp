@@ -244,6 +244,7 @@ std::string plan_json(const Plan& plan) {
             {"drawing_transform", transform_json(plan.drawing_transform)},
             {"copies", copies_json(plan.copies)},
             {"passes", {{"cut", plan.material.cut.passes}, {"fold", fold_tool(plan).passes}}},
+            {"unit_mm", plan.unit_mm ? Json(*plan.unit_mm) : Json()},
             {"svg_dpi", plan.svg_dpi},
             {"curve_tolerance_mm", plan.curve_tolerance_mm},
             {"sheets", Json::array()},

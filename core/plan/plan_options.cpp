@@ -272,6 +272,8 @@ std::vector<PlanOption> make_table() {
            "Largest distance between a curve and the straight lines that replace it"),
       number("svg-dpi", MEMBER(svg_dpi), "N", {1, 10'000},
            "SVG units (px) in an inch; 72 for old Illustrator files"),
+      word("units", MEMBER(units), {"auto", "mm", "cm", "m", "in", "ft", "pt"},
+           "Unit of length of a DXF or FOLD file, in place of what the file says"),
       flag("clip", MEMBER(place.clip),
            "Leave out what lies outside the area instead of refusing the drawing"),
   };
@@ -386,6 +388,12 @@ std::string listed(const std::vector<double>& values) {
 }
 
 }  // namespace
+
+std::optional<double> unit_mm(LengthUnit unit) {
+  constexpr std::array<double, 7> kMm{0, 1, 10, 1000, 25.4, 304.8, 25.4 / 72};
+  if (unit == LengthUnit::Auto) return std::nullopt;
+  return kMm.at(static_cast<std::size_t>(unit));
+}
 
 Result<void> check_plan_options(const PlanOptions& options) {
   for (const PlanOption& option : plan_option_table())

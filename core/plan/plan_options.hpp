@@ -37,6 +37,11 @@ enum class BladeKind : std::uint8_t {
   Ratchet,    ///< set by hand
 };
 
+/// The unit of length of a file that names none, or the wrong one.
+enum class LengthUnit : std::uint8_t { Auto, Mm, Cm, M, Inch, Foot, Point };
+/// One unit in mm; none for Auto.
+[[nodiscard]] std::optional<double> unit_mm(LengthUnit unit);
+
 /// How a drawing becomes sheets. The members that a person may set are the rows of
 /// `plan_option_table`; their defaults are those below.
 struct PlanOptions {
@@ -58,6 +63,7 @@ struct PlanOptions {
   KnifeOptions knife{};
   std::string svg_profile{"auto"};
   double curve_tolerance_mm{0.02}, svg_dpi{96};
+  LengthUnit units{LengthUnit::Auto};        ///< of DXF and FOLD files
   bool no_split{false};                      ///< a drawing that is too large is refused
   std::vector<double> seams_x{}, seams_y{};  ///< seams that were asked for, drawing mm
   LabelTool labels{LabelTool::Auto};

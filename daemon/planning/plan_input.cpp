@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/formats/dxf/dxf_binary.hpp"
 #include "core/formats/dxf/dxf_reader.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/layout/layout.hpp"
@@ -65,11 +66,13 @@ Result<DrawingInput> from_dxf(const std::string& text, const SvgReadOptions& how
   if (how.profile.name == "origami-sim") options.colours = DxfColours::OrigamiSim;
   if (how.profile.name == "lightburn") options.colours = DxfColours::Lightburn;
   options.tolerance_mm = how.tolerance_mm;
+  options.unit_mm = how.unit_mm;
   return only_drawing(linework_from_dxf(text, options));
 }
 
-Result<DrawingInput> from_fold(const std::string& text, unsigned factor) {
-  return only_drawing(linework_from_fold(text, FoldLimits{}.raised(factor)));
+Result<DrawingInput> from_fold(const std::string& text, const SvgReadOptions& how,
+                               unsigned factor) {
+  return only_drawing(linework_from_fold(text, FoldLimits{}.raised(factor), how.unit_mm));
 }
 
 /// Looks at the keys of the outermost object until one decides; never keeps a value.
@@ -111,7 +114,7 @@ Result<DrawingInput> drawing_from_text(std::string text, InputKind kind, const S
     case InputKind::Spec:
       return from_spec(text, sources);
     case InputKind::Fold:
-      return from_fold(text, factor);
+      return from_fold(text, how, factor);
     case InputKind::Dxf:
       return from_dxf(text, how, factor);
     case InputKind::Svg:
@@ -129,6 +132,7 @@ Result<InputKind> kind_of_content(std::string_view text) {
   if (text.rfind("\xEF\xBB\xBF", 0) == 0) text.remove_prefix(3);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos) return fail(ErrorKind::Malformed, "", "is empty");
+  if (is_binary_dxf(text)) return InputKind::Dxf;
   if (text[first] == '<') return InputKind::Svg;
   if (text[first] >= '0' && text[first] <= '9') return InputKind::Dxf;
   if (text[first] != '{') return fail(ErrorKind::Malformed, "", kRight);

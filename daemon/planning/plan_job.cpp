@@ -72,6 +72,7 @@ Result<SvgReadOptions> read_options(const PlanOptions& options, const Tables& ta
   how.profile = std::move(*profile);
   how.tolerance_mm = reading_tolerance_mm(options);
   how.dpi = options.svg_dpi;
+  how.unit_mm = unit_mm(options.units);
   return how;
 }
 
@@ -206,6 +207,7 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
   if (ideal_machine && !how.knife.overcut_mm) how.knife.overcut_mm = 0.0;
   auto planned = plan(std::move(input->drawing), *machine, *material, how);
   if (!planned) return named(planned.error());
+  planned->unit_mm = reading->unit_mm;
   PlanJob job{std::move(*planned), {}, {}};
   if (!machine->driven()) return job;
   tell(options.progress, "writing the programs");

@@ -57,6 +57,10 @@ TEST_CASE("every entity of every DXF version lies where ezdxf has it",
   const auto read = linework_from_dxf(popcut::testing::text_of_file(folder / "all.dxf"));
   INFO((read ? "" : message(read.error())));
   REQUIRE(read);
+  const auto binary = linework_from_dxf(popcut::testing::text_of_file(folder / "all.dxf.binary"));
+  INFO((binary ? "" : message(binary.error())));
+  REQUIRE(binary);
+  CHECK(binary->points == read->points);
   const auto theirs = nlohmann::json::parse(made.out);
   REQUIRE(read->lines.size() == theirs.size());
   for (std::size_t i = 0; i < theirs.size(); ++i) {

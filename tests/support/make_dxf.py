@@ -71,6 +71,7 @@ if not old:
 space.add_text("not cut", dxfattribs=on())
 space.add_point((5, 5), dxfattribs=on())
 document.saveas(file)
+document.saveas(file + ".binary", fmt="bin")
 
 
 def flat(entities):

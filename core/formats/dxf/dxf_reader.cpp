@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "core/formats/dxf/dxf_reader.hpp"
+#include "core/formats/dxf/dxf_binary.hpp"
 
 #include <algorithm>
 #include <array>
@@ -435,17 +436,39 @@ DxfOptions DxfOptions::raised(unsigned factor) const {
   return more;
 }
 
+// Two lines of the text are one group of the file.
+Error of_groups(Error error) {
+  constexpr std::string_view kLine = "line ";
+  std::size_t line = 0;
+  if (error.place.starts_with(kLine))
+    for (const char c : error.place.substr(kLine.size())) {
+      if (c < '0' || c > '9') return error;
+      line = 10 * line + static_cast<std::size_t>(c - '0');
+    }
+  if (line > 0) error.place = fmt::format("group {}", (line + 1) / 2);
+  return error;
+}
+
 Result<LineWork> linework_from_dxf(std::string_view text, const DxfOptions& options) {
   if (text.size() > options.most_bytes)
     return tl::unexpected(too_much(
         fmt::format("the DXF has {} bytes; the limit is {}", text.size(), options.most_bytes)));
-  if (text.substr(0, 18) == "AutoCAD Binary DXF")
-    return fail(ErrorKind::Malformed, "line 1",
-                "is a binary DXF; save it as ASCII DXF, for example R12 or 2000");
+  if (is_binary_dxf(text)) {
+    const auto ascii = ascii_dxf(text, options.most_bytes);
+    if (!ascii) return tl::unexpected(ascii.error());
+    auto read = linework_from_dxf(*ascii, options);
+    if (!read) return tl::unexpected(of_groups(read.error()));
+    return read;
+  }
   if (text.size() > 6 && text.substr(0, 4) == "AC10" && text[6] == '\0')
     return fail(ErrorKind::Malformed, "line 1", "is a DWG; save it as ASCII DXF");
   auto tables = read_dxf_tables(text);
   if (!tables) return tl::unexpected(tables.error());
+  if (options.unit_mm) {
+    tables->unit_mm = *options.unit_mm;
+    std::erase_if(tables->warnings,
+                  [](const Warning& warning) { return warning.code == "no_unit"; });
+  }
   return DxfReader(std::move(*tables), options).read();
 }
 

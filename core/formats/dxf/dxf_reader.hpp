@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string_view>
 
 #include "core/drawing/linework.hpp"
@@ -20,6 +21,7 @@ enum class DxfColours {
 /// Options and limits for reading a drawing.
 struct DxfOptions {
   DxfColours colours{DxfColours::Ignored};
+  std::optional<double> unit_mm{};      ///< of one unit, whatever the file says
   double tolerance_mm{0.02};            ///< largest distance between a curve and its chords
   std::size_t most_bytes{256u << 20};   ///< of the file
   std::size_t most_points{10'000'000};  ///< of the drawing, with curves as chords
@@ -30,7 +32,8 @@ struct DxfOptions {
   [[nodiscard]] DxfOptions raised(unsigned factor) const;
 };
 
-/// Reads the lines of an ASCII DXF drawing (R9 to R2018), in page mm: x to the right, y down.
+/// Reads the lines of a DXF drawing, ASCII (R9 to R2018) or binary, in page mm: x to the right, y
+/// down.
 ///
 /// Reads LINE, LWPOLYLINE, POLYLINE, ARC, CIRCLE, ELLIPSE and SPLINE of the model space, also
 /// through INSERTs of blocks. Warnings name everything else. The name of a layer decides what its
@@ -39,8 +42,8 @@ struct DxfOptions {
 /// not define the dashes, the lines become valley folds. Layers that are off, frozen or not plotted
 /// are left out, with a warning. Solids are seen from above.
 ///
-/// @retval Malformed   not an ASCII DXF, truncated, an invalid group, or a block that inserts
-///                     itself; place is the line
+/// @retval Malformed   not a DXF, truncated, an invalid group, or a block that inserts
+///                     itself; place is the line, of a binary DXF the group
 /// @retval Malformed   colours are Asked, and lines on layers with unknown names have several; the
 ///                     reason is Unclear
 /// @retval OutOfRange  larger than `options` allow, or more than 100 m from the origin

@@ -57,8 +57,10 @@ struct FoldFile {
 /// Other B edges become the outline, or a cut if they bound a hole. F, J and flat U edges are left
 /// out.
 ///
+/// @param unit_mm  of one unit, whatever the file says
 /// @retval Malformed, OutOfRange  as `read_fold`; no frame is flat; coordinates beyond 100 m
 [[nodiscard]] Result<LineWork> linework_from_fold(std::string_view text,
-                                                  const FoldLimits& limits = {});
+                                                  const FoldLimits& limits = {},
+                                                  std::optional<double> unit_mm = {});
 
 }  // namespace popcut

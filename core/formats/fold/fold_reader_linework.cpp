@@ -260,7 +260,8 @@ const FoldFrame* flat_frame(const FoldFile& file) {
   return nullptr;
 }
 
-Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& limits) {
+Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& limits,
+                                    std::optional<double> unit_mm) {
   const auto file = read_fold(text, limits);
   if (!file) return tl::unexpected(file.error());
   std::optional<FoldFrame> frame = flat_anywhere(*file);
@@ -273,22 +274,22 @@ Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& lim
             : "lie in no plane: this is a folded model; give its flat crease pattern, which "
               "most programs export beside it");
   fill_from_faces(*frame);
-  const double mm = fold_unit_mm(frame->unit);
+  const double mm = unit_mm.value_or(fold_unit_mm(frame->unit));
   if (mm == 0.0)
     return fail(
         ErrorKind::Malformed, "/frame_unit",
         fmt::format("is {}; use mm, cm, m, in, pt, um, nm or unit", frame->unit.substr(0, 20)));
   LineWork work;
   work.name = frame->title;
-  if (frame->unit.empty() || frame->unit == "unit") {
+  if (!unit_mm && (frame->unit.empty() || frame->unit == "unit")) {
     Box box;
     for (const auto& v : frame->vertices) box.add({v[1], v[0]});
     work.warnings.push_back(
         {.code = "no_unit",
          .message =
              fmt::format("the file gives no unit of length (frame_unit); 1 unit is read as 1 "
-                         "mm, and the drawing is {:.4g} x {:.4g} mm; `width` or `scale` gives "
-                         "it another size",
+                         "mm, and the drawing is {:.4g} x {:.4g} mm; `units`, `width` or "
+                         "`scale` gives it another size",
                          box.width(), box.height()),
          .spoils = true});
   }

@@ -20,8 +20,9 @@ enum class SvgProfile { Popcut, OrigamiSim, Lightburn, Cricut, Plain };
 /// Options for reading a drawing.
 struct SvgReadOptions {
   StrokeProfile profile;
-  double tolerance_mm{0.02};  ///< largest distance between a curve and its chords, positive
-  double dpi{96};             ///< user units (px) per inch, positive
+  double tolerance_mm{0.02};        ///< largest distance between a curve and its chords, positive
+  std::optional<double> unit_mm{};  ///< of one unit of a DXF or FOLD file that is read instead
+  double dpi{96};                   ///< user units (px) per inch, positive
   SvgLimits limits;
 };
 

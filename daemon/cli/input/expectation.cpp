@@ -206,6 +206,7 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
   if (const auto snap = number_at(json, "/snap_mm")) facts.snap_mm = *snap;
   if (const auto profile = text_at(json, "/svg_profile")) facts.svg_profile = *profile;
   if (const auto dpi = number_at(json, "/svg_dpi"); dpi && *dpi > 0) facts.svg_dpi = *dpi;
+  if (const auto unit = number_at(json, "/unit_mm"); unit && *unit > 0) facts.unit_mm = *unit;
   if (const auto most = number_at(json, "/curve_tolerance_mm"); most && *most > 0)
     facts.curve_tolerance_mm = *most;
   const auto passes = [&](const char* pointer) -> std::optional<int> {
@@ -276,6 +277,7 @@ Result<SvgReadOptions> reading_of(const PlanFacts& plan, const UserTables& table
   SvgReadOptions how;
   how.profile = std::move(*profile);
   how.dpi = plan.svg_dpi;
+  how.unit_mm = plan.unit_mm;
   how.tolerance_mm = plan.curve_tolerance_mm;
   return how;
 }

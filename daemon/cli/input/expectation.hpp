@@ -29,6 +29,7 @@ struct PlanFacts {
   double snap_mm{};
   std::string svg_profile{"popcut"};  ///< how the plan read an SVG, as the next two
   double svg_dpi{96}, curve_tolerance_mm{0.02};
+  std::optional<double> unit_mm;
   double blade_offset_mm{};
   std::uint16_t blade_tools{};
 };

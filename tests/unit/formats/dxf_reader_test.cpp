@@ -328,7 +328,7 @@ TEST_CASE("splines by fit points go through them", "[core][formats][dxf]") {
 TEST_CASE("a faulty DXF is refused with its line and what would be right", "[core][formats][dxf]") {
   CHECK(fault("") == "line 1: this is not a DXF file: it has no section (0 SECTION)");
   CHECK(fault("hello\nworld\n").find("line 1: \"hello\" is not a group code") == 0);
-  CHECK(fault("AutoCAD Binary DXF\r\n\x1a").find("line 1: is a binary DXF") == 0);
+  CHECK(fault("AutoCAD Binary DXF\r\n\x1a").find("group 1: the first line of a binary DXF") == 0);
   CHECK(fault(groups("0 LINE 8 0")).find("line 2: \"LINE\" is outside of any section") == 0);
   const std::string whole = drawing(line_on("CUT", 5));
   CHECK(fault(whole.substr(0, whole.size() - 6)).empty());  // only EOF is gone
@@ -417,6 +417,104 @@ TEST_CASE("several colours on layers without a meaning are asked about", "[core]
         coloured("A", "62 7 420 255") + coloured("B", "62 5 420 255"),
         coloured("CUT", "62 1") + coloured("FOLD_V", "62 5") + coloured("0", "62 7")})
     CHECK(read(drawing(clear), asks).lines.size() >= 2);
+}
+
+namespace {
+
+/// The groups of an ASCII DXF in binary. Which codes are numbers is written down here again, for
+/// the codes of these tests: 10 to 59 and 140 to 149 are doubles, 60 to 79 and 280 to 289 short.
+std::string binary(const std::string& ascii, bool wide) {
+  std::string out("AutoCAD Binary DXF\r\n\x1a\0", 22);
+  std::istringstream in(ascii);
+  std::string code_line, value;
+  const auto put = [&](const void* bytes, std::size_t count) {
+    out.append(static_cast<const char*>(bytes), count);  // little-endian machines only
+  };
+  while (std::getline(in, code_line) && std::getline(in, value)) {
+    const auto code = static_cast<std::int16_t>(std::stoi(code_line));
+    if (wide) {
+      put(&code, 2);
+    } else if (code < 255) {
+      out += static_cast<char>(code);
+    } else {
+      out += '\xff';
+      put(&code, 2);
+    }
+    if ((code >= 10 && code < 60) || (code >= 140 && code < 150)) {
+      const double number = std::stod(value);
+      put(&number, 8);
+    } else if ((code >= 60 && code < 80) || (code >= 280 && code < 290)) {
+      const auto number = static_cast<std::int16_t>(std::stoi(value));
+      put(&number, 2);
+    } else {
+      out += value;
+      out += '\0';
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("a binary DXF is read as the ASCII one of the same groups", "[core][formats][dxf]") {
+  const std::vector<std::string> drawings{
+      drawing(line_on("CUT", 5) + line_on("VALLEY", 7)),
+      drawing("0 CIRCLE 8 CUT 10 1 20 2 40 3.25 0 ARC 8 MOUNTAIN 10 0 20 0 40 5 50 0 51 90 "),
+      drawing("0 LWPOLYLINE 8 OUTLINE 90 3 70 1 10 0 20 0 42 0.5 10 10 20 0 10 10 20 10 "),
+      section("HEADER", "9 $INSUNITS 70 1") + section("ENTITIES", line_on("CUT", 2)) +
+          groups("0 EOF")};
+  for (const std::string& ascii : drawings)
+    for (const bool wide : {false, true}) {
+      std::string bytes = binary(ascii, wide);
+      // 90 is a long number: as in the file of a CAD program.
+      if (const std::size_t at = ascii.find("90\n3\n"); at != std::string::npos) {
+        const std::string as_text = wide ? std::string("\x5a\0003\0", 4)
+                                         : std::string(
+                                               "\x5a"
+                                               "3\0",
+                                               3);
+        const std::string as_long =
+            wide ? std::string("\x5a\0\3\0\0\0", 6) : std::string("\x5a\3\0\0\0", 5);
+        const std::size_t where = bytes.find(as_text);
+        REQUIRE(where != std::string::npos);
+        bytes.replace(where, as_text.size(), as_long);
+      }
+      CAPTURE(ascii, wide);
+      const LineWork meant = read(ascii), own = read(bytes);
+      CHECK(own.points == meant.points);
+      REQUIRE(own.lines.size() == meant.lines.size());
+      for (std::size_t k = 0; k < own.lines.size(); ++k)
+        CHECK(own.lines[k].operation == meant.lines[k].operation);
+      CHECK(read(bytes + std::string(200, '\x1a')).points == meant.points);  // padding
+      // Cut off anywhere before its end, it is refused, or read if only EOF is gone.
+      for (std::size_t end = 0; end + 6 < bytes.size(); ++end) {
+        const auto part = linework_from_dxf(bytes.substr(0, end));
+        if (part) CHECK(part->points == meant.points);
+      }
+    }
+  const std::string line = binary(drawings[0], true);
+  std::string wrong = line;
+  wrong[22 + 2 + 8] = '\x51';  // 81, a code that DXF does not have
+  CHECK_THAT(fault(wrong), Catch::Contains("group 2: the group code 81 is none of DXF's"));
+  CHECK_THAT(fault(line.substr(0, 60)), Catch::Contains("the file ends within it"));
+  DxfOptions small;
+  small.most_bytes = 100;
+  CHECK_FALSE(fault(line, small).empty());
+  CHECK_THAT(fault(binary(drawing("0 LINE 8 CUT 10 1e300 20 0 11 1 21 0"), true)),
+             Catch::Contains("group "));
+}
+
+TEST_CASE("a person's unit replaces that of a DXF and its warning", "[core][formats][dxf]") {
+  const std::string no_unit = section("ENTITIES", line_on("CUT", 2)) + groups("0 EOF");
+  const std::string inches = section("HEADER", "9 $INSUNITS 70 1") + no_unit;
+  CHECK(read(no_unit).points[1].x == 2);
+  CHECK(warned(read(no_unit), "no unit"));
+  CHECK(read(inches).points[1].x == Approx(50.8));
+  DxfOptions cm;
+  cm.unit_mm = 10;
+  CHECK(read(no_unit, cm).points[1].x == 20);
+  CHECK(read(inches, cm).points[1].x == 20);
+  CHECK_FALSE(warned(read(no_unit, cm), "no unit"));
 }
 
 }  // namespace dxf_reader_test
