@@ -7,6 +7,7 @@
 #include "core/drawing/collinear.hpp"
 #include "core/drawing/linework.hpp"
 #include "core/geometry/buckets.hpp"
+#include "core/geometry/cell_choice.hpp"
 #include "core/geometry/cell_walk.hpp"
 #include "core/geometry/line_bins.hpp"
 
@@ -192,9 +193,10 @@ std::vector<std::uint8_t> crowded_edges(std::span<const NodeEdge> list,
     return of.empty() ? kLongSegment : mm / static_cast<double>(of.size());
   };
   {  // On average, long edges pass through at most eight cells of short ones.
-    const ByPlace by_place(
-        edges, shorts,
-        std::max({2.0 * mean(short_mm, shorts), (short_mm + long_mm) / (8.0 * n), 0.1}));
+    const double coarse =
+        std::max({2.0 * mean(short_mm, shorts), (short_mm + long_mm) / (8.0 * n), 0.1});
+    const auto at = [&](std::size_t k) { return edges.at(shorts[k]); };
+    const ByPlace by_place(edges, shorts, cell_for_density(shorts.size(), at, coarse, 0.1));
     if (!shorts.empty())
       for (std::uint32_t e = 0; e < list.size(); ++e)
         if (edges.crowded[e] == 0) by_place.look(edges, e);

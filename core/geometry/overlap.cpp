@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/cell_choice.hpp"
 #include "core/geometry/page_point.hpp"
 
 namespace popcut {
@@ -64,7 +65,10 @@ double OverlapIndex::cell_for(std::span<const Segment> segments) {
   }
   const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
   std::nth_element(lengths.begin(), middle, lengths.end());
-  return std::max({2.0 * *middle, total / (8.0 * static_cast<double>(segments.size())), 0.1});
+  const double coarse =
+      std::max({2.0 * *middle, total / (8.0 * static_cast<double>(segments.size())), 0.1});
+  return cell_for_density(
+      segments.size(), [&](std::size_t k) { return segments[k]; }, coarse, 0.1);
 }
 
 std::size_t OverlapIndex::slot(std::int64_t cx, std::int64_t cy, int direction) const {

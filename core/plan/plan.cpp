@@ -211,6 +211,10 @@ void measure(PlannedSheet& sheet, const Machine& machine, const Material& materi
   }
   if (!machine.driven()) return;  // its own program, or a person, takes what time it takes
   const Motion& motion = machine.motion;
+  for (std::size_t i = 1; i < path.strokes.size(); ++i)
+    sheet.travel_s += travel_seconds(distance(path.points_of(path.strokes[i - 1]).back(),
+                                              path.points_of(path.strokes[i]).front()),
+                                     motion);
   const double out = distance({}, path.points_of(path.strokes.front()).front());
   const double back = distance(path.points_of(path.strokes.back()).back(), {});
   sheet.home_mm = out + back;

@@ -30,6 +30,7 @@ struct PlannedSheet {
   double fold_line_mm{};              ///< length of folds before dashing
   Polylines scored;                   ///< stretches of folds scored for want of room for a dash
   double travel_mm{}, travel_input_mm{}, home_mm{};
+  double travel_s{};  ///< of `travel_mm`, by the machine's motion; 0 where popcut does not drive it
   std::uint64_t order_moves{};  ///< moves that the search for a short order tried
   bool order_finished{true};    ///< false: the search was stopped early
   bool whole_folds{false};      ///< its folds are whole lines: pressed, or cut half through

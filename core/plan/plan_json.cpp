@@ -86,6 +86,7 @@ Json sheet_json(const Plan& plan, const PlannedSheet& sheet, std::size_t number)
       {"fold_mm", rounded(sheet.fold_mm)},
       {"fold_line_mm", rounded(sheet.fold_line_mm)},
       {"travel_mm", rounded(sheet.travel_mm)},
+      {"travel_s", rounded(sheet.travel_s)},
       {"travel_input_mm", rounded(sheet.travel_input_mm)},
       {"home_mm", rounded(sheet.home_mm)},
       {"lifts", sheet.path.strokes.size()},

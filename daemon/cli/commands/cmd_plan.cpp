@@ -247,11 +247,12 @@ void say(const PlanJob& job, const std::string& folder, const Formats& formats) 
         sheet.fold_line_mm,
         sheet.whole_folds ? "as whole lines" : fmt::format("as {:.0f} mm of dashes", sheet.fold_mm),
         sheet.path.strokes.size());
-    fmt::print(
-        stderr,
-        "           travel {:.0f} mm (as drawn {:.0f}), about {:.1f} min ({:.1f} to {:.1f})\n",
-        sheet.travel_mm, sheet.travel_input_mm, minutes(sheet.seconds),
-        minutes(sheet.seconds_range[0]), minutes(sheet.seconds_range[1]));
+    fmt::print(stderr,
+               "           travel {:.0f} mm (as drawn {:.0f}) in {:.0f} s, all in about {:.1f} min "
+               "({:.1f} to "
+               "{:.1f})\n",
+               sheet.travel_mm, sheet.travel_input_mm, sheet.travel_s, minutes(sheet.seconds),
+               minutes(sheet.seconds_range[0]), minutes(sheet.seconds_range[1]));
     if (formats.has("program", plan.machine))
       fmt::print(stderr, "           {}/{}\n", folder, job.program_file(i));
   }

@@ -6,6 +6,7 @@
 #include "core/drawing/clean.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/svg/svg_reader.hpp"
+#include "core/geometry/cell_choice.hpp"
 #include "core/machines/motion.hpp"
 #include "core/pattern/pattern.hpp"
 #include "core/plan/knife/micro_cut.hpp"
@@ -577,6 +578,37 @@ TEST_CASE("each plan option takes its default and its limits and nothing beyond"
   }
   CHECK(read_plan_options({{"machine", "cameo3"}}).error().place == "/options/machine");
   CHECK(read_plan_options({{"split", "false"}})->no_split);
+}
+
+TEST_CASE("cells get smaller only where many lines lie side by side", "[core][plan][clean]") {
+  const auto lines = [](std::size_t count, double apart_mm) {
+    std::vector<Segment> made;
+    for (std::size_t k = 0; k < count; ++k) {
+      const double y = apart_mm * static_cast<double>(k);
+      made.push_back({{0, y}, {2, y}});
+    }
+    return made;
+  };
+  const auto cell = [](const std::vector<Segment>& of) {
+    return cell_for_density(
+        of.size(), [&](std::size_t k) { return of[k]; }, 4.0, 0.1);
+  };
+  CHECK(cell(lines(2000, 1)) == 4.0);
+  CHECK(cell(lines(2000, 0.02)) < 1.1);
+  CHECK(cell(lines(2000, 0.02)) >= 0.1);
+  CHECK(cell(lines(2000, 0)) >= 0.1);  // all on one place: no cell helps
+  CHECK(cell({}) == 4.0);
+}
+
+TEST_CASE("travel is told in millimetres and in the machine's seconds", "[core][plan]") {
+  const auto made = plan(card(), cameo3(), paper(), {});
+  REQUIRE(made);
+  const PlannedSheet& sheet = made->sheets[0];
+  const Motion motion = cameo3().motion;
+  CHECK(sheet.travel_s > sheet.travel_mm / motion.travel_mm_s);  // it speeds up and brakes
+  CHECK(sheet.travel_s < sheet.seconds);
+  const auto json = nlohmann::json::parse(plan_json(*made));
+  CHECK(json["sheets"][0]["travel_s"].get<double>() == Approx(sheet.travel_s).margin(1e-3));
 }
 
 }  // namespace plan_test
