@@ -585,7 +585,7 @@ TEST_CASE("cells get smaller only where many lines lie side by side", "[core][pl
     std::vector<Segment> made;
     for (std::size_t k = 0; k < count; ++k) {
       const double y = apart_mm * static_cast<double>(k);
-      made.push_back({{0, y}, {2, y}});
+      made.push_back({{0.1, y}, {0.9, y}});
     }
     return made;
   };
