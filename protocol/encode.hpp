@@ -75,6 +75,15 @@ struct JobOptions {
   std::optional<MarkLayout> marks{};
 };
 
+/// A program that moves the tool, up, once around `box` (page mm), so that a person sees where the
+/// sheet will be cut. It lowers nothing: it is written as a cut of the box, and every line of that
+/// is then turned into a move.
+///
+/// @retval Internal  a line would be left
+/// @retval as `encode`
+[[nodiscard]] Result<EncodedProgram> frame_of(const Box& box, const Machine& machine,
+                                              const Material& material, JobOptions options);
+
 /// Options for a job on a mat.
 [[nodiscard]] inline JobOptions on_mat(const Mat& mat) {
   return {.page_width_mm = mat.width_mm, .page_length_mm = mat.length_mm, .mat_code = mat.code};

@@ -34,13 +34,40 @@ namespace {
 struct Options {
   PlanArguments plan;
   std::string device, treat_as, folder, faults;
-  bool direct{false}, yes{false}, test{false};
+  bool direct{false}, yes{false}, test{false}, frame{false};
   int copies{1}, priority{0};
   std::string name;
   bool wait{false};
 };
 
 // 1. May it be cut?
+
+/// Moves the tool, up, round what is going to be cut.
+Result<void> go_round(const PlanJob& job, std::size_t sheet, const CutTarget& target,
+                      const Globals& globals) {
+  const PlannedSheet& planned = job.plan.sheets[sheet];
+  JobOptions options = on_mat(planned.mat);
+  options.page_width_mm = planned.area_mm[0];
+  options.page_length_mm = planned.area_mm[1];
+  if (planned.mat.code == 0) options.mat_code.reset();
+  Box box;
+  for (const PagePoint& p : planned.sent_path().points) box.add(p);
+  const auto program = frame_of(box, target.machine, job.plan.material, options);
+  if (!program) return tl::unexpected(program.error());
+  const auto sent =
+      send_program(target, target.machine,
+                   {*program, "", {planned.area_mm[0], planned.area_mm[1]}, 10}, !globals.quiet);
+  if (!sent) return tl::unexpected(sent.error());
+  if (sent->end.error) return tl::unexpected(within("--frame", *sent->end.error));
+  if (sent->end.cancelled)
+    return fail(ErrorKind::Refused, "--frame", "stopped as you asked; nothing was cut");
+  if (sent->trace && !sent->trace->strokes.empty())
+    return fail(ErrorKind::Internal, "--frame", "the tool came down");
+  if (!globals.quiet)
+    fmt::print(stderr, "sheet {}: the tool went round {:.1f} x {:.1f} mm at {:.1f}, {:.1f}, up\n",
+               sheet + 1, box.width(), box.height(), box.x0, box.y0);
+  return {};
+}
 
 /// A person says yes to each sheet, or --yes stands for it.
 Result<void> ask(const Options& options, const PlanJob& job, std::size_t sheet,
@@ -184,6 +211,15 @@ Result<void> cut_all(const Options& options, const Globals& globals, const PlanJ
                      const CutTarget& target, std::optional<OutputFolder>& folder,
                      nlohmann::ordered_json& sheets) {
   for (std::size_t sheet = 0; sheet < job.plan.sheets.size(); ++sheet) {
+    if (options.frame) {
+      if (!options.yes && isatty(STDIN_FILENO) == 1) {
+        fmt::print(stderr, "Load sheet {}, then press Enter: the tool goes round it, up. ",
+                   sheet + 1);
+        std::string enter;
+        std::getline(std::cin, enter);
+      }
+      if (auto round = go_round(job, sheet, target, globals); !round) return round;
+    }
     if (auto asked = ask(options, job, sheet, target); !asked) return asked;
     const auto cut = cut_sheet(job, sheet, target, globals);
     if (!cut) return tl::unexpected(cut.error());
@@ -216,6 +252,9 @@ Result<void> check_words(const Options& options) {
   if (options.yes)
     return wrong("--yes",
                  "works only with --direct; a job waits for 'popcut arm' and 'popcut start'");
+  if (options.frame)
+    return wrong("--frame",
+                 "works only with --direct; popcutd moves no tool before 'popcut start'");
   if (!options.faults.empty())
     return wrong("--faults",
                  "works only with --direct; for popcutd, set faults in its configuration");
@@ -250,6 +289,11 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
                     options.device));
   auto target = choose_target({options.device, options.plan.machine, options.treat_as});
   if (!target) return tl::unexpected(target.error());
+  if (options.frame && target->device.kind == DeviceKind::File)
+    return fail(ErrorKind::Usage, "--frame", "moves a cutter's tool, and --device is a file");
+  if (options.frame && target->real() && (isatty(STDIN_FILENO) != 1 || isatty(STDERR_FILENO) != 1))
+    return fail(ErrorKind::Refused, "--frame",
+                "moves the tool while you watch; run it in a terminal");
   if (!options.faults.empty()) {
     if (!target->simulated())
       return fail(ErrorKind::Usage, "--faults",
@@ -332,6 +376,8 @@ void register_cut(CLI::App& app, const Globals& globals, Run& run) {
                    "Faults of a simulated device; docs/simulator.md describes the file")
       ->option_text("FILE");
   command->add_flag("--direct", options->direct, "Cut at once, without popcutd");
+  command->add_flag("--frame", options->frame,
+                    "First move the tool, up, round what will be cut on each sheet; with --direct");
   command->add_flag("--yes", options->yes,
                     "Do not ask before each sheet; only with simulated devices");
   command->add_option("-o,--output", options->folder, "Folder for programs, drawings and traces")

@@ -79,6 +79,20 @@ TEST_CASE("simulate compares a program with a pattern and its plan", "[cli][e2e]
   }
 }
 
+TEST_CASE("before a cut the tool goes round the sheet if a person wants to see where",
+          "[cli][e2e]") {
+  const Bench bench;
+  const std::string spec = source_file("examples/unit.json");
+  const Ran ran = bench.popcut({"cut", spec, "--direct", "--yes", "--frame"});
+  INFO(ran.err);
+  CHECK(ran.exit == 0);
+  CHECK(says(ran.err, "the tool went round 60.0 x 150."));
+  CHECK(says(ran.err, "mm cut on sim:cameo3"));
+  check_refused(bench.popcut({"cut", spec, "--frame"}), 2, "works only with --direct");
+  check_refused(bench.popcut({"cut", spec, "--direct", "--frame", "--device", "file:a.gpgl"}), 2,
+                "--device is a file");
+}
+
 TEST_CASE("a program file is sent as it is, after a rehearsal", "[cli][e2e]") {
   const Bench bench;
   bench.plan("cameo4");

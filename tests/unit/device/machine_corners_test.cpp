@@ -13,6 +13,7 @@
 
 #include "device/sim/bed.hpp"
 #include "device/sim/simulate.hpp"
+#include "protocol/decode.hpp"
 #include "tests/support/sim_bench.hpp"
 
 namespace popcut::testing {
@@ -230,6 +231,31 @@ TEST_CASE("a row of the table with axes or sizes that cannot be is refused", "[d
   CHECK(error(R"("hpgl-generic", "margin_left_mm": -5, "variant": "negative")") == "accepted");
   CHECK_THAT(error(R"("cameo3", "width_mm": 200)"),
              Catch::Contains("/machines/0/mats") && Catch::Contains("200"));
+}
+
+TEST_CASE("the tool goes round a sheet on every machine without coming down", "[device][sim]") {
+  for (const Machine& m : value(all_machines())) {
+    if (!m.driven()) continue;
+    CAPTURE(m.name);
+    JobOptions options{.page_width_mm = 120, .page_length_mm = 150};
+    const Box box{10, 20, 90, 140};
+    const auto program = value(frame_of(box, m, value(find_material("paper-220")), options));
+    SimOptions sheet;
+    sheet.page_width_mm = 120;
+    sheet.page_length_mm = 150;
+    SimTransport cable(cutter(m, sheet));
+    const SessionEnd end = run_session(cable, m, program);
+    CHECK(!end.error);
+    CHECK(cable.cutter().trace().strokes.empty());
+    CHECK(cable.cutter().trace().cut_mm == 0);
+    CHECK(cable.cutter().trace().unknown_count == 0);
+    // Four sides of 80 and 120 mm with the tool up, the way there and the way home: nothing faster.
+    CHECK(cable.cutter().trace().seconds > 400 / m.motion.travel_mm_s);
+    const auto read = value(decode(program.dialect, program.view()));
+    std::set<std::pair<double, double>> corners;
+    for (const MachinePoint& p : read.points) corners.insert({p.a, p.b});
+    CHECK(corners.size() >= 4);
+  }
 }
 
 }  // namespace popcut::testing
