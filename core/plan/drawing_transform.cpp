@@ -103,6 +103,15 @@ LineWork copied(LineWork drawing, std::span<const PagePoint> places) {
   return out;
 }
 
+LineWork with_weed_box(LineWork drawing, double mm) {
+  const Box box = bounds(drawing);
+  if (!(mm > 0) || box.empty()) return drawing;
+  const double x0 = box.x0 - mm, y0 = box.y0 - mm, x1 = box.x1 + mm, y1 = box.y1 + mm;
+  drawing.append(Operation::Outline,
+                 std::array<PagePoint, 5>{{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}, {x0, y0}}});
+  return drawing;
+}
+
 double reading_tolerance_mm(const PlanOptions& options) {
   return options.curve_tolerance_mm / (options.width_mm ? 10.0 : std::max(options.scale, 1.0));
 }

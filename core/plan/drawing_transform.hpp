@@ -36,6 +36,10 @@ namespace popcut {
 /// itself if there are none.
 [[nodiscard]] LineWork copied(LineWork drawing, std::span<const PagePoint> places);
 
+/// The drawing with a box around it, `mm` from its bounding box, that is cut last: what is left of
+/// a vinyl sheet is then weeded in one piece. Unchanged if `mm` is 0.
+[[nodiscard]] LineWork with_weed_box(LineWork drawing, double mm);
+
 /// How far curves may lie from the lines that replace them when a drawing is read, mm of the
 /// drawing: on the sheet, after `scale`, this is `curve_tolerance_mm`. The scale that `width` makes
 /// is not known yet; up to 10 is allowed for.

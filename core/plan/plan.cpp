@@ -402,6 +402,7 @@ Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& mate
   if (!mat) return tl::unexpected(mat.error());
   constexpr double kBetweenCopiesMm = 3;
   std::array<double, 2> room = reach_mm(machine, *mat);
+  for (double& mm : room) mm -= 2 * options.weed_box_mm;
   if (options.place.at) room = {room[0] - options.place.at->x, room[1] - options.place.at->y};
   const auto copies =
       copies_at(drawing, static_cast<int>(options.per_sheet), room, kBetweenCopiesMm);
@@ -416,6 +417,7 @@ Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& mate
     if (auto amount = check_amount(drawing, material.dashes); !amount)
       return tl::unexpected(amount.error());
   }
+  drawing = with_weed_box(std::move(drawing), options.weed_box_mm);
   if (options.blade == BladeKind::Autoblade && !machine.autoblade)
     return fail(ErrorKind::OutOfRange, "/options/blade",
                 fmt::format("{} cannot hold an autoblade; leave `blade` out", machine.title));
@@ -428,7 +430,9 @@ Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& mate
     if (once.score) once.score->passes = 1;
   }
   auto planned = Planner(std::move(drawing), machine, once, options, std::move(*mat), *mode).run();
-  if (planned) planned->drawing_transform = map, planned->copies = *copies;
+  if (planned)
+    planned->drawing_transform = map, planned->copies = *copies,
+    planned->weed_box_mm = options.weed_box_mm;
   return planned;
 }
 

@@ -244,6 +244,7 @@ std::string plan_json(const Plan& plan) {
             {"svg_profile", plan.svg_profile},
             {"drawing_transform", transform_json(plan.drawing_transform)},
             {"copies", copies_json(plan.copies)},
+            {"weed_box_mm", plan.weed_box_mm},
             {"passes", {{"cut", plan.material.cut.passes}, {"fold", fold_tool(plan).passes}}},
             {"unit_mm", plan.unit_mm ? Json(*plan.unit_mm) : Json()},
             {"svg_dpi", plan.svg_dpi},

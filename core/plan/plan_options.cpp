@@ -226,6 +226,9 @@ std::vector<PlanOption> make_table() {
            "How long best searches: 2 tries twice as many changes and stops after 2 minutes"),
       number("seed", MEMBER(order.seed), "N", {0, kMostSeed},
            "Random seed of best; the same seed gives the same order"),
+      number("weed-box", MEMBER(weed_box_mm), "MM", {0, 1000, "mm"},
+           "Cut a box around the drawing, so far from it, last: vinyl is then weeded in one piece; 0 is "
+           "no box"),
       text("pen", MEMBER(pens), "TEXT",
            "Settings for this job in place of the material's, such as \"cut: force=90 passes=2; fold: "
            "speed=20\": force (gf), speed (mm/s), passes, step (gf more on each further pass), tool"),
@@ -329,6 +332,9 @@ Result<void> check_pairs(const PlanOptions& options) {
       (options.marks || !options.seams_x.empty() || !options.seams_y.empty() || options.place.clip))
     return fail(ErrorKind::Usage, "/options/per-sheet",
                 "goes with one whole drawing; leave out `marks`, `seam-x`, `seam-y` and `clip`");
+  if (options.weed_box_mm > 0 && (options.marks || options.place.clip))
+    return fail(ErrorKind::Usage, "/options/weed-box",
+                "goes with a whole drawing; leave out `marks` and `clip`");
   const bool changed =
       options.width_mm || options.scale != 1 || options.rotate_deg != 0 || options.mirror;
   if (options.marks && changed)

@@ -55,6 +55,7 @@ struct PlanOptions {
   std::uint64_t per_sheet{1};        ///< copies of the drawing, side by side
   std::string dialect{};             ///< "gpgl" or "hpgl"; empty: the machine's
   OrderOptions order{};              ///< its `cost` is the machine's
+  double weed_box_mm{0};             ///< distance of a box around the drawing; 0: none
   std::string pens{};                ///< settings in place of the material's, see `with_pens`
   BladeKind blade{BladeKind::Auto};  ///< of a machine that can hold an autoblade
   bool track_enhancing{false};       ///< the sheet is rolled in and out before the cut

@@ -206,6 +206,7 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
   if (const auto snap = number_at(json, "/snap_mm")) facts.snap_mm = *snap;
   if (const auto profile = text_at(json, "/svg_profile")) facts.svg_profile = *profile;
   if (const auto dpi = number_at(json, "/svg_dpi"); dpi && *dpi > 0) facts.svg_dpi = *dpi;
+  if (const auto box = number_at(json, "/weed_box_mm"); box && *box > 0) facts.weed_box_mm = *box;
   if (const auto unit = number_at(json, "/unit_mm"); unit && *unit > 0) facts.unit_mm = *unit;
   if (const auto most = number_at(json, "/curve_tolerance_mm"); most && *most > 0)
     facts.curve_tolerance_mm = *most;
@@ -344,7 +345,10 @@ Result<Expectation> read_expectation(const std::string& file, const std::optiona
   const auto material = find_material(plan->material, tables.texts);
   if (!material) return tl::unexpected(within("--plan", tables.with_file(material.error())));
   out.expected.drawing = drawing_on_sheet(
-      copied(transformed(std::move(input->drawing), plan->drawing_transform), plan->copies), *plan);
+      with_weed_box(
+          copied(transformed(std::move(input->drawing), plan->drawing_transform), plan->copies),
+          plan->weed_box_mm),
+      *plan);
   out.expected.folds_whole = plan->folds != "perforate";
   out.expected.blade_offset_mm = plan->blade_offset_mm;
   out.expected.blade_tools = plan->blade_tools;

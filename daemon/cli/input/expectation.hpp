@@ -22,6 +22,7 @@ struct PlanFacts {
   Placement transform;            ///< pattern to sheet
   Placement drawing_transform;    ///< of the pattern, before
   std::vector<PagePoint> copies;  ///< of it, after that
+  double weed_box_mm{};
   std::optional<int> cut_passes, fold_passes;
   std::vector<PlannedPiece> pieces;  ///< where the pattern was split: those on this sheet
   LineWork also_allowed;             ///< overcuts, lead-ins, marks, labels, scored folds

@@ -128,7 +128,8 @@ TEST_CASE("copies, sizes, turns and settings of one job together are cut as the 
       {"--per-sheet", "9", "--scale", "0.5", "--mirror"},
       {"--per-sheet", "3", "--rotate", "90", "--pen", "cut: passes=2 force=70; fold: passes=3"},
       {"--per-sheet", "2", "--width", "110", "--rotate", "30", "--mirror", "--mat-free"},
-      {"--per-sheet", "5", "--scale", "0.6", "--at", "20,30", "--pen", "cut: passes=2"}};
+      {"--per-sheet", "5", "--scale", "0.6", "--at", "20,30", "--pen", "cut: passes=2"},
+      {"--per-sheet", "2", "--weed-box", "4.5", "--rotate", "90"}};
   for (const std::vector<std::string>& job : jobs) {
     CAPTURE(job);
     std::vector<std::string> words{"plan", spec, "--machine", "cameo3", "-o", "many", "-q"};
