@@ -111,6 +111,13 @@ Result<EncodedProgram> read_foreign(Dialect dialect, std::string bytes) {
     if (command.verb == Verb::Query)
       return wrong(fmt::format("\"{}\" asks the cutter something; remove it, popcut asks itself",
                                printable(whole->texts[command.text], 20)));
+    // The machine would answer in the middle of the program, and only its answer says whether the
+    // marks are where the lines count from.
+    if (command.verb != Verb::Move && command.verb != Verb::Draw && command.verb != Verb::Empty)
+      for (const std::string_view search : {"TB123", "TB124"})
+        if (std::string_view(program.bytes).substr(command.begin).starts_with(search))
+          return wrong(
+              "searches for registration marks; cut the drawing with 'popcut cut --marks'");
     const bool moves = command.verb == Verb::Move && command.count > 0;
     if (moves && !first_move) first_move = command.begin;
     if (command.verb != Verb::Draw || command.count == 0) continue;

@@ -61,7 +61,8 @@ struct EncodedProgram {
 /// A program that somebody else wrote, divided as a session needs it: settings before the first
 /// move, strokes, and what follows the last line.
 ///
-/// @retval Malformed   a command cannot be read, or asks the machine something; place is "byte N"
+/// @retval Malformed   a command cannot be read, or asks the machine something, or searches for
+///                     marks; place is "byte N"
 /// @retval OutOfRange  it draws no line, or has strokes that cannot be read by themselves (relative
 ///                     coordinates from stroke to stroke)
 [[nodiscard]] Result<EncodedProgram> read_foreign(Dialect dialect, std::string bytes);

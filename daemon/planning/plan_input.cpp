@@ -110,6 +110,11 @@ class TopKeys : public nlohmann::json_sax<nlohmann::json> {
 
 Result<DrawingInput> drawing_from_text(std::string text, InputKind kind, const SvgReadOptions& how,
                                        unsigned factor, const SpecSources& sources) {
+  if (how.unit_mm && (kind == InputKind::Spec || kind == InputKind::Svg))
+    return fail(ErrorKind::Usage, "/options/units",
+                kind == InputKind::Spec
+                    ? "is for DXF and FOLD files, and a design is in mm; use `scale` or `width`"
+                    : "is for DXF and FOLD files; for an SVG use `svg-dpi`, `scale` or `width`");
   switch (kind) {
     case InputKind::Spec:
       return from_spec(text, sources);

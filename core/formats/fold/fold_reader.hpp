@@ -52,7 +52,7 @@ struct FoldFile {
 /// is a rotation as seen from +Z, so mountains and valleys keep their side. A frame that is flat in
 /// another plane is first turned to +Z, by the smallest rotation: the side from which its faces run
 /// counterclockwise, or without faces the one nearest to +z, +y, +x. Where only faces are given,
-/// their sides are the edges; without any assignment, sides of one face are the border. M and V
+/// their sides are the edges; where no edge is a border, sides of one face only are. M and V
 /// become folds. C becomes a cut, and so do B edges that lie on each other (split form), once.
 /// Other B edges become the outline, or a cut if they bound a hole. F, J and flat U edges are left
 /// out.

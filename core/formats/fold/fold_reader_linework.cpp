@@ -99,8 +99,8 @@ FoldFrame turned_up(FoldFrame frame, const Point& normal) {
   return frame;
 }
 
-/// Edges that no list gives, from the faces; and the border: where nothing says what an edge is,
-/// those of one face only.
+/// Edges that no list gives, from the faces; and where no edge is a border (B), the sides of one
+/// face only become it.
 void fill_from_faces(FoldFrame& frame) {
   std::vector<std::array<std::uint32_t, 2>> sides;
   for (const auto& face : frame.faces)
@@ -115,14 +115,30 @@ void fill_from_faces(FoldFrame& frame) {
     frame.assignments.assign(frame.edges.size(), 'U');
     frame.fold_angles_deg.assign(frame.edges.size(), 0.0);
   }
-  const bool assigned = std::any_of(frame.assignments.begin(), frame.assignments.end(),
-                                    [](char letter) { return letter != 'U'; });
-  if (assigned) return;
+  const bool bordered =
+      std::find(frame.assignments.begin(), frame.assignments.end(), 'B') != frame.assignments.end();
+  if (bordered) return;
+  std::vector<std::array<std::uint32_t, 2>> border;  // sides of one face
+  for (std::size_t i = 0; i < sides.size();) {
+    std::size_t end = i + 1;
+    while (end < sides.size() && sides[end] == sides[i]) ++end;
+    if (end - i == 1) border.push_back(sides[i]);
+    i = end;
+  }
+  std::vector<std::uint8_t> listed(border.size(), 0);
   for (std::size_t e = 0; e < frame.edges.size(); ++e) {
     const std::array<std::uint32_t, 2> side{std::min(frame.edges[e][0], frame.edges[e][1]),
                                             std::max(frame.edges[e][0], frame.edges[e][1])};
-    const auto [from, to] = std::equal_range(sides.begin(), sides.end(), side);
-    if (to - from == 1) frame.assignments[e] = 'B';
+    const auto found = std::lower_bound(border.begin(), border.end(), side);
+    if (found == border.end() || *found != side) continue;
+    listed[static_cast<std::size_t>(found - border.begin())] = 1;
+    if (frame.assignments[e] == 'U') frame.assignments[e] = 'B';
+  }
+  for (std::size_t k = 0; k < border.size(); ++k) {
+    if (listed[k] != 0) continue;
+    frame.edges.push_back(border[k]);
+    frame.assignments.push_back('B');
+    frame.fold_angles_deg.push_back(0.0);
   }
 }
 
@@ -340,6 +356,12 @@ Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& lim
     return fail(ErrorKind::OutOfRange, "/edges_vertices",
                 "too many border edges overlap; draw each side of a cut once");
   uncut.add_warnings(work.warnings);
+  const bool cuts = std::any_of(work.lines.begin(), work.lines.end(),
+                                [](const DrawnLine& line) { return is_cut(line.operation); });
+  if (!cuts && !work.lines.empty())
+    work.warnings.push_back({.code = "no_outline",
+                             .message = "no edge is a border (B) or a cut (C): the sheet is folded "
+                                        "but not cut out"});
   return work;
 }
 

@@ -83,7 +83,10 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
         fmt::format(", or set POPCUT_RAISE_LIMITS={}", std::min(100u, 4 * *factor));
   if (!input && input.error().reason == ErrorReason::Misplaced)
     input.error().detail += ", or see 'popcut design --place'";
-  if (!input) return tl::unexpected(within(file, input.error()));
+  // An option's error has its place.
+  if (!input)
+    return tl::unexpected(
+        input.error().place.starts_with("/options/") ? input.error() : within(file, input.error()));
   if (input->drawing.name.empty())
     input->drawing.name = std::filesystem::path(file).stem().string();
   return input;

@@ -33,6 +33,24 @@ Ran plan(const TempFolder& temp, const std::string& setting, std::vector<std::st
 
 }  // namespace
 
+TEST_CASE("units are for files that may not name theirs", "[cli][e2e]") {
+  const CommandBench bench;
+  write_file(bench.temp / "a.svg",
+             "<svg xmlns='http://www.w3.org/2000/svg' width='9mm' height='9mm'/>");
+  check_refused(bench.popcut({"plan", "a.svg", "--units", "in", "-o", "o"}), 2,
+                "--units: is for DXF and FOLD files; for an SVG use --svg-dpi");
+  write_file(bench.temp / "a.fold",
+             R"({"vertices_coords":[[0,0],[1,0],[1,2]],"edges_vertices":[[0,1],[1,2]],)"
+             R"("edges_assignment":["C","V"]})");
+  const Ran ran = bench.popcut({"plan", "a.fold", "--units", "in", "-o", "o", "-q"});
+  CHECK(ran.exit == 0);
+  CHECK(bench.read_json("o/plan.json")["sheets"][0]["cut_mm"].get<double>() == Approx(25.4));
+  const Ran held = bench.popcut(
+      {"simulate", "o/sheet-01.gpgl", "-o", "sim", "--expect", "a.fold", "--plan", "o/plan.json"});
+  INFO(held.err);
+  CHECK(held.exit == 0);
+}
+
 TEST_CASE("a profile in the user's folder says what colours mean", "[cli][e2e][svg]") {
   const TempFolder temp;
   write_file(temp / "a.svg", kDrawing);

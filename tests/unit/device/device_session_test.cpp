@@ -563,6 +563,12 @@ TEST_CASE("a foreign program that cannot be read or stopped is refused with its 
                    "M1,1\x03"
                    "D2,2"),
              Catch::Contains("byte 6"));  // cut off
+  CHECK_THAT(error(Dialect::Gpgl,
+                   "TB50,0\x03"
+                   "TB123,10,10,0,0\x03"
+                   "M1,1\x03"
+                   "D2,2\x03"),
+             Catch::Contains("byte 8") && Catch::Contains("--marks"));
   CHECK_THAT(error(Dialect::Gpgl, ""), Catch::Contains("draws no line"));
 }
 

@@ -238,6 +238,19 @@ TEST_CASE("faces of a FOLD file stand for edges and border where no list gives t
   CHECK(alone->lines.size() == 1);
   REQUIRE(alone->warnings.size() == 1);  // the diagonal: nothing says that it is a fold
   CHECK(alone->warnings[0].spoils);
+  // Only the fold is listed: the outline still comes from the faces.
+  const auto fold_only = linework_from_fold(
+      R"({"frame_unit":"mm",)" + square + R"(,"edges_vertices":[[0,2]],"edges_assignment":["V"]})");
+  REQUIRE(fold_only);
+  CHECK(total_mm(*fold_only, Operation::FoldValley) == Approx(std::hypot(10, 10)));
+  CHECK(total_mm(*fold_only, Operation::Outline) == Approx(40));
+  CHECK(fold_only->warnings.empty());
+  const auto no_faces = linework_from_fold(
+      R"({"frame_unit":"mm","vertices_coords":[[0,0],[10,0]],"edges_vertices":[[0,1]],)"
+      R"("edges_assignment":["V"]})");
+  REQUIRE(no_faces);
+  REQUIRE(no_faces->warnings.size() == 1);
+  CHECK_THAT(no_faces->warnings[0].message, Catch::Contains("not cut out"));
   const auto angled = linework_from_fold(
       R"({"frame_unit":"mm",)" + square +
       R"(,"edges_vertices":[[2,0],[0,1],[1,2],[2,3],[3,0]],"edges_foldAngle":[90,0,0,0,0]})");
