@@ -46,6 +46,10 @@ Result<SentProgram> send_program(const CutTarget& target, const Machine& driven,
   if (at_terminal && isatty(STDERR_FILENO) != 1 &&
       std::freopen("/dev/null", "w", stderr) == nullptr)
     sent.end.remarks.push_back("the terminal is gone");
+  bar.clear();
+  if (progress)
+    for (const std::string& remark : sent.end.remarks)
+      fmt::print(stderr, "  note     {}\n", remark);
   sent.trace = cable->trace();
   if (!sent.end.error && !sent.end.cancelled)
     if (const auto kept = cable->finish(); !kept) sent.end.error = kept.error();

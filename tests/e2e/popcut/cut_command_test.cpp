@@ -79,6 +79,24 @@ TEST_CASE("simulate compares a program with a pattern and its plan", "[cli][e2e]
   }
 }
 
+TEST_CASE("what a cutter did not say is told after the cut", "[cli][e2e]") {
+  const Bench bench;
+  const std::string spec = source_file("examples/unit.json");
+  write_file(bench.temp / "mute.json",
+             R"({"popcut": 1, "faults": [{"at_byte": 0, "kind": "silence", "seconds": 9}]})");
+  const std::vector<std::string> words{"cut",   spec,       "--direct",
+                                       "--yes", "--device", "sim:gcc-bobcat"};
+  const Ran told = bench.popcut(words);
+  INFO(told.err);
+  CHECK(told.exit == 0);
+  CHECK_FALSE(says(told.err, "note"));
+  std::vector<std::string> mute = words;
+  mute.insert(mute.end(), {"--faults", "mute.json"});
+  const Ran ran = bench.popcut(mute);
+  INFO(ran.err);
+  CHECK(says(ran.err, "note     the machine did not say how far it reaches (OH)"));
+}
+
 TEST_CASE("before a cut the tool goes round the sheet if a person wants to see where",
           "[cli][e2e]") {
   const Bench bench;
