@@ -482,6 +482,11 @@ Result<void> keep(const Machine& machine, const std::string& row) {
 
 Result<void> run_calibrate(const Options& options, const Globals& globals) {
   if (const auto valid = check_steps(options.steps); !valid) return valid;
+  constexpr std::string_view kNameBytes =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-";
+  if (options.name.find_first_not_of(kNameBytes) != std::string::npos || options.name.size() > 60)
+    return fail(ErrorKind::Usage, "--as",
+                "is no name for a machine; use up to 60 letters, digits, dots and hyphens");
   const bool simulated = options.device.empty() || options.device.starts_with("sim:");
   // A simulated machine may be another than the one that popcut takes it for.
   auto target = choose_target(
@@ -501,6 +506,10 @@ Result<void> run_calibrate(const Options& options, const Globals& globals) {
     const auto found = find_driven_machine(options.machine, tables->texts);
     if (!found) return tl::unexpected(tables->with_file(found.error(), "--machine"));
     machine = *found;
+    if (machine.language != target->machine.language)
+      return fail(ErrorKind::Usage, "--machine",
+                  fmt::format("speaks {}, and {} does not understand it; name one that speaks {}",
+                              machine.language, target->device.text, target->machine.language));
   }
   const auto material = find_material(options.material, tables->texts);
   if (!material) return tl::unexpected(tables->with_file(material.error(), "--material"));
