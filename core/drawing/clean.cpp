@@ -24,7 +24,7 @@ constexpr std::uint32_t kNone = NodeIndex::kNone;
 /// The straight parts of the lines, in drawing order.
 struct DrawnSegments {
   struct Kind {
-    Operation operation{};
+    PenOperation operation;
     bool joins_next{false};  ///< the next segment continues from its end
     bool loops{
         false};  ///< last segment of a closed line: the line's first segment continues from its end

@@ -41,7 +41,7 @@ inline constexpr double kMostSnap = 1.0;
 /// A straight piece of a cleaned drawing, from node `a` to node `b`.
 struct Piece {
   std::uint32_t a{}, b{};
-  Operation operation{};
+  PenOperation operation;
   std::int32_t next{-1};  ///< the piece that continues from its end in the drawing, -1: none
 };
 

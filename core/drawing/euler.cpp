@@ -247,7 +247,7 @@ class Joiner {
     return without_straight_vertices(about, kStraightTolerance).size() == 2;
   }
 
-  static void put(Operation operation, std::vector<PagePoint>& line, LineWork& out) {
+  static void put(PenOperation operation, std::vector<PagePoint>& line, LineWork& out) {
     if (line.size() == 2) return out.append(operation, line);
     std::vector<PagePoint> kept = without_straight_vertices(line, kStraightTolerance);
     if (closed(kept) && kept.size() > 4 && seam_is_straight(kept)) {

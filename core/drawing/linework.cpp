@@ -27,7 +27,7 @@ bool clip_segment(const PagePoint& a, const PagePoint& b, const Box& area, doubl
 
 }  // namespace
 
-void LineWork::append(Operation operation, std::span<const PagePoint> line) {
+void LineWork::append(PenOperation operation, std::span<const PagePoint> line) {
   if (line.size() < 2) return;
   lines.push_back({operation, static_cast<std::uint32_t>(points.size()),
                    static_cast<std::uint32_t>(line.size())});
@@ -67,7 +67,7 @@ const char* operation_name(Operation operation) {
   return kNames.at(static_cast<std::size_t>(operation));
 }
 
-void clip_line(std::span<const PagePoint> line, Operation operation, const Box& area,
+void clip_line(std::span<const PagePoint> line, PenOperation operation, const Box& area,
                std::vector<PagePoint>& run, LineWork& out) {
   const std::size_t first_line = out.lines.size();
   run.clear();

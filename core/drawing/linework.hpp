@@ -16,7 +16,7 @@ struct Pattern;
 /// One line of a drawing: points `first .. first + count` of its `LineWork`. A closed line repeats
 /// its first point at the end.
 struct DrawnLine {
-  Operation operation{};
+  PenOperation operation;
   std::uint32_t first{};
   std::uint32_t count{};
 };
@@ -27,8 +27,9 @@ struct LineWork {
   std::vector<PagePoint> points;
   std::vector<DrawnLine> lines;
   std::vector<Warning> warnings;
-  bool has_page{false};  ///< the drawing's place on its page matters (SVG)
-  bool dashed{false};    ///< its folds are dashes already: cut them as they are
+  bool has_page{false};              ///< the drawing's place on its page matters (SVG)
+  bool dashed{false};                ///< its folds are dashes already: cut them as they are
+  std::vector<std::string> looks{};  ///< colours and layers of its lines; only if pens were named
 
   [[nodiscard]] std::span<const PagePoint> points_of(const DrawnLine& line) const {
     return std::span(points).subspan(line.first, line.count);
@@ -38,7 +39,7 @@ struct LineWork {
     return {name, {}, {}, warnings, has_page, dashed};
   }
   /// Appends a line. Ignores lines of fewer than two points.
-  void append(Operation operation, std::span<const PagePoint> line);
+  void append(PenOperation operation, std::span<const PagePoint> line);
 };
 
 inline constexpr std::size_t kMaxDrawnPoints = 20'000'000;  ///< of one drawing
@@ -61,7 +62,7 @@ inline constexpr double kMaxCoordinate = 100'000.0;         ///< mm; coordinates
 
 /// Appends the parts of `line` inside `area`, cut exactly at its border. A closed line that is cut
 /// open continues through its seam. `run` is a reusable buffer.
-void clip_line(std::span<const PagePoint> line, Operation operation, const Box& area,
+void clip_line(std::span<const PagePoint> line, PenOperation operation, const Box& area,
                std::vector<PagePoint>& run, LineWork& out);
 
 }  // namespace popcut

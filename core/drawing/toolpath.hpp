@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <compare>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -29,6 +31,22 @@ struct Polylines {
 /// the sheet may move before it is cut (docs/geometry.md, section 8).
 enum class Operation : std::uint8_t { Draw, Score, FoldMountain, FoldValley, Cut, Outline };
 
+/// An operation, and the pen that does it: 0 is the material's own settings, others count the pens
+/// that a person gave for a colour or a layer. Lines of two pens are never joined.
+struct PenOperation {
+  Operation operation{};
+  std::uint8_t pen{};
+
+  constexpr PenOperation() = default;
+  constexpr PenOperation(Operation what, std::uint8_t with = 0) : operation(what), pen(with) {}
+  constexpr operator Operation() const { return operation; }
+  friend constexpr auto operator<=>(const PenOperation&, const PenOperation&) = default;
+  friend constexpr bool operator==(const PenOperation&, const PenOperation&) = default;
+  friend constexpr bool operator==(const PenOperation& a, Operation b) { return a.operation == b; }
+};
+
+inline constexpr std::size_t kMostPens = 64;  ///< that a person gives by colour or layer
+
 /// One path with the tool down: points `first .. first + count` of its `Toolpath`.
 struct Stroke {
   Operation operation{};
@@ -38,6 +56,8 @@ struct Stroke {
   std::uint8_t tool{1};   ///< tool holder, from 1
   double force_gf{};
   double speed_mm_s{};
+  std::uint8_t pen{};      ///< see `PenOperation`
+  std::uint8_t rounds{1};  ///< of a closed line, without lifting
 };
 
 /// Ordered strokes for one sheet, with all points in one array.

@@ -55,7 +55,7 @@ class LineIndex {
 
   [[nodiscard]] const Box& box() const { return box_; }
   [[nodiscard]] std::span<const Segment> segments() const { return segments_; }
-  [[nodiscard]] Operation operation(std::size_t i) const { return operations_[i]; }
+  [[nodiscard]] PenOperation operation(std::size_t i) const { return operations_[i]; }
 
  private:
   // Segments sorted into slices of one coordinate; a seam looks into a single slice. In each slice
@@ -75,7 +75,7 @@ class LineIndex {
   /// Reads the segments. @return those of closed lines, which bound the paper
   std::vector<std::uint32_t> read(const LineWork& work);
 
-  std::vector<Operation> operations_;
+  std::vector<PenOperation> operations_;
   std::vector<Segment> segments_;
   std::vector<std::uint32_t> borders_;  ///< declared after what its construction fills
   Box box_;

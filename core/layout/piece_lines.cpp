@@ -52,7 +52,7 @@ class PieceLines {
     return {t.xx * x + t.yx * y, t.xy * x + t.yy * y};
   }
 
-  void put(Operation operation, const PagePoint& a, const PagePoint& b) {
+  void put(PenOperation operation, const PagePoint& a, const PagePoint& b) {
     out_.append(operation, std::array{piece_.to_sheet(a), piece_.to_sheet(b)});
   }
 
@@ -82,7 +82,7 @@ class PieceLines {
   }
 
   // Adds the parts of a segment within the piece, except what runs along a seam.
-  void clip(Operation operation, const PagePoint& a, const PagePoint& b) {
+  void clip(PenOperation operation, const PagePoint& a, const PagePoint& b) {
     if (std::max(a.x, b.x) < box_.x0 - kNear || std::min(a.x, b.x) > box_.x1 + kNear ||
         std::max(a.y, b.y) < box_.y0 - kNear || std::min(a.y, b.y) > box_.y1 + kNear)
       return;

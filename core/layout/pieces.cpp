@@ -89,14 +89,14 @@ class Splitter {
     return false;
   }
 
-  void go(Operation operation, std::uint32_t piece, const PagePoint& from, const PagePoint& to) {
+  void go(PenOperation operation, std::uint32_t piece, const PagePoint& from, const PagePoint& to) {
     if (!way_.empty() && (piece != piece_ || way_.back() != from)) end(operation);
     piece_ = piece;
     if (way_.empty()) way_.push_back(from);
     way_.push_back(to);
   }
 
-  void end(Operation operation) {
+  void end(PenOperation operation) {
     if (way_.size() > 1) pieces_[piece_].append(operation, way_);
     way_.clear();
   }

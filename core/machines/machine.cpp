@@ -289,6 +289,15 @@ bool Machine::takes_negative() const {
   return language == "gpgl" || has("negative") || has("camm");
 }
 
+ToolSettings PenSettings::over(ToolSettings with) const {
+  with.force_gf = force_gf.value_or(with.force_gf);
+  with.speed_mm_s = speed_mm_s.value_or(with.speed_mm_s);
+  with.force_step_gf = force_step_gf.value_or(with.force_step_gf);
+  with.passes = passes.value_or(with.passes);
+  with.tool = tool.value_or(with.tool);
+  return with;
+}
+
 Material on_machine(Material material, const Machine& machine) {
   const auto found =
       std::find_if(machine.forces.rbegin(), machine.forces.rend(),

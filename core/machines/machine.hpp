@@ -130,6 +130,17 @@ struct ToolSettings {
   ToolTip tip{ToolTip::Blade};
 };
 
+/// Settings that a person gives for the lines of a colour or a layer, in place of those of what
+/// the lines are for.
+struct PenSettings {
+  std::string name;  ///< as the person wrote it: "red", "layer Etch", "outline"
+  std::optional<double> force_gf{}, speed_mm_s{}, force_step_gf{};
+  std::optional<int> passes{}, tool{};
+
+  /// `tool` with these settings.
+  [[nodiscard]] ToolSettings over(ToolSettings tool) const;
+};
+
 /// Shape of a material's glue tabs. A tab is a trapezoid that lies flat under the panel beyond the
 /// seam. Its root is the edge on the seam.
 struct TabShape {
@@ -160,6 +171,7 @@ struct Material {
   double swivel_above_deg{15.0};  ///< where popcut turns the blade, sharper corners get an arc
   int autoblade_depth{};          ///< 0..10, for machines with an autoblade
   TabShape tabs;                  ///< glue tabs between the pieces of a split drawing
+  std::vector<PenSettings> pens;  ///< of one job; `PenOperation::pen` counts them from 1
 };
 
 /// A material as this machine cuts it: with the force and depth that were found on it. The other

@@ -228,6 +228,15 @@ void measure(PlannedSheet& sheet, const Machine& machine, const Material& materi
   sheet.seconds_range = {sheet.seconds * (1 - motion.spread), sheet.seconds * (1 + motion.spread)};
 }
 
+// Rounds of the closed cuts in one stroke.
+int fewest_rounds(const Toolpath& path) {
+  int fewest = 0;
+  for (const Stroke& stroke : path.strokes)
+    if (is_cut(stroke.operation) && closed(path.points_of(stroke)))
+      fewest = fewest == 0 ? stroke.rounds : std::min<int>(fewest, stroke.rounds);
+  return std::max(1, fewest);
+}
+
 void append(Polylines& lines, std::span<const PagePoint> points) {
   lines.points.insert(lines.points.end(), points.begin(), points.end());
   lines.ends.push_back(static_cast<std::uint32_t>(lines.points.size()));
@@ -366,8 +375,7 @@ class Planner {
     sheet.path = std::move(strokes.path);
     const Material& material = out_.material;
     const double overcut_mm = out_.machine.driven() ? material.overcut_mm : 0.0;
-    sheet.knife = {options_.knife.overcut_mm.value_or(overcut_mm),
-                   material.cut.force_step_gf == 0.0 ? material.cut.passes : 1, room_,
+    sheet.knife = {options_.knife.overcut_mm.value_or(overcut_mm), fewest_rounds(sheet.path), room_,
                    material.swivel_above_deg * std::numbers::pi / 180, strokes.blade_tools};
     sheet.sent = sent_strokes(sheet.path, sheet.knife);
     measure(sheet, out_.machine, material, options_.blade);
@@ -428,6 +436,7 @@ Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& mate
   if (!machine.driven()) {
     for (ToolSettings* tool : {&once.cut, &once.fold, &once.draw}) tool->passes = 1;
     if (once.score) once.score->passes = 1;
+    for (PenSettings& pen : once.pens) pen.passes.reset();
   }
   auto planned = Planner(std::move(drawing), machine, once, options, std::move(*mat), *mode).run();
   if (planned)

@@ -27,14 +27,17 @@ Json blade_tools(const KnifeWork& knife) {
 }
 
 // Runs of consecutive strokes of one operation, in the order of cutting.
-Json operations(const Toolpath& path) {
+Json operations(const Toolpath& path, const std::vector<PenSettings>& pens) {
   Json list = Json::array();
   for (std::size_t i = 0; i < path.strokes.size();) {
     const Operation operation = path.strokes[i].operation;
     const auto kind = [](Operation o) { return is_fold(o) ? Operation::FoldMountain : o; };
     double mm = 0.0;
     std::size_t j = i;
-    for (; j < path.strokes.size() && kind(path.strokes[j].operation) == kind(operation); ++j)
+    const auto goes_on = [&](const Stroke& stroke) {
+      return kind(stroke.operation) == kind(operation) && stroke.pen == path.strokes[i].pen;
+    };
+    for (; j < path.strokes.size() && goes_on(path.strokes[j]); ++j)
       mm += length(path.points_of(path.strokes[j]));
     const Stroke& first = path.strokes[i];
     list.push_back({{"operation", is_fold(operation) ? "fold" : operation_name(operation)},
@@ -43,6 +46,7 @@ Json operations(const Toolpath& path) {
                     {"tool", first.tool},
                     {"force_gf", first.force_gf},
                     {"speed_mm_s", first.speed_mm_s}});
+    if (first.pen > 0) list.back()["pen"] = pens.at(first.pen - 1u).name;
     i = j;
   }
   return list;
@@ -98,7 +102,7 @@ Json sheet_json(const Plan& plan, const PlannedSheet& sheet, std::size_t number)
        driven ? Json{rounded(sheet.seconds_range[0]), rounded(sheet.seconds_range[1])} : Json()},
       {"transform", sheet.pieces.size() > 1 ? Json() : transform_json(sheet.transform)},
       {"pieces", pieces_json(plan, sheet)},
-      {"operations", operations(sheet.sent_path())},
+      {"operations", operations(sheet.sent_path(), plan.material.pens)},
       {"overcut_mm", knife.overcut_mm},
       {"blade_offset_mm", knife.blade_offset_mm},
       {"blade_tools", blade_tools(knife)},
@@ -232,6 +236,14 @@ const ToolSettings& fold_tool(const Plan& plan) {
   return material.fold;
 }
 
+// The pens of colours, layers and operations, with the passes that each gives its lines.
+Json pens_json(const Plan& plan) {
+  Json list = Json::array();
+  for (const PenSettings& pen : plan.material.pens)
+    list.push_back({{"name", pen.name}, {"passes", pen.passes ? Json(*pen.passes) : Json()}});
+  return list;
+}
+
 }  // namespace
 
 std::string plan_json(const Plan& plan) {
@@ -246,6 +258,7 @@ std::string plan_json(const Plan& plan) {
             {"copies", copies_json(plan.copies)},
             {"weed_box_mm", plan.weed_box_mm},
             {"passes", {{"cut", plan.material.cut.passes}, {"fold", fold_tool(plan).passes}}},
+            {"pens", pens_json(plan)},
             {"unit_mm", plan.unit_mm ? Json(*plan.unit_mm) : Json()},
             {"svg_dpi", plan.svg_dpi},
             {"curve_tolerance_mm", plan.curve_tolerance_mm},

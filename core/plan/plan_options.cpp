@@ -230,8 +230,9 @@ std::vector<PlanOption> make_table() {
            "Cut a box around the drawing, so far from it, last: vinyl is then weeded in one piece; 0 is "
            "no box"),
       text("pen", MEMBER(pens), "TEXT",
-           "Settings for this job in place of the material's, such as \"cut: force=90 passes=2; fold: "
-           "speed=20\": force (gf), speed (mm/s), passes, step (gf more on each further pass), tool"),
+           "Settings for this job in place of the material's, such as \"cut: force=90 passes=2; red: "
+           "speed=20\": force (gf), speed (mm/s), passes, step (gf more on each further pass), tool; "
+           "for cut, fold, draw, score, light, mountain, valley, outline, a colour or a layer"),
       word("blade", MEMBER(blade), {"auto", "autoblade", "ratchet"},
            "Which blade is in the machine: autoblade (the machine sets its depth), ratchet (you set "
            "it), or auto (the one that the machine reports; the depth stays as it is if it reports "

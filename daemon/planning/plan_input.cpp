@@ -48,16 +48,17 @@ Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sourc
     JoinedParts joined = join_parts(parts);
     joined.drawing.name = made->name;
     add_warnings(*made, joined.drawing);
-    return DrawingInput{std::move(joined.drawing), spec->material, std::move(joined.seams_x)};
+    return DrawingInput{std::move(joined.drawing), spec->material, spec->pens,
+                        std::move(joined.seams_x)};
   }
   LineWork drawing = linework_from_pattern(made->parts.front().pattern);
   add_warnings(*made, drawing);
-  return DrawingInput{std::move(drawing), spec->material, {}};
+  return DrawingInput{std::move(drawing), spec->material, spec->pens};
 }
 
 Result<DrawingInput> only_drawing(Result<LineWork> drawing) {
   if (!drawing) return tl::unexpected(drawing.error());
-  return DrawingInput{std::move(*drawing), std::nullopt, {}};
+  return DrawingInput{std::move(*drawing), std::nullopt};
 }
 
 Result<DrawingInput> from_dxf(const std::string& text, const SvgReadOptions& how, unsigned factor) {
@@ -67,6 +68,7 @@ Result<DrawingInput> from_dxf(const std::string& text, const SvgReadOptions& how
   if (how.profile.name == "lightburn") options.colours = DxfColours::Lightburn;
   options.tolerance_mm = how.tolerance_mm;
   options.unit_mm = how.unit_mm;
+  options.pens = how.pens;
   return only_drawing(linework_from_dxf(text, options));
 }
 
@@ -128,7 +130,7 @@ Result<DrawingInput> drawing_from_text(std::string text, InputKind kind, const S
   return only_drawing(linework_from_svg(std::move(text), how));
 }
 
-DrawingInput test_shape_input() { return {test_shape(), std::nullopt, {}, PagePoint{5, 5}}; }
+DrawingInput test_shape_input() { return {test_shape(), std::nullopt, {}, {}, PagePoint{5, 5}}; }
 
 Result<InputKind> kind_of_content(std::string_view text) {
   constexpr const char* kRight =

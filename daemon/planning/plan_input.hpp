@@ -20,6 +20,7 @@ namespace popcut::planning {
 struct DrawingInput {
   LineWork drawing;
   std::optional<std::string> material;
+  std::string pens{};             ///< a spec's own, see `with_pens`
   std::vector<double> seams_x{};  ///< split it there, mm from its left edge
   std::optional<PagePoint> at{};  ///< where it goes on a sheet unless the options say
 };

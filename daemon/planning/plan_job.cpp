@@ -73,6 +73,7 @@ Result<SvgReadOptions> read_options(const PlanOptions& options, const Tables& ta
   how.tolerance_mm = reading_tolerance_mm(options);
   how.dpi = options.svg_dpi;
   how.unit_mm = unit_mm(options.units);
+  how.pens = named_pens(options.pens);
   return how;
 }
 
@@ -188,8 +189,21 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
                   [](const Warning& warning) { return warning.code == "no_unit"; });
   auto material = choose_material(options, *input, tables, input_name);
   if (!material) return tl::unexpected(material.error());
-  material = with_pens(on_machine(std::move(*material), *machine), options.pens);
+  material = with_pens(on_machine(std::move(*material), *machine), input->pens);
+  Result<void> pens = material ? Result<void>{} : tl::unexpected(material.error());
+  if (pens && !material->pens.empty()) {
+    give_pens(input->drawing, material->pens);
+    pens = check_pens(input->drawing, material->pens);
+  }
+  if (!pens) {
+    pens.error().kind = ErrorKind::Malformed;
+    pens.error().place = "/pen";
+    return named(pens.error());
+  }
+  material = with_pens(std::move(*material), options.pens);
   if (!material) return tl::unexpected(material.error());
+  give_pens(input->drawing, material->pens);
+  if (pens = check_pens(input->drawing, material->pens); !pens) return tl::unexpected(pens.error());
 
   if (!input->seams_x.empty() && options.no_split)
     return named(

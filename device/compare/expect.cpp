@@ -153,6 +153,7 @@ class Check {
   void check_vertices(const Drawn& drawn, const std::vector<Stretch>& on_fold,
                       const std::vector<Stretch>& on_allowed, const VertexGrid& vertices);
   void compare_lines();
+  [[nodiscard]] int passes_of(PenOperation operation) const;
   void compare_cut(std::uint32_t index, std::span<const Cover> covers, SegmentGrid& grid);
   void compare_fold(std::span<const std::uint32_t> run, SegmentGrid& grid);
   [[nodiscard]] FoldState state_of(std::span<const std::uint32_t> run, SegmentGrid& grid);
@@ -191,8 +192,9 @@ void Check::find_fold_runs() {
   std::vector<std::uint32_t> index;
   for (std::uint32_t i = 0; i < wanted_.size(); ++i) {
     if (!wanted_[i].fold) continue;
+    const PenOperation operation = drawing_.lines[wanted_[i].line].operation;
     parts.push_back(
-        {wanted_[i].segment, static_cast<int>(drawing_.lines[wanted_[i].line].operation)});
+        {wanted_[i].segment, static_cast<int>(operation.operation) * 256 + operation.pen});
     index.push_back(i);
   }
   for (const FoldChain& chain : chain_folds(parts)) {
@@ -307,6 +309,14 @@ void Check::compare_lines() {
   for (const std::vector<std::uint32_t>& run : fold_runs_) compare_fold(run, grid);
 }
 
+/// How often a line is to be cut.
+int Check::passes_of(PenOperation operation) const {
+  const std::size_t pen = operation.pen;
+  if (pen > 0 && pen <= expected_.pen_passes.size() && expected_.pen_passes[pen - 1] > 0)
+    return expected_.pen_passes[pen - 1];
+  return is_fold(operation) ? expected_.fold_passes : expected_.cut_passes;
+}
+
 /// Each place of a cut must be covered as often as requested. Where the coverage changes may be off
 /// by the slack.
 void Check::compare_cut(std::uint32_t index, std::span<const Cover> covers, SegmentGrid& grid) {
@@ -331,8 +341,7 @@ void Check::compare_cut(std::uint32_t index, std::span<const Cover> covers, Segm
       steps.push_back({common->a.to, 1, 0});
     }
   } else {
-    const int passes = is_fold(drawing_.lines[wanted.line].operation) ? expected_.fold_passes
-                                                                      : expected_.cut_passes;
+    const int passes = passes_of(drawing_.lines[wanted.line].operation);
     steps.push_back({0, -passes, 0});
     steps.push_back({wanted.length, passes, 0});
   }
@@ -417,8 +426,10 @@ FoldState Check::state_of(std::span<const std::uint32_t> run, SegmentGrid& grid)
 }
 
 void Check::compare_fold(std::span<const std::uint32_t> run, SegmentGrid& grid) {
-  const auto fault =
-      check_fold(state_of(run, grid), expected_.dashes, expected_.fold_passes, 2 * slack_);
+  int passes = 1;
+  for (const std::uint32_t index : run)
+    passes = std::max(passes, passes_of(drawing_.lines[wanted_[index].line].operation));
+  const auto fault = check_fold(state_of(run, grid), expected_.dashes, passes, 2 * slack_);
   if (!fault) return;
   const auto part = std::find_if(run.begin(), run.end(), [&](std::uint32_t index) {
     return fault->where.from <= wanted_[index].offset + wanted_[index].length;

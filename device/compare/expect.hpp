@@ -18,10 +18,11 @@ struct Expected {
   DashShape dashes;   ///< the material's; only for whole folds
   int cut_passes{1};  ///< how often to cut a line, for a drawing with whole folds
   int fold_passes{1};
-  bool folds_whole{false};      ///< folds are pressed or half cut along their whole length
-  LineWork also_allowed;        ///< lines that may be drawn or not: overcuts, tabs, marks, ...
-  double blade_offset_mm{};     ///< of a drag knife that the program turns; 0: none
-  std::uint16_t blade_tools{};  ///< bit n is set if tool n is such a knife
+  std::vector<int> pen_passes{};  ///< in place of these, by `PenOperation::pen` - 1; 0: they hold
+  bool folds_whole{false};        ///< folds are pressed or half cut along their whole length
+  LineWork also_allowed;          ///< lines that may be drawn or not: overcuts, tabs, marks, ...
+  double blade_offset_mm{};       ///< of a drag knife that the program turns; 0: none
+  std::uint16_t blade_tools{};    ///< bit n is set if tool n is such a knife
 };
 
 /// The result of a comparison. Each failure names a line of the drawing or a stroke of the program

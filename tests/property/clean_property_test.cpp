@@ -70,7 +70,7 @@ LineWork strongest_only(const LineWork& work, double pitch) {
     for (std::size_t i = 1; i < points.size(); ++i) {
       const auto [at, fresh] =
           strongest.try_emplace(edge(points[i - 1], points[i]), line.operation);
-      if (!fresh) at->second = std::max(at->second, line.operation);
+      if (!fresh) at->second = std::max<Operation>(at->second, line.operation);
     }
   }
   LineWork out;

@@ -108,6 +108,7 @@ struct DesignSpec {
   std::optional<double> max_step_over_mean{3.0};
   bool max_step_asked{false};
   std::string material{"paper-220"};
+  std::string pens;  ///< settings in place of the material's, for who plans the pattern
   std::optional<SheetSpec> sheet;
 
   /// Designs that are joined one after another along the spine, in place of all above but `name`

@@ -387,6 +387,9 @@ SpecTables make_tables() {
   all.whole.rows = {
       needed<Row>("popcut", &Row::version, shape::whole(1, 1), "version of this format"),
       field<Row>("material", &Row::material, shape::text(), "name of the material"),
+      field<Row>("pen", &Row::pens, shape::text(),
+                 "settings of the tool in place of the material's, as --pen of popcut plan gives "
+                 "them: \"cut: force=90; outline: passes=2\""),
       field<Row>("sheet", &Row::sheet, sheet(),
                  "what it is cut from, to be warned of a pattern that is larger: a paper by its "
                  "name, or [width, height] in mm"),

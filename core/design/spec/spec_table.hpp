@@ -69,7 +69,7 @@ using SpecTable = FieldTable<SpecFields>;
 /// The rows of a spec, in four parts. A spec is its whole, its name, what is shared and either one
 /// design or several patches; a patch is a name, what is shared and a design.
 struct SpecTables {
-  SpecTable whole;    ///< "popcut", "material", "sheet", "design_angle_deg"
+  SpecTable whole;    ///< "popcut", "material", "pen", "sheet", "design_angle_deg"
   SpecTable name;     ///< "name"
   SpecTable shared;   ///< of a design; beside patches, what holds for those that have none
   SpecTable design;   ///< of one design only

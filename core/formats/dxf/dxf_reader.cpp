@@ -17,6 +17,7 @@
 #include "core/formats/dxf/dxf_curves.hpp"
 #include "core/formats/dxf/dxf_entity.hpp"
 #include "core/formats/dxf/dxf_tables.hpp"
+#include "core/formats/pens/pen_finder.hpp"
 
 namespace popcut {
 namespace {
@@ -73,7 +74,10 @@ std::optional<Operation> by_colour(int index, int rgb, DxfColours colours) {
 class DxfReader {
  public:
   DxfReader(DxfTables tables, const DxfOptions& options)
-      : tables_(std::move(tables)), options_(options), lines_left_(options.most_lines) {
+      : tables_(std::move(tables)),
+        options_(options),
+        pens_(options.pens),
+        lines_left_(options.most_lines) {
     for (auto& [key, layer] : tables_.layers) layers_.emplace(key, LayerUse{std::move(layer), 0});
     for (const auto& [key, linetype] : tables_.linetypes)
       dashes_.emplace(key, dxf_dashes(linetype.elements));
@@ -91,6 +95,7 @@ class DxfReader {
     }
     if (second_colour_) return tl::unexpected(*second_colour_);
     add_warnings();
+    work_.looks = pens_.seen();
     return std::move(work_);
   }
 
@@ -243,6 +248,7 @@ class DxfReader {
       ++unread_["POLYLINE (mesh)"];
       return true;
     }
+    const PenOperation drawn{*operation, pens_.any() ? pen_of(own, use) : std::uint8_t{0}};
     if (shape == DxfShape::Tilted) ++tilted_;
     for (const PagePoint& p : line_)
       if (!(std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate))
@@ -250,9 +256,17 @@ class DxfReader {
                     fmt::format("the {} lies more than 100 m from the origin (one unit is 1 {})",
                                 entity.type, tables_.unit_name),
                     ErrorKind::OutOfRange);
-    return is_fold(*operation) || *operation == Operation::Score
-               ? append(*operation, line_, entity.line)
-               : dashed(*operation, own.linetype, entity);
+    return is_fold(drawn) || drawn == Operation::Score ? append(drawn, line_, entity.line)
+                                                       : dashed(drawn, own.linetype, entity);
+  }
+
+  // The pen of a line's layer, else of its colour.
+  std::uint8_t pen_of(const Place& own, const LayerUse& use) {
+    const std::uint8_t by_layer = pens_.of_layer(use.layer.name);
+    const std::uint8_t by_colour = own.rgb >= 0
+                                       ? pens_.of_colour(static_cast<std::uint32_t>(own.rgb))
+                                       : pens_.of_index(own.colour);
+    return by_layer != 0 ? by_layer : by_colour;
   }
 
   std::optional<Operation> operation_of(const Place& own, LayerUse& use) {
@@ -299,14 +313,14 @@ class DxfReader {
   }
 
   /// Appends `line_`, as dashes if its line type has any.
-  bool dashed(Operation operation, const std::string& linetype, const DxfEntity& entity) {
+  bool dashed(PenOperation operation, const std::string& linetype, const DxfEntity& entity) {
     const auto found = dashes_.find(linetype);
     const bool known = found != dashes_.end();
     if (!known || found->second.dashes.empty()) {
       const bool unclear = sounds_dashed(linetype);
       if (!unclear) return append(operation, line_, entity.line);
       ++unclear_;
-      return append(Operation::FoldValley, line_, entity.line);
+      return append({Operation::FoldValley, operation.pen}, line_, entity.line);
     }
     const DxfDashes& dashes = found->second;
     const double scale = entity.linetype_scale > 0.0 ? entity.linetype_scale : 1.0;
@@ -326,7 +340,7 @@ class DxfReader {
         [&](std::span<const PagePoint> dash) { return append(operation, dash, entity.line); });
   }
 
-  bool append(Operation operation, std::span<const PagePoint> line, std::size_t at) {
+  bool append(PenOperation operation, std::span<const PagePoint> line, std::size_t at) {
     if (work_.points.size() + line.size() > options_.most_points)
       return stop(
           at, fmt::format("the drawing has more than {} points; split it", options_.most_points),
@@ -408,6 +422,7 @@ class DxfReader {
 
   DxfTables tables_;
   DxfOptions options_;
+  PenFinder pens_;
   LineWork work_;
   std::unordered_map<std::string, LayerUse> layers_;
   std::unordered_map<std::string, DxfDashes> dashes_;

@@ -3,7 +3,9 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/drawing/linework.hpp"
 #include "core/result.hpp"
@@ -21,6 +23,7 @@ enum class DxfColours {
 /// Options and limits for reading a drawing.
 struct DxfOptions {
   DxfColours colours{DxfColours::Ignored};
+  std::vector<std::string> pens{};      ///< names for `PenFinder`
   std::optional<double> unit_mm{};      ///< of one unit, whatever the file says
   double tolerance_mm{0.02};            ///< largest distance between a curve and its chords
   std::size_t most_bytes{256u << 20};   ///< of the file

@@ -245,7 +245,7 @@ std::string fold_from_linework(const LineWork& work) {
   std::size_t count = 0;
   for (const DrawnLine& line : work.lines) {
     if (line.operation == Operation::Draw) continue;
-    const char letter = kLetters.at(static_cast<std::size_t>(line.operation));
+    const char letter = kLetters.at(static_cast<std::size_t>(line.operation.operation));
     const auto points = work.points_of(line);
     for (std::size_t i = 0; i < points.size(); ++i) {
       fmt::format_to(std::back_inserter(vertices), "{}[{},{}]", count == 0 ? "" : ",", points[i].y,

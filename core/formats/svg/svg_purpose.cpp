@@ -43,6 +43,18 @@ std::optional<SvgPurpose> SvgPurposes::of(const SvgElement& e, const SvgStyle& s
     notes_.add(SvgNote::Invisible, here);
     return std::nullopt;
   }
+  auto purpose = meaning(e, style, dashes, stroked);
+  if (!purpose || !purpose->use || !pens_.any()) return purpose;
+  const SvgPaint& paint = purpose->fill ? style.fill : style.stroke;
+  const std::uint8_t by_colour =
+      pens_.of_colour(paint.kind == SvgPaint::Kind::Current ? style.colour : paint.rgb);
+  purpose->pen = style.layer_pen != 0 ? style.layer_pen : by_colour;
+  return purpose;
+}
+
+std::optional<SvgPurpose> SvgPurposes::meaning(const SvgElement& e, const SvgStyle& style,
+                                               const SvgDashes& dashes, bool stroked) {
+  const auto here = [&] { return svg_where(text_, e.node); };
   if (stroked && style.no_width) notes_.add(SvgNote::NoWidth, here);
   if (style.has_assignment || style.has_layer) {
     has_names_ = true;
@@ -91,6 +103,7 @@ Result<void> SvgPurposes::clear() const {
 
 std::string SvgPurposes::colour_warning() const {
   if (!profile_.names || !profile_.rules.empty() || has_names_ || colours_.size() < 2) return {};
+  if (pens_.any()) return {};  // the person knows the colours
   return fmt::format(
       "strokes have {} and no names: all are cut; if the colours have a meaning, use `svg-profile` "
       "origami-sim, lightburn or one of your own",

@@ -46,8 +46,9 @@ class SvgReader {
         options_(options),
         user_mm_(25.4 / options.dpi),
         steps_(options.limits.steps),
-        styles_(text, options.profile, user_mm_, text.by_illustrator, notes_, steps_),
-        purposes_(text, options.profile, notes_),
+        pens_(options.pens),
+        styles_(text, options.profile, user_mm_, text.by_illustrator, notes_, steps_, pens_),
+        purposes_(text, options.profile, notes_, pens_),
         strokes_(work_, options.limits.points) {}
 
   Result<LineWork> read(const pugi::xml_node& root, bool has_sheets) {
@@ -74,6 +75,7 @@ class SvgReader {
     if (auto clear = purposes_.clear(); !clear) return tl::unexpected(clear.error());
     settle_fills();
     add_warnings();
+    work_.looks = pens_.seen();
     return std::move(work_);
   }
 
@@ -551,12 +553,13 @@ class SvgReader {
       note(SvgNote::Marked, e.node);
     lines_.clear();
     if (auto done = outline(e, place, style, purpose->fill, lines_); !done) return done;
-    return purpose->fill ? add_fill(e, place, style, *purpose->use)
-                         : add_stroke(e, place, style, *purpose->use, std::move(dashes));
+    const PenOperation operation{*purpose->use, purpose->pen};
+    return purpose->fill ? add_fill(e, place, style, operation)
+                         : add_stroke(e, place, style, operation, std::move(dashes));
   }
 
   Result<void> add(const SvgElement& e, const Place& place, const SvgLines& lines,
-                   const SvgTransform& to_page, Operation operation) {
+                   const SvgTransform& to_page, PenOperation operation) {
     const std::size_t first = work_.lines.size();
     const auto added = strokes_.add(lines, to_page, operation);
     if (!added) return wrong(e.node, added.error());
@@ -572,7 +575,7 @@ class SvgReader {
   }
 
   Result<void> add_stroke(const SvgElement& e, const Place& place, const SvgStyle& style,
-                          Operation operation, SvgDashes dashes) {
+                          PenOperation operation, SvgDashes dashes) {
     const bool whole = is_fold(operation) || operation == Operation::Score;
     if (dashes.lengths.empty() || whole || lines_.size() == 0)
       return add(e, place, lines_, place.to_page, operation);
@@ -607,7 +610,7 @@ class SvgReader {
 
   // The outline of a fill. Only at the end is it known whether fills without a name are kept.
   Result<void> add_fill(const SvgElement& e, const Place& place, const SvgStyle& style,
-                        Operation operation) {
+                        PenOperation operation) {
     const bool named = style.has_assignment || style.has_layer;
     remove_thin_lines(lines_);
     if (lines_.size() == 0) {
@@ -668,6 +671,7 @@ class SvgReader {
   std::size_t steps_;
   LineWork work_;
   SvgNotes notes_;
+  PenFinder pens_;
   SvgStyleReader styles_;
   SvgPurposes purposes_;
   SvgStrokes strokes_;

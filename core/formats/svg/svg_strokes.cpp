@@ -12,7 +12,7 @@
 
 namespace popcut {
 Result<std::size_t> SvgStrokes::add(const SvgLines& lines, const SvgTransform& to_page,
-                                    Operation operation) {
+                                    PenOperation operation) {
   std::size_t added = 0;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const auto line = lines[i];

@@ -31,7 +31,7 @@ class SvgStrokes {
   ///
   /// @retval OutOfRange  too many points, or more than 100 m from the origin
   [[nodiscard]] Result<std::size_t> add(const SvgLines& lines, const SvgTransform& to_page,
-                                        Operation operation);
+                                        PenOperation operation);
 
   /// Appends the dashes of each line to `out`. `dashes` and `lines` have the same unit. Work is
   /// taken from `steps`.

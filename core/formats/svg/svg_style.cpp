@@ -370,7 +370,18 @@ void SvgStyleReader::apply_sheets(const SvgStyle& inherited, const SvgElement& e
   if (own_important) apply_all(own, true, inherited, element, style);
 }
 
+void SvgStyleReader::read_pen(const SvgElement& element, SvgStyle& style) {
+  const bool group = element.name == "g";
+  for (const std::string_view name : {element.label, element.data_name, element.id}) {
+    // Only groups and layers are told to a person who asks for what is not there.
+    const std::uint8_t pen = name.empty() ? std::uint8_t{0} : pens_.of_layer(name, group);
+    if (pen != 0) style.layer_pen = pen;
+    if (pen != 0) return;
+  }
+}
+
 void SvgStyleReader::read_names(SvgElement& element, SvgStyle& style) {
+  if (pens_.any()) read_pen(element, style);
   if (!profile_.names) return;
   if (!element.assignment.empty()) {
     const auto use = use_of_assignment(element.assignment);

@@ -11,6 +11,7 @@
 
 #include <pugixml.hpp>
 
+#include "core/formats/pens/pen_finder.hpp"
 #include "core/formats/svg/svg_dash.hpp"
 #include "core/formats/svg/svg_profile.hpp"
 #include "core/formats/svg/syntax/svg_colour.hpp"
@@ -54,8 +55,9 @@ struct SvgStyle {
   bool fill_even_odd{false}, clip_even_odd{false};
   bool foreign{false};  ///< names without a prefix belong to another namespace than SVG's
   bool has_assignment{false}, has_layer{false};
-  StrokeUse assignment;  ///< `data-assignment` of the element or its nearest ancestor with one
-  StrokeUse layer;       ///< meaning of the nearest layer whose label the profile knows
+  StrokeUse assignment;      ///< `data-assignment` of the element or its nearest ancestor with one
+  StrokeUse layer;           ///< meaning of the nearest layer whose label the profile knows
+  std::uint8_t layer_pen{};  ///< pen of the nearest element whose name a person gave; 0: none
 
   // Not inherited.
   bool display_none{false}, masked{false}, filtered{false}, overflows{false};
@@ -74,13 +76,14 @@ class SvgStyleReader {
   /// @param user_mm  size of a user unit; work is taken from `steps`
   /// @param by_illustrator  every group with a name is a layer
   SvgStyleReader(const SvgText& text, const StrokeProfile& profile, double user_mm,
-                 bool by_illustrator, SvgNotes& notes, std::size_t& steps)
+                 bool by_illustrator, SvgNotes& notes, std::size_t& steps, PenFinder& pens)
       : text_(text),
         profile_(profile),
         user_mm_(user_mm),
         by_illustrator_(by_illustrator),
         notes_(notes),
-        steps_(steps) {}
+        steps_(steps),
+        pens_(pens) {}
 
   /// Reads the element `node` and computes its `style`; its parent has `inherited`. Does not do
   /// work beyond the remaining steps, which are then zero. The first element read is the root,
@@ -116,6 +119,7 @@ class SvgStyleReader {
   bool set_dashes(SvgStyle& style, std::string_view value);
   void set_font(double& font, std::string_view value, double inherited) const;
   void read_names(SvgElement& element, SvgStyle& style);
+  void read_pen(const SvgElement& element, SvgStyle& style);
   void read_group_name(const SvgElement& element, SvgStyle& style);
 
   const SvgText& text_;
@@ -124,6 +128,7 @@ class SvgStyleReader {
   bool by_illustrator_;
   SvgNotes& notes_;
   std::size_t& steps_;
+  PenFinder& pens_;
   CssSheets sheets_;
   std::vector<const CssRule*> found_;
   std::vector<std::string> clips_{{}};
@@ -159,14 +164,15 @@ void each_svg_element(const pugi::xml_node& root, Visit visit) {
 /// What a shape is for.
 struct SvgPurpose {
   StrokeUse use;
-  bool fill{false};  ///< the shape has no stroke: use the outline of its fill
+  bool fill{false};     ///< the shape has no stroke: use the outline of its fill
+  std::uint8_t pen{0};  ///< see `PenOperation`
 };
 
 /// Decides what the shapes of one drawing are for: by their names, else by the profile.
 class SvgPurposes {
  public:
-  SvgPurposes(const SvgText& text, const StrokeProfile& profile, SvgNotes& notes)
-      : text_(text), profile_(profile), notes_(notes) {}
+  SvgPurposes(const SvgText& text, const StrokeProfile& profile, SvgNotes& notes, PenFinder& pens)
+      : text_(text), profile_(profile), notes_(notes), pens_(pens) {}
 
   /// What the shape `e` is for. None if it is invisible, or if its fill does not count; this adds a
   /// note.
@@ -191,7 +197,10 @@ class SvgPurposes {
   const SvgText& text_;
   const StrokeProfile& profile_;
   SvgNotes& notes_;
+  PenFinder& pens_;
   [[nodiscard]] std::string colour_list() const;
+  [[nodiscard]] std::optional<SvgPurpose> meaning(const SvgElement& e, const SvgStyle& style,
+                                                  const SvgDashes& dashes, bool stroked);
 
   std::vector<std::uint32_t> colours_;        ///< the first colours that no rule knows
   std::string first_colour_, second_colour_;  ///< where the first two of them are first used

@@ -24,7 +24,7 @@ double overcut_of(const Toolpath& path, const Stroke& stroke, const KnifeWork& k
   if (!(knife.overcut_mm > 0.0) || !knife.blade(stroke.tool) ||
       !takes_overcut(stroke.operation, points))
     return 0.0;
-  return overcut_for(round_mm(points, knife.rounds), knife.overcut_mm);
+  return overcut_for(round_mm(points, stroke.rounds), knife.overcut_mm);
 }
 
 Blade blade_of(const KnifeWork& knife) {
@@ -46,15 +46,20 @@ StrokeSettings::StrokeSettings(const Machine& machine, const Material& material,
                                std::vector<Warning>& warnings)
     : machine_(machine),
       warnings_(warnings),
+      pens_(material.pens),
       tools_{material.draw, material.score.value_or(material.draw), material.fold, material.cut,
-             scoring(machine, material).value_or(material.fold)} {
+             scoring(machine, material).value_or(material.fold)},
+      fitted_((material.pens.size() + 1) * kKinds.size()) {
   if (folds == FoldMode::Score && material.score) tools_[2] = *material.score;
   if (folds == FoldMode::Light && material.light) tools_[2] = *material.light;
 }
 
-const ToolSettings& StrokeSettings::of(Operation operation) { return fitted(kind_of(operation)); }
+const ToolSettings& StrokeSettings::of(PenOperation operation) {
+  return fitted(kind_of(operation), operation.pen);
+}
 
-const ToolSettings& StrokeSettings::scored() { return fitted(kScored); }
+// A pen's force may be one that goes through the paper, which these must not.
+const ToolSettings& StrokeSettings::scored() { return fitted(kScored, 0); }
 
 std::optional<ToolSettings> StrokeSettings::scoring(const Machine& machine,
                                                     const Material& material) {
@@ -67,10 +72,12 @@ std::optional<ToolSettings> StrokeSettings::scoring(const Machine& machine,
   return std::nullopt;
 }
 
-const ToolSettings& StrokeSettings::fitted(std::size_t kind) {
-  if (!checked_[kind]) fit(tools_[kind], kKinds[kind]);
-  checked_[kind] = true;
-  return tools_[kind];
+const ToolSettings& StrokeSettings::fitted(std::size_t kind, std::uint8_t pen) {
+  auto& tool = fitted_[pen * kKinds.size() + kind];
+  if (tool) return *tool;
+  tool = pen == 0 ? tools_[kind] : pens_[pen - 1u].over(tools_[kind]);
+  fit(*tool, pen == 0 ? kKinds[kind] : fmt::format("{} {}", pens_[pen - 1u].name, kKinds[kind]));
+  return *tool;
 }
 
 double StrokeSettings::force_gf(const ToolSettings& tool, int pass) const {
@@ -80,7 +87,7 @@ double StrokeSettings::force_gf(const ToolSettings& tool, int pass) const {
   return std::clamp(wanted, scale.min_step * scale.per_step, scale.max_step * scale.per_step);
 }
 
-void StrokeSettings::fit(ToolSettings& tool, const char* kind) {
+void StrokeSettings::fit(ToolSettings& tool, const std::string& kind) {
   if (tool.tool > machine_.tool_holders) {
     warnings_.push_back({.code = "no_tool_holder",
                          .message = fmt::format(
@@ -94,7 +101,7 @@ void StrokeSettings::fit(ToolSettings& tool, const char* kind) {
   fit_scale(tool.speed_mm_s, machine_.speed_mm_s, kind, "speed", "mm/s");
 }
 
-void StrokeSettings::fit_scale(double& value, const SteppedScale& scale, const char* kind,
+void StrokeSettings::fit_scale(double& value, const SteppedScale& scale, const std::string& kind,
                                const char* what, const char* unit) {
   const bool is_force = &scale == &machine_.force_gf;
   if (scale.per_step <= 0.0) return;
@@ -127,9 +134,9 @@ DrawnStrokes make_strokes(const Dashed& dashed, const std::vector<Visit>& visits
   path.points.reserve(dashed.work.points.size());
   std::vector<PagePoint> points;
   for (const Visit& visit : visits) {
-    const Operation operation = dashed.work.lines[visit.line].operation;
-    const ToolSettings& tool =
-        visit.line < dashed.first_scored ? settings.of(operation) : settings.scored();
+    const PenOperation operation = dashed.work.lines[visit.line].operation;
+    const bool scored = visit.line >= dashed.first_scored;
+    const ToolSettings& tool = scored ? settings.scored() : settings.of(operation);
     if (tool.tip == ToolTip::Blade)
       out.blade_tools = static_cast<std::uint16_t>(out.blade_tools | 1u << tool.tool);
     points_of_visit(dashed.work, visit, points);
@@ -144,7 +151,8 @@ DrawnStrokes make_strokes(const Dashed& dashed, const std::vector<Visit>& visits
       path.strokes.push_back({operation, static_cast<std::uint32_t>(path.points.size()),
                               static_cast<std::uint32_t>(points.size()), dashed.line[visit.line],
                               static_cast<std::uint8_t>(tool.tool), settings.force_gf(tool, pass),
-                              tool.speed_mm_s});
+                              tool.speed_mm_s, scored ? std::uint8_t{0} : operation.pen,
+                              static_cast<std::uint8_t>(in_one ? tool.passes : 1)});
       path.points.insert(path.points.end(), points.begin(), points.end());
       if (!round) std::reverse(points.begin(), points.end());
     }

@@ -24,14 +24,14 @@ struct KnifeOptions {
   CutDirection direction{CutDirection::Any};
 };
 
-/// Tool, force and speed of each kind of stroke, within the limits of the machine. Warns once per
-/// kind.
+/// Tool, force and speed of each kind of stroke and each pen, within the limits of the machine.
+/// Warns once per kind and pen.
 class StrokeSettings {
  public:
-  /// @param warnings  must outlive this object
+  /// @param material  must outlive this object, as must `warnings`
   StrokeSettings(const Machine& machine, const Material& material, FoldMode folds,
                  std::vector<Warning>& warnings);
-  const ToolSettings& of(Operation operation);
+  const ToolSettings& of(PenOperation operation);
   /// How folds without room for a dash are scored instead: cut half through where the machine sets
   /// its force, else pressed with a stylus where there is a holder for it; none: they cannot be.
   [[nodiscard]] static std::optional<ToolSettings> scoring(const Machine& machine,
@@ -41,15 +41,16 @@ class StrokeSettings {
   [[nodiscard]] double force_gf(const ToolSettings& tool, int pass) const;
 
  private:
-  const ToolSettings& fitted(std::size_t kind);
-  void fit(ToolSettings& tool, const char* kind);
-  void fit_scale(double& value, const SteppedScale& scale, const char* kind, const char* what,
-                 const char* unit);
+  const ToolSettings& fitted(std::size_t kind, std::uint8_t pen);
+  void fit(ToolSettings& tool, const std::string& kind);
+  void fit_scale(double& value, const SteppedScale& scale, const std::string& kind,
+                 const char* what, const char* unit);
 
   const Machine& machine_;
   std::vector<Warning>& warnings_;
+  std::span<const PenSettings> pens_;
   std::array<ToolSettings, 5> tools_;  ///< draw, score, fold, cut, folds scored for want of room
-  std::array<bool, 5> checked_{};
+  std::vector<std::optional<ToolSettings>> fitted_;  ///< by pen, then by kind; once it was used
 };
 
 /// Makes all closed cuts and outlines go in the same direction.
@@ -70,7 +71,7 @@ struct DrawnStrokes {
 /// What the knife adds to strokes; see `blade.hpp`.
 struct KnifeWork {
   double overcut_mm{};
-  int rounds{1};             ///< rounds of a closed cut in one stroke
+  int rounds{1};             ///< rounds of a closed cut in one stroke; the fewest of all pens
   double blade_offset_mm{};  ///< offset that popcut compensates; 0: the firmware does
   double swivel_above_rad{};
   std::uint16_t blade_tools{};

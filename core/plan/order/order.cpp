@@ -50,6 +50,17 @@ void append_own(const Nesting& nesting, const std::vector<std::uint32_t>& lines,
   }
 }
 
+// Raises the rank of each line that holds others to the highest of theirs.
+void lift_holders(const Nesting& nesting, std::vector<std::uint32_t>& rank) {
+  std::vector<std::uint32_t> lines(rank.size()), waits(rank.size(), 0);
+  std::iota(lines.begin(), lines.end(), 0u);
+  std::vector<Visit> inner_first;
+  append_own(nesting, lines, waits, inner_first);
+  for (const Visit& visit : inner_first)
+    for (const std::uint32_t holder : nesting.around(visit.line))
+      rank[holder] = std::max(rank[holder], rank[visit.line]);
+}
+
 // Assigns lines to bands along the feed by where they end, but never before the lines inside them.
 // Outlines form one band after all others.
 std::vector<std::uint32_t> bands(const LineWork& work, const Nesting& nesting, double band_mm) {
@@ -63,14 +74,20 @@ std::vector<std::uint32_t> bands(const LineWork& work, const Nesting& nesting, d
     band[i] = static_cast<std::uint32_t>(
         std::min(outline ? 1e9 : std::floor((last - box.y0) / band_mm), 1e9));
   }
-  std::vector<std::uint32_t> lines(band.size()), waits(band.size(), 0);
-  std::iota(lines.begin(), lines.end(), 0u);
-  std::vector<Visit> inner_first;
-  append_own(nesting, lines, waits, inner_first);
-  for (const Visit& visit : inner_first)
-    for (const std::uint32_t holder : nesting.around(visit.line))
-      band[holder] = std::max(band[holder], band[visit.line]);
+  lift_holders(nesting, band);
   return band;
+}
+
+// The pen of each line; a line that holds others comes with or after all of them.
+std::vector<std::uint32_t> pens(const LineWork& work, const Nesting& nesting) {
+  std::vector<std::uint32_t> pen(work.lines.size(), 0);
+  bool any = false;
+  for (std::size_t i = 0; i < pen.size(); ++i) {
+    pen[i] = work.lines[i].operation.pen;
+    any = any || pen[i] > 0;
+  }
+  if (any) lift_holders(nesting, pen);
+  return pen;
 }
 
 // Groups that are cut one after the other; in each group the lines are in drawing order.
@@ -78,13 +95,15 @@ std::vector<OrderGroup> groups_of(const LineWork& work, const Nesting& nesting,
                                   const OrderOptions& options) {
   const std::vector<std::uint32_t> kind = cutting_groups(work);
   const std::vector<std::uint32_t> band = bands(work, nesting, options.band_mm);
+  const std::vector<std::uint32_t> pen = pens(work, nesting);
   std::vector<std::uint32_t> lines(work.lines.size());
   std::iota(lines.begin(), lines.end(), 0u);
   const auto same = [&](std::uint32_t a, std::uint32_t b) {
-    return band[a] == band[b] && kind[a] == kind[b];
+    return band[a] == band[b] && kind[a] == kind[b] && pen[a] == pen[b];
   };
   std::stable_sort(lines.begin(), lines.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return band[a] != band[b] ? band[a] < band[b] : kind[a] < kind[b];
+    if (band[a] != band[b]) return band[a] < band[b];
+    return kind[a] != kind[b] ? kind[a] < kind[b] : pen[a] < pen[b];
   });
   std::vector<OrderGroup> groups;
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -261,7 +280,7 @@ std::vector<std::uint32_t> cutting_groups(const LineWork& work) {
   std::vector<std::uint32_t> groups;
   groups.reserve(work.lines.size());
   for (const DrawnLine& line : work.lines)
-    groups.push_back(kGroups.at(static_cast<std::size_t>(line.operation)));
+    groups.push_back(kGroups.at(static_cast<std::size_t>(line.operation.operation)));
   return groups;
 }
 

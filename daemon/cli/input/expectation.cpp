@@ -13,6 +13,7 @@
 #include "core/drawing/clean.hpp"
 #include "core/plan/drawing_transform.hpp"
 #include "core/plan/knife/blade.hpp"
+#include "core/plan/pens.hpp"
 #include "core/text/json_text.hpp"
 #include "daemon/cli/input/drawing_input.hpp"
 #include "daemon/files/output_folder.hpp"
@@ -217,6 +218,13 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
   };
   facts.cut_passes = passes("/passes/cut");
   facts.fold_passes = passes("/passes/fold");
+  if (find(json, "/pens") != nullptr)
+    for (std::size_t i = 0; i < reader.list("/pens").size() && i < kMostPens; ++i) {
+      const std::string pen = fmt::format("/pens/{}", i);
+      const auto name = text_at(json, pen + "/name");
+      if (!name) return tl::unexpected(name.error());
+      facts.pens.push_back({.name = *name, .passes = passes((pen + "/passes").c_str())});
+    }
   if (const auto offset = number_at(json, sheet + "/blade_offset_mm"))
     facts.blade_offset_mm = *offset;
   if (const nlohmann::json* tools = find(json, sheet + "/blade_tools"); tools && tools->is_array())
@@ -279,6 +287,7 @@ Result<SvgReadOptions> reading_of(const PlanFacts& plan, const UserTables& table
   how.profile = std::move(*profile);
   how.dpi = plan.svg_dpi;
   how.unit_mm = plan.unit_mm;
+  for (const PenSettings& pen : plan.pens) how.pens.push_back(pen.name);
   how.tolerance_mm = plan.curve_tolerance_mm;
   return how;
 }
@@ -344,6 +353,9 @@ Result<Expectation> read_expectation(const std::string& file, const std::optiona
                     file));
   const auto material = find_material(plan->material, tables.texts);
   if (!material) return tl::unexpected(within("--plan", tables.with_file(material.error())));
+  give_pens(input->drawing, plan->pens);
+  for (const PenSettings& pen : plan->pens)
+    out.expected.pen_passes.push_back(pen.passes.value_or(0));
   out.expected.drawing = drawing_on_sheet(
       with_weed_box(
           copied(transformed(std::move(input->drawing), plan->drawing_transform), plan->copies),

@@ -147,7 +147,8 @@ TEST_CASE("copies, sizes, turns and settings of one job together are cut as the 
       {"--per-sheet", "3", "--rotate", "90", "--pen", "cut: passes=2 force=70; fold: passes=3"},
       {"--per-sheet", "2", "--width", "110", "--rotate", "30", "--mirror", "--mat-free"},
       {"--per-sheet", "5", "--scale", "0.6", "--at", "20,30", "--pen", "cut: passes=2"},
-      {"--per-sheet", "2", "--weed-box", "4.5", "--rotate", "90"}};
+      {"--per-sheet", "2", "--weed-box", "4.5", "--rotate", "90"},
+      {"--per-sheet", "3", "--pen", "mountain: passes=2; valley: speed=9; outline: passes=3"}};
   for (const std::vector<std::string>& job : jobs) {
     CAPTURE(job);
     std::vector<std::string> words{"plan", spec, "--machine", "cameo3", "-o", "many", "-q"};
@@ -174,6 +175,61 @@ TEST_CASE("copies, sizes, turns and settings of one job together are cut as the 
   }
   check_refused(bench.popcut({"plan", spec, "--per-sheet", "50", "-o", "none"}), 4,
                 "8 fit on 304.8 x 304.8 mm; use at most 8");
+}
+
+TEST_CASE("colours and layers have settings of their own, in a drawing and a design",
+          "[cli][e2e]") {
+  const Bench bench;
+  write_file(bench.temp / "two.svg", R"x(<svg xmlns="http://www.w3.org/2000/svg"
+      xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" width="100mm" height="80mm"
+      viewBox="0 0 100 80"><g fill="none"><path d="M10 10h40v30h-40z" stroke="red"/>
+      <circle cx="30" cy="25" r="8" stroke="blue"/><g inkscape:groupmode="layer"
+      inkscape:label="Window Frame"><path d="M60 10h20v20h-20z" stroke="black"/></g></g></svg>)x");
+  const Ran planned = bench.popcut(
+      {"plan", "two.svg", "--svg-profile", "popcut", "-o", "two", "--pen",
+       "red: force=119 passes=3; blue: passes=2 speed=50; window frame: tool=1 force=14", "-q"});
+  INFO(planned.err);
+  REQUIRE(planned.exit == 0);
+  const auto plan = bench.read_json("two/plan.json");
+  const auto& cuts = plan["sheets"][0]["operations"];
+  REQUIRE(cuts.size() == 3);
+  CHECK(cuts[0]["pen"] == "blue");
+  CHECK(cuts[1]["pen"] == "red");
+  CHECK(cuts[1]["force_gf"] == 119);
+  CHECK(cuts[2]["force_gf"] == 14);
+  CHECK(bench
+            .popcut({"simulate", "two/sheet-01.gpgl", "-o", "sim", "--expect", "two.svg", "--plan",
+                     "two/plan.json"})
+            .exit == 0);
+  // The bytes say so too: the forces in steps of 7 gf, before their strokes.
+  const std::string program = text_of_file(bench.temp / "two/sheet-01.gpgl");
+  CHECK(program.find("FX17,1") != std::string::npos);
+  CHECK(program.find("FX2,1") != std::string::npos);
+  CHECK(program.find("!5,1") != std::string::npos);
+  auto wrong = plan;
+  wrong["pens"][0]["passes"] = 2;
+  write_file(bench.temp / "wrong.json", wrong.dump());
+  CHECK(bench
+            .popcut({"simulate", "two/sheet-01.gpgl", "-o", "sim", "--expect", "two.svg", "--plan",
+                     "wrong.json"})
+            .exit == 6);
+  check_refused(bench.popcut({"plan", "two.svg", "--svg-profile", "popcut", "-o", "none", "--pen",
+                              "gold: force=9"}),
+                2, "the drawing has #ff0000, #0000ff, layer Window Frame, #000000");
+
+  auto spec = nlohmann::json::parse(text_of_file(source_file("examples/unit.json")));
+  spec["pen"] = "outline: passes=2; cut: speed=20";
+  write_file(bench.temp / "pens.json", spec.dump());
+  REQUIRE(
+      bench.popcut({"plan", "pens.json", "-o", "own", "--pen", "outline: force=70", "-q"}).exit ==
+      0);
+  const auto own = bench.read_json("own/plan.json");
+  CHECK(own["pens"] == nlohmann::json::parse(R"([{"name": "outline", "passes": 2}])"));
+  CHECK(own["sheets"][0]["operations"].back()["force_gf"] == 70);
+  CHECK(own["sheets"][0]["operations"].back()["speed_mm_s"] == 20);
+  spec["pen"] = "gold: passes=2";
+  write_file(bench.temp / "gold.json", spec.dump());
+  check_refused(bench.popcut({"plan", "gold.json", "-o", "none"}), 3, "gold.json: /pen");
 }
 
 TEST_CASE("a sheet that differs from the expected one gives exit code 6 and is still drawn",
