@@ -30,6 +30,7 @@ Result<EncodedProgram> frame_of(const Box& box, const Machine& machine, const Ma
   options.autoblade = false;
   options.fractions = false;
   options.marks.reset();
+  options.feed_out_mm.reset();
   auto program = encode(path, machine, material, options);
   if (!program) return program;
   const auto drawn = [&]() -> Result<Program> {

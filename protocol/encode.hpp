@@ -62,6 +62,9 @@ struct JobOptions {
   bool ask_blade{false};  ///< the autoblade's depth is for machines that report an autoblade only
   /// Rolls the sheet in and out before the cut. None: the program leaves it as it is set.
   std::optional<bool> track_enhancing{};
+  /// Where the tool goes after the trailer, past the last place that was cut, mm; none: it stays
+  /// where it parks. In GPGL that is the origin of the next job.
+  std::optional<double> feed_out_mm{};
   bool corner_lift{false};                   ///< lift at sharp corners ("line segment overcut")
   std::optional<int> corner_start_tenths{};  ///< corner extension in 0.1 mm; none: the variant's
   std::optional<int> corner_end_tenths{};

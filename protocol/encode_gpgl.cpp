@@ -37,7 +37,7 @@ class GpglEncoder final : public StrokeEncoder {
  public:
   GpglEncoder(const Toolpath& toolpath, const Machine& machine, const Material& material,
               const JobOptions& options, const GpglVariant& variant, const PageMap& map)
-      : StrokeEncoder(toolpath, machine, map, options.fractions ? 100 : 1,
+      : StrokeEncoder(toolpath, machine, map, options.feed_out_mm, options.fractions ? 100 : 1,
                       draws_binary(options, variant) ? 4 : 12),
         material_(material),
         options_(options),
@@ -160,6 +160,13 @@ class GpglEncoder final : public StrokeEncoder {
   }
 
   void write_trailer() override { write_settings(program_.bytes, variant_.trailer, values_); }
+
+  // As Silhouette Studio feeds out: the next job counts from there.
+  void write_feed_out(GridPoint point) override {
+    write_point('M', point);
+    program_.bytes += "SO0";
+    program_.bytes += kEtx;
+  }
 
   void write_point(char letter, GridPoint point) {
     program_.bytes += letter;

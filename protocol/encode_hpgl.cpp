@@ -35,8 +35,8 @@ constexpr std::array<HabitWord, 9> kHabitWords{{
 class HpglEncoder final : public StrokeEncoder {
  public:
   HpglEncoder(const Toolpath& toolpath, const Machine& machine, const HpglHabits& habits,
-              const PageMap& map)
-      : StrokeEncoder(toolpath, machine, map), habits_(habits) {}
+              const PageMap& map, std::optional<double> feed_out_mm)
+      : StrokeEncoder(toolpath, machine, map, feed_out_mm), habits_(habits) {}
 
  private:
   void end_command() { program_.bytes += habits_.newline ? ";\n" : ";"; }
@@ -91,6 +91,8 @@ class HpglEncoder final : public StrokeEncoder {
     write_plain("SP0");
     if (habits_.final_in) write_plain("IN");
   }
+
+  void write_feed_out(GridPoint point) override { write_move(point); }
 
   [[nodiscard]] Result<void> check_line(std::size_t index) const override {
     GridPoint least = line_.front();
@@ -179,7 +181,7 @@ Result<EncodedProgram> encode_hpgl(const Toolpath& toolpath, const Machine& mach
   if (!habits) return tl::unexpected(habits.error());
   const Result<PageMap> map = page_map(machine, options.page_length_mm);
   if (!map) return tl::unexpected(map.error());
-  return HpglEncoder(toolpath, machine, *habits, *map).run();
+  return HpglEncoder(toolpath, machine, *habits, *map, options.feed_out_mm).run();
 }
 
 }  // namespace popcut

@@ -176,6 +176,7 @@ Result<EncodedProgram> rest_of(const EncodedProgram& program, std::size_t first)
   const std::uint64_t from = program.strokes[first].begin;
   rest.geometry = copy({from, program.geometry.end});
   rest.trailer = copy(program.trailer);
+  rest.feed_out = copy(program.feed_out);
   for (std::size_t k = first; k < strokes; ++k) {
     const ByteRange range = program.strokes[k];
     rest.strokes.push_back(

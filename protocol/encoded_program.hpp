@@ -19,8 +19,9 @@ struct ByteRange {
   friend constexpr auto operator<=>(const ByteRange&, const ByteRange&) = default;
 };
 
-/// A program as it is sent: `setup` blocks, `search`, `geometry`, `trailer`, with nothing between
-/// them. A session waits until the device is ready after the setup, the geometry and the trailer.
+/// A program as it is sent: `setup` blocks, `search`, `geometry`, `trailer`, `feed_out`, with
+/// nothing between them. A session waits until the device is ready after the setup, the geometry,
+/// the trailer and the way out.
 ///
 /// Every range ends at the end of a command. The strokes' ranges follow each other without gaps
 /// and fill the geometry: a stroke's bytes are the settings that changed before it, the move with
@@ -31,6 +32,9 @@ struct EncodedProgram {
   std::vector<ByteRange> setup;
   ByteRange geometry;
   ByteRange trailer;
+  /// Moves past what was cut, tool up, so that the sheet comes out. Sent only after a whole job:
+  /// what was stopped must stay where it can be continued.
+  ByteRange feed_out{};
   std::vector<ByteRange> strokes;   ///< one per stroke of the toolpath, in its order
   std::vector<std::uint32_t> dots;  ///< strokes whose points all round to one unit: not sent,
                                     ///< their range is empty; the caller reports them

@@ -29,10 +29,12 @@ Result<std::optional<std::int64_t>> steps(double value, const SteppedScale& scal
 std::string stroke_place(std::size_t index) { return fmt::format("/strokes/{}", index); }
 
 StrokeEncoder::StrokeEncoder(const Toolpath& toolpath, const Machine& machine, const PageMap& map,
-                             int per_unit, std::size_t bytes_per_point)
+                             std::optional<double> feed_out_mm, int per_unit,
+                             std::size_t bytes_per_point)
     : toolpath_(toolpath),
       machine_(machine),
       map_(map),
+      feed_out_mm_(feed_out_mm),
       per_unit_(per_unit),
       bytes_per_point_(bytes_per_point) {}
 
@@ -61,6 +63,12 @@ Result<EncodedProgram> StrokeEncoder::run() {
   program_.geometry.end = bytes.size();
   write_trailer();
   program_.trailer = {program_.geometry.end, bytes.size()};
+  if (feed_out_mm_) {
+    const std::int64_t feed =
+        farthest_feed_ + std::llround(*feed_out_mm_ / map_.feed_unit_mm * per_unit_);
+    write_feed_out(map_.feed_first ? GridPoint{feed, 0} : GridPoint{0, feed});
+    program_.feed_out = {program_.trailer.end, bytes.size()};
+  }
   return std::move(program_);
 }
 
@@ -97,6 +105,7 @@ Result<void> StrokeEncoder::put_on_grid(std::size_t index) {
                   fmt::format("a point at ({}, {}) mm; it must lie on the page", page.x, page.y));
     const GridPoint point{static_cast<std::int64_t>(a), static_cast<std::int64_t>(b)};
     if (line_.empty() || line_.back() != point) line_.push_back(point);
+    farthest_feed_ = std::max(farthest_feed_, map_.feed_first ? point.a : point.b);
   }
   return {};
 }

@@ -40,10 +40,12 @@ class StrokeEncoder {
   /// small buffers.
   static constexpr std::size_t kMaxCommandBytes = 1023;
 
+  /// @param feed_out_mm     see `JobOptions`
   /// @param per_unit        grid lines per machine unit: 1, or 100 for two decimals
   /// @param bytes_per_point estimate, to reserve memory
   StrokeEncoder(const Toolpath& toolpath, const Machine& machine, const PageMap& map,
-                int per_unit = 1, std::size_t bytes_per_point = 12);
+                std::optional<double> feed_out_mm, int per_unit = 1,
+                std::size_t bytes_per_point = 12);
   StrokeEncoder(const StrokeEncoder&) = delete;
   StrokeEncoder& operator=(const StrokeEncoder&) = delete;
   ~StrokeEncoder() = default;
@@ -59,6 +61,8 @@ class StrokeEncoder {
   /// Writes a move to the first point of `line_` and draws through the others.
   virtual void write_line() = 0;
   virtual void write_trailer() = 0;
+  /// Moves to `point`, tool up, where the next job may begin.
+  virtual void write_feed_out(GridPoint point) = 0;
 
   /// Appends "a,b".
   void append_point(GridPoint point);
@@ -74,6 +78,8 @@ class StrokeEncoder {
   [[nodiscard]] Result<void> write_stroke(std::size_t index);
 
   const PageMap map_;
+  std::optional<double> feed_out_mm_;
+  std::int64_t farthest_feed_{};  ///< of all points, on the grid
   int per_unit_;
   std::size_t bytes_per_point_;
 };

@@ -66,10 +66,13 @@ Result<std::array<double, 2>> parse_size_mm(std::string_view text) {
   return size;
 }
 
+bool is_roll(std::string_view mat) { return same_word(mat, "roll"); }
+
 Result<Mat> choose_mat(const Machine& machine, std::string_view wanted) {
   if (wanted.empty())
     return machine.mats.empty() ? Mat{"", 0, machine.width_mm, machine.length_mm}
                                 : machine.mats.front();
+  if (is_roll(wanted) && machine.driven()) return Mat{"", 0, machine.width_mm, machine.length_mm};
   std::vector<std::string> names;
   for (const Mat& mat : machine.mats) {
     if (is_mat_name(mat, wanted)) return mat;
@@ -83,8 +86,8 @@ Result<Mat> choose_mat(const Machine& machine, std::string_view wanted) {
             ? fmt::format("{} has no named mats; give a paper such as A4, or a size such as "
                           "300x200 (mm) or 12x12in",
                           machine.name)
-            : fmt::format("{} has no mat {}; {} (or give a paper such as A4, or a size such as "
-                          "300x200 or 12x12in)",
+            : fmt::format("{} has no mat {}; {} (or give a paper such as A4, a size such as "
+                          "300x200 or 12x12in, or roll)",
                           machine.name, wanted.substr(0, 40), suggestion(wanted, names)));
   if ((*size)[0] > machine.width_mm + kFits || (*size)[1] > machine.length_mm + kFits)
     return fail(

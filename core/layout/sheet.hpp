@@ -20,6 +20,9 @@ namespace popcut {
 /// @retval Usage  not a size, or a side is not between 1 mm and 100 m
 [[nodiscard]] Result<std::array<double, 2>> parse_size_mm(std::string_view text);
 
+/// Whether `mat` names no mat but a roll: a sheet as long as what is cut from it.
+[[nodiscard]] bool is_roll(std::string_view mat);
+
 /// Finds the mat that `wanted` means on `machine`: one of its mats by name, a paper, or a size (mat
 /// code 0: popcut sends no mat). Empty: the machine's first mat, or its whole area.
 ///

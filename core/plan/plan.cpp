@@ -197,8 +197,19 @@ Ordered ordered_for(const LineWork& work, const Machine& machine, const PlanOpti
   return ordered;
 }
 
+// How far the tool can go past what was cut, up to a centimetre. The axis counts from the side of
+// the sheet that comes out first.
+double room_to_feed_out(const PlannedSheet& sheet, const Machine& machine) {
+  constexpr double kMostMm = 10.0;
+  Box box;
+  for (const PagePoint& p : sheet.sent_path().points) box.add(p);
+  const double room =
+      machine.feed_up() ? machine.length_mm - sheet.area_mm[1] + box.y0 : sheet.area_mm[1] - box.y1;
+  return std::clamp(room, 0.0, kMostMm);
+}
+
 void measure(PlannedSheet& sheet, const Machine& machine, const Material& material,
-             BladeKind blade) {
+             const PlanOptions& options) {
   const Toolpath& path = sheet.sent_path();
   for (std::size_t i = 0; i < path.strokes.size(); ++i) {
     const Stroke& stroke = path.strokes[i];
@@ -222,9 +233,13 @@ void measure(PlannedSheet& sheet, const Machine& machine, const Material& materi
                               sheet.knife.blade_tools};
   sheet.seconds = motion.setup_s + strokes_seconds(path, motion, swivel) +
                   travel_seconds(out, motion) + travel_seconds(back, motion) + motion.trailer_s;
-  if (sets_autoblade(machine, blade))
+  if (sets_autoblade(machine, options.blade))
     sheet.seconds +=
         motion.autoblade_reset_s + motion.autoblade_tap_s * (10 - material.autoblade_depth);
+  if (options.finish == Finish::Below) {
+    sheet.feed_out_mm = room_to_feed_out(sheet, machine);
+    sheet.seconds += travel_seconds(sheet.area_mm[1], motion);
+  }
   sheet.seconds_range = {sheet.seconds * (1 - motion.spread), sheet.seconds * (1 + motion.spread)};
 }
 
@@ -283,7 +298,7 @@ class Planner {
   // On a roll the sheet is as long as what is cut from it, so a machine with y up starts at its
   // origin.
   [[nodiscard]] double sheet_length(double reach, double used) const {
-    const bool roll = out_.machine.mats.empty() && options_.mat.empty();
+    const bool roll = is_roll(options_.mat) || (out_.machine.mats.empty() && options_.mat.empty());
     return roll ? std::min(reach, std::ceil(used) + kRollMargin) : reach;
   }
 
@@ -378,7 +393,7 @@ class Planner {
     sheet.knife = {options_.knife.overcut_mm.value_or(overcut_mm), fewest_rounds(sheet.path), room_,
                    material.swivel_above_deg * std::numbers::pi / 180, strokes.blade_tools};
     sheet.sent = sent_strokes(sheet.path, sheet.knife);
-    measure(sheet, out_.machine, material, options_.blade);
+    measure(sheet, out_.machine, material, options_);
     out_.sheets.push_back(std::move(sheet));
     return {};
   }

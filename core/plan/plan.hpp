@@ -31,11 +31,12 @@ struct PlannedSheet {
   Polylines scored;                   ///< stretches of folds scored for want of room for a dash
   double travel_mm{}, travel_input_mm{}, home_mm{};
   double travel_s{};  ///< of `travel_mm`, by the machine's motion; 0 where popcut does not drive it
-  std::uint64_t order_moves{};  ///< moves that the search for a short order tried
-  bool order_finished{true};    ///< false: the search was stopped early
-  bool whole_folds{false};      ///< its folds are whole lines: pressed, or cut half through
-  std::size_t paths{};          ///< lines of the drawing after cleaning
-  double seconds{};             ///< 0 if popcut does not drive the machine
+  std::uint64_t order_moves{};          ///< moves that the search for a short order tried
+  bool order_finished{true};            ///< false: the search was stopped early
+  bool whole_folds{false};              ///< its folds are whole lines: pressed, or cut half through
+  std::size_t paths{};                  ///< lines of the drawing after cleaning
+  std::optional<double> feed_out_mm{};  ///< how far past what was cut the tool goes at the end
+  double seconds{};                     ///< 0 if popcut does not drive the machine
   std::array<double, 2> seconds_range{};
   std::optional<MarkLayout> registration{};  ///< of a printed sheet; the caller sets it
 

@@ -91,6 +91,7 @@ Json sheet_json(const Plan& plan, const PlannedSheet& sheet, std::size_t number)
       {"fold_line_mm", rounded(sheet.fold_line_mm)},
       {"travel_mm", rounded(sheet.travel_mm)},
       {"travel_s", rounded(sheet.travel_s)},
+      {"feed_out_mm", sheet.feed_out_mm ? Json(rounded(*sheet.feed_out_mm)) : Json()},
       {"travel_input_mm", rounded(sheet.travel_input_mm)},
       {"home_mm", rounded(sheet.home_mm)},
       {"lifts", sheet.path.strokes.size()},

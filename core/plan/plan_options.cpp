@@ -206,7 +206,7 @@ std::vector<PlanOption> make_table() {
       text("mat", MEMBER(mat), "NAME|WxH",
            "A mat of the machine, a paper such as A4, A3-landscape or letter, or a size such as "
            "300x200 (mm), 30x20cm or 12x12in; a paper or size without --machine plans for an ideal "
-           "plotter"),
+           "plotter; roll cuts from a roll, as long as the drawing"),
       place("at", MEMBER(place.at),
            "Where the drawing's upper left corner goes on the sheet, in mm"),
       number("scale", MEMBER(scale), "N", {0.0001, 10'000},
@@ -239,6 +239,9 @@ std::vector<PlanOption> make_table() {
            "none)"),
       flag("track-enhancing", MEMBER(track_enhancing),
            "Silhouette: roll the sheet in and out before the cut, so that a long sheet slips less"),
+      word("finish", MEMBER(finish), {"home", "below"},
+           "Where the tool goes at the end: home, or below what was cut, so that the sheet comes out; a "
+           "Silhouette begins the next job there"),
       flag("mat-free", MEMBER(mat_free),
            "Cut without a mat: work in bands along the feed, never turn the blade in a sharp "
            "corner, cut the outline last"),

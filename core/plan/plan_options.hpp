@@ -37,6 +37,10 @@ enum class BladeKind : std::uint8_t {
   Ratchet,    ///< set by hand
 };
 
+/// Where the tool goes at the end: where it began, or past what was cut, so that the sheet comes
+/// out.
+enum class Finish : std::uint8_t { Home, Below };
+
 /// The unit of length of a file that names none, or the wrong one.
 enum class LengthUnit : std::uint8_t { Auto, Mm, Cm, M, Inch, Foot, Point };
 /// One unit in mm; none for Auto.
@@ -59,7 +63,8 @@ struct PlanOptions {
   std::string pens{};                ///< settings in place of the material's, see `with_pens`
   BladeKind blade{BladeKind::Auto};  ///< of a machine that can hold an autoblade
   bool track_enhancing{false};       ///< the sheet is rolled in and out before the cut
-  bool mat_free{false};              ///< without a mat: sets bands and corners of `order`
+  Finish finish{Finish::Home};
+  bool mat_free{false};  ///< without a mat: sets bands and corners of `order`
   CleanOptions clean{};
   KnifeOptions knife{};
   std::string svg_profile{"auto"};

@@ -100,15 +100,16 @@ Result<std::optional<MarkLayout>> marks_of(const PlanOptions& options, const Mac
   return *marks;
 }
 
-JobOptions job_options(const PlannedSheet& sheet, const Machine& machine, BladeKind blade,
-                       bool track) {
+JobOptions job_options(const PlannedSheet& sheet, const Machine& machine,
+                       const PlanOptions& options) {
   JobOptions job;
   job.page_width_mm = sheet.area_mm[0];
   job.page_length_mm = sheet.area_mm[1];
   if (machine.variant == "cameo3" || machine.variant == "cameo4") job.mat_code = sheet.mat.code;
-  job.autoblade = sets_autoblade(machine, blade);
-  job.ask_blade = blade == BladeKind::Auto;
-  job.track_enhancing = track;
+  job.autoblade = sets_autoblade(machine, options.blade);
+  job.ask_blade = options.blade == BladeKind::Auto;
+  job.track_enhancing = options.track_enhancing;
+  job.feed_out_mm = sheet.feed_out_mm;
   job.holders = holders_for(sheet);
   return job;
 }
@@ -129,7 +130,7 @@ Result<void> encode_sheets(const PlanOptions& options, PlanJob& job) {
   const Machine& machine = job.plan.machine;
   if (options.marks && job.plan.layout) return tl::unexpected(split_and_printed(job.plan));
   for (PlannedSheet& sheet : job.plan.sheets) {
-    JobOptions sent = job_options(sheet, machine, options.blade, options.track_enhancing);
+    JobOptions sent = job_options(sheet, machine, options);
     const auto marks = marks_of(options, machine, sheet);
     if (!marks) return tl::unexpected(marks.error());
     sent.marks = *marks;

@@ -73,6 +73,14 @@ Result<void> read_blocks(FieldReader& fields, EncodedProgram& program) {
   program.strokes = blocks_from(program.search.end, *strokes);
   program.geometry = {program.search.end, strokes->empty() ? program.search.end : strokes->back()};
   program.trailer = {program.geometry.end, size};
+  program.feed_out = {size, size};
+  const nlohmann::json* trailer = fields.value("trailer");  // not where nothing is fed out
+  if (trailer == nullptr) return {};
+  if (!trailer->is_number_unsigned() || trailer->get<std::uint64_t>() < program.geometry.end ||
+      trailer->get<std::uint64_t>() > size)
+    return fail(ErrorKind::OutOfRange, fields.pointer("trailer"),
+                fmt::format("must be a whole number from {} to {}", program.geometry.end, size));
+  program.trailer.end = program.feed_out.begin = trailer->get<std::uint64_t>();
   return {};
 }
 
@@ -105,15 +113,17 @@ std::string sha256_of(const std::vector<EncodedProgram>& programs) {
 }
 
 std::string program_index(const EncodedProgram& program) {
-  const Json index{{"popcut", 1},
-                   {"dialect", program.dialect == Dialect::Hpgl ? "hpgl" : "gpgl"},
-                   {"bytes", program.bytes.size()},
-                   {"sha256", daemon::sha256_hex(program.bytes)},
-                   {"setup", ends_of(program.setup)},
-                   {"search", program.geometry.begin},
-                   {"strokes", ends_of(program.strokes)},
-                   {"dots", program.dots},
-                   {"ask_blade", program.ask_blade}};
+  Json index{{"popcut", 1},
+             {"dialect", program.dialect == Dialect::Hpgl ? "hpgl" : "gpgl"},
+             {"bytes", program.bytes.size()},
+             {"sha256", daemon::sha256_hex(program.bytes)},
+             {"setup", ends_of(program.setup)},
+             {"search", program.geometry.begin},
+             {"strokes", ends_of(program.strokes)},
+             {"dots", program.dots},
+             {"ask_blade", program.ask_blade}};
+  // Only where it is needed: an older popcut does not know it.
+  if (program.feed_out.begin < program.feed_out.end) index["trailer"] = program.trailer.end;
   return index.dump() + "\n";
 }
 
@@ -128,7 +138,7 @@ Result<EncodedProgram> read_program(std::string_view index, std::string bytes) {
   const nlohmann::json* size = fields.value("bytes");
   const std::string sha256 = fields.text("sha256", std::nullopt);
   const bool ask_blade = fields.boolean("ask_blade", false);  // not in those of popcut 1.0
-  for (const char* list : {"setup", "search", "strokes", "dots"}) fields.value(list);
+  for (const char* list : {"setup", "search", "strokes", "dots", "trailer"}) fields.value(list);
   if (const auto whole = fields.finish(); !whole) return tl::unexpected(whole.error());
   const bool same = size != nullptr && size->is_number_unsigned() &&
                     size->get<std::uint64_t>() == program.bytes.size() &&

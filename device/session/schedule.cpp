@@ -57,6 +57,7 @@ Result<Schedule> schedule(const EncodedProgram& program, const Machine& machine,
   plan.geometry_s = run(program.geometry);
   sim.record_steps(nullptr);
   plan.trailer_s = run(program.trailer);
+  plan.feed_out_s = run(program.feed_out);
   // Sending cannot stop at a point inside a command: no query may follow there.
   for (const SimCutter::Step& step : steps)
     if (step.whole_command)

@@ -21,7 +21,7 @@ struct TimedCommand {
 /// When each command of a program ends, by estimate.
 struct Schedule {
   std::vector<TimedCommand> geometry;  ///< in order of bytes
-  double setup_s{}, geometry_s{}, trailer_s{};
+  double setup_s{}, geometry_s{}, trailer_s{}, feed_out_s{};
 };
 
 /// Estimates a program by running it on a simulated cutter.

@@ -90,9 +90,9 @@ void SessionRun::report(SessionPhase phase) {
   const auto& strokes = program_.strokes;
   while (strokes_passed_ < strokes.size() && strokes[strokes_passed_].end <= byte)
     ++strokes_passed_;
-  double left = (plan_.geometry_s - now_s) / pace_.rate() + plan_.trailer_s;
+  double left = (plan_.geometry_s - now_s) / pace_.rate() + plan_.trailer_s + plan_.feed_out_s;
   if (phase == SessionPhase::Connecting || phase == SessionPhase::Settings) left += plan_.setup_s;
-  if (phase == SessionPhase::Parking) left = plan_.trailer_s;
+  if (phase == SessionPhase::Parking) left = plan_.trailer_s + plan_.feed_out_s;
   options_.progress({phase, strokes_passed_, strokes.size(), std::max(left, 0.0), mute_s(), asks_});
 }
 
@@ -242,6 +242,11 @@ Result<void> SessionRun::park() {
   std::uint64_t at = program_.trailer.begin;
   Result<void> parked =
       send(program_.trailer, at).and_then([&] { return wait_ready(plan_.trailer_s); });
+  // What was stopped stays where it can be continued.
+  if (parked && !end_.cancelled && program_.feed_out.begin < program_.feed_out.end)
+    parked = send(program_.feed_out, at = program_.feed_out.begin).and_then([&] {
+      return wait_ready(plan_.feed_out_s);
+    });
   const bool moves = !parked && parked.error().kind == ErrorKind::Timeout &&
                      status_ == DeviceStatus::Moving && ready_bytes_ >= accepted_;
   if (!moves) return parked;

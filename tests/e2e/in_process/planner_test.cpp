@@ -272,17 +272,25 @@ TEST_CASE("a stored program is read back unchanged and refused if anything is wr
   Bench bench;
   auto task = bench.task(Kind::Plan, kSvg);
   task.options["marks"] = "true";
+  task.options["finish"] = "below";
   const auto outcome = bench.run(task);
   INFO(why(outcome));
   REQUIRE(outcome);
   const std::string index = file_of(*outcome, "sheet-01.program.json")->bytes;
   const std::string bytes = file_of(*outcome, "sheet-01.gpgl")->bytes;
   const auto program = planning::read_program(index, bytes);
+  INFO((program ? "" : message(program.error())));
   REQUIRE(program);
   CHECK(program->search.begin < program->search.end);
   CHECK(program->geometry.begin == program->search.end);
-  CHECK(program->trailer.end == bytes.size());
+  CHECK(program->feed_out == ByteRange{program->trailer.end, bytes.size()});
+  CHECK(bytes.substr(program->feed_out.begin).find("SO0") != std::string::npos);
   CHECK(planning::program_index(*program) == index);
+  auto older = nlohmann::json::parse(index);
+  older.erase("trailer");
+  CHECK(planning::read_program(older.dump(), bytes)->trailer.end == bytes.size());
+  older["trailer"] = program->geometry.end - 1;
+  CHECK(planning::read_program(older.dump(), bytes).error().place == "/trailer");
   std::string changed = bytes;
   changed[changed.size() / 2] ^= 1;
   CHECK(planning::read_program(index, changed).error().kind == ErrorKind::CheckFailed);
@@ -324,7 +332,8 @@ TEST_CASE("a stored program is read back unchanged and refused if anything is wr
     }
     CHECK(last == read->geometry.end);
     CHECK(read->trailer.begin == last);
-    CHECK(read->trailer.end == bytes.size());
+    CHECK(read->trailer.end >= last);
+    CHECK(read->feed_out == ByteRange{read->trailer.end, bytes.size()});
   }
   CHECK(refused > 1000);
 }

@@ -177,6 +177,37 @@ TEST_CASE("copies, sizes, turns and settings of one job together are cut as the 
                 "8 fit on 304.8 x 304.8 mm; use at most 8");
 }
 
+TEST_CASE("a drawing on a roll is as long as itself and comes out at the end", "[cli][e2e]") {
+  const Bench bench;
+  write_file(bench.temp / "long.svg", R"x(<svg xmlns="http://www.w3.org/2000/svg" width="200mm"
+      height="900mm" viewBox="0 0 200 900"><path d="M10 10H190V890H10Z" stroke="#000"
+      fill="none"/></svg>)x");
+  for (const char* machine : {"cameo3", "portrait2", "hpgl-generic", "gcc-bobcat"}) {
+    CAPTURE(machine);
+    const Ran planned = bench.popcut({"plan", "long.svg", "--machine", machine, "--mat", "roll",
+                                      "--finish", "below", "-o", "roll", "-q"});
+    INFO(planned.err);
+    REQUIRE(planned.exit == 0);
+    const auto plan = bench.read_json("roll/plan.json");
+    REQUIRE(plan["sheets"].size() == 1);
+    CHECK(plan["sheets"][0]["mat"] == "");
+    CHECK(plan["sheets"][0]["area_mm"][1] == 900);
+    CHECK(plan["sheets"][0]["feed_out_mm"].get<double>() == Approx(10).margin(0.3));
+    const bool gpgl = std::filesystem::exists(bench.temp / "roll/sheet-01.gpgl");
+    const std::string program = gpgl ? "sheet-01.gpgl" : "sheet-01.hpgl";
+    CHECK(bench
+              .popcut({"simulate", "roll/" + program, "-o", "sim", "--expect", "long.svg", "--plan",
+                       "roll/plan.json"})
+              .exit == 0);
+  }
+  CHECK(bench
+            .popcut({"cut", "long.svg", "--direct", "--device", "sim:cameo3", "--mat", "roll",
+                     "--finish", "below", "--yes", "-q"})
+            .exit == 0);
+  check_refused(bench.popcut({"plan", "long.svg", "--machine", "none", "--mat", "roll", "-o", "x"}),
+                2, "roll");
+}
+
 TEST_CASE("colours and layers have settings of their own, in a drawing and a design",
           "[cli][e2e]") {
   const Bench bench;

@@ -121,6 +121,48 @@ TEST_CASE("a machine that needs a newline after each command gets its whole job"
   }
 }
 
+TEST_CASE("the sheet comes out after a whole job and stays where a stopped one can go on",
+          "[device][session]") {
+  for (const char* name : {"cameo3", "portrait", "hpgl-generic", "camm-1", "stika-sv15"}) {
+    CAPTURE(name);
+    SimJob job = short_strokes(name);
+    JobOptions out;
+    out.page_length_mm = 300;
+    out.feed_out_mm = 7;
+    job.program = value(encode(job.path, job.machine, value(find_material("paper-220")), out));
+    const EncodedProgram& program = job.program;
+    REQUIRE(program.feed_out == ByteRange{program.trailer.end, program.bytes.size()});
+    double first = 300, last = 0;  // along the feed of the page
+    for (const PagePoint& p : job.path.points) {
+      first = std::min(first, p.y);
+      last = std::max(last, p.y);
+    }
+    for (const bool stop : {false, true}) {
+      SimTransport cable = job.cable();
+      std::atomic<bool> cancel{false};
+      SessionOptions options;
+      options.cancel = &cancel;
+      options.progress = [&](const SessionProgress& p) {
+        cancel = cancel || (stop && p.strokes_done >= 40);
+      };
+      const SessionEnd end = run_session(cable, job.machine, program, options);
+      CHECK(end.cancelled == stop);
+      cable.cutter().run_dry();
+      const Trace& trace = cable.cutter().trace();
+      CHECK((trace.strokes.size() == 200) != stop);
+      CHECK(trace.unknown.empty());
+      CHECK_FALSE(cable.cutter().tool_down());
+      const PagePoint at = cable.cutter().position();
+      // Where the axis counts up from the end of the page, that end is the first to come out.
+      const double beyond = job.machine.feed_up() ? first - 7 : last + 7;
+      if (stop)
+        CHECK(std::abs(at.y - beyond) > 20);
+      else
+        CHECK(at.y == Approx(beyond).margin(0.06));
+    }
+  }
+}
+
 TEST_CASE("strokes before a pause of the host are certain during it and after a cancel",
           "[device][session]") {
   const SimJob job = short_strokes();
