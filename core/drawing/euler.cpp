@@ -65,7 +65,8 @@ class Joiner {
   void trace(LineWork& out) {
     std::vector<std::uint8_t> done(pieces_.size(), 0);
     std::vector<PagePoint> line;
-    out.points.reserve(out.points.size() + nodes_.size());
+    // A closed line has its first point twice; it has three others at least.
+    out.points.reserve(out.points.size() + nodes_.size() + nodes_.size() / 3);
     for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
       if (done[i] != 0) continue;
       walk(first_end(2 * i), done, line);

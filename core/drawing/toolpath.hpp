@@ -51,13 +51,13 @@ inline constexpr std::size_t kMostPens = 64;  ///< that a person gives by colour
 struct Stroke {
   Operation operation{};
   std::uint32_t first{};
-  std::uint32_t count{};  ///< at least 2; a closed stroke repeats its first point at the end
-  std::uint32_t line{};   ///< the line of the drawing that it came from
-  std::uint8_t tool{1};   ///< tool holder, from 1
-  double force_gf{};
-  double speed_mm_s{};
+  std::uint32_t count{};   ///< at least 2; a closed stroke repeats its first point at the end
+  std::uint32_t line{};    ///< the line of the drawing that it came from
+  std::uint8_t tool{1};    ///< tool holder, from 1
   std::uint8_t pen{};      ///< see `PenOperation`
   std::uint8_t rounds{1};  ///< of a closed line, without lifting
+  double force_gf{};
+  double speed_mm_s{};
 };
 
 /// Ordered strokes for one sheet, with all points in one array.

@@ -123,19 +123,34 @@ Json points_json(std::span<const PagePoint> points, const Placement& to_sheet) {
   });
 }
 
+// A long list with one entry per line; it ends when this goes.
+class EntryLines {
+ public:
+  explicit EntryLines(std::string& text) : text_(text) { text_ += '['; }
+  EntryLines(const EntryLines&) = delete;
+  EntryLines& operator=(const EntryLines&) = delete;
+  ~EntryLines() { text_ += any_ ? "\n      ]" : "]"; }
+  void next() {
+    text_ += any_ ? ",\n        " : "\n        ";
+    any_ = true;
+  }
+
+ private:
+  std::string& text_;
+  bool any_{false};
+};
+
 // Writes long lists with one entry per line; `put` appends an entry to the text.
 template <typename Entry, typename Put>
-std::string lines(const std::vector<Entry>& entries, Put&& put) {
-  std::string text = "[";
+void append_lines(std::string& text, const std::vector<Entry>& entries, Put&& put) {
+  EntryLines lines(text);
   for (const Entry& entry : entries) {
-    text += text.size() > 1 ? ",\n        " : "\n        ";
+    lines.next();
     put(text, entry);
   }
-  text += entries.empty() ? "]" : "\n      ]";
-  return text;
 }
-std::string lines(const std::vector<Json>& entries) {
-  return lines(entries, [](std::string& text, const Json& entry) { text += entry.dump(); });
+void append_lines(std::string& text, const std::vector<Json>& entries) {
+  append_lines(text, entries, [](std::string& out, const Json& entry) { out += entry.dump(); });
 }
 
 // Marks and borders that splitting put on a sheet, in sheet mm.
@@ -195,34 +210,69 @@ void add_layout(const Layout& layout, Json& json) {
                     {"seams", std::move(seams)},          {"steps", std::move(steps)}};
 }
 
-// There may be a hundred thousand entries, so they are written without building a JSON tree.
-std::string entries(const KnifeMarks& marks, const std::vector<KnifeMarks::Mark>& list) {
-  return lines(list, [&](std::string& text, const KnifeMarks::Mark& mark) {
-    fmt::format_to(std::back_inserter(text), FMT_COMPILE("{{\"stroke\":{},\"points\":["),
-                   mark.stroke);
-    for (const PagePoint& p : marks.points_of(mark)) {
-      text += text.back() == ']' ? ",[" : "[";
-      append_rounded(text, p.x);
-      text += ',';
-      append_rounded(text, p.y);
-      text += ']';
-    }
-    text += "]}";
-  });
+void append_entry(std::string& text, const KnifeMarks& marks, const KnifeMarks::Mark& mark) {
+  fmt::format_to(std::back_inserter(text), FMT_COMPILE("{{\"stroke\":{},\"points\":["),
+                 mark.stroke);
+  for (const PagePoint& p : marks.points_of(mark)) {
+    text += text.back() == ']' ? ",[" : "[";
+    append_rounded(text, p.x);
+    text += ',';
+    append_rounded(text, p.y);
+    text += ']';
+  }
+  text += "]}";
 }
 
-std::string entries(const Polylines& polylines) {
+// There may be a hundred thousand entries: they are made some at a time and written without
+// building a JSON tree.
+void append_entries(std::string& text, const PlannedSheet& sheet,
+                    std::vector<KnifeMarks::Mark> KnifeMarks::*list) {
+  constexpr std::size_t kAtOnce = 4096;
+  EntryLines lines(text);
+  for (std::size_t first = 0; first < sheet.path.strokes.size(); first += kAtOnce) {
+    const KnifeMarks marks = knife_marks(sheet.path, sheet.knife, first, kAtOnce);
+    for (const KnifeMarks::Mark& mark : marks.*list) {
+      lines.next();
+      append_entry(text, marks, mark);
+    }
+  }
+}
+
+void append_entries(std::string& text, const Polylines& polylines) {
   std::vector<Json> list;
   for (std::size_t i = 0; i < polylines.size(); ++i)
     list.push_back({{"points", points_json(polylines[i], {})}});
-  return lines(list);
+  append_lines(text, list);
 }
 
-void fill_list(std::string& text, std::size_t from, const char* name, const std::string& list) {
-  const std::string empty = fmt::format("\"{}\": []", name);
-  const std::size_t at = text.find(empty, from);
-  text.replace(at + empty.size() - 2, 2, list);
-}
+// Copies a text and fills its empty lists, in their order.
+class ListFiller {
+ public:
+  explicit ListFiller(std::string text) : text_(std::move(text)) {
+    from_ = text_.find("\"sheets\": [");
+    out_.reserve(text_.size());
+    out_.assign(text_, 0, from_);
+  }
+
+  // `append(out)` writes what stands in place of the next empty list of this name.
+  template <typename Append>
+  void fill(const char* name, Append&& append) {
+    const std::string empty = fmt::format("\"{}\": []", name);
+    const std::size_t at = text_.find(empty, from_) + empty.size();
+    out_.append(text_, from_, at - 2 - from_);
+    from_ = at;
+    append(out_);
+  }
+
+  std::string rest() && {
+    out_.append(text_, from_);
+    return std::move(out_);
+  }
+
+ private:
+  std::string text_, out_;
+  std::size_t from_{};
+};
 
 Json copies_json(const std::vector<PagePoint>& copies) {
   Json list = Json::array();
@@ -269,22 +319,21 @@ std::string plan_json(const Plan& plan) {
   if (plan.layout) add_layout(*plan.layout, json);
   for (std::size_t i = 0; i < plan.sheets.size(); ++i)
     json["sheets"].push_back(sheet_json(plan, plan.sheets[i], i + 1));
-  std::string text = json_file(json);
-  std::size_t from = text.find("\"sheets\": [");
+  ListFiller text(json_file(json));
   for (const PlannedSheet& sheet : plan.sheets) {
     if (plan.layout) {
       const SplitLists split = split_lists(*plan.layout, sheet);
-      fill_list(text, from, "tabs", lines(split.tabs));
-      fill_list(text, from, "seams", lines(split.seams));
-      fill_list(text, from, "marks", lines(split.marks));
+      text.fill("tabs", [&](std::string& out) { append_lines(out, split.tabs); });
+      text.fill("seams", [&](std::string& out) { append_lines(out, split.seams); });
+      text.fill("marks", [&](std::string& out) { append_lines(out, split.marks); });
     }
-    const KnifeMarks marks = knife_marks(sheet.path, sheet.knife);
-    fill_list(text, from, "scored", entries(sheet.scored));
-    fill_list(text, from, "overcuts", entries(marks, marks.overcuts));
-    fill_list(text, from, "lead_ins", entries(marks, marks.lead_ins));
-    from = text.find("\"lead_ins\"", from) + 1;
+    text.fill("scored", [&](std::string& out) { append_entries(out, sheet.scored); });
+    text.fill("overcuts",
+              [&](std::string& out) { append_entries(out, sheet, &KnifeMarks::overcuts); });
+    text.fill("lead_ins",
+              [&](std::string& out) { append_entries(out, sheet, &KnifeMarks::lead_ins); });
   }
-  return text;
+  return std::move(text).rest();
 }
 
 }  // namespace popcut

@@ -27,6 +27,21 @@ double overcut_of(const Toolpath& path, const Stroke& stroke, const KnifeWork& k
   return overcut_for(round_mm(points, stroke.rounds), knife.overcut_mm);
 }
 
+// Points that overcuts add, so that memory is taken once.
+std::size_t overcut_points(const Toolpath& drawn, const KnifeWork& knife) {
+  std::size_t count = 0;
+  std::vector<PagePoint> ends;
+  for (const Stroke& stroke : drawn.strokes) {
+    const double mm = overcut_of(drawn, stroke, knife);
+    if (!(mm > 0.0)) continue;
+    ends.clear();
+    append_tail(drawn.points_of(stroke), mm, ends);
+    append_head(drawn.points_of(stroke), mm, ends);
+    count += ends.size();
+  }
+  return count;
+}
+
 Blade blade_of(const KnifeWork& knife) {
   return {.offset_mm = knife.blade_offset_mm, .swivel_above_rad = knife.swivel_above_rad};
 }
@@ -150,9 +165,10 @@ DrawnStrokes make_strokes(const Dashed& dashed, const std::vector<Visit>& visits
     for (int pass = 0; pass < (in_one ? 1 : tool.passes); ++pass) {
       path.strokes.push_back({operation, static_cast<std::uint32_t>(path.points.size()),
                               static_cast<std::uint32_t>(points.size()), dashed.line[visit.line],
-                              static_cast<std::uint8_t>(tool.tool), settings.force_gf(tool, pass),
-                              tool.speed_mm_s, scored ? std::uint8_t{0} : operation.pen,
-                              static_cast<std::uint8_t>(in_one ? tool.passes : 1)});
+                              static_cast<std::uint8_t>(tool.tool),
+                              scored ? std::uint8_t{0} : operation.pen,
+                              static_cast<std::uint8_t>(in_one ? tool.passes : 1),
+                              settings.force_gf(tool, pass), tool.speed_mm_s});
       path.points.insert(path.points.end(), points.begin(), points.end());
       if (!round) std::reverse(points.begin(), points.end());
     }
@@ -168,7 +184,8 @@ std::optional<Toolpath> sent_strokes(const Toolpath& drawn, const KnifeWork& kni
   if (!offset && !overcut) return std::nullopt;
   Toolpath sent;
   sent.strokes.reserve(drawn.strokes.size());
-  sent.points.reserve(drawn.points.size() * (offset ? 4 : 1));
+  sent.points.reserve(drawn.points.size() * (offset ? 4 : 1) +
+                      (overcut ? overcut_points(drawn, knife) : 0));
   Blade blade = blade_of(knife);
   std::vector<PagePoint> line;
   for (const Stroke& stroke : drawn.strokes) {
@@ -186,7 +203,8 @@ std::optional<Toolpath> sent_strokes(const Toolpath& drawn, const KnifeWork& kni
   return sent;
 }
 
-KnifeMarks knife_marks(const Toolpath& drawn, const KnifeWork& knife) {
+KnifeMarks knife_marks(const Toolpath& drawn, const KnifeWork& knife, std::size_t first_stroke,
+                       std::size_t strokes) {
   KnifeMarks marks;
   const auto end_mark = [&](std::vector<KnifeMarks::Mark>& list, std::uint32_t stroke,
                             std::size_t first) {
@@ -195,7 +213,8 @@ KnifeMarks knife_marks(const Toolpath& drawn, const KnifeWork& knife) {
   };
   Blade blade = blade_of(knife);
   std::vector<PagePoint> line, axis;
-  for (std::uint32_t i = 0; i < drawn.strokes.size(); ++i) {
+  const std::size_t end = first_stroke + std::min(strokes, drawn.strokes.size() - first_stroke);
+  for (auto i = static_cast<std::uint32_t>(first_stroke); i < end; ++i) {
     const Stroke& stroke = drawn.strokes[i];
     const auto points = drawn.points_of(stroke);
     const double mm = overcut_of(drawn, stroke, knife);

@@ -96,7 +96,10 @@ struct KnifeMarks {
   }
 };
 
-/// Overcuts and entry rotations of the strokes, for drawing them.
-[[nodiscard]] KnifeMarks knife_marks(const Toolpath& drawn, const KnifeWork& knife);
+/// Overcuts and entry rotations of the strokes, for drawing them: of all, or of `strokes` from
+/// `first_stroke` on, because those of all of a large drawing are many.
+[[nodiscard]] KnifeMarks knife_marks(const Toolpath& drawn, const KnifeWork& knife,
+                                     std::size_t first_stroke = 0,
+                                     std::size_t strokes = static_cast<std::size_t>(-1));
 
 }  // namespace popcut

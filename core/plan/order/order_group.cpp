@@ -189,7 +189,7 @@ class Group {
 
   // Takes more neighbours where they cost little, or where some are the same stroke twice.
   [[nodiscard]] std::uint32_t neighbours(const OrderOptions& options) const {
-    if (!stops_.doors.empty()) return 10;
+    if (!stops_.doors.empty()) return line_of_.size() > 3000 ? 8 : 10;
     if (line_of_.size() <= 3000) return 8;
     return options.method == OrderMethod::Best ? 6 : 5;
   }
