@@ -447,8 +447,11 @@ TEST_CASE("the estimate for the recorded job is about its recorded time", "[core
       const std::vector<PagePoint> points{
           {x + 1, y},    {x, y}, {x, y + 25.4}, {x + 25.4, y + 25.4},
           {x + 25.4, y}, {x, y}, {x, y + 1}};
-      path.strokes.push_back({Operation::Cut, static_cast<std::uint32_t>(path.points.size()), 7, 0,
-                              1, 70, speed_mm_s});
+      path.strokes.push_back({.operation = Operation::Cut,
+                              .first = static_cast<std::uint32_t>(path.points.size()),
+                              .count = 7,
+                              .force_gf = 70,
+                              .speed_mm_s = speed_mm_s});
       path.points.insert(path.points.end(), points.begin(), points.end());
     }
     return strokes_seconds(path, cameo3().motion);
