@@ -456,7 +456,7 @@ Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& mate
   auto planned = Planner(std::move(drawing), machine, once, options, std::move(*mat), *mode).run();
   if (planned)
     planned->drawing_transform = map, planned->copies = *copies,
-    planned->weed_box_mm = options.weed_box_mm;
+    planned->weed_box_mm = options.weed_box_mm, planned->clip = options.place.clip;
   return planned;
 }
 

@@ -58,6 +58,7 @@ struct Plan {
   double svg_dpi{}, curve_tolerance_mm{};
   std::optional<double> unit_mm{};  ///< of a DXF or FOLD file, where `units` gave it
   Placement drawing_transform{};    ///< what `scale`, `rotate` and `mirror` did to the drawing
+  bool clip{false};                 ///< what lay outside the area was left out
   double weed_box_mm{};             ///< of the box around the drawing or its copies; 0: none
   std::vector<PagePoint> copies{};  ///< where `per-sheet` put them; empty: one
   std::optional<Layout> layout{};   ///< set if the drawing was split

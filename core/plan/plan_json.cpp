@@ -308,6 +308,7 @@ std::string plan_json(const Plan& plan) {
             {"drawing_transform", transform_json(plan.drawing_transform)},
             {"copies", copies_json(plan.copies)},
             {"weed_box_mm", plan.weed_box_mm},
+            {"clip", plan.clip},
             {"passes", {{"cut", plan.material.cut.passes}, {"fold", fold_tool(plan).passes}}},
             {"pens", pens_json(plan)},
             {"unit_mm", plan.unit_mm ? Json(*plan.unit_mm) : Json()},

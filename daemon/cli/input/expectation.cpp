@@ -208,6 +208,7 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
   if (const auto profile = text_at(json, "/svg_profile")) facts.svg_profile = *profile;
   if (const auto dpi = number_at(json, "/svg_dpi"); dpi && *dpi > 0) facts.svg_dpi = *dpi;
   if (const auto box = number_at(json, "/weed_box_mm"); box && *box > 0) facts.weed_box_mm = *box;
+  if (const nlohmann::json* clip = find(json, "/clip")) facts.clip = *clip == true;
   if (const auto unit = number_at(json, "/unit_mm"); unit && *unit > 0) facts.unit_mm = *unit;
   if (const auto most = number_at(json, "/curve_tolerance_mm"); most && *most > 0)
     facts.curve_tolerance_mm = *most;
@@ -361,6 +362,8 @@ Result<Expectation> read_expectation(const std::string& file, const std::optiona
           copied(transformed(std::move(input->drawing), plan->drawing_transform), plan->copies),
           plan->weed_box_mm),
       *plan);
+  if (plan->clip)
+    out.expected.drawing = clipped(out.expected.drawing, plan->area_mm, plan->blade_offset_mm);
   out.expected.folds_whole = plan->folds != "perforate";
   out.expected.blade_offset_mm = plan->blade_offset_mm;
   out.expected.blade_tools = plan->blade_tools;

@@ -86,6 +86,17 @@ TEST_CASE("what is too large and not to be split is refused and clipped only whe
   bench.refused({"big.svg", "--no-split"}, 4, "304.8 x 304.8 mm");
   const json clipped = bench.planned({"big.svg", "--clip"});
   CHECK(clipped["sheets"][0]["cut_mm"].get<double>() == Approx(2 * 294.8));
+  const auto simulated = [&] {
+    return bench
+        .popcut({"simulate", "sheets/sheet-01.gpgl", "-o", "sim", "--expect", "big.svg", "--plan",
+                 "sheets/plan.json"})
+        .exit;
+  };
+  CHECK(simulated() == 0);
+  json unclipped = clipped;
+  unclipped["clip"] = false;
+  write_file(bench.temp / "sheets/plan.json", unclipped.dump());
+  CHECK(simulated() == 6);
   const json whole = bench.planned({"big.svg", "--mat", "400x300"});
   CHECK(whole["sheets"][0]["cut_mm"].get<double>() == Approx(720));
   CHECK(whole["machine"] == "ideal");
