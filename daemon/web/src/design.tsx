@@ -1,0 +1,4 @@
+// design
+export default function Design(_: { rest: string }) {
+  return <h1>Design</h1>;
+}

@@ -1,0 +1,4 @@
+// glue
+export default function Glue(_: { rest: string }) {
+  return <h1>Glue</h1>;
+}
