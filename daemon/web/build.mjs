@@ -10,37 +10,49 @@ import { gzipSync } from 'node:zlib';
 
 const here = dirname(fileURLToPath(import.meta.url));
 const dist = join(here, 'dist');
-const gallery = join(here, '../../docs/gallery');
+const root = join(here, '../..');
+const gallery = join(root, 'docs/gallery');
 const openapi = join(here, '../http/api/openapi.json');
 
 /** The examples of `popcut design --list`, in the order in which the page shows them. */
 const examples = ['sphere', 'unit', 'cylinder', 'saddle', 'facade', 'packaging', 'airfoil', 'composite', 'multistate',
   'fig2a'];
 
-/** All files under `folder`, relative to it, with '/' and sorted by their bytes; without what a build makes. */
-function sources(folder) {
+/** What a change of the page begins with: all files of this folder, without what a build or CMake makes and needs. */
+function sources() {
+  const skipped = ['node_modules', 'dist', 'plain', 'CMakeLists.txt', 'page_files.cmake', 'src/api.d.ts'];
   const found = [];
   const walk = (at) => {
     for (const name of readdirSync(at)) {
       const path = join(at, name);
-      const inside = relative(folder, path).split(sep).join('/');
-      if (['node_modules', 'dist', 'src/api.d.ts'].includes(inside)) continue;
+      if (skipped.includes(inFolder(here, path))) continue;
       if (statSync(path).isDirectory()) walk(path);
-      else found.push(inside);
+      else found.push(path);
     }
   };
-  walk(folder);
-  return found.sort((a, b) => Buffer.compare(Buffer.from(a), Buffer.from(b)));
+  walk(here);
+  const pictures = readdirSync(gallery).filter((name) => name.endsWith('-deployed.svg')).map((name) => join(gallery, name));
+  return [...found, ...pictures];
 }
 
-/** sha256 over 'NAME\0LENGTH\0BYTES' of every source, in hex. */
+const inFolder = (folder, path) => relative(folder, path).split(sep).join('/');
+
+/** sha256 over the lines 'SHA256  NAME' of every source, by name, in hex. page_files.cmake computes the same. */
 function stamp() {
-  const hash = createHash('sha256');
-  for (const name of sources(here)) {
-    const bytes = readFileSync(join(here, name));
-    hash.update(`${name}\0${bytes.length}\0`).update(bytes);
+  const hex = (bytes) => createHash('sha256').update(bytes).digest('hex');
+  const named = sources().map((path) => ({ name: inFolder(root, path), path }));
+  named.sort((a, b) => Buffer.compare(Buffer.from(a.name), Buffer.from(b.name)));
+  return hex(named.map(({ name, path }) => `${hex(readFileSync(path))}  ${name}\n`).join(''));
+}
+
+/** Writes the gzip of each text beside it, where that is smaller. */
+function compress() {
+  const files = ['index.html', ...readdirSync(join(dist, 'page')).map((name) => `page/${name}`)];
+  for (const file of files.filter((name) => /\.(html|js|css|svg|txt|json)$/.test(name))) {
+    const bytes = readFileSync(join(dist, file));
+    const small = gzipSync(bytes, { level: 9 });
+    if (small.length < bytes.length) writeFileSync(join(dist, `${file}.gz`), small);
   }
-  return hash.digest('hex');
 }
 
 /** The first eight hex digits of the contents, for names that may be kept for ever. */
@@ -165,16 +177,18 @@ async function build() {
   const iconFile = `icon-${shortHash(icon)}.svg`;
   writeFileSync(join(dist, 'page', iconFile), icon);
   const index = readFileSync(join(here, 'index.html'), 'utf8').replace('<!-- files -->', [
-    ...styles.map((name) => `<link rel="stylesheet" href="${address(byEntry(name))}">`),
+    `<link rel="stylesheet" href="${address(byEntry('page.css'))}">`,
+    ...styles.slice(1).map((name) => `<meta name="later-style" content="${address(byEntry(name))}">`),
     ...early.map((path) => `<link rel="modulepreload" href="${address(path)}">`),
     `<link rel="icon" type="image/svg+xml" href="/page/${iconFile}">`,
     `<link rel="license" href="/page/${licenceFile}">`,
     `<script type="module" src="${address(main)}"></script>`,
   ].join('\n'));
   writeFileSync(join(dist, 'index.html'), index);
+  compress();
   writeFileSync(join(dist, 'stamp'), stamp() + '\n');
 
-  const shell = [main, ...early, ...styles.map(byEntry)];
+  const shell = [main, ...early, byEntry('page.css')];
   const size = (path) => gzipSync(readFileSync(join(here, path)), { level: 9 }).length;
   const all = Object.keys(outputs).filter((path) => /\.(js|css)$/.test(path));
   for (const path of all) {
@@ -182,7 +196,7 @@ async function build() {
   }
   console.log(`${kilobytes(shell.reduce((sum, path) => sum + size(path), 0)).padStart(9)}  shell, gzip`);
   console.log(`${kilobytes(all.reduce((sum, path) => sum + size(path), 0)).padStart(9)}  all JS and CSS, gzip`);
-  const pictures = readdirSync(join(dist, 'page')).filter((name) => name.startsWith('example-'))
+  const pictures = readdirSync(join(dist, 'page')).filter((name) => name.startsWith('example-') && name.endsWith('.svg'))
     .reduce((sum, name) => sum + size(join('dist/page', name)), 0);
   console.log(`${kilobytes(pictures).padStart(9)}  pictures of the examples, gzip`);
   writeFileSync(join(dist, 'sizes.json'), JSON.stringify({

@@ -21,6 +21,23 @@ const later: Record<string, () => Promise<{ default: ComponentType<{ rest: strin
   glue: () => import('./glue'),
 };
 
+let laterStyle: Promise<unknown> | null = null;
+
+/** Adds the style of the views that are loaded later, once; they are shown when it is there. */
+function withLaterStyle(): Promise<unknown> {
+  laterStyle ??= new Promise((done, failed) => {
+    const address = document.querySelector<HTMLMetaElement>('meta[name=later-style]')?.content;
+    if (!address) return done(null);
+    const link = document.createElement('link');
+    link.rel = 'stylesheet';
+    link.href = address;
+    link.onload = done;
+    link.onerror = () => { laterStyle = null; failed(new Error(address)); };
+    document.head.append(link);
+  });
+  return laterStyle;
+}
+
 /** A view that is loaded when it is first shown; it fails softly, for example after an update. */
 function Later({ view, rest }: { view: string; rest: string }) {
   const View = useSignal<ComponentType<{ rest: string }> | null>(null);
@@ -28,7 +45,8 @@ function Later({ view, rest }: { view: string; rest: string }) {
   useEffect(() => {
     View.value = null;
     failed.value = false;
-    later[view]!().then((module) => { View.value = module.default; }, () => { failed.value = true; });
+    Promise.all([later[view]!(), withLaterStyle()])
+      .then(([module]) => { View.value = module.default; }, () => { failed.value = true; });
   }, [view]);
   if (failed.value) {
     return (

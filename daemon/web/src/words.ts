@@ -328,7 +328,7 @@ export const words = localized({
     newSheetWhat: (n: number) => `Take a new sheet. All ${strokes(n)} are cut on it. Paper is cheap: this is the safe way.`,
     goOn: 'Go on from a stroke',
     goOnWhat: 'Tap the first stroke to cut on the picture.',
-    goOnFrom: (what: string, i: number) => `From stroke ${integer(i + 1)}, a ${what}.`,
+    goOnFrom: (what: string) => `From ${what}.`,
     goOnCuts: (n: number) => `It cuts ${strokes(n)}.`,
     kept: 'The sheet has not moved',
     reRegistered: 'I load it again, in the same place',
