@@ -148,7 +148,7 @@ async function build() {
   const styles = ['page.css', 'design.css'].filter((name) => existsSync(join(here, name)));
   const { metafile } = await esbuild.build({
     absWorkingDir: here,
-    entryPoints: ['src/main.tsx', ...styles],
+    entryPoints: ['src/one_shot.ts', 'src/main.tsx', ...styles],
     outdir: 'dist/page',
     entryNames: '[name]-[hash]',
     chunkNames: '[name]-[hash]',
@@ -168,7 +168,9 @@ async function build() {
   const outputs = metafile.outputs;
   const byEntry = (entry) => Object.keys(outputs).find((path) => outputs[path].entryPoint === entry);
   const main = byEntry('src/main.tsx');
-  const early = importedAtOnce(outputs, main);
+  const first = byEntry('src/one_shot.ts');
+  const early = [...new Set([...importedAtOnce(outputs, first), ...importedAtOnce(outputs, main)])]
+    .filter((path) => path !== first && path !== main);
   const address = (path) => '/' + relative('dist', path).split(sep).join('/');
   const text = licences(metafile);
   const licenceFile = `licences-${shortHash(text)}.txt`;
@@ -182,13 +184,14 @@ async function build() {
     ...early.map((path) => `<link rel="modulepreload" href="${address(path)}">`),
     `<link rel="icon" type="image/svg+xml" href="/page/${iconFile}">`,
     `<link rel="license" href="/page/${licenceFile}">`,
+    `<script type="module" src="${address(first)}"></script>`,
     `<script type="module" src="${address(main)}"></script>`,
   ].join('\n'));
   writeFileSync(join(dist, 'index.html'), index);
   compress();
   writeFileSync(join(dist, 'stamp'), stamp() + '\n');
 
-  const shell = [main, ...early, byEntry('page.css')];
+  const shell = [first, main, ...early, byEntry('page.css')];
   const size = (path) => gzipSync(readFileSync(join(here, path)), { level: 9 }).length;
   const all = Object.keys(outputs).filter((path) => /\.(js|css)$/.test(path));
   for (const path of all) {

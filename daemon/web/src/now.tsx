@@ -25,12 +25,14 @@ export function shareCut(job: Job): number {
   return all > 0 ? Math.min(1, done / all) : 0;
 }
 
-/** Seconds that the cut of the current sheet still takes, least and most. */
+/** Seconds that the cut of the current sheet still takes, least and most; of the whole job before the cut tells. */
 export function remaining(job: Job): readonly number[] {
   const live = progressOf.value.get(job.id);
-  if (live?.remaining_s) return live.remaining_s;
-  if (live?.seconds_left !== undefined) return [live.seconds_left, live.seconds_left];
-  return job.est.remaining_s;
+  const [least = 0, most = 0] = live?.remaining_s ?? job.est.remaining_s;
+  if (live?.seconds_left === undefined) return [least, most];
+  const middle = (least + most) / 2;
+  const spread = middle > 0 ? (most - least) / 2 / middle : 0.1;
+  return [live.seconds_left * (1 - spread), live.seconds_left * (1 + spread)];
 }
 
 /** The sentence that says what a person must do, or null. */

@@ -1,4 +1,4 @@
-// Must be the first import of main.tsx: the one-shot word leaves the address before anything else runs, so it stays
+// A script of its own that runs first: the one-shot word leaves the address before anything else runs, so it stays
 // neither in the history nor in a shared link.
 
 /** The word of `#t=WORD` in the address, or null; removes it from the address. */

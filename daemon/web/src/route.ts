@@ -1,4 +1,5 @@
 // Where the page is: the part of the address after '#'.
+import './one_shot';
 import { signal } from '@preact/signals';
 
 export interface Route { view: string; rest: string }

@@ -172,7 +172,7 @@ export async function readMeta(): Promise<void> {
 }
 
 async function readAll(): Promise<void> {
-  await Promise.all([readDevices(), readQueue(), readDone(), readUnfinished()]);
+  await Promise.all([readDevices(), readQueue(), readUnfinished(), readDone().catch(() => undefined)]);
   loaded.value = true;
 }
 
