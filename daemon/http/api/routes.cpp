@@ -114,7 +114,7 @@ constexpr auto kTable = std::to_array<Route>({
     action("/v1/devices/{id}/actions/test-cut", kOperator, handle::act_on_device),
 
     post("/v1/jobs", kSubmitter, handle::create_job, {.body = kJson, .key = kKeyed}),
-    get("/v1/jobs", kViewer, handle::list_jobs, {.query = "limit cursor state owner device since"}),
+    get("/v1/jobs", kViewer, handle::list_jobs, {.query = "limit cursor state order owner device since"}),
     get("/v1/jobs/{id}", kViewer, handle::get_job, {.is_urgent = true}),
     route(Method::Patch, "/v1/jobs/{id}", kSubmitter, handle::patch_job,
           {.body = kJson, .key = KeyRule::Allowed, .match = MatchRule::Required}),
