@@ -234,6 +234,7 @@ struct JobFilter {
   std::vector<JobState> states{};
   std::string owner{}, device{};
   std::optional<TimeMs> since{};
+  bool newest_first{false};  ///< else in the order of their ids, the oldest first
 };
 
 /// The words of an action. Which are needed depends on the action; others must be absent.

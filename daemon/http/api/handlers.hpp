@@ -8,6 +8,8 @@
 namespace popcut::daemon::http::handle {
 
 // handlers_system.cpp
+/// / and /page/{file}: a part of the program, without the service.
+void page(const Request&, Service&, const HandlerContext&, Reply);
 void healthz(const Request&, Service&, const HandlerContext&, Reply);
 void readyz(const Request&, Service&, const HandlerContext&, Reply);
 void metrics(const Request&, Service&, const HandlerContext&, Reply);

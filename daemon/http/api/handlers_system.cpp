@@ -6,9 +6,21 @@
 #include "daemon/http/api/handlers.hpp"
 #include "daemon/http/api/json_body.hpp"
 #include "daemon/http/api/openapi.hpp"
+#include "daemon/http/api/page_response.hpp"
 #include "daemon/http/api/render.hpp"
 
 namespace popcut::daemon::http::handle {
+
+void page(const Request& request, Service&, const HandlerContext&, Reply reply) {
+  const std::string name = request.params.empty() ? std::string() : request.params[0];
+  for (const PageFile& file : page_files())
+    if (file.name == name)
+      return reply(page_response(file, request.header("accept-encoding").value_or("")));
+  reply(problem_response(
+      Problem{ProblemKind::NotFound,
+              "the page of this popcutd has no such file; if popcutd was updated, reload the page"},
+      request));
+}
 
 void healthz(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   if (!service.operations.health().database)
@@ -67,6 +79,7 @@ void meta(const Request& request, Service& service, const HandlerContext& contex
       200,
       {{"api", "v1"},
        {"build", context.build},
+       {"page", page_stamp().substr(0, 12)},
        {"schema_sha256", context.openapi_sha256},
        {"principal", {{"name", request.principal.name}, {"role", name_of(request.principal.role)}}},
        {"last_event", service.operations.last_event()},

@@ -203,7 +203,7 @@ TEST_CASE("pages continue where they ended and invented cursors are refused",
   CHECK(std::is_sorted(ids.begin(), ids.end()));
   for (const char* bad : {"cursor=x", "cursor=", "limit=0", "limit=201", "limit=1.5", "limit=+1",
                           "limit=", "limit=1e1", "state=armd", "since=yesterday",
-                          "since=2026-13-01", "since=2026-02-30"}) {
+                          "since=2026-13-01", "since=2026-02-30", "order=", "order=newest"}) {
     CAPTURE(bad);
     const Asked page = ask(fake, Method::Get, fmt::format("/v1/jobs?{}", bad));
     CHECK(page.response.status == 422);
@@ -273,6 +273,11 @@ TEST_CASE("lists are filtered by state and owner and time", "[daemon][http][hand
   CHECK(fake.last_filter.owner == "uid:1000");
   CHECK(fake.last_filter.device == "sim:cameo3");
   CHECK(rfc3339(*fake.last_filter.since) == "2026-11-21T10:00:00.500Z");
+  CHECK_FALSE(fake.last_filter.newest_first);
+  CHECK(ask(fake, Method::Get, "/v1/jobs?order=desc").response.status == 200);
+  CHECK(fake.last_filter.newest_first);
+  CHECK(ask(fake, Method::Get, "/v1/jobs?order=asc").response.status == 200);
+  CHECK_FALSE(fake.last_filter.newest_first);
 }
 
 TEST_CASE("times are read and written in RFC 3339", "[daemon][http][time]") {
