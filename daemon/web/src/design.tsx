@@ -379,7 +379,7 @@ function Desk({ onOpen }: { onOpen: () => void }) {
   );
 }
 
-/** `#/design`, `#/design/d=…` a shared design, `#/design/example=NAME`, `#/design/ID` a stored one. */
+/** `#/design`, `#/design/d=…` a shared design, `#/design/example/NAME`, `#/design/ID` a stored one. */
 export default function Design({ rest }: { rest: string }) {
   const file = useRef<HTMLInputElement>(null);
   const trouble = useSignal<Said>(null);
@@ -391,16 +391,15 @@ export default function Design({ rest }: { rest: string }) {
     let wanted = true;
     const open = async (): Promise<void> => {
       try {
-        const at = rest.indexOf('=');
-        const [key, value] = at < 0 ? ['id', rest] : [rest.slice(0, at), rest.slice(at + 1)];
+        const [, key, value] = /^(d|example)[=/](.*)$/s.exec(rest) ?? ['', 'id', rest];
         if (key === 'd') {
-          const spec = await fromShare(value);
+          const spec = await fromShare(value ?? '');
           if (wanted) desk.begin(spec);
         } else if (key === 'example') {
           const { items } = await read<{ items: desk.Example[] }>('/v1/examples');
           const found = items.find((one) => one.name === value);
           if (wanted && found) desk.begin(found.spec);
-        } else await desk.openStored(value);
+        } else await desk.openStored(value ?? '');
         // The address is done with: what is on the desk now is one's own.
         if (wanted) history.replaceState(null, '', '#/design');
       } catch (error) {

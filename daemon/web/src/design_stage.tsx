@@ -6,7 +6,7 @@ import * as desk from './design_desk';
 import { FaceKind, posedPoints, type Lattice } from './lattice';
 import { paintModel } from './model_paper';
 import type { ModelView } from './model_view';
-import { css, scaleOf, stopsOf, type Colouring, type Scale } from './ramps';
+import { css, curvatures, scaleOf, stopsOf, type Colouring, type Scale } from './ramps';
 import {
   isRevolution, radiusPoints, reachOf, sampledRadii, sheetOffset, stretched, withoutPoint, withPointAt, withRadius,
   withRadiusPoints, widthsOf, type RadiusPoint, type Spec,
@@ -395,8 +395,10 @@ export function ColourChoice() {
   const of = desk.lattice.value;
   const has = (colouring: Colouring): boolean => {
     if (!of) return colouring === 'paper';
-    if (colouring === 'k') return of.point_k !== null;
-    if (colouring === 'h') return of.point_h !== null;
+    if (colouring === 'k' || colouring === 'h') {
+      const { faces, points } = curvatures(of, colouring);
+      return (faces ?? points)?.some(Number.isFinite) ?? false;
+    }
     if (colouring === 'error') return of.face_error.some((error) => error > 0);
     return true;
   };

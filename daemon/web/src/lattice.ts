@@ -48,6 +48,9 @@ export interface Lattice {
   face_merged: Uint8Array;
   point_k: Float32Array | null;
   point_h: Float32Array | null;
+  /** Means over the corners of each face. */
+  face_k: Float32Array | null;
+  face_h: Float32Array | null;
   tips: Uint32Array;
   tip_apex: Float32Array;
   tip_w: Float32Array;
@@ -279,10 +282,10 @@ export function readLattice(bytes: ArrayBuffer): Lattice {
     allFinite(frames, 'frames');
   }
 
-  const optional = (name: string): Float32Array | null => {
+  const optional = (name: string, length = n): Float32Array | null => {
     if (!arrays.has(name)) return null;
     const values = arrays.f32(name);
-    same(values, n, name);
+    same(values, length, name);
     return values;
   };
 
@@ -316,6 +319,8 @@ export function readLattice(bytes: ArrayBuffer): Lattice {
     face_merged: face.merged,
     point_k: optional('point_k'),
     point_h: optional('point_h'),
+    face_k: optional('face_k', faces),
+    face_h: optional('face_h', faces),
     tips,
     tip_apex: tip.apex,
     tip_w: tip.w,

@@ -56,7 +56,8 @@ export interface ModelOptions {
   onRestored?: () => void;
 }
 
-const kVertex = /* glsl */ `
+/** The vertex shader of the model: every place comes from psi. Its output vWorld is in mm. */
+export const modelVertexShader = /* glsl */ `
 precision highp float;
 precision highp int;
 in vec3 position;
@@ -315,8 +316,10 @@ void main() {
   colour = vec4(texture(from, at).rgb, opacity);
 }`;
 
-/** Frames that are gathered once the picture rests. */
+/** Frames that are gathered once the picture rests; fewer where one takes long. */
 const kGathered = 40;
+const kGatheredSlow = 14;
+const kSlow_ms = 70;
 /** Beyond this the light of the sky is not gathered: each frame costs two more passes. */
 const kMostGatheredTriangles = 60_000;
 const kShadowPixels = 1024;
@@ -389,6 +392,8 @@ export class ModelView {
   private blendFrom = 0;
   private follow = true;
   private lost = false;
+  private slow = false;
+  private gatherFrom = 0;
   private litOnce = false;
   private radius = 100;
   private hoverAt: { x: number; y: number } | null = null;
@@ -428,7 +433,7 @@ export class ModelView {
     };
     const paper = new RawShaderMaterial({
       glslVersion: GLSL3,
-      vertexShader: kVertex,
+      vertexShader: modelVertexShader,
       fragmentShader: kPaper,
       side: DoubleSide,
       uniforms: {
@@ -447,8 +452,8 @@ export class ModelView {
         marked: { value: new Vector4(-9, -9, -9, 0) },
       },
     });
-    const deep = new RawShaderMaterial({ glslVersion: GLSL3, vertexShader: kVertex, fragmentShader: kDepth, side: DoubleSide, uniforms: this.shared });
-    const who = new RawShaderMaterial({ glslVersion: GLSL3, vertexShader: kVertex, fragmentShader: kWho, side: DoubleSide, uniforms: this.shared, blending: NoBlending });
+    const deep = new RawShaderMaterial({ glslVersion: GLSL3, vertexShader: modelVertexShader, fragmentShader: kDepth, side: DoubleSide, uniforms: this.shared });
+    const who = new RawShaderMaterial({ glslVersion: GLSL3, vertexShader: modelVertexShader, fragmentShader: kWho, side: DoubleSide, uniforms: this.shared, blending: NoBlending });
     this.mesh = new Mesh(this.geometry, paper);
     this.depthMesh = new Mesh(this.geometry, deep);
     this.whoMesh = new Mesh(this.geometry, who);
@@ -932,6 +937,9 @@ export class ModelView {
       return;
     }
     if (this.gathered < this.framesToGather()) {
+      const now = performance.now();
+      if (this.gathered === 1) this.gatherFrom = now;
+      if (this.gathered === 4) this.slow = (now - this.gatherFrom) / 3 > kSlow_ms;
       this.gather();
       this.schedule();
     }
@@ -939,7 +947,8 @@ export class ModelView {
 
   private framesToGather(): number {
     const triangles = this.lattice ? this.lattice.triangle_face.length : 0;
-    return triangles > 0 && triangles <= kMostGatheredTriangles ? kGathered : 0;
+    if (triangles === 0 || triangles > kMostGatheredTriangles) return 0;
+    return this.slow ? kGatheredSlow : kGathered;
   }
 
   /** Draws now, without waiting for the screen: for pictures and for measurements. */
@@ -1024,7 +1033,7 @@ export class ModelView {
     this.blit(this.frameTarget, this.sumTarget, 1 / i);
     this.gathered = i;
     // The first few are too rough to show.
-    if (i >= 12) this.blit(this.sumTarget, null, 1);
+    if (i >= 12 || i === this.framesToGather()) this.blit(this.sumTarget, null, 1);
   }
 
   private blit(from: WebGLRenderTarget, to: WebGLRenderTarget | null, opacity: number): void {
@@ -1134,6 +1143,7 @@ export class ModelView {
   png(): Promise<Blob | null> {
     this.drawNow();
     this.gathered = 0;
+    this.slow = false;
     while (this.gathered < this.framesToGather()) this.gather();
     return new Promise((done) => this.canvas.toBlob(done, 'image/png'));
   }

@@ -80,6 +80,11 @@ function largest(values: Float32Array | null): number {
   return max;
 }
 
+/** K or H where they are known: means over faces if there are such, else at points. */
+export function curvatures(lattice: Lattice, colouring: 'k' | 'h'): { faces: Float32Array | null; points: Float32Array | null } {
+  return colouring === 'k' ? { faces: lattice.face_k, points: lattice.point_k } : { faces: lattice.face_h, points: lattice.point_h };
+}
+
 /** The scale of a colouring for this lattice: ends, unit and the ticks of its legend. */
 export function scaleOf(lattice: Lattice, colouring: Colouring): Scale {
   if (colouring === 'error') {
@@ -88,7 +93,7 @@ export function scaleOf(lattice: Lattice, colouring: Colouring): Scale {
     return { colouring, kind: 'log', low, high, unit: 'mm', ticks };
   }
   if (colouring === 'k' || colouring === 'h') {
-    const [low, high] = decades(largest(colouring === 'k' ? lattice.point_k : lattice.point_h));
+    const [low, high] = decades(largest(curvatures(lattice, colouring).faces ?? curvatures(lattice, colouring).points));
     const round = roundValues(low, high).slice(-1);
     const ticks = [
       ...round.map((value) => ({ at: bothShare(-value, low, high), value: -value })),
@@ -104,7 +109,7 @@ export function scaleOf(lattice: Lattice, colouring: Colouring): Scale {
 /** The share of each corner of each triangle on the scale; below 0: paper. Card and margins stay paper. */
 export function cornerValues(lattice: Lattice, scale: Scale, out: Float32Array): void {
   const { triangles, triangle_face, face_kind, face_error, face_level, face_slice } = lattice;
-  const points = scale.colouring === 'k' ? lattice.point_k : scale.colouring === 'h' ? lattice.point_h : null;
+  const of = scale.colouring === 'k' || scale.colouring === 'h' ? curvatures(lattice, scale.colouring) : null;
   for (let t = 0; t < triangle_face.length; t++) {
     const face = triangle_face[t] as number;
     const panel = face_kind[face] === FaceKind.panel;
@@ -113,8 +118,8 @@ export function cornerValues(lattice: Lattice, scale: Scale, out: Float32Array):
       if (panel && scale.kind === 'log') {
         const error = face_error[face] as number;
         if (Number.isFinite(error)) share = logShare(error, scale.low, scale.high);
-      } else if (panel && scale.kind === 'both' && points) {
-        const value = points[triangles[3 * t + k] as number] as number;
+      } else if (panel && scale.kind === 'both' && of) {
+        const value = (of.faces ? of.faces[face] : of.points?.[triangles[3 * t + k] as number]) ?? NaN;
         if (Number.isFinite(value)) share = bothShare(value, scale.low, scale.high);
       } else if (panel && scale.kind === 'names') {
         const level = Math.max(0, face_level[face] as number);
