@@ -61,17 +61,19 @@ function shortHash(bytes) {
 }
 
 /**
- * A small picture of a deployed example: the gallery's without legend and target, with whole numbers. It keeps the
- * order of drawing, since what is behind is drawn first.
+ * A small picture of a deployed example: the gallery's without its legend and the target, in whole numbers, cropped. It
+ * keeps the order of drawing, since what is behind is drawn first.
  */
 function smallPicture(svg) {
-  const size = /viewBox="0 0 ([\d.]+) ([\d.]+)"/.exec(svg);
-  const scale = 360 / Math.max(Number(size[1]), Number(size[2]));
+  const scale = 0.7;
+  let [left, top, right, bottom] = [Infinity, Infinity, 0, 0];
   const rounded = (d) => {
     let from = [0, 0];
     return [...d.matchAll(/([MLZ])([-\d.]+)?[ ,]?([-\d.]+)?/g)].map(([, letter, x, y]) => {
       if (letter === 'Z') return 'z';
       const to = [Math.round(Number(x) * scale), Math.round(Number(y) * scale)];
+      [left, top] = [Math.min(left, to[0]), Math.min(top, to[1])];
+      [right, bottom] = [Math.max(right, to[0]), Math.max(bottom, to[1])];
       const step = letter === 'M' ? `M${to[0]} ${to[1]}` : `l${to[0] - from[0]} ${to[1] - from[1]}`;
       const nothing = letter === 'L' && to[0] === from[0] && to[1] === from[1];
       from = to;
@@ -79,7 +81,7 @@ function smallPicture(svg) {
     }).join('');
   };
   const paths = [];
-  for (const [, d, rest] of svg.matchAll(/<path d="([^"]*)"([^>]*)\/>/g)) {
+  for (const [, d, rest] of svg.slice(0, svg.indexOf('</g>')).matchAll(/<path d="([^"]*)"([^>]*)\/>/g)) {
     if (rest.includes('fill-opacity')) continue;
     const fill = /fill="([^"]*)"/.exec(rest)?.[1] ?? 'none';
     const stroke = fill === 'none' ? /stroke="([^"]*)"/.exec(rest)?.[1] : undefined;
@@ -88,10 +90,9 @@ function smallPicture(svg) {
     if (last && last.paint === paint) last.d += rounded(d);
     else paths.push({ paint, d: rounded(d) });
   }
-  const width = Math.round(Number(size[1]) * scale);
-  const height = Math.round(Number(size[2]) * scale);
-  return `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}">`
-    + '<g stroke-width=".4" stroke-linejoin="round">'
+  const size = [right - left + 2, bottom - top + 2];
+  return `<svg xmlns="http://www.w3.org/2000/svg" width="${size[0]}" height="${size[1]}"`
+    + ` viewBox="${left - 1} ${top - 1} ${size[0]} ${size[1]}"><g stroke-width=".7" stroke-linejoin="round">`
     + paths.map(({ paint, d }) => `<path ${paint} d="${d}"/>`).join('') + '</g></svg>\n';
 }
 

@@ -30,10 +30,10 @@ function useWays(job: Job): Way[] {
 
 function Counts({ ledger, job }: { ledger: Ledger; job: Job }) {
   const attempt = ledger.attempts.at(-1);
+  const reason = job.reason ? words.reasons[job.reason] ?? job.reason : '';
   return (
     <>
-      <p>{job.reason ? words.reasons[job.reason] ?? job.reason : ''}
-        {attempt?.ended ? ` ${say.at(hourMinuteSecond(localTime(attempt.ended)))}` : ''}</p>
+      <p>{attempt?.ended ? say.why(reason, hourMinuteSecond(localTime(attempt.ended))) : reason}</p>
       <ul class="fates figure">
         <li class="fate-certain">{say.certain(strokesIn(ledger.certain))}</li>
         <li class="fate-doubt">{say.doubt(strokesIn(ledger.in_doubt))}</li>

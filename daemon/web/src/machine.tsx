@@ -41,7 +41,7 @@ function Changed({ job, problem, onClose }: { job: Job; problem: ServerProblem; 
       <p><strong>{words.changed.nothingDone}</strong></p>
       <p>{recent ? words.changed.by(recent.who ?? words.changed.someone,
         words.changed.did[recent.state] ?? words.changed.changedIt, duration(Math.max(1, (now.value - recent.at) / 1000)))
-        : words.problems.stale} {words.changed.meanwhile(words.states[job.state] ?? job.state)}</p>
+        : problem.kind === 'stale' ? words.changed.itChanged : words.problems[problem.kind] ?? ''} {words.changed.meanwhile(words.states[job.state] ?? job.state)}</p>
       {problem.kind !== 'stale' && problem.detail && <p class="server-words">{problem.detail}</p>}
       <Button kind="quiet" onClick={onClose}>{words.close}</Button>
     </div>
@@ -205,12 +205,13 @@ function ArmButton({ job, acts, prepared, device }: { job: Job; acts: Acts; prep
     ...(job.unaccepted_warnings.length > 0 ? { accept_warnings: [...new Set(job.unaccepted_warnings)] } : {}),
   });
   if (!may('operator')) return null;
-  const off = acts.off || !ticked || !warned;
+  const fault = device.state === 'fault' || device.state === 'absent' || device.state === 'offline' || !device.enabled;
+  const off = acts.off || !ticked || !warned || fault;
   return (
     <div class="act-left">
       <Button kind="primary" big class="arm" disabled={off}
         onClick={() => (beside.value === device.id ? arm() : setAsks(true))}>{say.arm}</Button>
-      <span class="muted">{!ticked ? say.afterTicks : !warned ? say.afterWarnings : say.armWhat}</span>
+      <span class="muted">{fault ? say.afterFault : !ticked ? say.afterTicks : !warned ? say.afterWarnings : say.armWhat}</span>
       {asks && (
         <Dialog title={say.notBeside} yes={say.notBesideGo} onNo={() => setAsks(false)}
           onYes={() => { setAsks(false); arm(); }}>
@@ -514,8 +515,8 @@ export function Machine({ device: id }: { device: string }) {
   const removed = last.current !== null && removedBy.value.has(last.current) ? removedBy.value.get(last.current) ?? null : undefined;
   const news = before && hasEnded(before) ? (
     <Note kind={before.state === 'done' ? 'good' : 'amber'}>
-      <p role="status"><strong>{before.state === 'done' ? say.finished : words.states[before.state]}</strong></p>
-      <p>{before.state === 'done' ? say.finishedWhat(nameOf(before)) : nameOf(before)}</p>
+      <p role="status">{before.state === 'done' ? say.finishedWhat(nameOf(before))
+        : say.endedWhat(nameOf(before), words.states[before.state] ?? before.state)}</p>
     </Note>
   ) : removed !== undefined ? <Note kind="amber"><p role="status">{say.removed(removed ?? words.changed.someone)}</p></Note> : null;
   if (!job) return <Nothing device={device}>{news}</Nothing>;

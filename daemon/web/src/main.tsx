@@ -199,7 +199,7 @@ function Page() {
       <Updated first={firstPage.current} />
       <Old />
       <Waiting />
-      <main ref={main} id="main" tabIndex={-1} class={`view view-${view}${old ? ' view-old' : ''}`}>
+      <main ref={main} id="main" tabIndex={-1} class={`view view-${view}${old ? ' view-old' : ''}${pausable.value.length > 0 ? ' above-pause' : ''}`}>
         <View />
       </main>
       <PauseBar />

@@ -139,7 +139,7 @@ function More({ job }: { job: Job }) {
     <div class="more">
       <button type="button" class="button button-quiet more-button" aria-expanded={open}
         aria-label={words.moreActs(nameOf(job))} onClick={() => setOpen(!open)}>
-        <svg viewBox="0 0 24 24" aria-hidden="true"><path d="M5 10h4v4H5zM10 10h4v4h-4zM15 10h4v4h-4z" /></svg>
+        <svg viewBox="0 0 24 24" aria-hidden="true"><circle cx="5" cy="12" r="2" /><circle cx="12" cy="12" r="2" /><circle cx="19" cy="12" r="2" /></svg>
       </button>
       {open && (
         <div class="more-list">
