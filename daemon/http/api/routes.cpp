@@ -65,6 +65,9 @@ constexpr auto kTable = std::to_array<Route>({
     get("/metrics", kViewer, handle::metrics),
     get("/v1/meta", kViewer, handle::meta),
     get("/v1/openapi.json", kViewer, handle::openapi),
+    get("/v1/examples", kViewer, handle::list_examples),
+    get("/v1/design-schema", kViewer, handle::design_schema),
+    get("/v1/machines", kViewer, handle::list_machines),
     get("/v1/usage", kViewer, handle::usage, {.query = "from to by"}),
 
     post("/v1/session/one-shot", kViewer, handle::create_one_shot, {.body = kJson}),
@@ -114,7 +117,8 @@ constexpr auto kTable = std::to_array<Route>({
     action("/v1/devices/{id}/actions/test-cut", kOperator, handle::act_on_device),
 
     post("/v1/jobs", kSubmitter, handle::create_job, {.body = kJson, .key = kKeyed}),
-    get("/v1/jobs", kViewer, handle::list_jobs, {.query = "limit cursor state order owner device since"}),
+    get("/v1/jobs", kViewer, handle::list_jobs,
+        {.query = "limit cursor state order owner device since"}),
     get("/v1/jobs/{id}", kViewer, handle::get_job, {.is_urgent = true}),
     route(Method::Patch, "/v1/jobs/{id}", kSubmitter, handle::patch_job,
           {.body = kJson, .key = KeyRule::Allowed, .match = MatchRule::Required}),
