@@ -50,6 +50,9 @@ void plan_file(const Request&, Service&, const HandlerContext&, Reply);
 void sheet_svg(const Request&, Service&, const HandlerContext&, Reply);
 void sheet_program(const Request&, Service&, const HandlerContext&, Reply);
 
+// handlers_strokes.cpp
+void sheet_strokes(const Request&, Service&, const HandlerContext&, Reply);
+
 // handlers_jobs.cpp
 void create_job(const Request&, Service&, const HandlerContext&, Reply);
 void list_jobs(const Request&, Service&, const HandlerContext&, Reply);

@@ -102,6 +102,7 @@ constexpr auto kTable = std::to_array<Route>({
     get("/v1/plans/{id}/report.json", kViewer, handle::plan_file),
     get("/v1/plans/{id}/sheets/{k}.svg", kViewer, handle::sheet_svg),
     get("/v1/plans/{id}/sheets/{k}/program", kViewer, handle::sheet_program),
+    get("/v1/plans/{id}/sheets/{k}/strokes", kViewer, handle::sheet_strokes),
 
     get("/v1/materials", kViewer, handle::list_materials, {.query = "limit cursor"}),
     get("/v1/materials/{id}", kViewer, handle::get_material),
