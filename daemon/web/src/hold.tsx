@@ -7,7 +7,6 @@ export const kHold_ms = 800;
 export const kInert_ms = 600;
 
 interface HoldProps {
-  label: string;                          // its name for readers
   children: preact.ComponentChildren;
   onHeld: () => void;
   question: { title: string; text: string; yes: string };   // for keyboard, switch and reader
@@ -15,7 +14,7 @@ interface HoldProps {
 }
 
 /** A ring fills while a pointer holds the button; leaving it, a second finger, or losing the page cancels. */
-export function HoldButton({ label, children, onHeld, question, disabled = false }: HoldProps) {
+export function HoldButton({ children, onHeld, question, disabled = false }: HoldProps) {
   const button = useRef<HTMLButtonElement>(null);
   const [inert, setInert] = useState(true);
   const [holding, setHolding] = useState(false);
@@ -81,7 +80,7 @@ export function HoldButton({ label, children, onHeld, question, disabled = false
 
   return (
     <>
-      <button ref={button} type="button" class={`hold${holding ? ' hold-on' : ''}`} aria-label={label}
+      <button ref={button} type="button" class={`hold${holding ? ' hold-on' : ''}`}
         disabled={off} tabIndex={0}
         onPointerDown={down} onPointerMove={moved} onPointerUp={stop} onPointerCancel={stop}
         onLostPointerCapture={stop} onContextMenu={(event) => event.preventDefault()}

@@ -237,7 +237,7 @@ function Armed({ job, acts, device }: { job: Job; acts: Acts; device: Device }) 
       <Lapse job={job} />
       {may('operator') ? (
         <div class="act-right">
-          <HoldButton key={job.rev} label={say.start} disabled={acts.off} onHeld={() => acts.run('start', { sheet: job.sheet })}
+          <HoldButton key={job.rev} disabled={acts.off} onHeld={() => acts.run('start', { sheet: job.sheet })}
             question={{ title: say.startSure, text: say.startSureWhat(job.sheet ?? 1, job.sheets_total, device.title), yes: say.startGo }}>
             {acts.busy ? say.sending : <><span class="hold-small">{say.holdTo}</span>{say.start}</>}
           </HoldButton>
@@ -279,7 +279,7 @@ function Paused({ job, acts, device }: { job: Job; acts: Acts; device: Device })
       <p class="figure">{percent(share)} · {say.left(timeRange(remaining(job)))}</p>
       {may('operator') ? (
         <div class="act-right">
-          <HoldButton key={job.rev} label={say.goOn} disabled={acts.off} onHeld={() => acts.run('resume', {})}
+          <HoldButton key={job.rev} disabled={acts.off} onHeld={() => acts.run('resume', {})}
             question={{ title: say.goOnSure, text: say.goOnSureWhat(device.title), yes: say.goOnGo }}>
             {acts.busy ? say.sending : <><span class="hold-small">{say.holdTo}</span>{say.goOn}</>}
           </HoldButton>
