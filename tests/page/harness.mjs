@@ -216,7 +216,7 @@ export async function visit(server, { role = 'operator', name, hash = '', screen
   const sent = [];
   page.on('console', (message) => {
     const text = message.text();
-    if (!expectedOf(page).some((pattern) => pattern.test(text))) complaints.push(`console: ${text}`);
+    if (!expectedOf(page).some((pattern) => pattern.test(text))) complaints.push(`console: ${text} ${message.location().url}`);
   });
   page.on('pageerror', (error) => complaints.push(`error: ${error.stack ?? error.message}`));
   page.on('request', (request) => {

@@ -8,11 +8,11 @@ let open = [];
 
 after(closeBrowser);
 
-/** A job whose cut broke off, as the cable was out at stroke 12, on a popcutd of its own; and a browser at its cutter. */
-async function broken(name, more = {}) {
+/** A job whose cut broke off, as the cable was out at stroke `at_path`, on a popcutd of its own; and a browser at its cutter. */
+async function broken(name, lines = 40, at_path = 12) {
   server = await Server.start({ devices: [{ id: 'sim:cameo3', time_scale: 20,
-    faults: [{ at_path: 12, kind: 'unplug', seconds: 2 }] }] });
-  const job = await server.queue(ladder(40), { name, ...more });
+    faults: [{ at_path, kind: 'unplug', seconds: 2 }] }] });
+  const job = await server.queue(ladder(lines), { name });
   const one = await visit(server, { hash: machineHash() });
   open.push(one);
   await armHere(one.page);
@@ -96,8 +96,15 @@ test('going on behind the strokes in doubt spells out how many may stay uncut', 
   assert.equal(body.i_accept_double_cut, undefined);
 });
 
+test('It is whole is not offered while strokes were never sent', async () => {
+  const { page, ledger } = await broken('not whole');
+  await page.getByText(`It cannot be: ${strokesIn(ledger.not_sent)} strokes were never sent.`).waitFor();
+  assert.equal(await page.locator('.option', { hasText: 'It is whole' }).locator('input').isDisabled(), true);
+});
+
 test('It is whole completes the sheet without cutting', async () => {
-  const { page, id, acts } = await broken('whole');
+  const { page, id, acts, ledger } = await broken('whole', 6, 4);
+  assert.deepEqual(ledger.not_sent, []);
   await page.getByText('It is whole', { exact: true }).click();
   await page.getByRole('button', { name: 'That is what I want' }).click();
   await server.state(id, 'done');

@@ -100,6 +100,7 @@ export function Interrupted({ job, known, acts, news }: {
 
   const can = (action: string): boolean => job.actions.includes(action);
   const total = ledger ? strokesIn(ledger.certain) + strokesIn(ledger.in_doubt) + strokesIn(ledger.not_sent) : 0;
+  const unsent = ledger ? strokesIn(ledger.not_sent) : 0;
   const lens = known.strokes ? strokeWords(known.strokes, stroke) : say.stroke;
   const startWhat = known.strokes ? strokeWords(known.strokes, start) : say.stroke;
   const risksTaken = effect !== null && (effect.twice === 0 || twice) && (effect.uncut === 0 || uncut) && placed !== null;
@@ -155,7 +156,9 @@ export function Interrupted({ job, known, acts, news }: {
                 canKeep={canKeep} twice={twice} onTwice={setTwice} uncut={uncut} onUncut={setUncut} />
             )}
             {can('confirm-result') && (
-              <Option kind="whole" chosen={chosen} onChoose={setChosen} title={say.whole}>{say.wholeWhat}</Option>
+              <Option kind="whole" chosen={chosen} onChoose={setChosen} title={say.whole} disabled={unsent > 0}>
+                {unsent > 0 ? say.wholeNot(unsent) : say.wholeWhat}
+              </Option>
             )}
             {can('confirm-result') && job.attention?.kind === 'confirm_result' && (
               <Option kind="not-good" chosen={chosen} onChoose={setChosen} title={say.notGood}>{say.notGoodWhat}</Option>

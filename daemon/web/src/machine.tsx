@@ -33,9 +33,11 @@ function jobsAt(device: string): Job[] {
 }
 
 /** What happened instead of an act that came too late. */
-function Changed({ job, problem, onClose }: { job: Job; problem: ServerProblem; onClose: () => void }) {
+function Changed({ job, shown, problem, onClose }: {
+  job: Job; shown: number; problem: ServerProblem; onClose: () => void;
+}) {
   const change = lastChange.value.get(job.id);
-  const recent = change && now.value - change.at < 600_000 ? change : null;
+  const recent = change && job.rev !== shown && now.value - change.at < 600_000 ? change : null;
   return (
     <div class="note note-amber" role="alert">
       <p><strong>{words.changed.nothingDone}</strong></p>
@@ -55,10 +57,12 @@ export interface Acts {
   run: (action: string, body: unknown) => void;
 }
 
-function useActs(job: Job): Acts & { problem: ServerProblem | null; clear: () => void } {
+function useActs(job: Job): Acts & { problem: ServerProblem | null; shown: number; clear: () => void } {
   const [busy, setBusy] = useState(false);
   const [problem, setProblem] = useState<ServerProblem | null>(null);
+  const shown = useRef(job.rev);
   const run = (action: string, body: unknown): void => {
+    shown.current = job.rev;
     setBusy(true);
     setProblem(null);
     act<Job>(`/v1/jobs/${job.id}/actions/${action}`, job.rev, body).then(takeJob, async (error) => {
@@ -67,7 +71,7 @@ function useActs(job: Job): Acts & { problem: ServerProblem | null; clear: () =>
       setProblem(error);
     }).finally(() => setBusy(false));
   };
-  return { busy, off: busy || stale.value, run, problem, clear: () => setProblem(null) };
+  return { busy, off: busy || stale.value, run, problem, shown: shown.current, clear: () => setProblem(null) };
 }
 
 interface MaterialValues { title?: string; autoblade_depth?: number; cut?: { force_gf?: number } }
@@ -445,7 +449,7 @@ function AtJob({ job, device, others, onChoose }: {
     <>
       <Fault device={device} />
       {acts.problem && (acts.problem.status === 412 || acts.problem.status === 409
-        ? <Changed job={job} problem={acts.problem} onClose={acts.clear} />
+        ? <Changed job={job} shown={acts.shown} problem={acts.problem} onClose={acts.clear} />
         : <Trouble problem={acts.problem} onClose={acts.clear} />)}
     </>
   );

@@ -80,7 +80,8 @@ export function takeJob(job: Job): void {
 
 function changed(job: Job): void {
   const all = new Map(lastChange.value);
-  all.set(job.id, { who: operatorOf(job), state: job.state, at: Date.now() });
+  const known = job.state === 'armed' || job.state === 'cutting';   // the operator is who armed or started
+  all.set(job.id, { who: known ? operatorOf(job) : null, state: job.state, at: Date.now() });
   lastChange.value = all;
 }
 

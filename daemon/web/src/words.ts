@@ -338,6 +338,7 @@ export const words = localized({
     tickTwice: (n: number) => `I accept that ${strokes(n)} may be cut twice.`,
     tickUncut: (n: number) => `I accept that ${strokes(n)} may stay uncut.`,
     whole: 'It is whole',
+    wholeNot: (n: number) => `It cannot be: ${strokes(n)} ${n === 1 ? 'was' : 'were'} never sent.`,
     wholeWhat: 'You looked: every stroke is cut. The sheet counts as done.',
     notGood: 'It is not good',
     notGoodWhat: 'Then take a new sheet, or skip this one.',
