@@ -145,7 +145,7 @@ function ProfilePad() {
     const line = falling(radii.value.map((r, k): [number, number] => [r * Math.cos(angle(k)), r * Math.sin(angle(k))]), n);
     const curve = line.filter((p, i) => i === 0 || p[0] !== (line[i - 1] as RadiusPoint)[0] || p[1] !== (line[i - 1] as RadiusPoint)[1])
       .map(([x, z], i, all): RadiusPoint => [i === 0 ? 0 : x, i === all.length - 1 ? 0 : z]);
-    desk.begin(drawn({ type: 'loft', stations: [{ y: 0, curve }] }, 'drawing'));
+    desk.begin(drawn({ type: 'profile', z: { points: curve } }, 'drawing'));
   };
   return (
     <article class="pad">

@@ -66,7 +66,7 @@ function StepSheet({ plan, sheet, step }: { plan: string; sheet: number; step: G
   useEffect(() => {
     if (!canvas.current) return undefined;
     const made = new SheetView(canvas.current);
-    made.setOptions({ feedEdge: false });
+    made.setOptions({ feedEdge: false, mat: false });
     view.current = made;
     return () => made.dispose();
   }, []);
@@ -273,7 +273,7 @@ export default function Glue({ rest: id }: { rest: string }) {
         </div>
         <ol class="glue-dots" aria-hidden="true">{steps.map((_, i) => <li key={i} class={i <= at ? 'glue-dot glue-dot-done' : 'glue-dot'} />)}</ol>
         <div class="glue-step">
-          <div class={sheets.length + (lattice.value ? 1 : 0) > 1 ? 'glue-pictures glue-two' : 'glue-pictures'}>
+          <div class={sheets.length + (now.kind === 'seam' ? 1 : 0) > 1 ? 'glue-pictures glue-two' : 'glue-pictures'}>
             {sheets.map((sheet) => <StepSheet key={sheet} plan={id} sheet={sheet} step={now} />)}
             {lattice.value && file.value && (now.kind === 'seam' || sheets.length === 0) && <StepModel of={lattice.value} plan={file.value} step={now} />}
           </div>

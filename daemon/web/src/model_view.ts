@@ -269,6 +269,7 @@ void main() {
   float s = seen(sunMap, vSun, 0.001);
   float a = gathering > 0.5 ? 2.0 * max(0.0, sky.z) * seen(skyMap, vSky, 0.001) : 1.0;
   float full = 0.66 * sun.z + 0.36;
+  a = mix(1.0, a, 0.4);
   float light = (0.66 * sun.z * s + 0.36 * a) / full;
   light = mix(1.0, light, (1.0 - smoothstep(0.13, 0.25, vOut)) * dark);
   colour = vec4(ground * pow(max(light, 0.0), 0.5), 1.0);

@@ -61,6 +61,16 @@ export function bothShare(value: number, low: number, high: number): number {
   return 0.5 + 0.5 * Math.sign(value) * logShare(Math.abs(value), low, high);
 }
 
+/** Ends of the scale of errors: the largest, and a little below the smallest, two decades apart at most. */
+function spread(lattice: Lattice): [number, number] {
+  const [least, high] = decades(largest(lattice.face_error));
+  let smallest = high;
+  lattice.face_error.forEach((error, face) => {
+    if (lattice.face_kind[face] === FaceKind.panel && error > 0 && error < smallest) smallest = error;
+  });
+  return [Math.max(least, Math.min(high / 4, 0.8 * smallest)), high];
+}
+
 function roundValues(low: number, high: number): number[] {
   const out: number[] = [];
   for (let e = Math.floor(Math.log10(low)); e <= Math.ceil(Math.log10(high)); e++) {
@@ -88,7 +98,7 @@ export function curvatures(lattice: Lattice, colouring: 'k' | 'h'): { faces: Flo
 /** The scale of a colouring for this lattice: ends, unit and the ticks of its legend. */
 export function scaleOf(lattice: Lattice, colouring: Colouring): Scale {
   if (colouring === 'error') {
-    const [low, high] = decades(largest(lattice.face_error));
+    const [low, high] = spread(lattice);
     const ticks = roundValues(low, high).map((value) => ({ at: logShare(value, low, high), value }));
     return { colouring, kind: 'log', low, high, unit: 'mm', ticks };
   }

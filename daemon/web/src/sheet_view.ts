@@ -422,6 +422,9 @@ export class SheetView {
       c.lineWidth = px;
       c.stroke();
       this.drawGrid(c, theme, w, h, px);
+      const [dx, dy, dw, dh] = strokes.drawing_mm;
+      c.fillStyle = theme.paper;
+      c.fillRect(dx, dy, dw, dh);
       if (this.options.feedEdge) this.drawFeedEdge(c, theme, w, px);
     }
     if (this.lit) this.fillTriangles(c, this.lit, theme.accent, 0.28);
@@ -531,7 +534,7 @@ export class SheetView {
     c.strokeStyle = theme.ink;
     c.lineWidth = 3.4 * px;
     c.stroke(paths.sent);
-    c.strokeStyle = this.options.mat === false ? theme.paper : theme.mat;
+    c.strokeStyle = theme.paper;
     c.lineWidth = 1.4 * px;
     c.stroke(paths.sent);
     // In doubt: thick amber, hatched by dashes on top.

@@ -121,7 +121,7 @@ export const designWords = localized({
     angle: 'Designed opening angle',
     fits: (mat: string): string => `Fit on ${mat}`,
     material: 'Material',
-    materialAuto: 'as the cutter has it',
+    materialAuto: 'as the design says',
     fit: 'What cannot pop up',
     fitExact: 'refuse it',
     fitNearest: 'follow the nearest shape',
