@@ -103,7 +103,7 @@ test('It is whole is not offered while strokes were never sent', async () => {
 });
 
 test('It is whole completes the sheet without cutting', async () => {
-  const { page, id, acts, ledger } = await broken('whole', 6, 4);
+  const { page, id, acts, ledger } = await broken('whole', 6, 6);
   assert.deepEqual(ledger.not_sent, []);
   await page.getByText('It is whole', { exact: true }).click();
   await page.getByRole('button', { name: 'That is what I want' }).click();
