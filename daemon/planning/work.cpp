@@ -16,9 +16,9 @@
 #include "daemon/digest/digest.hpp"
 #include "daemon/planning/plan_input.hpp"
 #include "daemon/planning/plan_job.hpp"
-#include "daemon/planning/preview.hpp"
 #include "daemon/planning/program_file.hpp"
 #include "daemon/planning/task_inputs.hpp"
+#include "daemon/planning/views/preview.hpp"
 
 namespace popcut::planning {
 namespace {
@@ -124,32 +124,10 @@ Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add) {
 
 // 2. Checks.
 
-/// Units of which a preview is drawn while somebody waits for the upload: a second of work or so.
-long most_preview_units(const DesignSpec& spec) {
-  if (spec.curvature) return 150;
-  switch (spec.lattice) {
-    case LatticeMethod::Conformal:
-    case LatticeMethod::Auto:
-      return 2'500;
-    case LatticeMethod::Direct:
-      return 5'000;
-    default:
-      return 100'000;
-  }
-}
-
 /// A spec's preview is the pattern it gives. That there is none is no fault of the spec's form.
 Result<std::string> spec_preview(const DesignSpec& spec, WorkerTask& task,
                                  std::vector<Warning>& warnings) {
-  long units = 0, most = most_preview_units(spec);
-  const auto count = [&](const DesignSpec& one) {
-    for (const RegionSpec& region : one.regions)
-      units += static_cast<long>(region.slices) * region.units_per_slice;
-    most = std::min(most, most_preview_units(one));
-  };
-  count(spec);
-  for (const DesignSpec& patch : spec.patches) count(patch);
-  if (units > most)
+  if (const long units = units_of(spec); units > most_quick_units(spec))
     return no_preview_svg(
         fmt::format("this design has {} units; popcut draws it when you plan it", units));
   for (const auto& [place, name] : files_of(spec))
@@ -205,6 +183,7 @@ Result<PlanningOutcome> perform(WorkerTask task, const FileSink& add) {
     case Kind::Preview:
     case Kind::Lattice:
     case Kind::Place:
+    case Kind::Picture:
       return show(task, add);
   }
   return fail(ErrorKind::Internal, "worker", "does not know this task");
