@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The three-dimensional side of Design: the model, its handles, its legend.
-import { effect, useSignal } from '@preact/signals';
+import { effect, signal, useSignal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import * as desk from './design_desk';
 import { FaceKind, posedPoints, type Lattice } from './lattice';
@@ -56,6 +56,32 @@ function silhouette(of: Lattice, spec: Spec): { points: RadiusPoint[]; own: bool
   return sampled ? { points: sampled, own: false } : null;
 }
 
+/**
+ * Where around the section the radii are dragged, as a share of the angle from ground to wall: by the
+ * wall or by the ground, whichever the eye sees more from the side.
+ */
+const ridge = signal(0.87);
+
+function ridgeFor(view: ModelView, of: Lattice, psi: number): number {
+  const eye = view.towardsEye();
+  const along = (share: number): number => {
+    const [x, z] = onCircle(1, share, of.design_psi_rad);
+    const way = posedAt(x, z, 0, psi);
+    return Math.abs(way[0] * eye[0] + way[2] * eye[2]) / (Math.hypot(...way) || 1);
+  };
+  const now = ridge.peek();
+  const other = 1 - now;
+  // It changes only where that is much better: handles must not jump about.
+  return along(other) < along(now) - 0.15 ? other : now;
+}
+
+/** The point (X, Z) of the section at distance r from the spine, at a share of the angle from ground to wall. */
+function onCircle(r: number, share: number, designed: number): readonly [number, number] {
+  const angle = share * designed;
+  const z = (r * Math.sin(angle)) / Math.sin(designed);
+  return [r * Math.cos(angle) - z * Math.cos(designed), z];
+}
+
 /** Points that were sampled in this gesture, so that the first drag of a formula goes on as points. */
 let sampledFor: { spec: Spec; points: RadiusPoint[] } | null = null;
 
@@ -65,7 +91,7 @@ function radiusHandles(of: Lattice, spec: Spec): Handle[] {
   if (offset === null || !found) return [];
   if (!found.own) sampledFor = { spec, points: found.points };
   const scale = found.own && typeof spec.scale_mm === 'number' ? spec.scale_mm : 1;
-  const half = 1 / Math.sqrt(2 * (1 + Math.cos(of.design_psi_rad)));
+  const share = ridge.value;
   const based = (): Spec => {
     const now = desk.spec.peek() ?? spec;
     if (radiusPoints(now)) return now;
@@ -85,7 +111,7 @@ function radiusHandles(of: Lattice, spec: Spec): Handle[] {
     most: Math.max(60, r * scale * 2.5),
     step: 1,
     fine: 0.1,
-    at: (value) => posedAt(value * half, value * half, y * scale + offset, desk.psi.peek()),
+    at: (value) => posedAt(...onCircle(value, share, of.design_psi_rad), y * scale + offset, desk.psi.peek()),
     set: (value, last) => {
       const next = withRadius(based(), i, value / scale);
       if (last) desk.set(next, `radius-${i}`, value);
@@ -203,6 +229,8 @@ function Handles({ view }: { view: ModelView }) {
   const place = (): void => {
     const buttons = box.current?.children;
     if (!buttons) return;
+    const of = desk.lattice.peek();
+    if (of && !dragging.current) ridge.value = ridgeFor(view, of, desk.psi.peek());
     list.current.forEach((handle, i) => {
       const button = buttons[i] as HTMLElement | undefined;
       if (!button) return;

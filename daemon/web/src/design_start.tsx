@@ -86,8 +86,8 @@ function PlanPad() {
     const from = last.current ?? [x, y];
     radii.value = radii.value.map((old, k) => {
       const at = 10 + (k * kSpineLength) / (n - 1);
-      const low = Math.min(x, from[0]) - (last.current ? 0.5 : 9);
-      const high = Math.max(x, from[0]) + (last.current ? 0.5 : 9);
+      const low = Math.min(x, from[0]) - (last.current ? 5 : 9);
+      const high = Math.max(x, from[0]) + (last.current ? 5 : 9);
       if (at < low || at > high) return old;
       const f = x === from[0] ? 1 : clamp((at - from[0]) / (x - from[0]), 0, 1);
       return clamp(from[1] + f * (y - from[1]) - 10, 5, 95);
@@ -135,7 +135,7 @@ function ProfilePad() {
     const from = last.current ?? at;
     radii.value = radii.value.map((old, k) => {
       const mine = angle(k);
-      const near = last.current === null ? 0.16 : 0.03;
+      const near = last.current === null ? 0.16 : 0.06;
       return mine < Math.min(from, at) - near || mine > Math.max(from, at) + near ? old : clamp(r, 8, 95);
     });
     last.current = at;

@@ -81,7 +81,8 @@ vec3 framed(int i) {
 }
 #endif
 uniform mat4 modelViewMatrix, projectionMatrix;
-uniform float psi, blend;
+uniform vec4 pose; // cos psi, sin psi, cos psi/2, sin psi/2: the GPU's own are not exact enough
+uniform float blend;
 uniform mat4 sunMatrix, skyMatrix;
 out vec3 vWorld;
 out vec3 vAcross;
@@ -92,7 +93,7 @@ out float vValue;
 out vec3 vSun;
 out vec3 vSky;
 vec3 opened(vec3 p) {
-  return vec3(p.x + p.y * cos(psi), p.z, p.y * sin(psi));
+  return vec3(p.x + p.y * pose.x, p.z, p.y * pose.y);
 }
 void main() {
 #ifdef FRAMES
@@ -101,9 +102,10 @@ void main() {
   vec3 world = opened(mix(before, position, blend));
 #ifdef TIPS
   if (apex.w > 0.0) {
-    float theta = 2.0 * atan(alpha * cos(0.5 * psi));
-    float up = apex.w * sin(theta);
-    world = opened(apex.xyz) + vec3(up * cos(0.5 * psi), apex.w * cos(theta), up * sin(0.5 * psi));
+    // Half the splay angle has the tangent t.
+    float t = alpha * pose.z;
+    float up = apex.w * 2.0 * t / (1.0 + t * t);
+    world = opened(apex.xyz) + vec3(up * pose.z, apex.w * (1.0 - t * t) / (1.0 + t * t), up * pose.w);
   }
 #endif
 #endif
@@ -414,7 +416,7 @@ export class ModelView {
     this.whoTarget = new WebGLRenderTarget(1, 1, { type: UnsignedByteType, format: RGBAFormat, magFilter: NearestFilter, minFilter: NearestFilter });
 
     this.shared = {
-      psi: { value: this.psi },
+      pose: { value: new Vector4(0, 1, Math.SQRT1_2, Math.SQRT1_2) },
       blend: { value: 1 },
       sunMatrix: { value: new Matrix4() },
       skyMatrix: { value: new Matrix4() },
@@ -722,7 +724,8 @@ export class ModelView {
   }
 
   private pose(): void {
-    (this.shared['psi'] as { value: number }).value = this.psi;
+    const { psi } = this;
+    (this.shared['pose'] as { value: Vector4 }).value.set(Math.cos(psi), Math.sin(psi), Math.cos(psi / 2), Math.sin(psi / 2));
     const lattice = this.lattice;
     if (!lattice) return;
     const ghost = this.ghost.material as RawShaderMaterial;
@@ -1156,6 +1159,19 @@ export class ModelView {
     this.drawNow();
     gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, out);
     return out;
+  }
+
+  /** What the GPU is given of each corner of each triangle, by the names of the vertex shader. */
+  corners(): ReadonlyMap<string, { values: Float32Array; size: number }> {
+    return new Map(Object.entries(this.geometry.attributes).map(([name, attribute]) => [
+      name, { values: (attribute as BufferAttribute).array as Float32Array, size: attribute.itemSize },
+    ]));
+  }
+
+  /** The direction from what is looked at to the eye. */
+  towardsEye(): readonly [number, number, number] {
+    const away = this.camera.position.clone().sub(this.controls.target).normalize();
+    return [away.x, away.y, away.z];
   }
 
   dispose(): void {
