@@ -264,12 +264,17 @@ export async function tickAll(page) {
   for (const tick of await page.locator('.machine-act .ticks input[type=checkbox]').all()) await tick.check();
 }
 
-/** Holds the pointer on START (or GO ON) for `ms`. */
-export async function hold(page, ms = 1000) {
+/** Holds the pointer on START (or GO ON) for `ms`; without, until the ring is full. */
+export async function hold(page, ms) {
   const box = await page.locator('.hold').boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   await page.mouse.down();
-  await wait(ms);
+  if (ms === undefined) {
+    await page.locator('.hold-on').waitFor();
+    await page.locator('.hold-on').waitFor({ state: 'detached' });
+  } else {
+    await wait(ms);
+  }
   await page.mouse.up();
 }
 

@@ -255,7 +255,7 @@ test('of two people who start, one wins, and the knife starts once', async () =>
     await server.state(job.id, ['cutting', 'done']);
     await route.continue();
   });
-  await Promise.all([hold(ana.page, 900), hold(ben.page, 1100)]);
+  await Promise.all([hold(ana.page), hold(ben.page)]);
   await ana.page.getByText('Nothing was done.').waitFor();
   assert.equal(await server.attempts(job.id), 1);
 });

@@ -43,8 +43,7 @@ function cutOff(page) {
 
 const steady = async (page) => {
   await page.locator('.live-on').waitFor();
-  await page.waitForLoadState('networkidle', { timeout: 1500 }).catch(() => undefined);   // the events never end
-  await wait(150);
+  await wait(300);
 };
 
 const looks = [['phone', 'light'], ['phone', 'dark'], ['tablet', 'light'], ['desktop', 'light'], ['desktop', 'dark']];
@@ -167,21 +166,14 @@ test('hostile names, notes and drawings are text and pictures, and nothing more'
   }
   assert.equal(asked, 0);
   assert.deepEqual(sent.filter((one) => !one.path.startsWith('/v1/session') && one.path !== '/v1/preview'), [], 'nothing is sent');
-  assert.deepEqual(complaints.filter((one) => !/status of (404|422)/.test(one)), []);
+  assert.deepEqual(complaints.filter((one) => !/status of (400|404|422)/.test(one)), []);
   await close();
 });
 
 test('the whole flow goes by keyboard alone', async () => {
-  const job = await server.queue(ladder(4), { name: 'Keys only', device: 'sim:cameo4' });
-  const { items } = await server.must('GET', '/v1/jobs?state=ready,interrupted&device=sim:cameo4');
-  for (const other of items) {
-    if (other.id !== job.id) await server.act(other.id, 'cancel');
-  }
-  const [device] = (await server.must('GET', '/v1/devices')).items.filter((one) => one.id === 'sim:cameo4');
-  if (device.state === 'fault') {
-    await server.must('POST', '/v1/devices/sim:cameo4/actions/reset', {}, { headers: { 'If-Match': `"${device.rev}"`, 'Idempotency-Key': crypto.randomUUID() } });
-  }
-  const { page, complaints, close } = await visit(server, { hash: machineHash('sim:cameo4'), beside: '' });
+  const own = await Server.start({});
+  const job = await own.queue(ladder(4), { name: 'Keys only' });
+  const { page, complaints, close } = await visit(own, { hash: machineHash(), beside: '' });
   await page.locator('.arm').waitFor();
   const press = async (what, key = 'Space') => {
     for (let i = 0; i < 60; ++i) {
@@ -201,11 +193,12 @@ test('the whole flow goes by keyboard alone', async () => {
   await page.locator('.hold:enabled').waitFor();
   await press('.hold', 'Enter');
   await press('.dialog .button-primary', 'Enter');
-  await server.state(job.id, ['cutting', 'done']);
+  await own.state(job.id, ['cutting', 'done']);
   await page.keyboard.press('?');
   await page.getByText('pauses what is being cut').waitFor();
   assert.deepEqual(complaints, []);
   await close();
+  await own.remove();
 });
 
 test('the page as it comes has no style or script of its own in it, and does not move while it loads', async () => {

@@ -5,7 +5,7 @@ import { HoldButton } from './hold';
 import { Interrupted } from './interrupted';
 import { fatesOf } from './ledger';
 import type { Device, Job, Warning } from './model';
-import { machineOf, remaining, shareCut } from './now';
+import { fits, remaining, shareCut } from './now';
 import { Button, Choice, Dialog, LinkButton, Loading, Meter, Note, Tick, Trouble } from './parts';
 import { PauseButton, PauseNews } from './pause';
 import { beside } from './preferences';
@@ -23,12 +23,12 @@ const say = words.machine;
 const nameOf = (job: Job): string => job.name ?? words.unnamed;
 
 /** The jobs that can be seen to at `device`, the most urgent first. */
-function jobsAt(device: string): Job[] {
+function jobsAt(device: Device): Job[] {
   const rank: Record<string, number> = { cutting: 0, paused: 0, armed: 1, interrupted: 2, ready: 3 };
   const place = new Map(queueOrder.value.map((id, at) => [id, at]));
   const order = (job: Job): number => place.get(job.id) ?? 1e9;
   return [...jobs.value.values()]
-    .filter((job) => job.state in rank && machineOf(job) === device && !(job.held && job.state === 'ready'))
+    .filter((job) => job.state in rank && fits(job, device) && !(job.held && job.state === 'ready'))
     .sort((a, b) => rank[a.state]! - rank[b.state]! || order(a) - order(b) || a.id.localeCompare(b.id));
 }
 
@@ -463,7 +463,7 @@ function AtJob({ job, device, others, onChoose }: {
     );
   }
   return (
-    <div class="machine">
+    <div class={`machine machine-${job.state}`}>
       {head}
       <section class="machine-sheet">
         <SheetPicture job={job} known={known} fates={fates} label={label} />
@@ -512,7 +512,7 @@ export function Machine({ device: id }: { device: string }) {
   if (!loaded.value) return <Loading />;
   const device = devices.value.get(id);
   if (!device) return <Note><p>{say.noDevice}</p><p><a href="#/">{words.toNow}</a></p></Note>;
-  const all = jobsAt(id);
+  const all = jobsAt(device);
   const urgent = all[0] && all[0].state !== 'ready' ? all[0] : undefined;
   const job = urgent ?? all.find((one) => one.id === chosen) ?? all[0];
   const before = last.current !== null && last.current !== job?.id ? jobs.value.get(last.current) : undefined;

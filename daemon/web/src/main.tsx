@@ -11,7 +11,7 @@ import { go, parseRoute, route } from './route';
 import { isProblem, session, signInWithWord, waitsUntil } from './server';
 import { Settings } from './settings';
 import { SignIn } from './sign_in';
-import { connection, follow, loaded, me, meta, now, pausable, readMeta, jobs, stale, tryNow } from './store';
+import { connection, follow, loaded, me, meta, now, readMeta, jobs, stale, tryNow } from './store';
 import { swallowWaking } from './waking';
 import { hourMinuteSecond, words } from './words';
 
@@ -199,11 +199,10 @@ function Page() {
       <Updated first={firstPage.current} />
       <Old />
       <Waiting />
-      <main ref={main} id="main" tabIndex={-1} class={`view view-${view}${old ? ' view-old' : ''}${pausable.value.length > 0 ? ' above-pause' : ''}`}>
+      <main ref={main} id="main" tabIndex={-1} class={`view view-${view}${old ? ' view-old' : ''}`}>
         <View />
       </main>
       <PauseBar />
-      {pausable.value.length > 0 && <div class="pause-space" aria-hidden="true" />}
       {keys && <Keys onClose={() => setKeys(false)} />}
     </>
   );

@@ -50,12 +50,16 @@ export function waitSentence(job: Job): string | null {
   return say[kind](device);
 }
 
-/** The cutter at which `job` can be seen to: its own, or one of its model. */
+/** Whether `job` can be cut at `device`: it is its cutter, or the job names none and is planned for this model. */
+export function fits(job: Job, device: Device): boolean {
+  if (job.device !== null) return job.device === device.id;
+  return job.load !== null && (device.machine === job.load.machine || device.model === job.load.machine);
+}
+
+/** The cutter at which `job` can be seen to, a free one first; null if there is none. */
 export function machineOf(job: Job): string | null {
-  if (job.device) return job.device;
-  const fitting = [...devices.value.values()].filter((device) => device.machine === job.load?.machine
-    || device.model === job.load?.machine);
-  return (fitting.find((device) => device.state === 'idle') ?? fitting[0] ?? [...devices.value.values()][0])?.id ?? null;
+  const fitting = [...devices.value.values()].filter((device) => fits(job, device));
+  return (fitting.find((device) => device.state === 'idle') ?? fitting[0])?.id ?? null;
 }
 
 function Cutter({ device }: { device: Device }) {

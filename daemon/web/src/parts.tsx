@@ -178,7 +178,7 @@ export function Picture({ path, alt, class: extra = '' }: { path: string | null;
   }, [path]);
   return (
     <span ref={box} class={`picture ${extra}`}>
-      {address ? <img src={address} alt={alt} /> : <span class="picture-none" role="img" aria-label={alt} />}
+      {address ? <img src={address} alt={alt} /> : <span class="picture-none" {...(alt ? { role: 'img', 'aria-label': alt } : {})} />}
     </span>
   );
 }

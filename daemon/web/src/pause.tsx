@@ -1,5 +1,6 @@
 // PAUSE: always reachable, sent at the touch, and honest about whether it arrived.
 import { signal } from '@preact/signals';
+import { useEffect, useRef } from 'preact/hooks';
 import { atDevice } from './route';
 import { isProblem, newKey, send, type ServerProblem } from './server';
 import { deviceTitle, isPausing, may, me, pausable, takeJob } from './store';
@@ -136,11 +137,21 @@ export function PauseNews({ job }: { job: string }) {
 
 /** Fixed at the bottom of every view while anything is cut or paused. */
 export function PauseBar() {
+  const bar = useRef<HTMLElement>(null);
   const all = pausable.value;
   const news = [...pauseTries.value.keys()].filter((id) => !all.some((job) => job.id === id));
-  if (all.length === 0 && news.length === 0) return null;
+  const shown = all.length > 0 || news.length > 0;
+  useEffect(() => {
+    if (!shown) return;
+    // What lies above the bar keeps clear of it, however many cutters it names.
+    const style = document.documentElement.style;
+    const measure = new ResizeObserver(() => style.setProperty('--pause-height', `${bar.current?.offsetHeight ?? 0}px`));
+    measure.observe(bar.current!);
+    return () => { measure.disconnect(); style.removeProperty('--pause-height'); };
+  }, [shown]);
+  if (!shown) return null;
   return (
-    <section class="pause-bar" aria-label={words.pause.pause}>
+    <section ref={bar} class="pause-bar" aria-label={words.pause.pause}>
       {all.map((job) => (
         <div class="pause-row" key={job.id}>
           {job.state === 'paused' ? <strong class="pause-state">{words.pause.paused}</strong>

@@ -70,6 +70,8 @@ export function SheetPicture({ job, known, fates, marked = null, lens = false, o
     view.current?.setMarked(marked);
     view.current?.setLens(lens ? marked : null);
   }, [marked, lens, known.strokes]);
+  const points = marked !== null && known.strokes !== null;
+  useEffect(() => { if (points) view.current?.pulse(); }, [points]);
   useEffect(() => {
     if (view.current) view.current.onPick = onPick ? (stroke) => { if (stroke !== null) onPick(stroke); } : null;
   });
