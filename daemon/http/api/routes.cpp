@@ -28,13 +28,15 @@ struct Rules {
   Patience patience{Patience::Usual};
   bool is_stream{false};
   bool is_static{false};
+  Guess guess{Guess::None};
 };
 
 constexpr Route route(Method method, std::string_view path, RouteAccess access, Handler handler,
                       const Rules& rules) {
   return {method,          path,           access,          handler,
           rules.body,      rules.key,      rules.match,     rules.query,
-          rules.is_urgent, rules.patience, rules.is_stream, rules.is_static};
+          rules.is_urgent, rules.patience, rules.is_stream, rules.is_static,
+          rules.guess};
 }
 
 constexpr Route get(std::string_view path, RouteAccess access, Handler handler,
@@ -71,7 +73,13 @@ constexpr auto kTable = std::to_array<Route>({
     get("/v1/usage", kViewer, handle::usage, {.query = "from to by"}),
 
     post("/v1/session/one-shot", kViewer, handle::create_one_shot, {.body = kJson}),
-    post("/v1/session", kEveryone, handle::open_session, {.body = kJson}),
+    post("/v1/session", kEveryone, handle::open_session, {.body = kJson, .guess = Guess::Word}),
+    post("/v1/session/pair", kEveryone, handle::ask_pairing,
+         {.body = kJson, .guess = Guess::Another}),
+    post("/v1/session/pair/allow", kViewer, handle::allow_pairing,
+         {.body = kJson, .guess = Guess::Code}),
+    post("/v1/session/pair/collect", kEveryone, handle::collect_pairing,
+         {.body = kJson, .guess = Guess::Code}),
     remove("/v1/session", kViewer, handle::close_session),
     get("/v1/tokens", kAdmin, handle::list_tokens, {.query = "limit cursor"}),
     post("/v1/tokens", kAdmin, handle::create_token, {.body = kJson}),
@@ -167,7 +175,10 @@ constexpr bool is_sound(const Route& route) {
   if (route.path.empty() || route.path.front() != '/') return false;
   if (route.path.size() > 1 && route.path.back() == '/') return false;
   if (route.is_static && (changes || !route.access.is_open())) return false;
-  if (changes && route.access.is_open() && route.path != "/v1/session") return false;
+  // What everyone may change is a session that begins, and nobody may try as often as they like.
+  if (changes && route.access.is_open() &&
+      (!route.path.starts_with("/v1/session") || route.guess == Guess::None))
+    return false;
   if (changes && !route.access.is_open() && route.access.role() < Role::Submitter &&
       !route.path.starts_with("/v1/session"))
     return false;
