@@ -274,8 +274,46 @@ std::optional<Problem> take_from_bucket(Hub& hub, const Client& client, const Ex
 
 // Who has a good word opens a page however many bad ones come from the same address: all users of
 // this computer share 127.0.0.1.
-bool counts_failures(const Route& route) {
-  return route.access.is_open() && route.body != BodyRule::None;
+bool counts_failures(const Route& route) { return route.guess == Guess::Word; }
+
+// Under which name the tries of a route are counted. A wrong word is a failed login.
+std::string tries_of(const Client& client, const Exchange& exchange) {
+  const Route& route = *exchange.route;
+  if (route.guess == Guess::Word) return place_of(client.peer);
+  return fmt::format("{} {} {}", place_of(client.peer), exchange.request.principal.name,
+                     route.path);
+}
+
+Problem too_many_tries(const Route& route, int wait_s) {
+  Problem problem{ProblemKind::Rate, "too many failed logins"};
+  if (route.guess == Guess::Code)
+    problem.detail = "too many wrong codes; wait, then look at the code again";
+  if (route.guess == Guess::Another)
+    problem.detail = "too many tablets ask to be let in; wait a little";
+  problem.retry_after_s = wait_s;
+  return problem;
+}
+
+// What a response means for who tries: a wrong code counts, and so does each new secret.
+std::optional<Problem> count_try(Hub& hub, const Client& client, const Exchange& exchange,
+                                 const Response& response) {
+  const Guess guess = exchange.route->guess;
+  const bool counts = (guess == Guess::Word && response.status == 401) ||
+                      (guess == Guess::Code && response.status == 404) ||
+                      (guess == Guess::Another && response.status == 201);
+  if (!counts) return std::nullopt;
+  const auto wait = hub.logins.note(tries_of(client, exchange), hub.now_s());
+  if (!wait || guess == Guess::Another) return std::nullopt;
+  return too_many_tries(*exchange.route, *wait);
+}
+
+// Before it is asked: a code that is right must not pass between too many wrong ones.
+std::optional<Problem> too_many_before(Hub& hub, const Client& client, const Exchange& exchange) {
+  const Guess guess = exchange.route->guess;
+  if (guess != Guess::Code && guess != Guess::Another) return std::nullopt;
+  const auto wait = hub.logins.wait(tries_of(client, exchange), hub.now_s());
+  if (!wait) return std::nullopt;
+  return too_many_tries(*exchange.route, *wait);
 }
 
 // Role, origin, rate, form of the body.
@@ -474,6 +512,7 @@ asio::awaitable<bool> serve_one(Hub& hub, ClientPtr client, Exchange& exchange) 
       problem = std::move(principal.error());
   }
   if (!problem) problem = look_at_principal(hub, *client, exchange);
+  if (!problem) problem = too_many_before(hub, *client, exchange);
   if (!problem) problem = co_await read_whole_body(hub, client, exchange);
   if (client->closed) co_return false;
   // Whatever of the body is unread would be taken for the next request.
@@ -506,12 +545,8 @@ asio::awaitable<bool> serve_one(Hub& hub, ClientPtr client, Exchange& exchange) 
     if (const auto wait = take_from_bucket(hub, *client, exchange))
       response = problem_response(*wait, request);
   // A word that is not known may be a guess; a body that cannot be read is none.
-  if (response.status == status_of(ProblemKind::Unauthenticated) &&
-      exchange.route->access.is_open()) {
-    Problem failed{ProblemKind::Unauthenticated, ""};
-    failed = failed_login(hub, *client, std::move(failed));
-    if (failed.kind == ProblemKind::Rate) response = problem_response(failed, request);
-  }
+  if (const auto wrong = count_try(hub, *client, exchange, response))
+    response = problem_response(*wrong, request);
   count_refusal(hub, response);
   co_return co_await respond(hub, client, exchange, std::move(response), close);
 }

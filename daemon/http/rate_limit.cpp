@@ -9,6 +9,7 @@ namespace {
 
 // Keys are users, networks and tokens; more than this at once are none that matter.
 constexpr std::size_t kMostKeys = 4096;
+constexpr double kWindow_s = 60;
 
 }  // namespace
 
@@ -32,8 +33,16 @@ std::optional<int> RateLimit::take(const std::string& key, double now_s) {
   return std::nullopt;
 }
 
+std::optional<int> FailedLogins::wait(const std::string& key, double now_s) const {
+  const auto found = failures_.find(key);
+  if (found == failures_.end()) return std::nullopt;
+  const auto recent = std::find_if(found->second.begin(), found->second.end(),
+                                   [&](double time) { return now_s - time < kWindow_s; });
+  if (found->second.end() - recent < per_minute_) return std::nullopt;
+  return std::max(1, static_cast<int>(std::ceil(kWindow_s - (now_s - *recent))));
+}
+
 std::optional<int> FailedLogins::note(const std::string& key, double now_s) {
-  constexpr double kWindow_s = 60;
   if (failures_.size() >= kMostKeys && !failures_.contains(key)) {
     std::erase_if(failures_, [&](const auto& entry) {
       return entry.second.empty() || now_s - entry.second.back() >= kWindow_s;

@@ -37,6 +37,8 @@ class FailedLogins {
   void set(int per_minute) { per_minute_ = per_minute; }
   /// Notes a failure; seconds to wait if it is one too many.
   [[nodiscard]] std::optional<int> note(const std::string& key, double now_s);
+  /// Seconds to wait if another one would be one too many; notes nothing.
+  [[nodiscard]] std::optional<int> wait(const std::string& key, double now_s) const;
 
  private:
   int per_minute_;

@@ -348,8 +348,20 @@ struct SessionRecord {
   std::string via;   ///< the session that opened it, if one did; it ends with that
   Role role{};       ///< that of the root now
   TimeMs created{};
-  TimeMs expires{};  ///< when it ends unless it is used
-  TimeMs ends{};     ///< when it ends however it is used
+  TimeMs expires{};    ///< when it ends unless it is used
+  TimeMs ends{};       ///< when it ends however it is used
+  std::string name{};  ///< of a tablet that was paired, as it called itself
+};
+/// What a tablet that wants to be paired has: the code is for a person to type, the secret is its
+/// own.
+struct NewPairing {
+  std::string id, code, secret;
+  TimeMs expires{};
+};
+/// A tablet that a person let in.
+struct AllowedPairing {
+  std::string name;
+  Role role{};
 };
 /// A token at the only moment when it is known whole.
 struct NewToken {

@@ -32,8 +32,8 @@ class Access {
   /// What people call a principal: the name of a token, the login name of a user; the principal's
   /// own name if there is none.
   [[nodiscard]] virtual std::string title_of(const std::string& principal) = 0;
-  /// Whether this is the id of a session, not of a token.
-  [[nodiscard]] virtual bool is_session(const std::string& credential) = 0;
+  /// The session with this id, if it is one, and not that of a token.
+  [[nodiscard]] virtual std::optional<SessionRecord> session_of(const std::string& credential) = 0;
   /// Ends the session, or deletes the token, that the request came with.
   /// @retval NotFound  it came over the unix socket, with neither
   [[nodiscard]] virtual Answer<void> close_session(const Principal&) = 0;
@@ -43,6 +43,20 @@ class Access {
   /// is good only as long as the credential that asked for it.
   [[nodiscard]] virtual Answer<std::string> create_one_shot(const Principal&) = 0;
   [[nodiscard]] virtual Answer<NewToken> open_session(const std::string& one_shot) = 0;
+  /// A tablet asks to be paired. It waits five minutes for a person who types its code.
+  /// @retval Unavailable  twenty wait already
+  [[nodiscard]] virtual Answer<NewPairing> ask_pairing(const std::string& name) = 0;
+  /// Lets in the tablet that shows `code`, once. Its session's root is that of `Principal`, whose
+  /// session it ends with; its role is at most `role`, and never more than its root has.
+  /// @retval Forbidden  `role` is more than one's own
+  /// @retval NotFound   no tablet that waits shows this code
+  [[nodiscard]] virtual Answer<AllowedPairing> allow_pairing(const Principal&,
+                                                             const std::string& code,
+                                                             Role role) = 0;
+  /// The session of a tablet that was let in, once; nothing while it waits.
+  /// @retval NotFound  nobody let it in in time, or it has its session, or who let it in is gone
+  [[nodiscard]] virtual Answer<std::optional<NewToken>> collect_pairing(
+      const std::string& secret) = 0;
 };
 
 /// The designs that were uploaded, and the assets that their specs refer to. See `Service`.

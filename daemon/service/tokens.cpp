@@ -58,6 +58,8 @@ struct Tokens::Session {
   std::optional<LocalUser> user{};  ///< the root, or nothing
   std::string via{}, principal{}, secret{};
   TimeMs created{}, expires{}, ends{};
+  std::string name{};          ///< of a tablet
+  std::optional<Role> most{};  ///< its role is no more than this
 };
 
 // The owner of a token that has not expired; nothing if there is none.
@@ -83,8 +85,8 @@ std::optional<Principal> Tokens::with_token(std::string_view id, std::string_vie
 
 std::optional<Tokens::Session> Tokens::session(const std::string& id) {
   Rows rows = store_.db().rows(
-      "SELECT token, uid, groups, via, principal, secret_sha256, created, expires, ends "
-      "FROM session WHERE id=?",
+      "SELECT token, uid, groups, via, principal, secret_sha256, created, expires, ends, name, "
+      "most FROM session WHERE id=?",
       id);
   if (!rows.next()) return std::nullopt;
   Session one{.id = id};
@@ -92,7 +94,10 @@ std::optional<Tokens::Session> Tokens::session(const std::string& id) {
   if (!rows.null(1))
     one.user = LocalUser{static_cast<uid_t>(rows.integer(1)), groups_from(rows.text(2))};
   if (!rows.null(3)) one.via = rows.text(3);
-  rows.read(4, std::tie(one.principal, one.secret, one.created, one.expires, one.ends));
+  rows.read(4, std::tie(one.principal, one.secret, one.created, one.expires, one.ends, one.name));
+  // One that cannot be read lets nobody do more than look.
+  if (const std::string most = rows.text(10); !most.empty())
+    one.most = role_from(most).value_or(Role::Viewer);
   return one;
 }
 
@@ -101,16 +106,19 @@ std::optional<Principal> Tokens::root_of(const Session& session) {
   const TimeMs now = store_.now();
   const TimeMs end = std::min(session.expires, session.ends);
   if (end <= now) return std::nullopt;
+  const auto at_most = [&](Role role) {
+    return session.most ? std::min(role, *session.most) : role;
+  };
   Principal owner{.name = session.principal, .credential = session.id, .left_ms = end - now};
   if (session.user) {
     const std::optional<Role> role = role_of(*session.user, options_.users, ::getuid());
     if (!role) return std::nullopt;
-    owner.role = *role;
+    owner.role = at_most(*role);
     return owner;
   }
   const std::optional<Principal> root = token_owner(session.token, now);
   if (!root) return std::nullopt;
-  owner.role = root->role;
+  owner.role = at_most(root->role);
   if (root->left_ms) owner.left_ms = std::min(*owner.left_ms, *root->left_ms);
   return owner;
 }
@@ -218,17 +226,29 @@ std::vector<SessionRecord> Tokens::sessions(const Principal& who) {
   std::vector<SessionRecord> all;
   for (const std::string& id : ids) {
     const std::optional<Session> one = session(id);
-    const std::optional<Principal> owner = one ? root_of(*one) : std::nullopt;
-    if (!owner) continue;  // it opens nothing any more
-    all.push_back({.id = id,
-                   .root = one->principal,
-                   .via = one->via,
-                   .role = owner->role,
-                   .created = one->created,
-                   .expires = store_.now() + owner->left_ms.value_or(0),
-                   .ends = one->ends});
+    std::optional<SessionRecord> record = one ? record_of(*one) : std::nullopt;
+    if (record) all.push_back(std::move(*record));
   }
   return all;
+}
+
+// Nothing if it opens nothing any more.
+std::optional<SessionRecord> Tokens::record_of(const Session& session) {
+  const std::optional<Principal> owner = root_of(session);
+  if (!owner) return std::nullopt;
+  return SessionRecord{.id = session.id,
+                       .root = session.principal,
+                       .via = session.via,
+                       .role = owner->role,
+                       .created = session.created,
+                       .expires = store_.now() + owner->left_ms.value_or(0),
+                       .ends = session.ends,
+                       .name = session.name};
+}
+
+std::optional<SessionRecord> Tokens::session_of(const std::string& credential) {
+  const std::optional<Session> one = credential.empty() ? std::nullopt : session(credential);
+  return one ? record_of(*one) : std::nullopt;
 }
 
 Answer<void> Tokens::end_session(const Principal& who, const std::string& id) {
@@ -244,16 +264,12 @@ Answer<void> Tokens::end_session(const Principal& who, const std::string& id) {
   });
 }
 
-bool Tokens::is_session(const std::string& credential) {
-  return !credential.empty() && session(credential).has_value();
-}
-
 Answer<void> Tokens::close_session(const Principal& who) {
   if (who.credential.empty())
     return refuse(ProblemKind::NotFound,
                   "this connection has no session; it is identified by its user");
   const Answer<bool> is_session =
-      store_.look([&]() -> Answer<bool> { return this->is_session(who.credential); });
+      store_.look([&]() -> Answer<bool> { return session(who.credential).has_value(); });
   if (!is_session) return tl::unexpected(is_session.error());
   return *is_session ? end_session(who, who.credential) : delete_token(who, who.credential);
 }
@@ -289,6 +305,7 @@ std::optional<Tokens::Session> Tokens::beginning(const Principal& who) {
     fresh.token = parent->token;
     fresh.user = parent->user;
     fresh.via = parent->id;
+    fresh.most = parent->most;
     fresh.ends = std::min(fresh.ends, parent->ends);
   }
   fresh.expires = std::min(now + options_.session_ms, fresh.ends);
@@ -344,38 +361,50 @@ Answer<NewToken> Tokens::open_session(const std::string& one_shot) {
   const Principal who = found->second.principal;
   one_shots_.erase(found);
   return store_.change([&]() -> Answer<NewToken> {
-    make_room_for_session(who.name);
-    std::optional<Session> fresh = beginning(who);
-    if (fresh) fresh->id = store_.new_id();
-    const std::optional<Principal> owner = fresh ? root_of(*fresh) : std::nullopt;
-    if (!owner)
-      return refuse(ProblemKind::Unauthenticated,
-                    "the user, token or session that this address came from has ended");
-    const Secret secret = new_secret(fresh->id);
-    const auto text_or_null = [](const std::string& text) {
-      return text.empty() ? Bound(nullptr) : Bound(text);
-    };
-    std::optional<std::int64_t> uid;
-    if (fresh->user) uid = fresh->user->uid;
-    const std::string groups = fresh->user ? text_of(fresh->user->groups) : std::string();
-    store_.db().insert(
-        "INSERT INTO session(id, token, uid, groups, via, principal, secret_sha256, created, "
-        "expires, ends)",
-        fresh->id, text_or_null(fresh->token), uid, groups, text_or_null(fresh->via),
-        fresh->principal, secret.sha256, fresh->created, fresh->expires, fresh->ends);
-    store_.audit(who.name, "open-session", fresh->id, fresh->via);
-    return NewToken{.record = {.id = fresh->id,
-                               .name = "page",
-                               .role = owner->role,
-                               .created = fresh->created,
-                               .expires = fresh->expires},
-                    .text = secret.text};
+    std::optional<NewToken> made = begin_session(who, "", std::nullopt);
+    if (made) return std::move(*made);
+    return refuse(ProblemKind::Unauthenticated,
+                  "the user, token or session that this address came from has ended");
   });
+}
+
+std::optional<NewToken> Tokens::begin_session(const Principal& who, const std::string& name,
+                                              std::optional<Role> most) {
+  std::optional<Session> fresh = beginning(who);
+  if (!fresh) return std::nullopt;
+  fresh->id = store_.new_id();
+  fresh->name = name;
+  if (most) fresh->most = fresh->most ? std::min(*fresh->most, *most) : *most;
+  const std::optional<Principal> owner = root_of(*fresh);
+  if (!owner) return std::nullopt;
+  make_room_for_session(who.name);
+  const Secret secret = new_secret(fresh->id);
+  const auto text_or_null = [](const std::string& text) {
+    return text.empty() ? Bound(nullptr) : Bound(text);
+  };
+  std::optional<std::int64_t> uid;
+  if (fresh->user) uid = fresh->user->uid;
+  const std::string groups = fresh->user ? text_of(fresh->user->groups) : std::string();
+  store_.db().insert(
+      "INSERT INTO session(id, token, uid, groups, via, principal, secret_sha256, created, "
+      "expires, ends, name, most)",
+      fresh->id, text_or_null(fresh->token), uid, groups, text_or_null(fresh->via),
+      fresh->principal, secret.sha256, fresh->created, fresh->expires, fresh->ends, fresh->name,
+      fresh->most ? name_of(*fresh->most) : std::string_view());
+  store_.audit(who.name, name.empty() ? "open-session" : "pair", fresh->id,
+               name.empty() ? fresh->via : fmt::format("{} {}", name_of(owner->role), name));
+  return NewToken{.record = {.id = fresh->id,
+                             .name = name.empty() ? "page" : name,
+                             .role = owner->role,
+                             .created = fresh->created,
+                             .expires = fresh->expires},
+                  .text = secret.text};
 }
 
 void Tokens::tidy() {
   const std::int64_t now = store_.monotonic();
   std::erase_if(one_shots_, [&](const auto& one) { return one.second.until_ms <= now; });
+  forget_late_pairings();
 }
 
 }  // namespace popcut::daemon

@@ -31,13 +31,17 @@ class Tokens : public Access {
   std::vector<SessionRecord> sessions(const Principal& who) override;
   Answer<void> end_session(const Principal& who, const std::string& id) override;
   std::string title_of(const std::string& principal) override { return titles_.of(principal); }
-  bool is_session(const std::string& credential) override;
+  std::optional<SessionRecord> session_of(const std::string& credential) override;
   Answer<void> close_session(const Principal& who) override;
   void on_access_change(std::function<void()> listener) override {
     listeners_.push_back(std::move(listener));
   }
   Answer<std::string> create_one_shot(const Principal& who) override;
   Answer<NewToken> open_session(const std::string& one_shot) override;
+  Answer<NewPairing> ask_pairing(const std::string& name) override;
+  Answer<AllowedPairing> allow_pairing(const Principal& who, const std::string& code,
+                                       Role role) override;
+  Answer<std::optional<NewToken>> collect_pairing(const std::string& secret) override;
   /// Forgets what has expired.
   void tidy();
   /// Ends the sessions of users who have no role any more. To be called when it starts, and when
@@ -49,6 +53,13 @@ class Tokens : public Access {
     Principal principal;
     std::int64_t until_ms{};  ///< monotonic
   };
+  /// A tablet that waits, or was let in and has not come for its session.
+  struct Pairing {
+    std::string id, code, secret_sha256, name;
+    std::int64_t until_ms{};                ///< monotonic
+    std::optional<Principal> allowed_by{};  ///< then its code is used
+    Role role{};
+  };
   struct Session;
   [[nodiscard]] std::optional<Session> session(const std::string& id);
   [[nodiscard]] std::optional<Principal> root_of(const Session& session);
@@ -57,6 +68,12 @@ class Tokens : public Access {
   [[nodiscard]] std::optional<Principal> with_session(const std::string& id,
                                                       std::string_view secret);
   [[nodiscard]] std::optional<Session> beginning(const Principal& who);
+  /// Stores a session that begins, in a transaction; nothing if its root has ended.
+  [[nodiscard]] std::optional<NewToken> begin_session(const Principal& who, const std::string& name,
+                                                      std::optional<Role> most);
+  [[nodiscard]] std::optional<SessionRecord> record_of(const Session& session);
+  [[nodiscard]] std::string new_code() const;
+  void forget_late_pairings();
   void make_room_for_word(const std::string& principal);
   void make_room_for_session(const std::string& principal);
   void tell_change();
@@ -64,6 +81,7 @@ class Tokens : public Access {
   PrincipalTitles& titles_;
   const ServiceOptions& options_;
   std::map<std::string, OneShot> one_shots_;  ///< by the digest of the word
+  std::vector<Pairing> pairings_{};           ///< not stored: a restart ends them
   std::vector<std::function<void()>> listeners_;
 };
 

@@ -268,8 +268,11 @@ UPDATE job SET warnings = (SELECT plan.warnings FROM plan WHERE plan.id = job.pl
 )sql";
 
 // Plans have a file of their strokes, for those who draw them. Those of before lose their key, so
-// that the same is planned anew.
+// that the same is planned anew. Sessions of tablets have a name, and may do less than their root.
 constexpr std::string_view kVersion6 = R"sql(
+ALTER TABLE session ADD COLUMN name TEXT NOT NULL DEFAULT '';
+ALTER TABLE session ADD COLUMN most TEXT NOT NULL DEFAULT ''
+  CHECK(most IN ('', 'viewer', 'submitter', 'operator', 'admin'));
 UPDATE plan SET key = 'before-version-6-' || id WHERE state = 'planned';
 )sql";
 

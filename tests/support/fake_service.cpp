@@ -136,8 +136,41 @@ std::string FakeAccess::title_of(const std::string& principal) {
   return found == token_map.end() ? principal : found->second.name;
 }
 
-bool FakeAccess::is_session(const std::string& credential) {
-  return session_map.contains(credential);
+std::optional<SessionRecord> FakeAccess::session_of(const std::string& credential) {
+  const auto found = session_map.find(credential);
+  if (found == session_map.end()) return std::nullopt;
+  return found->second;
+}
+
+Answer<NewPairing> FakeAccess::ask_pairing(const std::string&) {
+  if (auto problem = failure("ask_pairing")) return tl::unexpected<Problem>(*problem);
+  const int number = ++next_id_;
+  const std::string secret = "secret-" + std::to_string(number);
+  const std::string code = fmt::format("CODE{:02}", number % 100);
+  pairings_[secret] = code;
+  return NewPairing{id_of(number), code, secret, kNow};
+}
+
+Answer<AllowedPairing> FakeAccess::allow_pairing(const Principal&, const std::string& code,
+                                                 Role role) {
+  if (auto problem = failure("allow_pairing")) return tl::unexpected<Problem>(*problem);
+  for (auto& [secret, waiting] : pairings_)
+    if (!waiting.empty() && waiting == code) {
+      waiting.clear();
+      return AllowedPairing{"tablet", role};
+    }
+  return nothing("no tablet waits with this code");
+}
+
+Answer<std::optional<NewToken>> FakeAccess::collect_pairing(const std::string& secret) {
+  if (auto problem = failure("collect_pairing")) return tl::unexpected<Problem>(*problem);
+  const auto found = pairings_.find(secret);
+  if (found == pairings_.end()) return nothing("this pairing has ended");
+  if (!found->second.empty()) return std::optional<NewToken>();
+  pairings_.erase(found);
+  const std::string id = id_of(++next_id_);
+  return std::optional<NewToken>(
+      NewToken{{id, "tablet", Role::Viewer, kNow, kNow}, "pc_" + id + "_" + std::string(43, 'x')});
 }
 
 Answer<void> FakeAccess::close_session(const Principal& who) {

@@ -67,6 +67,7 @@ class FakeState {
   Job& changed(Job& job);
   std::map<std::string, Kept> kept_;
   std::map<std::string, bool> one_shots_;
+  std::map<std::string, std::string> pairings_;  ///< the code of each secret; empty: let in
   std::vector<std::function<void(const Event&)>> listeners_;
   std::vector<std::function<void()>> access_listeners_;
   std::int64_t seq_{0};
@@ -83,11 +84,15 @@ class FakeAccess : public Access, public virtual FakeState {
   std::vector<SessionRecord> sessions(const Principal&) override;
   Answer<void> end_session(const Principal&, const std::string& id) override;
   std::string title_of(const std::string& principal) override;
-  bool is_session(const std::string& credential) override;
+  std::optional<SessionRecord> session_of(const std::string& credential) override;
   Answer<void> close_session(const Principal&) override;
   void on_access_change(std::function<void()> listener) override;
   Answer<std::string> create_one_shot(const Principal&) override;
   Answer<NewToken> open_session(const std::string& one_shot) override;
+  Answer<NewPairing> ask_pairing(const std::string& name) override;
+  Answer<AllowedPairing> allow_pairing(const Principal&, const std::string& code,
+                                       Role role) override;
+  Answer<std::optional<NewToken>> collect_pairing(const std::string& secret) override;
 };
 
 class FakeDesigns : public Designs, public virtual FakeState {

@@ -25,6 +25,9 @@ void check_database(const Request&, Service&, const HandlerContext&, Reply);
 // handlers_access.cpp
 void create_one_shot(const Request&, Service&, const HandlerContext&, Reply);
 void open_session(const Request&, Service&, const HandlerContext&, Reply);
+void ask_pairing(const Request&, Service&, const HandlerContext&, Reply);
+void allow_pairing(const Request&, Service&, const HandlerContext&, Reply);
+void collect_pairing(const Request&, Service&, const HandlerContext&, Reply);
 void close_session(const Request&, Service&, const HandlerContext&, Reply);
 void list_sessions(const Request&, Service&, const HandlerContext&, Reply);
 void end_session(const Request&, Service&, const HandlerContext&, Reply);

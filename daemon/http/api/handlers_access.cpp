@@ -9,6 +9,15 @@
 namespace popcut::daemon::http::handle {
 namespace {
 
+Response new_session(const NewToken& token) {
+  const auto& expires = token.record.expires;
+  return json_response(201, {{"id", token.record.id},
+                             {"token", token.text},
+                             {"role", name_of(token.record.role)},
+                             {"expires", expires ? nlohmann::ordered_json(rfc3339(*expires))
+                                                 : nlohmann::ordered_json(nullptr)}});
+}
+
 constexpr std::int64_t kLongestLife_s = std::int64_t{10} * 366 * 24 * 3600;
 
 struct TokenRequest {
@@ -51,12 +60,58 @@ void open_session(const Request& request, Service& service, const HandlerContext
   if (!word) return reply(problem_response(word.error(), request));
   const Answer<NewToken> token = service.access.open_session(*word);
   if (!token) return reply(problem_response(token.error(), request));
-  const auto& expires = token->record.expires;
-  reply(json_response(201, {{"id", token->record.id},
-                            {"token", token->text},
-                            {"role", name_of(token->record.role)},
-                            {"expires", expires ? nlohmann::ordered_json(rfc3339(*expires))
-                                                : nlohmann::ordered_json(nullptr)}}));
+  reply(new_session(*token));
+}
+
+void ask_pairing(const Request& request, Service& service, const HandlerContext& context,
+                 Reply reply) {
+  const auto name =
+      read_body_as<std::string>(request, context.limits.json_depth, [](FieldReader& fields) {
+        fields.need("name", "must be what a person calls this tablet");
+        return fields.text("name", "", line(120));
+      });
+  if (!name) return reply(problem_response(name.error(), request));
+  const Answer<NewPairing> made = service.access.ask_pairing(*name);
+  if (!made) return reply(problem_response(made.error(), request));
+  reply(json_response(201, {{"id", made->id},
+                            {"code", made->code},
+                            {"secret", made->secret},
+                            {"expires", rfc3339(made->expires)}}));
+}
+
+void allow_pairing(const Request& request, Service& service, const HandlerContext& context,
+                   Reply reply) {
+  struct Wanted {
+    std::string code;
+    Role role{};
+  };
+  const auto wanted =
+      read_body_as<Wanted>(request, context.limits.json_depth, [](FieldReader& fields) {
+        Wanted one;
+        fields.need("code", "must be the code that the tablet shows");
+        one.code = fields.text("code", "", line(20));
+        one.role = static_cast<Role>(
+            fields.word("role", {}, {"viewer", "submitter", "operator", "admin"}));
+        return one;
+      });
+  if (!wanted) return reply(problem_response(wanted.error(), request));
+  const Answer<AllowedPairing> allowed =
+      service.access.allow_pairing(request.principal, wanted->code, wanted->role);
+  if (!allowed) return reply(problem_response(allowed.error(), request));
+  reply(json_response(200, {{"name", allowed->name}, {"role", name_of(allowed->role)}}));
+}
+
+void collect_pairing(const Request& request, Service& service, const HandlerContext& context,
+                     Reply reply) {
+  const auto secret =
+      read_body_as<std::string>(request, context.limits.json_depth, [](FieldReader& fields) {
+        fields.need("secret", "must be the secret that came with the code");
+        return fields.text("secret", "", line(200));
+      });
+  if (!secret) return reply(problem_response(secret.error(), request));
+  const Answer<std::optional<NewToken>> made = service.access.collect_pairing(*secret);
+  if (!made) return reply(problem_response(made.error(), request));
+  reply(*made ? new_session(**made) : json_response(202, {{"state", "waiting"}}));
 }
 
 void close_session(const Request& request, Service& service, const HandlerContext&, Reply reply) {

@@ -79,27 +79,32 @@ nlohmann::ordered_json confinement(const HandlerContext& context) {
 
 void meta(const Request& request, Service& service, const HandlerContext& context, Reply reply) {
   const HttpLimits& limits = context.limits;
-  reply(json_response(200, {{"api", "v1"},
-                            {"build", context.build},
-                            {"page", page_stamp().substr(0, 12)},
-                            {"schema_sha256", context.openapi_sha256},
-                            {"now", rfc3339(wall_clock_ms())},
-                            {"principal",
-                             {{"name", request.principal.name},
-                              {"title", service.access.title_of(request.principal.name)},
-                              {"role", name_of(request.principal.role)}}},
-                            {"session", service.access.is_session(request.principal.credential)},
-                            {"last_event", service.operations.last_event()},
-                            {"workers", confinement(context)},
-                            {"limits",
-                             {{"json_bytes", limits.json_bytes},
-                              {"json_depth", limits.json_depth},
-                              {"design_bytes", limits.design_bytes},
-                              {"asset_bytes", limits.asset_bytes},
-                              {"rate_per_s", limits.rate_per_s},
-                              {"rate_burst", limits.rate_burst},
-                              {"connections", limits.connections},
-                              {"streams", limits.streams}}}}));
+  const std::optional<SessionRecord> session =
+      service.access.session_of(request.principal.credential);
+  reply(json_response(
+      200, {{"api", "v1"},
+            {"build", context.build},
+            {"page", page_stamp().substr(0, 12)},
+            {"schema_sha256", context.openapi_sha256},
+            {"now", rfc3339(wall_clock_ms())},
+            {"principal",
+             {{"name", request.principal.name},
+              {"title", service.access.title_of(request.principal.name)},
+              {"role", name_of(request.principal.role)}}},
+            {"session", session.has_value()},
+            {"tablet", session && !session->name.empty() ? nlohmann::ordered_json(session->name)
+                                                         : nlohmann::ordered_json(nullptr)},
+            {"last_event", service.operations.last_event()},
+            {"workers", confinement(context)},
+            {"limits",
+             {{"json_bytes", limits.json_bytes},
+              {"json_depth", limits.json_depth},
+              {"design_bytes", limits.design_bytes},
+              {"asset_bytes", limits.asset_bytes},
+              {"rate_per_s", limits.rate_per_s},
+              {"rate_burst", limits.rate_burst},
+              {"connections", limits.connections},
+              {"streams", limits.streams}}}}));
 }
 
 void openapi(const Request&, Service&, const HandlerContext& context, Reply reply) {

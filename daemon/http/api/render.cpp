@@ -371,6 +371,7 @@ ordered_json to_json(const SessionRecord& session) {
   return {{"id", session.id},
           {"root", session.root},
           {"via", text_or_null(session.via)},
+          {"name", text_or_null(session.name)},
           {"role", name_of(session.role)},
           {"created", rfc3339(session.created)},
           {"expires", rfc3339(session.expires)},

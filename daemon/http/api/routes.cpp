@@ -30,6 +30,7 @@ struct Rules {
   bool is_static{false};
   Bucket bucket{Bucket::Usual};
   bool ends_with_client{false};
+  Guess guess{Guess::None};
 };
 
 constexpr Route route(Method method, std::string_view path, RouteAccess access, Handler handler,
@@ -47,7 +48,8 @@ constexpr Route route(Method method, std::string_view path, RouteAccess access, 
           rules.is_stream,
           rules.is_static,
           rules.bucket,
-          rules.ends_with_client};
+          rules.ends_with_client,
+          rules.guess};
 }
 
 constexpr Route get(std::string_view path, RouteAccess access, Handler handler,
@@ -84,7 +86,13 @@ constexpr auto kTable = std::to_array<Route>({
     get("/v1/usage", kViewer, handle::usage, {.query = "from to by"}),
 
     post("/v1/session/one-shot", kViewer, handle::create_one_shot, {.body = kJson}),
-    post("/v1/session", kEveryone, handle::open_session, {.body = kJson}),
+    post("/v1/session", kEveryone, handle::open_session, {.body = kJson, .guess = Guess::Word}),
+    post("/v1/session/pair", kEveryone, handle::ask_pairing,
+         {.body = kJson, .guess = Guess::Another}),
+    post("/v1/session/pair/allow", kViewer, handle::allow_pairing,
+         {.body = kJson, .guess = Guess::Code}),
+    post("/v1/session/pair/collect", kEveryone, handle::collect_pairing,
+         {.body = kJson, .guess = Guess::Code}),
     remove("/v1/session", kViewer, handle::close_session),
     get("/v1/tokens", kAdmin, handle::list_tokens, {.query = "limit cursor"}),
     post("/v1/tokens", kAdmin, handle::create_token, {.body = kJson}),
@@ -192,7 +200,10 @@ constexpr bool is_sound(const Route& route) {
   if (route.path.empty() || route.path.front() != '/') return false;
   if (route.path.size() > 1 && route.path.back() == '/') return false;
   if (route.is_static && (changes || !route.access.is_open())) return false;
-  if (changes && route.access.is_open() && route.path != "/v1/session") return false;
+  // What everyone may change is a session that begins, and nobody may try as often as they like.
+  if (changes && route.access.is_open() &&
+      (!route.path.starts_with("/v1/session") || route.guess == Guess::None))
+    return false;
   if (changes && !route.access.is_open() && route.access.role() < Role::Submitter &&
       !route.path.starts_with("/v1/session"))
     return false;

@@ -56,6 +56,15 @@ enum class MatchRule : std::uint8_t {
 enum class Bucket : std::uint8_t { Usual, Preview, Picture };
 enum class Patience : std::uint8_t { Usual, Probe, Design };  ///< how long the answer may take
 
+/// What someone who tries could find out by asking again and again: all of it is limited like
+/// failed logins, five in a minute.
+enum class Guess : std::uint8_t {
+  None,
+  Word,    ///< 401: a word was wrong; good ones pass however many bad ones come from that address
+  Code,    ///< 404: a code was wrong
+  Another  ///< each answer is one more secret to be guessed
+};
+
 struct Route {
   Method method;
   std::string_view path;  ///< "/v1/jobs/{id}/sheets/{k}"; {..} stands for one part of it
@@ -76,6 +85,7 @@ struct Route {
   Bucket bucket{Bucket::Usual};
   /// What it has begun is told when its client goes (`Request::departure`).
   bool ends_with_client{false};
+  Guess guess{Guess::None};
 };
 
 /// All routes. Each is documented in openapi.json; a test compares the two.

@@ -16,6 +16,7 @@
 #include <spdlog/logger.h>
 #include <spdlog/sinks/ostream_sink.h>
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "tests/support/raw_http.hpp"
 
@@ -341,14 +342,78 @@ TEST_CASE("clients that stop reading or reset leak nothing", "[daemon][http][slo
   }));
 }
 
+TEST_CASE("codes of tablets cannot be tried out", "[daemon][http][pairing]") {
+  LiveServer server;
+  const std::string json = "Content-Type: application/json\r\n";
+  const auto ask = [&] {
+    return server.fetch("POST", "/v1/session/pair", "", json, R"({"name":"tablet"})");
+  };
+  const auto allow = [&](const std::string& code, const char* role) {
+    return server.fetch("POST", "/v1/session/pair/allow", role, json,
+                        fmt::format(R"({{"code":"{}","role":"viewer"}})", code));
+  };
+  const auto collect = [&](const std::string& secret) {
+    return server.fetch("POST", "/v1/session/pair/collect", "", json,
+                        fmt::format(R"({{"secret":"{}"}})", secret));
+  };
+  const auto first = nlohmann::json::parse(ask().body);
+  const std::string code = first.at("code"), secret = first.at("secret");
+  // What cannot be a code is no try of one.
+  for (int i = 0; i < 10; ++i)
+    CHECK(server.fetch("POST", "/v1/session/pair/allow", "operator", json, "{}").status == 422);
+  for (int i = 0; i < 5; ++i) CHECK(allow(fmt::format("WRONG{}", i), "operator").status == 404);
+  const WireResponse refused = allow(code, "operator");
+  CHECK(refused.status == 429);  // nor does the right one tell that it is right
+  CHECK(refused.headers.count("retry-after") == 1);
+  CHECK(refused.problem() == "rate");
+  // Somebody else may type theirs, and who knows a word may open a page.
+  std::string word;
+  server.ask([&](FakeService& fake) { word = *fake.access.create_one_shot({}); });
+  CHECK(server.fetch("POST", "/v1/session", "", json, "{\"one_shot\":\"" + word + "\"}").status ==
+        201);
+  // A tablet that waits asks as often as it likes.
+  for (int i = 0; i < 30; ++i) CHECK(collect(secret).status == 202);
+  CHECK(allow(code, "viewer").status == 200);
+  CHECK(collect(secret).status == 201);
+  for (int i = 0; i < 5; ++i) CHECK(collect(secret).status == 404);
+  CHECK(collect(secret).status == 429);
+  // New codes are no way to guess either.
+  for (int i = 0; i < 4; ++i) CHECK(ask().status == 201);
+  CHECK(ask().status == 429);
+  CHECK(server
+            .fetch("POST", "/v1/session/pair", "", json + "Origin: http://evil.example\r\n",
+                   R"({"name":"x"})")
+            .status == 403);
+}
+
+TEST_CASE("what a tablet calls itself is checked before anybody reads it",
+          "[daemon][http][pairing]") {
+  LiveServer server;
+  const auto ask = [&](const std::string& body) {
+    return server.fetch("POST", "/v1/session/pair", "", "Content-Type: application/json\r\n", body)
+        .status;
+  };
+  CHECK(ask(R"({"name":""})") == 422);
+  CHECK(ask(R"({"name":"a\nb"})") == 422);
+  CHECK(ask(R"({"name":"a\u0000b"})") == 422);
+  CHECK(ask(R"({"name":"a\u001b[31mb"})") == 422);
+  CHECK(ask("{\"name\":\"" + std::string(121, 'x') + "\"}") == 422);
+  CHECK(ask("{\"name\":\"" + std::string(2000, 'x') + "\"}") == 413);
+  CHECK(ask("{\"name\":\"\xFF\"}") == 400);
+  CHECK(ask(R"({"name":["x"]})") == 422);
+  CHECK(ask(R"({"name":"x","role":"admin"})") == 422);
+  CHECK(ask(R"({"name":"<script>alert(1)</script>"})") == 201);
+}
+
 TEST_CASE("over the unix socket the user is the peer's", "[daemon][http][unix]") {
   LiveServer server;
   RawConnection connection(server.socket_path());
   connection.send("GET /v1/meta HTTP/1.1\r\nHost: popcut\r\n\r\n");
   const WireResponse meta = connection.receive();
   CHECK(meta.status == 200);
-  CHECK(meta.body.find(fmt::format(R"("principal":{{"name":"uid:{}","role":"admin"}})",
-                                   ::getuid())) != std::string::npos);
+  CHECK(meta.body.find(fmt::format(R"("principal":{{"name":"uid:{}")", ::getuid())) !=
+        std::string::npos);
+  CHECK(meta.body.find(R"("role":"admin")") != std::string::npos);
   connection.send(
       "GET /v1/meta HTTP/1.1\r\nHost: popcut\r\nAuthorization: Bearer "
       "pc_viewer_0123456789\r\n\r\n");

@@ -157,6 +157,12 @@ struct Bench {
       if (example.contains("one_shot"))
         server.ask(
             [&](FakeService& fake) { example["one_shot"] = *fake.access.create_one_shot({}); });
+      if (example.contains("code") || example.contains("secret"))
+        server.ask([&](FakeService& fake) {
+          const NewPairing asked = *fake.access.ask_pairing("tablet");
+          if (example.contains("code")) example["code"] = asked.code;
+          if (example.contains("secret")) example["secret"] = asked.secret;
+        });
       out.body = example.dump();
     }
     if (route.is_stream) out.more += "Accept: application/json\r\n";

@@ -286,6 +286,10 @@ TEST_CASE("failed logins are counted over a minute", "[daemon][http][rate]") {
   FailedLogins logins(5);
   for (int i = 0; i < 5; ++i) CHECK_FALSE(logins.note("a", i).has_value());
   CHECK(logins.note("a", 10) == 50);
+  CHECK(logins.wait("a", 10) == 50);
+  CHECK(logins.wait("a", 59.5) == 1);
+  CHECK_FALSE(logins.wait("a", 200));
+  CHECK_FALSE(logins.wait("nobody", 10));
   CHECK_FALSE(logins.note("b", 10).has_value());
   CHECK_FALSE(logins.note("a", 60.5).has_value());
   CHECK(logins.note("a", 60.6).has_value());

@@ -339,6 +339,7 @@ TEST_CASE("a plan of an earlier popcutd is not cut and not used again", "[daemon
         "ALTER TABLE job DROP COLUMN warnings; ALTER TABLE job DROP COLUMN unaccepted;"
         "ALTER TABLE job DROP COLUMN load; ALTER TABLE plan_sheet DROP COLUMN mat;"
         "ALTER TABLE plan_sheet DROP COLUMN side;"
+        "ALTER TABLE session DROP COLUMN name; ALTER TABLE session DROP COLUMN most;"
         "PRAGMA user_version=2;");
     db.checkpoint(true);
   }

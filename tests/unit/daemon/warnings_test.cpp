@@ -83,6 +83,7 @@ TEST_CASE("plans of an earlier popcutd keep their warnings and open jobs get the
         "ALTER TABLE job DROP COLUMN warnings; ALTER TABLE job DROP COLUMN unaccepted;"
         "ALTER TABLE job DROP COLUMN load; ALTER TABLE plan_sheet DROP COLUMN mat;"
         "ALTER TABLE plan_sheet DROP COLUMN side;"
+        "ALTER TABLE session DROP COLUMN name; ALTER TABLE session DROP COLUMN most;"
         "PRAGMA user_version=4;");
     db.checkpoint(true);
   }

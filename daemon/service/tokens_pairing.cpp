@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+// Tablets: one shows a code, a person who is signed in types it, and it gets a session of theirs.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "daemon/service/tokens.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+constexpr std::int64_t kPairingMs = 5 * 60'000;
+constexpr std::size_t kMostPairings = 20;
+constexpr std::size_t kCodeDigits = 6;
+// None that look alike: no 0 and O, no 1, I and L.
+constexpr std::string_view kCodeLetters = "ABCDEFGHJKMNPQRSTUVWXYZ23456789";
+
+// As a person types it: in any case, with blanks or dashes between.
+std::string plain_code(std::string_view typed) {
+  std::string code;
+  for (const char c : typed) {
+    if (c == ' ' || c == '-') continue;
+    code += c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  }
+  return code;
+}
+
+}  // namespace
+
+std::string Tokens::new_code() const {
+  const auto is_taken = [&](const std::string& code) {
+    return std::any_of(pairings_.begin(), pairings_.end(),
+                       [&](const Pairing& one) { return one.code == code; });
+  };
+  // Bytes beyond the last whole number of alphabets are thrown away, so that all are as likely.
+  constexpr std::size_t kFair = 256 / kCodeLetters.size() * kCodeLetters.size();
+  std::string code;
+  while (code.size() < kCodeDigits || is_taken(code)) {
+    if (code.size() == kCodeDigits) code.clear();
+    const auto byte = static_cast<unsigned char>(random_bytes(1)[0]);
+    if (byte < kFair) code += kCodeLetters[byte % kCodeLetters.size()];
+  }
+  return code;
+}
+
+void Tokens::forget_late_pairings() {
+  const std::int64_t now = store_.monotonic();
+  std::erase_if(pairings_, [&](const Pairing& one) { return one.until_ms <= now; });
+}
+
+Answer<NewPairing> Tokens::ask_pairing(const std::string& name) {
+  if (name.empty() || name.size() > 480)
+    return tl::unexpected(
+        invalid_value("/name", "range", "must have 1 to 120 characters", "the name is not valid"));
+  forget_late_pairings();
+  if (pairings_.size() >= kMostPairings) {
+    Problem full{ProblemKind::Unavailable,
+                 fmt::format("{} tablets wait to be let in already; try again in a few minutes",
+                             pairings_.size())};
+    full.retry_after_s = 60;
+    return tl::unexpected(std::move(full));
+  }
+  const std::string secret = base64url(random_bytes(32));
+  Pairing one{.id = store_.new_id(),
+              .code = new_code(),
+              .secret_sha256 = sha256_hex(secret),
+              .name = name,
+              .until_ms = store_.monotonic() + kPairingMs};
+  pairings_.push_back(one);
+  return NewPairing{one.id, one.code, secret, store_.now() + kPairingMs};
+}
+
+Answer<AllowedPairing> Tokens::allow_pairing(const Principal& who, const std::string& code,
+                                             Role role) {
+  if (role > who.role)
+    return refuse(ProblemKind::Forbidden,
+                  fmt::format("you are {}; a tablet that you let in can be no more than that",
+                              name_of(who.role)));
+  forget_late_pairings();
+  const std::string typed = plain_code(code);
+  const auto found = std::find_if(pairings_.begin(), pairings_.end(), [&](const Pairing& one) {
+    return !one.allowed_by && equal_in_constant_time(one.code, typed);
+  });
+  if (found == pairings_.end())
+    return refuse(ProblemKind::NotFound,
+                  "no tablet waits with this code; a code is good for five minutes, and once");
+  found->allowed_by = who;
+  found->role = role;
+  found->until_ms = store_.monotonic() + kPairingMs;  // to come for its session
+  return AllowedPairing{found->name, role};
+}
+
+Answer<std::optional<NewToken>> Tokens::collect_pairing(const std::string& secret) {
+  forget_late_pairings();
+  const std::string digest = sha256_hex(secret);
+  const auto found = std::find_if(pairings_.begin(), pairings_.end(), [&](const Pairing& one) {
+    return equal_in_constant_time(one.secret_sha256, digest);
+  });
+  const auto gone = [] {
+    return refuse(ProblemKind::NotFound,
+                  "this pairing has ended: nobody let the tablet in in time, or it has its session "
+                  "already; ask for a new code");
+  };
+  if (found == pairings_.end()) return gone();
+  if (!found->allowed_by) return std::optional<NewToken>();
+  const Pairing one = *found;
+  Answer<std::optional<NewToken>> made = store_.change([&]() -> Answer<std::optional<NewToken>> {
+    return begin_session(*one.allowed_by, one.name, one.role);
+  });
+  if (!made) return made;  // the disk is full, say: it may come again
+  std::erase_if(pairings_, [&](const Pairing& other) { return other.id == one.id; });
+  if (!*made) return gone();
+  return made;
+}
+
+}  // namespace popcut::daemon
