@@ -13,22 +13,34 @@ import { designWords as words, plainNumber } from './words_design';
 const kLineKinds = ['outline', 'mountain', 'valley', 'slit'];
 const kMat_mm = 304.8;
 
+/** What the pattern takes of the page, mm: its card, or all its lines where there is none. x, y, width, height. */
+export function sheetBox(of: Lattice): [number, number, number, number] {
+  const [w, h] = [of.card.width_mm, of.card.wall_mm + of.card.ground_mm];
+  if (w > 0 && h > 0) return [0, 0, w, h];
+  let [left, right, top, bottom] = [Infinity, -Infinity, Infinity, -Infinity];
+  for (let i = 0; i < of.lines.length; i += 2) {
+    top = Math.min(top, of.lines[i] as number);
+    bottom = Math.max(bottom, of.lines[i] as number);
+    left = Math.min(left, of.lines[i + 1] as number);
+    right = Math.max(right, of.lines[i + 1] as number);
+  }
+  return left <= right ? [left, top, right - left, bottom - top] : [0, 0, 0, 0];
+}
+
 /** The lines of a lattice as strokes: page axes, v to the right and u down. */
 export function flatStrokes(of: Lattice): Strokes {
   const xy: number[] = [];
   const n = of.line_role.length;
   const kind: number[] = [];
-  let [w, h] = [of.card.width_mm, of.card.wall_mm + of.card.ground_mm];
   for (let i = 0; i < n; i++) {
     const [u0, v0, u1, v1] = of.lines.subarray(4 * i, 4 * i + 4) as unknown as [number, number, number, number];
     xy.push(v0, u0, v1, u1);
-    w = Math.max(w, v0, v1);
-    h = Math.max(h, u0, u1);
     kind.push((of.line_role[i] as number) - 1);
   }
+  const box = sheetBox(of);
   const same = (value: number): number[] => Array.from({ length: n }, () => value);
   return {
-    sheet: 1, width_mm: w, length_mm: h, mat: null, drawing_mm: [0, 0, w, h], kinds: kLineKinds,
+    sheet: 1, width_mm: box[0] + box[2], length_mm: box[1] + box[3], mat: null, drawing_mm: box, kinds: kLineKinds,
     stroke: { kind, piece: same(1), pass: same(1), start_s: same(0), end_s: same(0), points: same(2) }, xy_mm: xy,
   };
 }
@@ -79,7 +91,7 @@ export function FlatSheet() {
     };
   }, []);
   const of = desk.lattice.value;
-  const text = of ? size(of.card.width_mm, of.card.wall_mm + of.card.ground_mm) : '';
+  const text = of ? size(sheetBox(of)[2], sheetBox(of)[3]) : '';
   return (
     <figure class="flat-sheet">
       <canvas ref={canvas} class="flat-canvas" role="img" tabIndex={0} aria-label={`${words.sheetPane}, ${text}`} />
@@ -302,7 +314,7 @@ export function Figures({ of }: { of: Lattice }) {
         <Row name={words.figures.panels}>{integer(desk.panelsOf(of))}</Row>
         {report.folds !== undefined && <Row name={words.figures.folds}>{integer(report.folds)}{report.fold_length_mm !== undefined && <small>{length(report.fold_length_mm)}</small>}</Row>}
         {report.cuts !== undefined && <Row name={words.figures.cuts}>{integer(report.cuts)}{report.cut_length_mm !== undefined && <small>{length(report.cut_length_mm)}</small>}</Row>}
-        <Row name={words.figures.sheet}>{size(of.card.width_mm, of.card.wall_mm + of.card.ground_mm)}</Row>
+        <Row name={words.figures.sheet}>{size(sheetBox(of)[2], sheetBox(of)[3])}</Row>
       </dl>
     </section>
   );
@@ -374,7 +386,7 @@ export function Judged({ of }: { of: Lattice }) {
       <dl class="facts">
         {of.judged.map((one) => <Row key={one} name={one}>{words.judged.yes}</Row>)}
         {of.not_judged.map((one) => <Row key={one} name={one}>{words.judged.no}</Row>)}
-        <Row name={words.figures.sheet}>{size(of.card.width_mm, of.card.wall_mm + of.card.ground_mm)}</Row>
+        <Row name={words.figures.sheet}>{size(sheetBox(of)[2], sheetBox(of)[3])}</Row>
       </dl>
     </section>
   );

@@ -482,6 +482,18 @@ export function nameShown(): string {
   return spec && typeof spec.name === 'string' ? spec.name : '';
 }
 
+let marked: Lattice | null = null;
+
+/** Says to who measures that a new lattice is on the screen: `popcut.draft` or `popcut.exact`. */
+function markDrawn(): void {
+  const of = desk.lattice.peek();
+  if (!of || of === marked) return;
+  marked = of;
+  const name = `popcut.${of.quality}`;
+  performance.clearMarks(name);
+  performance.mark(name);
+}
+
 export function Stage() {
   const canvas = useRef<HTMLCanvasElement>(null);
   const model = useSignal<ModelView | null>(null);
@@ -504,7 +516,10 @@ export function Stage() {
             const of = desk.lattice.peek();
             if (of) desk.pinned.value = nextPin(of, face);
           },
-          onDraw: () => { for (const place of placeHandles) place(); },
+          onDraw: () => {
+            for (const place of placeHandles) place();
+            markDrawn();
+          },
           onLost: () => { state.value = 'lost'; },
           onRestored: () => { state.value = 'ready'; },
         });
@@ -580,6 +595,7 @@ export function Stage() {
           aria-label={of ? sentenceOf(of, nameShown(), desk.psi.value) : words.stage.label} aria-description={words.stage.keys} />
         {view && state.value === 'ready' && <Handles view={view} />}
         {view && state.value === 'ready' && <Worst view={view} />}
+        {of && of.triangle_face.length === 0 && <p class="stage-nothing">{words.stage.nothing}</p>}
         {paper && <PaperStage why={state.value === 'none' ? words.stage.noWebgl : words.stage.lost} />}
       </div>
       <div class="stage-top">

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Glue: from the cut sheets to the card, one step a screen.
 import { useSignal } from '@preact/signals';
-import { useEffect, useRef } from 'preact/hooks';
+import { useEffect, useLayoutEffect, useRef } from 'preact/hooks';
 import { bands, fans, glueSteps, type GlueStep, type PlanFile } from './glue_steps';
 import { readLattice, type Lattice } from './lattice';
 import { paintModel } from './model_paper';
@@ -224,7 +224,7 @@ export default function Glue({ rest: id }: { rest: string }) {
     step.value = Math.max(0, Math.min(count - 1, step.value + by));
     keepStep(id, step.value);
   };
-  useEffect(() => {
+  useLayoutEffect(() => {
     const onKey = (event: KeyboardEvent): void => {
       if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector('dialog[open]')) return;
       const on = event.target as HTMLElement;
@@ -273,7 +273,7 @@ export default function Glue({ rest: id }: { rest: string }) {
         </div>
         <ol class="glue-dots" aria-hidden="true">{steps.map((_, i) => <li key={i} class={i <= at ? 'glue-dot glue-dot-done' : 'glue-dot'} />)}</ol>
         <div class="glue-step">
-          <div class={sheets.length + (now.kind === 'seam' ? 1 : 0) > 1 ? 'glue-pictures glue-two' : 'glue-pictures'}>
+          <div class={sheets.length + (now.kind === 'seam' ? 1 : 0) > 1 ? `glue-pictures glue-two${sheets.length > 1 ? ' glue-pair' : ''}` : 'glue-pictures'}>
             {sheets.map((sheet) => <StepSheet key={sheet} plan={id} sheet={sheet} step={now} />)}
             {lattice.value && file.value && (now.kind === 'seam' || sheets.length === 0) && <StepModel of={lattice.value} plan={file.value} step={now} />}
           </div>

@@ -7,6 +7,7 @@ import {
   AddEquation,
   BufferAttribute,
   BufferGeometry,
+  ColorManagement,
   CustomBlending,
   DataTexture,
   DepthTexture,
@@ -318,6 +319,9 @@ out vec4 colour;
 void main() {
   colour = vec4(texture(from, at).rgb, opacity);
 }`;
+
+// Colours are given and mixed as they are shown; the shaders do their own light.
+ColorManagement.enabled = false;
 
 /** Frames that are gathered once the picture rests; fewer where one takes long. */
 const kGathered = 40;

@@ -82,6 +82,7 @@ export const designWords = localized({
     worst: (error: string): string => `${error} off`,
     merged: 'amber: a step that was too short was left out here',
     noWebgl: 'This browser cannot draw in three dimensions. The picture is redrawn when the slider stops.',
+    nothing: 'These lines enclose no sheet, so there is nothing to open. They are on the right as they will be cut.',
     lost: 'The graphics card took its memory back. The picture comes again by itself.',
     notThere: (what: string): string => `${what} is not known in a draft.`,
   },
