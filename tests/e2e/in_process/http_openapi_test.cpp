@@ -73,7 +73,7 @@ struct Bench {
       job = fake.add_job(JobState::Ready, "token:admin").id;
       const std::string hash(64, 'a');
       design = "sha256-" + hash;
-      fake.design_map[design] = {design, "a", "svg", "token:admin", 1, 0, {}, true};
+      fake.design_map[design] = {design, "a", "spec", "token:admin", 1, 0, {}, true};
       PlanRecord made;
       made.id = plan = "01JD0000000000000000000900";
       made.design = design;
@@ -131,6 +131,7 @@ struct Bench {
     };
     put("{id}", id_for(route.path));
     put("{k}", "1");
+    put("{name}", "cut.svg");
     if (route.match != http::MatchRule::None)
       out.more += fmt::format("If-Match: {}\r\n", etag_for(route.path));
     static int keys = 0;
