@@ -180,6 +180,43 @@ TEST_CASE("the key p holds the cut with the tool up and continues it", "[cli][e2
   CHECK(says(popcut.shown, "378 strokes"));
 }
 
+TEST_CASE("after the tool went round the sheet a person can move the drawing", "[cli][e2e]") {
+  const TempFolder folder;
+  AtTerminal popcut(
+      popcut_program(),
+      {"cut", kSphere, "--direct", "--frame", "--at", "1,2", "--device", "sim:cameo3", "-o", "cut"},
+      folder);
+  REQUIRE(popcut.shows("press Enter"));
+  popcut.type("\n");
+  REQUIRE(popcut.shows("mm at 1.0, 2.0, up"));
+  REQUIRE(popcut.shows("or X,Y"));
+  popcut.type("500,0\n");  // off the mat
+  REQUIRE(popcut.shows("it stays at 1,2"));
+  REQUIRE(popcut.shows("press Enter"));
+  popcut.type("\n");
+  REQUIRE(popcut.shows("or X,Y"));
+  popcut.type("10,-0.5\n");
+  REQUIRE(popcut.shows("press Enter"));
+  popcut.type("\n");
+  REQUIRE(popcut.shows("mm at 11.0, 1.5, up"));
+  REQUIRE(popcut.shows("or X,Y"));
+  popcut.type("y\n");
+  const int exit = popcut.ended();
+  INFO(popcut.shown);
+  CHECK(exit == 0);
+  const json sheet = json::parse(text_of_file(folder / "cut/plan.json"))["sheets"][0];
+  CAPTURE(sheet["transform"].dump());
+  const json trace = json::parse(text_of_file(folder / "cut/sheet-01.trace.json"));
+  double left = 1e9, top = 1e9;
+  for (const json& stroke : trace["strokes"])
+    for (const json& point : stroke["points"]) {
+      left = std::min(left, point[0].get<double>());
+      top = std::min(top, point[1].get<double>());
+    }
+  CHECK(std::abs(left - 11) < 0.06);  // half a unit of 0.05 mm, and a sheet's own rounding
+  CHECK(std::abs(top - 1.5) < 0.06);
+}
+
 TEST_CASE("cut asks before each sheet and ends if the answer is no", "[cli][e2e][layout]") {
   const TempFolder folder;
   const std::vector<std::string> words{"cut",   kSphere,   "--direct", "--device", "sim:cameo3",
