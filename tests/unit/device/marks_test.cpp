@@ -66,6 +66,17 @@ TEST_CASE("the meaning of TB51 and TB53 can be swapped", "[protocol][marks]") {
   CHECK_THAT(shown(mark_search(marks, machine("cameo5-alpha"))), Catch::Contains("TB124,"));
 }
 
+TEST_CASE("a measured scale holds for the marks as for the lines", "[protocol][marks]") {
+  MarkLayout marks = value(marks_for({304.8, 304.8}));
+  marks.top_mm = marks.left_mm = 110;
+  Machine measured = machine("cameo3");
+  measured.scale_carriage = 1.004;
+  measured.scale_feed = 0.9965;
+  // 264.8 mm along the feed are 5296 / 0.9965 of its units, 284.8 mm across it 5696 / 1.004; the
+  // search begins 100 mm from the corner, 2000 units of 0.05 mm.
+  CHECK_THAT(shown(mark_search(marks, measured)), Catch::Contains("TB123,5315,5673,2007,1992;"));
+}
+
 TEST_CASE("strokes outside the marks are refused", "[core][marks]") {
   const MarkLayout marks = value(marks_for({304.8, 304.8}));
   CHECK(check_marks(marks, one_line({50, 40}, {70, 90})));
