@@ -314,7 +314,14 @@ int Check::passes_of(PenOperation operation) const {
   const std::size_t pen = operation.pen;
   if (pen > 0 && pen <= expected_.pen_passes.size() && expected_.pen_passes[pen - 1] > 0)
     return expected_.pen_passes[pen - 1];
-  return is_fold(operation) ? expected_.fold_passes : expected_.cut_passes;
+  switch (operation.operation) {
+    case Operation::Score:
+      return expected_.score_passes;
+    case Operation::Draw:
+      return expected_.draw_passes;
+    default:
+      return is_fold(operation) ? expected_.fold_passes : expected_.cut_passes;
+  }
 }
 
 /// Each place of a cut must be covered as often as requested. Where the coverage changes may be off

@@ -60,7 +60,7 @@ Result<void> go_round(const PlanJob& job, std::size_t sheet, const CutTarget& ta
                    {*program, "", {planned.area_mm[0], planned.area_mm[1]}, 10}, !globals.quiet);
   if (!sent) return tl::unexpected(sent.error());
   if (sent->end.error) return tl::unexpected(within("--frame", *sent->end.error));
-  if (sent->end.cancelled)
+  if (sent->end.cancelled || sent->stop_asked)
     return fail(ErrorKind::Refused, "--frame", "stopped as you asked; nothing was cut");
   if (sent->trace && !sent->trace->strokes.empty())
     return fail(ErrorKind::Internal, "--frame", "the tool came down");
@@ -118,6 +118,7 @@ struct CutSheet {
   SessionEnd end;
   std::optional<Trace> trace;  ///< of a simulated cutter
   std::uint64_t certain{}, in_doubt{}, not_sent{};
+  bool stop_asked{};  ///< perhaps so late that the whole sheet is cut
 };
 
 Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const CutTarget& target,
@@ -133,6 +134,7 @@ Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const CutTarge
   CutSheet cut;
   cut.end = std::move(sent->end);
   cut.trace = std::move(sent->trace);
+  cut.stop_asked = sent->stop_asked;
   for (const StrokeFate fate : cut.end.fates)
     ++(fate == StrokeFate::Certain   ? cut.certain
        : fate == StrokeFate::InDoubt ? cut.in_doubt
@@ -249,6 +251,9 @@ Result<std::optional<Shift>> cut_all(const Options& options, const Globals& glob
     if (!globals.quiet) say(job, sheet, *cut, target);
     std::fflush(stderr);  // the next sheet may take long
     if (!judged) return tl::unexpected(judged.error());
+    if (cut->stop_asked && sheet + 1 < job.plan.sheets.size())
+      return fail(ErrorKind::Refused, fmt::format("sheet {}", sheet + 1),
+                  fmt::format("is cut; stopped as you asked before sheet {}", sheet + 2));
   }
   return std::nullopt;
 }

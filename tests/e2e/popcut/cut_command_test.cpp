@@ -208,6 +208,47 @@ TEST_CASE("a drawing on a roll is as long as itself and comes out at the end", "
                 2, "roll");
 }
 
+TEST_CASE("scores and pen lines are expected as often as they are drawn", "[cli][e2e]") {
+  const Bench bench;
+  write_file(bench.temp / "ops.svg", R"x(<svg xmlns="http://www.w3.org/2000/svg" width="100mm"
+      height="80mm" viewBox="0 0 100 80"><g id="score" stroke="#f0f"><path d="M10,50 H80"/></g>
+      <g id="draw" stroke="#0a0"><path d="M10,20 H80"/></g></svg>)x");
+  for (const std::string pen : {"", "draw: passes=3", "score: passes=1; draw: passes=2"}) {
+    CAPTURE(pen);
+    std::vector<std::string> words{"plan", "ops.svg", "-o", "ops", "-q"};
+    if (!pen.empty()) words.insert(words.end(), {"--pen", pen});
+    REQUIRE(bench.popcut(words).exit == 0);
+    const Ran held = bench.popcut({"simulate", "ops/sheet-01.gpgl", "-o", "sim", "--expect",
+                                   "ops.svg", "--plan", "ops/plan.json"});
+    INFO(held.err);
+    CHECK(held.exit == 0);
+  }
+  auto wrong = bench.read_json("ops/plan.json");
+  CHECK(wrong["passes"]["score"] == 1);
+  CHECK(wrong["passes"]["draw"] == 2);
+  wrong["passes"]["draw"] = 1;
+  write_file(bench.temp / "wrong.json", wrong.dump());
+  CHECK(bench
+            .popcut({"simulate", "ops/sheet-01.gpgl", "-o", "sim", "--expect", "ops.svg", "--plan",
+                     "wrong.json"})
+            .exit == 6);
+}
+
+TEST_CASE("a split drawing with letters that the knife makes is as planned", "[cli][e2e]") {
+  const Bench bench;  // a dash of the 4 ends 0.03 mm from another one and is joined to it
+  write_file(bench.temp / "long.svg", R"x(<svg xmlns="http://www.w3.org/2000/svg" width="60mm"
+      height="900mm" viewBox="0 0 60 900"><g fill="none" stroke="#000"><rect x="5" y="5" width="50"
+      height="890"/><path d="M10,100 l30,300 l-20,400"/></g></svg>)x");
+  REQUIRE(bench.popcut({"plan", "long.svg", "--machine", "portrait", "-o", "long", "-q"}).exit ==
+          0);
+  const auto plan = bench.read_json("long/plan.json");
+  REQUIRE(plan["sheets"].size() == 1);
+  const Ran held = bench.popcut({"simulate", "long/sheet-01.gpgl", "--machine", "portrait", "-o",
+                                 "sim", "--expect", "long.svg", "--plan", "long/plan.json"});
+  INFO(held.err);
+  CHECK(held.exit == 0);
+}
+
 TEST_CASE("colours and layers have settings of their own, in a drawing and a design",
           "[cli][e2e]") {
   const Bench bench;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What can happen at a cutter, by the real binary and simulated cutters.
 #include <algorithm>
+#include <csignal>
 #include <string>
 #include <vector>
 
@@ -238,6 +239,30 @@ TEST_CASE("cut asks before each sheet and ends if the answer is no", "[cli][e2e]
   popcut.type("n\n");
   CHECK(popcut.ended() == 5);
   CHECK(says(popcut.shown, "sheet 2 was not started"));
+}
+
+TEST_CASE("a stop while a sheet parks asks for no further sheet", "[cli][e2e][pty]") {
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    CAPTURE(number);
+    const TempFolder desk, cutter_room;
+    AtTerminal cutter(popcut_program(), {"simulate", "--pty", "--machine", "cameo3"}, cutter_room);
+    const std::string port = cutter.first_line();
+    REQUIRE(port.rfind("/dev/", 0) == 0);
+    write_file(desk / "two.svg", R"x(<svg xmlns="http://www.w3.org/2000/svg" width="150mm"
+        height="90mm" viewBox="0 0 150 90"><path stroke="#000"
+        d="M0 0h2M148 0h2M0 88v2M150 88v2"/></svg>)x");
+    AtTerminal popcut(popcut_program(),
+                      {"cut", "two.svg", "--direct", "--device", "serial:" + port, "--machine",
+                       "cameo3", "--mat", "100x100", "--labels", "none"},
+                      desk);
+    REQUIRE(popcut.shows("Load sheet 1 of 2"));
+    popcut.type("y\n");
+    REQUIRE(popcut.shows("parking"));
+    popcut.signal(number);
+    CHECK_FALSE(popcut.shows("Load sheet 2 of 2"));
+    CHECK(popcut.ended() == 5);
+    CHECK(says(popcut.shown, "sheet 1: is cut; stopped as you asked before sheet 2"));
+  }
 }
 
 TEST_CASE("a cutter at a pseudo terminal is used through a serial port", "[cli][e2e][pty]") {
