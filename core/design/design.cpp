@@ -537,6 +537,7 @@ class Designer {
     add_figures(laid);
     out.strips = std::move(laid.strips.strips);
     out.pattern = std::move(built.pattern);
+    out.panel_face = std::move(built.panel_face);
     out.pattern.name = r.name = spec_.name;
     r.design_angle_deg = spec_.placement.design_angle_deg;
     out.pattern.design_psi_rad = design_psi_rad();

@@ -41,10 +41,17 @@ void derive(const double* c, int degree, double length, double* out) {
 }  // namespace
 
 SliceCurve SliceCurve::sampled(double h_mm, double d_mm, const std::function<double(double)>& x_at,
-                               double tolerance, int max_depth) {
+                               double tolerance, int max_depth, const std::vector<double>& knots) {
   SliceCurve curve(h_mm, d_mm);
   const auto n_at = [&](double t) { return 2.0 * x_at(t) / d_mm - t; };  // n = 2 x/d - t
-  curve.add_pieces(-1.0, 1.0, tolerance, max_depth, n_at);
+  constexpr double kShortest = 1e-6;
+  double begin = -1.0;
+  for (const double knot : knots) {
+    if (knot < begin + kShortest || knot > 1.0 - kShortest) continue;
+    curve.add_pieces(begin, knot, tolerance, max_depth, n_at);
+    begin = knot;
+  }
+  curve.add_pieces(begin, 1.0, tolerance, max_depth, n_at);
   curve.find_inflections();
   return curve;
 }

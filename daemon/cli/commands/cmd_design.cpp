@@ -296,8 +296,14 @@ void say_joins(const PatchAssembly& made) {
 // 3. The work.
 
 std::string about(const SurfaceSpec& surface) {
-  if (const auto* s = std::get_if<RevolutionSpec>(&surface)) return "radius " + s->radius;
-  if (const auto* s = std::get_if<ProfileSpec>(&surface)) return "profile " + s->z;
+  const auto words = [](const FormulaOrPoints& curve) {
+    if (const auto* formula = std::get_if<std::string>(&curve)) return *formula;
+    return fmt::format("through {} points", std::get<CurvePoints>(curve).size());
+  };
+  if (const auto* s = std::get_if<RevolutionSpec>(&surface)) return "radius " + words(s->radius);
+  if (const auto* s = std::get_if<ProfileSpec>(&surface)) return "profile " + words(s->z);
+  if (const auto* s = std::get_if<LoftSpec>(&surface))
+    return fmt::format("loft of {} curves", s->stations.size());
   if (const auto* s = std::get_if<ImplicitSpec>(&surface)) return "solid " + s->f;
   return "file " + asset_of(surface);
 }
