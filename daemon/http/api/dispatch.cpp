@@ -113,10 +113,13 @@ Response unless_seen(Response response, const std::string& seen) {
   if (response.status != 200) return response;
   for (const Header& header : response.headers) {
     if (header.name != "ETag" || !has_etag(seen, header.value)) continue;
+    // What it says of the answer is put in the place of what a browser has kept: its policy too.
     Response same;
     same.status = 304;
     same.content_type.clear();
-    same.headers.push_back(header);
+    for (const Header& kept : response.headers)
+      if (!kept.name.starts_with("Content-") || kept.name == "Content-Security-Policy")
+        same.headers.push_back(kept);
     return same;
   }
   return response;

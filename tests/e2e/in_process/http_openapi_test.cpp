@@ -12,6 +12,7 @@
 
 #include "core/plan/plan_options.hpp"
 #include "daemon/http/api/openapi.hpp"
+#include "daemon/http/api/page_files.hpp"
 #include "daemon/http/api/routes.hpp"
 #include "tests/support/json_schema.hpp"
 #include "tests/support/paths.hpp"
@@ -131,6 +132,7 @@ struct Bench {
     };
     put("{id}", id_for(route.path));
     put("{k}", "1");
+    put("{file}", std::string(http::page_files().back().name));
     if (route.match != http::MatchRule::None)
       out.more += fmt::format("If-Match: {}\r\n", etag_for(route.path));
     static int keys = 0;
@@ -316,6 +318,9 @@ TEST_CASE("each documented problem of each route is produced", "[daemon][http][o
             role = "viewer";
           else if (route.method != http::Method::Get)
             call.more += "Origin: http://evil.example\r\n";
+          break;
+        case 404:
+          if (route.is_static) call.target += "x";
           break;
         case 413:
           if (route.body == http::BodyRule::None)

@@ -6,10 +6,13 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/design/spec/spec.hpp"
+#include "daemon/examples/examples.hpp"
 #include "daemon/http/api/dispatch.hpp"
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/render.hpp"
 #include "daemon/http/api/target.hpp"
+#include "daemon/model/wall_clock.hpp"
 #include "tests/support/fake_service.hpp"
 
 namespace http_handlers_test {
@@ -84,6 +87,47 @@ TEST_CASE("each route has a handler and is found by its path", "[daemon][http][r
   CHECK(find_route(Method::Get, {"v1", "plans", "p", "sheets", ".svg"}).route == nullptr);
   CHECK(find_route(Method::Get, {"v1", "plans", "p", "sheets", "7.svg"}).params ==
         std::vector<std::string>{"p", "7"});
+}
+
+TEST_CASE("the tables that a page chooses from are those of the command line",
+          "[daemon][http][handlers]") {
+  FakeService fake;
+  const Asked examples = ask(fake, Method::Get, "/v1/examples");
+  REQUIRE(examples.response.status == 200);
+  CHECK(examples.body.at("items").size() == popcut::examples().size());
+  CHECK(examples.body.at("next_cursor").is_null());
+  for (const json& item : examples.body.at("items")) {
+    CAPTURE(item.at("name"));
+    CHECK_FALSE(item.at("title").get<std::string>().empty());
+    CHECK(popcut::parse_design_spec(item.at("spec").dump()));
+  }
+  const Asked schema = ask(fake, Method::Get, "/v1/design-schema");
+  CHECK(schema.response.body == popcut::design_spec_schema());
+  for (const Asked* fixed : {&examples, &schema}) {
+    const std::string etag = fixed->response.headers.at(0).value;
+    CHECK(ask(fake, Method::Get, fixed == &examples ? "/v1/examples" : "/v1/design-schema",
+              {{"if-none-match", etag}})
+              .response.status == 304);
+  }
+  const Asked machines = ask(fake, Method::Get, "/v1/machines");
+  CHECK(machines.body.at("items").size() == popcut::all_machines()->size());
+  CHECK(machines.body.at("items").at(0).at("mats").is_array());
+}
+
+TEST_CASE("meta names who asks and whether a session does", "[daemon][http][handlers]") {
+  FakeService fake;
+  const auto meta = [&](const Principal& who) {
+    return ask(fake, Method::Get, "/v1/meta", {}, "", who).body;
+  };
+  const json token = meta({.name = "token:viewer", .role = Role::Viewer, .credential = "x"});
+  CHECK(token.at("principal").at("title") == "viewer's");
+  CHECK(token.at("session") == false);
+  CHECK(
+      meta({.name = "token:viewer", .role = Role::Viewer, .credential = "viewer"}).at("session") ==
+      true);
+  const auto now = time_from(token.at("now").get<std::string>());
+  REQUIRE(now);
+  CHECK(std::abs(*now - popcut::daemon::wall_clock_ms()) < 60'000);
 }
 
 TEST_CASE("every member of a job request reaches the service", "[daemon][http][handlers]") {
