@@ -46,7 +46,7 @@
 #include "daemon/pictures/pdf.hpp"
 #include "daemon/pictures/png.hpp"
 #include "daemon/planning/design_files.hpp"
-#include "daemon/planning/sound_design.hpp"
+#include "daemon/planning/judge/sound_design.hpp"
 
 namespace popcut::cli {
 namespace design_command {

@@ -50,6 +50,11 @@ void plan_file(const Request&, Service&, const HandlerContext&, Reply);
 void sheet_svg(const Request&, Service&, const HandlerContext&, Reply);
 void sheet_program(const Request&, Service&, const HandlerContext&, Reply);
 
+// handlers_preview.cpp
+void preview_spec(const Request&, Service&, const HandlerContext&, Reply);
+void place_spec(const Request&, Service&, const HandlerContext&, Reply);
+void design_lattice(const Request&, Service&, const HandlerContext&, Reply);
+
 // handlers_jobs.cpp
 void create_job(const Request&, Service&, const HandlerContext&, Reply);
 void list_jobs(const Request&, Service&, const HandlerContext&, Reply);

@@ -28,13 +28,19 @@ struct Rules {
   Patience patience{Patience::Usual};
   bool is_stream{false};
   bool is_static{false};
+  Bucket bucket{Bucket::Usual};
+  bool ends_with_client{false};
 };
 
 constexpr Route route(Method method, std::string_view path, RouteAccess access, Handler handler,
                       const Rules& rules) {
-  return {method,          path,           access,          handler,
-          rules.body,      rules.key,      rules.match,     rules.query,
-          rules.is_urgent, rules.patience, rules.is_stream, rules.is_static};
+  return {method,          path,
+          access,          handler,
+          rules.body,      rules.key,
+          rules.match,     rules.query,
+          rules.is_urgent, rules.patience,
+          rules.is_stream, rules.is_static,
+          rules.bucket,    rules.ends_with_client};
 }
 
 constexpr Route get(std::string_view path, RouteAccess access, Handler handler,
@@ -102,6 +108,14 @@ constexpr auto kTable = std::to_array<Route>({
     get("/v1/plans/{id}/report.json", kViewer, handle::plan_file),
     get("/v1/plans/{id}/sheets/{k}.svg", kViewer, handle::sheet_svg),
     get("/v1/plans/{id}/sheets/{k}/program", kViewer, handle::sheet_program),
+
+    // What somebody looks at while they design.
+    post("/v1/preview", kSubmitter, handle::preview_spec,
+         {.body = kJson, .bucket = Bucket::Preview, .ends_with_client = true}),
+    post("/v1/place", kSubmitter, handle::place_spec,
+         {.body = kJson, .bucket = Bucket::Preview, .ends_with_client = true}),
+    get("/v1/designs/{id}/lattice", kViewer, handle::design_lattice,
+        {.patience = Patience::Design, .bucket = Bucket::Picture, .ends_with_client = true}),
 
     get("/v1/materials", kViewer, handle::list_materials, {.query = "limit cursor"}),
     get("/v1/materials/{id}", kViewer, handle::get_material),

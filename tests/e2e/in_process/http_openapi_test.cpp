@@ -279,6 +279,7 @@ TEST_CASE("each documented problem of each route is produced", "[daemon][http][o
   Bench strict([](HttpOptions& options) {
     options.limits.rate_per_s = 0.001;
     options.limits.rate_burst = 1;
+    options.limits.previews_per_s = options.limits.pictures_per_s = 0.001;
     options.limits.failed_logins_per_minute = 100'000;
   });
   const std::map<int, ProblemKind> told{{404, ProblemKind::NotFound},
