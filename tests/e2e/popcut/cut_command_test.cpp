@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
@@ -232,6 +233,39 @@ TEST_CASE("scores and pen lines are expected as often as they are drawn", "[cli]
             .popcut({"simulate", "ops/sheet-01.gpgl", "-o", "sim", "--expect", "ops.svg", "--plan",
                      "wrong.json"})
             .exit == 6);
+}
+
+TEST_CASE("lines of several operations on each other are expected as they are planned",
+          "[cli][e2e]") {
+  const Bench bench;
+  const auto line = [](const char* layer, const char* d) {
+    return fmt::format("<g id='{}' stroke='#000' fill='none'><path d='{}'/></g>", layer, d);
+  };
+  const std::vector<std::string> drawings{
+      line("cut", "M10 10h60") + line("fold-mountain", "M10 10h80") + line("valley", "M30 10h80") +
+          line("score", "M0 10h110"),
+      line("draw", "M10 50h80") + line("cut", "M10 50h80"),
+      line("cut", "M10 10h30v20h-30z") + line("draw", "M10 10h30v20h-30z") +
+          line("score", "M10 10h30v20h-30z")};
+  for (const std::string& drawing : drawings) {
+    CAPTURE(drawing);
+    write_file(bench.temp / "on.svg",
+               "<svg xmlns='http://www.w3.org/2000/svg' width='120mm' height='80mm' "
+               "viewBox='0 0 120 80'>" +
+                   drawing + "</svg>");
+    REQUIRE(bench.popcut({"plan", "on.svg", "-o", "on", "-q"}).exit == 0);
+    const auto held = [&](const char* plan) {
+      const Ran ran = bench.popcut(
+          {"simulate", "on/sheet-01.gpgl", "-o", "sim", "--expect", "on.svg", "--plan", plan});
+      UNSCOPED_INFO(ran.err);
+      return ran.exit;
+    };
+    CHECK(held("on/plan.json") == 0);
+    auto wrong = bench.read_json("on/plan.json");
+    wrong["passes"]["cut"] = 2;
+    write_file(bench.temp / "wrong.json", wrong.dump());
+    CHECK(held("wrong.json") == 6);
+  }
 }
 
 TEST_CASE("a split drawing with letters that the knife makes is as planned", "[cli][e2e]") {
