@@ -151,4 +151,17 @@ Result<std::string> foreign_blob(std::string text, InputKind kind) {
   return lattice_blob(lines_alone(foreign->lines), LatticeFrames{}, how);
 }
 
+Result<ForeignDrawing> foreign_drawing(std::string text, InputKind kind) {
+  auto foreign = read_foreign(std::move(text), kind);
+  if (!foreign) return tl::unexpected(foreign.error());
+  ForeignDrawing drawing{std::move(foreign->lines), std::nullopt};
+  if (const auto file = read_fold(foreign->fold))
+    if (auto known = pattern_from_fold(*file)) drawing.pattern = std::move(*known);
+  if (drawing.pattern) return drawing;
+  const std::vector<double> angles{std::numbers::pi, std::numbers::pi / 2};
+  if (auto opened = open_flat_sheet(foreign->fold, angles); opened && !opened->motion)
+    drawing.pattern = std::move(opened->pattern);
+  return drawing;
+}
+
 }  // namespace popcut::planning

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "core/drawing/linework.hpp"
+#include "core/pattern/pattern.hpp"
 #include "core/result.hpp"
 #include "daemon/planning/plan_input.hpp"
 
@@ -16,5 +19,13 @@ namespace popcut::planning {
 ///
 /// @retval Malformed, OutOfRange  it cannot be read
 [[nodiscard]] Result<std::string> foreign_blob(std::string text, InputKind kind);
+
+/// A pattern from elsewhere, to be drawn.
+struct ForeignDrawing {
+  LineWork lines;
+  std::optional<Pattern> pattern;  ///< if it opens by popcut's own law of motion
+};
+/// @retval Malformed, OutOfRange  it cannot be read
+[[nodiscard]] Result<ForeignDrawing> foreign_drawing(std::string text, InputKind kind);
 
 }  // namespace popcut::planning

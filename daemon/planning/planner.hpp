@@ -21,6 +21,7 @@ struct PlanningTask {
     TestCut,  ///< the material's small test shape, planned and encoded
     Preview,  ///< a spec's lattice blob; options: "quality" (draft, exact), "place"
     Lattice,  ///< the lattice blob of a design of any kind
+    Picture,  ///< a design's "deployed.svg" and "pattern.svg", without any text of its own
     Place,    ///< a spec with its shape moved into place; options: "place" (whole, quarter)
   };
   Kind kind{};

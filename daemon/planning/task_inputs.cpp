@@ -36,6 +36,19 @@ Result<std::string> add_row(const std::string& json, const char* list,
   return name;
 }
 
+long most_of_one(const DesignSpec& spec) {
+  if (spec.curvature) return 150;
+  switch (spec.lattice) {
+    case LatticeMethod::Conformal:
+    case LatticeMethod::Auto:
+      return 2'500;
+    case LatticeMethod::Direct:
+      return 5'000;
+    default:
+      return 100'000;
+  }
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> files_of(const DesignSpec& spec) {
@@ -88,6 +101,20 @@ Result<RowTables> tables_of(const WorkerTask& task) {
   tables.machine = machine->empty() ? kUsualMachine : std::move(*machine);
   tables.material = std::move(*material);
   return tables;
+}
+
+long units_of(const DesignSpec& spec) {
+  long units = 0;
+  for (const RegionSpec& region : spec.regions)
+    units += static_cast<long>(region.slices) * region.units_per_slice;
+  for (const DesignSpec& patch : spec.patches) units += units_of(patch);
+  return units;
+}
+
+long most_quick_units(const DesignSpec& spec) {
+  long most = most_of_one(spec);
+  for (const DesignSpec& patch : spec.patches) most = std::min(most, most_quick_units(patch));
+  return most;
 }
 
 }  // namespace popcut::planning

@@ -25,6 +25,11 @@ namespace popcut::planning {
 /// @retval OutOfRange  a file is no asset's id, or there is no such asset
 [[nodiscard]] Result<SurfaceAssets> assets_for(const DesignSpec& spec, SurfaceAssets& given);
 
+/// Units of a spec, patches and all.
+[[nodiscard]] long units_of(const DesignSpec& spec);
+/// How many of them are designed while somebody waits: about a second of work.
+[[nodiscard]] long most_quick_units(const DesignSpec& spec);
+
 /// The rows that came with a task, each a table of its own.
 struct RowTables {
   std::vector<std::string> texts;

@@ -11,13 +11,14 @@
 #include "core/design/shape_fit.hpp"
 #include "core/plan/marks.hpp"
 #include "core/plan/plan.hpp"
+#include "core/plan/sheet_strokes.hpp"
 #include "core/text/json_text.hpp"
 #include "daemon/digest/digest.hpp"
 #include "daemon/planning/plan_input.hpp"
 #include "daemon/planning/plan_job.hpp"
-#include "daemon/planning/preview.hpp"
 #include "daemon/planning/program_file.hpp"
 #include "daemon/planning/task_inputs.hpp"
+#include "daemon/planning/views/preview.hpp"
 
 namespace popcut::planning {
 namespace {
@@ -44,7 +45,9 @@ daemon::SheetPlan figures_of(const PlanJob& job, std::size_t index) {
   return figures;
 }
 
-Result<void> add_plan_files(const PlanJob& job, const FileSink& add) {
+// `sides`: of each sheet, which one is up.
+Result<void> add_plan_files(const PlanJob& job, const std::vector<std::string>& sides,
+                            const FileSink& add) {
   for (std::size_t i = 0; i < job.plan.sheets.size(); ++i) {
     const std::string title = fmt::format("{}: sheet {}", job.plan.name, i + 1);
     const PlannedSheet& sheet = job.plan.sheets[i];
@@ -53,7 +56,11 @@ Result<void> add_plan_files(const PlanJob& job, const FileSink& add) {
             .and_then([&] {
               return add(PlanJob::sheet_file(i, "program.json"), program_index(job.programs[i]));
             })
-            .and_then([&] { return add(PlanJob::sheet_file(i, "svg"), sheet_svg(sheet, title)); });
+            .and_then([&] { return add(PlanJob::sheet_file(i, "svg"), sheet_svg(sheet, title)); })
+            .and_then([&] {
+              return add(PlanJob::sheet_file(i, "strokes.json"),
+                         sheet_strokes_json(job.plan, i, sides[i]));
+            });
     if (done && !job.marks.empty())
       done =
           add(PlanJob::sheet_file(i, "marks.svg"), marks_svg(job.marks[i], sheet.area_mm, title));
@@ -74,7 +81,9 @@ Result<PlanningOutcome> outcome_of(const PlanJob& job, PlanningOutcome outcome,
   outcome.warnings.insert(outcome.warnings.end(), job.plan.warnings.begin(),
                           job.plan.warnings.end());
   outcome.sha256 = sha256_of(job.programs);
-  if (auto done = add_plan_files(job, add); !done) return tl::unexpected(done.error());
+  std::vector<std::string> sides;
+  for (const daemon::SheetPlan& sheet : outcome.sheets) sides.push_back(sheet.side);
+  if (auto done = add_plan_files(job, sides, add); !done) return tl::unexpected(done.error());
   return outcome;
 }
 
@@ -115,32 +124,10 @@ Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add) {
 
 // 2. Checks.
 
-/// Units of which a preview is drawn while somebody waits for the upload: a second of work or so.
-long most_preview_units(const DesignSpec& spec) {
-  if (spec.curvature) return 150;
-  switch (spec.lattice) {
-    case LatticeMethod::Conformal:
-    case LatticeMethod::Auto:
-      return 2'500;
-    case LatticeMethod::Direct:
-      return 5'000;
-    default:
-      return 100'000;
-  }
-}
-
 /// A spec's preview is the pattern it gives. That there is none is no fault of the spec's form.
 Result<std::string> spec_preview(const DesignSpec& spec, WorkerTask& task,
                                  std::vector<Warning>& warnings) {
-  long units = 0, most = most_preview_units(spec);
-  const auto count = [&](const DesignSpec& one) {
-    for (const RegionSpec& region : one.regions)
-      units += static_cast<long>(region.slices) * region.units_per_slice;
-    most = std::min(most, most_preview_units(one));
-  };
-  count(spec);
-  for (const DesignSpec& patch : spec.patches) count(patch);
-  if (units > most)
+  if (const long units = units_of(spec); units > most_quick_units(spec))
     return no_preview_svg(
         fmt::format("this design has {} units; popcut draws it when you plan it", units));
   for (const auto& [place, name] : files_of(spec))
@@ -196,6 +183,7 @@ Result<PlanningOutcome> perform(WorkerTask task, const FileSink& add) {
     case Kind::Preview:
     case Kind::Lattice:
     case Kind::Place:
+    case Kind::Picture:
       return show(task, add);
   }
   return fail(ErrorKind::Internal, "worker", "does not know this task");

@@ -23,7 +23,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostWaiting = 64, kMostEach = 16;
 constexpr int kMostTries = 3;  // of a task whose worker somebody killed
-constexpr std::chrono::milliseconds kGrace{500};
 
 Problem superseded() { return {ProblemKind::Superseded, "a newer preview took its place"}; }
 Problem called_off() { return {ProblemKind::Unavailable, "the preview was called off"}; }
@@ -144,13 +143,17 @@ class ProcessPreviewer final : public Previewer {
   }
   [[nodiscard]] Line& line_of(PlanningTask::Kind kind) { return is_quick(kind) ? quick_ : slow_; }
 
+  [[nodiscard]] Clock::duration grace() const {
+    return std::chrono::duration_cast<Clock::duration>(seconds(limits_.grace_s));
+  }
+
   /// Ends what is at work and older than `task`.
   void end_older(const PreviewTask& task) {
     if (task.key.empty()) return;
     for (const auto& [id, running] : running_) {
       if (running->who != task.who || running->key != task.key) continue;
       running->is_superseded = true;
-      running->call_off.call(running->is_patient ? running->begun + kGrace : Clock::now());
+      running->call_off.call(running->is_patient ? running->begun + grace() : Clock::now());
     }
   }
 

@@ -17,14 +17,15 @@ struct PreviewTask {
   std::string who;  ///< the principal
   /// A newer task of the same principal and key takes the place of this one; empty: none does.
   std::string key{};
-  /// Not worth finishing when a newer one is there: it ends at once. Others may go on for half a
-  /// second, so that somebody who never rests sees pictures too.
+  /// When a newer one is there, this one may go on until it has been at work for `grace_s`, so that
+  /// somebody who never rests sees pictures too. Others end at once.
   bool is_patient{false};
 };
 
 struct PreviewLimits {
-  int processes{2};   ///< at work at once on what is quick; one more for what may take long
-  double idle_s{60};  ///< after which a worker without work ends
+  int processes{2};     ///< at work at once on what is quick; one more for what may take long
+  double idle_s{60};    ///< after which a worker without work ends
+  double grace_s{0.5};  ///< see `PreviewTask::is_patient`
   /// Of previews and of placing a shape. Processor time is bounded by `wall_s`, since a worker has
   /// one thread.
   PlanningLimits quick{.wall_s = 10,

@@ -76,6 +76,11 @@ class Designs {
   virtual CallOff show_spec(const Principal&, const PreviewRequest&, Shown done) = 0;
   /// The text of a spec with its shape moved into place, by `place` of the request.
   virtual CallOff place_spec(const Principal&, const PreviewRequest&, Shown done) = 0;
+  /// "deployed.svg" (small: the opened card) or "pattern.svg" (flat) of a stored design: made once
+  /// and kept, without any text of the file. A design that has no picture gets one that says so.
+  /// `done` is called on the service's thread.
+  virtual void picture(const Principal&, const std::string& id, const std::string& name,
+                       Shown done) = 0;
   /// The lattice blob of a stored design.
   virtual CallOff lattice(const Principal&, const std::string& id, Shown done) = 0;
 };

@@ -330,6 +330,12 @@ Designs::CallOff FakeDesigns::lattice(const Principal&, const std::string& id, S
   return [] {};
 }
 
+void FakeDesigns::picture(const Principal&, const std::string& id, const std::string&, Shown done) {
+  if (auto problem = failure("design_picture")) return done(tl::unexpected<Problem>(*problem));
+  if (design_map.find(id) == design_map.end()) return done(nothing("there is no such design"));
+  done(preview_svg);
+}
+
 std::vector<MaterialRecord> FakeMaterials::list() {
   note("materials");
   std::vector<MaterialRecord> out;

@@ -105,6 +105,8 @@ class FakeDesigns : public Designs, public virtual FakeState {
   CallOff show_spec(const Principal&, const PreviewRequest&, Shown done) override;
   CallOff place_spec(const Principal&, const PreviewRequest&, Shown done) override;
   CallOff lattice(const Principal&, const std::string& id, Shown done) override;
+  void picture(const Principal&, const std::string& id, const std::string& name,
+               Shown done) override;
 };
 
 class FakePlans : public Plans, public virtual FakeState {

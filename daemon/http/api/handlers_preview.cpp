@@ -12,7 +12,7 @@ namespace popcut::daemon::http::handle {
 namespace {
 
 constexpr std::string_view kLatticeType = "application/vnd.popcut.lattice";
-constexpr std::string_view kKept = "private, max-age=86400";
+constexpr std::string_view kKeptByClient = "private, max-age=86400";
 const std::vector<std::string> kStands{"whole", "quarter"};
 
 std::string read_spec(FieldReader& fields) {
@@ -99,18 +99,18 @@ void design_lattice(const Request& request, Service& service, const HandlerConte
   const std::string etag = fmt::format("\"{}-{}\"", request.params[0], context.build);
   if (const Answer<Design> design = service.designs.find(request.params[0]); !design)
     return reply(problem_response(design.error(), request));
-  if (has_seen(request, etag)) return reply(unchanged(etag, kKept));
-  end_with_client(request, service.designs.lattice(
-                               request.principal, request.params[0],
-                               [reply, etag, target = request.target,
-                                id = request.id](Answer<std::string> blob) {
-                                 if (!blob)
-                                   return reply(problem_response(blob.error(), target, id));
-                                 Response response = lattice_response(std::move(*blob));
-                                 response.headers.push_back({"ETag", etag});
-                                 response.headers.push_back({"Cache-Control", std::string(kKept)});
-                                 reply(std::move(response));
-                               }));
+  if (has_seen(request, etag)) return reply(unchanged(etag, kKeptByClient));
+  end_with_client(
+      request,
+      service.designs.lattice(
+          request.principal, request.params[0],
+          [reply, etag, target = request.target, id = request.id](Answer<std::string> blob) {
+            if (!blob) return reply(problem_response(blob.error(), target, id));
+            Response response = lattice_response(std::move(*blob));
+            response.headers.push_back({"ETag", etag});
+            response.headers.push_back({"Cache-Control", std::string(kKeptByClient)});
+            reply(std::move(response));
+          }));
 }
 
 }  // namespace popcut::daemon::http::handle

@@ -34,13 +34,20 @@ struct Rules {
 
 constexpr Route route(Method method, std::string_view path, RouteAccess access, Handler handler,
                       const Rules& rules) {
-  return {method,          path,
-          access,          handler,
-          rules.body,      rules.key,
-          rules.match,     rules.query,
-          rules.is_urgent, rules.patience,
-          rules.is_stream, rules.is_static,
-          rules.bucket,    rules.ends_with_client};
+  return {method,
+          path,
+          access,
+          handler,
+          rules.body,
+          rules.key,
+          rules.match,
+          rules.query,
+          rules.is_urgent,
+          rules.patience,
+          rules.is_stream,
+          rules.is_static,
+          rules.bucket,
+          rules.ends_with_client};
 }
 
 constexpr Route get(std::string_view path, RouteAccess access, Handler handler,
@@ -95,7 +102,7 @@ constexpr auto kTable = std::to_array<Route>({
     get("/v1/designs/{id}", kViewer, handle::get_design),
     get("/v1/designs/{id}/content", kViewer, handle::design_content),
     get("/v1/designs/{id}/preview.svg", kViewer, handle::design_preview,
-        {.patience = Patience::Design}),
+        {.patience = Patience::Design, .bucket = Bucket::Picture}),
     remove("/v1/designs/{id}", kSubmitter, handle::delete_design),
     post("/v1/designs/{id}/plan", kSubmitter, handle::plan_design,
          {.body = kJson, .key = KeyRule::Allowed}),
@@ -108,12 +115,17 @@ constexpr auto kTable = std::to_array<Route>({
     get("/v1/plans/{id}/report.json", kViewer, handle::plan_file),
     get("/v1/plans/{id}/sheets/{k}.svg", kViewer, handle::sheet_svg),
     get("/v1/plans/{id}/sheets/{k}/program", kViewer, handle::sheet_program),
+    get("/v1/plans/{id}/sheets/{k}/strokes", kViewer, handle::sheet_strokes),
 
     // What somebody looks at while they design.
     post("/v1/preview", kSubmitter, handle::preview_spec,
          {.body = kJson, .bucket = Bucket::Preview, .ends_with_client = true}),
     post("/v1/place", kSubmitter, handle::place_spec,
          {.body = kJson, .bucket = Bucket::Preview, .ends_with_client = true}),
+    get("/v1/designs/{id}/deployed.svg", kViewer, handle::design_picture,
+        {.patience = Patience::Design, .bucket = Bucket::Picture}),
+    get("/v1/designs/{id}/pattern.svg", kViewer, handle::design_picture,
+        {.patience = Patience::Design, .bucket = Bucket::Picture}),
     get("/v1/designs/{id}/lattice", kViewer, handle::design_lattice,
         {.patience = Patience::Design, .bucket = Bucket::Picture, .ends_with_client = true}),
 

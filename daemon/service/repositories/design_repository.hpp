@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "daemon/planning/planner.hpp"
 #include "daemon/previews/previewer.hpp"
@@ -43,6 +44,8 @@ class DesignRepository : public Designs {
   CallOff show_spec(const Principal& who, const PreviewRequest& request, Shown done) override;
   CallOff place_spec(const Principal& who, const PreviewRequest& request, Shown done) override;
   CallOff lattice(const Principal& who, const std::string& id, Shown done) override;
+  void picture(const Principal& who, const std::string& id, const std::string& name,
+               Shown done) override;
 
   /// The planner's task for a stored design: its bytes, kind and assets.
   [[nodiscard]] PlanningTask task_for(const Design& design, PlanningTask::Kind kind);
@@ -72,7 +75,17 @@ class DesignRepository : public Designs {
   Planner& planner_;
   std::shared_ptr<Previewer> previewer_;
   Aside& aside_;
-  std::map<std::string, std::string> materials_{};  ///< what `own_material` has read
+  /// Where a picture of a design is kept.
+  [[nodiscard]] std::string picture_place(const std::string& id, const std::string& name) const;
+  void pictures_made(const std::string& id, const Answer<PlanningOutcome>& outcome);
+  /// Reads what is kept, beside the service's thread.
+  void read_aside(const std::string& place, Shown done);
+  struct PictureWanted {
+    std::string name;
+    Shown done;
+  };
+  std::map<std::string, std::vector<PictureWanted>> drawing_{};  ///< who waits, by the design's id
+  std::map<std::string, std::string> materials_{};               ///< what `own_material` has read
   std::shared_ptr<void> alive_;
 };
 

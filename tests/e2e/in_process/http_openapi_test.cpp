@@ -2,6 +2,7 @@
 // openapi.json against the table of routes and against what the server does.
 #include <algorithm>
 #include <atomic>
+#include <fstream>
 #include <map>
 #include <set>
 #include <sstream>
@@ -56,6 +57,10 @@ bool has_parameter(const json& op, const std::string& in, const std::string& nam
   });
 }
 
+const json& operation_example(const std::string& schema) {
+  return document().at("components").at("schemas").at(schema).at("example");
+}
+
 bool is_upload(const http::Route& route) {
   return route.body == http::BodyRule::Design || route.body == http::BodyRule::Asset;
 }
@@ -96,9 +101,13 @@ struct Bench {
       std::fputs("{}", file);
       std::fclose(file);
       fake.files[design] = path;
-      for (const char* name : {"plan.json", "pattern.svg", "assembly.svg", "deploy.glb",
-                               "report.json", "sheet-01.svg", "sheet-01.gpgl"})
-        fake.files[plan + "/" + name] = path;
+      const std::string strokes = (server.folder() / "strokes").string();
+      std::ofstream(strokes) << operation_example("Strokes").dump();
+      for (const char* name :
+           {"plan.json", "pattern.svg", "assembly.svg", "deploy.glb", "report.json", "sheet-01.svg",
+            "sheet-01.gpgl", "sheet-01.strokes.json"})
+        fake.files[plan + "/" + name] =
+            std::string_view(name).ends_with(".strokes.json") ? strokes : path;
       fake.tell("job", job, R"("rev":1)");
     });
   }

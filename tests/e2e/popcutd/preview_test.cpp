@@ -3,6 +3,7 @@
 #include <dirent.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <fstream>
@@ -183,6 +184,53 @@ TEST_CASE("the lattice of a stored design is kept by who has it", "[popcutd][pre
   CHECK(again.headers.at("etag") == etag);
   CHECK(again.headers.at("cache-control") == "private, max-age=86400");
   CHECK(get("").body == first.body);
+}
+
+TEST_CASE("pictures are made once, kept, and gone with their design", "[popcutd][preview]") {
+  RunningDaemon desk(0, kMore);
+  desk.open();
+  const auto upload = [&](const Json& spec) {
+    const auto made = desk.ask("POST", "/v1/designs", spec.dump());
+    REQUIRE(made.status == 201);
+    return Json::parse(made.body)["id"].get<std::string>();
+  };
+  const std::string id = upload(sphere(6, 5));
+  RawConnection page(desk.daemon().socket());
+  const auto get = [&](const std::string& design, const std::string& name,
+                       const std::string& more = "") {
+    REQUIRE(page.send("GET /v1/designs/" + design + "/" + name + " HTTP/1.1\r\nHost: popcut\r\n" +
+                      more + "\r\n"));
+    return page.receive();
+  };
+  for (const char* name : {"deployed.svg", "pattern.svg", "preview.svg"}) {
+    CAPTURE(name);
+    const WireResponse picture = get(id, name);
+    CHECK(picture.status == 200);
+    CHECK(picture.headers.at("content-type") == "image/svg+xml");
+    CHECK(picture.headers.at("content-security-policy").find("sandbox") != std::string::npos);
+    CHECK(picture.headers.at("cache-control") == "private, max-age=86400");
+    const std::string etag = picture.headers.at("etag");
+    CHECK(get(id, name, "If-None-Match: " + etag + "\r\n").status == 304);
+    CHECK(get(id, name).body == picture.body);
+  }
+  const auto kept = [&](const std::string& design) {
+    const auto files = files_below(desk.daemon().state() + "/previews");
+    return std::count_if(files.begin(), files.end(), [&](const std::string& file) {
+      return file.find(design) != std::string::npos;
+    });
+  };
+  CHECK(kept(id) == 3);
+  // One that cannot be made has a picture that says so, and is not tried again.
+  Json never = sphere(6, 5);
+  never["surface"]["radius"] = "0 - 5";
+  const std::string wrong = upload(never);
+  const WireResponse none = get(wrong, "deployed.svg");
+  CHECK(none.status == 200);
+  CHECK(none.body.find("no preview") != std::string::npos);
+  CHECK(kept(wrong) == 3);
+  CHECK(desk.ask("DELETE", "/v1/designs/" + id).status == 204);
+  CHECK(comes_true([&] { return kept(id) == 0; }));
+  CHECK(get(id, "deployed.svg").status == 404);
 }
 
 }  // namespace preview_test
