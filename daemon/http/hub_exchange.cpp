@@ -296,7 +296,7 @@ std::optional<Problem> look_at_principal(Hub& hub, Client& client, Exchange& exc
     full.retry_after_s = 5;
     return full;
   }
-  if (!counts_failures(route))
+  if (!counts_failures(route) && !route.is_static)
     if (auto wait = take_from_bucket(hub, client, exchange)) return wait;
   const RequestHead& head = client.reader.head();
   // What describes a body means nothing where there is none.
@@ -380,6 +380,14 @@ double patience_of(const Route& route, const HttpLimits& limits) {
       break;
   }
   return limits.answer_s;
+}
+
+// What is a part of the program needs nobody else.
+Response static_response(Hub& hub, const Exchange& exchange) {
+  Response answer;
+  dispatch(exchange.request, *exchange.route, *hub.options.service, hub.context,
+           Reply([&answer](Response response) { answer = std::move(response); }));
+  return answer;
 }
 
 // Notices that a client goes while it waits for its answer. What it sends meanwhile is left to be
@@ -488,7 +496,11 @@ asio::awaitable<bool> serve_one(Hub& hub, ClientPtr client, Exchange& exchange) 
     co_await stream_events(hub, client, request);
     co_return false;
   }
-  Response response = co_await ask_handler(hub, client, exchange);
+  Response response;
+  if (exchange.route->is_static)
+    response = static_response(hub, exchange);
+  else
+    response = co_await ask_handler(hub, client, exchange);
   if (client->closed) co_return false;
   if (counts_failures(*exchange.route) && response.status >= 400 && response.status < 500)
     if (const auto wait = take_from_bucket(hub, *client, exchange))

@@ -11,6 +11,7 @@
 #include "core/design/shape_fit.hpp"
 #include "core/plan/marks.hpp"
 #include "core/plan/plan.hpp"
+#include "core/plan/sheet_strokes.hpp"
 #include "core/text/json_text.hpp"
 #include "daemon/digest/digest.hpp"
 #include "daemon/planning/plan_input.hpp"
@@ -44,7 +45,9 @@ daemon::SheetPlan figures_of(const PlanJob& job, std::size_t index) {
   return figures;
 }
 
-Result<void> add_plan_files(const PlanJob& job, const FileSink& add) {
+// `sides`: of each sheet, which one is up.
+Result<void> add_plan_files(const PlanJob& job, const std::vector<std::string>& sides,
+                            const FileSink& add) {
   for (std::size_t i = 0; i < job.plan.sheets.size(); ++i) {
     const std::string title = fmt::format("{}: sheet {}", job.plan.name, i + 1);
     const PlannedSheet& sheet = job.plan.sheets[i];
@@ -53,7 +56,11 @@ Result<void> add_plan_files(const PlanJob& job, const FileSink& add) {
             .and_then([&] {
               return add(PlanJob::sheet_file(i, "program.json"), program_index(job.programs[i]));
             })
-            .and_then([&] { return add(PlanJob::sheet_file(i, "svg"), sheet_svg(sheet, title)); });
+            .and_then([&] { return add(PlanJob::sheet_file(i, "svg"), sheet_svg(sheet, title)); })
+            .and_then([&] {
+              return add(PlanJob::sheet_file(i, "strokes.json"),
+                         sheet_strokes_json(job.plan, i, sides[i]));
+            });
     if (done && !job.marks.empty())
       done =
           add(PlanJob::sheet_file(i, "marks.svg"), marks_svg(job.marks[i], sheet.area_mm, title));
@@ -74,7 +81,9 @@ Result<PlanningOutcome> outcome_of(const PlanJob& job, PlanningOutcome outcome,
   outcome.warnings.insert(outcome.warnings.end(), job.plan.warnings.begin(),
                           job.plan.warnings.end());
   outcome.sha256 = sha256_of(job.programs);
-  if (auto done = add_plan_files(job, add); !done) return tl::unexpected(done.error());
+  std::vector<std::string> sides;
+  for (const daemon::SheetPlan& sheet : outcome.sheets) sides.push_back(sheet.side);
+  if (auto done = add_plan_files(job, sides, add); !done) return tl::unexpected(done.error());
   return outcome;
 }
 

@@ -50,8 +50,10 @@ struct ServiceOptions {
   /// Reads the program of a sheet from a plan's folder, as the planner's files hold it.
   std::function<Result<StoredProgram>(const std::string& folder, int sheet)> read_program{};
   std::function<void(const std::string& line)> log{};  ///< what an administrator should see
-  std::function<TimeMs()> wall_ms{};                   ///< empty: the system's clock
-  std::function<std::int64_t()> monotonic_ms{};        ///< empty: CLOCK_MONOTONIC
+  /// The login name of a user, or nothing; empty: the system's list of users.
+  std::function<std::string(uid_t)> user_name{};
+  std::function<TimeMs()> wall_ms{};             ///< empty: the system's clock
+  std::function<std::int64_t()> monotonic_ms{};  ///< empty: CLOCK_MONOTONIC
 };
 
 /// The options that may change while it runs.

@@ -194,8 +194,7 @@ void check_faces(const LatticeReader& blob, const Design& design) {
 
 }  // namespace
 
-TEST_CASE("a lattice blob says where every vertex, fold and cut of a design is",
-          "[core][lattice]") {
+TEST_CASE("a lattice blob says where every vertex, fold and cut of a design is", "[core][blob]") {
   std::mt19937 random(kSeed);
   int made = 0, splayed = 0, loose = 0, with_merged = 0;
   for (int i = 0; i < 160 && made < 60; ++i) {

@@ -131,6 +131,15 @@ Answer<void> FakeAccess::end_session(const Principal&, const std::string& id) {
   return {};
 }
 
+std::string FakeAccess::title_of(const std::string& principal) {
+  const auto found = token_map.find(principal.substr(std::min<std::size_t>(principal.size(), 6)));
+  return found == token_map.end() ? principal : found->second.name;
+}
+
+bool FakeAccess::is_session(const std::string& credential) {
+  return session_map.contains(credential);
+}
+
 Answer<void> FakeAccess::close_session(const Principal& who) {
   if (auto problem = failure("delete_token")) return tl::unexpected<Problem>(*problem);
   if (!who.name.starts_with("token:")) return nothing("this connection has no session");
@@ -271,6 +280,11 @@ Answer<PlanRecord> FakePlans::find(const std::string& id) {
 
 void FakePlans::whole(const std::string& id, std::function<void(Answer<PlanRecord>)> done) {
   done(find(id));
+}
+
+Answer<std::vector<Machine>> FakePlans::machines() {
+  if (auto problem = failure("machines")) return tl::unexpected<Problem>(*problem);
+  return all_machines().value();
 }
 
 Answer<std::string> FakePlans::file(const std::string& id, const std::string& name) {

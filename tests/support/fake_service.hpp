@@ -82,6 +82,8 @@ class FakeAccess : public Access, public virtual FakeState {
   Answer<void> delete_token(const Principal&, const std::string& id) override;
   std::vector<SessionRecord> sessions(const Principal&) override;
   Answer<void> end_session(const Principal&, const std::string& id) override;
+  std::string title_of(const std::string& principal) override;
+  bool is_session(const std::string& credential) override;
   Answer<void> close_session(const Principal&) override;
   void on_access_change(std::function<void()> listener) override;
   Answer<std::string> create_one_shot(const Principal&) override;
@@ -115,6 +117,7 @@ class FakePlans : public Plans, public virtual FakeState {
   Answer<PlanRecord> find(const std::string& id) override;
   void whole(const std::string& id, std::function<void(Answer<PlanRecord>)> done) override;
   Answer<void> remove(const Principal&, const std::string& id) override;
+  Answer<std::vector<Machine>> machines() override;
   Answer<std::string> file(const std::string& id, const std::string& name) override;
 };
 
@@ -123,6 +126,7 @@ class FakeJobs : public Jobs, public virtual FakeState {
   Answer<Job> create(const Principal&, const JobCreate&) override;
   Answer<Page<Job>> list(const JobFilter&, const PageRequest&) override;
   Answer<Job> find(const std::string& id) override;
+  Answer<Job> brief(const std::string& id) override;
   Answer<std::vector<SheetRecord>> sheets(const std::string& job, int first, int most) override;
   Answer<Ledger> ledger(const std::string& job, int sheet) override;
   Answer<Job> patch(const Principal&, const std::string& id, std::int64_t if_match,

@@ -35,12 +35,12 @@
 #include "core/text/words.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
-#include "daemon/cli/help/examples.hpp"
 #include "daemon/cli/input/drawn_pattern.hpp"
 #include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/cli/options/angles.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/view/long_work.hpp"
+#include "daemon/examples/examples.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "daemon/pictures/pdf.hpp"
@@ -258,8 +258,14 @@ void say_joins(const PatchAssembly& made) {
 // 3. The work.
 
 std::string about(const SurfaceSpec& surface) {
-  if (const auto* s = std::get_if<RevolutionSpec>(&surface)) return "radius " + s->radius;
-  if (const auto* s = std::get_if<ProfileSpec>(&surface)) return "profile " + s->z;
+  const auto words = [](const FormulaOrPoints& curve) {
+    if (const auto* formula = std::get_if<std::string>(&curve)) return *formula;
+    return fmt::format("through {} points", std::get<CurvePoints>(curve).size());
+  };
+  if (const auto* s = std::get_if<RevolutionSpec>(&surface)) return "radius " + words(s->radius);
+  if (const auto* s = std::get_if<ProfileSpec>(&surface)) return "profile " + words(s->z);
+  if (const auto* s = std::get_if<LoftSpec>(&surface))
+    return fmt::format("loft of {} curves", s->stations.size());
   if (const auto* s = std::get_if<ImplicitSpec>(&surface)) return "solid " + s->f;
   return "file " + asset_of(surface);
 }

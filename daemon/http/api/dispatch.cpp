@@ -99,13 +99,19 @@ std::optional<Problem> check_key(const Request& request, const Route& route) {
 
 Response unless_seen(Response response, const Request& request) {
   if (response.status != 200) return response;
-  std::string etag, cache;
+  std::string etag;
   for (const Header& header : response.headers) {
     if (header.name == "ETag") etag = header.value;
-    if (header.name == "Cache-Control") cache = header.value;
   }
   if (etag.empty() || !has_seen(request, etag)) return response;
-  return unchanged(etag, cache);
+  // What it says of the answer is put in the place of what a browser has kept: its policy too.
+  Response same;
+  same.status = 304;
+  same.content_type.clear();
+  for (const Header& kept : response.headers)
+    if (!kept.name.starts_with("Content-") || kept.name == "Content-Security-Policy")
+      same.headers.push_back(kept);
+  return same;
 }
 
 bool is_read(const Request& request) {

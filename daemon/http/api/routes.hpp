@@ -70,6 +70,9 @@ struct Route {
   Patience patience{Patience::Usual};
   /// May become a stream of events (see `wants_stream`).
   bool is_stream{false};
+  /// Is a part of the program: answered without the service and its thread, and not counted in the
+  /// rates. Its handler must not touch the service.
+  bool is_static{false};
   Bucket bucket{Bucket::Usual};
   /// What it has begun is told when its client goes (`Request::departure`).
   bool ends_with_client{false};
