@@ -22,6 +22,7 @@ struct PlanningTask {
     Preview,  ///< a spec's lattice blob; options: "quality" (draft, exact), "place"
     Lattice,  ///< the lattice blob of a design of any kind
     Picture,  ///< a design's "deployed.svg" and "pattern.svg", without any text of its own
+    Export,   ///< one file of a spec as popcut design writes it; options: "file", "part" (from 1)
     Place,    ///< a spec with its shape moved into place; options: "place" (whole, quarter)
   };
   Kind kind{};

@@ -184,6 +184,7 @@ Result<PlanningOutcome> perform(WorkerTask task, const FileSink& add) {
     case Kind::Lattice:
     case Kind::Place:
     case Kind::Picture:
+    case Kind::Export:
       return show(task, add);
   }
   return fail(ErrorKind::Internal, "worker", "does not know this task");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What somebody looks at: previews of specs, lattices of stored designs.
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "core/formats/lattice/lattice_blob.hpp"
 #include "core/layout/layout.hpp"
 #include "core/machines/machine.hpp"
+#include "daemon/planning/design_export.hpp"
 #include "daemon/planning/design_files.hpp"
 #include "daemon/planning/foreign_blob.hpp"
 #include "daemon/planning/judge/sound_design.hpp"
@@ -159,6 +161,29 @@ Result<void> add_pictures(WorkerTask& task, const FileSink& add) {
   return add("pattern.svg", flat);
 }
 
+/// A file of a stored spec, as `popcut design` writes it.
+Result<void> add_export(WorkerTask& task, const FileSink& add) {
+  const auto kind =
+      task.design_kind.empty() ? kind_of_content(task.design) : input_kind_from(task.design_kind);
+  if (!kind) return tl::unexpected(kind.error());
+  if (*kind != InputKind::Spec)
+    return fail(ErrorKind::OutOfRange, "",
+                "is no spec, and only specs are designed; get its content instead");
+  const auto wanted = read_wanted(task);
+  if (!wanted) return tl::unexpected(wanted.error());
+  if (!wanted->has_material)
+    return fail(ErrorKind::OutOfRange, "/material", "is not known to popcut");
+  auto made = exact_of(*wanted);
+  if (!made) return tl::unexpected(made.error());
+  const std::string& file = task.options.at("file");
+  std::size_t part = 0;
+  for (const char digit : task.options.at("part"))
+    part = std::min<std::size_t>(1'000'000, 10 * part + static_cast<std::size_t>(digit - '0'));
+  auto bytes = design_file(*made, wanted->material, file, part - 1);
+  if (!bytes) return tl::unexpected(bytes.error());
+  return add(file, std::move(*bytes));
+}
+
 }  // namespace
 
 Result<PlanningOutcome> show(WorkerTask& task, const FileSink& add) {
@@ -173,6 +198,10 @@ Result<PlanningOutcome> show(WorkerTask& task, const FileSink& add) {
   }
   if (task.kind == Kind::Picture) {
     if (auto done = add_pictures(task, add); !done) return tl::unexpected(done.error());
+    return outcome;
+  }
+  if (task.kind == Kind::Export) {
+    if (auto done = add_export(task, add); !done) return tl::unexpected(done.error());
     return outcome;
   }
   Result<std::string> blob;

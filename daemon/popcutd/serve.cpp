@@ -281,7 +281,7 @@ std::optional<StartFailure> Daemon::open_devices() {
   shown.slow.cpu_s = std::min(shown.slow.cpu_s, limits.cpu_s);
   shown.slow.wall_s = std::min(shown.slow.wall_s, limits.wall_s);
   shown.slow.memory_bytes = limits.memory_bytes;
-  shown.slow.output_bytes = limits.output_bytes;
+  shown.slow.output_bytes = std::min(shown.slow.output_bytes, limits.output_bytes);
   shown.quick.memory_bytes = std::min(shown.quick.memory_bytes, limits.memory_bytes);
   previewer_ = make_previewer(shown, kWorkerProgram);
   worker_walls_ = std::async(std::launch::async, tell_confinement, log_);

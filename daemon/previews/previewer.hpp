@@ -32,7 +32,8 @@ struct PreviewLimits {
                        .memory_bytes = std::uint64_t{512} << 20,
                        .output_bytes = std::uint64_t{64} << 20,
                        .is_preview = true};
-  PlanningLimits slow{.cpu_s = 120, .wall_s = 120};  ///< of all else
+  PlanningLimits slow{
+      .cpu_s = 120, .wall_s = 120, .output_bytes = std::uint64_t{256} << 20};  ///< of all else
 };
 
 /// Runs what somebody waits for at a screen in workers of its own (see `Planner`), so that no plan

@@ -95,6 +95,13 @@ class Designs {
   /// `done` is called on the service's thread.
   virtual void picture(const Principal&, const std::string& id, const std::string& name,
                        Shown done) = 0;
+  /// A file of a stored spec as `popcut design` writes it: "pattern.fold", "pattern.svg",
+  /// "cut.svg", "pattern.dxf", "segments.csv", "deploy.glb", "deployed.svg", "poster.svg",
+  /// "report.json".
+  ///
+  /// @param part  from 1: of a design of several parts
+  virtual CallOff file(const Principal&, const std::string& id, const std::string& name, int part,
+                       Shown done) = 0;
   /// The lattice blob of a stored design.
   virtual CallOff lattice(const Principal&, const std::string& id, Shown done) = 0;
 };

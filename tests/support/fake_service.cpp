@@ -369,6 +369,17 @@ void FakeDesigns::picture(const Principal&, const std::string& id, const std::st
   done(preview_svg);
 }
 
+Designs::CallOff FakeDesigns::file(const Principal&, const std::string& id, const std::string& name,
+                                   int part, Shown done) {
+  if (auto problem = failure("design_file"))
+    done(tl::unexpected<Problem>(*problem));
+  else if (design_map.find(id) == design_map.end())
+    done(nothing("there is no such design"));
+  else
+    done(fmt::format("{} of part {}", name, part));
+  return [] {};
+}
+
 std::vector<MaterialRecord> FakeMaterials::list() {
   note("materials");
   std::vector<MaterialRecord> out;

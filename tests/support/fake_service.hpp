@@ -112,6 +112,8 @@ class FakeDesigns : public Designs, public virtual FakeState {
   CallOff lattice(const Principal&, const std::string& id, Shown done) override;
   void picture(const Principal&, const std::string& id, const std::string& name,
                Shown done) override;
+  CallOff file(const Principal&, const std::string& id, const std::string& name, int part,
+               Shown done) override;
 };
 
 class FakePlans : public Plans, public virtual FakeState {

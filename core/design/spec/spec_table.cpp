@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/design/spec/spec_table.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <numbers>
 
@@ -80,11 +81,15 @@ Shape<CurvePoints> points(const std::string& what) {
                      fmt::format("a list of 2 to {} points {}", kMostPoints, what));
 }
 
+/// Neighbours that are nearer than this share of the whole are one.
+constexpr double kLeastGap = 1e-9;
+
 /// Points by growing place, whose values are not below zero.
 void check_graph(FieldReader& fields, const CurvePoints& points) {
+  const double least = kLeastGap * (points.back()[0] - points.front()[0]);
   for (std::size_t k = 0; k < points.size(); ++k) {
     const auto& [place, value] = points[k];
-    if (k > 0 && !(place > points[k - 1][0]))
+    if (k > 0 && !(place - points[k - 1][0] > std::max(0.0, least)))
       return fields.refuse(fmt::format("points/{}/0", k), ErrorKind::OutOfRange,
                            fmt::format("is {:g}; must be above {:g}, where the point before it is",
                                        place, points[k - 1][0]));
@@ -101,6 +106,7 @@ void check_falls(FieldReader& fields, const std::string& below, const CurvePoint
                   fmt::format("is {:g}; must be {}", is, must));
   };
   const std::size_t last = points.size() - 1;
+  const double least = kLeastGap * (points[0][1] + points[last][0]);
   if (points[0][0] != 0.0) return refuse(0, 0, points[0][0], "0: the first point is on the wall");
   if (!(points[0][1] > 0.0))
     return refuse(0, 1, points[0][1], "above 0: the curve begins above the ground");
@@ -116,7 +122,7 @@ void check_falls(FieldReader& fields, const std::string& below, const CurvePoint
                     fmt::format("at most {:g}, as the point before it: the curve must "
                                 "fall",
                                 a[1]));
-    if (a == b)
+    if (!(b[0] - a[0] + a[1] - b[1] > least))
       return fields.refuse(fmt::format("{}/{}", below, k), ErrorKind::OutOfRange,
                            "is the point before it; leave one of them out");
   }
@@ -174,7 +180,8 @@ FieldTable<LoftSpec> loft() {
                              fmt::format("has {} points; must have {} as the first station, since "
                                          "each point is joined to its like",
                                          here.curve.size(), first.curve.size()));
-      if (k > 0 && !(here.y > read.stations[k - 1].y))
+      const double whole = read.stations.back().y - first.y;
+      if (k > 0 && !(here.y - read.stations[k - 1].y > std::max(0.0, kLeastGap * whole)))
         return fields.refuse(fmt::format("stations/{}/y", k), ErrorKind::OutOfRange,
                              fmt::format("is {:g}; must be above {:g}, where the station before it "
                                          "is",

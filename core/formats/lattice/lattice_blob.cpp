@@ -140,7 +140,7 @@ class LatticeWriter {
     arrays_.face_merged.resize(faces, 0);
     if (parts_.size() > 1)
       arrays_.face_part.resize(faces, static_cast<std::int32_t>(&part - parts_.data()));
-    if (part.design != nullptr) {
+    if (part.design != nullptr && part.design->panel_face.size() == part.design->strips.panels()) {
       add_panels(*part.design);
     } else if (pattern.card) {
       for (std::size_t f = 0; f < pattern.faces(); ++f)

@@ -61,6 +61,7 @@ void preview_spec(const Request&, Service&, const HandlerContext&, Reply);
 void place_spec(const Request&, Service&, const HandlerContext&, Reply);
 /// The last part of the path is the picture's name.
 void design_picture(const Request&, Service&, const HandlerContext&, Reply);
+void design_file(const Request&, Service&, const HandlerContext&, Reply);
 void design_lattice(const Request&, Service&, const HandlerContext&, Reply);
 
 // handlers_jobs.cpp

@@ -134,6 +134,8 @@ constexpr auto kTable = std::to_array<Route>({
         {.patience = Patience::Design, .bucket = Bucket::Picture}),
     get("/v1/designs/{id}/pattern.svg", kViewer, handle::design_picture,
         {.patience = Patience::Design, .bucket = Bucket::Picture}),
+    get("/v1/designs/{id}/files/{name}", kViewer, handle::design_file,
+        {.query = "part", .patience = Patience::Design, .ends_with_client = true}),
     get("/v1/designs/{id}/lattice", kViewer, handle::design_lattice,
         {.patience = Patience::Design, .bucket = Bucket::Picture, .ends_with_client = true}),
 

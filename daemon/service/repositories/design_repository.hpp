@@ -46,6 +46,8 @@ class DesignRepository : public Designs {
   CallOff lattice(const Principal& who, const std::string& id, Shown done) override;
   void picture(const Principal& who, const std::string& id, const std::string& name,
                Shown done) override;
+  CallOff file(const Principal& who, const std::string& id, const std::string& name, int part,
+               Shown done) override;
 
   /// The planner's task for a stored design: its bytes, kind and assets.
   [[nodiscard]] PlanningTask task_for(const Design& design, PlanningTask::Kind kind);

@@ -79,6 +79,19 @@ Designs::CallOff DesignRepository::lattice(const Principal& who, const std::stri
               std::move(done));
 }
 
+Designs::CallOff DesignRepository::file(const Principal& who, const std::string& id,
+                                        const std::string& name, int part, Shown done) {
+  const Answer<Design> design = find(id);
+  if (!design) {
+    done(tl::unexpected(design.error()));
+    return [] {};
+  }
+  PreviewTask task{task_for(*design, PlanningTask::Kind::Export), who.name};
+  task.task.options["file"] = name;
+  task.task.options["part"] = std::to_string(part);
+  return show(std::move(task), name, std::move(done));
+}
+
 std::string DesignRepository::picture_place(const std::string& id, const std::string& name) const {
   return store_.folder().at("previews/" + id + "." + name);
 }

@@ -205,6 +205,7 @@ TEST_CASE("a draft at work may finish when a newer one comes, but not for long",
     limits.grace_s = 100;
     Bench bench(limits, probe_program());
     bench.start("short", probe("naps", "ana", "page", true));
+    REQUIRE(comes_true([] { return children().size() == 1; }));
     bench.start("next", probe("naps", "ana", "page", true));
     CHECK(bench.wait("short"));
     CHECK(bench.wait("next"));

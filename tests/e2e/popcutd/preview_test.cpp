@@ -14,6 +14,8 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "tests/support/paths.hpp"
+#include "tests/support/process.hpp"
 #include "tests/support/raw_http.hpp"
 #include "tests/support/running_daemon.hpp"
 #include "tests/support/timing.hpp"
@@ -231,6 +233,53 @@ TEST_CASE("pictures are made once, kept, and gone with their design", "[popcutd]
   CHECK(desk.ask("DELETE", "/v1/designs/" + id).status == 204);
   CHECK(comes_true([&] { return kept(id) == 0; }));
   CHECK(get(id, "deployed.svg").status == 404);
+}
+
+TEST_CASE("files of a design are those of popcut design, byte for byte", "[popcutd][preview]") {
+  RunningDaemon desk(0, kMore);
+  desk.open();
+  Json spec = sphere(6, 5);
+  spec["name"] = "a <ball> & more";
+  const auto made = desk.ask("POST", "/v1/designs", spec.dump());
+  REQUIRE(made.status == 201);
+  const std::string id = Json::parse(made.body)["id"];
+  const std::filesystem::path folder = desk.daemon().folder() / "files";
+  write_file(desk.daemon().folder() / "spec.json", spec.dump());
+  const Ran ran = run_program({popcut_program(), "design", "spec.json", "-q", "-o", folder.string(),
+                               "--formats", "fold,svg,cut,dxf,csv,glb,picture,poster,report"},
+                              desk.daemon().folder() / "");
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  RawConnection page(desk.daemon().socket());
+  const auto get = [&](const std::string& name, const std::string& more = "") {
+    REQUIRE(page.send("GET /v1/designs/" + id + "/files/" + name + " HTTP/1.1\r\nHost: popcut\r\n" +
+                      more + "\r\n"));
+    return page.receive();
+  };
+  for (const char* name : {"pattern.fold", "pattern.svg", "cut.svg", "pattern.dxf", "segments.csv",
+                           "deploy.glb", "deployed.svg", "poster.svg"}) {
+    CAPTURE(name);
+    const WireResponse file = get(name);
+    CHECK(file.status == 200);
+    CHECK(file.headers.at("content-disposition") ==
+          std::string("attachment; filename=\"") + name + "\"");
+    CHECK(file.body == text_of_file(folder / name));
+    CHECK(get(name, "If-None-Match: " + file.headers.at("etag") + "\r\n").status == 304);
+  }
+  // Only how long it took is not the same.
+  Json report = Json::parse(get("report.json").body),
+       expected = Json::parse(text_of_file(folder / "report.json"));
+  report.erase("seconds");
+  expected.erase("seconds");
+  CHECK(report == expected);
+  CHECK(get("spec.json").body == spec.dump());
+  for (const char* name : {"preview.svg", "pattern.exe", "unsound.json", "..."})
+    CHECK(get(name).status == 404);
+  CHECK(get("..%2fpopcut.db").status == 400);
+  CHECK(get("cut.svg?part=2").status == 422);
+  CHECK(get("cut.svg?part=0").status == 422);
+  const std::string drawing = desk.design(RunningDaemon::lines_svg(3));
+  CHECK(desk.ask("GET", "/v1/designs/" + drawing + "/files/pattern.fold").status == 404);
 }
 
 }  // namespace preview_test

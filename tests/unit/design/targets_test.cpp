@@ -537,6 +537,8 @@ TEST_CASE("a drawn curve that cannot be used is refused at its own point", "[cor
              StartsWith("/surface/radius/points: is a list of 1; must be a list of 2 to 1000"));
   CHECK_THAT(refused(radius("[[0, 9], [5, 8], [5, 7]]")),
              StartsWith("/surface/radius/points/2/0: is 5; must be above 5"));
+  CHECK_THAT(refused(radius("[[0, 9], [1e-300, 8], [5, 7]]")),
+             StartsWith("/surface/radius/points/1/0: is 1e-300; must be above 0"));
   CHECK_THAT(refused(radius("[[0, 9], [5, -0.5]]")),
              StartsWith("/surface/radius/points/1/1: is -0.5; must be a radius of 0 or more"));
   CHECK_THAT(refused(radius("[[0, 9], [5]]")), StartsWith("/surface/radius/points/1: "));
@@ -599,6 +601,25 @@ TEST_CASE("a drawn surface ends at its first and last point", "[core][target][dr
   const auto profile = surface(ProfileSpec{CurvePoints{{0, 30}, {10, 25}, {28, 0}}});
   CHECK(cut(profile, -500.0).curve.h() == 30.0);
   CHECK(cut(profile, 500.0).curve.d() == 28.0);
+}
+
+TEST_CASE("the nearest place of a curve that turns both ways is found from far away",
+          "[core][target][drawn]") {
+  // A step: an upright wall at x = 33, and before it a ledge.
+  const auto step =
+      surface(ProfileSpec{CurvePoints{{0, 63}, {16, 42}, {33, 37}, {33, 19}, {33, 0.5}, {49, 0}}});
+  const SliceCurve curve = cut(step, 0.0).curve;
+  for (double x = 0.0; x <= 60.0; x += 3.7)
+    for (double z = 0.0; z <= 70.0; z += 3.9) {
+      double least = std::numeric_limits<double>::infinity();
+      for (int k = 0; k <= 4000; ++k) {
+        const CurveJet p = curve.at(-1.0 + k / 2000.0);
+        least = std::min(least, std::hypot(p.x - x, p.z - z));
+      }
+      CAPTURE(x, z);
+      CHECK(curve.nearest_distance({x, z}) ==
+            Approx(least).margin(0.05));  // it may stop at a corner
+    }
 }
 
 }  // namespace targets_test
