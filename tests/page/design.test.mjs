@@ -381,6 +381,31 @@ test('after a lost context the picture comes again by itself', async () => {
   await close();
 });
 
+test('files of the exact design and a picture of it are saved', async () => {
+  const { page, complaints, close } = await designing('unit');
+  const saved = async (name) => {
+    const download = page.waitForEvent('download');
+    await page.getByRole('button', { name, exact: true }).click();
+    const one = await download;
+    return [one.suggestedFilename(), readFileSync(await one.path())];
+  };
+  await page.getByRole('button', { name: 'Export' }).click();
+  const [svgName, svg] = await saved('Pattern to look at (SVG)');
+  assert.equal(svgName, 'unit-pattern.svg');
+  assert.match(svg.toString(), /^<\?xml[^]*<svg /);
+  const [, fold] = await saved('Pattern, flat and in poses (FOLD)');
+  assert.equal(JSON.parse(fold).file_title, 'unit');
+  const [pngName, png] = await saved('Picture as you see it (PNG)');
+  assert.equal(pngName, 'unit.png');
+  assert.deepEqual([...png.subarray(1, 4)], [...Buffer.from('PNG')]);
+  await page.getByRole('button', { name: 'Close' }).click();
+  const download = page.waitForEvent('download');
+  await page.getByRole('button', { name: 'Save' }).click();
+  assert.deepEqual(JSON.parse(readFileSync(await (await download).path(), 'utf8')), await specOf(page));
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
 test('what is lit in one place is lit everywhere', async () => {
   const { page, complaints, close } = await designing();
   await page.locator('.places summary').click();

@@ -221,9 +221,9 @@ function ExportDialog({ onClose }: { onClose: () => void }) {
   return (
     <Dialog title={words.exports.title} onNo={onClose} no={words.close}>
       {problem.value && <Trouble problem={problem.value} />}
-      <p class="muted">{desk.canCut.value ? words.exports.what : words.cut.wait}</p>
+      {!desk.foreign.value && <p class="muted">{desk.canCut.value ? words.exports.what : words.cut.wait}</p>}
       <ul class="export-list">
-        {Object.entries(words.exports.files).map(([file, text]) => (
+        {!desk.foreign.value && Object.entries(words.exports.files).map(([file, text]) => (
           <li key={file}><button type="button" class="export" disabled={off} onClick={() => void get(file)}>{text}</button></li>
         ))}
         {view && (

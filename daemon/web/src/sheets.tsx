@@ -240,13 +240,16 @@ export default function Sheets({ rest: id }: { rest: string }) {
   const total = plan.sheets_total;
   const shown = plan.sheets.find((one) => one.sheet === sheet.value) ?? plan.sheets[sheet.value - 1];
   const go = (k: number): void => { sheet.value = Math.max(1, Math.min(total, k)); };
-  const print = async (): Promise<void> => saveAs(await readBlob(`/v1/plans/${encodeURIComponent(id)}/sheets.pdf`), 'sheets.pdf');
+  const save = async (): Promise<void> => {
+    const name = `sheets/${sheet.value}.svg`;
+    saveAs(await readBlob(`/v1/plans/${encodeURIComponent(id)}/${name}`), name.replace('/', '-'));
+  };
   return (
     <div class="sheets">
       <div class="row row-between">
         <h1>{words.title}</h1>
         <div class="row">
-          <Button kind="quiet" onClick={() => void print()}>{words.program}</Button>
+          <Button kind="quiet" onClick={() => void save()}>{words.drawing}</Button>
           <LinkButton kind="quiet" href={`#/glue/${id}`}>{words.glue}</LinkButton>
         </div>
       </div>
