@@ -46,7 +46,8 @@ export function waitSentence(job: Job): string | null {
   if (kind === 'load_sheet') {
     return say.load_sheet(job.attention!.sheet, job.attention!.total, job.load?.material ?? job.material ?? '', device);
   }
-  if (kind === 'in_doubt') return say.in_doubt(percent(shareCut(job)));
+  const judged = kind === 'confirm_result' || kind === 'media_out';
+  if (kind === 'in_doubt' || (job.state === 'interrupted' && !judged)) return say.in_doubt(percent(shareCut(job)));
   return say[kind](device);
 }
 
@@ -67,7 +68,7 @@ function Cutter({ device }: { device: Device }) {
   const state = words.deviceStates[device.state] ?? device.state;
   const busy = job && (job.state === 'cutting' || job.state === 'paused');
   const said = !device.enabled ? words.now.disabled
-    : busy ? words.now.cuttingName(nameOf(job), job.sheet ?? 1, job.sheets_total) : state;
+    : busy ? words.now.busyName(words.states[job.state] ?? '', nameOf(job), job.sheet ?? 1, job.sheets_total) : state;
   return (
     <a class={`cutter cutter-${device.enabled ? device.state : 'offline'}`} href={atDevice(device.id)}>
       <strong>{device.title}</strong>
