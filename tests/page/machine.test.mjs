@@ -266,7 +266,7 @@ test('a job that somebody cancelled elsewhere is told, and its START is gone', a
   await armHere(page);
   await server.ask('POST', `/v1/jobs/${job.id}/actions/cancel`, {}, { headers: { 'If-Match': '*', 'Idempotency-Key': crypto.randomUUID() } });
   await page.locator('.hold').waitFor({ state: 'detached' });
-  await page.getByText('cancelled', { exact: true }).waitFor();
+  await page.getByText('"cancelled elsewhere": cancelled.').waitFor();
   assert.equal(acts('start').length, 0);
 });
 

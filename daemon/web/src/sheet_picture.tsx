@@ -5,6 +5,12 @@ import { Picture } from './parts';
 import { isProblem, read } from './server';
 import { SheetView, type Fates, type Strokes } from './sheet_view';
 
+/** Which sheet of its plan a sheet of `job` is: each copy has the sheets of the plan again. */
+export function sheetInPlan(job: Job, sheet: Sheet): number {
+  const ofPlan = Math.max(1, Math.round(job.sheets_total / Math.max(1, job.copies)));
+  return (sheet.sheet - 1) % ofPlan + 1;
+}
+
 /** What is known of a job's current sheet. `strokes` is null while it is read, and if popcutd has none. */
 export interface SheetOfJob { sheet: Sheet | null; strokes: Strokes | null; missing: boolean }
 
@@ -19,7 +25,7 @@ export function useSheet(job: Job): SheetOfJob {
     const all = async (): Promise<void> => {
       const sheet = await read<Sheet>(`/v1/jobs/${id}/sheets/${number}`, { signal: stop.signal });
       setKnown({ sheet, strokes: null, missing: false });
-      const strokes = await read<Strokes>(`/v1/plans/${plan}/sheets/${sheet.plan.sheet}/strokes`, { signal: stop.signal });
+      const strokes = await read<Strokes>(`/v1/plans/${plan}/sheets/${sheetInPlan(job, sheet)}/strokes`, { signal: stop.signal });
       setKnown({ sheet, strokes, missing: false });
     };
     all().catch((error) => {
@@ -76,7 +82,7 @@ export function SheetPicture({ job, known, fates, marked = null, lens = false, o
     if (view.current) view.current.onPick = onPick ? (stroke) => { if (stroke !== null) onPick(stroke); } : null;
   });
   if (known.missing && known.sheet && job.plan) {
-    return <Picture path={`/v1/plans/${job.plan}/sheets/${known.sheet.plan.sheet}.svg`} alt={label} class="sheet-image" />;
+    return <Picture path={`/v1/plans/${job.plan}/sheets/${sheetInPlan(job, known.sheet)}.svg`} alt={label} class="sheet-image" />;
   }
   return shown ? <canvas ref={canvas} class="sheet-canvas" role="img" tabIndex={0} aria-label={label} />
     : <div class="sheet-canvas sheet-none" />;
