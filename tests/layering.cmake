@@ -55,6 +55,7 @@ set(libraries
   "cairo.* : daemon/pictures"
   "fontconfig/.* : daemon/pictures"
   "png[.]h : daemon/pictures"
+  "zlib[.]h : daemon/http"
   "toml.* : daemon/config")
 set(most_files 32)  # sources and headers of a folder
 

@@ -81,8 +81,11 @@ double travel_seconds(double mm, const Motion& motion) {
   return mm > 0.0 ? leg_seconds(mm, 0.0, 0.0, motion.travel_mm_s, motion.accel_mm_s2) : 0.0;
 }
 
-double strokes_seconds(const Toolpath& path, const Motion& motion, const FirmwareSwivel& swivel) {
+std::vector<StrokeTime> stroke_times(const Toolpath& path, const Motion& motion,
+                                     const FirmwareSwivel& swivel) {
   PathTimer timer(motion);
+  std::vector<StrokeTime> times;
+  times.reserve(path.strokes.size());
   double seconds = 0.0;
   for (std::size_t i = 0; i < path.strokes.size(); ++i) {
     const Stroke& stroke = path.strokes[i];
@@ -91,10 +94,17 @@ double strokes_seconds(const Toolpath& path, const Motion& motion, const Firmwar
       seconds += travel_seconds(
           distance(path.points_of(path.strokes[i - 1]).back(), points.front()), motion);
     const bool blade = (swivel.blade_tools >> stroke.tool & 1) != 0;
+    times.push_back({.begin_s = seconds});
     seconds += motion.drop_s + motion.lift_s +
                timer.seconds(points, stroke.speed_mm_s, blade ? swivel.offset_mm : 0.0);
+    times.back().end_s = seconds;
   }
-  return seconds;
+  return times;
+}
+
+double strokes_seconds(const Toolpath& path, const Motion& motion, const FirmwareSwivel& swivel) {
+  const std::vector<StrokeTime> times = stroke_times(path, motion, swivel);
+  return times.empty() ? 0.0 : times.back().end_s;
 }
 
 }  // namespace popcut

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <span>
+#include <vector>
 
 #include "core/drawing/toolpath.hpp"
 #include "core/machines/machine.hpp"
@@ -38,6 +39,15 @@ struct FirmwareSwivel {
   double offset_mm{};
   std::uint16_t blade_tools{};  ///< bit n: tool holder n holds a blade
 };
+
+/// When a stroke begins, with the tool still up at its first point, and when the tool is up again
+/// at its last; s since the first one began.
+struct StrokeTime {
+  double begin_s{}, end_s{};
+};
+/// The times of all strokes, as `strokes_seconds` counts them.
+[[nodiscard]] std::vector<StrokeTime> stroke_times(const Toolpath& path, const Motion& motion,
+                                                   const FirmwareSwivel& swivel = {});
 
 /// Seconds for all strokes of `path` and the moves between them. Each stroke includes lowering and
 /// lifting the tool. The moves from and to home are not included.

@@ -23,10 +23,18 @@ std::string frame_text(std::string_view event, std::string_view data) {
   return fmt::format("event: {}\ndata: {}\n\n", one_line(event), one_line(data));
 }
 
-EventFramePtr frame_of(const Event& event) {
-  EventFrame frame{event.seq, event.kind == "progress", event.job, {}};
+EventFramePtr frame_of(const Event& event) { return frame_of(event, {}); }
+
+EventFramePtr frame_of(const Event& event, std::string_view members) {
+  EventFrame frame{event.seq, event.kind == "progress", event.job};
+  std::string data = event_json(event);
+  if (!members.empty()) {
+    frame.brief = frame_of(event);
+    data.back() = ',';  // "{...}": its last bracket makes place
+    data.append(members).append("}");
+  }
   if (event.seq > 0) frame.text = fmt::format("id: {}\n", event.seq);
-  frame.text += frame_text(event.kind, event_json(event));
+  frame.text += frame_text(event.kind, data);
   return std::make_shared<const EventFrame>(std::move(frame));
 }
 
@@ -50,6 +58,7 @@ void EventRing::push(EventFramePtr frame) {
     ++dropped_;
     return;
   }
+  if (frame->brief && bytes_ + frame->text.size() > most_bytes_ / 2) frame = frame->brief;
   if (frame->is_progress) drop_progress(&frame->job);
   while (!fits(*frame) && drop_progress(nullptr)) {
   }

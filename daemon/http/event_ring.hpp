@@ -13,19 +13,25 @@
 namespace popcut::daemon::http {
 
 /// An event as it goes to clients.
+struct EventFrame;
+using EventFramePtr = std::shared_ptr<const EventFrame>;  // one frame, many clients
 struct EventFrame {
   std::int64_t seq{};  ///< 0: not stored, and so without an id
   bool is_progress{false};
   std::string job{};
   std::string text{};  ///< "id: 7\nevent: job\ndata: {...}\n\n"
+  EventFramePtr
+      brief{};  ///< the same without what it is about; null: there is nothing to leave out
 };
-using EventFramePtr = std::shared_ptr<const EventFrame>;  // one frame, many clients
 
 [[nodiscard]] EventFramePtr frame_of(const Event& event);
+/// With more members, `"whole":{...}`, which clients that are slow do not get.
+[[nodiscard]] EventFramePtr frame_of(const Event& event, std::string_view members);
 /// A frame without an id.
 [[nodiscard]] std::string frame_text(std::string_view event, std::string_view data);
 
-/// What one client has yet to be sent. Bounded: progress goes first, the older of one job before
+/// What one client has yet to be sent. Bounded: what an event is about comes along only while half
+/// of the ring is free, since it can be read too; progress goes first, the older of one job before
 /// anything else; when that is not enough the ring is cleared and has overflowed for good, and the
 /// client comes again by the id that it saw last.
 class EventRing {

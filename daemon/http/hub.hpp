@@ -98,7 +98,7 @@ struct Hub {
   HandlerContext context;
   Names names;
   HttpMetrics metrics;
-  RateLimit rate, urgent_rate;
+  RateLimit rate, urgent_rate, preview_rate, picture_rate;
   FailedLogins logins;
   std::vector<ClientPtr> clients;
   std::vector<std::shared_ptr<Stream>> streams;
@@ -163,6 +163,10 @@ class BodyPace {
 asio::awaitable<void> serve(Hub& hub, ClientPtr client);
 /// Sends all of `bytes`, at the least speed that limits want; false: the client is gone.
 asio::awaitable<bool> send_all(Hub& hub, ClientPtr client, std::string_view bytes);
+/// An event as it goes to those who hear it now: with `now`, and `whole`, the job or the device as
+/// it is, so that they need not ask for it. One that is very large, or gone, is left out. On the
+/// service's thread.
+[[nodiscard]] EventFramePtr live_frame(const Event& event, Service& service);
 /// Streams events until the client goes, or is too slow.
 asio::awaitable<void> stream_events(Hub& hub, ClientPtr client, const Request& request);
 

@@ -10,6 +10,7 @@
 
 #include "daemon/http/api/render.hpp"
 #include "daemon/http/hub.hpp"
+#include "daemon/model/wall_clock.hpp"
 
 namespace popcut::daemon::http {
 namespace {
@@ -20,6 +21,7 @@ constexpr int kPage = 200;
 constexpr std::size_t kPiece = 16 << 10;
 constexpr int kSendBuffer = 64 << 10;
 constexpr double kCatchUp_s = 30;
+constexpr std::size_t kMostWhole = 12 << 10;  // of a job with its notes and warnings; usual: 2 kB
 
 // What a client gets before it hears of what happens now.
 struct CatchUp {
@@ -57,8 +59,22 @@ std::string snapshot(Service& service, std::int64_t seq) {
     for (const Job& job : page->items) jobs.push_back(job_text(job));
     more = more || !page->next_cursor.empty();
   }
-  return fmt::format("{{\"seq\":{},\"devices\":{},\"jobs\":[{}],\"more\":{}}}", seq, dump(devices),
-                     fmt::join(jobs, ","), more);
+  return fmt::format("{{\"seq\":{},\"now\":\"{}\",\"devices\":{},\"jobs\":[{}],\"more\":{}}}", seq,
+                     rfc3339(wall_clock_ms()), dump(devices), fmt::join(jobs, ","), more);
+}
+
+// What an event is about, as it is now; empty if it is gone.
+std::string text_of_subject(const Event& event, Service& service) {
+  if (event.kind == "job" || event.kind == "queue") {
+    const Answer<Job> job = service.jobs.brief(event.job);
+    return job ? job_text(*job) : std::string();
+  }
+  if (event.kind != "device") return {};
+  const auto data = nlohmann::json::parse(event.data, nullptr, false);
+  const auto id = data.is_object() ? data.find("device") : data.end();
+  if (id == data.end() || !id->is_string()) return {};
+  const Answer<DeviceRecord> device = service.devices.find(id->get<std::string>());
+  return device ? dump(to_json(*device)) : std::string();
 }
 
 CatchUp catch_up(Service& service, std::optional<std::int64_t> after) {
@@ -198,6 +214,17 @@ asio::awaitable<void> stream_all(Hub& hub, ClientPtr client, std::optional<std::
 }
 
 }  // namespace
+
+EventFramePtr live_frame(const Event& event, Service& service) {
+  try {
+    const std::string whole = text_of_subject(event, service);
+    if (!whole.empty() && whole.size() <= kMostWhole)
+      return frame_of(event,
+                      fmt::format("\"now\":\"{}\",\"whole\":{}", rfc3339(wall_clock_ms()), whole));
+  } catch (const std::exception&) {  // whoever needs it asks for it
+  }
+  return frame_of(event);
+}
 
 asio::awaitable<void> stream_events(Hub& hub, ClientPtr client, const Request& request) {
   if (hub.link->listeners.load() >= hub.limits().streams) {

@@ -217,10 +217,10 @@ Result<void> HttpServer::start() {
   impl.hub.options.on_service(
       [&hub = impl.hub, link = impl.hub.link, service = impl.hub.options.service] {
         // The hub is looked at on its own thread only; the service may call as long as it lives.
-        service->operations.listen([&hub, link](const Event& event) {
+        service->operations.listen([&hub, link, service](const Event& event) {
           if (link->listeners == 0) return;
           try {
-            link->post([&hub, frame = http::frame_of(event)] { hub.publish(frame); });
+            link->post([&hub, frame = http::live_frame(event, *service)] { hub.publish(frame); });
           } catch (const std::exception&) {
             link->missed = true;  // whoever tells of an event is never held up by those who hear
           }

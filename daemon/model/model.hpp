@@ -115,6 +115,14 @@ struct Design {
 };
 
 /// How a design becomes sheets: the words of `popcut plan`, checked by the planner.
+/// A spec that somebody wants to see while they design it.
+struct PreviewRequest {
+  std::string spec;   ///< JSON
+  std::string key{};  ///< a newer one of the same principal and key takes its place; may be empty
+  bool is_draft{false};  ///< quickly, whatever lattice it asks for; else as it will be cut
+  std::string place{};   ///< "whole" or "quarter": with its shape moved into place; empty: as it is
+};
+
 struct PlanRequest {
   std::string design;
   std::string material;  ///< empty: the design's own, else paper-220
@@ -184,6 +192,7 @@ struct Attention {
 
 struct JobProgress {
   std::int64_t paths_certain{}, paths_sent{}, paths_total{};
+  std::int64_t paths_done{};  ///< probably cut, by the model of the machine's motion
   double cut_mm{};
 };
 
@@ -193,7 +202,9 @@ struct Job {
   JobState state{};
   std::string reason{};
   std::string name, note, owner, operator_name{};
-  std::string device{};  ///< empty: none chosen yet
+  std::string owner_title{}, operator_title{};  ///< what people call these principals
+  bool is_test{false};                          ///< a test cut
+  std::string device{};                         ///< empty: none chosen yet
   std::string design, plan, material;
   int priority{}, copies{1};
   bool held{false};
@@ -210,8 +221,9 @@ struct Job {
   std::string warnings{"[]"};             ///< as JSON (`warnings_json`)
   std::vector<std::string> unaccepted{};  ///< codes of warnings that `arm` must accept
   std::optional<Attention> attention{};
-  std::vector<std::string> actions{};  ///< allowed now
-  std::vector<Way> ways{};             ///< of one job that was asked for: requests that pass now
+  std::optional<TimeMs> armed_until{};  ///< while it is armed: when that lapses
+  std::vector<std::string> actions{};   ///< allowed now
+  std::vector<Way> ways{};              ///< of one job that was asked for: requests that pass now
 };
 
 struct JobCreate {
@@ -234,6 +246,7 @@ struct JobFilter {
   std::vector<JobState> states{};
   std::string owner{}, device{};
   std::optional<TimeMs> since{};
+  bool newest_first{false};  ///< else in the order of their ids, the oldest first
 };
 
 /// The words of an action. Which are needed depends on the action; others must be absent.

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/machines/machine.hpp"
 #include "daemon/model/model.hpp"
 #include "daemon/model/problem.hpp"
 
@@ -28,6 +29,11 @@ class Access {
   /// Ends a session, and those that it opened.
   /// @retval Forbidden  it is someone else's, and this is no admin
   [[nodiscard]] virtual Answer<void> end_session(const Principal&, const std::string& id) = 0;
+  /// What people call a principal: the name of a token, the login name of a user; the principal's
+  /// own name if there is none.
+  [[nodiscard]] virtual std::string title_of(const std::string& principal) = 0;
+  /// Whether this is the id of a session, not of a token.
+  [[nodiscard]] virtual bool is_session(const std::string& credential) = 0;
   /// Ends the session, or deletes the token, that the request came with.
   /// @retval NotFound  it came over the unix socket, with neither
   [[nodiscard]] virtual Answer<void> close_session(const Principal&) = 0;
@@ -57,6 +63,26 @@ class Designs {
   [[nodiscard]] virtual Answer<void> remove(const Principal&, const std::string& id) = 0;
   /// The design's preview, drawn again from what was read; never empty bytes.
   virtual void preview(const std::string& id, std::function<void(Answer<std::string>)> done) = 0;
+
+  // What somebody waits for at a screen. Nothing of it is stored. `done` is called once, on any
+  // thread, and with Unavailable if it is called off.
+
+  /// Ends what nobody waits for any more. From any thread, at any time.
+  using CallOff = std::function<void()>;
+  using Shown = std::function<void(Answer<std::string>)>;
+  /// The lattice blob of a spec (core/formats/lattice).
+  ///
+  /// @retval Superseded  a newer one of the same principal and key came
+  virtual CallOff show_spec(const Principal&, const PreviewRequest&, Shown done) = 0;
+  /// The text of a spec with its shape moved into place, by `place` of the request.
+  virtual CallOff place_spec(const Principal&, const PreviewRequest&, Shown done) = 0;
+  /// "deployed.svg" (small: the opened card) or "pattern.svg" (flat) of a stored design: made once
+  /// and kept, without any text of the file. A design that has no picture gets one that says so.
+  /// `done` is called on the service's thread.
+  virtual void picture(const Principal&, const std::string& id, const std::string& name,
+                       Shown done) = 0;
+  /// The lattice blob of a stored design.
+  virtual CallOff lattice(const Principal&, const std::string& id, Shown done) = 0;
 };
 
 /// Sheets that are read in one turn of the service's thread.
@@ -76,6 +102,8 @@ class Plans {
   /// @retval StateConflict  a job uses this plan
   /// @retval Forbidden      it is of someone else's design
   [[nodiscard]] virtual Answer<void> remove(const Principal&, const std::string& id) = 0;
+  /// The machines that sheets can be planned for: popcut's own, and those of users' tables.
+  [[nodiscard]] virtual Answer<std::vector<Machine>> machines() = 0;
   /// Path of a file of a plan: "plan.json", "sheet-01.svg", "sheet-01.gpgl", "pattern.svg",
   /// "deploy.glb", "report.json", "preview.svg", "assembly.svg".
   [[nodiscard]] virtual Answer<std::string> file(const std::string& id,
@@ -89,6 +117,8 @@ class Jobs {
   [[nodiscard]] virtual Answer<Job> create(const Principal&, const JobCreate&) = 0;
   [[nodiscard]] virtual Answer<Page<Job>> list(const JobFilter&, const PageRequest&) = 0;
   [[nodiscard]] virtual Answer<Job> find(const std::string& id) = 0;
+  /// As `find`, without the ways on: for those who hear of a job and did not ask about it.
+  [[nodiscard]] virtual Answer<Job> brief(const std::string& id) = 0;
   /// The sheets `first`, ... (from 1), at most `most` of them.
   [[nodiscard]] virtual Answer<std::vector<SheetRecord>> sheets(const std::string& job,
                                                                 int first = 1,

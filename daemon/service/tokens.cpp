@@ -244,12 +244,16 @@ Answer<void> Tokens::end_session(const Principal& who, const std::string& id) {
   });
 }
 
+bool Tokens::is_session(const std::string& credential) {
+  return !credential.empty() && session(credential).has_value();
+}
+
 Answer<void> Tokens::close_session(const Principal& who) {
   if (who.credential.empty())
     return refuse(ProblemKind::NotFound,
                   "this connection has no session; it is identified by its user");
   const Answer<bool> is_session =
-      store_.look([&]() -> Answer<bool> { return session(who.credential).has_value(); });
+      store_.look([&]() -> Answer<bool> { return this->is_session(who.credential); });
   if (!is_session) return tl::unexpected(is_session.error());
   return *is_session ? end_session(who, who.credential) : delete_token(who, who.credential);
 }

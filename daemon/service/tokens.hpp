@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/service/principal_titles.hpp"
 #include "daemon/service/service.hpp"
 #include "daemon/service/service_store.hpp"
 
@@ -19,7 +20,8 @@ namespace popcut::daemon {
 /// request has the role that the root has then, and whatever ends the root ends the session.
 class Tokens : public Access {
  public:
-  Tokens(ServiceStore& store, const ServiceOptions& options) : store_(store), options_(options) {}
+  Tokens(ServiceStore& store, PrincipalTitles& titles, const ServiceOptions& options)
+      : store_(store), titles_(titles), options_(options) {}
 
   std::optional<Principal> authenticate(std::string_view bearer) override;
   Answer<NewToken> create_token(const Principal& who, const std::string& name, Role role,
@@ -28,6 +30,8 @@ class Tokens : public Access {
   Answer<void> delete_token(const Principal& who, const std::string& id) override;
   std::vector<SessionRecord> sessions(const Principal& who) override;
   Answer<void> end_session(const Principal& who, const std::string& id) override;
+  std::string title_of(const std::string& principal) override { return titles_.of(principal); }
+  bool is_session(const std::string& credential) override;
   Answer<void> close_session(const Principal& who) override;
   void on_access_change(std::function<void()> listener) override {
     listeners_.push_back(std::move(listener));
@@ -57,6 +61,7 @@ class Tokens : public Access {
   void make_room_for_session(const std::string& principal);
   void tell_change();
   ServiceStore& store_;
+  PrincipalTitles& titles_;
   const ServiceOptions& options_;
   std::map<std::string, OneShot> one_shots_;  ///< by the digest of the word
   std::vector<std::function<void()>> listeners_;

@@ -99,17 +99,23 @@ std::vector<JobRow> JobTable::list(const JobFilter& filter, const std::string& a
   // Each state is a run of an index in the order of ids; a page is the first of all these runs. One
   // member of the filter chooses the run, the others are held against its rows.
   const bool by_state = !filter.states.empty();
-  std::string sql = "SELECT " POPCUT_JOB_COLUMNS ", deleted FROM job WHERE id>?1";
+  std::string sql = "SELECT " POPCUT_JOB_COLUMNS ", deleted FROM job WHERE id";
+  sql += filter.newest_first ? "<?1" : ">?1";
   if (by_state)
     sql += " AND state=?3";
   else if (!filter.owner.empty())
     sql += " AND owner=?3";
   else if (!filter.device.empty())
     sql += " AND device=?3";
-  sql += " ORDER BY id LIMIT ?2";
-  std::string low = after;
+  sql += filter.newest_first ? " ORDER BY id DESC LIMIT ?2" : " ORDER BY id LIMIT ?2";
+  const auto before = [&](const std::string& a, const std::string& b) {
+    return filter.newest_first ? a > b : a < b;
+  };
+  constexpr const char* kAboveAllIds = "~";
+  std::string from = after.empty() && filter.newest_first ? kAboveAllIds : after;
   // One below the first id of that time, so that it is itself found.
-  if (filter.since) low = std::max(low, first_ulid_of(*filter.since - 1));
+  const std::string oldest = filter.since ? first_ulid_of(*filter.since - 1) : std::string();
+  if (!filter.newest_first) from = std::max(from, oldest);
   std::vector<std::string_view> keys{!filter.owner.empty() ? filter.owner : filter.device};
   if (by_state) {
     keys.clear();
@@ -126,12 +132,13 @@ std::vector<JobRow> JobTable::list(const JobFilter& filter, const std::string& a
   std::vector<JobRow> all;
   looked_to.clear();
   for (const std::string_view key : keys) {
-    const std::array<Bound, 3> values{low, most, key};
+    const std::array<Bound, 3> values{from, most, key};
     const bool has_key = by_state || !filter.owner.empty() || !filter.device.empty();
     Rows rows = db_.rows_list(sql, std::span(values).first(has_key ? 3 : 2));
     int looked = 0, found = 0;
     std::string last;
     while (found < limit && rows.next()) {
+      if (filter.newest_first && rows.text(kIdColumn) <= oldest) break;
       ++looked;
       if (looked == most) last = rows.text(kIdColumn);
       if (!fits(rows)) continue;
@@ -139,11 +146,13 @@ std::vector<JobRow> JobTable::list(const JobFilter& filter, const std::string& a
       all.push_back(row_of(rows));
     }
     // Of the others of this run nothing is known yet.
-    if (found < limit && looked == most && (looked_to.empty() || last < looked_to))
+    if (found < limit && looked == most && (looked_to.empty() || before(last, looked_to)))
       looked_to = last;
   }
-  std::sort(all.begin(), all.end(), [](const JobRow& a, const JobRow& b) { return a.id < b.id; });
-  if (!looked_to.empty()) std::erase_if(all, [&](const JobRow& row) { return row.id > looked_to; });
+  std::sort(all.begin(), all.end(),
+            [&](const JobRow& a, const JobRow& b) { return before(a.id, b.id); });
+  if (!looked_to.empty())
+    std::erase_if(all, [&](const JobRow& row) { return before(looked_to, row.id); });
   if (all.size() >= static_cast<std::size_t>(limit)) looked_to.clear();
   if (all.size() > static_cast<std::size_t>(limit)) all.resize(static_cast<std::size_t>(limit));
   return all;

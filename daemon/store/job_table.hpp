@@ -61,9 +61,9 @@ class JobTable {
   /// Writes all that may change, with the next revision.
   void update(JobRow& row);
   [[nodiscard]] std::optional<JobRow> find(std::string_view id);
-  /// Up to `limit` jobs with ids above `after`, in their order. It looks at a bounded number of
-  /// rows, however many there are: `looked_to` is the id up to which it has found all, or empty if
-  /// it has found `limit`, or there are no more.
+  /// Up to `limit` jobs with ids above `after` (below it, newest first), in their order. It looks
+  /// at a bounded number of rows, however many there are: `looked_to` is the id up to which it has
+  /// found all, or empty if it has found `limit`, or there are no more.
   [[nodiscard]] std::vector<JobRow> list(const JobFilter& filter, const std::string& after,
                                          int limit, std::string& looked_to);
   /// A part of the queue.

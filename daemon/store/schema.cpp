@@ -267,11 +267,17 @@ UPDATE job SET warnings = (SELECT plan.warnings FROM plan WHERE plan.id = job.pl
   WHERE state NOT IN ('done', 'failed', 'cancelled');
 )sql";
 
+// Plans have a file of their strokes, for those who draw them. Those of before lose their key, so
+// that the same is planned anew.
+constexpr std::string_view kVersion6 = R"sql(
+UPDATE plan SET key = 'before-version-6-' || id WHERE state = 'planned';
+)sql";
+
 }  // namespace
 
 const std::vector<Migration>& migrations() {
-  static const std::vector<Migration> all{
-      {1, kVersion1}, {2, kVersion2}, {3, kVersion3}, {4, kVersion4}, {5, kVersion5}};
+  static const std::vector<Migration> all{{1, kVersion1}, {2, kVersion2}, {3, kVersion3},
+                                          {4, kVersion4}, {5, kVersion5}, {6, kVersion6}};
   return all;
 }
 

@@ -131,6 +131,15 @@ Answer<void> FakeAccess::end_session(const Principal&, const std::string& id) {
   return {};
 }
 
+std::string FakeAccess::title_of(const std::string& principal) {
+  const auto found = token_map.find(principal.substr(std::min<std::size_t>(principal.size(), 6)));
+  return found == token_map.end() ? principal : found->second.name;
+}
+
+bool FakeAccess::is_session(const std::string& credential) {
+  return session_map.contains(credential);
+}
+
 Answer<void> FakeAccess::close_session(const Principal& who) {
   if (auto problem = failure("delete_token")) return tl::unexpected<Problem>(*problem);
   if (!who.name.starts_with("token:")) return nothing("this connection has no session");
@@ -273,6 +282,11 @@ void FakePlans::whole(const std::string& id, std::function<void(Answer<PlanRecor
   done(find(id));
 }
 
+Answer<std::vector<Machine>> FakePlans::machines() {
+  if (auto problem = failure("machines")) return tl::unexpected<Problem>(*problem);
+  return all_machines().value();
+}
+
 Answer<std::string> FakePlans::file(const std::string& id, const std::string& name) {
   if (auto problem = failure("plan_file")) return tl::unexpected<Problem>(*problem);
   return lookup(files, id + "/" + name, "file");
@@ -280,6 +294,44 @@ Answer<std::string> FakePlans::file(const std::string& id, const std::string& na
 
 void FakeDesigns::preview(const std::string& id, std::function<void(Answer<std::string>)> done) {
   if (auto problem = failure("design_preview")) return done(tl::unexpected<Problem>(*problem));
+  if (design_map.find(id) == design_map.end()) return done(nothing("there is no such design"));
+  done(preview_svg);
+}
+
+Designs::CallOff FakeDesigns::show_spec(const Principal&, const PreviewRequest& request,
+                                        Shown done) {
+  last_preview = request;
+  if (auto problem = failure("preview_spec"))
+    done(tl::unexpected<Problem>(*problem));
+  else if (holds_previews)
+    held_previews.push_back(std::move(done));
+  else
+    done(lattice_blob);
+  return [this] { ++previews_called_off; };
+}
+
+Designs::CallOff FakeDesigns::place_spec(const Principal&, const PreviewRequest& request,
+                                         Shown done) {
+  last_preview = request;
+  if (auto problem = failure("place_spec"))
+    done(tl::unexpected<Problem>(*problem));
+  else
+    done(request.spec);
+  return [] {};
+}
+
+Designs::CallOff FakeDesigns::lattice(const Principal&, const std::string& id, Shown done) {
+  if (auto problem = failure("design_lattice"))
+    done(tl::unexpected<Problem>(*problem));
+  else if (design_map.find(id) == design_map.end())
+    done(nothing("there is no such design"));
+  else
+    done(lattice_blob);
+  return [] {};
+}
+
+void FakeDesigns::picture(const Principal&, const std::string& id, const std::string&, Shown done) {
+  if (auto problem = failure("design_picture")) return done(tl::unexpected<Problem>(*problem));
   if (design_map.find(id) == design_map.end()) return done(nothing("there is no such design"));
   done(preview_svg);
 }

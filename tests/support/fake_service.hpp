@@ -42,6 +42,11 @@ class FakeState {
   bool healthy{true}, throws{false}, throws_bad_alloc{false}, drops_replies{false};
   std::optional<Problem> next_problem{};  ///< the next member that can fail fails with it
   std::int64_t made_jobs{0};
+  PreviewRequest last_preview{};
+  bool holds_previews{false};  ///< they wait in `held_previews` for a test to answer them
+  std::vector<Designs::Shown> held_previews{};
+  std::atomic<int> previews_called_off{0};
+  std::string lattice_blob{"PCLB"};
   std::string preview_svg{"<svg xmlns=\"http://www.w3.org/2000/svg\"/>"};
 
   /// A job in state `state` that belongs to `owner`.
@@ -77,6 +82,8 @@ class FakeAccess : public Access, public virtual FakeState {
   Answer<void> delete_token(const Principal&, const std::string& id) override;
   std::vector<SessionRecord> sessions(const Principal&) override;
   Answer<void> end_session(const Principal&, const std::string& id) override;
+  std::string title_of(const std::string& principal) override;
+  bool is_session(const std::string& credential) override;
   Answer<void> close_session(const Principal&) override;
   void on_access_change(std::function<void()> listener) override;
   Answer<std::string> create_one_shot(const Principal&) override;
@@ -95,6 +102,11 @@ class FakeDesigns : public Designs, public virtual FakeState {
   Answer<std::string> content(const std::string& id) override;
   Answer<void> remove(const Principal&, const std::string& id) override;
   void preview(const std::string& id, std::function<void(Answer<std::string>)> done) override;
+  CallOff show_spec(const Principal&, const PreviewRequest&, Shown done) override;
+  CallOff place_spec(const Principal&, const PreviewRequest&, Shown done) override;
+  CallOff lattice(const Principal&, const std::string& id, Shown done) override;
+  void picture(const Principal&, const std::string& id, const std::string& name,
+               Shown done) override;
 };
 
 class FakePlans : public Plans, public virtual FakeState {
@@ -103,6 +115,7 @@ class FakePlans : public Plans, public virtual FakeState {
   Answer<PlanRecord> find(const std::string& id) override;
   void whole(const std::string& id, std::function<void(Answer<PlanRecord>)> done) override;
   Answer<void> remove(const Principal&, const std::string& id) override;
+  Answer<std::vector<Machine>> machines() override;
   Answer<std::string> file(const std::string& id, const std::string& name) override;
 };
 
@@ -111,6 +124,7 @@ class FakeJobs : public Jobs, public virtual FakeState {
   Answer<Job> create(const Principal&, const JobCreate&) override;
   Answer<Page<Job>> list(const JobFilter&, const PageRequest&) override;
   Answer<Job> find(const std::string& id) override;
+  Answer<Job> brief(const std::string& id) override;
   Answer<std::vector<SheetRecord>> sheets(const std::string& job, int first, int most) override;
   Answer<Ledger> ledger(const std::string& job, int sheet) override;
   Answer<Job> patch(const Principal&, const std::string& id, std::int64_t if_match,

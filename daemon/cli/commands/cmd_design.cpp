@@ -35,18 +35,18 @@
 #include "core/text/words.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
-#include "daemon/cli/help/examples.hpp"
 #include "daemon/cli/input/drawn_pattern.hpp"
 #include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/cli/options/angles.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/view/long_work.hpp"
+#include "daemon/examples/examples.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "daemon/pictures/pdf.hpp"
 #include "daemon/pictures/png.hpp"
 #include "daemon/planning/design_files.hpp"
-#include "daemon/planning/sound_design.hpp"
+#include "daemon/planning/judge/sound_design.hpp"
 
 namespace popcut::cli {
 namespace design_command {

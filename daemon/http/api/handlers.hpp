@@ -8,11 +8,16 @@
 namespace popcut::daemon::http::handle {
 
 // handlers_system.cpp
+/// / and /page/{file}: a part of the program, without the service.
+void page(const Request&, Service&, const HandlerContext&, Reply);
 void healthz(const Request&, Service&, const HandlerContext&, Reply);
 void readyz(const Request&, Service&, const HandlerContext&, Reply);
 void metrics(const Request&, Service&, const HandlerContext&, Reply);
 void meta(const Request&, Service&, const HandlerContext&, Reply);
 void openapi(const Request&, Service&, const HandlerContext&, Reply);
+void list_examples(const Request&, Service&, const HandlerContext&, Reply);
+void design_schema(const Request&, Service&, const HandlerContext&, Reply);
+void list_machines(const Request&, Service&, const HandlerContext&, Reply);
 void usage(const Request&, Service&, const HandlerContext&, Reply);
 void backup(const Request&, Service&, const HandlerContext&, Reply);
 void check_database(const Request&, Service&, const HandlerContext&, Reply);
@@ -44,6 +49,16 @@ void delete_plan(const Request&, Service&, const HandlerContext&, Reply);
 void plan_file(const Request&, Service&, const HandlerContext&, Reply);
 void sheet_svg(const Request&, Service&, const HandlerContext&, Reply);
 void sheet_program(const Request&, Service&, const HandlerContext&, Reply);
+
+// handlers_strokes.cpp
+void sheet_strokes(const Request&, Service&, const HandlerContext&, Reply);
+
+// handlers_preview.cpp
+void preview_spec(const Request&, Service&, const HandlerContext&, Reply);
+void place_spec(const Request&, Service&, const HandlerContext&, Reply);
+/// The last part of the path is the picture's name.
+void design_picture(const Request&, Service&, const HandlerContext&, Reply);
+void design_lattice(const Request&, Service&, const HandlerContext&, Reply);
 
 // handlers_jobs.cpp
 void create_job(const Request&, Service&, const HandlerContext&, Reply);

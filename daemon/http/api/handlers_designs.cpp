@@ -11,6 +11,7 @@ namespace popcut::daemon::http::handle {
 namespace {
 
 constexpr std::size_t kLongestName = 120;
+constexpr std::string_view kKept = "private, max-age=86400";
 constexpr std::string_view kDrawingPolicy =
     "default-src 'none'; style-src 'unsafe-inline'; sandbox; frame-ancestors 'none'";
 
@@ -37,6 +38,28 @@ void answer_file(const Request& request, const Reply& reply, const Answer<std::s
       {"Content-Disposition", fmt::format("attachment; filename=\"{}\"", name)});
   response.file = *path;
   reply(std::move(response));
+}
+
+std::string last_part(const Request& request) {
+  return std::string(request.path().substr(request.path().rfind('/') + 1));
+}
+
+// A picture of a design, which stays as it is: it is of bytes that never change.
+void answer_picture(const Request& request, Service& service, const HandlerContext& context,
+                    const Reply& reply, const std::function<void(Designs::Shown)>& make) {
+  const std::string etag =
+      fmt::format("\"{}-{}-{}\"", request.params[0], last_part(request), context.build);
+  if (const Answer<Design> design = service.designs.find(request.params[0]); !design)
+    return reply(problem_response(design.error(), request));
+  if (has_seen(request, etag)) return reply(unchanged(etag, kKept));
+  make([reply, etag, target = request.target, id = request.id](Answer<std::string> svg) {
+    if (!svg) return reply(problem_response(svg.error(), target, id));
+    Response response = drawing("image/svg+xml");
+    response.body = std::move(*svg);
+    response.headers.push_back({"ETag", etag});
+    response.headers.push_back({"Cache-Control", std::string(kKept)});
+    reply(std::move(response));
+  });
 }
 
 // "{k}" of a path as the two digits of a file's name.
@@ -138,13 +161,18 @@ void design_content(const Request& request, Service& service, const HandlerConte
   reply(std::move(response));
 }
 
-void design_preview(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  service.designs.preview(request.params[0], [reply, target = request.target,
-                                              id = request.id](Answer<std::string> svg) {
-    if (!svg) return reply(problem_response(svg.error(), target, id));
-    Response response = drawing("image/svg+xml");
-    response.body = std::move(*svg);
-    reply(std::move(response));
+void design_preview(const Request& request, Service& service, const HandlerContext& context,
+                    Reply reply) {
+  answer_picture(request, service, context, reply, [&](Designs::Shown done) {
+    service.designs.preview(request.params[0], std::move(done));
+  });
+}
+
+void design_picture(const Request& request, Service& service, const HandlerContext& context,
+                    Reply reply) {
+  answer_picture(request, service, context, reply, [&](Designs::Shown done) {
+    service.designs.picture(request.principal, request.params[0], last_part(request),
+                            std::move(done));
   });
 }
 
@@ -191,7 +219,7 @@ void delete_plan(const Request& request, Service& service, const HandlerContext&
 }
 
 void plan_file(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const std::string name(request.path().substr(request.path().rfind('/') + 1));
+  const std::string name = last_part(request);
   answer_file(request, reply, service.plans.file(request.params[0], name), name);
 }
 

@@ -48,6 +48,10 @@ JobFilter read_filter(const Request& request, std::vector<RequestFault>& faults)
   filter.owner = query_text(request, "owner").value_or("");
   filter.device = query_text(request, "device").value_or("");
   filter.since = query_time(request, "since", faults);
+  const std::string order = query_text(request, "order").value_or("asc");
+  filter.newest_first = order == "desc";
+  if (order != "asc" && order != "desc")
+    faults.push_back({"?order", "word", "must be asc (the oldest first) or desc"});
   std::string states = query_text(request, "state").value_or("");
   while (!states.empty()) {
     const std::size_t comma = std::min(states.find(','), states.size());

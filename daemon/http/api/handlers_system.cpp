@@ -2,13 +2,29 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/design/spec/spec.hpp"
+#include "daemon/digest/digest.hpp"
+#include "daemon/examples/examples.hpp"
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/handlers.hpp"
 #include "daemon/http/api/json_body.hpp"
 #include "daemon/http/api/openapi.hpp"
+#include "daemon/http/api/page_response.hpp"
 #include "daemon/http/api/render.hpp"
+#include "daemon/model/wall_clock.hpp"
 
 namespace popcut::daemon::http::handle {
+
+void page(const Request& request, Service&, const HandlerContext&, Reply reply) {
+  const std::string name = request.params.empty() ? std::string() : request.params[0];
+  for (const PageFile& file : page_files())
+    if (file.name == name)
+      return reply(page_response(file, request.header("accept-encoding").value_or("")));
+  reply(problem_response(
+      Problem{ProblemKind::NotFound,
+              "the page of this popcutd has no such file; if popcutd was updated, reload the page"},
+      request));
+}
 
 void healthz(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   if (!service.operations.health().database)
@@ -63,23 +79,27 @@ nlohmann::ordered_json confinement(const HandlerContext& context) {
 
 void meta(const Request& request, Service& service, const HandlerContext& context, Reply reply) {
   const HttpLimits& limits = context.limits;
-  reply(json_response(
-      200,
-      {{"api", "v1"},
-       {"build", context.build},
-       {"schema_sha256", context.openapi_sha256},
-       {"principal", {{"name", request.principal.name}, {"role", name_of(request.principal.role)}}},
-       {"last_event", service.operations.last_event()},
-       {"workers", confinement(context)},
-       {"limits",
-        {{"json_bytes", limits.json_bytes},
-         {"json_depth", limits.json_depth},
-         {"design_bytes", limits.design_bytes},
-         {"asset_bytes", limits.asset_bytes},
-         {"rate_per_s", limits.rate_per_s},
-         {"rate_burst", limits.rate_burst},
-         {"connections", limits.connections},
-         {"streams", limits.streams}}}}));
+  reply(json_response(200, {{"api", "v1"},
+                            {"build", context.build},
+                            {"page", page_stamp().substr(0, 12)},
+                            {"schema_sha256", context.openapi_sha256},
+                            {"now", rfc3339(wall_clock_ms())},
+                            {"principal",
+                             {{"name", request.principal.name},
+                              {"title", service.access.title_of(request.principal.name)},
+                              {"role", name_of(request.principal.role)}}},
+                            {"session", service.access.is_session(request.principal.credential)},
+                            {"last_event", service.operations.last_event()},
+                            {"workers", confinement(context)},
+                            {"limits",
+                             {{"json_bytes", limits.json_bytes},
+                              {"json_depth", limits.json_depth},
+                              {"design_bytes", limits.design_bytes},
+                              {"asset_bytes", limits.asset_bytes},
+                              {"rate_per_s", limits.rate_per_s},
+                              {"rate_burst", limits.rate_burst},
+                              {"connections", limits.connections},
+                              {"streams", limits.streams}}}}));
 }
 
 void openapi(const Request&, Service&, const HandlerContext& context, Reply reply) {
@@ -87,6 +107,46 @@ void openapi(const Request&, Service&, const HandlerContext& context, Reply repl
   response.body = std::string(openapi_json());
   response.headers.push_back({"ETag", fmt::format("\"{}\"", context.openapi_sha256)});
   reply(std::move(response));
+}
+
+namespace {
+
+// A text that changes only with the program.
+Response fixed_response(const std::string& text) {
+  Response response;
+  Sha256 hash;
+  hash.add(text);
+  response.body = text;
+  response.headers.push_back({"ETag", fmt::format("\"{}\"", hash.hex())});
+  return response;
+}
+
+}  // namespace
+
+void list_examples(const Request&, Service&, const HandlerContext&, Reply reply) {
+  static const std::string kText = [] {
+    nlohmann::ordered_json items = nlohmann::ordered_json::array();
+    for (const Example& example : examples()) {
+      const auto spec = nlohmann::ordered_json::parse(example.json);
+      items.push_back({{"name", example.name},
+                       {"title", spec.value("name", std::string(example.name))},
+                       {"spec", spec}});
+    }
+    return dump({{"items", std::move(items)}, {"next_cursor", nullptr}});
+  }();
+  reply(fixed_response(kText));
+}
+
+void design_schema(const Request&, Service&, const HandlerContext&, Reply reply) {
+  static const std::string kText = design_spec_schema();
+  reply(fixed_response(kText));
+}
+
+void list_machines(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  const Answer<std::vector<Machine>> all = service.plans.machines();
+  if (!all) return reply(problem_response(all.error(), request));
+  reply(page_response(Page<Machine>{*all, {}}, 'x',
+                      [](const Machine& machine) { return dump(to_json(machine)); }));
 }
 
 void usage(const Request& request, Service& service, const HandlerContext&, Reply reply) {

@@ -235,6 +235,7 @@ std::string job_text(const Job& job) {
   ObjectText progress;
   progress.number("paths_certain", job.progress.paths_certain);
   progress.number("paths_sent", job.progress.paths_sent);
+  progress.number("paths_done", job.progress.paths_done);
   progress.number("paths_total", job.progress.paths_total);
   progress.number("cut_mm", job.progress.cut_mm);
   ObjectText estimate;
@@ -243,11 +244,15 @@ std::string job_text(const Job& job) {
   out.text("id", job.id);
   out.number("rev", job.rev);
   out.text("state", name_of(job.state));
+  out.text("kind", job.is_test ? "test-cut" : "job");
   out.text_or_null("reason", job.reason);
   out.text_or_null("name", job.name);
   out.text_or_null("note", job.note);
   out.text("owner", job.owner);
+  out.text("owner_title", job.owner_title.empty() ? job.owner : job.owner_title);
   out.text_or_null("operator", job.operator_name);
+  out.text_or_null("operator_title",
+                   job.operator_title.empty() ? job.operator_name : job.operator_title);
   out.text_or_null("device", job.device);
   out.text_or_null("design", job.design);
   out.text_or_null("plan", job.plan);
@@ -276,6 +281,7 @@ std::string job_text(const Job& job) {
     out.object("attention", attention_text(*job.attention));
   else
     out.null("attention");
+  out.time_or_null("armed_until", job.armed_until);
   out.texts("actions", job.actions);
   if (!job.ways.empty()) out.ways("ways", job.ways);
   out.object("links", links_text(job));
@@ -334,6 +340,15 @@ ordered_json to_json(const DeviceRecord& device) {
                    {"cut_mm", device.cut_mm}};
   if (!device.test_job.empty()) out["test_job"] = device.test_job;
   return out;
+}
+
+ordered_json to_json(const Machine& machine) {
+  ordered_json mats = ordered_json::array();
+  for (const Mat& mat : machine.mats)
+    mats.push_back({{"name", mat.name}, {"width_mm", mat.width_mm}, {"length_mm", mat.length_mm}});
+  return {{"name", machine.name},           {"title", machine.title},
+          {"driven", machine.driven()},     {"width_mm", machine.width_mm},
+          {"length_mm", machine.length_mm}, {"mats", std::move(mats)}};
 }
 
 ordered_json to_json(const MaterialRecord& material) {

@@ -27,12 +27,27 @@ struct Rules {
   bool is_urgent{false};
   Patience patience{Patience::Usual};
   bool is_stream{false};
+  bool is_static{false};
+  Bucket bucket{Bucket::Usual};
+  bool ends_with_client{false};
 };
 
 constexpr Route route(Method method, std::string_view path, RouteAccess access, Handler handler,
                       const Rules& rules) {
-  return {method,      path,        access,          handler,        rules.body,     rules.key,
-          rules.match, rules.query, rules.is_urgent, rules.patience, rules.is_stream};
+  return {method,
+          path,
+          access,
+          handler,
+          rules.body,
+          rules.key,
+          rules.match,
+          rules.query,
+          rules.is_urgent,
+          rules.patience,
+          rules.is_stream,
+          rules.is_static,
+          rules.bucket,
+          rules.ends_with_client};
 }
 
 constexpr Route get(std::string_view path, RouteAccess access, Handler handler,
@@ -56,11 +71,16 @@ constexpr Route action(std::string_view path, RouteAccess access, Handler handle
 }
 
 constexpr auto kTable = std::to_array<Route>({
+    get("/", kEveryone, handle::page, {.is_static = true}),
+    get("/page/{file}", kEveryone, handle::page, {.is_static = true}),
     get("/healthz", kEveryone, handle::healthz, {.patience = Patience::Probe}),
     get("/readyz", kEveryone, handle::readyz, {.patience = Patience::Probe}),
     get("/metrics", kViewer, handle::metrics),
     get("/v1/meta", kViewer, handle::meta),
     get("/v1/openapi.json", kViewer, handle::openapi),
+    get("/v1/examples", kViewer, handle::list_examples),
+    get("/v1/design-schema", kViewer, handle::design_schema),
+    get("/v1/machines", kViewer, handle::list_machines),
     get("/v1/usage", kViewer, handle::usage, {.query = "from to by"}),
 
     post("/v1/session/one-shot", kViewer, handle::create_one_shot, {.body = kJson}),
@@ -82,7 +102,7 @@ constexpr auto kTable = std::to_array<Route>({
     get("/v1/designs/{id}", kViewer, handle::get_design),
     get("/v1/designs/{id}/content", kViewer, handle::design_content),
     get("/v1/designs/{id}/preview.svg", kViewer, handle::design_preview,
-        {.patience = Patience::Design}),
+        {.patience = Patience::Design, .bucket = Bucket::Picture}),
     remove("/v1/designs/{id}", kSubmitter, handle::delete_design),
     post("/v1/designs/{id}/plan", kSubmitter, handle::plan_design,
          {.body = kJson, .key = KeyRule::Allowed}),
@@ -95,6 +115,19 @@ constexpr auto kTable = std::to_array<Route>({
     get("/v1/plans/{id}/report.json", kViewer, handle::plan_file),
     get("/v1/plans/{id}/sheets/{k}.svg", kViewer, handle::sheet_svg),
     get("/v1/plans/{id}/sheets/{k}/program", kViewer, handle::sheet_program),
+    get("/v1/plans/{id}/sheets/{k}/strokes", kViewer, handle::sheet_strokes),
+
+    // What somebody looks at while they design.
+    post("/v1/preview", kSubmitter, handle::preview_spec,
+         {.body = kJson, .bucket = Bucket::Preview, .ends_with_client = true}),
+    post("/v1/place", kSubmitter, handle::place_spec,
+         {.body = kJson, .bucket = Bucket::Preview, .ends_with_client = true}),
+    get("/v1/designs/{id}/deployed.svg", kViewer, handle::design_picture,
+        {.patience = Patience::Design, .bucket = Bucket::Picture}),
+    get("/v1/designs/{id}/pattern.svg", kViewer, handle::design_picture,
+        {.patience = Patience::Design, .bucket = Bucket::Picture}),
+    get("/v1/designs/{id}/lattice", kViewer, handle::design_lattice,
+        {.patience = Patience::Design, .bucket = Bucket::Picture, .ends_with_client = true}),
 
     get("/v1/materials", kViewer, handle::list_materials, {.query = "limit cursor"}),
     get("/v1/materials/{id}", kViewer, handle::get_material),
@@ -110,7 +143,8 @@ constexpr auto kTable = std::to_array<Route>({
     action("/v1/devices/{id}/actions/test-cut", kOperator, handle::act_on_device),
 
     post("/v1/jobs", kSubmitter, handle::create_job, {.body = kJson, .key = kKeyed}),
-    get("/v1/jobs", kViewer, handle::list_jobs, {.query = "limit cursor state owner device since"}),
+    get("/v1/jobs", kViewer, handle::list_jobs,
+        {.query = "limit cursor state order owner device since"}),
     get("/v1/jobs/{id}", kViewer, handle::get_job, {.is_urgent = true}),
     route(Method::Patch, "/v1/jobs/{id}", kSubmitter, handle::patch_job,
           {.body = kJson, .key = KeyRule::Allowed, .match = MatchRule::Required}),
@@ -155,7 +189,9 @@ constexpr bool is_action(const Route& route) {
 // from the compiler.
 constexpr bool is_sound(const Route& route) {
   const bool changes = route.method != Method::Get;
-  if (route.path.empty() || route.path.front() != '/' || route.path.back() == '/') return false;
+  if (route.path.empty() || route.path.front() != '/') return false;
+  if (route.path.size() > 1 && route.path.back() == '/') return false;
+  if (route.is_static && (changes || !route.access.is_open())) return false;
   if (changes && route.access.is_open() && route.path != "/v1/session") return false;
   if (changes && !route.access.is_open() && route.access.role() < Role::Submitter &&
       !route.path.starts_with("/v1/session"))

@@ -52,6 +52,8 @@ enum class MatchRule : std::uint8_t {
   OrNew,     ///< or If-None-Match is "*": it must not be there yet
   Allowed    ///< held against the revision if it is sent
 };
+/// Which rate of a principal a request counts against.
+enum class Bucket : std::uint8_t { Usual, Preview, Picture };
 enum class Patience : std::uint8_t { Usual, Probe, Design };  ///< how long the answer may take
 
 struct Route {
@@ -68,6 +70,12 @@ struct Route {
   Patience patience{Patience::Usual};
   /// May become a stream of events (see `wants_stream`).
   bool is_stream{false};
+  /// Is a part of the program: answered without the service and its thread, and not counted in the
+  /// rates. Its handler must not touch the service.
+  bool is_static{false};
+  Bucket bucket{Bucket::Usual};
+  /// What it has begun is told when its client goes (`Request::departure`).
+  bool ends_with_client{false};
 };
 
 /// All routes. Each is documented in openapi.json; a test compares the two.

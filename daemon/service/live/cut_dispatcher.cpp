@@ -400,6 +400,7 @@ void CutDispatcher::tick() {
   for (const auto& [job, until] : armed_until_)
     if (until <= now) over.push_back(job);
   for (const std::string& job : over) lapse(job, "arm_expired");
+  tell_again();
   if (parts_.store.degraded()) return;
   std::vector<std::shared_ptr<Cut>> refused;
   for (const auto& [job, cut] : cuts_)

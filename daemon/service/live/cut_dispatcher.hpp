@@ -100,6 +100,8 @@ class CutDispatcher : public Cutting {
   /// Takes note of what kept a journal from being written. True: it may be tried once more.
   [[nodiscard]] bool unwritten(const StoreFault& fault);
   void progressed(Cut& cut, const SessionProgress& progress);
+  void tell_progress(Cut& cut, const JobRow& row);
+  void tell_again();
   void ended(const std::shared_ptr<Cut>& cut, const SessionEnd& end);
   [[nodiscard]] Answer<void> record_end(Cut& cut, const SessionEnd& end);
 

@@ -13,6 +13,7 @@ namespace popcut::daemon {
 namespace {
 
 constexpr std::int64_t kTellMs = 500;
+constexpr std::int64_t kTellAgainMs = 1000;  // and the clock of `tick` adds as much: 2 s at most
 
 constexpr double kBusySeconds = 5;  // longer than a cutter with a full buffer takes nothing
 
@@ -354,12 +355,13 @@ void CutDispatcher::progressed(Cut& cut, const SessionProgress& progress) {
   }
   if (settled && !parts_.store.degraded()) (void)intended(cut, cut.marks.intended);
   cut.live.seconds_left = progress.seconds_left;
+  cut.live.done = static_cast<std::int64_t>(progress.strokes_done);
+  cut.told = progress;
   if (progress.strokes > 0)
     cut.live.cut_share =
         static_cast<double>(progress.strokes_done) / static_cast<double>(progress.strokes);
   const bool turned = std::exchange(cut.phase, progress.phase) != progress.phase;
-  std::int64_t rev = 0;
-  std::string state;
+  std::optional<JobRow> shown_row;
   const Answer<void> noted = parts_.store.look([&]() -> Answer<void> {
     Answer<JobRow> row = parts_.jobs.row(cut.job);
     if (!row) return tl::unexpected(row.error());
@@ -379,22 +381,41 @@ void CutDispatcher::progressed(Cut& cut, const SessionProgress& progress) {
       });
       if (taken) cut.shown = shown;
     }
-    rev = row->rev;
-    state = name_of(row->state);
+    shown_row = std::move(*row);
     return {};
   });
   const std::int64_t now = parts_.store.monotonic();
   if (!noted || (!turned && now - cut.told_ms < kTellMs)) return;
-  cut.told_ms = now;
+  tell_progress(cut, *shown_row);
+}
+
+// A cutter that says nothing for a while is told of all the same: whoever watches sees that the
+// line is alive.
+void CutDispatcher::tell_again() {
+  const std::int64_t now = parts_.store.monotonic();
+  for (const auto& [job, cut] : cuts_) {
+    if (cut->over || cut->told.strokes == 0 || now - cut->told_ms < kTellAgainMs) continue;
+    (void)parts_.store.look([&, one = cut.get()]() -> Answer<void> {
+      if (const Answer<JobRow> row = parts_.jobs.row(one->job)) tell_progress(*one, *row);
+      return {};
+    });
+  }
+}
+
+void CutDispatcher::tell_progress(Cut& cut, const JobRow& row) {
+  const SessionProgress& progress = cut.told;
+  const std::array<double, 2> left_s = parts_.jobs.shown(row).remaining_s;
+  cut.told_ms = parts_.store.monotonic();
   parts_.store.tell(
       {.seq = 0,
        .kind = "progress",
        .time = parts_.store.now(),
        .job = cut.job,
        .data = fmt::format(
-           R"({{"seq":0,"kind":"progress","job":"{}","state":"{}","rev":{},"sheet":{},"phase":"{}","paths_certain":{},"paths_sent":{},"paths_done":{},"paths":{},"seconds_left":{:.1f}}})",
-           cut.job, state, rev, cut.sheet, name_of(progress.phase), cut.live.certain, cut.live.sent,
-           progress.strokes_done, progress.strokes, std::max(0.0, progress.seconds_left))});
+           R"({{"seq":0,"kind":"progress","job":"{}","state":"{}","rev":{},"sheet":{},"phase":"{}","paths_certain":{},"paths_sent":{},"paths_done":{},"paths":{},"seconds_left":{:.1f},"remaining_s":[{:.1f},{:.1f}]}})",
+           cut.job, name_of(row.state), row.rev, cut.sheet, name_of(progress.phase),
+           cut.live.certain, cut.live.sent, progress.strokes_done, progress.strokes,
+           std::max(0.0, progress.seconds_left), left_s[0], left_s[1])});
 }
 
 void CutDispatcher::ended(const std::shared_ptr<Cut>& cut, const SessionEnd& end) {

@@ -32,6 +32,7 @@ constexpr int kPagesAtOnce = 500;
 ServiceOptions completed(ServiceOptions options) {
   using namespace std::chrono;
   if (!options.wall_ms) options.wall_ms = wall_clock_ms;
+  if (!options.user_name) options.user_name = login_name;
   if (!options.monotonic_ms)
     options.monotonic_ms = [] {
       return duration_cast<milliseconds>(steady_clock::now().time_since_epoch()).count();
@@ -60,14 +61,15 @@ struct Parts {
         store(disk, options),
         calendar(store, options),
         intents(disk.folder()),
-        tokens(store, options),
+        titles(store, options),
+        tokens(store, titles, options),
         registry(store, cutters, options),
         materials(store, options),
         chores(thread),
         reading(thread),
-        designs(store, thread, planner, chores, alive),
+        designs(store, thread, planner, options.previewer, chores, alive),
         plans({store, thread, planner, chores, designs, materials, registry, options, alive}),
-        jobs({store, thread, plans, registry, options, alive}),
+        jobs({store, thread, plans, registry, titles, options, alive}),
         programs(reading, options.read_program),
         dispatcher(
             {store, thread, cutters, jobs, plans, programs, registry, intents, options, alive}),
@@ -93,6 +95,7 @@ struct Parts {
   ServiceStore store;
   Calendar calendar;
   IntentJournals intents;
+  PrincipalTitles titles;
   Tokens tokens;
   DeviceRegistry registry;
   MaterialRepository materials;

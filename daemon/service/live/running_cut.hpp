@@ -30,6 +30,7 @@ struct CutDispatcher::Cut {
   std::string shown;                   ///< kind of the attention that is shown meanwhile
   SessionPhase phase{SessionPhase::Connecting};
   std::int64_t told_ms{-1'000'000};
+  SessionProgress told{};  ///< what was last told of
 
   // Left by the cutter's thread.
   std::mutex mutex;

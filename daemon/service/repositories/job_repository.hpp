@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "daemon/jobs/rules.hpp"
+#include "daemon/service/principal_titles.hpp"
 #include "daemon/service/repositories/planning_queue.hpp"
 #include "daemon/service/service.hpp"
 #include "daemon/store/attempt_table.hpp"
@@ -19,6 +20,7 @@ namespace popcut::daemon {
 /// What is known of a sheet while it is cut, and not stored.
 struct LiveCut {
   std::int64_t certain{}, sent{};  ///< strokes of this blank
+  std::int64_t done{};             ///< that are probably cut
   double cut_share{};              ///< part of the sheet's strokes that is estimated to be done
   double seconds_left{-1};         ///< of the sheet; below 0: not known yet
 };
@@ -32,6 +34,7 @@ class JobRepository : public Jobs {
     ServiceThread& thread;
     PlanningQueue& plans;
     DeviceRegistry& devices;
+    PrincipalTitles& titles;
     const ServiceOptions& options;
     std::shared_ptr<void> alive;
   };
@@ -44,6 +47,7 @@ class JobRepository : public Jobs {
                                         const std::string& material);
   Answer<Page<Job>> list(const JobFilter& filter, const PageRequest& request) override;
   Answer<Job> find(const std::string& id) override;
+  Answer<Job> brief(const std::string& id) override;
   Answer<std::vector<SheetRecord>> sheets(const std::string& id, int first, int most) override;
   Answer<Ledger> ledger(const std::string& id, int sheet) override;
   Answer<Job> patch(const Principal& who, const std::string& id, std::int64_t if_match,
@@ -119,6 +123,7 @@ class JobRepository : public Jobs {
   std::set<std::string> left_over_{};  ///< plans whose jobs could not be updated
   void put_sheet(const JobRow& row, std::string_view state, std::optional<TimeMs> finished = {});
   [[nodiscard]] std::optional<Attention> attention_of(const JobRow& row) const;
+  [[nodiscard]] std::optional<TimeMs> armed_until(const JobRow& row) const;
   Parts parts_;
   JobTable jobs_;
   AttemptTable attempts_;

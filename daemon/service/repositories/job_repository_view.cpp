@@ -89,6 +89,13 @@ std::optional<Attention> JobRepository::attention_of(const JobRow& row) const {
   return attention;
 }
 
+std::optional<TimeMs> JobRepository::armed_until(const JobRow& row) const {
+  if (row.state != JobState::Armed) return std::nullopt;
+  const auto arm = const_cast<JobRepository*>(this)->attempts_.armed(row.id);
+  if (!arm) return std::nullopt;
+  return arm->armed + parts_.options.arm_s * 1000;
+}
+
 Job JobRepository::shown(const JobRow& row) const {
   Job job;
   job.id = row.id;
@@ -99,6 +106,9 @@ Job JobRepository::shown(const JobRow& row) const {
   job.note = row.note;
   job.owner = row.owner;
   job.operator_name = row.operator_name;
+  job.owner_title = parts_.titles.of(row.owner);
+  job.operator_title = parts_.titles.of(row.operator_name);
+  job.is_test = row.design.empty();
   job.device = row.device.empty() ? row.requested_device : row.device;
   job.design = row.design;
   job.plan = row.plan;
@@ -113,11 +123,13 @@ Job JobRepository::shown(const JobRow& row) const {
   job.progress = {.paths_certain = row.done_paths + row.paths_certain,
                   .paths_sent = row.done_paths + row.paths_sent,
                   .paths_total = row.paths_total,
+                  .paths_done = row.done_paths + row.paths_certain,
                   .cut_mm = row.done_mm};
   job.remaining_s = {row.low_s, row.high_s};
   if (const LiveCut* now = live ? live(row.id) : nullptr) {
     job.progress.paths_certain = row.done_paths + now->certain;
     job.progress.paths_sent = row.done_paths + now->sent;
+    job.progress.paths_done = row.done_paths + std::max(now->certain, now->done);
     if (const auto sheet = const_cast<JobRepository*>(this)->current_sheet(row)) {
       job.progress.cut_mm += (sheet->cut_mm + sheet->fold_mm) * now->cut_share;
       const double over = now->seconds_left < 0 || sheet->seconds <= 0
@@ -136,6 +148,7 @@ Job JobRepository::shown(const JobRow& row) const {
   job.warnings = row.warnings;
   job.unaccepted = codes_of(row.unaccepted);
   job.attention = attention_of(row);
+  job.armed_until = armed_until(row);
   job.actions = actions_of(row);
   return job;
 }
@@ -221,6 +234,12 @@ Answer<Job> JobRepository::find(const std::string& id) {
       if (may_go_on && ways) job.ways = ways(found);
       return job;
     });
+  });
+}
+
+Answer<Job> JobRepository::brief(const std::string& id) {
+  return parts_.store.look([&]() -> Answer<Job> {
+    return row(id).map([&](const JobRow& found) { return shown(found); });
   });
 }
 

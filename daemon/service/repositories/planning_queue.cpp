@@ -124,6 +124,12 @@ Answer<PlanningQueue::Machine> PlanningQueue::machine_for(const std::string& dev
   });
 }
 
+Answer<std::vector<popcut::Machine>> PlanningQueue::machines() {
+  const Result<std::vector<popcut::Machine>> all = all_machines(parts_.options.tables);
+  if (!all) return tl::unexpected(problem_from(all.error()));
+  return *all;
+}
+
 Answer<MaterialRecord> PlanningQueue::material_named(const std::string& name) {
   Answer<MaterialRecord> found = parts_.materials.find(name);
   if (found || found.error().kind != ProblemKind::NotFound) return found;

@@ -37,6 +37,7 @@ class PlanningQueue : public Plans {
   Answer<PlanRecord> request(const Principal& who, const PlanRequest& request) override;
   Answer<PlanRecord> find(const std::string& id) override;
   void whole(const std::string& id, std::function<void(Answer<PlanRecord>)> done) override;
+  Answer<std::vector<popcut::Machine>> machines() override;
   Answer<std::string> file(const std::string& id, const std::string& name) override;
   Answer<void> remove(const Principal& who, const std::string& id) override;
 

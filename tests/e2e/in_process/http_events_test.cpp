@@ -7,6 +7,7 @@
 #include <thread>
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "tests/support/raw_http.hpp"
 
@@ -87,6 +88,80 @@ TEST_CASE("a stream that was interrupted too long begins again with a snapshot",
   RawConnection connection = server.connect();
   open_stream(server, connection, "Last-Event-ID: 49\r\n");
   CHECK(connection.receive_until("\n\n").starts_with("id: 50\n"));
+}
+
+TEST_CASE("an event that is heard as it happens comes with the job or the device as it is",
+          "[daemon][http][events]") {
+  LiveServer server;
+  std::string job, large;
+  server.ask([&](FakeService& fake) {
+    job = fake.add_job(JobState::Ready, "token:submitter").id;
+    fake.job_map.at(job).name = "a\nb\u2028\"<script>";
+    fake.job_map.at(job).ways = {{"retry-sheet", "{}"}};
+    Job& long_one = fake.add_job(JobState::Ready, "token:submitter");
+    large = long_one.id;
+    long_one.note = std::string(13'000, 'x');
+  });
+  RawConnection connection = server.connect();
+  open_stream(server, connection);
+  const std::string first = connection.receive_until("\"more\":false}\n\n");
+  const std::string data = first.substr(first.rfind("data: ") + 6);
+  CHECK(nlohmann::json::parse(data).at("now").get<std::string>().ends_with("Z"));
+  const auto heard = [&](const std::function<void(FakeService&)>& happens) {
+    server.ask(happens);
+    const std::string frame = connection.receive_until("\n\n");
+    CHECK(count(frame, "\ndata: ") == 1);
+    return nlohmann::json::parse(frame.substr(frame.find("data: ") + 6));
+  };
+  const auto of_job = heard([&](FakeService& fake) { fake.tell("job", job, R"("rev":2)"); });
+  auto shown = nlohmann::json::parse(server.fetch("GET", "/v1/jobs/" + job, "viewer").body);
+  CHECK(shown.contains("ways"));
+  shown.erase("ways");
+  CHECK(of_job.at("whole") == shown);
+  CHECK(of_job.at("now").get<std::string>().ends_with("Z"));
+  CHECK(of_job.at("rev") == 2);
+  CHECK(heard([&](FakeService& fake) { fake.tell("queue", job, R"("held":true)"); }).at("whole") ==
+        shown);
+  const auto of_device = heard([](FakeService& fake) {
+    fake.tell("device", "", R"("device":"sim:cameo3","state":"idle","rev":1)");
+  });
+  CHECK(of_device.at("whole") ==
+        nlohmann::json::parse(server.fetch("GET", "/v1/devices/sim:cameo3", "viewer").body));
+  // What is gone, or too much, or not to be had now, is left out; the event is not.
+  for (const std::string& id : {std::string("01JD0000000000000000000000"), large})
+    CHECK_FALSE(heard([&](FakeService& fake) {
+                  fake.tell("job", id, R"("deleted":true)");
+                }).contains("whole"));
+  for (const char* odd : {R"("device":"gone")", R"("device":7)", R"("x":1)"})
+    CHECK_FALSE(heard([&](FakeService& fake) { fake.tell("device", "", odd); }).contains("whole"));
+  // What was missed is told as it was stored.
+  RawConnection later = server.connect();
+  open_stream(server, later, "Last-Event-ID: 0\r\n");
+  const std::string missed = later.receive_until("id: 7\n");
+  CHECK(count(missed, "event: ") >= 6);
+  CHECK(count(missed, "whole") == 0);
+}
+
+TEST_CASE("a stream that is slow loses no event to jobs that are long", "[daemon][http][events]") {
+  LiveServer server;
+  std::string job;
+  server.ask([&](FakeService& fake) {
+    job = fake.add_job(JobState::Ready, "token:submitter").id;
+    fake.job_map.at(job).note = std::string(8000, 'x');
+  });
+  RawConnection slow = server.connect();
+  slow.shrink_buffer(4096);
+  open_stream(server, slow);
+  CHECK(slow.receive_until("\"more\":false}\n\n").starts_with("event: reset"));
+  constexpr int kEvents = 200;
+  server.ask([&](FakeService& fake) {
+    for (int i = 0; i < kEvents; ++i) fake.tell("job", job, fmt::format(R"("rev":{})", i));
+  });
+  const std::string all = slow.receive_until(fmt::format("\"seq\":{},", kEvents));
+  CHECK(all.find("overflow") == std::string::npos);
+  CHECK(count(all, "event: job") == kEvents);
+  CHECK(count(all, "\"whole\"") > 5);
+  CHECK(count(all, "\"whole\"") < kEvents);
 }
 
 TEST_CASE("a stream with an invalid query is refused", "[daemon][http][events]") {

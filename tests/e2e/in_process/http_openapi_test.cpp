@@ -2,6 +2,7 @@
 // openapi.json against the table of routes and against what the server does.
 #include <algorithm>
 #include <atomic>
+#include <fstream>
 #include <map>
 #include <set>
 #include <sstream>
@@ -12,6 +13,7 @@
 
 #include "core/plan/plan_options.hpp"
 #include "daemon/http/api/openapi.hpp"
+#include "daemon/http/api/page_files.hpp"
 #include "daemon/http/api/routes.hpp"
 #include "tests/support/json_schema.hpp"
 #include "tests/support/paths.hpp"
@@ -55,6 +57,10 @@ bool has_parameter(const json& op, const std::string& in, const std::string& nam
   });
 }
 
+const json& operation_example(const std::string& schema) {
+  return document().at("components").at("schemas").at(schema).at("example");
+}
+
 bool is_upload(const http::Route& route) {
   return route.body == http::BodyRule::Design || route.body == http::BodyRule::Asset;
 }
@@ -95,9 +101,13 @@ struct Bench {
       std::fputs("{}", file);
       std::fclose(file);
       fake.files[design] = path;
-      for (const char* name : {"plan.json", "pattern.svg", "assembly.svg", "deploy.glb",
-                               "report.json", "sheet-01.svg", "sheet-01.gpgl"})
-        fake.files[plan + "/" + name] = path;
+      const std::string strokes = (server.folder() / "strokes").string();
+      std::ofstream(strokes) << operation_example("Strokes").dump();
+      for (const char* name :
+           {"plan.json", "pattern.svg", "assembly.svg", "deploy.glb", "report.json", "sheet-01.svg",
+            "sheet-01.gpgl", "sheet-01.strokes.json"})
+        fake.files[plan + "/" + name] =
+            std::string_view(name).ends_with(".strokes.json") ? strokes : path;
       fake.tell("job", job, R"("rev":1)");
     });
   }
@@ -131,6 +141,7 @@ struct Bench {
     };
     put("{id}", id_for(route.path));
     put("{k}", "1");
+    put("{file}", std::string(http::page_files().back().name));
     if (route.match != http::MatchRule::None)
       out.more += fmt::format("If-Match: {}\r\n", etag_for(route.path));
     static int keys = 0;
@@ -277,6 +288,7 @@ TEST_CASE("each documented problem of each route is produced", "[daemon][http][o
   Bench strict([](HttpOptions& options) {
     options.limits.rate_per_s = 0.001;
     options.limits.rate_burst = 1;
+    options.limits.previews_per_s = options.limits.pictures_per_s = 0.001;
     options.limits.failed_logins_per_minute = 100'000;
   });
   const std::map<int, ProblemKind> told{{404, ProblemKind::NotFound},
@@ -316,6 +328,9 @@ TEST_CASE("each documented problem of each route is produced", "[daemon][http][o
             role = "viewer";
           else if (route.method != http::Method::Get)
             call.more += "Origin: http://evil.example\r\n";
+          break;
+        case 404:
+          if (route.is_static) call.target += "x";
           break;
         case 413:
           if (route.body == http::BodyRule::None)

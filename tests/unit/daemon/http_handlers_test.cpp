@@ -6,10 +6,13 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/design/spec/spec.hpp"
+#include "daemon/examples/examples.hpp"
 #include "daemon/http/api/dispatch.hpp"
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/render.hpp"
 #include "daemon/http/api/target.hpp"
+#include "daemon/model/wall_clock.hpp"
 #include "tests/support/fake_service.hpp"
 
 namespace http_handlers_test {
@@ -84,6 +87,68 @@ TEST_CASE("each route has a handler and is found by its path", "[daemon][http][r
   CHECK(find_route(Method::Get, {"v1", "plans", "p", "sheets", ".svg"}).route == nullptr);
   CHECK(find_route(Method::Get, {"v1", "plans", "p", "sheets", "7.svg"}).params ==
         std::vector<std::string>{"p", "7"});
+}
+
+TEST_CASE("the tables that a page chooses from are those of the command line",
+          "[daemon][http][handlers]") {
+  FakeService fake;
+  const Asked examples = ask(fake, Method::Get, "/v1/examples");
+  REQUIRE(examples.response.status == 200);
+  CHECK(examples.body.at("items").size() == popcut::examples().size());
+  CHECK(examples.body.at("next_cursor").is_null());
+  for (const json& item : examples.body.at("items")) {
+    CAPTURE(item.at("name"));
+    CHECK_FALSE(item.at("title").get<std::string>().empty());
+    CHECK(popcut::parse_design_spec(item.at("spec").dump()));
+  }
+  const Asked schema = ask(fake, Method::Get, "/v1/design-schema");
+  CHECK(schema.response.body == popcut::design_spec_schema());
+  for (const Asked* fixed : {&examples, &schema}) {
+    const std::string etag = fixed->response.headers.at(0).value;
+    CHECK(ask(fake, Method::Get, fixed == &examples ? "/v1/examples" : "/v1/design-schema",
+              {{"if-none-match", etag}})
+              .response.status == 304);
+  }
+  const Asked machines = ask(fake, Method::Get, "/v1/machines");
+  CHECK(machines.body.at("items").size() == popcut::all_machines()->size());
+  CHECK(machines.body.at("items").at(0).at("mats").is_array());
+}
+
+TEST_CASE("the strokes of a sheet are a file of its plan, which earlier plans do not have",
+          "[daemon][http][handlers]") {
+  FakeService fake;
+  fake.files["p/sheet-01.svg"] = fake.files["p/sheet-02.svg"] = "/nowhere.svg";
+  fake.files["p/sheet-01.strokes.json"] = "/nowhere.json";
+  const auto strokes = [&](const std::string& sheet, std::vector<Header> headers = {}) {
+    return ask(fake, Method::Get, "/v1/plans/p/sheets/" + sheet + "/strokes", std::move(headers))
+        .response;
+  };
+  const Response first = strokes("1");
+  CHECK(first.status == 200);
+  CHECK(first.file == "/nowhere.json");
+  CHECK(first.headers.at(0).value == "\"p-1-strokes\"");
+  CHECK(strokes("1", {{"if-none-match", "\"p-1-strokes\""}}).status == 304);
+  CHECK(strokes("1", {{"if-none-match", "\"p-1-strokes\""}}).file.empty());
+  CHECK(strokes("2").status == 409);
+  CHECK(strokes("2").body.find("plan the design again") != std::string::npos);
+  for (const char* sheet : {"3", "0", "-1", "01", "x", "99999999999999999999"})
+    CHECK(strokes(sheet).status == 404);
+}
+
+TEST_CASE("meta names who asks and whether a session does", "[daemon][http][handlers]") {
+  FakeService fake;
+  const auto meta = [&](const Principal& who) {
+    return ask(fake, Method::Get, "/v1/meta", {}, "", who).body;
+  };
+  const json token = meta({.name = "token:viewer", .role = Role::Viewer, .credential = "x"});
+  CHECK(token.at("principal").at("title") == "viewer's");
+  CHECK(token.at("session") == false);
+  CHECK(
+      meta({.name = "token:viewer", .role = Role::Viewer, .credential = "viewer"}).at("session") ==
+      true);
+  const auto now = time_from(token.at("now").get<std::string>());
+  REQUIRE(now);
+  CHECK(std::abs(*now - popcut::daemon::wall_clock_ms()) < 60'000);
 }
 
 TEST_CASE("every member of a job request reaches the service", "[daemon][http][handlers]") {
@@ -203,7 +268,7 @@ TEST_CASE("pages continue where they ended and invented cursors are refused",
   CHECK(std::is_sorted(ids.begin(), ids.end()));
   for (const char* bad : {"cursor=x", "cursor=", "limit=0", "limit=201", "limit=1.5", "limit=+1",
                           "limit=", "limit=1e1", "state=armd", "since=yesterday",
-                          "since=2026-13-01", "since=2026-02-30"}) {
+                          "since=2026-13-01", "since=2026-02-30", "order=", "order=newest"}) {
     CAPTURE(bad);
     const Asked page = ask(fake, Method::Get, fmt::format("/v1/jobs?{}", bad));
     CHECK(page.response.status == 422);
@@ -273,6 +338,11 @@ TEST_CASE("lists are filtered by state and owner and time", "[daemon][http][hand
   CHECK(fake.last_filter.owner == "uid:1000");
   CHECK(fake.last_filter.device == "sim:cameo3");
   CHECK(rfc3339(*fake.last_filter.since) == "2026-11-21T10:00:00.500Z");
+  CHECK_FALSE(fake.last_filter.newest_first);
+  CHECK(ask(fake, Method::Get, "/v1/jobs?order=desc").response.status == 200);
+  CHECK(fake.last_filter.newest_first);
+  CHECK(ask(fake, Method::Get, "/v1/jobs?order=asc").response.status == 200);
+  CHECK_FALSE(fake.last_filter.newest_first);
 }
 
 TEST_CASE("times are read and written in RFC 3339", "[daemon][http][time]") {
@@ -338,6 +408,77 @@ TEST_CASE("the program of a sheet is found in either language", "[daemon][http][
   CHECK(ask(fake, Method::Get, "/v1/plans/P/sheets/1/program").response.file == "/a");
   CHECK(ask(fake, Method::Get, "/v1/plans/P/sheets/12/program").response.file == "/b");
   CHECK(ask(fake, Method::Get, "/v1/plans/P/sheets/2/program").response.status == 404);
+}
+
+TEST_CASE("a preview reaches the service with its spec, quality and key",
+          "[daemon][http][handlers]") {
+  FakeService fake;
+  const std::vector<Header> key{{"preview-key", "page-0123456789abc"}};
+  const Asked drawn = ask(fake, Method::Post, "/v1/preview", key,
+                          R"({"spec": {"popcut": 1, "slices": 3}, "quality": "draft"})");
+  CHECK(drawn.response.status == 200);
+  CHECK(drawn.response.content_type == "application/vnd.popcut.lattice");
+  CHECK(drawn.response.body == "PCLB");
+  CHECK(json::parse(fake.last_preview.spec) == json{{"popcut", 1}, {"slices", 3}});
+  CHECK(fake.last_preview.is_draft);
+  CHECK(fake.last_preview.key == "page-0123456789abc");
+  CHECK(fake.last_preview.place.empty());
+  CHECK(ask(fake, Method::Post, "/v1/preview", {},
+            R"({"spec": {}, "quality": "exact", "place": "quarter"})")
+            .response.status == 200);
+  CHECK_FALSE(fake.last_preview.is_draft);
+  CHECK(fake.last_preview.place == "quarter");
+  const struct {
+    const char* body;
+    const char* pointer;
+  } wrong[] = {{R"({"quality": "draft"})", "/spec"},
+               {R"({"spec": "x", "quality": "draft"})", "/spec"},
+               {R"({"spec": {}})", "/quality"},
+               {R"({"spec": {}, "quality": "best"})", "/quality"},
+               {R"({"spec": {}, "quality": "draft", "place": "left"})", "/place"},
+               {R"({"spec": {}, "quality": "draft", "key": 1})", "/key"}};
+  for (const auto& one : wrong) {
+    CAPTURE(one.body);
+    const Asked refused = ask(fake, Method::Post, "/v1/preview", key, one.body);
+    CHECK(refused.response.status == 422);
+    CHECK(refused.body["errors"][0]["pointer"] == one.pointer);
+  }
+  for (const char* bad : {"short", "has a blank in it 123456"})
+    CHECK(ask(fake, Method::Post, "/v1/preview", {{"preview-key", bad}},
+              R"({"spec": {}, "quality": "draft"})")
+              .response.status == 400);
+  fake.next_problem = Problem{ProblemKind::Superseded, "a newer one came"};
+  const Asked older =
+      ask(fake, Method::Post, "/v1/preview", key, R"({"spec": {}, "quality": "draft"})");
+  CHECK(older.response.status == 409);
+  CHECK(older.body["type"] == "https://popcut.invalid/p/superseded");
+}
+
+TEST_CASE("a placed spec and a design's lattice come back as they were made",
+          "[daemon][http][handlers]") {
+  FakeService fake;
+  const Asked placed =
+      ask(fake, Method::Post, "/v1/place", {}, R"({"spec": {"popcut": 1}, "place": "whole"})");
+  CHECK(placed.response.status == 200);
+  CHECK(placed.body == json{{"spec", {{"popcut", 1}}}});
+  CHECK(ask(fake, Method::Post, "/v1/place", {}, R"({"spec": {}})").response.status == 422);
+  fake.design_map["sha256-1"].id = "sha256-1";
+  const Asked lattice = ask(fake, Method::Get, "/v1/designs/sha256-1/lattice");
+  CHECK(lattice.response.status == 200);
+  CHECK(lattice.response.body == "PCLB");
+  std::string etag, cache;
+  for (const Header& header : lattice.response.headers) {
+    if (header.name == "ETag") etag = header.value;
+    if (header.name == "Cache-Control") cache = header.value;
+  }
+  CHECK(cache == "private, max-age=86400");
+  const Asked seen =
+      ask(fake, Method::Get, "/v1/designs/sha256-1/lattice", {{"if-none-match", "\"x\", " + etag}});
+  CHECK(seen.response.status == 304);
+  CHECK(seen.response.body.empty());
+  CHECK(std::any_of(seen.response.headers.begin(), seen.response.headers.end(),
+                    [&](const Header& header) { return header.value == cache; }));
+  CHECK(ask(fake, Method::Get, "/v1/designs/sha256-2/lattice").response.status == 404);
 }
 
 TEST_CASE("a service that throws gives a problem and does not end the server",

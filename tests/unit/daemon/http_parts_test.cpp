@@ -322,6 +322,43 @@ TEST_CASE("a client's event queue drops progress first and then ends the stream"
   CHECK(small.has_overflowed());
 }
 
+TEST_CASE("a client that is slow is told what happened and not what it is about",
+          "[daemon][http][ring]") {
+  const auto full = [](std::int64_t seq, std::size_t whole) {
+    Event event{.seq = seq, .kind = "job", .time = 0, .job = "01J", .data = R"({"rev":1})"};
+    return frame_of(event, fmt::format(R"("whole":{{"x":"{}"}})", std::string(whole, 'x')));
+  };
+  const EventFramePtr one = full(7, 10);
+  CHECK(one->text ==
+        "id: 7\nevent: job\ndata: {\"rev\":1,\"time\":\"1970-01-01T00:00:00.000Z\","
+        "\"whole\":{\"x\":\"xxxxxxxxxx\"}}\n\n");
+  REQUIRE(one->brief);
+  CHECK(one->brief->text ==
+        "id: 7\nevent: job\ndata: {\"rev\":1,\"time\":\"1970-01-01T00:00:00.000Z\"}\n\n");
+  CHECK(one->brief->seq == 7);
+  CHECK_FALSE(frame_of(Event{.seq = 1, .kind = "job", .data = "{}"})->brief);
+  // The one frame goes to all streams; each takes the part that it has room for.
+  EventRing ring(256, 256 << 10);
+  for (int seq = 1; seq <= 250; ++seq) ring.push(full(seq, 2000));
+  CHECK_FALSE(ring.has_overflowed());
+  CHECK(ring.dropped() == 0);
+  CHECK(ring.bytes() <= 256 << 10);
+  int whole = 0;
+  for (int seq = 1; seq <= 250; ++seq) {
+    const EventFramePtr next = ring.pop();
+    REQUIRE(next);
+    CHECK(next->seq == seq);
+    if (next->text.find("whole") != std::string::npos) ++whole;
+  }
+  CHECK(whole > 50);
+  CHECK(whole < 70);
+  CHECK(ring.bytes() == 0);
+  // One that alone is more than half goes without.
+  EventRing small(10, 1000);
+  small.push(full(1, 600));
+  CHECK(small.pop()->text.find("whole") == std::string::npos);
+}
+
 TEST_CASE("limits count a peer by its user or its network", "[daemon][http][users]") {
   const auto place = [](const std::string& address) {
     Peer peer;

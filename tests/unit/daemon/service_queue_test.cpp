@@ -382,6 +382,31 @@ TEST_CASE("lists are paged by id and filtered as requested", "[daemon][service]"
       REQUIRE(bench.on([&](LiveService& s) { return s.jobs.remove(bench.student, ids[3]); }));
   } while (!cursor.empty());
   CHECK(seen == ids);
+  const auto all = [&](JobFilter filter, int limit) {
+    std::vector<std::string> found;
+    std::string at;
+    do {
+      const auto page = bench.on([&](LiveService& s) {
+        return s.jobs.list(filter, {limit, at}).value();
+      });
+      for (const Job& job : page.items) found.push_back(job.id);
+      at = page.next_cursor;
+    } while (!at.empty());
+    return found;
+  };
+  // The newest first: the same jobs, turned round, whatever the filter and the pages.
+  const std::int64_t middle = bench.job(ids[12]).created;
+  for (const JobFilter& filter :
+       {JobFilter{}, JobFilter{.states = {JobState::Cancelled, JobState::Ready}},
+        JobFilter{.states = {JobState::Cancelled}}, JobFilter{.owner = "uid:2"},
+        JobFilter{.since = middle}, JobFilter{.states = {JobState::Ready}, .since = middle}}) {
+    std::vector<std::string> oldest_first = all(filter, 5);
+    CHECK_FALSE(oldest_first.empty());
+    std::reverse(oldest_first.begin(), oldest_first.end());
+    JobFilter newest = filter;
+    newest.newest_first = true;
+    for (const int limit : {1, 3, 12, 200}) CHECK(all(newest, limit) == oldest_first);
+  }
   const auto count = [&](const JobFilter& filter) {
     return bench.on([&](LiveService& s) { return s.jobs.list(filter, {200, ""})->items.size(); });
   };

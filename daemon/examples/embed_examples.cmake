@@ -7,9 +7,9 @@ foreach(name ${names})
   string(APPEND rows "    {\"${name}\", R\"popcut(${text})popcut\"},\n")
 endforeach()
 file(WRITE "${OUT}" "// Made from examples/*.json by embed_examples.cmake
-#include \"daemon/cli/help/examples.hpp\"
+#include \"daemon/examples/examples.hpp\"
 
-namespace popcut::cli {
+namespace popcut {
 
 std::span<const Example> examples() {
   static constexpr Example kExamples[] = {
@@ -17,5 +17,5 @@ ${rows}  };
   return kExamples;
 }
 
-}  // namespace popcut::cli
+}  // namespace popcut
 ")

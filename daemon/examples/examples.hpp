@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-namespace popcut::cli {
+namespace popcut {
 
 /// A design spec that ships with popcut: `examples/NAME.json`, embedded when popcut is built.
 struct Example {
@@ -15,4 +15,4 @@ struct Example {
 /// All of them, in the order in which they are listed.
 [[nodiscard]] std::span<const Example> examples();
 
-}  // namespace popcut::cli
+}  // namespace popcut
