@@ -213,6 +213,11 @@ TEST_CASE("a lattice blob says where every vertex, fold and cut of a design is",
     CHECK(blob.head["faces"] == found->pattern.faces());
     CHECK(blob.head["report"]["faces"] == found->report.faces);
     CHECK(blob.head["lattice"] == found->report.lattice);
+    for (const auto& slice : blob.head["report"]["slices"]) {
+      const double wall = slice["ends_mm"][0], ground = slice["ends_mm"][1];
+      CHECK(wall > 0);  // quarter circles and 45 degree slopes
+      CHECK(ground == Approx(wall));
+    }
     check_points(blob, found->pattern);
     check_triangles(blob, found->pattern);
     check_side_places(blob, found->pattern);

@@ -12,6 +12,7 @@ namespace {
 /// The steps at `y`, stretched to the sum `whole`.
 std::vector<double> steps_at(const std::vector<MonotoneSpline>& steps, double y, double whole) {
   std::vector<double> out;
+  out.reserve(steps.size());
   for (const MonotoneSpline& step : steps) out.push_back(step(y));
   const double sum = std::accumulate(out.begin(), out.end(), 0.0);
   for (double& step : out) step *= whole / sum;

@@ -32,7 +32,7 @@ using Json = nlohmann::ordered_json;
 constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
 
 /// What a face is, by its number in the blob.
-enum FaceKind : std::uint8_t { kPanel = 0, kWall = 1, kGround = 2 };
+constexpr std::uint8_t kPanel = 0, kWall = 1, kGround = 2;
 
 /// A pattern of the whole, and the design that it came from.
 struct Part {
@@ -149,8 +149,8 @@ class LatticeWriter {
     add_v_fold_faces(pattern);
   }
 
-  [[nodiscard]] static FaceKind kind_by_place(const Pattern& pattern,
-                                              std::span<const std::uint32_t> face) {
+  [[nodiscard]] static std::uint8_t kind_by_place(const Pattern& pattern,
+                                                  std::span<const std::uint32_t> face) {
     const auto all_at = [&](double PatternVertex::*part) {
       return std::all_of(face.begin(), face.end(), [&](std::uint32_t i) {
         return std::abs(pattern.vertices[i].*part) <= 1e-9;
@@ -309,13 +309,12 @@ class LatticeWriter {
     }
 
     [[nodiscard]] std::vector<std::uint32_t> on(const FoldVertex& vertex) const {
-      constexpr double kSame_mm = 1e-6;
+      constexpr double kSame = 1e-6;
       std::vector<std::uint32_t> out;
-      const auto from = std::lower_bound(points_.begin(), points_.end(), vertex.u_mm - kSame_mm,
+      const auto from = std::lower_bound(points_.begin(), points_.end(), vertex.u_mm - kSame,
                                          [](const Point& p, double u) { return p.u < u; });
-      for (auto p = from; p != points_.end() && p->u <= vertex.u_mm + kSame_mm; ++p)
-        if (p->v >= vertex.v0_mm - kSame_mm && p->v <= vertex.v1_mm + kSame_mm)
-          out.push_back(p->index);
+      for (auto p = from; p != points_.end() && p->u <= vertex.u_mm + kSame; ++p)
+        if (p->v >= vertex.v0_mm - kSame && p->v <= vertex.v1_mm + kSame) out.push_back(p->index);
       return out;
     }
 
