@@ -138,7 +138,7 @@ test('while a slider moves, one preview is in work at most, and the last input w
 test('a preview that is too much ends by its limits, and the cut beside it never waits', async () => {
   const job = await server.queue(ladder(60), { name: 'beside' });
   await server.cut(job.id);
-  const heavy = { popcut: 1, surface: { type: 'revolution', radius: 'sqrt(400^2 - (y - 150)^2)' }, lattice: 'conformal', units_per_slice: 60, slices: 300, widths_mm: 1, min_panel_mm: 0.1 };
+  const heavy = { popcut: 1, surface: { type: 'revolution', radius: 'sqrt(600^2 - (y - 200)^2)' }, lattice: 'conformal', units_per_slice: 100, slices: 1000, widths_mm: 0.4, min_panel_mm: 0.1 };
   const start = Date.now();
   const asked = server.ask('POST', '/v1/preview', { spec: heavy, quality: 'exact' }, { headers: { 'Preview-Key': 'a-test-of-limits-1' } });
   await server.state(job.id, 'done', 60_000);

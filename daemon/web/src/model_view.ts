@@ -126,9 +126,9 @@ void main() {
 const kLight = /* glsl */ `
 uniform highp sampler2DShadow sunMap, skyMap;
 uniform vec3 sun, sky;
-uniform float gathering, texel;
+uniform float gathering, plain;
 float seen(highp sampler2DShadow map, vec3 at, float bias) {
-  if (at.x <= 0.0 || at.x >= 1.0 || at.y <= 0.0 || at.y >= 1.0) return 1.0;
+  if (plain > 0.5 || at.x <= 0.0 || at.x >= 1.0 || at.y <= 0.0 || at.y >= 1.0) return 1.0;
   return texture(map, vec3(at.xy, at.z - bias));
 }
 // Direct light and light of the sky on a surface that faces n, in linear light.
@@ -176,8 +176,7 @@ vec3 ramp(float t) {
   if (stepped == 1) return stops[int(at + 0.5)];
   return mix(stops[i], stops[i + 1], at - float(i));
 }
-float stroke(float role, float across, float along, float width) {
-  float mm = max(fwidth(across), 1e-5);
+float stroke(float role, float across, float along, float width, float mm) {
   float body = 1.0 - smoothstep(width - 0.6, width + 0.6, across / mm);
   float t = fract(along / dash);
   float soft = 0.06;
@@ -211,12 +210,13 @@ void main() {
   float roles = vGrain.x;
   float r0 = mod(roles, 8.0), r1 = mod(floor(roles / 8.0), 8.0), r2 = floor(roles / 64.0);
   vec3 r = vec3(r0, r1, r2);
+  // Derivatives must be taken outside of branches that differ between pixels.
+  vec3 mm = max(fwidth(vAcross), 1e-5);
   for (int k = 0; k < 3; k++) {
     float role = r[k];
-    // fwidth must be taken outside of branches that differ between pixels.
-    bool cut = (role > 0.5 && role < 1.5) || role > 3.5;
-    float a = stroke(role, vAcross[k], vAlong[k], (cut ? 0.62 : 0.78) * ratio);
-    if (role < 0.5) a = 0.0;
+    if (role < 0.5 || vAcross[k] > 2.5 * ratio * mm[k]) continue;
+    bool cut = role < 1.5 || role > 3.5;
+    float a = stroke(role, vAcross[k], vAlong[k], (cut ? 0.62 : 0.78) * ratio, mm[k]);
     vec3 ink = cut ? inkCut : role < 2.5 ? inkMountain : inkValley;
     c = mix(c, ink, a * (cut ? 0.72 : 0.8));
   }
@@ -351,6 +351,13 @@ function readColour(style: CSSStyleDeclaration, name: string, fallback: Rgb): Ve
   return new Vector3(((n >> 16) & 255) / 255, ((n >> 8) & 255) / 255, (n & 255) / 255);
 }
 
+/** True where the processor draws in place of a graphics card. */
+function drawnBySoftware(gl: WebGLRenderingContext | WebGL2RenderingContext): boolean {
+  const info = gl.getExtension('WEBGL_debug_renderer_info');
+  const name = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+  return /swiftshader|llvmpipe|softpipe|software/i.test(name);
+}
+
 /** True where WebGL 2 can be had. */
 export function hasWebgl(): boolean {
   try {
@@ -413,6 +420,7 @@ export class ModelView {
     this.options = options;
     this.renderer = new WebGLRenderer({ canvas, antialias: false, alpha: false, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
+    this.slow = drawnBySoftware(this.renderer.getContext());
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(300, -150, 220);
     this.sunTarget = shadowTarget();
@@ -429,7 +437,7 @@ export class ModelView {
       sun: { value: this.sun.clone() },
       sky: { value: new Vector3(0, 0, 1) },
       gathering: { value: 0 },
-      texel: { value: 1 / kShadowPixels },
+      plain: { value: 0 },
       eye: { value: new Vector3() },
       accent: { value: new Vector3(0.15, 0.42, 0.7) },
       frames: { value: null },
@@ -802,13 +810,45 @@ export class ModelView {
     this.request();
   }
 
+  /** Points that are outermost in some pose: enough for the box of all. */
+  private outermost(lattice: Lattice): Lattice {
+    if (this.outer?.of === lattice) return this.outer.points;
+    const { points } = lattice;
+    const n = points.length / 3;
+    const best = new Set<number>(lattice.tips);
+    const kDirections = 24;
+    const most = new Float64Array(kDirections + 2).fill(-Infinity);
+    const who = new Int32Array(kDirections + 2);
+    const ways = Array.from({ length: kDirections }, (_, k) => [Math.cos((2 * Math.PI * k) / kDirections), Math.sin((2 * Math.PI * k) / kDirections)]);
+    for (let i = 0; i < n; i++) {
+      const x = points[3 * i] as number;
+      const z = points[3 * i + 1] as number;
+      const v = points[3 * i + 2] as number;
+      for (let k = 0; k < kDirections + 2; k++) {
+        const way = ways[k];
+        const far = way ? x * (way[0] as number) + z * (way[1] as number) : k === kDirections ? v : -v;
+        if (far > (most[k] as number)) {
+          most[k] = far;
+          who[k] = i;
+        }
+      }
+    }
+    if (n > 0) for (const i of who) best.add(i);
+    const few = new Float32Array(3 * best.size);
+    [...best].forEach((i, k) => few.set(points.subarray(3 * i, 3 * i + 3), 3 * k));
+    const tips = Uint32Array.from(lattice.tips, (_, k) => k);
+    this.outer = { of: lattice, points: lattice.motion === 'pose' ? { ...lattice, points: few, tips } : lattice };
+    return this.outer.points;
+  }
+  private outer: { of: Lattice; points: Lattice } | null = null;
+
   /** The box of the card in the pose shown, in world mm. */
   private box(): { min: Vector3; max: Vector3 } {
     const lattice = this.lattice;
     const min = new Vector3(Infinity, Infinity, Infinity);
     const max = new Vector3(-Infinity, -Infinity, -Infinity);
     if (lattice) {
-      const places = posedPoints(lattice, this.psi);
+      const places = posedPoints(this.outermost(lattice), this.psi);
       for (let i = 0; i < places.length; i += 3) {
         min.x = Math.min(min.x, places[i] as number);
         max.x = Math.max(max.x, places[i] as number);
@@ -947,7 +987,7 @@ export class ModelView {
     if (this.gathered < this.framesToGather()) {
       const now = performance.now();
       if (this.gathered === 1) this.gatherFrom = now;
-      if (this.gathered === 4) this.slow = (now - this.gatherFrom) / 3 > kSlow_ms;
+      if (this.gathered === 4) this.slow ||= (now - this.gatherFrom) / 3 > kSlow_ms;
       this.gather();
       this.schedule();
     }
@@ -967,7 +1007,10 @@ export class ModelView {
       if (share >= 1) this.blendFrom = 0;
     }
     (this.shared['gathering'] as { value: number }).value = 0;
-    this.shine(this.sun, this.sunTarget, 'sunMatrix');
+    // A slow machine has no shadows while something moves.
+    const plain = this.slow && this.litOnce;
+    (this.shared['plain'] as { value: number }).value = plain ? 1 : 0;
+    if (!plain) this.shine(this.sun, this.sunTarget, 'sunMatrix');
     if (!this.litOnce) this.shine(this.sun, this.skyTarget, 'skyMatrix');
     this.litOnce = true;
     (this.shared['sun'] as { value: Vector3 }).value.copy(this.sun);
@@ -1030,6 +1073,7 @@ export class ModelView {
     const round = 2 * Math.PI * halton(i, 7);
     const flat = Math.sqrt(1 - up * up);
     const sky = new Vector3(flat * Math.cos(round), flat * Math.sin(round), up);
+    (this.shared['plain'] as { value: number }).value = 0;
     this.shine(sun, this.sunTarget, 'sunMatrix');
     this.shine(sky, this.skyTarget, 'skyMatrix');
     (this.shared['sun'] as { value: Vector3 }).value.copy(sun);
@@ -1151,8 +1195,10 @@ export class ModelView {
   png(): Promise<Blob | null> {
     this.drawNow();
     this.gathered = 0;
+    const { slow } = this;
     this.slow = false;
     while (this.gathered < this.framesToGather()) this.gather();
+    this.slow = slow;
     return new Promise((done) => this.canvas.toBlob(done, 'image/png'));
   }
 
