@@ -49,8 +49,6 @@ class ContractLife {
   std::string test_cut(const std::string& device);
   std::string new_token(const std::string& role);
   nlohmann::json new_session();
-  std::string paired_tablet();
-  std::string a_file_of_the_page();
   nlohmann::json plan_until(const nlohmann::json& body, const std::string& state);
 
   TempFolder files_;
