@@ -42,6 +42,7 @@ void register_figures(CLI::App& app, const Globals& globals, Run& run);
 void register_doctor(CLI::App& app, const Globals& globals, Run& run);
 void register_jobs(CLI::App& app, const Globals& globals, Run& run);
 void register_job_actions(CLI::App& app, const Globals& globals, Run& run);
+void register_open(CLI::App& app, const Globals& globals, Run& run);
 void register_daemon(CLI::App& app, const Globals& globals, Run& run);
 void register_machines(CLI::App& app, const Globals& globals, Run& run);
 

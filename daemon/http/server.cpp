@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include <fmt/format.h>
 #include <spdlog/logger.h>
 
 #include "daemon/http/hub.hpp"
@@ -212,6 +213,8 @@ Result<void> HttpServer::start() {
   Impl& impl = *impl_;
   std::signal(SIGPIPE, SIG_IGN);
   if (auto fine = impl.listen(); !fine) return fine;
+  if (const std::uint16_t tcp = port(); tcp != 0)
+    impl.hub.context.page_url = fmt::format("http://localhost:{}/", tcp);
   http::clear_spools(impl.hub.options.incoming_folder);
   if (auto fine = impl.accept_on_all(); !fine) return fine;
   impl.hub.options.on_service(

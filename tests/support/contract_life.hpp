@@ -32,6 +32,8 @@ class ContractLife {
   void mend_a_sheet();
   void read_everything();
   void open_sessions();
+  /// A tablet that was let in: what it sends to get its session.
+  [[nodiscard]] nlohmann::json let_in();
   void fill_the_queue();
   void fill_the_disk();
 

@@ -50,6 +50,7 @@ void ContractLife::fill_the_disk() {
                        port_, "");
   const std::string page_token = json::parse(session.body).at("token");
   const std::string page_id = new_session().at("id");
+  const json tablet = let_in();
   page_->full_from = page_->disk.load() + 1;
   for (ContractCall call : all_calls(*caller_)) {
     if (!documents(*caller_, call, 507)) continue;
@@ -80,6 +81,7 @@ void ContractLife::fill_the_disk() {
       call.match = now.match;
     }
     if (call.route == "/v1/session" && call.method == "POST") call.body = word.body;
+    if (call.route == "/v1/session/pair/collect") call.body = tablet.dump();
     const bool ends = call.route == "/v1/session" && call.method == "DELETE";
     const WireResponse full = ends ? caller_->ask_tcp(call, port_, page_token) : ask(call);
     CHECK(full.problem() == "disk-full");

@@ -264,47 +264,6 @@ void add_token(CLI::App& app, const Globals& globals, Run& run) {
   when_chosen(remove, run, [options, &globals] { return delete_token(*options, globals); });
 }
 
-// The page
-
-Result<void> open_page(bool print_only, const Globals& globals) {
-  auto api = Api::from_environment();
-  if (!api) return tl::unexpected(api.error());
-  const auto page = api->has_page();
-  if (!page) return tl::unexpected(page.error());
-  if (!*page)
-    return fail(ErrorKind::Refused, "popcutd at " + api->http().address().text(),
-                "has no page yet; use 'popcut jobs --watch', which shows all jobs and the next "
-                "command for each");
-  const auto answer = api->post("/v1/session/one-shot", Json::object(), "session");
-  if (!answer) return tl::unexpected(answer.error());
-  const client::Address& address = api->http().address();
-  const std::string base = address.path.empty() ? "http://" + address.host_header()
-                                                : std::string("http://localhost:8631");
-  const std::string url = base + "/#t=" + client::text_of(*answer, "one_shot");
-  if (globals.json)
-    fmt::print("{}\n", dumped(Json{{"url", url}}));
-  else
-    fmt::print("{}\n", url);
-  std::fflush(stdout);
-  const bool screen =
-      std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
-  if (print_only || !screen || globals.json) {
-    if (!globals.quiet && !globals.json)
-      fmt::print(
-          stderr,
-          "open this address in a browser on this computer within a minute; it works once\n");
-    return {};
-  }
-  ::execlp("xdg-open", "xdg-open", url.c_str(), nullptr);
-  return {};  // no browser to be found: the address is printed
-}
-
-constexpr const char* kOpenHelp =
-    "Open popcutd's web page in the browser (this version has none yet).\n\n"
-    "  popcut open\n"
-    "  popcut open --print     # print the address, which works once, within a minute\n\n"
-    "popcut says so if popcutd has no page; use 'popcut jobs --watch' instead.";
-
 // Usage
 
 struct UsageOptions {
@@ -470,10 +429,6 @@ void register_daemon(CLI::App& app, const Globals& globals, Run& run) {
   add_token(app, globals, run);
   add_usage(app, globals, run);
   add_db(app, globals, run);
-  CLI::App* const open = app.add_subcommand("open", kOpenHelp);
-  auto print_only = std::make_shared<bool>(false);
-  open->add_flag("--print", *print_only, "Print the address; do not open it");
-  when_chosen(open, run, [print_only, &globals] { return open_page(*print_only, globals); });
 }
 
 }  // namespace popcut::cli

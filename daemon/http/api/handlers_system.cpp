@@ -85,6 +85,8 @@ void meta(const Request& request, Service& service, const HandlerContext& contex
       200, {{"api", "v1"},
             {"build", context.build},
             {"page", page_stamp().substr(0, 12)},
+            {"page_url", context.page_url.empty() ? nlohmann::ordered_json(nullptr)
+                                                  : nlohmann::ordered_json(context.page_url)},
             {"schema_sha256", context.openapi_sha256},
             {"now", rfc3339(wall_clock_ms())},
             {"principal",

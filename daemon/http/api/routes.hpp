@@ -17,8 +17,9 @@ namespace popcut::daemon::http {
 /// What a handler may know besides the request and the service.
 struct HandlerContext {
   HttpLimits limits{};
-  std::string build{};                                      ///< version of the program
-  std::string openapi_sha256{};                             ///< of /v1/openapi.json
+  std::string build{};           ///< version of the program
+  std::string openapi_sha256{};  ///< of /v1/openapi.json
+  std::string page_url{};        ///< "http://localhost:8631/"; empty: it listens on no TCP address
   std::function<void(const std::string&)> log_fault{};      ///< from any thread; may be empty
   std::function<std::string()> metrics{};                   ///< those of HTTP; called on its thread
   std::function<std::vector<WorkerWall>()> worker_walls{};  ///< what confines them; may be empty

@@ -155,11 +155,6 @@ TEST_CASE("a refusal names the command to type", "[popcutd][cli]") {
   CHECK(over.exit == 5);
   CHECK(says(over.err, "it is cancelled"));
 
-  const Ran page = desk.popcut({"open"});
-  CHECK(page.exit == 5);
-  CHECK(says(page.err, "has no page yet; use 'popcut jobs --watch'"));
-  CHECK(page.out.empty());
-
   for (const char* limit : {"1", "3", "1000"}) {
     const Json events = Json::parse(desk.popcut({"events", "--limit", limit, "--json"}).out);
     CHECK(events["items"].back()["seq"] == events["last_seq"]);

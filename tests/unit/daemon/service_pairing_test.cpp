@@ -249,7 +249,7 @@ TEST_CASE("a tablet ends with its root and with the page that let it in",
   CHECK(bench.on([&](LiveService& s) { return s.access.sessions(bench.admin); }).empty());
 }
 
-TEST_CASE("a tablet that waits does not outlive popcutd; one that has its session does",
+TEST_CASE("a tablet that waits does not outlive popcutd and one that has its session does",
           "[daemon][service][pairing]") {
   Tablets bench;
   const NewToken tablet = bench.tablet(Tablets::local(), Role::Viewer);
