@@ -34,20 +34,13 @@ struct Rules {
 
 constexpr Route route(Method method, std::string_view path, RouteAccess access, Handler handler,
                       const Rules& rules) {
-  return {method,
-          path,
-          access,
-          handler,
-          rules.body,
-          rules.key,
-          rules.match,
-          rules.query,
-          rules.is_urgent,
-          rules.patience,
-          rules.is_stream,
-          rules.is_static,
-          rules.bucket,
-          rules.ends_with_client};
+  return {method,          path,
+          access,          handler,
+          rules.body,      rules.key,
+          rules.match,     rules.query,
+          rules.is_urgent, rules.patience,
+          rules.is_stream, rules.is_static,
+          rules.bucket,    rules.ends_with_client};
 }
 
 constexpr Route get(std::string_view path, RouteAccess access, Handler handler,
