@@ -15,6 +15,7 @@
 #include "daemon/http/api/dispatch.hpp"
 #include "daemon/http/api/target.hpp"
 #include "daemon/planning/program_file.hpp"
+#include "tests/support/fake_previewer.hpp"
 #include "tests/support/service_bench.hpp"
 #include "tests/support/timing.hpp"
 
@@ -56,6 +57,7 @@ std::string others_of(Database& db, const std::string& table, const std::set<std
 class World : public ServiceBench {
  public:
   World() : ServiceBench(false) {
+    options.previewer = std::make_shared<test::FakePreviewer>();
     options.read_program = [this](const std::string& folder, int sheet) -> Result<StoredProgram> {
       auto fake = test::read_fake_program(folder, sheet);
       if (!fake) return fake;
@@ -310,6 +312,11 @@ std::vector<Sent> inputs_of(const Route& route, const World& world) {
   if (path.ends_with("/move"))
     right = fmt::format(R"({{"job":"7J{:024}","before":"7J{:024}"}})", 9'000, 9);
   if (path.ends_with("/plan")) right = R"({"material":"paper-160"})";
+  if (path == "/v1/preview" || path == "/v1/place")  // as long as a body may be
+    right = nlohmann::json{{"spec", {{"name", std::string(250'000, 'n')}}},
+                           {path == "/v1/place" ? "place" : "quality",
+                            path == "/v1/place" ? "whole" : "exact"}}
+                .dump();
   if (path == "/v1/tokens") right = R"({"name":"turns","role":"viewer"})";
   if (route.method == Method::Patch)
     right = nlohmann::json{{"note", std::string(2000, 'n')}}.dump();
