@@ -220,18 +220,18 @@ class GpglEncoder final : public StrokeEncoder {
 
 std::string mark_search(const MarkLayout& marks, const Machine& machine) {
   const auto units = [&](double mm) { return std::llround(mm / machine.unit_mm); };
-  const auto from = [&](double corner_mm, double margin_mm) {
-    return units(corner_mm + margin_mm - marks.search_mm);
-  };
+  // The marks are printed at true size; a machine whose lines come out long needs fewer steps.
+  const auto along = [&](double mm) { return units(mm / machine.scale_feed); };
+  const auto across = [&](double mm) { return units(mm / machine.scale_carriage); };
   const long long arm = units(marks.arm_mm);
   const long long line = units(marks.line_mm);
   std::string text = fmt::format("TB50,0;TB99;TB52,{};TB51,{};TB53,{};", marks.style,
                                  marks.arm_first ? arm : line, marks.arm_first ? line : arm);
   if (!marks.arm_first) text += "TB54,0,0;";
   text += fmt::format("TB55,1;TB{},{},{},{},{};", marks.four_corners ? 124 : 123,
-                      units(marks.height_mm), units(marks.width_mm),
-                      from(marks.top_mm, machine.margin_top_mm),
-                      from(marks.left_mm, machine.margin_left_mm));
+                      along(marks.height_mm), across(marks.width_mm),
+                      along(marks.top_mm + machine.margin_top_mm - marks.search_mm),
+                      across(marks.left_mm + machine.margin_left_mm - marks.search_mm));
   std::replace(text.begin(), text.end(), ';', kEtx);
   return text;
 }

@@ -91,6 +91,24 @@ std::string lift_after(const EncodedProgram& program, std::size_t index) {
   return "PU;";
 }
 
+namespace {
+
+// What a command of somebody else's program does that popcut neither follows nor wants; empty:
+// nothing.
+std::string_view harm_of(const Program& program, const Command& command) {
+  if (command.verb == Verb::Orientation && command.count > 0 && program.args[command.first] != 0)
+    return "turns the sheet, so that popcut cannot know where it cuts";
+  if (command.verb != Verb::Other) return {};
+  const std::string_view text = program.texts[command.text];
+  for (const std::string_view calibrates : {"FB", "TB70", "TB72"})
+    if (text == calibrates) return "changes the calibration of the cutter for good";
+  if (text == "JOG")
+    return "moves the tool as a key does, so that popcut cannot know where it cuts";
+  return {};
+}
+
+}  // namespace
+
 Result<EncodedProgram> read_foreign(Dialect dialect, std::string bytes) {
   EncodedProgram program;
   program.dialect = dialect;
@@ -98,6 +116,7 @@ Result<EncodedProgram> read_foreign(Dialect dialect, std::string bytes) {
   const Result<Program> whole = decode(dialect, program.view());
   if (!whole) return tl::unexpected(whole.error());
   std::uint64_t end = 0;
+  bool lifted = true;
   std::optional<std::uint64_t> first_move;
   std::vector<MachinePoint> ends;  // of the strokes
   for (const Command& command : whole->commands) {
@@ -111,6 +130,13 @@ Result<EncodedProgram> read_foreign(Dialect dialect, std::string bytes) {
     if (command.verb == Verb::Query)
       return wrong(fmt::format("\"{}\" asks the cutter something; remove it, popcut asks itself",
                                printable(whole->texts[command.text], 20)));
+    if (const auto harm = harm_of(*whole, command); !harm.empty())
+      return wrong(fmt::format(
+          "\"{}\" {}; remove it",
+          printable(
+              std::string_view(program.bytes).substr(command.begin, command.end - command.begin),
+              20),
+          harm));
     // The machine would answer in the middle of the program, and only its answer says whether the
     // marks are where the lines count from.
     if (command.verb != Verb::Move && command.verb != Verb::Draw && command.verb != Verb::Empty)
@@ -118,6 +144,7 @@ Result<EncodedProgram> read_foreign(Dialect dialect, std::string bytes) {
         if (std::string_view(program.bytes).substr(command.begin).starts_with(search))
           return wrong(
               "searches for registration marks; cut the drawing with 'popcut cut --marks'");
+    if (command.verb == Verb::Move || command.verb == Verb::Home) lifted = true;
     const bool moves = command.verb == Verb::Move && command.count > 0;
     if (moves && !first_move) first_move = command.begin;
     if (command.verb != Verb::Draw || command.count == 0) continue;
@@ -129,6 +156,7 @@ Result<EncodedProgram> read_foreign(Dialect dialect, std::string bytes) {
     else
       program.strokes.push_back({end == 0 ? *first_move : end, command.end});
     end = command.end;
+    lifted = false;
     const MachinePoint last = whole->points[command.first + command.count - 1];
     if (goes_on)
       ends.back() = last;
@@ -144,6 +172,9 @@ Result<EncodedProgram> read_foreign(Dialect dialect, std::string bytes) {
                   "is relative to what came before, so popcut could not stop there; write absolute "
                   "coordinates at the start of each line");
   }
+  // Machines look one command ahead: without a move after it the last line is never finished, and
+  // the knife stays in the sheet.
+  if (!lifted) program.bytes.insert(end, lift_after(program, program.strokes.size() - 1));
   if (*first_move > 0) program.setup.push_back({0, *first_move});
   program.search = {*first_move, *first_move};
   program.geometry = {*first_move, end};

@@ -63,10 +63,11 @@ struct EncodedProgram {
 [[nodiscard]] std::string lift_after(const EncodedProgram& program, std::size_t index);
 
 /// A program that somebody else wrote, divided as a session needs it: settings before the first
-/// move, strokes, and what follows the last line.
+/// move, strokes, and what follows the last line. Where nothing lifts the tool after it, that is
+/// added.
 ///
-/// @retval Malformed   a command cannot be read, or asks the machine something, or searches for
-///                     marks; place is "byte N"
+/// @retval Malformed   a command cannot be read, or asks the machine something, searches for marks,
+///                     calibrates the machine, turns the sheet or jogs; place is "byte N"
 /// @retval OutOfRange  it draws no line, or has strokes that cannot be read by themselves (relative
 ///                     coordinates from stroke to stroke)
 [[nodiscard]] Result<EncodedProgram> read_foreign(Dialect dialect, std::string bytes);

@@ -297,7 +297,9 @@ class VertexFinder {
         vertex.x = here.shift_x + fold.x;
         vertex.z = here.shift_z + fold.z;
         vertex.v = middle;
-        vertex.v_fold = lines_[fold.line].v_fold;
+        const FoldLine& line = lines_[fold.line];
+        vertex.v_fold = line.v_fold;
+        vertex.u_mm = line.u, vertex.v0_mm = line.v0, vertex.v1_mm = line.v1;
         out.push_back(vertex);
       }
     }
@@ -362,6 +364,11 @@ double size_of(const FoldFrame& frame) {
   return size;
 }
 
+Result<std::vector<FoldVertex>> found_in(const FoldFrame& frame, double mm) {
+  const double size = size_of(frame) * mm;
+  return VertexFinder(fold_lines(frame, mm, kTolerance * size), size).find();
+}
+
 }  // namespace
 
 Point3 FoldVertex::posed(double psi_rad) const {
@@ -388,8 +395,20 @@ Result<std::vector<FoldVertex>> fold_vertices_from_fold(std::string_view text) {
     return fail(ErrorKind::Malformed, "/frame_unit",
                 fmt::format("\"{}\" is not a unit that is known; mm, cm, m or in", frame->unit));
   }
-  const double size = size_of(*frame) * mm;
-  return VertexFinder(fold_lines(*frame, mm, kTolerance * size), size).find();
+  return found_in(*frame, mm);
+}
+
+Result<std::vector<FoldVertex>> fold_vertices(const Pattern& pattern) {
+  FoldFrame frame;
+  frame.vertices.reserve(pattern.vertices.size());
+  for (const PatternVertex& p : pattern.vertices) frame.vertices.push_back({pattern.u(p), p.v, 0});
+  for (const PatternEdge& e : pattern.edges) {
+    frame.edges.push_back({e.from, e.to});
+    frame.assignments.push_back(e.role == EdgeRole::Mountain ? 'M'
+                                : e.role == EdgeRole::Valley ? 'V'
+                                                             : 'B');
+  }
+  return found_in(frame, 1.0);
 }
 
 }  // namespace popcut

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/curvature/vertex_curvature.hpp"
+#include "core/pattern/pattern.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
@@ -29,6 +30,7 @@ struct FoldVertex {
   /// where a tip would lie flat.
   double x{}, v{}, z{};
   std::optional<CreaseVFold> v_fold;
+  double u_mm{}, v0_mm{}, v1_mm{};  ///< the whole fold on the flat sheet, from v0 to v1
   std::array<std::int32_t, 4> ring{-1, -1, -1, -1};  ///< (i+1,j) (i,j+1) (i-1,j) (i,j-1), -1: none
 
   [[nodiscard]] bool inner() const {
@@ -53,5 +55,8 @@ struct FoldVertex {
 /// @retval Malformed, OutOfRange  the file cannot be read as FOLD, or no frame of it lies flat
 /// @retval Infeasible  it has no connectors, or their panels do not close as rectangles must
 [[nodiscard]] Result<std::vector<FoldVertex>> fold_vertices_from_fold(std::string_view text);
+
+/// The same from the folds and cuts of a pattern, which lie on its sheet as in its FOLD file.
+[[nodiscard]] Result<std::vector<FoldVertex>> fold_vertices(const Pattern& pattern);
 
 }  // namespace popcut

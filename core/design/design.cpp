@@ -537,6 +537,7 @@ class Designer {
     add_figures(laid);
     out.strips = std::move(laid.strips.strips);
     out.pattern = std::move(built.pattern);
+    out.panel_face = std::move(built.panel_face);
     out.pattern.name = r.name = spec_.name;
     r.design_angle_deg = spec_.placement.design_angle_deg;
     out.pattern.design_psi_rad = design_psi_rad();
@@ -618,9 +619,13 @@ class Designer {
 
   void add_slices(const RunLayout& layout, const Strips& strips, DesignReport& r) {
     const std::vector<double> v_mm = slice_places(strips, sliced_.s_mm.size());
-    for (std::size_t j = 0; j < sliced_.s_mm.size(); ++j)
+    for (std::size_t j = 0; j < sliced_.s_mm.size(); ++j) {
+      const bool blank = sliced_.is_blank(j);
+      const SliceCurve& curve = sliced_.curves[j];
       r.slices.push_back({sliced_.figures[j], sliced_.s_mm[j], v_mm[j], sliced_.width_mm[j],
-                          sliced_.fits[j], sliced_.is_blank(j)});
+                          sliced_.fits[j], blank, blank ? 0.0 : curve.h(),
+                          blank ? 0.0 : curve.d()});
+    }
     for (const Run& run : layout.runs)
       if (run.count == 2 && layout.laid[static_cast<std::size_t>(run.first)].slice ==
                                 layout.laid[static_cast<std::size_t>(run.first) + 1].slice)

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "core/design/chain/slicing.hpp"
 #include "core/design/spec/report.hpp"
 #include "core/design/spec/spec.hpp"
@@ -16,6 +19,7 @@ namespace popcut {
 struct Design {
   Strips strips;
   Pattern pattern;
+  std::vector<std::int32_t> panel_face;  ///< rigid face of each panel of the strips
   DesignReport report;
   std::vector<TargetPiece> target;  ///< the surface that was asked for, along its own spine
   std::vector<SliceCurve> edges;    ///< of a patch: the target where its neighbours begin

@@ -216,6 +216,7 @@ class Assembler {
     laid->built.pattern.design_psi_rad = made_[begin].pattern.design_psi_rad;
     part.strips = std::move(laid->joined.strips);
     part.pattern = std::move(laid->built.pattern);
+    part.panel_face = std::move(laid->built.panel_face);
     out_.parts.push_back(std::move(part));
     return {};
   }

@@ -19,10 +19,12 @@ struct Place {
   SeamStretch stretch{};
 };
 
+using Strokes = std::vector<std::vector<PagePoint>>;
+
 class Marks {
  public:
   Marks(Layout& layout, LineIndex& lines, double clearance_mm)
-      : layout_(layout), lines_(lines), clearance_mm_(clearance_mm) {}
+      : layout_(layout), lines_(lines), clearance_mm_(clearance_mm), taken_(layout.pieces.size()) {}
 
   // Draws ticks near both ends of a long stretch, or one in its middle. Draws both sides or none.
   bool tick(const Place& place) {
@@ -32,8 +34,10 @@ class Marks {
       const double t = place.stretch.from + part * length;
       const double room = std::min(depth(place, t, t, 1), depth(place, t, t, -1));
       if (room < kLeastTick) return;
-      draw(*place.run, t, room, 1);
-      draw(*place.run, t, room, -1);
+      const auto low = tick_at(*place.run, t, room, -1), high = tick_at(*place.run, t, room, 1);
+      if (!is_free(low, place.run->lower) || !is_free(high, place.run->upper)) return;
+      draw(low, place.run->lower);
+      draw(high, place.run->upper);
       any = true;
     };
     if (has_two(place)) {
@@ -46,12 +50,20 @@ class Marks {
   }
   static bool has_two(const Place& place) { return place.stretch.to - place.stretch.from >= 24.0; }
 
-  // Draws the seam's letter on both sides of the stretch.
+  // Draws the seam's letter on both sides of the stretch, or on none.
   bool letter(const Place& place, const std::string& label) {
     const SeamRun& run = *place.run;
     const std::string low = fmt::format("{}{}", run.lower + 1, label);
     const std::string high = fmt::format("{}{}", run.upper + 1, label);
-    return write(place, low, -1, run.lower) && write(place, high, 1, run.upper);
+    for (const double part : {0.5, 0.3, 0.7}) {
+      const Strokes below = text_at(place, part, low, -1, run.lower);
+      const Strokes above = text_at(place, part, high, 1, run.upper);
+      if (below.empty() || above.empty()) continue;
+      draw(below, run.lower);
+      draw(above, run.upper);
+      return true;
+    }
+    return false;
   }
 
  private:
@@ -62,28 +74,54 @@ class Marks {
     return lines_.free_depth(line, a, b, side, kTick + clearance_mm_) - clearance_mm_;
   }
 
-  void draw(const SeamRun& run, double t, double room, int side) {
+  static Strokes tick_at(const SeamRun& run, double t, double room, int side) {
     const AxisLine line{run.vertical, run.at};
     const double far = std::min(kTick, room);
-    layout_.pieces[side < 0 ? run.lower : run.upper].work.append(
-        Operation::Draw,
-        std::array{line.point(t, side * std::min(0.3, far / 3)), line.point(t, side * far)});
+    return {{line.point(t, side * std::min(0.3, far / 3)), line.point(t, side * far)}};
   }
 
-  bool write(const Place& place, const std::string& text, int side, std::uint32_t piece) {
+  static Box box_of(const Strokes& strokes) {
+    Box box;
+    for (const std::vector<PagePoint>& stroke : strokes)
+      for (const PagePoint& p : stroke) box.add(p);
+    return box;
+  }
+
+  // Whether the strokes lie within the piece and clear of its other marks: on a narrow piece, those
+  // of the seam on its other side.
+  [[nodiscard]] bool is_free(const Strokes& strokes, std::uint32_t piece) const {
+    const Box box = box_of(strokes), all = bounds(layout_.pieces[piece].share);
+    if (box.x0 < all.x0 || box.y0 < all.y0 || box.x1 > all.x1 || box.y1 > all.y1) return false;
+    return std::none_of(taken_[piece].begin(), taken_[piece].end(), [&](const Box& other) {
+      return box.x0 < other.x1 + clearance_mm_ && other.x0 < box.x1 + clearance_mm_ &&
+             box.y0 < other.y1 + clearance_mm_ && other.y0 < box.y1 + clearance_mm_;
+    });
+  }
+
+  void draw(const Strokes& strokes, std::uint32_t piece) {
+    for (const std::vector<PagePoint>& stroke : strokes)
+      layout_.pieces[piece].work.append(Operation::Draw, stroke);
+    taken_[piece].push_back(box_of(strokes));
+  }
+
+  // The text in the largest letters that have room on this side of the stretch, about `part` of it;
+  // empty: in none.
+  Strokes text_at(const Place& place, double part, const std::string& text, int side,
+                  std::uint32_t piece) {
     const AxisLine line{place.run->vertical, place.run->at};
-    const double middle = (place.stretch.from + place.stretch.to) / 2;
     const double length = place.stretch.to - place.stretch.from;
+    const double middle = place.stretch.from + part * length;
     for (const double height : kHeights) {
       const PagePoint size = single_stroke_size(text, height);
-      if (size.x > 0.7 * length) continue;
+      if (size.x > (part == 0.5 ? 0.7 : 0.4) * length) continue;
       const double need = kGap + size.y + clearance_mm_;
       if (lines_.free_depth(line, middle - size.x / 2, middle + size.x / 2, side, need) < need)
         continue;
       // Letters stand upright beside a seam along x; beside a seam along y you read them from
       // below.
       const double bar = size.y - height;
-      for (std::vector<PagePoint> stroke : single_stroke(text, height)) {
+      Strokes strokes = single_stroke(text, height);
+      for (std::vector<PagePoint>& stroke : strokes)
         for (PagePoint& p : stroke) {
           const double along = p.x - size.x / 2;
           const double across = (side > 0 ? kGap + height : -(kGap + bar)) + p.y;
@@ -91,16 +129,15 @@ class Marks {
           p = place.run->vertical ? PagePoint{line.at + across, middle - along}
                                   : PagePoint{middle + along, line.at + across};
         }
-        layout_.pieces[piece].work.append(Operation::Draw, stroke);
-      }
-      return true;
+      if (is_free(strokes, piece)) return strokes;
     }
-    return false;
+    return {};
   }
 
   Layout& layout_;
   LineIndex& lines_;
   double clearance_mm_;
+  std::vector<std::vector<Box>> taken_;  ///< by marks, for each piece
 };
 
 }  // namespace

@@ -287,6 +287,14 @@ const ToolSettings& fold_tool(const Plan& plan) {
   return material.fold;
 }
 
+Json passes_json(const Plan& plan) {
+  const Material& material = plan.material;
+  return {{"cut", material.cut.passes},
+          {"fold", fold_tool(plan).passes},
+          {"score", material.score.value_or(material.draw).passes},
+          {"draw", material.draw.passes}};
+}
+
 // The pens of colours, layers and operations, with the passes that each gives its lines.
 Json pens_json(const Plan& plan) {
   Json list = Json::array();
@@ -309,7 +317,7 @@ std::string plan_json(const Plan& plan) {
             {"copies", copies_json(plan.copies)},
             {"weed_box_mm", plan.weed_box_mm},
             {"clip", plan.clip},
-            {"passes", {{"cut", plan.material.cut.passes}, {"fold", fold_tool(plan).passes}}},
+            {"passes", passes_json(plan)},
             {"pens", pens_json(plan)},
             {"unit_mm", plan.unit_mm ? Json(*plan.unit_mm) : Json()},
             {"svg_dpi", plan.svg_dpi},

@@ -64,6 +64,8 @@ void read_limits(FieldReader& fields, Config& config) {
   read(fields, "uploads", limits.uploads, 1, 1000);
   read(fields, "rate_per_s", limits.rate_per_s, 0.1, 1e6);
   read(fields, "rate_burst", limits.rate_burst, 1, 1e6);
+  read(fields, "previews_per_s", limits.previews_per_s, 0.1, 1e6);
+  read(fields, "pictures_per_s", limits.pictures_per_s, 0.1, 1e6);
   read(fields, "failed_logins_per_minute", limits.failed_logins_per_minute, 1, 1000);
   read(fields, "header_s", limits.header_s, 0.1, 600);
   read(fields, "body_s", limits.body_s, 0.1, 3600);

@@ -19,6 +19,11 @@ namespace {
 // How long a connection may have said nothing before its place is given to another.
 constexpr double kQuiet_s = 1;
 
+// For how many seconds of their rate previews and pictures may come at once: a list of designs is a
+// picture each.
+constexpr double kPreview_s = 2, kPicture_s = 10;
+double burst(double per_s, double seconds) { return std::max(1.0, per_s * seconds); }
+
 double age_s(const Client& client) {
   return std::chrono::duration<double>(Clock::now() - client.since).count();
 }
@@ -77,6 +82,8 @@ Hub::Hub(HttpOptions what)
       names{options.hosts, options.origins},
       rate(options.limits.rate_per_s, options.limits.rate_burst),
       urgent_rate(options.limits.rate_per_s, options.limits.rate_burst),
+      preview_rate(options.limits.previews_per_s, burst(options.limits.previews_per_s, kPreview_s)),
+      picture_rate(options.limits.pictures_per_s, burst(options.limits.pictures_per_s, kPicture_s)),
       logins(options.limits.failed_logins_per_minute) {
   context.limits = options.limits;
   context.build = options.build;
@@ -177,6 +184,8 @@ void Hub::retune(HttpTuning tuning) {
   options.limits = context.limits = tuning.limits;
   rate.set(tuning.limits.rate_per_s, tuning.limits.rate_burst);
   urgent_rate.set(tuning.limits.rate_per_s, tuning.limits.rate_burst);
+  preview_rate.set(tuning.limits.previews_per_s, burst(tuning.limits.previews_per_s, kPreview_s));
+  picture_rate.set(tuning.limits.pictures_per_s, burst(tuning.limits.pictures_per_s, kPicture_s));
   logins.set(tuning.limits.failed_logins_per_minute);
   for (const ClientPtr& client : std::vector<ClientPtr>(clients))
     if (client->stream && client->peer.is_local &&

@@ -98,7 +98,7 @@ struct Hub {
   HandlerContext context;
   Names names;
   HttpMetrics metrics;
-  RateLimit rate, urgent_rate;
+  RateLimit rate, urgent_rate, preview_rate, picture_rate;
   FailedLogins logins;
   std::vector<ClientPtr> clients;
   std::vector<std::shared_ptr<Stream>> streams;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // One connection: reads requests, lets the front door look at them, asks the service, answers.
 #include <fcntl.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -251,12 +252,22 @@ Problem lacks_role(const Route& route, const Principal& principal) {
 
 std::optional<Problem> take_from_bucket(Hub& hub, const Client& client, const Exchange& exchange) {
   const Route& route = *exchange.route;
-  RateLimit& limit = route.is_urgent ? hub.urgent_rate : hub.rate;
+  const HttpLimits& limits = hub.limits();
+  struct Rate {
+    RateLimit& limit;
+    double per_s;
+    const char* what;
+  };
+  const Rate rate =
+      route.is_urgent                   ? Rate{hub.urgent_rate, limits.rate_per_s, "requests"}
+      : route.bucket == Bucket::Preview ? Rate{hub.preview_rate, limits.previews_per_s, "previews"}
+      : route.bucket == Bucket::Picture ? Rate{hub.picture_rate, limits.pictures_per_s, "pictures"}
+                                        : Rate{hub.rate, limits.rate_per_s, "requests"};
   const auto wait =
-      limit.take(bucket_of(client.peer, route, exchange.request.principal), hub.now_s());
+      rate.limit.take(bucket_of(client.peer, route, exchange.request.principal), hub.now_s());
   if (!wait) return std::nullopt;
   Problem problem{ProblemKind::Rate,
-                  fmt::format("more than {:g} requests per second", hub.limits().rate_per_s)};
+                  fmt::format("more than {:g} {} per second", rate.per_s, rate.what)};
   problem.retry_after_s = *wait;
   return problem;
 }
@@ -417,6 +428,18 @@ Response static_response(Hub& hub, const Exchange& exchange) {
   return answer;
 }
 
+// Notices that a client goes while it waits for its answer. What it sends meanwhile is left to be
+// read later, and then it is no more looked at.
+void watch_for_end(const ClientPtr& client) {
+  client->socket.async_wait(asio::socket_base::wait_read, [client](const error_code& ec) {
+    if (ec || client->closed) return;
+    char next = 0;
+    const ssize_t got = ::recv(client->socket.native_handle(), &next, 1, MSG_PEEK | MSG_DONTWAIT);
+    if (got > 0 || (got < 0 && (errno == EAGAIN || errno == EINTR))) return;
+    client->close();
+  });
+}
+
 asio::awaitable<Response> ask_handler(Hub& hub, ClientPtr client, Exchange& exchange) {
   auto answer = std::make_shared<std::optional<Response>>();
   // Shared with the service, since a client that goes does not take its request back.
@@ -450,8 +473,17 @@ asio::awaitable<Response> ask_handler(Hub& hub, ClientPtr client, Exchange& exch
     }
     dispatch(*request, *route, service, *context, reply);
   };
+  if (route->ends_with_client) {
+    request->departure = std::make_shared<Departure>();
+    watch_for_end(client);
+  }
   const bool answered = co_await hub.ask(client, std::move(work), patience_of(*route, hub.limits()),
                                          route->is_urgent);
+  if (route->ends_with_client && !client->closed) {
+    error_code none;
+    client->socket.cancel(none);  // nothing but `watch_for_end` waits for it
+  }
+  if (request->departure && !answered) request->departure->happens();
   if (answered && *answer) co_return std::move(**answer);
   Problem late{ProblemKind::Unavailable,
                "popcutd has no answer yet; send the request again with the same Idempotency-Key"};

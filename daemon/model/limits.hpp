@@ -23,6 +23,8 @@ struct HttpLimits {
   int uploads{8};               ///< bodies that are being written to disk at once
   double rate_per_s{20};        ///< requests of one principal in the long run
   double rate_burst{60};
+  double previews_per_s{30};  ///< of one principal, apart from `rate_per_s`; twice that at once
+  double pictures_per_s{60};  ///< the same, of pictures of designs; ten times that at once
   int failed_logins_per_minute{5};
   double header_s{10};
   double body_s{30};  ///< and from then on at least `body_bytes_per_s`, over each `body_s` again

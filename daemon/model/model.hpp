@@ -115,6 +115,14 @@ struct Design {
 };
 
 /// How a design becomes sheets: the words of `popcut plan`, checked by the planner.
+/// A spec that somebody wants to see while they design it.
+struct PreviewRequest {
+  std::string spec;   ///< JSON
+  std::string key{};  ///< a newer one of the same principal and key takes its place; may be empty
+  bool is_draft{false};  ///< quickly, whatever lattice it asks for; else as it will be cut
+  std::string place{};   ///< "whole" or "quarter": with its shape moved into place; empty: as it is
+};
+
 struct PlanRequest {
   std::string design;
   std::string material;  ///< empty: the design's own, else paper-220

@@ -14,7 +14,7 @@ struct Row {
 };
 
 // In the order of the enumeration.
-constexpr std::array<Row, 22> kRows{{
+constexpr std::array<Row, 23> kRows{{
     {"validation", "Request is not valid", 422},
     {"malformed-json", "Body is not JSON", 400},
     {"bad-request", "Request is not valid HTTP", 400},
@@ -32,6 +32,7 @@ constexpr std::array<Row, 22> kRows{{
     {"idempotency-key-missing", "Idempotency-Key required", 400},
     {"idempotency-key-reused", "Idempotency-Key was used for another request", 422},
     {"idempotency-in-progress", "The same request is still running", 409},
+    {"superseded", "A newer request took its place", 409},
     {"rate", "Too many requests", 429},
     {"queue-full", "Queue is full", 503},
     {"unavailable", "Not available", 503},

@@ -33,6 +33,7 @@ enum class ProblemKind : std::uint8_t {
   IdempotencyKeyMissing,  ///< 400
   IdempotencyKeyReused,   ///< 422
   IdempotencyInProgress,  ///< 409
+  Superseded,             ///< 409: a newer request took its place
   Rate,                   ///< 429, with Retry-After
   QueueFull,              ///< 503
   Unavailable,            ///< 503

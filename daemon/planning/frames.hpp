@@ -33,6 +33,8 @@ struct Frame {
 
 /// How a worker ends whose processor time is up.
 inline constexpr int kOutOfTimeCode = 64;
+/// And one that serves, when a task wanted more memory than there is.
+inline constexpr int kOutOfMemoryCode = 65;
 
 inline constexpr std::size_t kFrameHeadBytes = 20;
 inline constexpr std::size_t kMostNameBytes = 100;

@@ -16,7 +16,7 @@
 #include "core/plan/plan.hpp"
 #include "core/text/json_text.hpp"
 #include "daemon/planning/design_files.hpp"
-#include "daemon/planning/sound_design.hpp"
+#include "daemon/planning/judge/sound_design.hpp"
 
 namespace popcut::planning {
 namespace {

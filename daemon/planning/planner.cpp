@@ -170,13 +170,16 @@ void find_assets(PlanningTask& task) {
   constexpr std::string_view kPrefix = "sha256-";
   if (task.assets_folder.empty() || task.media_type.find("json") == std::string::npos) return;
   std::error_code ignored;
-  const std::uintmax_t size = std::filesystem::file_size(task.design_path, ignored);
-  if (ignored || size > kMostBytes) return;
-  std::string text(size, '\0');
-  std::ifstream file(task.design_path, std::ios::binary);
-  file.read(text.data(), static_cast<std::streamsize>(size));
-  text.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
-  const std::string_view all = text;
+  std::string text;
+  if (!task.design_path.empty()) {
+    const std::uintmax_t size = std::filesystem::file_size(task.design_path, ignored);
+    if (ignored || size > kMostBytes) return;
+    text.resize(size);
+    std::ifstream file(task.design_path, std::ios::binary);
+    file.read(text.data(), static_cast<std::streamsize>(size));
+    text.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+  }
+  const std::string_view all = task.design_path.empty() ? task.design_text : text;
   std::unordered_set<std::string_view> seen;
   for (std::size_t at = all.find(kPrefix);
        at != std::string_view::npos && at + kIdSize <= all.size();

@@ -19,9 +19,15 @@ struct PlanningTask {
     Check,    ///< read it and say what it is; the preview comes along
     Plan,     ///< design if it is a spec, then plan and encode for the machine
     TestCut,  ///< the material's small test shape, planned and encoded
+    Preview,  ///< a spec's lattice blob; options: "quality" (draft, exact), "place"
+    Lattice,  ///< the lattice blob of a design of any kind
+    Picture,  ///< a design's "deployed.svg" and "pattern.svg", without any text of its own
+    Export,   ///< one file of a spec as popcut design writes it; options: "file", "part" (from 1)
+    Place,    ///< a spec with its shape moved into place; options: "place" (whole, quarter)
   };
   Kind kind{};
-  std::string design_path;  ///< stored bytes; read by the daemon and sent through the pipe
+  std::string design_path;    ///< stored bytes; read by the daemon and sent through the pipe
+  std::string design_text{};  ///< the bytes themselves, where there is no path
   std::string
       design_kind;  ///< "spec", "fold", "svg", "dxf"; empty in Check: the media type decides
   std::string media_type{};
@@ -53,6 +59,7 @@ struct PlanningLimits {
   double wall_s{1200};
   std::uint64_t memory_bytes{std::uint64_t{2} << 30};
   std::uint64_t output_bytes{std::uint64_t{1} << 30};
+  bool is_preview{false};  ///< no key of the configuration raises them
 };
 
 /// Runs designs in separate processes (`popcutd --worker`, pipes only), a bounded number at once,

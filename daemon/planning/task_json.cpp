@@ -15,6 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using daemon::PlanningOutcome;
 
+constexpr auto kLastKind = daemon::PlanningTask::Kind::Place;
 constexpr double kMost = 1e12;
 constexpr std::size_t kMostName = 100;
 constexpr std::size_t kMostText = 10'000;  ///< characters of a warning or an error
@@ -82,7 +83,8 @@ Result<WorkerTask> read_task(std::string_view json) {
   if (!parsed) return tl::unexpected(parsed.error());
   FieldReader fields(*parsed, "");
   WorkerTask task;
-  task.kind = static_cast<daemon::PlanningTask::Kind>(fields.integer("kind", {}, 0, 2));
+  task.kind = static_cast<daemon::PlanningTask::Kind>(
+      fields.integer("kind", {}, 0, static_cast<int>(kLastKind)));
   task.design_kind = fields.text("design_kind", {});
   task.machine_json = fields.text("machine", {});
   task.material_json = fields.text("material", {});

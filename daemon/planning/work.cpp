@@ -16,8 +16,9 @@
 #include "daemon/digest/digest.hpp"
 #include "daemon/planning/plan_input.hpp"
 #include "daemon/planning/plan_job.hpp"
-#include "daemon/planning/preview.hpp"
 #include "daemon/planning/program_file.hpp"
+#include "daemon/planning/task_inputs.hpp"
+#include "daemon/planning/views/preview.hpp"
 
 namespace popcut::planning {
 namespace {
@@ -25,93 +26,7 @@ namespace {
 using daemon::PlanningOutcome;
 using Kind = daemon::PlanningTask::Kind;
 
-constexpr const char* kUsualMachine = "cameo3";
-
-// 1. Assets: what a spec's `file` members mean here.
-
-bool is_asset_id(std::string_view name) {
-  constexpr std::string_view kPrefix{"sha256-"};
-  if (name.size() != kPrefix.size() + 64 || name.substr(0, kPrefix.size()) != kPrefix) return false;
-  return name.find_first_not_of("0123456789abcdef", kPrefix.size()) == std::string_view::npos;
-}
-
-/// Each file that a spec names, with its JSON pointer.
-std::vector<std::pair<std::string, std::string>> files_of(const DesignSpec& spec) {
-  std::vector<std::pair<std::string, std::string>> files;
-  const auto note = [&](const std::string& place, const std::optional<SurfaceSpec>& surface) {
-    const std::string name = asset_of(surface);
-    if (!name.empty()) files.emplace_back(place + "/surface/file", name);
-  };
-  note("", spec.surface);
-  for (std::size_t k = 0; k < spec.patches.size(); ++k)
-    note(fmt::format("/patches/{}", k), spec.patches[k].surface);
-  return files;
-}
-
-Result<std::vector<std::string>> asset_ids(const DesignSpec& spec) {
-  std::vector<std::string> ids;
-  for (const auto& [place, name] : files_of(spec)) {
-    if (!is_asset_id(name))
-      return fail(ErrorKind::OutOfRange, place,
-                  fmt::format("is \"{}\", which is not the id of an asset; upload the file to "
-                              "/v1/assets and use the id in the answer (sha256-...)",
-                              name.substr(0, 60)));
-    if (std::find(ids.begin(), ids.end(), name) == ids.end()) ids.push_back(name);
-  }
-  return ids;
-}
-
-/// Takes them out of `given`, since they may be large.
-Result<SurfaceAssets> assets_for(const DesignSpec& spec, SurfaceAssets& given) {
-  if (const auto valid = asset_ids(spec); !valid) return tl::unexpected(valid.error());
-  SurfaceAssets assets;
-  for (const auto& [place, name] : files_of(spec)) {
-    if (assets.contains(name)) continue;
-    const auto found = given.find(name);
-    if (found == given.end())
-      return fail(ErrorKind::OutOfRange, place,
-                  fmt::format("there is no asset {}; upload the file to /v1/assets first", name));
-    assets.emplace(name, std::move(found->second));
-  }
-  return assets;
-}
-
-// 2. Rows of the tables.
-
-struct RowTables {
-  std::vector<std::string> texts;
-  std::string machine, material;  ///< names; empty: none was given
-};
-
-/// Makes a row a table of its own; gives its name.
-Result<std::string> add_row(const std::string& json, const char* list,
-                            std::vector<std::string>& texts) {
-  if (json.empty()) return std::string();
-  auto row = parse_json(json, 16);
-  if (!row) return tl::unexpected(row.error());
-  if (!row->is_object() || !row->contains("name") || !(*row)["name"].is_string())
-    return fail(ErrorKind::Malformed, "/name", "must be a row of a table, with its name");
-  std::string name = (*row)["name"].get<std::string>();
-  nlohmann::json table{{"popcut", 1}};
-  table[list] = nlohmann::json::array({std::move(*row)});
-  texts.push_back(table.dump());
-  return name;
-}
-
-Result<RowTables> tables_of(const WorkerTask& task) {
-  RowTables tables;
-  auto machine = add_row(task.machine_json, "machines", tables.texts);
-  if (!machine) return tl::unexpected(within("machine", machine.error()));
-  auto material = add_row(task.material_json, "materials", tables.texts);
-  if (!material) return tl::unexpected(within("material", material.error()));
-  auto profile = add_row(task.profile_json, "svg_profiles", tables.texts);
-  if (!profile) return tl::unexpected(within("svg-profile", profile.error()));
-  tables.machine = machine->empty() ? kUsualMachine : std::move(*machine);
-  tables.material = std::move(*material);
-  return tables;
-}
-
-// 3. Plans.
+// 1. Plans.
 
 daemon::SheetPlan figures_of(const PlanJob& job, std::size_t index) {
   const PlannedSheet& sheet = job.plan.sheets[index];
@@ -207,34 +122,12 @@ Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add) {
   return outcome_of(*job, std::move(outcome), add);
 }
 
-// 4. Checks.
-
-/// Units of which a preview is drawn while somebody waits for the upload: a second of work or so.
-long most_preview_units(const DesignSpec& spec) {
-  if (spec.curvature) return 150;
-  switch (spec.lattice) {
-    case LatticeMethod::Conformal:
-    case LatticeMethod::Auto:
-      return 2'500;
-    case LatticeMethod::Direct:
-      return 5'000;
-    default:
-      return 100'000;
-  }
-}
+// 2. Checks.
 
 /// A spec's preview is the pattern it gives. That there is none is no fault of the spec's form.
 Result<std::string> spec_preview(const DesignSpec& spec, WorkerTask& task,
                                  std::vector<Warning>& warnings) {
-  long units = 0, most = most_preview_units(spec);
-  const auto count = [&](const DesignSpec& one) {
-    for (const RegionSpec& region : one.regions)
-      units += static_cast<long>(region.slices) * region.units_per_slice;
-    most = std::min(most, most_preview_units(one));
-  };
-  count(spec);
-  for (const DesignSpec& patch : spec.patches) count(patch);
-  if (units > most)
+  if (const long units = units_of(spec); units > most_quick_units(spec))
     return no_preview_svg(
         fmt::format("this design has {} units; popcut draws it when you plan it", units));
   for (const auto& [place, name] : files_of(spec))
@@ -281,7 +174,20 @@ Result<PlanningOutcome> check(WorkerTask& task, const FileSink& add) {
 }  // namespace
 
 Result<PlanningOutcome> perform(WorkerTask task, const FileSink& add) {
-  return task.kind == Kind::Check ? check(task, add) : make_plan(task, add);
+  switch (task.kind) {
+    case Kind::Check:
+      return check(task, add);
+    case Kind::Plan:
+    case Kind::TestCut:
+      return make_plan(task, add);
+    case Kind::Preview:
+    case Kind::Lattice:
+    case Kind::Place:
+    case Kind::Picture:
+    case Kind::Export:
+      return show(task, add);
+  }
+  return fail(ErrorKind::Internal, "worker", "does not know this task");
 }
 
 }  // namespace popcut::planning

@@ -30,4 +30,7 @@ struct WorkerTask {
 /// @retval Infeasible             there is no valid pattern or layout for it
 [[nodiscard]] Result<daemon::PlanningOutcome> perform(WorkerTask task, const FileSink& add);
 
+/// `perform` of what somebody looks at (Preview, Lattice, Picture, Export, Place).
+[[nodiscard]] Result<daemon::PlanningOutcome> show(WorkerTask& task, const FileSink& add);
+
 }  // namespace popcut::planning

@@ -31,6 +31,9 @@ class Pipes {
  public:
   Pipes(int in, int out) : in_(in), out_(out) {}
 
+  /// No task has begun, and none will come.
+  [[nodiscard]] bool has_ended() const { return ended_; }
+
   /// Reads frames until the one that says that nothing more comes.
   Result<WorkerTask> read() {
     FrameReader reader(kMostTaskBytes);
@@ -51,6 +54,7 @@ class Pipes {
     while (!go) {
       const ssize_t got = ::read(in_, block.data(), block.size());
       if (got < 0 && errno == EINTR) continue;
+      ended_ = got == 0 && reader.at_rest() && !task;
       if (got <= 0) return fail(ErrorKind::Malformed, "pipe", "it ended within the task");
       const std::string_view bytes(block.data(), static_cast<std::size_t>(got));
       if (const Result<void> fed = reader.feed(bytes, take); !fed)
@@ -78,6 +82,7 @@ class Pipes {
     return true;
   }
   int in_, out_;
+  bool ended_{false};
 };
 
 /// Has the processor time's limit end this process with a code that says so. The first process of a
@@ -97,11 +102,13 @@ int end(int code, [[maybe_unused]] bool confined) {
   return code;
 }
 
-Result<daemon::PlanningOutcome> guarded(Pipes& pipes) {
+Result<daemon::PlanningOutcome> guarded(Pipes& pipes, bool serves) {
   const auto add = [&](const std::string& name, const std::string& bytes) {
     return pipes.write(FrameKind::File, name, bytes);
   };
-  const auto too_large = [] {
+  // One that serves has its memory in pieces then, and is replaced.
+  const auto too_large = [&]() -> tl::unexpected<Error> {
+    if (serves) ::_exit(kOutOfMemoryCode);
     return fail(ErrorKind::Infeasible, "",
                 "needs more memory than a design may use; make it smaller or simpler, or raise "
                 "planner.memory_mib in popcutd.toml");
@@ -119,6 +126,14 @@ Result<daemon::PlanningOutcome> guarded(Pipes& pipes) {
   }
 }
 
+/// Does one task; false: nothing could be written.
+bool do_task(Pipes& pipes, bool serves) {
+  const Result<daemon::PlanningOutcome> outcome = guarded(pipes, serves);
+  if (pipes.has_ended() && serves) return true;
+  return outcome ? pipes.write(FrameKind::Outcome, "", outcome_json(*outcome)).has_value()
+                 : pipes.write(FrameKind::Failure, "", error_json(outcome.error())).has_value();
+}
+
 }  // namespace
 
 int run_worker(int in, int out, std::string_view word) {
@@ -133,10 +148,9 @@ int run_worker(int in, int out, std::string_view word) {
   }
   Pipes pipes(in, out);
   if (word == "tell") return end(pipes.say(walls_text(walls)) ? 0 : kBroken, alone);
-  const Result<daemon::PlanningOutcome> outcome = guarded(pipes);
-  const bool sent =
-      outcome ? pipes.write(FrameKind::Outcome, "", outcome_json(*outcome)).has_value()
-              : pipes.write(FrameKind::Failure, "", error_json(outcome.error())).has_value();
+  const bool serves = word == "serve";
+  bool sent = do_task(pipes, serves);
+  while (serves && sent && !pipes.has_ended()) sent = do_task(pipes, serves);
   return end(sent ? 0 : kBroken, alone);
 }
 

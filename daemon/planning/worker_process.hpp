@@ -37,6 +37,8 @@ class WorkerProcess {
   [[nodiscard]] bool is_ended_by_us() const { return ended_by_us_; }
   /// Its status as `waitpid` has it. It is killed if it does not end within a second or two.
   int wait();
+  /// It was waited for.
+  [[nodiscard]] bool has_ended() const { return pid_ < 0; }
   /// Processor time that it took, once it was waited for.
   [[nodiscard]] double cpu_s() const { return cpu_s_; }
   /// Why it has no namespaces of its own, as errno has it; 0: it has.

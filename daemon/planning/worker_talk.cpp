@@ -133,17 +133,23 @@ class Talk {
   /// See `run_in_worker`, after `run`.
   [[nodiscard]] int killed_by() const { return killed_by_; }
 
-  Talk(const PlanningLimits& limits, const CallOff& call_off, WorkerProcess process)
+  /// @param keeps  the worker waits for another task when it has answered this one
+  Talk(const PlanningLimits& limits, const CallOff& call_off, WorkerProcess& process, bool keeps)
       : limits_(limits),
         call_off_(call_off),
-        process_(std::move(process)),
+        process_(process),
+        keeps_(keeps),
         reader_(limits.output_bytes),
         until_(steady_clock::now() + std::chrono::milliseconds(static_cast<std::int64_t>(
                                          1000 * std::clamp(limits.wall_s, 0.01, 1e8)))) {}
 
   Result<PlanningOutcome> run(std::deque<Source> sources) {
     sources_ = std::move(sources);
-    const Result<void> talked = talk();
+    Result<void> talked = talk();
+    if (keeps_ && talked && answer_) {
+      if (sources_.empty() && reader_.at_rest()) return std::move(*answer_);
+      talked = fail(ErrorKind::Internal, "worker", "it answered before it was asked, or said more");
+    }
     if (!talked) process_.kill();
     const int status = process_.wait();
     if (!talked) return tl::unexpected(talked.error());
@@ -157,19 +163,22 @@ class Talk {
 
  private:
   Result<void> talk() {
-    while (process_.from() >= 0 && !done_) {
+    while (process_.from() >= 0 && !done_ && !(keeps_ && answer_)) {
+      const bool is_doomed = call_off_.at() != CallOff::Clock::time_point::max();
       std::array<pollfd, 4> waits{pollfd{process_.from(), POLLIN, 0},
                                   {process_.errors(), POLLIN, 0},
-                                  {call_off_.descriptor(), POLLIN, 0},
-                                  {process_.to(), POLLOUT, 0}};
-      const auto left =
-          std::chrono::duration_cast<std::chrono::milliseconds>(until_ - steady_clock::now());
+                                  {is_doomed ? -1 : call_off_.descriptor(), POLLIN, 0},
+                                  {sources_.empty() ? -1 : process_.to(), POLLOUT, 0}};
+      const auto now = steady_clock::now();
+      const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until_ - now);
       if (left.count() <= 0)
         return tl::unexpected(
-            infeasible(fmt::format("took longer than the {:g} s that a design may take; make it "
-                                   "smaller or simpler, or raise planner.wall_s in popcutd.toml",
-                                   limits_.wall_s)));
-      const auto most = std::min<std::int64_t>(left.count() + 1, 1000);
+            infeasible(fmt::format("took longer than the {:g} s that {}", limits_.wall_s,
+                                   advice("may take", "planner.wall_s"))));
+      auto most = std::min<std::int64_t>(left.count() + 1, 1000);
+      if (is_doomed && call_off_.at() > now)
+        most = std::min<std::int64_t>(
+            most, std::chrono::ceil<std::chrono::milliseconds>(call_off_.at() - now).count());
       if (::poll(waits.data(), waits.size(), static_cast<int>(most)) < 0 && errno != EINTR)
         return fail(ErrorKind::Internal, "worker", std::strerror(errno));
       if (call_off_.called()) return fail(ErrorKind::Refused, "", "the planning was cancelled");
@@ -196,8 +205,17 @@ class Talk {
       sources_.front().sent(static_cast<std::size_t>(put));
     }
     sources_.clear();
-    process_.close_to();
+    if (!keeps_) process_.close_to();
     return {};
+  }
+
+  /// What to do about a limit; `key` of the configuration raises it, but not that of a preview.
+  [[nodiscard]] std::string advice(const char* what, const char* key) const {
+    if (limits_.is_preview)
+      return fmt::format("a preview {}; use fewer slices or units, or plan it: a plan has more",
+                         what);
+    return fmt::format("a design {}; make it smaller or simpler, or raise {} in popcutd.toml", what,
+                       key);
   }
 
   void hear_errors() {
@@ -220,10 +238,9 @@ class Talk {
                      [this](Frame frame) { return take(std::move(frame)); });
     if (fed) return fed;
     if (fed.error().kind == ErrorKind::OutOfRange)
-      return tl::unexpected(infeasible(fmt::format(
-          "makes more than the {} bytes of files that a design may make; make it smaller or "
-          "simpler, or raise planner.output_mib in popcutd.toml",
-          limits_.output_bytes)));
+      return tl::unexpected(
+          infeasible(fmt::format("makes more than the {} bytes that {}", limits_.output_bytes,
+                                 advice("may make", "planner.output_mib"))));
     return fail(ErrorKind::Internal, "worker", message(fed.error()));
   }
 
@@ -262,14 +279,14 @@ class Talk {
 
   [[nodiscard]] Error how_it_died(int status) const {
     if (took_its_time(status))
-      return infeasible(fmt::format(
-          "took more than the {:g} s of processor time that a design may take; make it smaller or "
-          "simpler, or raise planner.cpu_s in popcutd.toml",
-          limits_.cpu_s));
+      return infeasible(fmt::format("took more than the {:g} s of processor time that {}",
+                                    limits_.cpu_s, advice("may take", "planner.cpu_s")));
     if (WIFSIGNALED(status))
       return infeasible(fmt::format("crashed the planner (signal {}){}; please report the design",
                                     WTERMSIG(status), last_words(errors_)));
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    if (code == kOutOfMemoryCode)
+      return infeasible("needs more memory than " + advice("may use", "planner.memory_mib"));
     if (code == 126 || code == 127)
       return {ErrorKind::Internal, "worker",
               "cannot be started; check the installation of popcutd"};
@@ -279,7 +296,8 @@ class Talk {
 
   const PlanningLimits& limits_;
   const CallOff& call_off_;
-  WorkerProcess process_;
+  WorkerProcess& process_;
+  bool keeps_;
   FrameReader reader_;
   steady_clock::time_point until_;
   std::deque<Source> sources_;
@@ -307,7 +325,8 @@ Result<std::deque<Source>> sources_of(const PlanningTask& task) {
   };
   Result<void> kept = keep(Source::memory(FrameKind::Task, task_json(words)));
   if (kept && task.kind != PlanningTask::Kind::TestCut)
-    kept = keep(Source::file(FrameKind::Design, "", task.design_path));
+    kept = keep(task.design_path.empty() ? Source::memory(FrameKind::Design, task.design_text)
+                                         : Source::file(FrameKind::Design, "", task.design_path));
   for (const auto& [id, path] : task.asset_paths)
     if (kept) kept = keep(Source::file(FrameKind::Asset, id, path));
   if (kept) kept = keep(Source::memory(FrameKind::Go, ""));
@@ -322,8 +341,10 @@ CallOff::~CallOff() {
   if (event_ >= 0) ::close(event_);
 }
 
-void CallOff::call() {
-  called_ = true;
+void CallOff::call(Clock::time_point at) {
+  Clock::time_point before = at_.load();
+  while (at < before && !at_.compare_exchange_weak(before, at)) {
+  }
   const std::uint64_t one = 1;
   if (event_ >= 0 && ::write(event_, &one, sizeof one) < 0) { /* it is seen within a second */
   }
@@ -337,9 +358,53 @@ Result<PlanningOutcome> run_in_worker(const PlanningTask& task, const PlanningLi
   auto process = WorkerProcess::start(program, limits);
   if (!process) return tl::unexpected(process.error());
   const PipeSignalBlocked blocked;
-  Talk talk(limits, call_off, std::move(*process));
+  Talk talk(limits, call_off, *process, false);
   Result<PlanningOutcome> outcome = talk.run(std::move(*sources));
   if (killed_by != nullptr) *killed_by = talk.killed_by();
+  return outcome;
+}
+
+WarmWorker::WarmWorker(const PlanningLimits& limits, std::string program)
+    : limits_(limits), program_(std::move(program)) {
+  limits_.cpu_s *= kMostTasks;
+}
+
+bool WarmWorker::is_running() const { return process_.has_value(); }
+
+void WarmWorker::end() {
+  process_.reset();
+  served_ = 0;
+}
+
+Result<PlanningOutcome> WarmWorker::run(const PlanningTask& task, const CallOff& call_off,
+                                        int* killed_by) {
+  if (served_ >= kMostTasks) end();
+  const bool was_used = is_running();
+  Result<PlanningOutcome> outcome = run_once(task, call_off, killed_by);
+  // What it died of may be what is left of earlier tasks: then a fresh one can do it.
+  if (outcome || !was_used || !died_) return outcome;
+  return run_once(task, call_off, killed_by);
+}
+
+Result<PlanningOutcome> WarmWorker::run_once(const PlanningTask& task, const CallOff& call_off,
+                                             int* killed_by) {
+  died_ = false;
+  auto sources = sources_of(task);
+  if (!sources) return tl::unexpected(sources.error());
+  if (!process_) {
+    auto started = WorkerProcess::start(program_, limits_, "serve");
+    if (!started) return tl::unexpected(started.error());
+    process_.emplace(std::move(*started));
+  }
+  ++served_;
+  const PipeSignalBlocked blocked;
+  Talk talk(limits_, call_off, *process_, true);
+  Result<PlanningOutcome> outcome = talk.run(std::move(*sources));
+  if (killed_by != nullptr) *killed_by = talk.killed_by();
+  if (process_->has_ended()) {
+    died_ = !process_->is_ended_by_us();
+    end();
+  }
   return outcome;
 }
 

@@ -36,6 +36,7 @@
 #include "daemon/popcutd/resources.hpp"
 #include "daemon/popcutd/turn_away.hpp"
 #include "daemon/popcutd/webhook.hpp"
+#include "daemon/previews/previewer.hpp"
 #include "daemon/service/live/live_service.hpp"
 #include "daemon/store/state_folder.hpp"
 #include "protocol/encode.hpp"
@@ -213,6 +214,7 @@ class Daemon {
   std::unique_ptr<Store> store_{};
   std::unique_ptr<ServiceThread> thread_{};
   std::unique_ptr<Planner> planner_{};
+  std::shared_ptr<Previewer> previewer_{};
   std::shared_future<std::vector<WorkerWall>> worker_walls_{};
   std::unique_ptr<Cutters> cutters_{};
   std::unique_ptr<LiveService> service_{};
@@ -275,6 +277,13 @@ std::optional<StartFailure> Daemon::open_devices() {
   limits.memory_bytes = config_.planner.memory_bytes;
   limits.output_bytes = config_.planner.output_bytes;
   planner_ = make_planner(limits, kWorkerProgram);
+  PreviewLimits shown;
+  shown.slow.cpu_s = std::min(shown.slow.cpu_s, limits.cpu_s);
+  shown.slow.wall_s = std::min(shown.slow.wall_s, limits.wall_s);
+  shown.slow.memory_bytes = limits.memory_bytes;
+  shown.slow.output_bytes = std::min(shown.slow.output_bytes, limits.output_bytes);
+  shown.quick.memory_bytes = std::min(shown.quick.memory_bytes, limits.memory_bytes);
+  previewer_ = make_previewer(shown, kWorkerProgram);
   worker_walls_ = std::async(std::launch::async, tell_confinement, log_);
   CuttersOptions options;
   options.tables = tables_;
@@ -298,6 +307,7 @@ std::optional<StartFailure> Daemon::open_service() {
   options.users = users_of(config_);
   options.tables = tables_;
   options.read_program = stored_program;
+  options.previewer = previewer_;
   options.log = [log = log_](const std::string& line) { log->info(line); };
   auto service = make_service(*store_, *thread_, *planner_, *cutters_, std::move(options));
   if (!service) return StartFailure{code_of(service.error()), message(service.error())};
@@ -440,6 +450,7 @@ void Daemon::stop() {
   if (http_) http_->stop();
   end_webhook();
   planner_.reset();
+  if (previewer_) previewer_->stop();
   if (thread_) thread_->stop();
   if (checker_.joinable()) checker_.join();
   http_.reset();

@@ -77,6 +77,33 @@ class Designs {
   [[nodiscard]] virtual Answer<void> remove(const Principal&, const std::string& id) = 0;
   /// The design's preview, drawn again from what was read; never empty bytes.
   virtual void preview(const std::string& id, std::function<void(Answer<std::string>)> done) = 0;
+
+  // What somebody waits for at a screen. Nothing of it is stored. `done` is called once, on any
+  // thread, and with Unavailable if it is called off.
+
+  /// Ends what nobody waits for any more. From any thread, at any time.
+  using CallOff = std::function<void()>;
+  using Shown = std::function<void(Answer<std::string>)>;
+  /// The lattice blob of a spec (core/formats/lattice).
+  ///
+  /// @retval Superseded  a newer one of the same principal and key came
+  virtual CallOff show_spec(const Principal&, const PreviewRequest&, Shown done) = 0;
+  /// The text of a spec with its shape moved into place, by `place` of the request.
+  virtual CallOff place_spec(const Principal&, const PreviewRequest&, Shown done) = 0;
+  /// "deployed.svg" (small: the opened card) or "pattern.svg" (flat) of a stored design: made once
+  /// and kept, without any text of the file. A design that has no picture gets one that says so.
+  /// `done` is called on the service's thread.
+  virtual void picture(const Principal&, const std::string& id, const std::string& name,
+                       Shown done) = 0;
+  /// A file of a stored spec as `popcut design` writes it: "pattern.fold", "pattern.svg",
+  /// "cut.svg", "pattern.dxf", "segments.csv", "deploy.glb", "deployed.svg", "poster.svg",
+  /// "report.json".
+  ///
+  /// @param part  from 1: of a design of several parts
+  virtual CallOff file(const Principal&, const std::string& id, const std::string& name, int part,
+                       Shown done) = 0;
+  /// The lattice blob of a stored design.
+  virtual CallOff lattice(const Principal&, const std::string& id, Shown done) = 0;
 };
 
 /// Sheets that are read in one turn of the service's thread.

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@
 #include "protocol/encode.hpp"
 
 namespace popcut::daemon {
+
+class Previewer;
 
 /// A sheet's program as it is stored.
 struct StoredProgram {
@@ -40,6 +43,8 @@ struct ServiceOptions {
   std::vector<std::string> tables{};          ///< users' tables of machines and materials, as text
   /// Materials that a device is set up for; a device that is not listed takes any.
   std::map<std::string, std::vector<std::string>> device_materials{};
+  /// Makes what people see while they design; null: nothing is.
+  std::shared_ptr<Previewer> previewer{};
   std::string invocation{};  ///< of this run; empty: INVOCATION_ID or a new one
 
   /// Reads the program of a sheet from a plan's folder, as the planner's files hold it.

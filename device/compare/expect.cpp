@@ -43,6 +43,20 @@ struct Cover {
   Stretch on;
 };
 
+/// Where along a line its coverage changes, or how often it should be covered.
+struct Step {
+  double at{};
+  int by{};
+  int spare{};  ///< how often it may be covered in addition
+};
+
+/// A stretch of a line on which a line of `operation` lies, perhaps itself.
+struct Lying {
+  Stretch on;
+  PenOperation operation;
+  bool dashed{};
+};
+
 class Check {
  public:
   Check(const Trace& trace, const Expected& expected)
@@ -154,6 +168,7 @@ class Check {
                       const std::vector<Stretch>& on_allowed, const VertexGrid& vertices);
   void compare_lines();
   [[nodiscard]] int passes_of(PenOperation operation) const;
+  void add_passes(std::uint32_t index, SegmentGrid& grid, std::vector<Step>& steps);
   void compare_cut(std::uint32_t index, std::span<const Cover> covers, SegmentGrid& grid);
   void compare_fold(std::span<const std::uint32_t> run, SegmentGrid& grid);
   [[nodiscard]] FoldState state_of(std::span<const std::uint32_t> run, SegmentGrid& grid);
@@ -314,18 +329,66 @@ int Check::passes_of(PenOperation operation) const {
   const std::size_t pen = operation.pen;
   if (pen > 0 && pen <= expected_.pen_passes.size() && expected_.pen_passes[pen - 1] > 0)
     return expected_.pen_passes[pen - 1];
-  return is_fold(operation) ? expected_.fold_passes : expected_.cut_passes;
+  switch (operation.operation) {
+    case Operation::Score:
+      return expected_.score_passes;
+    case Operation::Draw:
+      return expected_.draw_passes;
+    default:
+      return is_fold(operation) ? expected_.fold_passes : expected_.cut_passes;
+  }
+}
+
+/// How often a line is to be covered. Where lines of several operations lie on each other, the
+/// strongest of the knife and the stylus takes the place, and what the pen draws comes on top.
+void Check::add_passes(std::uint32_t index, SegmentGrid& grid, std::vector<Step>& steps) {
+  const Wanted& wanted = wanted_[index];
+  const PenOperation own = drawing_.lines[wanted.line].operation;
+  std::vector<Lying> here{{{0, wanted.length}, own, false}};
+  grid.near(wanted.segment, near_);
+  if (!affordable(near_.size())) return;
+  for (const std::uint32_t other : near_) {
+    const PenOperation operation = drawing_.lines[wanted_[other].line].operation;
+    if (operation == own) continue;
+    if (const auto common = run_along(wanted.segment, wanted_[other].segment, kOverlapTolerance))
+      here.push_back({common->a, operation, wanted_[other].fold});
+  }
+  std::vector<double> ends;
+  for (const Lying& line : here) ends.insert(ends.end(), {line.on.from, line.on.to});
+  std::sort(ends.begin(), ends.end());
+  for (std::size_t k = 0; k + 1 < ends.size(); ++k) {
+    const double middle = (ends[k] + ends[k + 1]) / 2;
+    const auto strongest = [&](bool pen) {
+      const Lying* found = nullptr;
+      for (const Lying& line : here)
+        if ((line.operation == Operation::Draw) == pen && line.on.from <= middle &&
+            middle <= line.on.to &&
+            (found == nullptr || line.operation.operation > found->operation.operation))
+          found = &line;
+      return found;
+    };
+    for (const bool pen : {false, true}) {
+      const Lying* first = strongest(pen);
+      if (first == nullptr) continue;
+      // Of several pens for one operation, any may be the one.
+      int least = passes_of(first->operation), most = least;
+      for (const Lying& line : here)
+        if (line.operation.operation == first->operation.operation && line.on.from <= middle &&
+            middle <= line.on.to) {
+          least = std::min(least, passes_of(line.operation));
+          most = std::max(most, passes_of(line.operation));
+        }
+      if (first->dashed) least = 0;
+      steps.push_back({ends[k], -least, most - least});
+      steps.push_back({ends[k + 1], least, least - most});
+    }
+  }
 }
 
 /// Each place of a cut must be covered as often as requested. Where the coverage changes may be off
 /// by the slack.
 void Check::compare_cut(std::uint32_t index, std::span<const Cover> covers, SegmentGrid& grid) {
   const Wanted& wanted = wanted_[index];
-  struct Step {
-    double at{};
-    int by{};
-    int spare{};  ///< how often it may be covered in addition
-  };
   std::vector<Step> steps;
   for (const Cover& cover : covers) {
     steps.push_back({cover.on.from, 1, 0});
@@ -341,9 +404,7 @@ void Check::compare_cut(std::uint32_t index, std::span<const Cover> covers, Segm
       steps.push_back({common->a.to, 1, 0});
     }
   } else {
-    const int passes = passes_of(drawing_.lines[wanted.line].operation);
-    steps.push_back({0, -passes, 0});
-    steps.push_back({wanted.length, passes, 0});
+    add_passes(index, grid, steps);
   }
   each_allowed(index, [&](const Stretch& on) {
     steps.push_back({on.from, 0, 1});

@@ -17,7 +17,7 @@ struct Expected {
   LineWork drawing;   ///< with whole folds; or `dashed`: then every line is drawn as it is
   DashShape dashes;   ///< the material's; only for whole folds
   int cut_passes{1};  ///< how often to cut a line, for a drawing with whole folds
-  int fold_passes{1};
+  int fold_passes{1}, score_passes{1}, draw_passes{1};
   std::vector<int> pen_passes{};  ///< in place of these, by `PenOperation::pen` - 1; 0: they hold
   bool folds_whole{false};        ///< folds are pressed or half cut along their whole length
   LineWork also_allowed;          ///< lines that may be drawn or not: overcuts, tabs, marks, ...

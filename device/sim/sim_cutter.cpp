@@ -58,7 +58,7 @@ SimCutter::SimCutter(const Machine& machine, const SimOptions& options, Dialect 
   flush();
   position_ = logical_ = plan_position_ = plan_logical_ = bed_.to_page({0, 0});
   trace_.machine = machine.name;
-  trace_.unit_mm = machine.unit_mm;
+  trace_.unit_mm = machine.unit_mm * std::max(machine.scale_feed, machine.scale_carriage);
   trace_.page_width_mm = options.page_width_mm;
   trace_.page_length_mm = options.page_length_mm;
   reset_settings();

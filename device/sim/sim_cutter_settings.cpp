@@ -228,10 +228,12 @@ void SimCutter::search_marks(std::span<const double> args) {
   constexpr double kSearchMm = 10;
   constexpr double kSensorMmS = 40;
   const double unit = machine_.unit_mm;
-  const double height = std::max(0.0, arg(args, 0, 0)) * unit;
-  const double width = std::max(0.0, arg(args, 1, 0)) * unit;
+  const double height = std::max(0.0, arg(args, 0, 0)) * unit * machine_.scale_feed;
+  const double width = std::max(0.0, arg(args, 1, 0)) * unit * machine_.scale_carriage;
+  // The search begins at a whole step, but marks are printed at tenths of a millimetre.
+  const auto tenths = [](double mm) { return std::round(mm * 10) / 10; };
   PagePoint corner = bed_.to_page({arg(args, 2, 0), arg(args, 3, 0)});
-  corner = {corner.x + kSearchMm, corner.y + kSearchMm};
+  corner = {tenths(corner.x + kSearchMm), tenths(corner.y + kSearchMm)};
   const PagePoint printed = options_.marks_at.value_or(corner);
   const bool near =
       std::abs(printed.x - corner.x) <= kSearchMm && std::abs(printed.y - corner.y) <= kSearchMm;

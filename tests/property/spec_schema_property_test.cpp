@@ -63,6 +63,15 @@ std::vector<json> sound_specs() {
              "width_mm": 6}], "min_panel_mm": 0.3},
             {"surface": {"type": "revolution", "radius": "9"}, "units_per_slice": 2, "slices": 3,
              "widths_mm": 6, "fit": "exact"}]})",
+        R"({"popcut": 1, "units_per_slice": 3, "slices": 4, "widths_mm": 5,
+            "surface": {"type": "revolution", "radius": {"points": [[0, 9], [5, 7.5], [20, 8]]}}})",
+        R"({"popcut": 1, "units_per_slice": 3, "slices": 4, "widths_mm": 5,
+            "surface": {"type": "profile", "z": {"points": [[0, 9], [5, 7.5], [8, 0]]}}})",
+        R"({"popcut": 1, "units_per_slice": 3, "slices": 4, "widths_mm": 5,
+            "surface": {"type": "loft", "stations": [{"y": 0, "curve": [[0, 9], [8, 0]]},
+                                                     {"y": 20, "curve": [[0, 7], [9, 0]]}]}})",
+        R"({"popcut": 1, "regions": [{"radius": {"points": [[0, 9], [18, 8]]},
+            "units_per_slice": 2, "slices": 3, "width_mm": 6}]})",
         R"({"popcut": 1, "join": "sheet", "patches": [
             {"surface": {"type": "revolution", "radius": "9"}, "units_per_slice": 2, "slices": 3,
              "widths_mm": 6}, {"surface": {"type": "revolution", "radius": "9"},
@@ -73,11 +82,28 @@ std::vector<json> sound_specs() {
 
 /// What no schema can say: the parser's rules between fields.
 bool is_rule_between_fields(const Error& error) {
-  for (const char* words :
-       {"widths for", "in all", "measures no area", "weighs what is not asked for", "are all 0",
-        "must be R1 > R3 > R2", "must be three for a composite surface",
-        "contradicts the composite surface", "which all have a radius", "give a surface such as",
-        "words for", "each patch needs its card", "contradicts the regions' radii"})
+  for (const char* words : {"widths for",
+                            "in all",
+                            "measures no area",
+                            "weighs what is not asked for",
+                            "are all 0",
+                            "must be R1 > R3 > R2",
+                            "must be three for a composite surface",
+                            "contradicts the composite surface",
+                            "which all have a radius",
+                            "give a surface such as",
+                            "words for",
+                            "each patch needs its card",
+                            "contradicts the regions' radii",
+                            "where the point before it is",
+                            "the point before it",
+                            "on the wall",
+                            "on the ground",
+                            "begins above the ground",
+                            "ends before the wall",
+                            "as the first station",
+                            "where the station before it",
+                            "must be a radius of 0"})
     if (error.detail.find(words) != std::string::npos) return true;
   return false;
 }

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "core/design/spline/loft.hpp"
+#include "core/design/spline/monotone_spline.hpp"
 #include "core/design/target/mesh_slicer.hpp"
 #include "core/design/target/monotone_fit.hpp"
 #include "core/design/target/surface.hpp"
@@ -212,6 +214,149 @@ TEST_CASE("a mesh slice meets exactly the triangles that span its plane", "[core
     // Two ends may meet by chance.
     CHECK(slicer.cut(s).open_ends.size() + 10 >= 2 * spanning);
   }
+}
+
+/// Points by growing place; values with plateaus, turns and long jumps.
+CurvePoints random_graph(std::mt19937& random) {
+  CurvePoints points;
+  double place = uniform(random, -50, 50);
+  for (std::size_t k = 0, n = 2 + random() % 14; k < n; ++k) {
+    const bool again = k > 0 && random() % 5 == 0;
+    points.push_back({place, again ? points.back()[1] : uniform(random, 0.0, 90.0)});
+    place += random() % 4 == 0 ? uniform(random, 0.01, 0.1) : uniform(random, 1.0, 40.0);
+  }
+  return points;
+}
+
+TEST_CASE("a spline goes through its points, smoothly, and turns only where they do",
+          "[core][target][drawn]") {
+  constexpr unsigned kSeed = 57;
+  std::mt19937 random(kSeed);
+  for (int round = 0; round < 200; ++round) {
+    CAPTURE(kSeed, round);
+    const CurvePoints points = random_graph(random);
+    const MonotoneSpline spline(points);
+    const double before = std::nextafter(points.front()[0], -1e9) - 1e-6;
+    CHECK(std::isnan(spline(before)));
+    CHECK(std::isnan(spline(points.back()[0] + 1e-6)));
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const auto [place, value] = points[k];
+      CHECK(spline(place) == Approx(value).margin(1e-12));
+      if (k + 1 == points.size()) continue;
+      const auto [next, end] = points[k + 1];
+      double last = value;
+      for (int i = 1; i <= 50; ++i) {
+        const double here = spline(place + (next - place) * i / 50);
+        CHECK((end >= value ? here >= last - 1e-12 : here <= last + 1e-12));
+        CHECK(here >= std::min(value, end) - 1e-12);
+        CHECK(here <= std::max(value, end) + 1e-12);
+        last = here;
+      }
+      if (k == 0) continue;
+      // One slope on both sides: the two chords differ by the curvature times their length.
+      const double step = 1e-5 * std::min(next - place, place - points[k - 1][0]);
+      const double left = (spline(place) - spline(place - step)) / step;
+      const double right = (spline(place + step) - spline(place)) / step;
+      const double steepest = std::abs(end - value) / (next - place) +
+                              std::abs(value - points[k - 1][1]) / (place - points[k - 1][0]);
+      CHECK(left == Approx(right).margin(1e-3 * steepest + 1e-9));
+    }
+  }
+}
+
+TEST_CASE("a spline through the points of a parabola is near it", "[core][target][drawn]") {
+  CurvePoints points;
+  for (int k = 0; k <= 20; ++k) points.push_back({0.1 * k, 3.0 + 0.1 * k + 0.01 * k * k});
+  const MonotoneSpline spline(points);
+  for (double y = 0.0; y <= 2.0; y += 0.013)
+    CHECK(spline(y) ==
+          Approx(3.0 + y + y * y).margin(2e-4));  // third order: 0.1^3 times less than 1
+}
+
+/// A falling curve of `n` points with upright and level stretches.
+CurvePoints random_fall(std::mt19937& random, std::size_t n) {
+  std::vector<double> right(n - 1), down(n - 1);
+  double x = 0.0, z = 0.0;
+  for (std::size_t k = 0; k + 1 < n; ++k) {
+    const auto kind = random() % 5;
+    right[k] = kind == 0 ? 0.0 : uniform(random, 1.0, 20.0);
+    down[k] = kind == 1 ? 0.0 : uniform(random, 1.0, 20.0);
+    x += right[k], z += down[k];
+  }
+  if (x == 0.0) right.back() = 10.0;
+  if (z == 0.0) down.back() = 10.0, z = 10.0;
+  CurvePoints points{{0.0, z}};
+  for (std::size_t k = 0; k + 1 < n; ++k)
+    points.push_back({points.back()[0] + right[k], points.back()[1] - down[k]});
+  points.back()[1] = 0.0;
+  return points;
+}
+
+TEST_CASE("a loft meets the curves of its stations and falls between them",
+          "[core][target][drawn]") {
+  constexpr unsigned kSeed = 58;
+  std::mt19937 random(kSeed);
+  for (int round = 0; round < 60; ++round) {
+    CAPTURE(kSeed, round);
+    const std::size_t n = 2 + random() % 8;
+    LoftSpec spec;
+    double y = uniform(random, -20, 0);
+    for (std::size_t k = 0, count = 2 + random() % 5; k < count; ++k) {
+      spec.stations.push_back({y, random_fall(random, n)});
+      y += uniform(random, 5, 40);
+    }
+    for (const LoftStation& station : spec.stations) {
+      const SliceCurve curve = slice(spec, {}, station.y);
+      CHECK(curve.h() == Approx(station.curve.front()[1]));
+      CHECK(curve.d() == Approx(station.curve.back()[0]));
+      for (const auto& [x, z] : station.curve) {
+        const CurveJet p = curve.at(x / curve.d() - z / curve.h());
+        CHECK(std::hypot(p.x - x, p.z - z) < 1e-6);
+      }
+    }
+    const double first = spec.stations.front().y, last = spec.stations.back().y;
+    for (int k = 0; k < 12; ++k) {
+      const double s = uniform(random, first, last);
+      CAPTURE(s);
+      const SliceCurve curve = slice(spec, {}, s);
+      const auto after = std::find_if(spec.stations.begin() + 1, spec.stations.end(),
+                                      [&](const LoftStation& station) { return station.y >= s; });
+      const auto [low, high] = std::minmax(after->curve.front()[1], (after - 1)->curve.front()[1]);
+      CHECK(curve.h() >= low * (1 - 1e-12));
+      CHECK(curve.h() <= high * (1 + 1e-12));
+      for (int i = 0; i <= 60; ++i) {
+        const CurveJet p = curve.at(-1.0 + i / 30.0);
+        CHECK(p.dx >= -1e-6 * curve.d());
+        CHECK(p.dz <= 1e-6 * curve.h());
+      }
+    }
+    const auto made = Surface::make(spec, {}, FitMode::Exact);
+    REQUIRE(made);
+    CHECK(made->slice(last + 1.0).error().reason == ErrorReason::Misplaced);
+    CHECK(made->slice(first - 1.0).error().kind == ErrorKind::OutOfRange);
+  }
+}
+
+TEST_CASE("drawn quarter circles are the circles of a revolution", "[core][target][drawn]") {
+  const auto circle = [](double r) {
+    CurvePoints points;
+    for (int k = 0; k <= 24; ++k) {
+      const double a = 1.5707963267948966 * k / 24;
+      points.push_back({k == 0 ? 0.0 : r * std::sin(a), k == 24 ? 0.0 : r * std::cos(a)});
+    }
+    return points;
+  };
+  const SliceCurve round = slice(RevolutionSpec{"50"}, {}, 3.0);
+  CHECK(apart(slice(ProfileSpec{circle(50)}, {}, 3.0), round) < 0.02);
+  const LoftSpec cone{{{0.0, circle(40)}, {10.0, circle(60)}}};
+  CHECK(apart(slice(cone, {}, 5.0), round) < 0.02);
+  // The same solid, where the placement is not upright: by marching squares.
+  const auto moved =
+      Surface::make(ProfileSpec{circle(50)}, {1.0, {0, 0, 0}, {0, 0, 1e-9}}, FitMode::Exact);
+  REQUIRE(moved);
+  const auto curve = moved->slice(3.0);
+  REQUIRE(curve);
+  CHECK(apart(*curve, round) < 0.05);
 }
 
 }  // namespace targets_property_test

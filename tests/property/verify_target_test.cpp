@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The distance from the target that the verifier finds, from its own reading of the spec, is the
 // one that the generator reports from its curves.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
@@ -11,10 +16,13 @@
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/verify/verify.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/random_numbers.hpp"
 
 namespace verify_target_test {
 
 using namespace popcut;
+using testing::uniform;
+using testing::whole;
 
 namespace {
 
@@ -294,6 +302,126 @@ TEST_CASE("verify reports a pattern that does not belong to its target",
              Contains("line 2: a face uses a point that does not exist"));
   CHECK_THAT(refused(R"({"type":"blob"})", ""), Contains("\"blob\" is unknown"));
   CHECK_THAT(refused(R"({"type":"implicit","f":"x+"})", ""), Contains("/surface/f"));
+}
+
+/// Points as JSON.
+std::string listed(const std::vector<std::array<double, 2>>& points) {
+  std::string text;
+  for (const auto& [a, b] : points) text += fmt::format("{}[{},{}]", text.empty() ? "" : ",", a, b);
+  return "[" + text + "]";
+}
+
+TEST_CASE("random drawn radii design, and verify finds what the design reports",
+          "[property][design][verify][target][drawn]") {
+  constexpr unsigned kSeed = 18;
+  std::mt19937 random(kSeed);
+  static constexpr std::array kLattices{"slices", "levels", "conformal", "direct"};
+  int agreed = 0;
+  for (int round = 0; round < 120; ++round) {
+    CAPTURE(kSeed, round);
+    std::vector<std::array<double, 2>> points;
+    const int count = whole(random, 2, 6);  // bumps are longer than a slice is wide
+    for (int k = 0; k < count; ++k)
+      points.push_back({k == 0           ? -1.0
+                        : k + 1 == count ? 41.0
+                                         : 40.0 * k / (count - 1),
+                        uniform(random, 35, 60)});
+    const std::string spec = fmt::format(
+        R"({{"popcut":1,"surface":{{"type":"revolution","radius":{{"points":{}}}}},
+            "units_per_slice":{},"slices":5,"widths_mm":10,"lattice":"{}"}})",
+        listed(points), whole(random, 2, 4),
+        kLattices.at(static_cast<std::size_t>(whole(random, 0, 3))));
+    const auto parsed = parse_design_spec(spec);
+    REQUIRE(parsed);
+    const auto made = design(*parsed);
+    if (!made) FAIL(spec << message(made.error()));
+    if (made->report.inner_error.count == 0) continue;
+    check_agrees(spec);
+    ++agreed;
+  }
+  CHECK(agreed >= 100);
+}
+
+TEST_CASE("random lofts design, and verify finds what the design reports",
+          "[property][design][verify][target][drawn]") {
+  constexpr unsigned kSeed = 19;
+  std::mt19937 random(kSeed);
+  int agreed = 0;
+  for (int round = 0; round < 40; ++round) {
+    CAPTURE(kSeed, round);
+    const int count = whole(random, 3, 7), last = whole(random, 2, 4);
+    std::string stations;
+    for (int k = 0; k <= last; ++k) {
+      // Arcs of different bulge, whose points wander along them.
+      const double h = uniform(random, 40, 60), d = uniform(random, 40, 60);
+      const double power = uniform(random, 0.7, 1.6);
+      std::vector<std::array<double, 2>> points;
+      for (int i = 0; i < count; ++i) {
+        const double share = i == 0           ? 0.0
+                             : i + 1 == count ? 1.0
+                                              : (i + uniform(random, -0.2, 0.2)) / (count - 1);
+        const double angle = 1.5707963267948966 * share;
+        points.push_back({i == 0 ? 0.0 : d * std::pow(std::sin(angle), power),
+                          i + 1 == count ? 0.0 : h * std::pow(std::cos(angle), power)});
+      }
+      stations += fmt::format(R"({}{{"y":{},"curve":{}}})", k == 0 ? "" : ",", 42.0 * k / last - 1,
+                              listed(points));
+    }
+    const std::string spec = fmt::format(
+        R"({{"popcut":1,"surface":{{"type":"loft","stations":[{}]}},"units_per_slice":{},
+            "slices":5,"widths_mm":10,"lattice":"{}"}})",
+        stations, whole(random, 2, 4), whole(random, 0, 1) == 0 ? "slices" : "conformal");
+    const auto parsed = parse_design_spec(spec);
+    if (!parsed) FAIL(message(parsed.error()));
+    const auto made = design(*parsed);
+    if (!made) continue;  // steep ones have no lattice
+    if (made->report.inner_error.count == 0) continue;
+    check_agrees(spec, 1e-6);
+    ++agreed;
+  }
+  CHECK(agreed >= 25);
+}
+
+TEST_CASE("verify measures drawn shapes of regions, and those that are not upright",
+          "[property][design][verify][target][drawn]") {
+  check_agrees(
+      R"j({"popcut":1,"scale_mm":10,"regions":[
+          {"units_per_slice":4,"slices":3,"width_mm":6,"radius":{"points":[[0,5],[1,5.5],[2,6]]}},
+          {"units_per_slice":4,"slices":4,"widths_mm":[5,7,4,6],"radius":"6-0.5*sin(y)"}]})j");
+  const std::string profile =
+      R"({"type":"profile","z":{"points":[[0,1.2],[0.4,1.1],[0.9,0.5],[1.1,0]]}})";
+  check_agrees(one(profile, R"(,"scale_mm":40)"), 1e-6);
+  check_agrees(one(profile, R"(,"scale_mm":40,"lattice":"slices","translate_mm":[0,0,-4])"), 1e-5);
+}
+
+TEST_CASE("a sphere through 40 points is that of the formula to a hundredth of the radius",
+          "[property][design][drawn]") {
+  std::vector<std::array<double, 2>> points;
+  for (int k = 0; k < 40; ++k) {
+    const double y = 90.0 * k / 39;
+    points.push_back({y, std::sqrt(70.0 * 70.0 - (y - 45) * (y - 45))});
+  }
+  for (const char* lattice : {"slices", "levels", "conformal", "direct"}) {
+    CAPTURE(lattice);
+    const auto designed = [&](const std::string& radius) {
+      const auto spec = parse_design_spec(fmt::format(
+          R"({{"popcut":1,"surface":{{"type":"revolution","radius":{}}},"units_per_slice":5,
+              "slices":10,"widths_mm":10,"lattice":"{}"}})",
+          radius, lattice));
+      REQUIRE(spec);
+      auto made = design(*spec);
+      REQUIRE(made);
+      return std::move(*made);
+    };
+    const Design drawn = designed(fmt::format(R"({{"points":{}}})", listed(points)));
+    const Design formula = designed(R"j("sqrt(70^2 - (y - 45)^2)")j");
+    REQUIRE(drawn.strips.x.size() == formula.strips.x.size());
+    double most = 0.0;
+    for (std::size_t q = 0; q < drawn.strips.x.size(); ++q)
+      most = std::max({most, std::abs(drawn.strips.x[q] - formula.strips.x[q]),
+                       std::abs(drawn.strips.z[q] - formula.strips.z[q])});
+    CHECK(most < 0.7);
+  }
 }
 
 }  // namespace verify_target_test

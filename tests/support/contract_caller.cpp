@@ -185,7 +185,10 @@ std::vector<ContractCall> all_calls(const ContractCaller& caller) {
     for (const auto& [method, ignored] : operations.items()) {
       ContractCall call{.method = method, .route = route, .more = "Accept: application/json\r\n"};
       for (char& c : call.method) c = static_cast<char>(c - 'a' + 'A');
-      call.holes = {{"id", "01JD0000000000000000000001"}, {"k", "1"}, {"file", "none.js"}};
+      call.holes = {{"id", "01JD0000000000000000000001"},
+                    {"k", "1"},
+                    {"name", "cut.svg"},
+                    {"file", "none.js"}};
       if (route.starts_with("/v1/session/pair/"))  // of no tablet
         call.body = route.ends_with("allow") ? R"({"code":"AAAAAA","role":"viewer"})"
                                              : R"({"secret":"none"})";

@@ -163,10 +163,35 @@ void ContractLife::use_an_asset() {
   INFO(stored.body);
   REQUIRE(stored.status == 201);
   const std::string design = json::parse(stored.body).at("id");
+  look_at(spec);
   const WireResponse kept = remove(used_asset_);
   CHECK(kept.status == 409);
   CHECK(kept.body.find(design) != std::string::npos);
   CHECK(remove(add("of nobody")).status == 204);
+}
+
+/// Moves a shape into place, and lets a newer preview end an older one.
+void ContractLife::look_at(const json& spec) {
+  const ContractCall place{.method = "POST",
+                           .route = "/v1/place",
+                           .body = json{{"spec", spec}, {"place", "whole"}}.dump()};
+  const WireResponse placed = ask(place);
+  INFO(placed.body);
+  CHECK(placed.status == 200);
+  ContractCall preview{.method = "POST", .route = "/v1/preview"};
+  CHECK(ask(preview).status == 200);
+  preview.more = "Preview-Key: one-page-of-a-test\r\n";
+  preview.body = json{{"spec", json::parse(placed.body).at("spec")}, {"quality", "exact"}}.dump();
+  auto older = std::make_unique<RawConnection>(daemon_.socket());
+  older->send(caller_->request(preview, "popcut", ""));
+  // The older one is at work or waits; either way it gets an answer.
+  for (int k = 0; k < 20 && caller_->problems().count("superseded") == 0; ++k) {
+    auto newer = std::make_unique<RawConnection>(daemon_.socket());
+    newer->send(caller_->request(preview, "popcut", ""));
+    const WireResponse answer = older->receive(60);
+    caller_->hold(preview, answer);
+    older = std::move(newer);
+  }
 }
 
 void ContractLife::make_design_and_plans() {

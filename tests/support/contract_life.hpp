@@ -24,6 +24,7 @@ class ContractLife {
 
   void make_design_and_plans();
   void use_an_asset();
+  void look_at(const nlohmann::json& spec);
   void knock();
   void use_devices_and_materials();
   void see_a_job_through();

@@ -331,6 +331,55 @@ void FakeDesigns::preview(const std::string& id, std::function<void(Answer<std::
   done(preview_svg);
 }
 
+Designs::CallOff FakeDesigns::show_spec(const Principal&, const PreviewRequest& request,
+                                        Shown done) {
+  last_preview = request;
+  if (auto problem = failure("preview_spec"))
+    done(tl::unexpected<Problem>(*problem));
+  else if (holds_previews)
+    held_previews.push_back(std::move(done));
+  else
+    done(lattice_blob);
+  return [this] { ++previews_called_off; };
+}
+
+Designs::CallOff FakeDesigns::place_spec(const Principal&, const PreviewRequest& request,
+                                         Shown done) {
+  last_preview = request;
+  if (auto problem = failure("place_spec"))
+    done(tl::unexpected<Problem>(*problem));
+  else
+    done(request.spec);
+  return [] {};
+}
+
+Designs::CallOff FakeDesigns::lattice(const Principal&, const std::string& id, Shown done) {
+  if (auto problem = failure("design_lattice"))
+    done(tl::unexpected<Problem>(*problem));
+  else if (design_map.find(id) == design_map.end())
+    done(nothing("there is no such design"));
+  else
+    done(lattice_blob);
+  return [] {};
+}
+
+void FakeDesigns::picture(const Principal&, const std::string& id, const std::string&, Shown done) {
+  if (auto problem = failure("design_picture")) return done(tl::unexpected<Problem>(*problem));
+  if (design_map.find(id) == design_map.end()) return done(nothing("there is no such design"));
+  done(preview_svg);
+}
+
+Designs::CallOff FakeDesigns::file(const Principal&, const std::string& id, const std::string& name,
+                                   int part, Shown done) {
+  if (auto problem = failure("design_file"))
+    done(tl::unexpected<Problem>(*problem));
+  else if (design_map.find(id) == design_map.end())
+    done(nothing("there is no such design"));
+  else
+    done(fmt::format("{} of part {}", name, part));
+  return [] {};
+}
+
 std::vector<MaterialRecord> FakeMaterials::list() {
   note("materials");
   std::vector<MaterialRecord> out;

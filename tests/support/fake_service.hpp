@@ -42,6 +42,11 @@ class FakeState {
   bool healthy{true}, throws{false}, throws_bad_alloc{false}, drops_replies{false};
   std::optional<Problem> next_problem{};  ///< the next member that can fail fails with it
   std::int64_t made_jobs{0};
+  PreviewRequest last_preview{};
+  bool holds_previews{false};  ///< they wait in `held_previews` for a test to answer them
+  std::vector<Designs::Shown> held_previews{};
+  std::atomic<int> previews_called_off{0};
+  std::string lattice_blob{"PCLB"};
   std::string preview_svg{"<svg xmlns=\"http://www.w3.org/2000/svg\"/>"};
 
   /// A job in state `state` that belongs to `owner`.
@@ -102,6 +107,13 @@ class FakeDesigns : public Designs, public virtual FakeState {
   Answer<std::string> content(const std::string& id) override;
   Answer<void> remove(const Principal&, const std::string& id) override;
   void preview(const std::string& id, std::function<void(Answer<std::string>)> done) override;
+  CallOff show_spec(const Principal&, const PreviewRequest&, Shown done) override;
+  CallOff place_spec(const Principal&, const PreviewRequest&, Shown done) override;
+  CallOff lattice(const Principal&, const std::string& id, Shown done) override;
+  void picture(const Principal&, const std::string& id, const std::string& name,
+               Shown done) override;
+  CallOff file(const Principal&, const std::string& id, const std::string& name, int part,
+               Shown done) override;
 };
 
 class FakePlans : public Plans, public virtual FakeState {

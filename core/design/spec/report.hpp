@@ -34,6 +34,8 @@ struct SliceReport : ChainFigures {
   double width_mm{};
   SliceFit fit{};
   bool blank{};  ///< plain card: the target is not there, or too small
+  double wall_mm{},
+      ground_mm{};  ///< where its curve of the target meets wall and ground; 0 if blank
 };
 
 /// How near a lattice comes to its target, as it is laid, after merging.

@@ -12,12 +12,12 @@
 
 namespace popcut {
 
-/// A stretch of slices with units of its own, and perhaps a radius of its own: an expression of y
-/// from 0 at the region's start to L at its end.
+/// A stretch of slices with units of its own, and perhaps a radius of its own: of y from 0 at the
+/// region's start to L at its end.
 struct RegionSpec {
   int units_per_slice{};
   int slices{};
-  std::optional<std::string> radius{};
+  std::optional<FormulaOrPoints> radius{};
 };
 
 /// Widths chosen from the target's curvature (`"widths_mm": {"max_error_mm": ...}`).

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "core/design/spec/spec_table.hpp"
 
+#include <algorithm>
+#include <functional>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -21,6 +23,10 @@ constexpr std::size_t kMostTargets = 2'000'000;
 constexpr std::size_t kMostPatches = 100;
 constexpr std::size_t kMostRegions = 1000;
 constexpr std::size_t kMostNameBytes = 1024;
+constexpr std::size_t kMostPoints = 1000;        ///< of one curve
+constexpr std::size_t kMostStations = 200;       ///< of a loft
+constexpr std::size_t kMostLoftPoints = 20'000;  ///< of all stations
+constexpr double kMostCoordinate = 1e9;          ///< of a point, in units of the surface
 constexpr double kMostAlpha = 1000.0;
 constexpr double kRightSum = 2.0 * std::numbers::pi;
 
@@ -58,6 +64,137 @@ FieldTable<Spec> one_text(const char* name, std::string Spec::*member,
   return {{needed<Spec>(name, member, text, help)}};
 }
 
+// ---- curves through points
+
+struct PointFields {
+  CurvePoints points;
+};
+
+Shape<CurvePoints> points(const std::string& what) {
+  const auto number = shape::number(from(-kMostCoordinate, kMostCoordinate));
+  const auto pair = shape::as<std::array<double, 2>>(
+      shape::list(number, {2, 2, ErrorKind::Malformed}, "two numbers"),
+      [](const std::vector<double>& p) {
+        return std::array{p[0], p[1]};
+      });
+  return shape::list(pair, {2, kMostPoints, ErrorKind::OutOfRange},
+                     fmt::format("a list of 2 to {} points {}", kMostPoints, what));
+}
+
+/// Neighbours that are nearer than this share of the whole are one.
+constexpr double kLeastGap = 1e-9;
+
+/// Points by growing place, whose values are not below zero.
+void check_graph(FieldReader& fields, const CurvePoints& points) {
+  const double least = kLeastGap * (points.back()[0] - points.front()[0]);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const auto& [place, value] = points[k];
+    if (k > 0 && !(place - points[k - 1][0] > std::max(0.0, least)))
+      return fields.refuse(fmt::format("points/{}/0", k), ErrorKind::OutOfRange,
+                           fmt::format("is {:g}; must be above {:g}, where the point before it is",
+                                       place, points[k - 1][0]));
+    if (!(value >= 0.0))
+      return fields.refuse(fmt::format("points/{}/1", k), ErrorKind::OutOfRange,
+                           fmt::format("is {:g}; must be a radius of 0 or more", value));
+  }
+}
+
+/// Points (x, z) that fall from the wall to the ground; `below` is the list's own field.
+void check_falls(FieldReader& fields, const std::string& below, const CurvePoints& points) {
+  const auto refuse = [&](std::size_t k, int coordinate, double is, const std::string& must) {
+    fields.refuse(fmt::format("{}/{}/{}", below, k, coordinate), ErrorKind::OutOfRange,
+                  fmt::format("is {:g}; must be {}", is, must));
+  };
+  const std::size_t last = points.size() - 1;
+  const double least = kLeastGap * (points[0][1] + points[last][0]);
+  if (points[0][0] != 0.0) return refuse(0, 0, points[0][0], "0: the first point is on the wall");
+  if (!(points[0][1] > 0.0))
+    return refuse(0, 1, points[0][1], "above 0: the curve begins above the ground");
+  for (std::size_t k = 1; k <= last; ++k) {
+    const auto &a = points[k - 1], &b = points[k];
+    if (b[0] < a[0])
+      return refuse(k, 0, b[0],
+                    fmt::format("at least {:g}, as the point before it: no point may "
+                                "be nearer to the wall",
+                                a[0]));
+    if (b[1] > a[1])
+      return refuse(k, 1, b[1],
+                    fmt::format("at most {:g}, as the point before it: the curve must "
+                                "fall",
+                                a[1]));
+    if (!(b[0] - a[0] + a[1] - b[1] > least))
+      return fields.refuse(fmt::format("{}/{}", below, k), ErrorKind::OutOfRange,
+                           "is the point before it; leave one of them out");
+  }
+  if (points[last][1] != 0.0)
+    return refuse(last, 1, points[last][1], "0: the last point is on the ground");
+  if (!(points[last][0] > 0.0))
+    refuse(last, 0, points[last][0], "above 0: the curve ends before the wall");
+}
+
+/// A formula, or an object with points that `check` accepts.
+Shape<FormulaOrPoints> formula_or(
+    const std::string& what, const std::function<void(FieldReader&, const CurvePoints&)>& check) {
+  FieldTable<PointFields> table{{
+      needed<PointFields>("points", &PointFields::points, points(what), what),
+  }};
+  table.check = [check](FieldReader& fields, PointFields& read) { check(fields, read.points); };
+  const auto drawn = shape::as<FormulaOrPoints>(
+      shape::object(table, "an object with points"),
+      [](PointFields read) { return FormulaOrPoints(std::move(read.points)); });
+  return shape::either(
+      shape::as<FormulaOrPoints>(shape::text(),
+                                 [](std::string text) { return FormulaOrPoints(std::move(text)); }),
+      drawn);
+}
+
+Shape<FormulaOrPoints> radius() { return formula_or("[y, radius], by growing y", check_graph); }
+
+FieldTable<LoftSpec> loft() {
+  FieldTable<LoftStation> station{{
+      needed<LoftStation>("y", &LoftStation::y,
+                          shape::number(from(-kMostCoordinate, kMostCoordinate)),
+                          "place along the spine"),
+      needed<LoftStation>("curve", &LoftStation::curve,
+                          points("[x, z], from the wall to the ground"),
+                          "points [x, z] that fall from the wall, x = 0, to the ground, z = 0"),
+  }};
+  station.check = [](FieldReader& fields, LoftStation& read) {
+    check_falls(fields, "curve", read.curve);
+  };
+  FieldTable<LoftSpec> table{{
+      needed<LoftSpec>(
+          "stations", &LoftSpec::stations,
+          shape::list(shape::object(station, "an object with y and curve"),
+                      {2, kMostStations, ErrorKind::OutOfRange},
+                      fmt::format("a list of 2 to {} stations", kMostStations)),
+          "curves at places along the spine, by growing y, all with the same number of points"),
+  }};
+  table.check = [](FieldReader& fields, LoftSpec& read) {
+    std::size_t points = 0;
+    for (std::size_t k = 0; k < read.stations.size(); ++k) {
+      const LoftStation &first = read.stations.front(), &here = read.stations[k];
+      points += here.curve.size();
+      if (here.curve.size() != first.curve.size())
+        return fields.refuse(fmt::format("stations/{}/curve", k), ErrorKind::OutOfRange,
+                             fmt::format("has {} points; must have {} as the first station, since "
+                                         "each point is joined to its like",
+                                         here.curve.size(), first.curve.size()));
+      const double whole = read.stations.back().y - first.y;
+      if (k > 0 && !(here.y - read.stations[k - 1].y > std::max(0.0, kLeastGap * whole)))
+        return fields.refuse(fmt::format("stations/{}/y", k), ErrorKind::OutOfRange,
+                             fmt::format("is {:g}; must be above {:g}, where the station before it "
+                                         "is",
+                                         here.y, read.stations[k - 1].y));
+    }
+    if (points > kMostLoftPoints)
+      fields.refuse(
+          "stations", ErrorKind::OutOfRange,
+          fmt::format("have {} points in all; must have at most {}", points, kMostLoftPoints));
+  };
+  return table;
+}
+
 Shape<SurfaceField> surface() {
   const auto positive_triple = shape::blamed(
       shape::triple(above(0.0), "three positive numbers, R1, R2 and R3"), ErrorKind::Malformed);
@@ -66,10 +203,19 @@ Shape<SurfaceField> surface() {
   return shape::tagged<SurfaceField>({
       shape::kind<SurfaceField>(
           "revolution",
-          one_text("radius", &RevolutionSpec::radius, shape::text(), "expression of y"),
+          FieldTable<RevolutionSpec>{{needed<RevolutionSpec>(
+              "radius", &RevolutionSpec::radius, radius(),
+              "expression of y, or points that a smooth curve goes through")}},
           "quarter circles about the spine: x^2 + z^2 = radius(y)^2"),
       shape::kind<SurfaceField>(
-          "profile", one_text("z", &ProfileSpec::z, shape::text(), "expression of x and y"),
+          "profile",
+          FieldTable<ProfileSpec>{{needed<ProfileSpec>(
+              "z", &ProfileSpec::z,
+              formula_or("[x, z], from the wall to the ground",
+                         [](FieldReader& fields, const CurvePoints& read) {
+                           check_falls(fields, "points", read);
+                         }),
+              "expression of x and y, or points of a curve that is the same for each y")}},
           "a profile that falls from the wall to the ground for each y"),
       shape::kind<SurfaceField>(
           "implicit", one_text("f", &ImplicitSpec::f, shape::text(), "expression of x, y and z"),
@@ -84,6 +230,8 @@ Shape<SurfaceField> surface() {
           "mesh",
           one_text("file", &MeshSpec::file, file_name(), "name of the file, relative to the spec"),
           "triangles: an STL or OBJ file"),
+      shape::kind<SurfaceField>("loft", loft(),
+                                "a surface through falling curves at places along the spine"),
       shape::kind<SurfaceField>("composite", composite,
                                 "three regions whose radius runs R1, R2, R3"),
   });
@@ -123,8 +271,9 @@ Shape<std::vector<RegionFields>> regions() {
   FieldTable<Row> region{{
       needed<Row>("units_per_slice", &Row::units_per_slice, units(), "pop-up units of each slice"),
       needed<Row>("slices", &Row::slices, slice_count(), "number of slices"),
-      field<Row>("radius", &Row::radius, shape::text(),
-                 "radius of a surface of revolution: expression of y, from 0 to L in the region"),
+      field<Row>("radius", &Row::radius, radius(),
+                 "radius of a surface of revolution: expression of y, from 0 to L in the region, "
+                 "or points that a smooth curve goes through"),
       field<Row>("width_mm", &Row::width_mm, length(), "width of all its slices"),
       field<Row>("widths_mm", &Row::widths_mm, fixed_widths<FixedWidths>(),
                  "one width for all its slices, or a list with one for each slice"),

@@ -41,10 +41,17 @@ void derive(const double* c, int degree, double length, double* out) {
 }  // namespace
 
 SliceCurve SliceCurve::sampled(double h_mm, double d_mm, const std::function<double(double)>& x_at,
-                               double tolerance, int max_depth) {
+                               double tolerance, int max_depth, const std::vector<double>& knots) {
   SliceCurve curve(h_mm, d_mm);
   const auto n_at = [&](double t) { return 2.0 * x_at(t) / d_mm - t; };  // n = 2 x/d - t
-  curve.add_pieces(-1.0, 1.0, tolerance, max_depth, n_at);
+  constexpr double kShortest = 1e-6;
+  double begin = -1.0;
+  for (const double knot : knots) {
+    if (knot < begin + kShortest || knot > 1.0 - kShortest) continue;
+    curve.add_pieces(begin, knot, tolerance, max_depth, n_at);
+    begin = knot;
+  }
+  curve.add_pieces(begin, 1.0, tolerance, max_depth, n_at);
   curve.find_inflections();
   return curve;
 }
@@ -181,7 +188,6 @@ CurveDistance SliceCurve::distance(SectionPoint p) const {
 
 double SliceCurve::nearest_distance(SectionPoint p) const {
   if (is_circle() && p.x >= 0.0 && p.z >= 0.0) return std::abs(std::hypot(p.x, p.z) - h_);
-  double t = std::clamp(p.x / d_ - p.z / h_, -1.0, 1.0);
   const auto product = [&](double ax, double az, double bx, double bz) {
     return ax * bx + az * bz + cosine_ * (ax * bz + az * bx);
   };
@@ -189,22 +195,37 @@ double SliceCurve::nearest_distance(SectionPoint p) const {
     const CurveJet c = at(s);
     return product(c.x - p.x, c.z - p.z, c.x - p.x, c.z - p.z);
   };
-  double best = gap2(t);
-  for (int step = 0; step < 50; ++step) {
-    const CurveJet c = at(t);
-    const double g = product(c.x - p.x, c.z - p.z, c.dx, c.dz);
-    const double bend = product(c.x - p.x, c.z - p.z, c.ddx, c.ddz);
-    const double speed2 = product(c.dx, c.dz, c.dx, c.dz);
-    const double h = speed2 + bend > 0.1 * speed2 ? speed2 + bend : speed2;
-    double move = -g / h;
-    double next = best;
-    for (; std::abs(move) > 1e-15; move *= 0.5) {
-      next = gap2(std::clamp(t + move, -1.0, 1.0));
-      if (next <= best) break;
+  const auto least_from = [&](double t) {
+    double best = gap2(t);
+    for (int step = 0; step < 50; ++step) {
+      const CurveJet c = at(t);
+      const double g = product(c.x - p.x, c.z - p.z, c.dx, c.dz);
+      const double bend = product(c.x - p.x, c.z - p.z, c.ddx, c.ddz);
+      const double speed2 = product(c.dx, c.dz, c.dx, c.dz);
+      const double h = speed2 + bend > 0.1 * speed2 ? speed2 + bend : speed2;
+      double move = -g / h;
+      double next = best;
+      for (; std::abs(move) > 1e-15; move *= 0.5) {
+        next = gap2(std::clamp(t + move, -1.0, 1.0));
+        if (next <= best) break;
+      }
+      if (!(next <= best) || std::abs(move) <= 1e-15) break;
+      t = std::clamp(t + move, -1.0, 1.0);
+      best = next;
     }
-    if (!(next <= best) || std::abs(move) <= 1e-15) break;
-    t = std::clamp(t + move, -1.0, 1.0);
-    best = next;
+    return best;
+  };
+  double best = least_from(std::clamp(p.x / d_ - p.z / h_, -1.0, 1.0));
+  // Far from a curve that turns both ways there may be a nearer stretch than the one at hand.
+  constexpr double kFar = 0.02;
+  if (inflected_ && best > std::pow(kFar * (h_ + d_), 2)) {
+    constexpr int kPlaces = 32;
+    double nearest = 0.0, gap = best;
+    for (int k = 0; k <= kPlaces; ++k) {
+      const double t = -1.0 + 2.0 * k / kPlaces;
+      if (const double here = gap2(t); here < gap) nearest = t, gap = here;
+    }
+    if (gap < best) best = std::min(best, least_from(nearest));
   }
   return std::sqrt(std::max(0.0, best));
 }

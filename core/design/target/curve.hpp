@@ -43,8 +43,11 @@ class SliceCurve {
   /// Interpolates `x_at`, which gives the x of the point with a given t. It is sampled at Chebyshev
   /// points of as many pieces as an error of about ten `tolerance` of the size needs, each at least
   /// 2^-max_depth of the whole.
+  ///
+  /// @param knots  values of t, growing, at which it is known not to be smooth: pieces end there
   static SliceCurve sampled(double h_mm, double d_mm, const std::function<double(double)>& x_at,
-                            double tolerance = 1e-14, int max_depth = 12);
+                            double tolerance = 1e-14, int max_depth = 12,
+                            const std::vector<double>& knots = {});
 
   /// A smooth curve along a polyline that falls from (0, h) to (d, 0): a cubic B-spline over the
   /// chord with the polyline's own n as control points. Its slopes are averages of the polyline's,

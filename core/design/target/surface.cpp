@@ -18,6 +18,7 @@ Result<Surface> of_kind(const SurfaceSpec& spec, const TargetPlacement& placemen
     return surface_revolution(*revolution, placement, fit);
   if (const auto* profile = std::get_if<ProfileSpec>(&spec))
     return surface_profile(*profile, placement, fit);
+  if (const auto* loft = std::get_if<LoftSpec>(&spec)) return surface_loft(*loft, placement, fit);
   if (const auto* implicit = std::get_if<ImplicitSpec>(&spec))
     return surface_implicit(*implicit, placement, fit);
   return surface_of_file(spec, placement, fit, assets);

@@ -14,6 +14,8 @@ namespace popcut {
                                                  const TargetPlacement& placement, FitMode fit);
 [[nodiscard]] Result<Surface> surface_profile(const ProfileSpec& spec,
                                               const TargetPlacement& placement, FitMode fit);
+[[nodiscard]] Result<Surface> surface_loft(const LoftSpec& spec, const TargetPlacement& placement,
+                                           FitMode fit);
 [[nodiscard]] Result<Surface> surface_implicit(const ImplicitSpec& spec,
                                                const TargetPlacement& placement, FitMode fit);
 /// Of a mesh or a grid.

@@ -149,7 +149,9 @@ class ProfileSlice {
 
 Result<Surface> surface_profile(const ProfileSpec& spec, const TargetPlacement& placement,
                                 FitMode fit) {
-  auto z = Expression::parse(spec.z, {"x", "y"});
+  if (const auto* points = std::get_if<CurvePoints>(&spec.z))
+    return surface_loft({{{0.0, *points}}}, placement, fit);
+  auto z = Expression::parse(std::get<std::string>(spec.z), {"x", "y"});
   if (!z) return tl::unexpected(within("/surface/z", z.error()));
   auto shared = std::make_shared<Expression>(std::move(*z));
   const auto below = [shared](double x, double y, double height) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "core/design/spline/monotone_spline.hpp"
 #include "core/design/target/expression.hpp"
 #include "core/design/target/surface_kinds.hpp"
 #include "core/fit/triangle_soup.hpp"
@@ -24,16 +26,39 @@ SliceCurve sector(double r_mm, double angle_rad) {
       r_mm, r_mm, [&](double t) { return 0.5 * r_mm * (std::sqrt(1.0 - s * s * t * t) / c + t); });
 }
 
-Result<double> radius_at(const Expression& radius, double length, double scale_mm, double s_mm,
-                         double y) {
-  const double r_mm = scale_mm * radius(y, length);
+/// The radius by y, in units of the surface, and where it is known to be.
+struct Radius {
+  std::function<double(double)> at;
+  std::string domain;  ///< "; its points reach from y = 0 to 90"
+
+  double operator()(double y) const { return at(y); }
+};
+
+Result<Radius> radius_of(const RevolutionSpec& spec) {
+  if (const auto* points = std::get_if<CurvePoints>(&spec.radius)) {
+    const MonotoneSpline spline(*points);
+    return Radius{spline, fmt::format("; its points reach from y = {:g} to {:g}", spline.first(),
+                                      spline.last())};
+  }
+  std::vector<std::string> variables{"y"};
+  if (spec.length) variables.emplace_back("L");
+  auto formula = Expression::parse(std::get<std::string>(spec.radius), variables);
+  if (!formula) return tl::unexpected(within("/surface/radius", formula.error()));
+  // std::function needs a copyable callable, an Expression is not one.
+  auto shared = std::make_shared<Expression>(std::move(*formula));
+  return Radius{
+      [shared, length = spec.length.value_or(0.0)](double y) { return (*shared)(y, length); }, {}};
+}
+
+Result<double> radius_at(const Radius& radius, double scale_mm, double s_mm, double y) {
+  const double r_mm = scale_mm * radius(y);
   const std::string place = fmt::format("/surface/radius at s = {:.6g} mm", s_mm);
   if (!std::isfinite(r_mm))
     return fail(
         ErrorKind::OutOfRange, place,
-        fmt::format("the radius is not a number at y = {:.6g}; it must be finite and positive "
+        fmt::format("the radius is not a number at y = {:.6g}{}; it must be finite and positive "
                     "there: fewer or narrower slices, or another radius",
-                    y),
+                    y, radius.domain),
         std::isnan(r_mm) ? ErrorReason::Misplaced : ErrorReason::None);
   if (r_mm <= 0.0)
     return fail(
@@ -45,8 +70,8 @@ Result<double> radius_at(const Expression& radius, double length, double scale_m
 
 /// Places along the spine between which chords stray by `stretch.finest_mm` at most, as far as a
 /// thousand places allow, with the ends of the radius' domain among them.
-template <typename Radius>
-std::vector<double> stations_of(const Radius& radius, const TargetStretch& stretch) {
+template <typename RadiusMm>
+std::vector<double> stations_of(const RadiusMm& radius, const TargetStretch& stretch) {
   constexpr std::size_t kLeast = 64, kMost = 1024;
   const auto is_valid = [&](double s) { return radius(s) >= 0.0 && std::isfinite(radius(s)); };
   const double length = stretch.to_mm - stretch.from_mm;
@@ -79,8 +104,8 @@ std::vector<double> stations_of(const Radius& radius, const TargetStretch& stret
 
 /// Circles of the radius from ground to wall, as bands between the stations, in oblique
 /// coordinates. Where there is no radius, nothing.
-template <typename Radius>
-TriangleSoup circle_bands(const Radius& radius, double angle_rad, const TargetStretch& stretch) {
+template <typename RadiusMm>
+TriangleSoup circle_bands(const RadiusMm& radius, double angle_rad, const TargetStretch& stretch) {
   constexpr double kLeast = 48.0, kMost = 256.0;
   const double largest = std::max(stretch.reach_x_mm, stretch.reach_z_mm);
   const double angle = std::sqrt(8.0 * stretch.finest_mm / largest);  // sagitta r angle^2 / 8
@@ -108,16 +133,12 @@ TriangleSoup circle_bands(const Radius& radius, double angle_rad, const TargetSt
 
 Result<Surface> surface_revolution(const RevolutionSpec& spec, const TargetPlacement& placement,
                                    FitMode fit) {
-  std::vector<std::string> variables{"y"};
-  if (spec.length) variables.emplace_back("L");
-  const double length = spec.length.value_or(0.0);
-  auto radius = Expression::parse(spec.radius, variables);
-  if (!radius) return tl::unexpected(within("/surface/radius", radius.error()));
-  // std::function needs a copyable callable, an Expression is not one.
-  auto shared = std::make_shared<Expression>(std::move(*radius));
+  const auto made = radius_of(spec);
+  if (!made) return tl::unexpected(made.error());
+  const Radius& radius = *made;
   const Surface solid = surface_of_solid(
-      [shared, length](double x, double y, double z) {
-        const double r = (*shared)(y, length);
+      [radius](double x, double y, double z) {
+        const double r = radius(y);
         return r > 0.0 ? x * x + z * z - r * r : 1.0;
       },
       placement, fit, "revolution");
@@ -129,19 +150,19 @@ Result<Surface> surface_revolution(const RevolutionSpec& spec, const TargetPlace
                             "spine. Use at most 90, or \"fit\": \"nearest\"",
                             angle_deg));
   const double angle_rad = angle_deg / 180.0 * std::numbers::pi;
-  const auto cut = [shared, placement, length, angle_deg, angle_rad,
+  const auto cut = [radius, placement, angle_deg, angle_rad,
                     solid](double s_mm) -> Result<SurfaceSlice> {
     const double y = (s_mm - placement.translate_mm[1]) / placement.scale_mm;
-    const auto r_mm = radius_at(*shared, length, placement.scale_mm, s_mm, y);
+    const auto r_mm = radius_at(radius, placement.scale_mm, s_mm, y);
     if (!r_mm) return tl::unexpected(r_mm.error());
     if (angle_deg > 90.0) return solid.cut(s_mm);
     return SurfaceSlice{angle_deg == 90.0 ? SliceCurve(*r_mm, *r_mm) : sector(*r_mm, angle_rad),
                         {}};
   };
-  return Surface(cut, [shared, placement, length, angle_rad](const TargetStretch& stretch) {
+  return Surface(cut, [radius, placement, angle_rad](const TargetStretch& stretch) {
     const auto radius_mm = [&](double s_mm) {
       const double y = (s_mm - placement.translate_mm[1]) / placement.scale_mm;
-      return placement.scale_mm * (*shared)(y, length);
+      return placement.scale_mm * radius(y);
     };
     return circle_bands(radius_mm, angle_rad, stretch);
   });

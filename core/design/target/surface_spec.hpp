@@ -6,18 +6,31 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
+
+#include "core/design/spline/loft.hpp"
 
 namespace popcut {
 
+/// Points of a curve, in units of the surface: place and value, or x and z.
+using CurvePoints = std::vector<std::array<double, 2>>;
+/// A formula, or a smooth curve through points (`MonotoneSpline`).
+using FormulaOrPoints = std::variant<std::string, CurvePoints>;
+
 /// Circles about the spine from ground to wall: x^2 + z^2 = radius(y)^2, in units of the surface.
 struct RevolutionSpec {
-  std::string radius;              ///< expression of y, and of L where there is a length
+  FormulaOrPoints radius;          ///< expression of y, and of L where there is a length; or (y, r)
   std::optional<double> length{};  ///< L, length of the region that it belongs to
 };
 
 /// A profile z(x, y) that falls from (0, h) to (d, 0) for each y, in units of the surface.
 struct ProfileSpec {
-  std::string z;  ///< expression of x and y
+  FormulaOrPoints z;  ///< expression of x and y; or (x, z) of a curve that is the same for each y
+};
+
+/// A surface through falling curves at places along the spine (`Loft`), in units of the surface.
+struct LoftSpec {
+  std::vector<LoftStation> stations;
 };
 
 /// A solid: inside where f(x, y, z) < 0, outside where it is larger or not a number.
@@ -35,7 +48,8 @@ struct MeshSpec {
   std::string file;  ///< name of an STL or OBJ file (`read_mesh`)
 };
 
-using SurfaceSpec = std::variant<RevolutionSpec, ProfileSpec, ImplicitSpec, GridSpec, MeshSpec>;
+using SurfaceSpec =
+    std::variant<RevolutionSpec, ProfileSpec, ImplicitSpec, GridSpec, MeshSpec, LoftSpec>;
 
 /// Contents of the files that a surface names, by the name as the spec writes it. Who has the files
 /// reads them: the command line beside the spec, the daemon among what was uploaded.

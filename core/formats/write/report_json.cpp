@@ -57,13 +57,10 @@ Json inner_vertices(const DesignReport& report) {
 
 Json slices(const DesignReport& report) {
   return json_list(report.slices, [](const SliceReport& slice) {
-    Json json{{"s_mm", slice.s_mm},
-              {"v_mm", slice.v_mm},
-              {"width_mm", slice.width_mm},
-              {"loss", slice.loss},
-              {"iterations", slice.iterations},
-              {"minima", slice.minima},
-              {"spread", slice.spread},
+    Json json{{"s_mm", slice.s_mm},         {"v_mm", slice.v_mm},
+              {"width_mm", slice.width_mm}, {"ends_mm", {slice.wall_mm, slice.ground_mm}},
+              {"loss", slice.loss},         {"iterations", slice.iterations},
+              {"minima", slice.minima},     {"spread", slice.spread},
               {"fit", fit(slice.fit)}};
     if (slice.blank) json["blank"] = true;
     return json;

@@ -97,6 +97,90 @@ Result<TargetFormula> formula_at(const Json& object, const char* member, const s
   return formula;
 }
 
+/// Points of a drawn curve.
+Result<TargetPoints> points_at(const Json& object, const char* member, const std::string& place) {
+  const std::string at = fmt::format("{}/{}", place, member);
+  constexpr std::size_t kMostPoints = 100'000;
+  if (!object.contains(member) || !object[member].is_array() || object[member].size() < 2 ||
+      object[member].size() > kMostPoints)
+    return wrong(at, "must be a list of two points or more");
+  TargetPoints out;
+  for (const Json& point : object[member]) {
+    if (!point.is_array() || point.size() != 2 || !point[0].is_number() || !point[1].is_number())
+      return wrong(fmt::format("{}/{}", at, out.size()), "must be two numbers");
+    out.push_back({point[0].get<double>(), point[1].get<double>()});
+    if (!(std::abs(out.back()[0]) <= 1e9 && std::abs(out.back()[1]) <= 1e9))
+      return fail(ErrorKind::OutOfRange, fmt::format("{}/{}", at, out.size() - 1),
+                  "is not a number up to 1e9");
+  }
+  return out;
+}
+
+Result<void> check_growing(const TargetPoints& points, const std::string& place) {
+  for (std::size_t k = 1; k < points.size(); ++k)
+    if (!(points[k][0] > points[k - 1][0]))
+      return fail(ErrorKind::OutOfRange, fmt::format("{}/{}/0", place, k),
+                  "must be above that of the point before it");
+  return {};
+}
+
+/// From (0, h) to (d, 0), never back.
+Result<void> check_falling(const TargetPoints& points, const std::string& place) {
+  bool falls = points.front()[0] == 0.0 && points.front()[1] > 0.0 && points.back()[0] > 0.0 &&
+               points.back()[1] == 0.0;
+  for (std::size_t k = 1; k < points.size(); ++k)
+    falls = falls && points[k][0] >= points[k - 1][0] && points[k][1] <= points[k - 1][1] &&
+            points[k] != points[k - 1];
+  if (falls) return {};
+  return fail(ErrorKind::OutOfRange, place,
+              "must fall from the wall, x = 0, to the ground, z = 0, with no point twice");
+}
+
+/// A radius by y: an expression, or points that a curve goes through.
+Result<TargetFormula> radius_at(const Json& object, const std::string& place,
+                                std::optional<double> length = std::nullopt) {
+  if (!object.contains("radius") || !object["radius"].is_object())
+    return formula_at(object, "radius", place, length);
+  const auto points = points_at(object["radius"], "points", place + "/radius");
+  if (!points) return tl::unexpected(points.error());
+  if (auto grows = check_growing(*points, place + "/radius/points"); !grows)
+    return tl::unexpected(grows.error());
+  return formula_through(*points);
+}
+
+Result<Surface> drawn_profile(const Json& surface, const TargetPlacement& placement) {
+  const auto points = points_at(surface["z"], "points", "/surface/z");
+  if (!points) return tl::unexpected(points.error());
+  if (auto falls = check_falling(*points, "/surface/z/points"); !falls)
+    return tl::unexpected(falls.error());
+  return loft_target({{0.0, *points}}, placement);
+}
+
+Result<Surface> drawn_loft(const Json& surface, const TargetPlacement& placement) {
+  const Json& list = surface.contains("stations") ? surface["stations"] : Json();
+  constexpr std::size_t kMostStations = 10'000;
+  if (!list.is_array() || list.size() < 2 || list.size() > kMostStations)
+    return wrong("/surface/stations", "must be a list of two stations or more");
+  std::vector<DrawnStation> stations;
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    const std::string place = fmt::format("/surface/stations/{}", k);
+    if (!list[k].is_object()) return wrong(place, "must be an object with y and curve");
+    const auto y = number_at(list[k], "/y", std::nullopt);
+    if (!y) return tl::unexpected(within(place, y.error()));
+    const auto curve = points_at(list[k], "curve", place);
+    if (!curve) return tl::unexpected(curve.error());
+    if (auto falls = check_falling(*curve, place + "/curve"); !falls)
+      return tl::unexpected(falls.error());
+    if (!stations.empty() && curve->size() != stations[0].curve.size())
+      return fail(ErrorKind::OutOfRange, place + "/curve", "must have as many points as the first");
+    if (!stations.empty() && !(*y > stations.back().y))
+      return fail(ErrorKind::OutOfRange, place + "/y",
+                  "must be above that of the station before it");
+    stations.push_back({*y, *curve});
+  }
+  return loft_target(std::move(stations), placement);
+}
+
 Result<Surface> read_surface(const Json& surface, const TargetPlacement& placement,
                              const TargetFiles& files) {
   if (!surface.is_object() || !surface.contains("type") || !surface["type"].is_string())
@@ -112,13 +196,18 @@ Result<Surface> read_surface(const Json& surface, const TargetPlacement& placeme
     if (!triangles) return tl::unexpected(within("/surface/file", triangles.error()));
     return mesh_target(std::move(*triangles), placement);
   }
+  if (type == "loft") return drawn_loft(surface, placement);
   const bool revolution = type == "revolution", profile = type == "profile";
+  if (profile && surface.contains("z") && surface["z"].is_object())
+    return drawn_profile(surface, placement);
   if (!revolution && !profile && type != "implicit")
-    return fail(ErrorKind::OutOfRange, "/surface/type",
-                fmt::format("\"{}\" is unknown; use revolution, profile, implicit, grid, mesh or "
-                            "composite",
-                            type.substr(0, 40)));
-  auto formula = formula_at(surface, revolution ? "radius" : profile ? "z" : "f", "/surface");
+    return fail(
+        ErrorKind::OutOfRange, "/surface/type",
+        fmt::format("\"{}\" is unknown; use revolution, profile, implicit, grid, mesh, loft "
+                    "or composite",
+                    type.substr(0, 40)));
+  auto formula = revolution ? radius_at(surface, "/surface")
+                            : formula_at(surface, profile ? "z" : "f", "/surface");
   if (!formula) return tl::unexpected(formula.error());
   if (revolution) return revolution_target(std::move(*formula), placement);
   if (profile) return profile_target(std::move(*formula), placement);
@@ -243,9 +332,8 @@ Result<Surface> read_stretches(const Json& spec, const RegionPlaces& places,
       stretches.push_back({places.middle_mm[r], 0.0, common});
       continue;
     }
-    auto radius = composite
-                      ? Result<TargetFormula>(radii[r])
-                      : formula_at(regions[r], "radius", fmt::format("/regions/{}", r), lengths[r]);
+    auto radius = composite ? Result<TargetFormula>(radii[r])
+                            : radius_at(regions[r], fmt::format("/regions/{}", r), lengths[r]);
     if (!radius) return tl::unexpected(radius.error());
     stretches.push_back({places.origin_mm[r], places.origin_mm[r],
                          revolution_target(std::move(*radius), placement)});

@@ -73,6 +73,22 @@ using TargetFormula = std::function<double(double, double, double)>;
 [[nodiscard]] Result<TargetFormula> read_formula(const std::string& expression,
                                                  std::optional<double> length);
 
+/// Points of a curve that is drawn: place and value, or x and z.
+using TargetPoints = std::vector<std::array<double, 2>>;
+/// The value at y of the smooth curve through points (y, value), which turns only where they do;
+/// NaN outside of them.
+[[nodiscard]] TargetFormula formula_through(const TargetPoints& points);
+
+/// A section that is drawn: points (x, z) that fall from the wall to the ground.
+struct DrawnStation {
+  double y{};
+  TargetPoints curve;
+};
+/// The surface through sections, by growing y, with equally many points; a single one reaches along
+/// the whole spine.
+[[nodiscard]] std::unique_ptr<TargetSurface> loft_target(std::vector<DrawnStation> stations,
+                                                         const TargetPlacement& placement);
+
 /// Circles about the spine from ground to wall, of radius `radius(0, y, 0)`.
 [[nodiscard]] std::unique_ptr<TargetSurface> revolution_target(TargetFormula radius,
                                                                const TargetPlacement& placement);

@@ -181,7 +181,7 @@ class Calibration {
           return tl::unexpected(kept.error());
     }
     if (end.error) return tl::unexpected(within(name, *end.error));
-    if (end.cancelled)
+    if (end.cancelled || sent->stop_asked)
       return fail(ErrorKind::Refused, name,
                   "stopped as you asked, with the tool up and parked; your table is as it was");
     return std::move(end);

@@ -14,6 +14,7 @@
 
 #include "core/formats/svg/svg_reader.hpp"
 #include "core/plan/plan.hpp"
+#include "core/plan/plan_options.hpp"
 #include "core/text/utf8.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/cut_device.hpp"
@@ -59,7 +60,7 @@ Result<void> go_round(const PlanJob& job, std::size_t sheet, const CutTarget& ta
                    {*program, "", {planned.area_mm[0], planned.area_mm[1]}, 10}, !globals.quiet);
   if (!sent) return tl::unexpected(sent.error());
   if (sent->end.error) return tl::unexpected(within("--frame", *sent->end.error));
-  if (sent->end.cancelled)
+  if (sent->end.cancelled || sent->stop_asked)
     return fail(ErrorKind::Refused, "--frame", "stopped as you asked; nothing was cut");
   if (sent->trace && !sent->trace->strokes.empty())
     return fail(ErrorKind::Internal, "--frame", "the tool came down");
@@ -69,28 +70,43 @@ Result<void> go_round(const PlanJob& job, std::size_t sheet, const CutTarget& ta
   return {};
 }
 
-/// A person says yes to each sheet, or --yes stands for it.
-Result<void> ask(const Options& options, const PlanJob& job, std::size_t sheet,
-                 const CutTarget& target) {
-  if (options.yes || target.device.kind == DeviceKind::File) return {};
+/// How far right and into the sheet the drawing should go, in mm, before it is cut.
+struct Shift {
+  double across_mm{}, along_mm{};
+};
+
+std::optional<PagePoint> place_in(const std::string& text) {
+  const auto options = read_plan_options({{"at", text}});
+  return options ? options->place.at : std::nullopt;
+}
+
+/// A person says yes to each sheet, or --yes stands for it. After the tool went round the only
+/// sheet, the answer may also be how far to move the drawing.
+Result<std::optional<Shift>> ask(const Options& options, const PlanJob& job, std::size_t sheet,
+                                 const CutTarget& target) {
+  if (options.yes || target.device.kind == DeviceKind::File) return std::nullopt;
   if (isatty(STDIN_FILENO) != 1 || isatty(STDERR_FILENO) != 1)
     return fail(ErrorKind::Refused, "",
                 "cannot ask whether to start, because this is not a terminal; with a simulated "
                 "device add --yes");
   const PlannedSheet& planned = job.plan.sheets[sheet];
+  const bool can_move = options.frame && job.plan.sheets.size() == 1;
   const std::string mat =
       planned.mat.name.empty() ? "" : fmt::format(" on the {} mat", planned.mat.name);
   fmt::print(
       stderr,
       "Load sheet {} of {} ({}, {:.5g} mm across x {:.5g} mm, drawn side up){} into {}, about "
-      "{:.0f} min. Start cutting? [y/N] ",
+      "{:.0f} min. Start cutting? [y/N{}] ",
       sheet + 1, job.plan.sheets.size(), job.plan.material.title, planned.area_mm[0],
       planned.area_mm[1], mat,
       target.simulated() ? target.device.text : target.machine.title + " at " + target.device.text,
-      std::ceil(planned.seconds / 60));
+      std::ceil(planned.seconds / 60),
+      can_move ? ", or X,Y: move it X mm to the right and Y mm further in, such as 5,-2" : "");
   std::string answer;
   std::getline(std::cin, answer);
-  if (answer == "y" || answer == "Y" || answer == "yes") return {};
+  if (answer == "y" || answer == "Y" || answer == "yes") return std::nullopt;
+  if (can_move)
+    if (const auto by = place_in(answer)) return Shift{by->x, by->y};
   return fail(ErrorKind::Refused, "",
               fmt::format("sheet {} was not started; {}", sheet + 1,
                           sheet == 0 ? "nothing was cut" : "the sheets before it are cut"));
@@ -102,6 +118,7 @@ struct CutSheet {
   SessionEnd end;
   std::optional<Trace> trace;  ///< of a simulated cutter
   std::uint64_t certain{}, in_doubt{}, not_sent{};
+  bool stop_asked{};  ///< perhaps so late that the whole sheet is cut
 };
 
 Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const CutTarget& target,
@@ -117,6 +134,7 @@ Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const CutTarge
   CutSheet cut;
   cut.end = std::move(sent->end);
   cut.trace = std::move(sent->trace);
+  cut.stop_asked = sent->stop_asked;
   for (const StrokeFate fate : cut.end.fates)
     ++(fate == StrokeFate::Certain   ? cut.certain
        : fate == StrokeFate::InDoubt ? cut.in_doubt
@@ -207,9 +225,11 @@ void say(const PlanJob& job, std::size_t sheet, const CutSheet& cut, const CutTa
 
 // 3. The work.
 
-Result<void> cut_all(const Options& options, const Globals& globals, const PlanJob& job,
-                     const CutTarget& target, std::optional<OutputFolder>& folder,
-                     nlohmann::ordered_json& sheets) {
+/// Cuts each sheet to which a person says yes; or says how far to move the drawing first.
+Result<std::optional<Shift>> cut_all(const Options& options, const Globals& globals,
+                                     const PlanJob& job, const CutTarget& target,
+                                     std::optional<OutputFolder>& folder,
+                                     nlohmann::ordered_json& sheets) {
   for (std::size_t sheet = 0; sheet < job.plan.sheets.size(); ++sheet) {
     if (options.frame) {
       if (!options.yes && isatty(STDIN_FILENO) == 1) {
@@ -218,20 +238,50 @@ Result<void> cut_all(const Options& options, const Globals& globals, const PlanJ
         std::string enter;
         std::getline(std::cin, enter);
       }
-      if (auto round = go_round(job, sheet, target, globals); !round) return round;
+      if (auto round = go_round(job, sheet, target, globals); !round)
+        return tl::unexpected(round.error());
     }
-    if (auto asked = ask(options, job, sheet, target); !asked) return asked;
+    if (auto asked = ask(options, job, sheet, target); !asked || *asked) return asked;
     const auto cut = cut_sheet(job, sheet, target, globals);
     if (!cut) return tl::unexpected(cut.error());
     const Result<void> judged = judge(job, sheet, *cut);
     sheets.push_back(sheet_json(*cut, sheet, judged));
     if (folder)
-      if (auto kept = keep(*folder, job, sheet, *cut); !kept) return kept;
+      if (auto kept = keep(*folder, job, sheet, *cut); !kept) return tl::unexpected(kept.error());
     if (!globals.quiet) say(job, sheet, *cut, target);
     std::fflush(stderr);  // the next sheet may take long
-    if (!judged) return judged;
+    if (!judged) return tl::unexpected(judged.error());
+    if (cut->stop_asked && sheet + 1 < job.plan.sheets.size())
+      return fail(ErrorKind::Refused, fmt::format("sheet {}", sheet + 1),
+                  fmt::format("is cut; stopped as you asked before sheet {}", sheet + 2));
   }
-  return {};
+  return std::nullopt;
+}
+
+/// Plans again with the drawing moved, until a person wants it where it is. A place where it does
+/// not fit is said, and the drawing stays.
+Result<void> cut_where_it_fits(const Options& options, const Globals& globals,
+                               PlanArguments& wanted, PlanJob& job, const CutTarget& target,
+                               std::optional<OutputFolder>& folder,
+                               nlohmann::ordered_json& sheets) {
+  for (;;) {
+    const auto cut = cut_all(options, globals, job, target, folder, sheets);
+    if (!cut) return tl::unexpected(cut.error());
+    if (!*cut) return {};
+    const auto at = wanted.options.find("at");
+    const PagePoint from =
+        (at == wanted.options.end() ? std::nullopt : place_in(at->second)).value_or(PagePoint{});
+    PlanArguments moved = wanted;
+    moved.options["at"] =
+        fmt::format("{},{}", from.x + (*cut)->across_mm, from.y + (*cut)->along_mm);
+    auto again = plan_input(moved, !globals.quiet);
+    if (!again) {
+      fmt::print(stderr, "{}; it stays at {:g},{:g}\n", message(again.error()), from.x, from.y);
+      continue;
+    }
+    wanted = std::move(moved);
+    job = std::move(*again);
+  }
 }
 
 /// Options that do not go together.
@@ -306,7 +356,7 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
   PlanArguments wanted = options.plan;
   wanted.machine = target->machine.name;
   wanted.test_shape = options.test;
-  const auto job = plan_input(wanted, !globals.quiet);
+  auto job = plan_input(wanted, !globals.quiet);
   if (!job) return tl::unexpected(job.error());
   std::optional<OutputFolder> folder;
   if (!options.folder.empty()) {
@@ -319,7 +369,8 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
       fmt::print(stderr, "warning: {}\n", shown_text(warning.message));
   nlohmann::ordered_json sheets = nlohmann::ordered_json::array();
   // What happened is kept, whatever happened.
-  const Result<void> cut = cut_all(options, globals, *job, *target, folder, sheets);
+  const Result<void> cut =
+      cut_where_it_fits(options, globals, wanted, *job, *target, folder, sheets);
   if (folder) {
     if (auto done = folder->add("plan.json", plan_json(job->plan)); !done) return done;
     if (auto done = folder->commit("popcut cut " POPCUT_VERSION); !done) return done;
@@ -377,7 +428,8 @@ void register_cut(CLI::App& app, const Globals& globals, Run& run) {
       ->option_text("FILE");
   command->add_flag("--direct", options->direct, "Cut at once, without popcutd");
   command->add_flag("--frame", options->frame,
-                    "First move the tool, up, round what will be cut on each sheet; with --direct");
+                    "First move the tool, up, round what will be cut on each sheet; then you can "
+                    "still move the drawing; with --direct");
   command->add_flag("--yes", options->yes,
                     "Do not ask before each sheet; only with simulated devices");
   command->add_option("-o,--output", options->folder, "Folder for programs, drawings and traces")

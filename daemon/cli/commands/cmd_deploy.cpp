@@ -23,7 +23,7 @@
 #include "daemon/cli/view/long_work.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
-#include "daemon/planning/sheet_opening.hpp"
+#include "daemon/planning/judge/sheet_opening.hpp"
 
 namespace popcut::cli {
 namespace deploy_command {

@@ -45,12 +45,26 @@
 #include "daemon/files/user_tables.hpp"
 #include "daemon/pictures/pdf.hpp"
 #include "daemon/pictures/png.hpp"
+#include "daemon/planning/design_export.hpp"
 #include "daemon/planning/design_files.hpp"
-#include "daemon/planning/sound_design.hpp"
+#include "daemon/planning/judge/sound_design.hpp"
 
 namespace popcut::cli {
 namespace design_command {
 namespace {
+
+using planning::dashed_page;
+using planning::Scenery;
+using planning::write_csv_file;
+using planning::write_cut_file;
+using planning::write_deployed_file;
+using planning::write_dxf_file;
+using planning::write_fold_file;
+using planning::write_glb_file;
+using planning::write_poster_file;
+using planning::write_report_file;
+using planning::write_svg_file;
+using Job = planning::ExportJob;
 
 struct Options {
   std::string spec, folder, formats{"fold,svg,cut,dxf,csv,glb,png,poster,report"},
@@ -63,71 +77,26 @@ struct Options {
 
 // 1. The files of a design: a row a format.
 
-constexpr std::size_t kMostPanels = 12'000, kMostPanelsOfPoster = 4'000;  // drawn; more are thinned
-
-/// The target, where it stands around the opened pattern; empty where no picture is wanted.
-struct Scenery {
-  TriangleSoup ghost;   ///< coarse
-  TriangleSoup target;  ///< as fine as it is measured; only where errors are coloured
-
-  [[nodiscard]] SceneOptions scene(std::size_t most_panels) const {
-    return target.size() > 0 ? SceneOptions{nullptr, &target, most_panels}
-                             : SceneOptions{&ghost, nullptr, most_panels};
-  }
-};
-
-/// What the writers need beside the design.
-struct Job {
-  const Design& made;
-  const PatchAssembly* whole;  ///< none where the design is one part of several
-  const LineWork& dashed;      ///< the page with each fold as its dashes
-  FoldOptions fold;
-  std::vector<double> psi_rad;  ///< of the meshes
-  double thickness_mm{};        ///< of the meshes; 0: one surface
-  const Scenery& scenery;
-};
-
 using Streamed = std::function<Result<void>(std::ostream&)>;
 
 Result<void> add_fold(const Job& job, OutputFolder& folder) {
-  return folder.add("pattern.fold", Streamed([&](std::ostream& out) {
-                      return write_fold(job.made.pattern, job.fold, out);
-                    }));
+  return folder.add("pattern.fold",
+                    Streamed([&](std::ostream& out) { return write_fold_file(job, out); }));
 }
 
 Result<void> add_svg(const Job& job, OutputFolder& folder) {
-  return folder.add("pattern.svg", Streamed([&](std::ostream& out) -> Result<void> {
-                      write_pattern_svg(job.made.pattern, out);
-                      return {};
-                    }));
+  return folder.add("pattern.svg",
+                    Streamed([&](std::ostream& out) { return write_svg_file(job, out); }));
 }
 
 Result<void> add_dxf(const Job& job, OutputFolder& folder) {
-  return folder.add("pattern.dxf", Streamed([&](std::ostream& out) -> Result<void> {
-                      write_pattern_dxf(job.made.pattern, out);
-                      return {};
-                    }));
-}
-
-/// The dashes of all folds, back from the page (x = v, y = u) onto the sheet.
-std::vector<SheetLine> micro_cuts(const Job& job) {
-  std::vector<SheetLine> dashes;
-  for (const DrawnLine& line : job.dashed.lines) {
-    if (!is_fold(line.operation)) continue;
-    const EdgeRole role =
-        line.operation == Operation::FoldMountain ? EdgeRole::Mountain : EdgeRole::Valley;
-    const auto points = job.dashed.points_of(line);
-    for (std::size_t i = 1; i < points.size(); ++i)
-      dashes.push_back({points[i - 1].y, points[i - 1].x, points[i].y, points[i].x, role});
-  }
-  return dashes;
+  return folder.add("pattern.dxf",
+                    Streamed([&](std::ostream& out) { return write_dxf_file(job, out); }));
 }
 
 Result<void> add_cut(const Job& job, OutputFolder& folder) {
-  return folder.add("cut.svg", Streamed([&](std::ostream& out) -> Result<void> {
-                      write_cut_svg(job.made.pattern, micro_cuts(job), out);
-                      return {};
-                    }));
+  return folder.add("cut.svg",
+                    Streamed([&](std::ostream& out) { return write_cut_file(job, out); }));
 }
 
 Result<void> add_cricut(const Job& job, OutputFolder& folder) {
@@ -139,10 +108,8 @@ Result<void> add_cricut(const Job& job, OutputFolder& folder) {
 }
 
 Result<void> add_csv(const Job& job, OutputFolder& folder) {
-  return folder.add("segments.csv", Streamed([&](std::ostream& out) -> Result<void> {
-                      write_segments_csv(job.made.strips, out);
-                      return {};
-                    }));
+  return folder.add("segments.csv",
+                    Streamed([&](std::ostream& out) { return write_csv_file(job, out); }));
 }
 
 Result<void> add_pdf(const Job& job, OutputFolder& folder) {
@@ -153,23 +120,16 @@ Result<void> add_pdf(const Job& job, OutputFolder& folder) {
   return folder.add("pattern.pdf", *pdf);
 }
 
-void write_picture(const Job& job, std::ostream& out) {
-  const CardScene scene = card_scene(job.made.pattern, job.scenery.scene(kMostPanels));
-  write_deployed_svg(scene, job.made.pattern.design_psi_rad, {.labels = Labels::All}, out);
-}
-
 Result<void> add_picture(const Job& job, OutputFolder& folder) {
-  return folder.add("deployed.svg", Streamed([&](std::ostream& out) -> Result<void> {
-                      write_picture(job, out);
-                      return {};
-                    }));
+  return folder.add("deployed.svg",
+                    Streamed([&](std::ostream& out) { return write_deployed_file(job, out); }));
 }
 
 Result<void> add_png(const Job& job, OutputFolder& folder) {
   constexpr int kLargestPx = 1200;
   std::ostringstream pattern, card;
   write_sheet_picture(job.made.pattern, pattern);
-  write_picture(job, card);
+  if (auto done = write_deployed_file(job, card); !done) return done;
   for (const auto& [name, svg] :
        {std::pair("pattern.png", pattern.str()), std::pair("deployed.png", card.str())}) {
     const auto png = png_of_svg(svg, kLargestPx);
@@ -188,16 +148,18 @@ Result<void> add_stl(const Job& job, OutputFolder& folder) {
 }
 
 Result<void> add_animation(const Job& job, OutputFolder& folder) {
-  return add_glb(job.made.pattern, job.psi_rad, job.thickness_mm, folder);
+  return folder.add("deploy.glb",
+                    Streamed([&](std::ostream& out) { return write_glb_file(job, out); }));
 }
 
 Result<void> add_poses(const Job& job, OutputFolder& folder) {
-  return add_poster(job.made.pattern, job.psi_rad, job.scenery.scene(kMostPanelsOfPoster), folder);
+  return folder.add("poster.svg",
+                    Streamed([&](std::ostream& out) { return write_poster_file(job, out); }));
 }
 
 Result<void> add_report(const Job& job, OutputFolder& folder) {
   return folder.add("report.json",
-                    job.whole ? report_json(*job.whole) : report_json(job.made.report));
+                    Streamed([&](std::ostream& out) { return write_report_file(job, out); }));
 }
 
 struct Format {
@@ -296,8 +258,14 @@ void say_joins(const PatchAssembly& made) {
 // 3. The work.
 
 std::string about(const SurfaceSpec& surface) {
-  if (const auto* s = std::get_if<RevolutionSpec>(&surface)) return "radius " + s->radius;
-  if (const auto* s = std::get_if<ProfileSpec>(&surface)) return "profile " + s->z;
+  const auto words = [](const FormulaOrPoints& curve) {
+    if (const auto* formula = std::get_if<std::string>(&curve)) return *formula;
+    return fmt::format("through {} points", std::get<CurvePoints>(curve).size());
+  };
+  if (const auto* s = std::get_if<RevolutionSpec>(&surface)) return "radius " + words(s->radius);
+  if (const auto* s = std::get_if<ProfileSpec>(&surface)) return "profile " + words(s->z);
+  if (const auto* s = std::get_if<LoftSpec>(&surface))
+    return fmt::format("loft of {} curves", s->stations.size());
   if (const auto* s = std::get_if<ImplicitSpec>(&surface)) return "solid " + s->f;
   return "file " + asset_of(surface);
 }
@@ -362,16 +330,6 @@ Error report_unsound(OutputFolder folder, const std::string& report, Error error
                                      planning::kUnsoundFile, folder.folder().string())
                        : fmt::format("; {}", message(done.error()));
   return error;
-}
-
-/// The page with each fold as its dashes; folds without room for any are named in the report.
-LineWork dashed_page(const Material& material, Design& made) {
-  Dashed dashed = micro_cut(linework_from_pattern(made.pattern), material.dashes);
-  if (auto warning = left_out_warning(dashed, material.dashes, "are not in cut.svg (page x, y)")) {
-    warning->message = fmt::format("{}: {}", material.name, warning->message);
-    made.report.warnings.push_back(std::move(*warning));
-  }
-  return std::move(dashed.work);
 }
 
 /// The material that a spec names; errors say where.

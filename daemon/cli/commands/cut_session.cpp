@@ -46,6 +46,7 @@ Result<SentProgram> send_program(const CutTarget& target, const Machine& driven,
   if (at_terminal && isatty(STDERR_FILENO) != 1 &&
       std::freopen("/dev/null", "w", stderr) == nullptr)
     sent.end.remarks.push_back("the terminal is gone");
+  sent.stop_asked = StopSignals::stop_asked;
   bar.clear();
   if (progress)
     for (const std::string& remark : sent.end.remarks)

@@ -16,6 +16,7 @@ namespace popcut::cli {
 struct SentProgram {
   SessionEnd end;
   std::optional<Trace> trace;  ///< of a simulated cutter
+  bool stop_asked{};           ///< also where it came too late to stop anything
 };
 
 /// A program for a device, and what is said of it.

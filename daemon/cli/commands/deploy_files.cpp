@@ -15,6 +15,7 @@
 #include "core/picture/poster.hpp"
 #include "daemon/cli/options/angles.hpp"
 #include "daemon/cli/options/option_value.hpp"
+#include "daemon/planning/design_export.hpp"
 #include "daemon/planning/design_files.hpp"
 
 namespace popcut::cli {
@@ -28,19 +29,6 @@ std::optional<double> number(const std::string& text) {
   const auto [stop, error] = std::from_chars(text.data(), end, value);
   if (error != std::errc() || stop != end) return std::nullopt;
   return value;
-}
-
-/// `count` angles on the same way; shut ones are moved to where a picture can be drawn.
-std::vector<double> drawn_angles(const std::vector<double>& psi_rad, std::size_t count) {
-  constexpr double kLeastRad = 3 * std::numbers::pi / 180;
-  const double from = psi_rad.front(), to = psi_rad.back();
-  if (from == to) return {std::max(from, kLeastRad)};
-  std::vector<double> angles;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double part = static_cast<double>(i) / static_cast<double>(count - 1);
-    angles.push_back(std::max(kLeastRad, i + 1 == count ? to : from + part * (to - from)));
-  }
-  return angles;
 }
 
 Result<double> opening_angle(const char* option, const std::string& text) {
@@ -154,7 +142,7 @@ Result<void> add_poster(const Pattern& pattern, const std::vector<double>& psi_r
                         const SceneOptions& scene, OutputFolder& folder) {
   constexpr std::size_t kPoses = 6;
   return folder.add("poster.svg", Streamed([&](std::ostream& out) {
-                      return write_poster_svg(pattern, drawn_angles(psi_rad, kPoses),
+                      return write_poster_svg(pattern, planning::drawn_angles(psi_rad, kPoses),
                                               {.scene = scene}, out);
                     }));
 }
@@ -164,8 +152,8 @@ Result<void> add_film(const Pattern& pattern, const std::vector<double>& psi_rad
   constexpr std::size_t kPoses = 24;
   constexpr double kSeconds = 5;
   return folder.add("film.svg", Streamed([&](std::ostream& out) {
-                      return write_film_svg(pattern, drawn_angles(psi_rad, kPoses), kSeconds,
-                                            {.cell_px = 800}, out);
+                      return write_film_svg(pattern, planning::drawn_angles(psi_rad, kPoses),
+                                            kSeconds, {.cell_px = 800}, out);
                     }));
 }
 

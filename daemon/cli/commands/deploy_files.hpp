@@ -11,7 +11,7 @@
 #include "core/progress.hpp"
 #include "core/result.hpp"
 #include "daemon/files/output_folder.hpp"
-#include "daemon/planning/sheet_opening.hpp"
+#include "daemon/planning/judge/sheet_opening.hpp"
 
 namespace CLI {
 class App;

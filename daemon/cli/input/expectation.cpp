@@ -219,6 +219,8 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
   };
   facts.cut_passes = passes("/passes/cut");
   facts.fold_passes = passes("/passes/fold");
+  facts.score_passes = passes("/passes/score");
+  facts.draw_passes = passes("/passes/draw");
   if (find(json, "/pens") != nullptr)
     for (std::size_t i = 0; i < reader.list("/pens").size() && i < kMostPens; ++i) {
       const std::string pen = fmt::format("/pens/{}", i);
@@ -232,7 +234,12 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
     for (const nlohmann::json& tool : *tools)
       if (tool.is_number_integer() && tool >= 1 && tool <= 15)
         facts.blade_tools = static_cast<std::uint16_t>(facts.blade_tools | 1u << tool.get<int>());
-  for (const char* list : {"/overcuts", "/lead_ins", "/marks", "/labels", "/scored"})
+  // Marks are listed as they are drawn, but their ends are joined as those of all lines.
+  LineWork marks;
+  if (auto read = read_allowed(json, sheet + "/marks", marks); !read)
+    return tl::unexpected(read.error());
+  facts.also_allowed = with_ends_snapped(marks, facts.snap_mm);
+  for (const char* list : {"/overcuts", "/lead_ins", "/labels", "/scored"})
     if (auto read = read_allowed(json, sheet + list, facts.also_allowed); !read)
       return tl::unexpected(read.error());
   return facts;
@@ -374,6 +381,9 @@ Result<Expectation> read_expectation(const std::string& file, const std::optiona
   if (plan->folds == "light" && material->light) out.expected.fold_passes = material->light->passes;
   out.expected.cut_passes = plan->cut_passes.value_or(out.expected.cut_passes);
   out.expected.fold_passes = plan->fold_passes.value_or(out.expected.fold_passes);
+  out.expected.draw_passes = plan->draw_passes.value_or(material->draw.passes);
+  out.expected.score_passes =
+      plan->score_passes.value_or(material->score.value_or(material->draw).passes);
   return out;
 }
 

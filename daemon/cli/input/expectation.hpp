@@ -24,7 +24,7 @@ struct PlanFacts {
   std::vector<PagePoint> copies;  ///< of it, after that
   double weed_box_mm{};
   bool clip{false};  ///< what lies outside the area was left out
-  std::optional<int> cut_passes, fold_passes;
+  std::optional<int> cut_passes, fold_passes, score_passes, draw_passes;
   std::vector<PenSettings> pens;     ///< of colours, layers and operations, with their passes
   std::vector<PlannedPiece> pieces;  ///< where the pattern was split: those on this sheet
   LineWork also_allowed;             ///< overcuts, lead-ins, marks, labels, scored folds

@@ -97,32 +97,21 @@ std::optional<Problem> check_key(const Request& request, const Route& route) {
                  "Idempotency-Key must be 16 to 128 visible ASCII characters"};
 }
 
-bool has_etag(std::string_view list, std::string_view etag) {
-  if (list == "*") return true;
-  while (!list.empty()) {
-    const std::size_t end = std::min(list.find(','), list.size());
-    std::string_view one = trimmed(list.substr(0, end), " \t");
-    if (one.starts_with("W/")) one.remove_prefix(2);
-    if (one == etag) return true;
-    list.remove_prefix(std::min(end + 1, list.size()));
-  }
-  return false;
-}
-
-Response unless_seen(Response response, const std::string& seen) {
+Response unless_seen(Response response, const Request& request) {
   if (response.status != 200) return response;
+  std::string etag;
   for (const Header& header : response.headers) {
-    if (header.name != "ETag" || !has_etag(seen, header.value)) continue;
-    // What it says of the answer is put in the place of what a browser has kept: its policy too.
-    Response same;
-    same.status = 304;
-    same.content_type.clear();
-    for (const Header& kept : response.headers)
-      if (!kept.name.starts_with("Content-") || kept.name == "Content-Security-Policy")
-        same.headers.push_back(kept);
-    return same;
+    if (header.name == "ETag") etag = header.value;
   }
-  return response;
+  if (etag.empty() || !has_seen(request, etag)) return response;
+  // What it says of the answer is put in the place of what a browser has kept: its policy too.
+  Response same;
+  same.status = 304;
+  same.content_type.clear();
+  for (const Header& kept : response.headers)
+    if (!kept.name.starts_with("Content-") || kept.name == "Content-Security-Policy")
+      same.headers.push_back(kept);
+  return same;
 }
 
 bool is_read(const Request& request) {
@@ -201,10 +190,13 @@ void dispatch(const Request& request, const Route& route, Service& service,
   try {
     name_turn(name_of(route.method), route.path);
     Reply answer = reply;
-    if (const auto seen = request.header("if-none-match"); seen && is_read(request))
-      answer = Reply([reply, list = std::string(*seen)](Response response) {
-        reply(unless_seen(std::move(response), list));
+    if (const auto seen = request.header("if-none-match"); seen && is_read(request)) {
+      Request asked;
+      asked.headers.push_back({"if-none-match", std::string(*seen)});
+      answer = Reply([reply, asked = std::move(asked)](Response response) {
+        reply(unless_seen(std::move(response), asked));
       });
+    }
     if (const auto fault = check_request(request, route))
       return answer(problem_response(*fault, request));
     route.handler(request, service, context, answer);

@@ -62,6 +62,18 @@ std::optional<TimeMs> time_of_day(std::string_view text) {
   return ((TimeMs{*hours} * 60 + *minutes - *zone) * 60 + *seconds) * 1000 + ms;
 }
 
+bool has_etag(std::string_view list, std::string_view etag) {
+  if (list == "*") return true;
+  while (!list.empty()) {
+    const std::size_t end = std::min(list.find(','), list.size());
+    std::string_view one = trimmed(list.substr(0, end), " \t");
+    if (one.starts_with("W/")) one.remove_prefix(2);
+    if (one == etag) return true;
+    list.remove_prefix(std::min(end + 1, list.size()));
+  }
+  return false;
+}
+
 }  // namespace
 
 Response json_response(int status, const nlohmann::ordered_json& body) {
@@ -76,6 +88,20 @@ Response empty_response() {
   response.status = 204;
   response.content_type.clear();
   return response;
+}
+
+bool has_seen(const Request& request, std::string_view etag) {
+  const auto seen = request.header("if-none-match");
+  return seen && has_etag(*seen, etag);
+}
+
+Response unchanged(std::string_view etag, std::string_view cache_control) {
+  Response same;
+  same.status = 304;
+  same.content_type.clear();
+  same.headers.push_back({"ETag", std::string(etag)});
+  if (!cache_control.empty()) same.headers.push_back({"Cache-Control", std::string(cache_control)});
+  return same;
 }
 
 std::string etag_of(std::int64_t rev) { return fmt::format("\"{}\"", rev); }

@@ -23,6 +23,10 @@ inline constexpr int kUsualWhole = 200;
 /// 200 with an ETag.
 [[nodiscard]] Response revised(int status, std::int64_t rev, const nlohmann::ordered_json& body);
 [[nodiscard]] Response revised(int status, std::int64_t rev, std::string text);
+/// True if the client says that it has what `etag` names.
+[[nodiscard]] bool has_seen(const Request& request, std::string_view etag);
+/// 304 for what the client has already.
+[[nodiscard]] Response unchanged(std::string_view etag, std::string_view cache_control = {});
 /// A rendered answer as it is kept with a key.
 [[nodiscard]] Response from_rendered(Rendered rendered);
 [[nodiscard]] Rendered to_rendered(const Response& response);

@@ -56,6 +56,14 @@ void sheet_program(const Request&, Service&, const HandlerContext&, Reply);
 // handlers_strokes.cpp
 void sheet_strokes(const Request&, Service&, const HandlerContext&, Reply);
 
+// handlers_preview.cpp
+void preview_spec(const Request&, Service&, const HandlerContext&, Reply);
+void place_spec(const Request&, Service&, const HandlerContext&, Reply);
+/// The last part of the path is the picture's name.
+void design_picture(const Request&, Service&, const HandlerContext&, Reply);
+void design_file(const Request&, Service&, const HandlerContext&, Reply);
+void design_lattice(const Request&, Service&, const HandlerContext&, Reply);
+
 // handlers_jobs.cpp
 void create_job(const Request&, Service&, const HandlerContext&, Reply);
 void list_jobs(const Request&, Service&, const HandlerContext&, Reply);

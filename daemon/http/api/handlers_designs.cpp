@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+
 #include <fmt/format.h>
 
 #include "core/text/utf8.hpp"
@@ -11,6 +14,10 @@ namespace popcut::daemon::http::handle {
 namespace {
 
 constexpr std::size_t kLongestName = 120;
+constexpr std::array<std::string_view, 10> kExports{
+    "pattern.fold", "pattern.svg",  "cut.svg",    "pattern.dxf", "segments.csv",
+    "deploy.glb",   "deployed.svg", "poster.svg", "report.json", "spec.json"};
+constexpr std::string_view kKept = "private, max-age=86400";
 constexpr std::string_view kDrawingPolicy =
     "default-src 'none'; style-src 'unsafe-inline'; sandbox; frame-ancestors 'none'";
 
@@ -26,6 +33,8 @@ std::string type_of(std::string_view file) {
   if (file.ends_with(".svg")) return "image/svg+xml";
   if (file.ends_with(".json")) return "application/json";
   if (file.ends_with(".glb")) return "model/gltf-binary";
+  if (file.ends_with(".dxf")) return "application/dxf";
+  if (file.ends_with(".csv")) return "text/csv; charset=utf-8";
   return "application/octet-stream";
 }
 
@@ -37,6 +46,28 @@ void answer_file(const Request& request, const Reply& reply, const Answer<std::s
       {"Content-Disposition", fmt::format("attachment; filename=\"{}\"", name)});
   response.file = *path;
   reply(std::move(response));
+}
+
+std::string last_part(const Request& request) {
+  return std::string(request.path().substr(request.path().rfind('/') + 1));
+}
+
+// A picture of a design, which stays as it is: it is of bytes that never change.
+void answer_picture(const Request& request, Service& service, const HandlerContext& context,
+                    const Reply& reply, const std::function<void(Designs::Shown)>& make) {
+  const std::string etag =
+      fmt::format("\"{}-{}-{}\"", request.params[0], last_part(request), context.build);
+  if (const Answer<Design> design = service.designs.find(request.params[0]); !design)
+    return reply(problem_response(design.error(), request));
+  if (has_seen(request, etag)) return reply(unchanged(etag, kKept));
+  make([reply, etag, target = request.target, id = request.id](Answer<std::string> svg) {
+    if (!svg) return reply(problem_response(svg.error(), target, id));
+    Response response = drawing("image/svg+xml");
+    response.body = std::move(*svg);
+    response.headers.push_back({"ETag", etag});
+    response.headers.push_back({"Cache-Control", std::string(kKept)});
+    reply(std::move(response));
+  });
 }
 
 // "{k}" of a path as the two digits of a file's name.
@@ -138,14 +169,55 @@ void design_content(const Request& request, Service& service, const HandlerConte
   reply(std::move(response));
 }
 
-void design_preview(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  service.designs.preview(request.params[0], [reply, target = request.target,
-                                              id = request.id](Answer<std::string> svg) {
-    if (!svg) return reply(problem_response(svg.error(), target, id));
-    Response response = drawing("image/svg+xml");
-    response.body = std::move(*svg);
-    reply(std::move(response));
+void design_preview(const Request& request, Service& service, const HandlerContext& context,
+                    Reply reply) {
+  answer_picture(request, service, context, reply, [&](Designs::Shown done) {
+    service.designs.preview(request.params[0], std::move(done));
   });
+}
+
+void design_picture(const Request& request, Service& service, const HandlerContext& context,
+                    Reply reply) {
+  answer_picture(request, service, context, reply, [&](Designs::Shown done) {
+    service.designs.picture(request.principal, request.params[0], last_part(request),
+                            std::move(done));
+  });
+}
+
+void design_file(const Request& request, Service& service, const HandlerContext& context,
+                 Reply reply) {
+  const std::string& name = request.params[1];
+  std::vector<RequestFault> faults;
+  const auto part = query_integer(request, "part", 1, 10'000, faults);
+  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  const Answer<Design> design = service.designs.find(request.params[0]);
+  if (!design) return reply(problem_response(design.error(), request));
+  const bool is_known = std::find(kExports.begin(), kExports.end(), name) != kExports.end();
+  if (!is_known || design->kind != "spec")
+    return reply(problem_response(
+        Problem{ProblemKind::NotFound, is_known
+                                           ? "only specs are designed; get /content of this one"
+                                           : fmt::format("there is no such file; there are {}",
+                                                         fmt::join(kExports, ", "))},
+        request));
+  if (name == "spec.json")
+    return answer_file(request, reply, service.designs.content(design->id), name);
+  const std::string etag =
+      fmt::format("\"{}-{}-{}-{}\"", design->id, name, part.value_or(1), context.build);
+  if (has_seen(request, etag)) return reply(unchanged(etag, kKept));
+  Designs::CallOff call_off = service.designs.file(
+      request.principal, design->id, name, static_cast<int>(part.value_or(1)),
+      [reply, etag, name, target = request.target, id = request.id](Answer<std::string> bytes) {
+        if (!bytes) return reply(problem_response(bytes.error(), target, id));
+        Response response = drawing(type_of(name));
+        response.headers.push_back(
+            {"Content-Disposition", fmt::format("attachment; filename=\"{}\"", name)});
+        response.headers.push_back({"ETag", etag});
+        response.headers.push_back({"Cache-Control", std::string(kKept)});
+        response.body = std::move(*bytes);
+        reply(std::move(response));
+      });
+  if (request.departure) request.departure->then(std::move(call_off));
 }
 
 void delete_design(const Request& request, Service& service, const HandlerContext&, Reply reply) {
@@ -191,7 +263,7 @@ void delete_plan(const Request& request, Service& service, const HandlerContext&
 }
 
 void plan_file(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const std::string name(request.path().substr(request.path().rfind('/') + 1));
+  const std::string name = last_part(request);
   answer_file(request, reply, service.plans.file(request.params[0], name), name);
 }
 

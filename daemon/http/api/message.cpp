@@ -89,6 +89,28 @@ struct Reply::State {
   std::atomic<bool> answered{false};
 };
 
+void Departure::then(std::function<void()> what) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!has_happened_) {
+      what_ = std::move(what);
+      return;
+    }
+  }
+  what();
+}
+
+void Departure::happens() {
+  std::function<void()> what;
+  {
+    const std::lock_guard lock(mutex_);
+    if (has_happened_) return;
+    has_happened_ = true;
+    what.swap(what_);
+  }
+  if (what) what();
+}
+
 Reply::Reply(std::function<void(Response)> send)
     : state_(std::make_shared<State>(std::move(send))) {}
 

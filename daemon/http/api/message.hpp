@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -39,6 +40,20 @@ struct RequestHead {
   [[nodiscard]] std::optional<std::string_view> header(std::string_view lower_name) const;
 };
 
+/// Tells what a request has begun that its client went before the answer was there. From any
+/// thread.
+class Departure {
+ public:
+  /// `what` is called when the client goes; now, if it has gone.
+  void then(std::function<void()> what);
+  void happens();
+
+ private:
+  std::mutex mutex_;
+  bool has_happened_{false};
+  std::function<void()> what_{};
+};
+
 /// A request as handlers see it: authenticated, with the path matched and the body read.
 struct Request {
   Method method{};
@@ -51,6 +66,7 @@ struct Request {
   std::string body{};
   std::optional<Upload> upload{};
   Principal principal{};
+  std::shared_ptr<Departure> departure{};  ///< of its client; null: nobody looks
 
   [[nodiscard]] std::optional<std::string_view> header(std::string_view lower_name) const;
   /// The path of `target`, without the query.

@@ -28,14 +28,27 @@ struct Rules {
   Patience patience{Patience::Usual};
   bool is_stream{false};
   bool is_static{false};
+  Bucket bucket{Bucket::Usual};
+  bool ends_with_client{false};
   Guess guess{Guess::None};
 };
 
 constexpr Route route(Method method, std::string_view path, RouteAccess access, Handler handler,
                       const Rules& rules) {
-  return {method,          path,           access,          handler,
-          rules.body,      rules.key,      rules.match,     rules.query,
-          rules.is_urgent, rules.patience, rules.is_stream, rules.is_static,
+  return {method,
+          path,
+          access,
+          handler,
+          rules.body,
+          rules.key,
+          rules.match,
+          rules.query,
+          rules.is_urgent,
+          rules.patience,
+          rules.is_stream,
+          rules.is_static,
+          rules.bucket,
+          rules.ends_with_client,
           rules.guess};
 }
 
@@ -97,7 +110,7 @@ constexpr auto kTable = std::to_array<Route>({
     get("/v1/designs/{id}", kViewer, handle::get_design),
     get("/v1/designs/{id}/content", kViewer, handle::design_content),
     get("/v1/designs/{id}/preview.svg", kViewer, handle::design_preview,
-        {.patience = Patience::Design}),
+        {.patience = Patience::Design, .bucket = Bucket::Picture}),
     remove("/v1/designs/{id}", kSubmitter, handle::delete_design),
     post("/v1/designs/{id}/plan", kSubmitter, handle::plan_design,
          {.body = kJson, .key = KeyRule::Allowed}),
@@ -111,6 +124,20 @@ constexpr auto kTable = std::to_array<Route>({
     get("/v1/plans/{id}/sheets/{k}.svg", kViewer, handle::sheet_svg),
     get("/v1/plans/{id}/sheets/{k}/program", kViewer, handle::sheet_program),
     get("/v1/plans/{id}/sheets/{k}/strokes", kViewer, handle::sheet_strokes),
+
+    // What somebody looks at while they design.
+    post("/v1/preview", kSubmitter, handle::preview_spec,
+         {.body = kJson, .bucket = Bucket::Preview, .ends_with_client = true}),
+    post("/v1/place", kSubmitter, handle::place_spec,
+         {.body = kJson, .bucket = Bucket::Preview, .ends_with_client = true}),
+    get("/v1/designs/{id}/deployed.svg", kViewer, handle::design_picture,
+        {.patience = Patience::Design, .bucket = Bucket::Picture}),
+    get("/v1/designs/{id}/pattern.svg", kViewer, handle::design_picture,
+        {.patience = Patience::Design, .bucket = Bucket::Picture}),
+    get("/v1/designs/{id}/files/{name}", kViewer, handle::design_file,
+        {.query = "part", .patience = Patience::Design, .ends_with_client = true}),
+    get("/v1/designs/{id}/lattice", kViewer, handle::design_lattice,
+        {.patience = Patience::Design, .bucket = Bucket::Picture, .ends_with_client = true}),
 
     get("/v1/materials", kViewer, handle::list_materials, {.query = "limit cursor"}),
     get("/v1/materials/{id}", kViewer, handle::get_material),

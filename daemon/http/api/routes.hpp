@@ -53,6 +53,8 @@ enum class MatchRule : std::uint8_t {
   OrNew,     ///< or If-None-Match is "*": it must not be there yet
   Allowed    ///< held against the revision if it is sent
 };
+/// Which rate of a principal a request counts against.
+enum class Bucket : std::uint8_t { Usual, Preview, Picture };
 enum class Patience : std::uint8_t { Usual, Probe, Design };  ///< how long the answer may take
 
 /// What someone who tries could find out by asking again and again: all of it is limited like
@@ -81,6 +83,9 @@ struct Route {
   /// Is a part of the program: answered without the service and its thread, and not counted in the
   /// rates. Its handler must not touch the service.
   bool is_static{false};
+  Bucket bucket{Bucket::Usual};
+  /// What it has begun is told when its client goes (`Request::departure`).
+  bool ends_with_client{false};
   Guess guess{Guess::None};
 };
 

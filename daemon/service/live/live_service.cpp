@@ -67,7 +67,7 @@ struct Parts {
         materials(store, options),
         chores(thread),
         reading(thread),
-        designs(store, thread, planner, chores, alive),
+        designs(store, thread, planner, options.previewer, chores, alive),
         plans({store, thread, planner, chores, designs, materials, registry, options, alive}),
         jobs({store, thread, plans, registry, titles, options, alive}),
         programs(reading, options.read_program),

@@ -280,6 +280,8 @@ Answer<void> DesignRepository::remove(const Principal& who, const std::string& i
     store_.after_commit([this, id] {
       aside_.remove(store_.folder().at("designs/" + id));
       aside_.remove(store_.folder().at("previews/" + id + ".svg"));
+      for (const char* const name : {"deployed.svg", "pattern.svg"})
+        aside_.remove(picture_place(id, name));
     });
     return {};
   });
@@ -317,12 +319,7 @@ void DesignRepository::preview(const std::string& id,
   const std::string place = store_.folder().at("previews/" + id + ".svg");
   std::error_code ignored;
   if (const auto bytes = std::filesystem::file_size(place, ignored); !ignored && bytes > 0) {
-    auto kept = std::make_shared<Result<std::string>>(fail(ErrorKind::Internal, "", "not read"));
-    return aside_.run([kept, place] { *kept = read_whole(place, kScanBytes); },
-                      [kept, done = std::move(done)] {
-                        if (*kept) return done(std::move(**kept));
-                        done(tl::unexpected(problem_from(kept->error())));
-                      });
+    return read_aside(place, std::move(done));
   }
   planner_.start(
       task_for(*design, PlanningTask::Kind::Check),

@@ -5,8 +5,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "daemon/planning/planner.hpp"
+#include "daemon/previews/previewer.hpp"
 #include "daemon/service/aside.hpp"
 #include "daemon/service/service.hpp"
 #include "daemon/service/service_store.hpp"
@@ -17,11 +20,13 @@ namespace popcut::daemon {
 /// Designs and what they refer to: files named by the digest of their bytes, and a row for each.
 class DesignRepository : public Designs {
  public:
-  DesignRepository(ServiceStore& store, ServiceThread& thread, Planner& planner, Aside& aside,
-                   std::shared_ptr<void> alive)
+  /// @param previewer  may be null: then nothing is shown
+  DesignRepository(ServiceStore& store, ServiceThread& thread, Planner& planner,
+                   std::shared_ptr<Previewer> previewer, Aside& aside, std::shared_ptr<void> alive)
       : store_(store),
         thread_(thread),
         planner_(planner),
+        previewer_(std::move(previewer)),
         aside_(aside),
         alive_(std::move(alive)) {}
 
@@ -36,6 +41,13 @@ class DesignRepository : public Designs {
   Answer<std::string> content(const std::string& id) override;
   Answer<void> remove(const Principal& who, const std::string& id) override;
   void preview(const std::string& id, std::function<void(Answer<std::string>)> done) override;
+  CallOff show_spec(const Principal& who, const PreviewRequest& request, Shown done) override;
+  CallOff place_spec(const Principal& who, const PreviewRequest& request, Shown done) override;
+  CallOff lattice(const Principal& who, const std::string& id, Shown done) override;
+  void picture(const Principal& who, const std::string& id, const std::string& name,
+               Shown done) override;
+  CallOff file(const Principal& who, const std::string& id, const std::string& name, int part,
+               Shown done) override;
 
   /// The planner's task for a stored design: its bytes, kind and assets.
   [[nodiscard]] PlanningTask task_for(const Design& design, PlanningTask::Kind kind);
@@ -55,11 +67,27 @@ class DesignRepository : public Designs {
   [[nodiscard]] std::vector<std::string> designs_with(const std::string& asset);
   /// None of them was removed while a design was looked at.
   [[nodiscard]] Answer<void> check_assets(const std::vector<std::string>& assets);
+  /// The task of a spec that is not stored.
+  [[nodiscard]] PreviewTask task_for(const Principal& who, const PreviewRequest& request,
+                                     PlanningTask::Kind kind) const;
+  /// Has the previewer make the file `name`, and tells `done` what is in it.
+  CallOff show(PreviewTask task, std::string name, Shown done);
   ServiceStore& store_;
   ServiceThread& thread_;
   Planner& planner_;
+  std::shared_ptr<Previewer> previewer_;
   Aside& aside_;
-  std::map<std::string, std::string> materials_{};  ///< what `own_material` has read
+  /// Where a picture of a design is kept.
+  [[nodiscard]] std::string picture_place(const std::string& id, const std::string& name) const;
+  void pictures_made(const std::string& id, const Answer<PlanningOutcome>& outcome);
+  /// Reads what is kept, beside the service's thread.
+  void read_aside(const std::string& place, Shown done);
+  struct PictureWanted {
+    std::string name;
+    Shown done;
+  };
+  std::map<std::string, std::vector<PictureWanted>> drawing_{};  ///< who waits, by the design's id
+  std::map<std::string, std::string> materials_{};               ///< what `own_material` has read
   std::shared_ptr<void> alive_;
 };
 

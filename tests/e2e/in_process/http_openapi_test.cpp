@@ -79,7 +79,7 @@ struct Bench {
       job = fake.add_job(JobState::Ready, "token:admin").id;
       const std::string hash(64, 'a');
       design = "sha256-" + hash;
-      fake.design_map[design] = {design, "a", "svg", "token:admin", 1, 0, {}, true};
+      fake.design_map[design] = {design, "a", "spec", "token:admin", 1, 0, {}, true};
       PlanRecord made;
       made.id = plan = "01JD0000000000000000000900";
       made.design = design;
@@ -141,6 +141,7 @@ struct Bench {
     };
     put("{id}", id_for(route.path));
     put("{k}", "1");
+    put("{name}", "cut.svg");
     put("{file}", std::string(http::page_files().back().name));
     if (route.match != http::MatchRule::None)
       out.more += fmt::format("If-Match: {}\r\n", etag_for(route.path));
@@ -294,6 +295,7 @@ TEST_CASE("each documented problem of each route is produced", "[daemon][http][o
   Bench strict([](HttpOptions& options) {
     options.limits.rate_per_s = 0.001;
     options.limits.rate_burst = 1;
+    options.limits.previews_per_s = options.limits.pictures_per_s = 0.001;
     options.limits.failed_logins_per_minute = 100'000;
   });
   const std::map<int, ProblemKind> told{{404, ProblemKind::NotFound},

@@ -224,6 +224,76 @@ TEST_CASE("only files that an earlier run left among the uploads are removed",
   CHECK(std::filesystem::is_symlink(folder / "link.upload"));
 }
 
+TEST_CASE("a preview ends when its client goes, and not before", "[daemon][http][preview]") {
+  LiveServer server;
+  server.ask([](FakeService& fake) { fake.holds_previews = true; });
+  const std::string body = R"({"spec": {}, "quality": "exact"})";
+  const std::string wanted = server.request("POST", "/v1/preview", "submitter",
+                                            "Content-Type: application/json\r\n", body);
+  const auto held = [&] {
+    std::size_t count = 0;
+    server.ask([&](FakeService& fake) { count = fake.held_previews.size(); });
+    return count;
+  };
+  SECTION("closed") {
+    auto connection = std::make_unique<RawConnection>(server.connect());
+    REQUIRE(connection->send(wanted));
+    REQUIRE(comes_true([&] { return held() == 1; }));
+    CHECK(server.fake.previews_called_off == 0);
+    connection.reset();
+    CHECK(comes_true([&] { return server.fake.previews_called_off == 1; }));
+  }
+  SECTION("reset") {
+    RawConnection connection = server.connect();
+    REQUIRE(connection.send(wanted));
+    REQUIRE(comes_true([&] { return held() == 1; }));
+    connection.reset();
+    CHECK(comes_true([&] { return server.fake.previews_called_off == 1; }));
+  }
+  SECTION("answered, and the connection goes on") {
+    RawConnection connection = server.connect();
+    for (int k = 0; k < 3; ++k) {
+      REQUIRE(connection.send(wanted));
+      REQUIRE(comes_true([&] { return held() == 1; }));
+      server.ask([](FakeService& fake) {
+        fake.held_previews.front()(std::string("blob"));
+        fake.held_previews.clear();
+      });
+      CHECK(connection.receive().body == "blob");
+    }
+    CHECK(server.fake.previews_called_off == 0);
+  }
+  SECTION("another request behind it is answered after it") {
+    RawConnection connection = server.connect();
+    REQUIRE(connection.send(wanted + server.request("GET", "/healthz", "")));
+    REQUIRE(comes_true([&] { return held() == 1; }));
+    server.ask([](FakeService& fake) { fake.held_previews.front()(std::string("blob")); });
+    CHECK(connection.receive().body == "blob");
+    CHECK(connection.receive().status == 200);
+  }
+}
+
+TEST_CASE("previews and pictures have rates of their own", "[daemon][http][preview]") {
+  LiveServer server([](HttpOptions& options) {
+    options.limits.rate_per_s = 0.01;
+    options.limits.rate_burst = 1;
+    options.limits.previews_per_s = 1;
+    options.limits.pictures_per_s = 1;
+  });
+  const auto preview = [&] {
+    return server.fetch("POST", "/v1/preview", "submitter", "Content-Type: application/json\r\n",
+                        R"({"spec": {}, "quality": "draft"})");
+  };
+  CHECK(preview().status == 200);
+  CHECK(preview().status == 200);
+  const WireResponse late = preview();
+  CHECK(late.status == 429);
+  CHECK(late.headers.contains("retry-after"));
+  CHECK(server.fetch("GET", "/v1/meta", "submitter").status == 200);
+  CHECK(server.fetch("GET", "/v1/meta", "submitter").status == 429);
+  CHECK(server.fetch("GET", "/v1/designs/sha256-1/lattice", "submitter").status == 404);
+}
+
 TEST_CASE("uploaded files are served as bytes to save", "[daemon][http][upload]") {
   LiveServer server;
   const std::string evil =

@@ -102,6 +102,27 @@ TEST_CASE("a cutter that answers is timed by popcut, and its row says calibrated
   CHECK(bench.row("cameo3")["motion"]["travel_mm_s"] == row["motion"]["travel_mm_s"]);
 }
 
+TEST_CASE("a cut on a machine with a scale of its own is as planned, with marks too",
+          "[cli][calibrate]") {
+  const Bench bench;
+  write_file(bench.table(), R"({"popcut": 1, "machines": [
+      {"name": "mine", "like": "cameo3", "margin_left_mm": 3.2, "margin_top_mm": 1.7,
+       "scale": {"carriage": 1.004, "feed": 0.996}}]})");
+  write_file(bench.temp / "rings.svg", R"x(<svg xmlns="http://www.w3.org/2000/svg" width="120mm"
+      height="120mm" viewBox="0 0 120 120"><g fill="none" stroke="#000"><circle cx="70" cy="60"
+      r="31.7"/><circle cx="70" cy="60" r="17.3"/><path d="M37.493 93.7L80.1 110.3"/></g></svg>)x");
+  for (const std::string options : {"", "--marks", "--mat roll"}) {
+    CAPTURE(options);
+    const Ran ran =
+        run_program({"/bin/sh", "-c",
+                     "XDG_CONFIG_HOME=\"$PWD/config\" '" + std::string(popcut_program()) +
+                         "' cut rings.svg --direct --yes --device sim:mine -o cut " + options},
+                    bench.temp.path());
+    INFO(ran.err);
+    CHECK(ran.exit == 0);
+  }
+}
+
 TEST_CASE("nothing is written before a person agrees", "[cli][calibrate]") {
   const Bench bench;
   for (const std::string& answers : std::vector<std::string>{

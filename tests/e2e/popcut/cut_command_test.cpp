@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
@@ -206,6 +207,80 @@ TEST_CASE("a drawing on a roll is as long as itself and comes out at the end", "
             .exit == 0);
   check_refused(bench.popcut({"plan", "long.svg", "--machine", "none", "--mat", "roll", "-o", "x"}),
                 2, "roll");
+}
+
+TEST_CASE("scores and pen lines are expected as often as they are drawn", "[cli][e2e]") {
+  const Bench bench;
+  write_file(bench.temp / "ops.svg", R"x(<svg xmlns="http://www.w3.org/2000/svg" width="100mm"
+      height="80mm" viewBox="0 0 100 80"><g id="score" stroke="#f0f"><path d="M10,50 H80"/></g>
+      <g id="draw" stroke="#0a0"><path d="M10,20 H80"/></g></svg>)x");
+  for (const std::string pen : {"", "draw: passes=3", "score: passes=1; draw: passes=2"}) {
+    CAPTURE(pen);
+    std::vector<std::string> words{"plan", "ops.svg", "-o", "ops", "-q"};
+    if (!pen.empty()) words.insert(words.end(), {"--pen", pen});
+    REQUIRE(bench.popcut(words).exit == 0);
+    const Ran held = bench.popcut({"simulate", "ops/sheet-01.gpgl", "-o", "sim", "--expect",
+                                   "ops.svg", "--plan", "ops/plan.json"});
+    INFO(held.err);
+    CHECK(held.exit == 0);
+  }
+  auto wrong = bench.read_json("ops/plan.json");
+  CHECK(wrong["passes"]["score"] == 1);
+  CHECK(wrong["passes"]["draw"] == 2);
+  wrong["passes"]["draw"] = 1;
+  write_file(bench.temp / "wrong.json", wrong.dump());
+  CHECK(bench
+            .popcut({"simulate", "ops/sheet-01.gpgl", "-o", "sim", "--expect", "ops.svg", "--plan",
+                     "wrong.json"})
+            .exit == 6);
+}
+
+TEST_CASE("lines of several operations on each other are expected as they are planned",
+          "[cli][e2e]") {
+  const Bench bench;
+  const auto line = [](const char* layer, const char* d) {
+    return fmt::format("<g id='{}' stroke='#000' fill='none'><path d='{}'/></g>", layer, d);
+  };
+  const std::vector<std::string> drawings{
+      line("cut", "M10 10h60") + line("fold-mountain", "M10 10h80") + line("valley", "M30 10h80") +
+          line("score", "M0 10h110"),
+      line("draw", "M10 50h80") + line("cut", "M10 50h80"),
+      line("cut", "M10 10h30v20h-30z") + line("draw", "M10 10h30v20h-30z") +
+          line("score", "M10 10h30v20h-30z")};
+  for (const std::string& drawing : drawings) {
+    CAPTURE(drawing);
+    write_file(bench.temp / "on.svg",
+               "<svg xmlns='http://www.w3.org/2000/svg' width='120mm' height='80mm' "
+               "viewBox='0 0 120 80'>" +
+                   drawing + "</svg>");
+    REQUIRE(bench.popcut({"plan", "on.svg", "-o", "on", "-q"}).exit == 0);
+    const auto held = [&](const char* plan) {
+      const Ran ran = bench.popcut(
+          {"simulate", "on/sheet-01.gpgl", "-o", "sim", "--expect", "on.svg", "--plan", plan});
+      UNSCOPED_INFO(ran.err);
+      return ran.exit;
+    };
+    CHECK(held("on/plan.json") == 0);
+    auto wrong = bench.read_json("on/plan.json");
+    wrong["passes"]["cut"] = 2;
+    write_file(bench.temp / "wrong.json", wrong.dump());
+    CHECK(held("wrong.json") == 6);
+  }
+}
+
+TEST_CASE("a split drawing with letters that the knife makes is as planned", "[cli][e2e]") {
+  const Bench bench;  // a dash of the 4 ends 0.03 mm from another one and is joined to it
+  write_file(bench.temp / "long.svg", R"x(<svg xmlns="http://www.w3.org/2000/svg" width="60mm"
+      height="900mm" viewBox="0 0 60 900"><g fill="none" stroke="#000"><rect x="5" y="5" width="50"
+      height="890"/><path d="M10,100 l30,300 l-20,400"/></g></svg>)x");
+  REQUIRE(bench.popcut({"plan", "long.svg", "--machine", "portrait", "-o", "long", "-q"}).exit ==
+          0);
+  const auto plan = bench.read_json("long/plan.json");
+  REQUIRE(plan["sheets"].size() == 1);
+  const Ran held = bench.popcut({"simulate", "long/sheet-01.gpgl", "--machine", "portrait", "-o",
+                                 "sim", "--expect", "long.svg", "--plan", "long/plan.json"});
+  INFO(held.err);
+  CHECK(held.exit == 0);
 }
 
 TEST_CASE("colours and layers have settings of their own, in a drawing and a design",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What can happen at a cutter, by the real binary and simulated cutters.
 #include <algorithm>
+#include <csignal>
 #include <string>
 #include <vector>
 
@@ -180,6 +181,43 @@ TEST_CASE("the key p holds the cut with the tool up and continues it", "[cli][e2
   CHECK(says(popcut.shown, "378 strokes"));
 }
 
+TEST_CASE("after the tool went round the sheet a person can move the drawing", "[cli][e2e]") {
+  const TempFolder folder;
+  AtTerminal popcut(
+      popcut_program(),
+      {"cut", kSphere, "--direct", "--frame", "--at", "1,2", "--device", "sim:cameo3", "-o", "cut"},
+      folder);
+  REQUIRE(popcut.shows("press Enter"));
+  popcut.type("\n");
+  REQUIRE(popcut.shows("mm at 1.0, 2.0, up"));
+  REQUIRE(popcut.shows("or X,Y"));
+  popcut.type("500,0\n");  // off the mat
+  REQUIRE(popcut.shows("it stays at 1,2"));
+  REQUIRE(popcut.shows("press Enter"));
+  popcut.type("\n");
+  REQUIRE(popcut.shows("or X,Y"));
+  popcut.type("10,-0.5\n");
+  REQUIRE(popcut.shows("press Enter"));
+  popcut.type("\n");
+  REQUIRE(popcut.shows("mm at 11.0, 1.5, up"));
+  REQUIRE(popcut.shows("or X,Y"));
+  popcut.type("y\n");
+  const int exit = popcut.ended();
+  INFO(popcut.shown);
+  CHECK(exit == 0);
+  const json sheet = json::parse(text_of_file(folder / "cut/plan.json"))["sheets"][0];
+  CAPTURE(sheet["transform"].dump());
+  const json trace = json::parse(text_of_file(folder / "cut/sheet-01.trace.json"));
+  double left = 1e9, top = 1e9;
+  for (const json& stroke : trace["strokes"])
+    for (const json& point : stroke["points"]) {
+      left = std::min(left, point[0].get<double>());
+      top = std::min(top, point[1].get<double>());
+    }
+  CHECK(std::abs(left - 11) < 0.06);  // half a unit of 0.05 mm, and a sheet's own rounding
+  CHECK(std::abs(top - 1.5) < 0.06);
+}
+
 TEST_CASE("cut asks before each sheet and ends if the answer is no", "[cli][e2e][layout]") {
   const TempFolder folder;
   const std::vector<std::string> words{"cut",   kSphere,   "--direct", "--device", "sim:cameo3",
@@ -201,6 +239,30 @@ TEST_CASE("cut asks before each sheet and ends if the answer is no", "[cli][e2e]
   popcut.type("n\n");
   CHECK(popcut.ended() == 5);
   CHECK(says(popcut.shown, "sheet 2 was not started"));
+}
+
+TEST_CASE("a stop while a sheet parks asks for no further sheet", "[cli][e2e][pty]") {
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    CAPTURE(number);
+    const TempFolder desk, cutter_room;
+    AtTerminal cutter(popcut_program(), {"simulate", "--pty", "--machine", "cameo3"}, cutter_room);
+    const std::string port = cutter.first_line();
+    REQUIRE(port.rfind("/dev/", 0) == 0);
+    write_file(desk / "two.svg", R"x(<svg xmlns="http://www.w3.org/2000/svg" width="150mm"
+        height="90mm" viewBox="0 0 150 90"><path stroke="#000"
+        d="M0 0h2M148 0h2M0 88v2M150 88v2"/></svg>)x");
+    AtTerminal popcut(popcut_program(),
+                      {"cut", "two.svg", "--direct", "--device", "serial:" + port, "--machine",
+                       "cameo3", "--mat", "100x100", "--labels", "none"},
+                      desk);
+    REQUIRE(popcut.shows("Load sheet 1 of 2"));
+    popcut.type("y\n");
+    REQUIRE(popcut.shows("parking"));
+    popcut.signal(number);
+    CHECK_FALSE(popcut.shows("Load sheet 2 of 2"));
+    CHECK(popcut.ended() == 5);
+    CHECK(says(popcut.shown, "sheet 1: is cut; stopped as you asked before sheet 2"));
+  }
 }
 
 TEST_CASE("a cutter at a pseudo terminal is used through a serial port", "[cli][e2e][pty]") {

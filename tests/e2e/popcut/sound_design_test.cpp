@@ -13,8 +13,8 @@
 
 #include "core/design/strips/pattern_builder.hpp"
 #include "core/formats/fold/fold_writer.hpp"
-#include "daemon/planning/pattern_model.hpp"
-#include "daemon/planning/sound_design.hpp"
+#include "daemon/planning/judge/pattern_model.hpp"
+#include "daemon/planning/judge/sound_design.hpp"
 
 namespace sound_design_test {
 

@@ -113,7 +113,7 @@ TEST_CASE("every refusal names a command that cures it", "[popcutd][cli][next]")
   const TempFolder scripts;
   const std::string stall = (scripts / "stall.json").string();
   write_file(stall, kStall);
-  Shop shop(device("sim:slow", "cameo3", 4) + device("sim:stuck", "cameo3", 0, stall) +
+  Shop shop(device("sim:slow", "cameo3", 1) + device("sim:stuck", "cameo3", 0, stall) +
             device("sim:wide", "cameo4", 0));
   shop.open();
   const std::string id = shop.queue("sim:cameo3"), other = shop.queue("sim:cameo3");

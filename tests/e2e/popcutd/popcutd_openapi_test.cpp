@@ -27,8 +27,9 @@ namespace {
 void ask_too_often(ContractCaller& all) {
   DaemonProcess daemon(popcutd_program());
   const std::string file = text_of_file(daemon.config());
-  write_file(daemon.config(),
-             file.substr(0, file.find("rate_per_s")) + "rate_per_s = 0.1\nrate_burst = 1\n");
+  write_file(daemon.config(), file.substr(0, file.find("rate_per_s")) +
+                                  "rate_per_s = 0.1\nrate_burst = 1\npreviews_per_s = 0.1\n"
+                                  "pictures_per_s = 0.1\n");
   REQUIRE(daemon.start());
   ContractCaller caller(daemon.socket());
   for (const ContractCall& call : all_calls(caller)) {

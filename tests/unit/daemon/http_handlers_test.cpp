@@ -410,6 +410,77 @@ TEST_CASE("the program of a sheet is found in either language", "[daemon][http][
   CHECK(ask(fake, Method::Get, "/v1/plans/P/sheets/2/program").response.status == 404);
 }
 
+TEST_CASE("a preview reaches the service with its spec, quality and key",
+          "[daemon][http][handlers]") {
+  FakeService fake;
+  const std::vector<Header> key{{"preview-key", "page-0123456789abc"}};
+  const Asked drawn = ask(fake, Method::Post, "/v1/preview", key,
+                          R"({"spec": {"popcut": 1, "slices": 3}, "quality": "draft"})");
+  CHECK(drawn.response.status == 200);
+  CHECK(drawn.response.content_type == "application/vnd.popcut.lattice");
+  CHECK(drawn.response.body == "PCLB");
+  CHECK(json::parse(fake.last_preview.spec) == json{{"popcut", 1}, {"slices", 3}});
+  CHECK(fake.last_preview.is_draft);
+  CHECK(fake.last_preview.key == "page-0123456789abc");
+  CHECK(fake.last_preview.place.empty());
+  CHECK(ask(fake, Method::Post, "/v1/preview", {},
+            R"({"spec": {}, "quality": "exact", "place": "quarter"})")
+            .response.status == 200);
+  CHECK_FALSE(fake.last_preview.is_draft);
+  CHECK(fake.last_preview.place == "quarter");
+  const struct {
+    const char* body;
+    const char* pointer;
+  } wrong[] = {{R"({"quality": "draft"})", "/spec"},
+               {R"({"spec": "x", "quality": "draft"})", "/spec"},
+               {R"({"spec": {}})", "/quality"},
+               {R"({"spec": {}, "quality": "best"})", "/quality"},
+               {R"({"spec": {}, "quality": "draft", "place": "left"})", "/place"},
+               {R"({"spec": {}, "quality": "draft", "key": 1})", "/key"}};
+  for (const auto& one : wrong) {
+    CAPTURE(one.body);
+    const Asked refused = ask(fake, Method::Post, "/v1/preview", key, one.body);
+    CHECK(refused.response.status == 422);
+    CHECK(refused.body["errors"][0]["pointer"] == one.pointer);
+  }
+  for (const char* bad : {"short", "has a blank in it 123456"})
+    CHECK(ask(fake, Method::Post, "/v1/preview", {{"preview-key", bad}},
+              R"({"spec": {}, "quality": "draft"})")
+              .response.status == 400);
+  fake.next_problem = Problem{ProblemKind::Superseded, "a newer one came"};
+  const Asked older =
+      ask(fake, Method::Post, "/v1/preview", key, R"({"spec": {}, "quality": "draft"})");
+  CHECK(older.response.status == 409);
+  CHECK(older.body["type"] == "https://popcut.invalid/p/superseded");
+}
+
+TEST_CASE("a placed spec and a design's lattice come back as they were made",
+          "[daemon][http][handlers]") {
+  FakeService fake;
+  const Asked placed =
+      ask(fake, Method::Post, "/v1/place", {}, R"({"spec": {"popcut": 1}, "place": "whole"})");
+  CHECK(placed.response.status == 200);
+  CHECK(placed.body == json{{"spec", {{"popcut", 1}}}});
+  CHECK(ask(fake, Method::Post, "/v1/place", {}, R"({"spec": {}})").response.status == 422);
+  fake.design_map["sha256-1"].id = "sha256-1";
+  const Asked lattice = ask(fake, Method::Get, "/v1/designs/sha256-1/lattice");
+  CHECK(lattice.response.status == 200);
+  CHECK(lattice.response.body == "PCLB");
+  std::string etag, cache;
+  for (const Header& header : lattice.response.headers) {
+    if (header.name == "ETag") etag = header.value;
+    if (header.name == "Cache-Control") cache = header.value;
+  }
+  CHECK(cache == "private, max-age=86400");
+  const Asked seen =
+      ask(fake, Method::Get, "/v1/designs/sha256-1/lattice", {{"if-none-match", "\"x\", " + etag}});
+  CHECK(seen.response.status == 304);
+  CHECK(seen.response.body.empty());
+  CHECK(std::any_of(seen.response.headers.begin(), seen.response.headers.end(),
+                    [&](const Header& header) { return header.value == cache; }));
+  CHECK(ask(fake, Method::Get, "/v1/designs/sha256-2/lattice").response.status == 404);
+}
+
 TEST_CASE("a service that throws gives a problem and does not end the server",
           "[daemon][http][handlers]") {
   FakeService fake;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -520,6 +521,105 @@ TEST_CASE("a chain with several minima takes the best one and reports the spread
   CHECK(circle->minima == 1);
   CHECK(circle->spread == 0.0);
   CHECK(circle->iterations <= 8);
+}
+
+TEST_CASE("a drawn curve that cannot be used is refused at its own point", "[core][spec][drawn]") {
+  const auto refused = [](const std::string& surface_json) {
+    const auto spec = parse_design_spec(spec_text(surface_json));
+    REQUIRE_FALSE(spec);
+    return message(spec.error());
+  };
+  const auto radius = [](const std::string& points) {
+    return fmt::format(R"({{"type": "revolution", "radius": {{"points": {}}}}})", points);
+  };
+  using Catch::Matchers::StartsWith;
+  CHECK_THAT(refused(radius("[[0, 9]]")),
+             StartsWith("/surface/radius/points: is a list of 1; must be a list of 2 to 1000"));
+  CHECK_THAT(refused(radius("[[0, 9], [5, 8], [5, 7]]")),
+             StartsWith("/surface/radius/points/2/0: is 5; must be above 5"));
+  CHECK_THAT(refused(radius("[[0, 9], [1e-300, 8], [5, 7]]")),
+             StartsWith("/surface/radius/points/1/0: is 1e-300; must be above 0"));
+  CHECK_THAT(refused(radius("[[0, 9], [5, -0.5]]")),
+             StartsWith("/surface/radius/points/1/1: is -0.5; must be a radius of 0 or more"));
+  CHECK_THAT(refused(radius("[[0, 9], [5]]")), StartsWith("/surface/radius/points/1: "));
+  CHECK_THAT(refused(radius("[[0, 9], [5, \"8\"]]")), StartsWith("/surface/radius/points/1/1: "));
+  CHECK_THAT(refused(radius("[[0, 9], [5, 1e300]]")), StartsWith("/surface/radius/points/1/1: "));
+  CHECK_THAT(refused(radius("[[0, 9], [5, 1e999]]")), StartsWith("line 1, column "));
+  CHECK_THAT(refused(R"({"type": "revolution", "radius": 9})"), StartsWith("/surface/radius: "));
+  CHECK_THAT(refused(R"({"type": "revolution", "radius": {"points": [[0, 9], [5, 8]], "x": 1}})"),
+             StartsWith("/surface/radius/x: "));
+  std::string many;
+  for (int k = 0; k <= 1000; ++k) many += fmt::format("{}[{}, 9]", k == 0 ? "" : ", ", k);
+  CHECK_THAT(refused(radius("[" + many + "]")), StartsWith("/surface/radius/points: "));
+
+  const auto profile = [](const std::string& points) {
+    return fmt::format(R"({{"type": "profile", "z": {{"points": {}}}}})", points);
+  };
+  CHECK_THAT(refused(profile("[[1, 9], [5, 0]]")), StartsWith("/surface/z/points/0/0: is 1;"));
+  CHECK_THAT(refused(profile("[[0, 0], [5, 0]]")), StartsWith("/surface/z/points/0/1: is 0;"));
+  CHECK_THAT(refused(profile("[[0, 9], [5, 10], [6, 0]]")),
+             StartsWith("/surface/z/points/1/1: is 10; must be at most 9"));
+  CHECK_THAT(refused(profile("[[0, 9], [5, 4], [4, 0]]")),
+             StartsWith("/surface/z/points/2/0: is 4; must be at least 5"));
+  CHECK_THAT(refused(profile("[[0, 9], [5, 4], [5, 4], [6, 0]]")),
+             StartsWith("/surface/z/points/2: is the point before it"));
+  CHECK_THAT(refused(profile("[[0, 9], [5, 1]]")), StartsWith("/surface/z/points/1/1: is 1;"));
+  CHECK_THAT(refused(profile("[[0, 9], [0, 0]]")), StartsWith("/surface/z/points/1/0: is 0;"));
+
+  const auto loft = [](const std::string& stations) {
+    return fmt::format(R"({{"type": "loft", "stations": [{}]}})", stations);
+  };
+  const std::string first = R"({"y": 0, "curve": [[0, 9], [5, 0]]})";
+  CHECK_THAT(refused(loft(first)), StartsWith("/surface/stations: is a list of 1;"));
+  CHECK_THAT(refused(loft(first + R"(, {"y": 0, "curve": [[0, 9], [5, 0]]})")),
+             StartsWith("/surface/stations/1/y: is 0; must be above 0"));
+  CHECK_THAT(refused(loft(first + R"(, {"y": 5, "curve": [[0, 9], [2, 3], [5, 0]]})")),
+             StartsWith("/surface/stations/1/curve: has 3 points; must have 2"));
+  CHECK_THAT(refused(loft(first + R"(, {"y": 5, "curve": [[0, 9], [5, 1]]})")),
+             StartsWith("/surface/stations/1/curve/1/1: is 1;"));
+  CHECK_THAT(refused(loft(first + R"(, {"curve": [[0, 9], [5, 0]]})")),
+             StartsWith("/surface/stations/1/y: is missing"));
+}
+
+TEST_CASE("a drawn surface ends at its first and last point", "[core][target][drawn]") {
+  const auto drawn = surface(RevolutionSpec{CurvePoints{{0, 40}, {20, 30}, {50, 45}}});
+  CHECK(cut(drawn, 20.0).curve.h() == 30.0);
+  CHECK(cut(drawn, 50.0).curve.h() == 45.0);
+  CHECK(drawn->cut(-0.1).error().reason == ErrorReason::Misplaced);
+  const Error beyond = drawn->cut(51.0).error();
+  CHECK(beyond.kind == ErrorKind::OutOfRange);
+  CHECK(beyond.place == "/surface/radius at s = 51 mm");
+  CHECK_THAT(beyond.detail, Catch::Matchers::Contains("its points reach from y = 0 to 50"));
+  // A slice in which it ends takes what is there, as with a formula.
+  const auto spec = spec_of(R"({"type": "revolution", "radius": {"points": [[0, 30], [38, 35]]}})");
+  const auto made = design(spec);
+  REQUIRE(made);
+  CHECK(std::any_of(made->report.notes.begin(), made->report.notes.end(), [](const auto& note) {
+    return note.find("the target ends there") != std::string::npos;
+  }));
+  // One curve for all of the spine has no ends.
+  const auto profile = surface(ProfileSpec{CurvePoints{{0, 30}, {10, 25}, {28, 0}}});
+  CHECK(cut(profile, -500.0).curve.h() == 30.0);
+  CHECK(cut(profile, 500.0).curve.d() == 28.0);
+}
+
+TEST_CASE("the nearest place of a curve that turns both ways is found from far away",
+          "[core][target][drawn]") {
+  // A step: an upright wall at x = 33, and before it a ledge.
+  const auto step =
+      surface(ProfileSpec{CurvePoints{{0, 63}, {16, 42}, {33, 37}, {33, 19}, {33, 0.5}, {49, 0}}});
+  const SliceCurve curve = cut(step, 0.0).curve;
+  for (double x = 0.0; x <= 60.0; x += 3.7)
+    for (double z = 0.0; z <= 70.0; z += 3.9) {
+      double least = std::numeric_limits<double>::infinity();
+      for (int k = 0; k <= 4000; ++k) {
+        const CurveJet p = curve.at(-1.0 + k / 2000.0);
+        least = std::min(least, std::hypot(p.x - x, p.z - z));
+      }
+      CAPTURE(x, z);
+      CHECK(curve.nearest_distance({x, z}) ==
+            Approx(least).margin(0.05));  // it may stop at a corner
+    }
 }
 
 }  // namespace targets_test

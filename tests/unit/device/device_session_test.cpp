@@ -570,6 +570,36 @@ TEST_CASE("a foreign program that cannot be read or stopped is refused with its 
                    "D2,2\x03"),
              Catch::Contains("byte 8") && Catch::Contains("--marks"));
   CHECK_THAT(error(Dialect::Gpgl, ""), Catch::Contains("draws no line"));
+  const auto with = [&](const std::string& command) {
+    return error(Dialect::Gpgl, command +
+                                    "M1,1\x03"
+                                    "D2,2\x03"
+                                    "M0,0\x03");
+  };
+  for (const char* plain : {"", "TB50,0\x03", "FN0\x03", "TB55,1\x03"})
+    CHECK(with(plain) == "accepted");
+  for (const char* lasting : {"FB\x03", "FB70\x03", "TB70\x03", "TB70,1\x03", "TB72\x03"})
+    CHECK_THAT(with(lasting), Catch::Contains("byte 1") && Catch::Contains("calibration"));
+  for (const char* turned : {"TB50,1\x03", "FN1\x03"})
+    CHECK_THAT(with(turned), Catch::Contains("turns the sheet"));
+  CHECK_THAT(with(std::string("\x1b\0\x01", 3)), Catch::Contains("moves the tool as a key does"));
+}
+
+TEST_CASE("a foreign program that ends with the tool down gets a lift", "[device][protocol]") {
+  const auto read = [](Dialect dialect, const std::string& bytes) {
+    const EncodedProgram program = value(read_foreign(dialect, bytes));
+    CHECK(program.trailer.end == program.bytes.size());
+    return program.bytes;
+  };
+  const std::string line =
+      "M1,1\x03"
+      "D2,2\x03";
+  CHECK(read(Dialect::Gpgl, line) == line + "M2,2\x03");
+  CHECK(read(Dialect::Gpgl, line + "SO0\x03") == line + "M2,2\x03SO0\x03");
+  CHECK(read(Dialect::Gpgl, line + "H\x03") == line + "H\x03");
+  CHECK(read(Dialect::Hpgl, "IN;PU1,1;PD2,1;") == "IN;PU1,1;PD2,1;PU;");
+  CHECK(read(Dialect::Hpgl, "IN;U1,1;D2,1;SP0;") == "IN;U1,1;D2,1;U;SP0;");
+  CHECK(read(Dialect::Hpgl, "IN;PU1,1;PD2,1;PU;") == "IN;PU1,1;PD2,1;PU;");
 }
 
 }  // namespace device_session_test

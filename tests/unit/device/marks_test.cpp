@@ -57,6 +57,28 @@ TEST_CASE("the search for marks precedes the geometry and coordinates count from
   CHECK(shown(sheet.program.bytes.substr(sheet.program.geometry.begin, 8)) == "M600,800");
 }
 
+TEST_CASE("the search for marks counts in the machine's own steps", "[protocol][marks]") {
+  PrintedSheet sheet;
+  sheet.machine.built_in = false;  // a row of one's own
+  sheet.machine.scale_carriage = 1.01;
+  sheet.machine.scale_feed = 0.99;
+  sheet.machine.margin_left_mm = 4.04;
+  JobOptions job;
+  job.marks = sheet.marks;
+  sheet.program = value(encode(sheet.path, sheet.machine, value(find_material("paper-220")), job));
+  const std::string search = shown(sheet.program.bytes.substr(
+      sheet.program.search.begin, sheet.program.search.end - sheet.program.search.begin));
+  // 264.8 mm / 0.99, 284.8 mm / 1.01 and 4.04 mm / 1.01, in steps of 0.05 mm
+  CHECK_THAT(search, Catch::EndsWith("TB123,5349,5640,0,80;"));
+  const Trace trace =
+      value(simulate(std::as_bytes(std::span(sheet.program.bytes)), sheet.machine, SimOptions{}));
+  REQUIRE(trace.points.size() == 2);
+  CHECK(trace.points[0].x == Approx(50).margin(0.026));
+  CHECK(trace.points[0].y == Approx(40).margin(0.026));
+  CHECK(trace.points[1].x == Approx(70).margin(0.026));
+  CHECK(trace.points[1].y == Approx(90).margin(0.026));
+}
+
 TEST_CASE("the meaning of TB51 and TB53 can be swapped", "[protocol][marks]") {
   MarkLayout marks = value(marks_for({304.8, 304.8}));
   marks.arm_first = false;
@@ -64,6 +86,17 @@ TEST_CASE("the meaning of TB51 and TB53 can be swapped", "[protocol][marks]") {
              Catch::Contains("TB51,10;TB53,400;TB54,0,0;TB55,1;TB123,"));
   marks.four_corners = true;
   CHECK_THAT(shown(mark_search(marks, machine("cameo5-alpha"))), Catch::Contains("TB124,"));
+}
+
+TEST_CASE("a measured scale holds for the marks as for the lines", "[protocol][marks]") {
+  MarkLayout marks = value(marks_for({304.8, 304.8}));
+  marks.top_mm = marks.left_mm = 110;
+  Machine measured = machine("cameo3");
+  measured.scale_carriage = 1.004;
+  measured.scale_feed = 0.9965;
+  // 264.8 mm along the feed are 5296 / 0.9965 of its units, 284.8 mm across it 5696 / 1.004; the
+  // search begins 100 mm from the corner, 2000 units of 0.05 mm.
+  CHECK_THAT(shown(mark_search(marks, measured)), Catch::Contains("TB123,5315,5673,2007,1992;"));
 }
 
 TEST_CASE("strokes outside the marks are refused", "[core][marks]") {

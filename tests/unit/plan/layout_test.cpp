@@ -241,6 +241,31 @@ TEST_CASE("both sides of a seam carry its letter and ticks that meet", "[layout]
   CHECK(layout->seams[0].label == "A");
 }
 
+TEST_CASE("the marks of both seams of a narrow piece have a place each", "[layout]") {
+  LayoutOptions options = on(200, 120);
+  options.seams_y = {100, 108};
+  const auto layout = lay_out(sheet(150, 208), options);
+  REQUIRE(layout);
+  REQUIRE(layout->pieces.size() == 3);
+  CHECK(layout->warnings.empty());  // each seam has its letter
+  for (const SheetPiece& piece : layout->pieces) {
+    const Box all = bounds(piece.share);
+    const auto line = [&](std::size_t l) { return piece.work.points_of(piece.work.lines[l]); };
+    for (std::size_t l = piece.first_mark; l < piece.work.lines.size(); ++l) {
+      for (const PagePoint& p : line(l)) {
+        CHECK(p.y >= all.y0);
+        CHECK(p.y <= all.y1);
+      }
+      // Strokes of one letter meet; those of the letter of the other seam keep away. On the narrow
+      // piece no stroke lies beside another one as if it were written twice.
+      for (std::size_t k = piece.first_mark; k < l; ++k) {
+        const PagePoint a = line(l).front(), b = line(k).front();
+        CHECK((a == b || distance(a, b) > 0.4));
+      }
+    }
+  }
+}
+
 TEST_CASE("seams are lettered A to Z then AA", "[layout]") {
   CHECK(seam_label(0) == "A");
   CHECK(seam_label(25) == "Z");

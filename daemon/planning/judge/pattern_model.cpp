@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/planning/pattern_model.hpp"
+#include "daemon/planning/judge/pattern_model.hpp"
 
 #include <algorithm>
 #include <array>

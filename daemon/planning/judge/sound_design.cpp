@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/planning/sound_design.hpp"
+#include "daemon/planning/judge/sound_design.hpp"
 
 #include <numbers>
 #include <utility>
@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/verify/verify.hpp"
-#include "daemon/planning/pattern_model.hpp"
+#include "daemon/planning/judge/pattern_model.hpp"
 
 namespace popcut::planning {
 namespace {

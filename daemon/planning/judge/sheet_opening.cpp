@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/planning/sheet_opening.hpp"
+#include "daemon/planning/judge/sheet_opening.hpp"
 
 #include <algorithm>
 #include <array>

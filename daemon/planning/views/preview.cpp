@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/planning/preview.hpp"
+#include "daemon/planning/views/preview.hpp"
 
 #include <algorithm>
 #include <iterator>

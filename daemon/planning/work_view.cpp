@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+// What somebody looks at: previews of specs, lattices of stored designs.
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "core/design/patches.hpp"
+#include "core/design/placement.hpp"
+#include "core/design/shape_fit.hpp"
+#include "core/formats/lattice/lattice_blob.hpp"
+#include "core/layout/layout.hpp"
+#include "core/machines/machine.hpp"
+#include "daemon/planning/design_export.hpp"
+#include "daemon/planning/design_files.hpp"
+#include "daemon/planning/foreign_blob.hpp"
+#include "daemon/planning/judge/sound_design.hpp"
+#include "daemon/planning/plan_input.hpp"
+#include "daemon/planning/task_inputs.hpp"
+#include "daemon/planning/views/preview.hpp"
+#include "daemon/planning/views/small_card.hpp"
+#include "daemon/planning/work.hpp"
+
+namespace popcut::planning {
+namespace {
+
+using daemon::PlanningOutcome;
+using Kind = daemon::PlanningTask::Kind;
+
+constexpr std::size_t kGhostTriangles = 4000;
+
+/// A spec as it will be designed, and what it needs.
+struct WantedDesign {
+  DesignSpec spec;
+  SurfaceAssets assets;
+  Material material{};
+  bool has_material{};  ///< false: popcut does not know the one it names
+};
+
+Result<WantedDesign> read_wanted(WorkerTask& task) {
+  auto spec = parse_design_spec(task.design);
+  if (!spec) return tl::unexpected(spec.error());
+  const auto tables = tables_of(task);
+  if (!tables) return tl::unexpected(tables.error());
+  WantedDesign wanted{std::move(*spec), {}};
+  if (auto material = find_material(wanted.spec.material, tables->texts)) {
+    wanted.material = std::move(*material);
+    wanted.has_material = true;
+    suit_material(wanted.material, wanted.spec);
+  }
+  auto assets = assets_for(wanted.spec, task.assets);
+  if (!assets) return tl::unexpected(assets.error());
+  wanted.assets = std::move(*assets);
+  return wanted;
+}
+
+void set_lattice(DesignSpec& spec, LatticeMethod lattice) {
+  spec.lattice = lattice;
+  for (DesignSpec& patch : spec.patches) set_lattice(patch, lattice);
+}
+
+/// The quickest pattern of a spec: what is asked of its lattice is left out.
+Result<PatchAssembly> draft_of(DesignSpec spec, const SurfaceAssets& assets) {
+  set_lattice(spec, LatticeMethod::Levels);
+  auto made = design_assembly(spec, assets);
+  if (made) return made;
+  set_lattice(spec, LatticeMethod::Slices);
+  if (auto plain = design_assembly(spec, assets)) return plain;
+  return made;
+}
+
+Result<PatchAssembly> exact_of(const WantedDesign& wanted) {
+  auto made = sound_design(wanted.spec, wanted.assets);
+  if (!made) return made;
+  for (Design& part : made->parts) {
+    part.report.surface_fit = surface_fit(part);
+    if (wanted.has_material) add_make_warnings(wanted.material, wanted.spec, part);
+  }
+  return made;
+}
+
+Result<std::string> placed(const WorkerTask& task, const WantedDesign& wanted) {
+  const bool quarter = task.options.at("place") == "quarter";
+  const auto proposed =
+      propose_placement(wanted.spec, wanted.assets, quarter ? Stand::Quarter : Stand::Whole);
+  if (!proposed) return tl::unexpected(proposed.error());
+  return with_placement(task.design, *proposed);
+}
+
+Result<std::string> preview_blob(WorkerTask& task) {
+  auto wanted = read_wanted(task);
+  if (!wanted) return tl::unexpected(wanted.error());
+  if (task.options.contains("place")) {
+    auto text = placed(task, *wanted);
+    if (!text) return text;
+    auto spec = parse_design_spec(*text);
+    if (!spec) return tl::unexpected(spec.error());
+    wanted->spec = std::move(*spec);
+    if (wanted->has_material) suit_material(wanted->material, wanted->spec);
+  }
+  const auto quality = task.options.find("quality");
+  const bool is_draft = quality != task.options.end() && quality->second == "draft";
+  const auto made = is_draft ? draft_of(wanted->spec, wanted->assets) : exact_of(*wanted);
+  if (!made) return tl::unexpected(made.error());
+  LatticeBlobOptions how;
+  how.quality = is_draft ? LatticeQuality::Draft : LatticeQuality::Exact;
+  how.curvature = !is_draft;
+  how.most_ghost_triangles = is_draft ? 0 : kGhostTriangles;
+  return lattice_blob(*made, how);
+}
+
+/// Of a stored spec: as it will be cut.
+Result<std::string> stored_spec_blob(WorkerTask& task) {
+  const auto wanted = read_wanted(task);
+  if (!wanted) return tl::unexpected(wanted.error());
+  const auto made = exact_of(*wanted);
+  if (!made) return tl::unexpected(made.error());
+  LatticeBlobOptions how;
+  how.quality = LatticeQuality::Stored;
+  how.curvature = true;
+  how.most_ghost_triangles = kGhostTriangles;
+  return lattice_blob(*made, how);
+}
+
+/// As it will be cut, or nearly so where that would take long.
+Result<PatchAssembly> shown_design(WorkerTask& task) {
+  auto wanted = read_wanted(task);
+  if (!wanted) return tl::unexpected(wanted.error());
+  auto made = units_of(wanted->spec) > most_quick_units(wanted->spec)
+                  ? draft_of(wanted->spec, wanted->assets)
+                  : design_assembly(wanted->spec, wanted->assets);
+  // The picture is of what was read; what a file calls it is not shown.
+  if (made)
+    for (Design& part : made->parts) part.pattern.name = "design";
+  return made;
+}
+
+Result<void> add_spec_pictures(WorkerTask& task, const FileSink& add) {
+  const auto made = shown_design(task);
+  if (!made) return tl::unexpected(made.error());
+  std::vector<const Pattern*> parts;
+  for (const Design& part : made->parts) parts.push_back(&part.pattern);
+  if (auto done = add("deployed.svg", small_card_svg(parts)); !done) return done;
+  return add("pattern.svg", preview_svg(parts.size() == 1 ? linework_from_pattern(*parts.front())
+                                                          : join_parts(parts).drawing));
+}
+
+/// "deployed.svg" and "pattern.svg" of a design of any kind.
+Result<void> add_pictures(WorkerTask& task, const FileSink& add) {
+  const auto kind =
+      task.design_kind.empty() ? kind_of_content(task.design) : input_kind_from(task.design_kind);
+  if (!kind) return tl::unexpected(kind.error());
+  if (*kind == InputKind::Spec) return add_spec_pictures(task, add);
+  auto drawing = foreign_drawing(std::move(task.design), *kind);
+  if (!drawing) return tl::unexpected(drawing.error());
+  const std::string flat = preview_svg(drawing->lines);
+  if (drawing->pattern) drawing->pattern->name = "design";
+  if (auto done =
+          add("deployed.svg", drawing->pattern ? small_card_svg({&*drawing->pattern}) : flat);
+      !done)
+    return done;
+  return add("pattern.svg", flat);
+}
+
+/// A file of a stored spec, as `popcut design` writes it.
+Result<void> add_export(WorkerTask& task, const FileSink& add) {
+  const auto kind =
+      task.design_kind.empty() ? kind_of_content(task.design) : input_kind_from(task.design_kind);
+  if (!kind) return tl::unexpected(kind.error());
+  if (*kind != InputKind::Spec)
+    return fail(ErrorKind::OutOfRange, "",
+                "is no spec, and only specs are designed; get its content instead");
+  const auto wanted = read_wanted(task);
+  if (!wanted) return tl::unexpected(wanted.error());
+  if (!wanted->has_material)
+    return fail(ErrorKind::OutOfRange, "/material", "is not known to popcut");
+  auto made = exact_of(*wanted);
+  if (!made) return tl::unexpected(made.error());
+  const std::string& file = task.options.at("file");
+  std::size_t part = 0;
+  for (const char digit : task.options.at("part"))
+    part = std::min<std::size_t>(1'000'000, 10 * part + static_cast<std::size_t>(digit - '0'));
+  auto bytes = design_file(*made, wanted->material, file, part - 1);
+  if (!bytes) return tl::unexpected(bytes.error());
+  return add(file, std::move(*bytes));
+}
+
+}  // namespace
+
+Result<PlanningOutcome> show(WorkerTask& task, const FileSink& add) {
+  PlanningOutcome outcome;
+  if (task.kind == Kind::Place) {
+    const auto wanted = read_wanted(task);
+    if (!wanted) return tl::unexpected(wanted.error());
+    auto text = placed(task, *wanted);
+    if (!text) return tl::unexpected(text.error());
+    if (auto done = add("spec.json", std::move(*text)); !done) return tl::unexpected(done.error());
+    return outcome;
+  }
+  if (task.kind == Kind::Picture) {
+    if (auto done = add_pictures(task, add); !done) return tl::unexpected(done.error());
+    return outcome;
+  }
+  if (task.kind == Kind::Export) {
+    if (auto done = add_export(task, add); !done) return tl::unexpected(done.error());
+    return outcome;
+  }
+  Result<std::string> blob;
+  if (task.kind == Kind::Preview) {
+    blob = preview_blob(task);
+  } else {
+    const auto kind =
+        task.design_kind.empty() ? kind_of_content(task.design) : input_kind_from(task.design_kind);
+    if (!kind) return tl::unexpected(kind.error());
+    blob = *kind == InputKind::Spec ? stored_spec_blob(task)
+                                    : foreign_blob(std::move(task.design), *kind);
+  }
+  if (!blob) return tl::unexpected(blob.error());
+  if (auto done = add("lattice", std::move(*blob)); !done) return tl::unexpected(done.error());
+  return outcome;
+}
+
+}  // namespace popcut::planning

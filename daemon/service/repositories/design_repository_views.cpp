@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+// What somebody looks at: made by the previewer, and not stored.
+#include <filesystem>
+#include <utility>
+
+#include "daemon/planning/views/preview.hpp"
+#include "daemon/service/repositories/design_repository.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+constexpr const char* kLattice = "lattice";
+constexpr const char* kSpec = "spec.json";
+constexpr std::uint64_t kMostRead = 64u << 20;
+
+tl::unexpected<Problem> no_previewer() {
+  return refuse(ProblemKind::Unavailable, "this popcutd makes no previews");
+}
+
+Answer<std::string> file_named(PlanningOutcome outcome, const std::string& name) {
+  for (PlanningFile& file : outcome.files)
+    if (file.name == name) return std::move(file.bytes);
+  return refuse(ProblemKind::Internal, "the worker made no " + name);
+}
+
+}  // namespace
+
+PreviewTask DesignRepository::task_for(const Principal& who, const PreviewRequest& request,
+                                       PlanningTask::Kind kind) const {
+  PreviewTask task;
+  task.task.kind = kind;
+  task.task.design_text = request.spec;
+  task.task.design_kind = "spec";
+  task.task.media_type = "application/json";
+  task.task.assets_folder = store_.folder().at("assets");
+  if (!request.place.empty()) task.task.options["place"] = request.place;
+  task.who = who.name;
+  return task;
+}
+
+Designs::CallOff DesignRepository::show(PreviewTask task, std::string name, Shown done) {
+  if (!previewer_) {
+    done(no_previewer());
+    return [] {};
+  }
+  const std::uint64_t id = previewer_->start(
+      std::move(task),
+      [name = std::move(name), done = std::move(done)](Answer<PlanningOutcome> outcome) {
+        if (!outcome) return done(tl::unexpected(std::move(outcome.error())));
+        done(file_named(std::move(*outcome), name));
+      });
+  return [previewer = std::weak_ptr<Previewer>(previewer_), id] {
+    if (const auto here = previewer.lock()) here->cancel(id);
+  };
+}
+
+Designs::CallOff DesignRepository::show_spec(const Principal& who, const PreviewRequest& request,
+                                             Shown done) {
+  PreviewTask task = task_for(who, request, PlanningTask::Kind::Preview);
+  task.task.options["quality"] = request.is_draft ? "draft" : "exact";
+  task.key = request.key;
+  task.is_patient = request.is_draft;
+  return show(std::move(task), kLattice, std::move(done));
+}
+
+Designs::CallOff DesignRepository::place_spec(const Principal& who, const PreviewRequest& request,
+                                              Shown done) {
+  return show(task_for(who, request, PlanningTask::Kind::Place), kSpec, std::move(done));
+}
+
+Designs::CallOff DesignRepository::lattice(const Principal& who, const std::string& id,
+                                           Shown done) {
+  const Answer<Design> design = find(id);
+  if (!design) {
+    done(tl::unexpected(design.error()));
+    return [] {};
+  }
+  return show({task_for(*design, PlanningTask::Kind::Lattice), who.name}, kLattice,
+              std::move(done));
+}
+
+Designs::CallOff DesignRepository::file(const Principal& who, const std::string& id,
+                                        const std::string& name, int part, Shown done) {
+  const Answer<Design> design = find(id);
+  if (!design) {
+    done(tl::unexpected(design.error()));
+    return [] {};
+  }
+  PreviewTask task{task_for(*design, PlanningTask::Kind::Export), who.name};
+  task.task.options["file"] = name;
+  task.task.options["part"] = std::to_string(part);
+  return show(std::move(task), name, std::move(done));
+}
+
+std::string DesignRepository::picture_place(const std::string& id, const std::string& name) const {
+  return store_.folder().at("previews/" + id + "." + name);
+}
+
+void DesignRepository::read_aside(const std::string& place, Shown done) {
+  auto kept = std::make_shared<Result<std::string>>(fail(ErrorKind::Internal, "", "not read"));
+  aside_.run([kept, place] { *kept = read_whole(place, kMostRead); },
+             [kept, done = std::move(done)] {
+               if (*kept) return done(std::move(**kept));
+               done(tl::unexpected(problem_from(kept->error())));
+             });
+}
+
+void DesignRepository::picture(const Principal& who, const std::string& id, const std::string& name,
+                               Shown done) {
+  const Answer<Design> design = find(id);
+  if (!design) return done(tl::unexpected(design.error()));
+  const std::string place = picture_place(id, name);
+  std::error_code ignored;
+  if (const auto bytes = std::filesystem::file_size(place, ignored); !ignored && bytes > 0)
+    return read_aside(place, std::move(done));
+  if (!previewer_) return done(no_previewer());
+  std::vector<PictureWanted>& waiting = drawing_[id];
+  waiting.push_back({name, std::move(done)});
+  if (waiting.size() > 1) return;
+  PreviewTask task{task_for(*design, PlanningTask::Kind::Picture), who.name};
+  previewer_->start(std::move(task), [this, id, alive = std::weak_ptr<void>(alive_),
+                                      thread = &thread_,
+                                      folder = &store_.folder()](Answer<PlanningOutcome> outcome) {
+    // A design that gives no picture is not tried again and again.
+    if (!outcome && outcome.error().kind == ProblemKind::Validation) {
+      outcome = PlanningOutcome{};
+      for (const char* const one : {"deployed.svg", "pattern.svg"})
+        outcome->files.push_back({one, planning::no_preview_svg("its preview says why")});
+    }
+    if (outcome)
+      for (const PlanningFile& file : outcome->files)
+        (void)write_file(folder->at("previews/" + id + "." + file.name), file.bytes);
+    thread->post(
+        ServiceThread::Lane::Asking,
+        [this, alive, id, made = std::make_shared<Answer<PlanningOutcome>>(std::move(outcome))] {
+          if (const auto here = alive.lock()) pictures_made(id, *made);
+        });
+  });
+}
+
+void DesignRepository::pictures_made(const std::string& id,
+                                     const Answer<PlanningOutcome>& outcome) {
+  name_turn("pictures made");
+  std::vector<PictureWanted> waiting;
+  waiting.swap(drawing_[id]);
+  drawing_.erase(id);
+  for (const PictureWanted& one : waiting) {
+    if (outcome)
+      one.done(file_named(*outcome, one.name));
+    else
+      one.done(tl::unexpected(outcome.error()));
+  }
+  // It was removed meanwhile: its pictures go too.
+  if (!find(id))
+    for (const char* const name : {"deployed.svg", "pattern.svg"})
+      aside_.remove(picture_place(id, name));
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,439 @@
+// SPDX-License-Identifier: MIT
+// Design: from a shape to an exact card, by hand.
+import { useSignal } from '@preact/signals';
+import { useEffect, useLayoutEffect, useRef } from 'preact/hooks';
+import * as desk from './design_desk';
+import { Panel } from './design_panel';
+import { shownModel, Stage } from './design_stage';
+import { Start } from './design_start';
+import { LatticeError } from './lattice';
+import { Button, Dialog, Trouble } from './parts';
+import { go, sheetsOf } from './route';
+import { isProblem, read, readBlob, saveAs, send, ServerProblem } from './server';
+import { fromShare, isSpec, nameOf, parseSpec, shareText, SpecError, withField, type Spec } from './spec';
+import { devices, may, meta } from './store';
+import { designWords as words } from './words_design';
+
+const rad = (degrees: number): number => (degrees * Math.PI) / 180;
+const deg = (radians: number): number => (radians * 180) / Math.PI;
+
+/** Things that a file's ending says. */
+const kPatterns: Record<string, string> = {
+  fold: 'application/json', svg: 'image/svg+xml', dxf: 'image/vnd.dxf',
+};
+const kModels: Record<string, string> = { stl: 'model/stl', obj: 'model/obj' };
+
+function stem(name: string): string {
+  return name.replace(/\.[^.]*$/, '').slice(0, 120);
+}
+
+/** What came of opening a file or a link, in words; null: it went well. */
+type Said = string | ServerProblem | null;
+
+function said(error: unknown): Said {
+  if (isProblem(error)) return error;
+  if (error instanceof SpecError) return words.linkErrors[error.message] ?? error.message;
+  if (error instanceof LatticeError) return error.message;
+  throw error;
+}
+
+/** Turns a mesh into a spec that is placed in the corner. Throws ServerProblem. */
+async function specOfModel(file: File, type: string): Promise<Spec> {
+  const asset = await send<{ id: string }>('POST', `/v1/assets?name=${encodeURIComponent(file.name.slice(0, 120))}`, { raw: { bytes: file, type } });
+  const first: Spec = {
+    popcut: 1, name: stem(file.name), surface: { type: 'mesh', file: asset.id }, fit: 'nearest',
+    units_per_slice: 6, slices: 10, widths_mm: 10, min_panel_mm: 2,
+  };
+  const { spec } = await send<{ spec: Spec }>('POST', '/v1/place', { body: { spec: first, place: 'whole' } });
+  return spec;
+}
+
+async function openFile(file: File, tell: (text: string | null) => void): Promise<Said> {
+  const ending = /\.([^.]+)$/.exec(file.name)?.[1]?.toLowerCase() ?? '';
+  const limits = meta.value?.limits as Record<string, number> | undefined;
+  const most = kModels[ending] ? limits?.asset_bytes : limits?.design_bytes;
+  if (most !== undefined && file.size > most) return words.open.tooLarge(file.name, `${Math.round(most / 1048576)} MiB`);
+  try {
+    if (ending === 'json') {
+      const text = await file.text();
+      const value: unknown = (() => { try { return JSON.parse(text); } catch { return null; } })();
+      if (isSpec(value)) {
+        desk.begin(value);
+        return null;
+      }
+      if (typeof value !== 'object' || value === null || !('vertices_coords' in value)) {
+        parseSpec(text);
+        return null;
+      }
+    }
+    if (kModels[ending]) {
+      tell(words.open.placing);
+      desk.begin(await specOfModel(file, kModels[ending] as string));
+      return null;
+    }
+    const type = kPatterns[ending] ?? (ending === 'json' ? 'application/json' : undefined);
+    if (!type) return words.open.unknown(file.name);
+    tell(words.open.uploading);
+    const design = await desk.upload(file, type, stem(file.name));
+    await desk.openStored(design.id);
+    return null;
+  } catch (error) {
+    return said(error);
+  } finally {
+    tell(null);
+  }
+}
+
+/** The slider that opens and shuts, with its marks. */
+function Deploy() {
+  const of = desk.lattice.value;
+  const input = useRef<HTMLInputElement>(null);
+  const playing = useSignal(false);
+  const frame = useRef(0);
+  const now = deg(desk.psi.value);
+  const designed = of ? deg(of.design_psi_rad) : 90;
+  useLayoutEffect(() => {
+    input.current?.style.setProperty('--at', `${(now / 180) * 100}%`);
+    input.current?.parentElement?.style.setProperty('--designed', String(designed / 180));
+  });
+  const stop = (): void => {
+    cancelAnimationFrame(frame.current);
+    playing.value = false;
+  };
+  useEffect(() => stop, []);
+  const play = (): void => {
+    if (playing.value) {
+      stop();
+      return;
+    }
+    playing.value = true;
+    const start = performance.now();
+    const from = deg(desk.psi.value);
+    const phase = Math.acos(Math.max(-1, Math.min(1, (from - 92) / 84)));
+    const tick = (time: number): void => {
+      desk.psi.value = rad(92 + 84 * Math.cos(phase + (time - start) / 1600));
+      frame.current = requestAnimationFrame(tick);
+    };
+    frame.current = requestAnimationFrame(tick);
+  };
+  if (of?.motion === 'flat') return null;
+  const jump = (degrees: number): void => {
+    stop();
+    desk.psi.value = rad(degrees);
+  };
+  return (
+    <div class="deploy">
+      <div class="deploy-track">
+        <input ref={input} type="range" min="0" max="180" step="1" value={Math.round(now)} aria-label={words.psi.label} aria-valuetext={words.psi.text(now)}
+          onInput={(event) => jump(Number(event.currentTarget.value))} />
+        <div class="deploy-marks">
+          <button type="button" class="mark mark-shut" onClick={() => jump(0)}>{words.psi.shut}</button>
+          <button type="button" class="mark mark-designed" onClick={() => jump(designed)}>{words.psi.designed}</button>
+          <button type="button" class="mark mark-flat" onClick={() => jump(180)}>{words.psi.flat}</button>
+        </div>
+      </div>
+      <output class="deploy-value figure">{Math.round(now)}°</output>
+      <button type="button" class="button button-plain deploy-play" aria-pressed={playing.value} onClick={play}>
+        {playing.value ? words.psi.stop : words.psi.play}
+      </button>
+    </div>
+  );
+}
+
+function ShareDialog({ onClose }: { onClose: () => void }) {
+  const text = useSignal<string>('');
+  const link = useSignal<string | null>(null);
+  useEffect(() => {
+    const spec = desk.spec.peek();
+    if (!spec) return;
+    shareText(spec).then(async (data) => {
+      link.value = `${location.origin}/#/design/d=${data}`;
+      desk.saved();
+      try {
+        await navigator.clipboard.writeText(link.value);
+        text.value = words.share.copied;
+      } catch {
+        text.value = words.share.here;
+      }
+    }, (error: unknown) => {
+      text.value = error instanceof SpecError && error.message === 'has-files' ? words.share.hasFiles : words.share.tooLarge;
+    });
+  }, []);
+  return (
+    <Dialog title={words.share.title} onNo={onClose} no={words.close}>
+      <p role="status">{text.value}</p>
+      {link.value && <label class="field"><span class="visually-hidden">{words.share.title}</span>
+        <input type="text" readOnly value={link.value} class="share-link" onFocus={(event) => event.currentTarget.select()} /></label>}
+    </Dialog>
+  );
+}
+
+async function film(view: NonNullable<typeof shownModel.view>, designed: number): Promise<Blob> {
+  const stream = view.canvas.captureStream(30);
+  const type = MediaRecorder.isTypeSupported('video/webm;codecs=vp9') ? 'video/webm;codecs=vp9' : 'video/webm';
+  const recorder = new MediaRecorder(stream, { mimeType: type, videoBitsPerSecond: 6_000_000 });
+  const parts: Blob[] = [];
+  recorder.ondataavailable = (event) => parts.push(event.data);
+  const ended = new Promise<void>((done) => { recorder.onstop = () => done(); });
+  recorder.start();
+  const before = desk.psi.peek();
+  const whole_ms = 4000;
+  await new Promise<void>((done) => {
+    const start = performance.now();
+    const tick = (time: number): void => {
+      const share = Math.min(1, (time - start) / whole_ms);
+      const eased = share * share * (3 - 2 * share);
+      desk.psi.value = Math.PI + eased * (designed - Math.PI);
+      if (share < 1) requestAnimationFrame(tick);
+      else setTimeout(done, 300);
+    };
+    requestAnimationFrame(tick);
+  });
+  recorder.stop();
+  await ended;
+  for (const track of stream.getTracks()) track.stop();
+  desk.psi.value = before;
+  return new Blob(parts, { type: 'video/webm' });
+}
+
+function ExportDialog({ onClose }: { onClose: () => void }) {
+  const problem = useSignal<ServerProblem | null>(null);
+  const busy = useSignal<string | null>(null);
+  const name = (desk.foreign.value?.name ?? nameOf(desk.spec.value ?? {})) || 'design';
+  const run = async (what: string, act: () => Promise<void>): Promise<void> => {
+    busy.value = what;
+    problem.value = null;
+    try {
+      await act();
+    } catch (error) {
+      if (!isProblem(error)) throw error;
+      problem.value = error;
+    } finally {
+      busy.value = null;
+    }
+  };
+  const get = (file: string): Promise<void> => run(file, async () => {
+    const id = await desk.storedId();
+    saveAs(await readBlob(`/v1/designs/${id}/files/${file}`), `${name}-${file}`);
+  });
+  const view = shownModel.view;
+  const off = busy.value !== null || (!desk.canCut.value);
+  return (
+    <Dialog title={words.exports.title} onNo={onClose} no={words.close}>
+      {problem.value && <Trouble problem={problem.value} />}
+      {!desk.foreign.value && <p class="muted">{desk.canCut.value ? words.exports.what : words.cut.wait}</p>}
+      <ul class="export-list">
+        {!desk.foreign.value && Object.entries(words.exports.files).map(([file, text]) => (
+          <li key={file}><button type="button" class="export" disabled={off} onClick={() => void get(file)}>{text}</button></li>
+        ))}
+        {view && (
+          <>
+            <li><button type="button" class="export" disabled={busy.value !== null}
+              onClick={() => void run('png', async () => { const blob = await view.png(); if (blob) saveAs(blob, `${name}.png`); })}>{words.exports.png}</button></li>
+            <li><button type="button" class="export" disabled={busy.value !== null}
+              onClick={() => void run('webm', async () => saveAs(await film(view, desk.lattice.peek()?.design_psi_rad ?? Math.PI / 2), `${name}.webm`))}>
+              {busy.value === 'webm' ? words.exports.recording : words.exports.webm}</button></li>
+          </>
+        )}
+      </ul>
+    </Dialog>
+  );
+}
+
+interface MaterialRow { id: string }
+
+function CutDialog({ onClose }: { onClose: () => void }) {
+  const materials = useSignal<string[]>([]);
+  const material = useSignal(String(desk.spec.peek()?.material ?? ''));
+  const device = useSignal('');
+  const copies = useSignal(1);
+  const busy = useSignal(false);
+  const problem = useSignal<ServerProblem | null>(null);
+  useEffect(() => {
+    read<{ items: MaterialRow[] }>('/v1/materials?limit=200').then(({ items }) => { materials.value = items.map((row) => row.id); }, () => undefined);
+  }, []);
+  const plan = async (): Promise<void> => {
+    busy.value = true;
+    problem.value = null;
+    try {
+      const id = await desk.storedId();
+      const body: Record<string, unknown> = {};
+      if (material.value) body.material = material.value;
+      if (device.value) body.device = device.value;
+      const made = await send<{ id: string }>('POST', `/v1/designs/${id}/plan`, { body });
+      sessionStorage.setItem(`popcut.cut.${made.id}`, JSON.stringify({ copies: copies.value, device: device.value || null }));
+      onClose();
+      go(sheetsOf(made.id));
+    } catch (error) {
+      if (!isProblem(error)) throw error;
+      problem.value = error;
+    } finally {
+      busy.value = false;
+    }
+  };
+  return (
+    <Dialog title={words.cut.title} onNo={onClose} yes={words.cut.sheets} onYes={() => void plan()} busy={busy.value || !desk.canCut.value}>
+      {problem.value && <Trouble problem={problem.value} />}
+      {!desk.canCut.value && <p class="muted" role="status">{words.cut.wait}</p>}
+      {busy.value && <p class="muted" role="status">{words.cut.planning}</p>}
+      <label class="field"><span>{words.cut.material}</span>
+        <select value={material.value} onChange={(event) => { material.value = event.currentTarget.value; }}>
+          <option value="" selected={material.value === ''}>{words.fields.materialAuto}</option>
+          {materials.value.map((id) => <option key={id} value={id} selected={id === material.value}>{id}</option>)}
+        </select>
+      </label>
+      <label class="field"><span>{words.cut.cutter}</span>
+        <select value={device.value} onChange={(event) => { device.value = event.currentTarget.value; }}>
+          <option value="" selected={device.value === ''}>{words.cut.any}</option>
+          {[...devices.value.values()].map((one) => <option key={one.id} value={one.id} selected={one.id === device.value}>{one.title}</option>)}
+        </select>
+      </label>
+      <label class="field"><span>{words.cut.copies}</span>
+        <input type="number" min="1" max="1000" value={copies.value} onChange={(event) => { copies.value = Math.max(1, Math.min(1000, Math.round(Number(event.currentTarget.value)) || 1)); }} />
+      </label>
+    </Dialog>
+  );
+}
+
+function Bar({ onOpen }: { onOpen: () => void }) {
+  const dialog = useSignal<'share' | 'export' | 'cut' | null>(null);
+  const spec = desk.spec.value;
+  const close = (): void => { dialog.value = null; };
+  const save = (): void => {
+    if (!spec) return;
+    saveAs(new Blob([JSON.stringify(spec, null, 2) + '\n'], { type: 'application/json' }), `${nameOf(spec) || 'design'}.json`);
+    desk.saved();
+  };
+  return (
+    <div class="design-bar">
+      {spec
+        ? <input class="design-name" type="text" aria-label={words.bar.name} value={nameOf(spec)} placeholder={words.bar.unnamed} maxLength={120}
+          onChange={(event) => desk.set(withField(spec, 'name', event.currentTarget.value.trim()))} />
+        : <h1 class="design-name">{desk.foreign.value?.name}</h1>}
+      <span class="design-dirty" title={words.bar.changed}>{desk.unsaved.value ? '●' : ''}</span>
+      {spec && <>
+        <Button kind="quiet" onClick={desk.stepBack} disabled={!desk.steps.value.undo}>{words.bar.undo}</Button>
+        <Button kind="quiet" onClick={desk.stepForward} disabled={!desk.steps.value.redo}>{words.bar.redo}</Button>
+      </>}
+      <span class="design-space" />
+      <Button kind="quiet" onClick={() => { desk.leave(); go('#/design'); }}>{words.bar.examples}</Button>
+      <Button kind="quiet" onClick={onOpen}>{words.bar.open}</Button>
+      {spec && <Button kind="quiet" onClick={() => { dialog.value = 'share'; }} disabled={!desk.canCut.value}>{words.bar.share}</Button>}
+      {spec && <Button kind="quiet" onClick={save} disabled={!desk.canCut.value}>{words.bar.save}</Button>}
+      <Button kind="quiet" onClick={() => { dialog.value = 'export'; }}>{words.bar.exports}</Button>
+      {may('submitter') && <Button kind="primary" onClick={() => { dialog.value = 'cut'; }}>{words.bar.cut}</Button>}
+      {dialog.value === 'share' && <ShareDialog onClose={close} />}
+      {dialog.value === 'export' && <ExportDialog onClose={close} />}
+      {dialog.value === 'cut' && <CutDialog onClose={close} />}
+    </div>
+  );
+}
+
+function Impossible() {
+  const problem = desk.problem.value;
+  if (!problem) return null;
+  if (problem.status !== 422) return <Trouble problem={problem} onClose={() => { desk.problem.value = null; }} />;
+  const text = problem.errors[0]?.detail ?? problem.detail;
+  return (
+    <div class="note note-amber impossible" role="alert">
+      <p><strong>{words.problem.title}</strong> <span class="server-words">{text}</span></p>
+      <p class="small">{desk.lattice.value ? words.problem.shownOld : ''}</p>
+      {desk.steps.value.undo && <Button kind="quiet" onClick={desk.stepBack}>{words.problem.back}</Button>}
+    </div>
+  );
+}
+
+function Desk({ onOpen }: { onOpen: () => void }) {
+  useEffect(() => {
+    const onKey = (event: KeyboardEvent): void => {
+      if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
+      const typing = event.target instanceof HTMLInputElement && event.target.type === 'text';
+      if (typing || document.querySelector('dialog[open]')) return;
+      const key = event.key.toLowerCase();
+      if (key === 'z' && !event.shiftKey) desk.stepBack();
+      else if ((key === 'z' && event.shiftKey) || key === 'y') desk.stepForward();
+      else return;
+      event.preventDefault();
+    };
+    addEventListener('keydown', onKey);
+    return () => removeEventListener('keydown', onKey);
+  }, []);
+  return (
+    <div class="design">
+      <Bar onOpen={onOpen} />
+      <div class="design-main">
+        <div class="design-left">
+          <div class="stage-wrap">
+            <Stage />
+            <div class="stage-notes">
+              <Impossible />
+              {desk.note.value && <div class="note design-note" role="status"><p>{desk.note.value}</p>
+                <Button kind="quiet" onClick={() => { desk.note.value = null; }}>{words.close}</Button></div>}
+            </div>
+          </div>
+          <Deploy />
+        </div>
+        <Panel />
+      </div>
+    </div>
+  );
+}
+
+/** `#/design`, `#/design/d=…` a shared design, `#/design/example/NAME`, `#/design/ID` a stored one. */
+export default function Design({ rest }: { rest: string }) {
+  const file = useRef<HTMLInputElement>(null);
+  const trouble = useSignal<Said>(null);
+  const doing = useSignal<string | null>(null);
+  const over = useSignal(false);
+
+  useEffect(() => {
+    if (rest === '') return undefined;
+    let wanted = true;
+    const open = async (): Promise<void> => {
+      try {
+        const [, key, value] = /^(d|example)[=/](.*)$/s.exec(rest) ?? ['', 'id', rest];
+        if (key === 'd') {
+          const spec = await fromShare(value ?? '');
+          if (wanted) desk.begin(spec);
+        } else if (key === 'example') {
+          const { items } = await read<{ items: desk.Example[] }>('/v1/examples');
+          const found = items.find((one) => one.name === value);
+          if (wanted && found) desk.begin(found.spec);
+        } else await desk.openStored(value ?? '');
+        // The address is done with: what is on the desk now is one's own.
+        if (wanted) history.replaceState(null, '', '#/design');
+      } catch (error) {
+        if (wanted) trouble.value = said(error);
+      }
+    };
+    void open();
+    return () => { wanted = false; };
+  }, [rest]);
+
+  const take = (list: FileList | null | undefined): void => {
+    const one = list?.[0];
+    if (!one) return;
+    trouble.value = null;
+    void openFile(one, (text) => { doing.value = text; }).then((what) => { trouble.value = what; });
+  };
+  const onOpen = (): void => file.current?.click();
+  const problem = trouble.value;
+  const messages = (
+    <>
+      {doing.value && <p class="note" role="status">{doing.value}</p>}
+      {problem instanceof ServerProblem && <Trouble problem={problem} onClose={() => { trouble.value = null; }} />}
+      {typeof problem === 'string' && <div class="note note-bad" role="alert"><p>{problem}</p>
+        <Button kind="quiet" onClick={() => { trouble.value = null; }}>{words.close}</Button></div>}
+    </>
+  );
+  const empty = desk.spec.value === null && desk.foreign.value === null;
+  return (
+    <div class={over.value ? 'design-drop design-over' : 'design-drop'}
+      onDragOver={(event) => { event.preventDefault(); over.value = true; }} onDragLeave={() => { over.value = false; }}
+      onDrop={(event) => { event.preventDefault(); over.value = false; take(event.dataTransfer?.files); }}>
+      <input ref={file} type="file" class="visually-hidden" tabIndex={-1} aria-hidden="true" accept=".json,.fold,.svg,.dxf,.stl,.obj"
+        onChange={(event) => { take(event.currentTarget.files); event.currentTarget.value = ''; }} />
+      {empty ? <Start onOpen={onOpen}>{messages}</Start> : <>{messages}<Desk onOpen={onOpen} /></>}
+    </div>
+  );
+}

@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: MIT
+// What is on the desk of the Design view: the spec, its steps, what popcutd made of it, and what is lit.
+import { batch, computed, signal } from '@preact/signals';
+import type { Lattice, Place } from './lattice';
+import { FaceKind, readLattice } from './lattice';
+import { Previews, type Quality } from './preview';
+import type { Colouring } from './ramps';
+import { isProblem, newKey, read, request, send, ServerProblem } from './server';
+import { nameOf, Undo, type Spec } from './spec';
+
+const kUndoKey = 'popcut.design.steps';
+const kUnsaved = 'popcut.unsaved';
+
+export interface Example {
+  name: string;
+  title?: string;
+  spec: Spec;
+}
+
+/** A pattern of popcutd that is no spec: to look at and to cut. */
+export interface Foreign {
+  id: string;
+  name: string;
+  kind: string;
+}
+
+export type Lit =
+  | { kind: 'face'; face: number }
+  | { kind: 'slice'; slice: number }
+  | { kind: 'level'; level: number };
+
+/** Values of a field that were found to be impossible: from there on, to the low or the high side. */
+export interface Wall {
+  low: number | null;
+  high: number | null;
+}
+
+export const spec = signal<Spec | null>(null);
+export const foreign = signal<Foreign | null>(null);
+export const lattice = signal<Lattice | null>(null);
+export const quality = signal<Quality | 'stored' | null>(null);
+export const busy = signal(false);
+export const problem = signal<ServerProblem | null>(null);
+export const psi = signal(Math.PI / 2);
+export const colouring = signal<Colouring>('paper');
+export const targetShown = signal(false);
+export const hovered = signal<Lit | null>(null);
+export const pinned = signal<Lit | null>(null);
+export const note = signal<string | null>(null);
+export const steps = signal({ undo: false, redo: false });
+export const moving = signal(false);
+export const walls = signal<ReadonlyMap<string, Wall>>(new Map());
+export const unsaved = signal(false);
+/** The spec that the exact lattice on the desk belongs to. */
+export const exactSpec = signal<Spec | null>(null);
+
+export const lit = computed<Lit | null>(() => hovered.value ?? pinned.value);
+export const canCut = computed(() => foreign.value !== null
+  || (spec.value !== null && quality.value === 'exact' && exactSpec.value === spec.value && problem.value === null));
+
+/** The pointers of the spec's fields that popcutd refused, without the leading /spec. */
+export const refused = computed(() => new Map((problem.value?.errors ?? []).map((one) => [
+  one.pointer.replace(/^\/spec(?=\/|$)/, ''), one.detail,
+])));
+
+const undo = new Undo(sessionStorage, kUndoKey);
+const previewKey = newKey();
+let lastChange: { field: string; value: number } | null = null;
+const good = new Map<string, number>();
+let fresh = true;
+
+function tellSteps(): void {
+  steps.value = { undo: undo.canUndo, redo: undo.canRedo };
+}
+
+export async function preview(of: Spec, how: Quality, signal_: AbortSignal): Promise<Lattice> {
+  const answer = await request('POST', '/v1/preview', {
+    body: { spec: of, quality: how },
+    headers: { 'Preview-Key': previewKey },
+    accept: 'application/vnd.popcut.lattice, application/problem+json',
+    signal: signal_,
+  });
+  return readLattice(await answer.arrayBuffer());
+}
+
+const previews = new Previews<Spec, Lattice>({
+  run: preview,
+  onResult: (made, asked) => {
+    batch(() => {
+      const first = fresh;
+      fresh = false;
+      lattice.value = made;
+      quality.value = asked.quality;
+      problem.value = null;
+      if (asked.quality === 'exact') exactSpec.value = asked.input;
+      if (first) psi.value = made.design_psi_rad;
+    });
+    if (lastChange) {
+      good.set(lastChange.field, lastChange.value);
+      moveWall(lastChange.field, lastChange.value);
+    }
+  },
+  onFailure: (error, asked) => {
+    if (isProblem(error) && (error.kind === 'superseded' || error.status === 409)) return;
+    if (asked.input !== spec.value) return;
+    const told = isProblem(error) ? error : new ServerProblem(0, { type: 'other', detail: error instanceof Error ? error.message : '' });
+    if (told.status === 422 && lastChange) setWall(lastChange.field, lastChange.value);
+    problem.value = told;
+  },
+  onBusy: (now) => { busy.value = now; },
+});
+
+function setWall(field: string, value: number): void {
+  const known = good.get(field);
+  if (known === undefined || known === value) return;
+  const wall = { ...(walls.value.get(field) ?? { low: null, high: null }) };
+  if (value > known) wall.high = wall.high === null ? value : Math.min(wall.high, value);
+  else wall.low = wall.low === null ? value : Math.max(wall.low, value);
+  walls.value = new Map(walls.value).set(field, wall);
+}
+
+/** `value` is possible after all: walls stand beyond it only. */
+function moveWall(field: string, value: number): void {
+  const wall = walls.value.get(field);
+  if (!wall) return;
+  const next = { low: wall.low !== null && value <= wall.low ? null : wall.low, high: wall.high !== null && value >= wall.high ? null : wall.high };
+  if (next.low !== wall.low || next.high !== wall.high) walls.value = new Map(walls.value).set(field, next);
+}
+
+/** A change by a hand that goes on: drafts follow. `field` and `value` name what moves, for its wall. */
+export function change(next: Spec, field?: string, value?: number): void {
+  if (next === spec.value) return;
+  if (field === undefined || field !== lastChange?.field) walls.value = new Map();
+  lastChange = field !== undefined && value !== undefined ? { field, value } : null;
+  spec.value = next;
+  previews.input(next);
+}
+
+/** The end of a gesture: one step for undo. */
+export function settle(): void {
+  moving.value = false;
+  if (!spec.value) return;
+  undo.push(spec.value);
+  unsaved.value = true;
+  sessionStorage.setItem(kUnsaved, '1');
+  tellSteps();
+}
+
+/** A change that is whole in itself. */
+export function set(next: Spec, field?: string, value?: number): void {
+  if (next === spec.value) return;
+  change(next, field, value);
+  settle();
+}
+
+/** A new design on the desk. */
+export function begin(next: Spec, { step = true } = {}): void {
+  fresh = true;
+  good.clear();
+  lastChange = null;
+  batch(() => {
+    foreign.value = null;
+    spec.value = next;
+    lattice.value = null;
+    quality.value = null;
+    exactSpec.value = null;
+    problem.value = null;
+    pinned.value = hovered.value = null;
+    note.value = null;
+    walls.value = new Map();
+  });
+  if (step) undo.push(next);
+  tellSteps();
+  previews.input(next, true);
+}
+
+function take(next: Spec | null): void {
+  if (!next) return;
+  lastChange = null;
+  batch(() => {
+    spec.value = next;
+    problem.value = null;
+    note.value = null;
+  });
+  tellSteps();
+  previews.input(next);
+}
+
+export const stepBack = (): void => take(undo.undo());
+export const stepForward = (): void => take(undo.redo());
+
+/** The design that this tab had before it was reloaded, or null. */
+export const kept = (): Spec | null => undo.current;
+
+/** Takes up the design that this tab had. */
+export function goOn(): void {
+  const last = undo.current;
+  if (last) {
+    begin(last, { step: false });
+    tellSteps();
+  }
+}
+
+export function leave(): void {
+  batch(() => {
+    spec.value = null;
+    foreign.value = null;
+    lattice.value = null;
+    quality.value = null;
+    problem.value = null;
+  });
+}
+
+/** The spec is kept somewhere else too: in popcutd, in a file or in a link. */
+export function saved(): void {
+  unsaved.value = false;
+  sessionStorage.removeItem(kUnsaved);
+}
+
+export interface Design {
+  id: string;
+  name: string;
+  kind: string;
+}
+
+/** Stores a file as a design in popcutd. Throws ServerProblem. */
+export async function upload(bytes: BodyInit, type: string, name: string): Promise<Design> {
+  const query = name ? `?name=${encodeURIComponent(name.slice(0, 120))}` : '';
+  return send<Design>('POST', `/v1/designs${query}`, { raw: { bytes, type } });
+}
+
+let stored: { text: string; id: string } | null = null;
+
+/** The id of the design on the desk in popcutd; stores it if it is not there. Throws ServerProblem. */
+export async function storedId(): Promise<string> {
+  if (foreign.value) return foreign.value.id;
+  const text = JSON.stringify(spec.value, null, 1);
+  if (stored?.text === text) return stored.id;
+  const design = await upload(text, 'application/json', spec.value ? nameOf(spec.value) : '');
+  stored = { text, id: design.id };
+  saved();
+  return design.id;
+}
+
+/** Shows a stored design: a spec on the desk as one's own, any other pattern to look at. Throws ServerProblem, LatticeError. */
+export async function openStored(id: string): Promise<void> {
+  const design = await read<Design>(`/v1/designs/${encodeURIComponent(id)}`);
+  if (design.kind === 'spec') {
+    const of = await read<Spec>(`/v1/designs/${encodeURIComponent(id)}/content`);
+    begin(of);
+    saved();
+    return;
+  }
+  const answer = await request('GET', `/v1/designs/${encodeURIComponent(id)}/lattice`, { accept: 'application/vnd.popcut.lattice' });
+  const made = readLattice(await answer.arrayBuffer());
+  batch(() => {
+    spec.value = null;
+    foreign.value = { id, name: design.name, kind: design.kind };
+    lattice.value = made;
+    quality.value = 'stored';
+    problem.value = null;
+    pinned.value = hovered.value = null;
+    psi.value = made.motion === 'flat' ? Math.PI : made.design_psi_rad || Math.PI / 2;
+  });
+}
+
+/** Faces that are lit, or null for none. */
+export function litFaces(of: Lattice, which: Lit | null): number[] | null {
+  if (!which) return null;
+  if (which.kind === 'face') return [which.face];
+  const out: number[] = [];
+  for (let f = 0; f < of.faces; f++) {
+    if (of.face_kind[f] !== FaceKind.panel) continue;
+    if (which.kind === 'slice' ? of.face_slice[f] === which.slice : of.face_level[f] === which.level) out.push(f);
+  }
+  return out;
+}
+
+/** What a place of a warning or of the worst error lights up. */
+export function litAt(of: Lattice, place: Place | null | undefined): Lit | null {
+  if (!place) return null;
+  const { slice, level } = place;
+  if (slice !== undefined && level !== undefined) {
+    for (let f = 0; f < of.faces; f++) {
+      if (of.face_kind[f] === FaceKind.panel && of.face_slice[f] === slice && of.face_level[f] === level) return { kind: 'face', face: f };
+    }
+  }
+  if (slice !== undefined) return { kind: 'slice', slice };
+  if (level !== undefined) return { kind: 'level', level };
+  if (place.u_mm !== undefined && place.v_mm !== undefined) {
+    const face = faceAt(of, place.v_mm, place.u_mm);
+    if (face !== null) return { kind: 'face', face };
+  }
+  return null;
+}
+
+/** The face at a place of the sheet, v to the right and u down, mm; or null. */
+export function faceAt(of: Lattice, v: number, u: number): number | null {
+  const wall = of.card.wall_mm;
+  const { triangles, points } = of;
+  for (let t = 0; t < of.triangle_face.length; t++) {
+    let inside = 0;
+    for (let k = 0; k < 3; k++) {
+      const a = 3 * (triangles[3 * t + k] as number);
+      const b = 3 * (triangles[3 * t + ((k + 1) % 3)] as number);
+      const au = (points[a] as number) + wall - (points[a + 1] as number);
+      const bu = (points[b] as number) + wall - (points[b + 1] as number);
+      const av = points[a + 2] as number;
+      const bv = points[b + 2] as number;
+      inside += (bu - au) * (v - av) - (bv - av) * (u - au) >= 0 ? 1 : -1;
+    }
+    if (inside === 3 || inside === -3) return of.triangle_face[t] as number;
+  }
+  return null;
+}
+
+/** The largest error of the panels of each slice and each level, mm; -1 where none is measured. */
+export function errorsBy(of: Lattice): { slices: Map<number, number>; levels: Map<number, number> } {
+  const slices = new Map<number, number>();
+  const levels = new Map<number, number>();
+  for (let f = 0; f < of.faces; f++) {
+    if (of.face_kind[f] !== FaceKind.panel) continue;
+    const error = Number.isFinite(of.face_error[f]) ? (of.face_error[f] as number) : -1;
+    const s = of.face_slice[f] as number;
+    const l = of.face_level[f] as number;
+    if (s >= 0) slices.set(s, Math.max(slices.get(s) ?? -1, error));
+    if (l >= 0) levels.set(l, Math.max(levels.get(l) ?? -1, error));
+  }
+  const sorted = (map: Map<number, number>): Map<number, number> => new Map([...map].sort((a, b) => a[0] - b[0]));
+  return { slices: sorted(slices), levels: sorted(levels) };
+}
+
+/** The panel that is farthest off, or null. */
+export function worstFace(of: Lattice): number | null {
+  let best: number | null = null;
+  let most = 0;
+  for (let f = 0; f < of.faces; f++) {
+    const error = of.face_error[f] as number;
+    if (of.face_kind[f] === FaceKind.panel && error > most) {
+      most = error;
+      best = f;
+    }
+  }
+  return best;
+}
+
+/** How many panels there are. */
+export function panelsOf(of: Lattice): number {
+  const told = of.report['panels'];
+  if (typeof told === 'number') return told;
+  let n = 0;
+  for (const kind of of.face_kind) if (kind === FaceKind.panel) n++;
+  return n;
+}

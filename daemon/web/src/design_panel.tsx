@@ -1,0 +1,408 @@
+// SPDX-License-Identifier: MIT
+// The right side of Design: the flat sheet, the fields, the figures, the warnings.
+import { effect } from '@preact/signals';
+import type { ComponentChildren } from 'preact';
+import { useEffect, useId, useLayoutEffect, useRef } from 'preact/hooks';
+import * as desk from './design_desk';
+import { FaceKind, onSheet, type Lattice } from './lattice';
+import { SheetView, type Strokes } from './sheet_view';
+import { isPlain, scaled, slicesOf, stretched, unitsOf, widthOf, widthsOf, withField, withSlices, withSliceWidth, withUnits, withWidth, type Spec } from './spec';
+import { integer, length, percent, size } from './words';
+import { designWords as words, plainNumber } from './words_design';
+
+const kLineKinds = ['outline', 'mountain', 'valley', 'slit'];
+const kMat_mm = 304.8;
+
+/** What the pattern takes of the page, mm: its card, or all its lines where there is none. x, y, width, height. */
+export function sheetBox(of: Lattice): [number, number, number, number] {
+  const [w, h] = [of.card.width_mm, of.card.wall_mm + of.card.ground_mm];
+  if (w > 0 && h > 0) return [0, 0, w, h];
+  let [left, right, top, bottom] = [Infinity, -Infinity, Infinity, -Infinity];
+  for (let i = 0; i < of.lines.length; i += 2) {
+    top = Math.min(top, of.lines[i] as number);
+    bottom = Math.max(bottom, of.lines[i] as number);
+    left = Math.min(left, of.lines[i + 1] as number);
+    right = Math.max(right, of.lines[i + 1] as number);
+  }
+  return left <= right ? [left, top, right - left, bottom - top] : [0, 0, 0, 0];
+}
+
+/** The lines of a lattice as strokes: page axes, v to the right and u down. */
+export function flatStrokes(of: Lattice): Strokes {
+  const xy: number[] = [];
+  const n = of.line_role.length;
+  const kind: number[] = [];
+  for (let i = 0; i < n; i++) {
+    const [u0, v0, u1, v1] = of.lines.subarray(4 * i, 4 * i + 4) as unknown as [number, number, number, number];
+    xy.push(v0, u0, v1, u1);
+    kind.push((of.line_role[i] as number) - 1);
+  }
+  const box = sheetBox(of);
+  const same = (value: number): number[] => Array.from({ length: n }, () => value);
+  return {
+    sheet: 1, width_mm: box[0] + box[2], length_mm: box[1] + box[3], mat: null, drawing_mm: box, kinds: kLineKinds,
+    stroke: { kind, piece: same(1), pass: same(1), start_s: same(0), end_s: same(0), points: same(2) }, xy_mm: xy,
+  };
+}
+
+/** The corners of all triangles of `faces` on the sheet. */
+export function facesOnSheet(of: Lattice, faces: readonly number[]): Float32Array {
+  const wanted = new Set(faces);
+  const out: number[] = [];
+  for (let t = 0; t < of.triangle_face.length; t++) {
+    if (!wanted.has(of.triangle_face[t] as number)) continue;
+    for (let k = 0; k < 3; k++) out.push(...onSheet(of, of.triangles[3 * t + k] as number));
+  }
+  return Float32Array.from(out);
+}
+
+export function FlatSheet() {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  useEffect(() => {
+    if (!canvas.current) return undefined;
+    const view = new SheetView(canvas.current);
+    view.setOptions({ mat: false, feedEdge: false, dashed: true });
+    const faceUnder = (xy: [number, number] | null): number | null => {
+      const of = desk.lattice.peek();
+      return of && xy ? desk.faceAt(of, xy[0], xy[1]) : null;
+    };
+    view.onHover = (_, xy) => {
+      const face = faceUnder(xy);
+      desk.hovered.value = face === null ? null : { kind: 'face', face };
+    };
+    view.onPick = (_, xy) => {
+      const of = desk.lattice.peek();
+      const face = faceUnder(xy);
+      const panel = of !== null && face !== null && of.face_kind[face] === FaceKind.panel;
+      desk.pinned.value = panel ? { kind: 'face', face: face as number } : null;
+    };
+    const stops = [
+      effect(() => view.setStrokes(desk.lattice.value ? flatStrokes(desk.lattice.value) : null)),
+      effect(() => {
+        const of = desk.lattice.value;
+        const faces = of ? desk.litFaces(of, desk.lit.value) : null;
+        const cards = of && faces ? faces.filter((f) => (of.face_kind[f] as number) === FaceKind.panel) : null;
+        view.setLit(of && cards && cards.length > 0 ? facesOnSheet(of, cards) : null);
+      }),
+    ];
+    return () => {
+      for (const stop of stops) stop();
+      view.dispose();
+    };
+  }, []);
+  const of = desk.lattice.value;
+  const text = of ? size(sheetBox(of)[2], sheetBox(of)[3]) : '';
+  return (
+    <figure class="flat-sheet">
+      <canvas ref={canvas} class="flat-canvas" role="img" tabIndex={0} aria-label={`${words.sheetPane}, ${text}`} />
+      <figcaption class="figure">{text && words.sheetSize(text)}</figcaption>
+    </figure>
+  );
+}
+
+/** Reads a number that a person typed: comma or point; null if it is none. */
+export function typedNumber(text: string): number | null {
+  const value = Number(text.trim().replace(',', '.'));
+  return text.trim() !== '' && Number.isFinite(value) ? value : null;
+}
+
+function refusedFor(...pointers: string[]): string | null {
+  for (const [pointer, detail] of desk.refused.value) {
+    if (pointers.some((one) => pointer === one || pointer.startsWith(`${one}/`))) return detail;
+  }
+  return null;
+}
+
+function Refusal({ id, text }: { id: string; text: string | null }) {
+  return text === null ? null : <p id={id} class="field-refused server-words">{text}</p>;
+}
+
+function NumberField({ label, value, unit, pointers, onSet, least, disabled }: {
+  label: string; value: number | null; unit: string; pointers: string[]; onSet: (value: number) => void; least: number; disabled?: boolean;
+}) {
+  const id = useId();
+  const refused = refusedFor(...pointers);
+  const shown = value === null ? '' : plainNumber(Math.round(value * 100) / 100).replace(/,/g, '');
+  const take = (input: HTMLInputElement): void => {
+    const typed = typedNumber(input.value);
+    if (typed === null || typed < least) input.value = shown;
+    else if (value === null || Math.abs(typed - value) > 0.004) onSet(typed);
+  };
+  return (
+    <div class="field field-number">
+      <label for={id}>{label}</label>
+      <span class="field-box">
+        <input id={id} type="text" inputMode="decimal" value={shown} disabled={disabled} aria-invalid={refused !== null}
+          aria-describedby={refused ? `${id}-r` : undefined} onChange={(event) => take(event.currentTarget)}
+          onKeyDown={(event) => {
+            if (event.key !== 'ArrowUp' && event.key !== 'ArrowDown') return;
+            event.preventDefault();
+            const by = (event.shiftKey ? 0.1 : 1) * (event.key === 'ArrowUp' ? 1 : -1);
+            onSet(Math.max(least, Math.round(((value ?? 0) + by) * 100) / 100));
+          }} />
+        <span class="field-unit">{unit}</span>
+      </span>
+      <Refusal id={`${id}-r`} text={refused} />
+    </div>
+  );
+}
+
+/** A slider that follows the hand by drafts and shows where the design stops being possible. */
+function Slider({ label, field, value, least, most, step = 1, pointers, text, onMove }: {
+  label: string; field: string; value: number; least: number; most: number; step?: number; pointers: string[];
+  text: string; onMove: (value: number, last: boolean) => void;
+}) {
+  const id = useId();
+  const input = useRef<HTMLInputElement>(null);
+  const wall = desk.walls.value.get(field) ?? null;
+  const refused = refusedFor(...pointers);
+  const share = (at: number): number => Math.max(0, Math.min(1, (at - least) / (most - least)));
+  useLayoutEffect(() => {
+    const style = input.current?.style;
+    style?.setProperty('--wall-low', `${wall?.low === null || wall?.low === undefined ? 0 : share(wall.low) * 100}%`);
+    style?.setProperty('--wall-high', `${wall?.high === null || wall?.high === undefined ? 100 : share(wall.high) * 100}%`);
+    style?.setProperty('--at', `${share(value) * 100}%`);
+  });
+  return (
+    <div class="field slider">
+      <label for={id}>{label}</label>
+      <output for={id} class="figure">{text}</output>
+      <input ref={input} id={id} type="range" min={least} max={most} step={step} value={value} aria-valuetext={text} aria-invalid={refused !== null}
+        aria-describedby={refused || wall ? `${id}-r` : undefined}
+        onInput={(event) => { desk.moving.value = true; onMove(Number(event.currentTarget.value), false); }}
+        onChange={(event) => { onMove(Number(event.currentTarget.value), true); desk.settle(); }} />
+      <Refusal id={`${id}-r`} text={refused ?? (wall?.high !== null && wall?.high !== undefined ? words.fields.wall(plainNumber(wall.high))
+        : wall?.low !== null && wall?.low !== undefined ? words.fields.wall(plainNumber(wall.low)) : null)} />
+    </div>
+  );
+}
+
+const kLattices = ['auto', 'direct', 'levels', 'slices', 'branching', 'conformal'];
+
+function standing(of: Lattice): { height: number; depth: number; along: number } {
+  let [height, depth, low, high] = [0, 0, Infinity, -Infinity];
+  for (let t = 0; t < of.triangle_face.length; t++) {
+    if (of.face_kind[of.triangle_face[t] as number] !== FaceKind.panel) continue;
+    for (let k = 0; k < 3; k++) {
+      const p = 3 * (of.triangles[3 * t + k] as number);
+      depth = Math.max(depth, of.points[p] as number);
+      height = Math.max(height, of.points[p + 1] as number);
+      low = Math.min(low, of.points[p + 2] as number);
+      high = Math.max(high, of.points[p + 2] as number);
+    }
+  }
+  return { height, depth, along: high > low ? high - low : 0 };
+}
+
+function Fields({ spec, of }: { spec: Spec; of: Lattice | null }) {
+  const units = unitsOf(spec);
+  const slices = slicesOf(spec);
+  const width = widthOf(spec);
+  const at = of ? standing(of) : null;
+  const pinned = desk.pinned.value;
+  const slice = pinned?.kind === 'slice' ? pinned.slice : pinned?.kind === 'face' && of ? (of.face_slice[pinned.face] as number) : null;
+  const widths = widthsOf(spec);
+  const splay = spec.splay as Record<string, unknown> | undefined;
+  const alpha = splay && typeof splay.alpha === 'number' ? splay.alpha : null;
+  const lattice = typeof spec.lattice === 'string' ? spec.lattice : 'auto';
+  const latticeRefused = refusedFor('/lattice');
+  const move = (next: Spec, field: string, value: number): void => desk.change(next, field, value);
+  const sheet = of ? [of.card.width_mm, of.card.wall_mm + of.card.ground_mm] as const : null;
+  const fits = (): void => {
+    if (!sheet) return;
+    const margin = of ? Math.min(30, of.card.width_mm / 3) : 30;
+    const factor = Math.min((kMat_mm - 12 - margin) / Math.max(1, sheet[0] - margin), (kMat_mm - 12 - margin) / Math.max(1, sheet[1] - margin));
+    desk.set(scaled(spec, Math.floor(factor * 1000) / 1000));
+  };
+  if (!isPlain(spec)) return <p class="note">{words.fields.notPlain}</p>;
+  return (
+    <div class="fields">
+      <fieldset>
+        <legend>{words.fields.fineness}</legend>
+        {units !== null && <Slider label={words.fields.units} field="units" value={units} least={1} most={Math.max(14, units)} pointers={['/units_per_slice']}
+          text={integer(units)} onMove={(n) => move(withUnits(spec, n), 'units', n)} />}
+        {slices !== null && <Slider label={words.fields.slices} field="slices" value={slices} least={1} most={Math.max(24, slices)} pointers={['/slices']}
+          text={integer(slices)} onMove={(n) => move(withSlices(spec, n), 'slices', n)} />}
+        {typeof spec.min_panel_mm === 'number' && <Slider label={words.fields.minPanel} field="min_panel" value={spec.min_panel_mm} least={0.5}
+          most={Math.max(8, spec.min_panel_mm)} step={0.1} pointers={['/min_panel_mm']} text={length(spec.min_panel_mm)}
+          onMove={(v) => move(withField(spec, 'min_panel_mm', Math.round(v * 10) / 10), 'min_panel', v)} />}
+        {alpha !== null && <Slider label={words.fields.splay} field="alpha" value={alpha} least={0.1} most={3} step={0.05} pointers={['/splay']}
+          text={plainNumber(alpha)} onMove={(v) => move(withField(spec, 'splay', { ...splay, alpha: Math.round(v * 100) / 100 }), 'alpha', v)} />}
+        <label class="field field-row">
+          <span>{words.fields.lattice}</span>
+          <select value={lattice} aria-invalid={latticeRefused !== null}
+            onChange={(event) => desk.set(withField(spec, 'lattice', event.currentTarget.value === 'auto' ? null : event.currentTarget.value))}>
+            {kLattices.map((name) => (
+              <option key={name} value={name} selected={name === lattice}>
+                {name === 'auto' ? `${words.fields.latticeAuto}${of && of.method ? ` (${of.method})` : ''}` : name}
+              </option>
+            ))}
+          </select>
+        </label>
+        <Refusal id="lattice-r" text={latticeRefused} />
+      </fieldset>
+      <fieldset>
+        <legend>{words.fields.shape}</legend>
+        <div class="field-grid">
+          <NumberField label={words.fields.height} value={at?.height ?? null} unit="mm" pointers={['/scale_mm']} least={1}
+            onSet={(v) => { if (at && at.height > 0) desk.set(scaled(spec, v / at.height)); }} />
+          <NumberField label={words.fields.depth} value={at?.depth ?? null} unit="mm" pointers={['/scale_mm']} least={1}
+            onSet={(v) => { if (at && at.depth > 0) desk.set(scaled(spec, v / at.depth)); }} />
+          <NumberField label={words.fields.along} value={widths ? widths.reduce((sum, w) => sum + w, 0) : null} unit="mm" pointers={['/widths_mm']} least={1}
+            disabled={!widths} onSet={(v) => { if (widths) desk.set(stretched(spec, v / widths.reduce((sum, w) => sum + w, 0))); }} />
+          {slice !== null && slice >= 0 && widths && slice < widths.length
+            ? <NumberField label={words.fields.sliceWidth(slice + 1)} value={widths[slice] as number} unit="mm" pointers={[`/widths_mm/${slice}`, '/widths_mm']} least={0.5}
+              onSet={(v) => desk.set(withSliceWidth(spec, slice, v))} />
+            : <NumberField label={words.fields.width} value={width} unit="mm" pointers={['/widths_mm']} least={0.5} disabled={width === null}
+              onSet={(v) => desk.set(withWidth(spec, v))} />}
+          <NumberField label={words.fields.angle} value={typeof spec.design_angle_deg === 'number' ? spec.design_angle_deg : 90} unit="°" pointers={['/design_angle_deg']} least={30}
+            onSet={(v) => desk.set(withField(spec, 'design_angle_deg', v === 90 ? null : v))} />
+          <div class="field field-end">
+            <button type="button" class="button button-plain" onClick={fits} disabled={!sheet}>{words.fields.fits('12 × 12')}</button>
+          </div>
+        </div>
+        <label class="field field-row">
+          <span>{words.fields.fit}</span>
+          <select value={spec.fit === 'nearest' ? 'nearest' : 'exact'} onChange={(event) => desk.set(withField(spec, 'fit', event.currentTarget.value === 'nearest' ? 'nearest' : null))}>
+            <option value="exact" selected={spec.fit !== 'nearest'}>{words.fields.fitExact}</option>
+            <option value="nearest" selected={spec.fit === 'nearest'}>{words.fields.fitNearest}</option>
+          </select>
+        </label>
+        <Refusal id="surface-r" text={refusedFor('/surface', '/fit', '/card', '/regions', '/patches', '/splay', '/curvature', '')} />
+      </fieldset>
+    </div>
+  );
+}
+
+interface Report {
+  fit?: { structure_to_target_mm?: { mean?: number; p95?: number }; share_within?: Record<string, number> };
+  inner_error_mm?: { max?: number };
+  end_error_mm?: { max?: number };
+  degrees_of_freedom?: number;
+  pieces?: number;
+  folds?: number;
+  cuts?: number;
+  cut_length_mm?: number;
+  fold_length_mm?: number;
+}
+
+function Row({ name, children }: { name: string; children: ComponentChildren }) {
+  return <div class="figure-row"><dt>{name}</dt><dd class="figure">{children}</dd></div>;
+}
+
+export function Figures({ of }: { of: Lattice }) {
+  const report = of.report as Report;
+  const off = report.fit?.structure_to_target_mm;
+  const within = report.fit?.share_within?.['2_percent'];
+  const freedom = report.degrees_of_freedom;
+  return (
+    <section aria-labelledby="figures">
+      <h2 id="figures">{words.figures.title}</h2>
+      <dl class="facts">
+        {off?.mean !== undefined && <Row name={words.figures.off}>{length(off.mean)}{off.p95 !== undefined && <small>{words.figures.offWhat(length(off.p95))}</small>}</Row>}
+        {within !== undefined && <Row name={words.figures.within}>{percent(within)}</Row>}
+        {of.error_mm && of.error_mm.max > 0 && (
+          <Row name={words.figures.worst}>
+            {length(of.error_mm.max)}{' '}
+            {of.error_mm.at && <button type="button" class="link-button" onClick={() => { desk.pinned.value = desk.litAt(of, of.error_mm?.at); }}>{words.warnings.show}</button>}
+          </Row>
+        )}
+        {report.inner_error_mm?.max !== undefined && <Row name={words.figures.inner}>{length(report.inner_error_mm.max)}</Row>}
+        {report.end_error_mm?.max !== undefined && <Row name={words.figures.ends}>{length(report.end_error_mm.max)}</Row>}
+        {freedom !== undefined && <Row name={words.figures.freedom}>{freedom === 1 ? words.figures.freedomOne : integer(freedom)}</Row>}
+        {report.pieces !== undefined && <Row name={words.figures.pieces}>{integer(report.pieces)}</Row>}
+        <Row name={words.figures.panels}>{integer(desk.panelsOf(of))}</Row>
+        {report.folds !== undefined && <Row name={words.figures.folds}>{integer(report.folds)}{report.fold_length_mm !== undefined && <small>{length(report.fold_length_mm)}</small>}</Row>}
+        {report.cuts !== undefined && <Row name={words.figures.cuts}>{integer(report.cuts)}{report.cut_length_mm !== undefined && <small>{length(report.cut_length_mm)}</small>}</Row>}
+        <Row name={words.figures.sheet}>{size(sheetBox(of)[2], sheetBox(of)[3])}</Row>
+      </dl>
+    </section>
+  );
+}
+
+function same(a: desk.Lit | null, b: desk.Lit): boolean {
+  return JSON.stringify(a) === JSON.stringify(b);
+}
+
+/** Slices and levels with their errors; each row lights its panels. */
+export function Places({ of }: { of: Lattice }) {
+  const { slices, levels } = desk.errorsBy(of);
+  const rows: [desk.Lit, string, number][] = [
+    ...[...slices].map(([slice, error]): [desk.Lit, string, number] => [{ kind: 'slice', slice }, words.figures.slice(slice + 1), error]),
+    ...[...levels].map(([level, error]): [desk.Lit, string, number] => [{ kind: 'level', level }, words.figures.level(level), error]),
+  ];
+  if (rows.length === 0) return null;
+  return (
+    <details class="places">
+      <summary>{words.figures.slices}</summary>
+      <table>
+        <thead><tr><th scope="col">{words.figures.row}</th><th scope="col">{words.figures.errorOf}</th></tr></thead>
+        <tbody>
+          {rows.map(([which, name, error]) => (
+            <tr key={name} class={same(desk.lit.value, which) ? 'row-lit' : ''}>
+              <th scope="row">
+                <button type="button" class="link-button" aria-pressed={same(desk.pinned.value, which)}
+                  onPointerEnter={() => { desk.hovered.value = which; }} onPointerLeave={() => { desk.hovered.value = null; }}
+                  onFocus={() => { desk.hovered.value = which; }} onBlur={() => { desk.hovered.value = null; }}
+                  onClick={() => { desk.pinned.value = same(desk.pinned.value, which) ? null : which; }}>{name}</button>
+              </th>
+              <td class="figure">{error >= 0 ? length(error) : '–'}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </details>
+  );
+}
+
+export function Warnings({ of }: { of: Lattice }) {
+  if (of.warnings.length === 0) return null;
+  return (
+    <details class="warnings" open={of.warnings.some((one) => one.spoils)}>
+      <summary>{words.warnings.some(of.warnings.length)}</summary>
+      <ul class="plain-list">
+        {of.warnings.slice(0, 40).map((warning, i) => {
+          const place = desk.litAt(of, warning.place);
+          return (
+            <li key={i}>
+              {warning.spoils && <strong>{words.warnings.spoils} </strong>}
+              <span class="server-words">{warning.message}</span>{' '}
+              {place && <button type="button" class="link-button" onClick={() => { desk.pinned.value = place; }}>{words.warnings.show}</button>}
+            </li>
+          );
+        })}
+      </ul>
+    </details>
+  );
+}
+
+/** What popcut judged of a pattern from elsewhere, and what not. */
+export function Judged({ of }: { of: Lattice }) {
+  return (
+    <section aria-labelledby="judged">
+      <h2 id="judged">{words.judged.title}</h2>
+      <p class="note">{words.judged.stored}</p>
+      <p class="muted">{of.motion === 'flat' ? words.judged.flat : of.motion === 'frames' ? words.judged.frames : ''}</p>
+      <dl class="facts">
+        {of.judged.map((one) => <Row key={one} name={one}>{words.judged.yes}</Row>)}
+        {of.not_judged.map((one) => <Row key={one} name={one}>{words.judged.no}</Row>)}
+        <Row name={words.figures.sheet}>{size(sheetBox(of)[2], sheetBox(of)[3])}</Row>
+      </dl>
+    </section>
+  );
+}
+
+export function Panel() {
+  const of = desk.lattice.value;
+  const spec = desk.spec.value;
+  return (
+    <aside class="design-panel">
+      <FlatSheet />
+      {spec && <Fields spec={spec} of={of} />}
+      {of && desk.foreign.value && <Judged of={of} />}
+      {of && <Warnings of={of} />}
+      {of && !desk.foreign.value && <Figures of={of} />}
+      {of && <Places of={of} />}
+    </aside>
+  );
+}

@@ -1,0 +1,262 @@
+import { oneShotAtStart, takeOneShot } from './one_shot';
+import { effect, useSignal } from '@preact/signals';
+import { render, type ComponentType } from 'preact';
+import { useEffect, useRef, useState } from 'preact/hooks';
+import { Done } from './done';
+import { Machine } from './machine';
+import { Now } from './now';
+import { Button, Dialog, Loading, Note } from './parts';
+import { pauseAll, PauseBar } from './pause';
+import { go, parseRoute, route } from './route';
+import { isProblem, session, signInWithWord, waitsUntil } from './server';
+import { Settings } from './settings';
+import { SignIn } from './sign_in';
+import { connection, follow, loaded, me, meta, now, readMeta, jobs, stale, tryNow } from './store';
+import { swallowWaking } from './waking';
+import { hourMinuteSecond, words } from './words';
+
+const later: Record<string, () => Promise<{ default: ComponentType<{ rest: string }> }>> = {
+  design: () => import('./design'),
+  sheets: () => import('./sheets'),
+  glue: () => import('./glue'),
+};
+
+let laterStyle: Promise<unknown> | null = null;
+
+/** Adds the style of the views that are loaded later, once; they are shown when it is there. */
+function withLaterStyle(): Promise<unknown> {
+  laterStyle ??= new Promise((done, failed) => {
+    const address = document.querySelector<HTMLMetaElement>('meta[name=later-style]')?.content;
+    if (!address) return done(null);
+    const link = document.createElement('link');
+    link.rel = 'stylesheet';
+    link.href = address;
+    link.onload = done;
+    link.onerror = () => { laterStyle = null; failed(new Error(address)); };
+    document.head.append(link);
+  });
+  return laterStyle;
+}
+
+/** A view that is loaded when it is first shown; it fails softly, for example after an update. */
+function Later({ view, rest }: { view: string; rest: string }) {
+  const View = useSignal<ComponentType<{ rest: string }> | null>(null);
+  const failed = useSignal(false);
+  useEffect(() => {
+    View.value = null;
+    failed.value = false;
+    Promise.all([later[view]!(), withLaterStyle()])
+      .then(([module]) => { View.value = module.default; }, () => { failed.value = true; });
+  }, [view]);
+  if (failed.value) {
+    return (
+      <Note kind="amber">
+        <p>{words.live.updated}</p>
+        <Button onClick={() => location.reload()}>{words.live.reload}</Button>
+      </Note>
+    );
+  }
+  return View.value ? <View.value rest={rest} /> : <Loading />;
+}
+
+function View() {
+  const { view, rest } = route.value;
+  if (view === 'now') return <Now />;
+  if (view === 'at') return <Machine device={rest} key={rest} />;
+  if (view === 'done') return <Done />;
+  if (view === 'settings') return <Settings />;
+  if (view in later) return <Later view={view} rest={rest} key={view} />;
+  return <Note><p>{words.notFound}</p><p><a href="#/">{words.toNow}</a></p></Note>;
+}
+
+function Connection() {
+  const { open, at } = connection.value;
+  if (!loaded.value) return <span class="live live-off">{words.live.connecting}</span>;
+  const old = stale.value || !open;
+  return (
+    <span class={`live ${old ? 'live-off' : 'live-on'}`} role="status">
+      {old ? words.live.stale(hourMinuteSecond(at)) : words.live.live}
+    </span>
+  );
+}
+
+function Bar() {
+  const view = route.value.view;
+  const names = ['now', 'design', 'done', 'settings'] as const;
+  const person = me.value;
+  return (
+    <header class="bar">
+      <a class="bar-name" href="#/">{words.title}</a>
+      <nav aria-label={words.views.main}>
+        {names.map((name) => (
+          <a key={name} href={name === 'now' ? '#/' : `#/${name}`}
+            aria-current={view === name || (name === 'now' && view === 'at') ? 'page' : undefined}>{words.views[name]}</a>
+        ))}
+      </nav>
+      <div class="bar-end">
+        <Connection />
+        {person && <span class="bar-person">
+          {words.person(person.title ?? person.name, words.roles[person.role] ?? person.role)}
+        </span>}
+      </div>
+    </header>
+  );
+}
+
+/** popcutd is another one than this page came from: load its page, at once if nothing can be lost. */
+function Updated({ first }: { first: string }) {
+  const other = meta.value !== null && first !== '' && pageOf() !== first;
+  const quiet = ![...jobs.value.values()].some((job) => ['armed', 'cutting', 'paused'].includes(job.state));
+  const unsaved = sessionStorage.getItem('popcut.unsaved') !== null;
+  useEffect(() => {
+    if (other && quiet && !unsaved) location.reload();
+  }, [other, quiet, unsaved]);
+  if (!other) return null;
+  return (
+    <div class="note note-amber band">
+      <p>{words.live.updated}</p>
+      <Button onClick={() => location.reload()}>{words.live.reload}</Button>
+    </div>
+  );
+}
+
+const pageOf = (): string => (meta.value ? meta.value.page ?? meta.value.build : '');
+
+function Old() {
+  if (session.value === 'over') {
+    return (
+      <div class="band">
+        <h2>{words.signIn.over}</h2>
+        <p>{words.signIn.overWhat}</p>
+        <SignIn again />
+      </div>
+    );
+  }
+  if (!stale.value) return null;
+  return (
+    <div class="note note-amber band" role="status">
+      <p>{words.live.staleLong(hourMinuteSecond(connection.value.at))}</p>
+      <Button onClick={tryNow}>{words.live.again}</Button>
+    </div>
+  );
+}
+
+function Waiting() {
+  const left_s = Math.ceil((waitsUntil.value - now.value) / 1000);
+  return left_s > 1 ? <p class="band small" role="status">{words.live.waiting(String(left_s))}</p> : null;
+}
+
+function Keys({ onClose }: { onClose: () => void }) {
+  const rows = [['?', words.settings.keyHelp], ['p', words.settings.keyPause], ['1', words.settings.keyNow],
+    ['2', words.settings.keyDesign], ['3', words.settings.keyDone], ['4', words.settings.keySettings]] as const;
+  return (
+    <Dialog title={words.settings.keys} no={words.close} onNo={onClose}>
+      <dl class="keys">{rows.map(([key, what]) => <div key={key}><dt><kbd>{key}</kbd></dt><dd>{what}</dd></div>)}</dl>
+    </Dialog>
+  );
+}
+
+function typing(target: EventTarget | null): boolean {
+  return target instanceof HTMLElement && (target.isContentEditable
+    || ['INPUT', 'SELECT', 'TEXTAREA'].includes(target.tagName)) && !(target instanceof HTMLInputElement
+    && ['checkbox', 'radio', 'range', 'button'].includes(target.type));
+}
+
+function Page() {
+  const [keys, setKeys] = useState(false);
+  const firstPage = useRef('');
+  if (firstPage.current === '') firstPage.current = pageOf();
+  const main = useRef<HTMLElement>(null);
+  const old = stale.value;
+
+  useEffect(() => {
+    const pressed = (event: KeyboardEvent): void => {
+      if (event.ctrlKey || event.metaKey || event.altKey || event.repeat || typing(event.target)) return;
+      const views: Record<string, string> = { 1: '#/', 2: '#/design', 3: '#/done', 4: '#/settings' };
+      if (event.key === '?') setKeys(true);
+      else if (event.key === 'p') pauseAll();
+      else if (views[event.key] && !document.querySelector('dialog[open]')) go(views[event.key]!);
+    };
+    addEventListener('keydown', pressed);
+    return () => removeEventListener('keydown', pressed);
+  }, []);
+
+  const view = route.value.view;
+  const shown = useRef(view);
+  useEffect(() => {
+    if (shown.current === view) return;
+    shown.current = view;
+    scrollTo(0, 0);
+    main.current?.focus({ preventScroll: true });
+  }, [view]);
+
+  return (
+    <>
+      <a class="skip" href="#main" onClick={(event) => { event.preventDefault(); main.current?.focus(); }}>
+        {words.views.skip}
+      </a>
+      <Bar />
+      <Updated first={firstPage.current} />
+      <Old />
+      <Waiting />
+      <main ref={main} id="main" tabIndex={-1} class={`view view-${view}${old ? ' view-old' : ''}`}>
+        <View />
+      </main>
+      <PauseBar />
+      {keys && <Keys onClose={() => setKeys(false)} />}
+    </>
+  );
+}
+
+/** The page, or the way in. What was shown stays when the session ends. */
+function Root({ badWord }: { badWord: boolean }) {
+  if (session.value === 'none') return <SignIn badWord={badWord} />;
+  return meta.value === null && session.value !== 'over' ? <Start /> : meta.value === null ? <SignIn /> : <Page />;
+}
+
+/** Asks who we are, until popcutd answers. */
+function Start() {
+  const silent = useSignal(false);
+  useEffect(() => {
+    let timer: ReturnType<typeof setTimeout>;
+    let wait_ms = 500;
+    const ask = (): void => {
+      readMeta().then(follow, (error) => {
+        if (isProblem(error) && error.status === 401) return;
+        silent.value = true;
+        timer = setTimeout(ask, wait_ms);
+        wait_ms = Math.min(5000, wait_ms * 2);
+      });
+    };
+    ask();
+    return () => clearTimeout(timer);
+  }, []);
+  return silent.value ? <main class="view"><Note kind="amber"><p>{words.problems.unreachable}</p></Note></main> : <Loading />;
+}
+
+/** Signs in with the word of the address, if there is one; then shows the page. */
+async function begin(word: string | null): Promise<void> {
+  let badWord = false;
+  if (word !== null) {
+    try {
+      await signInWithWord(word);
+    } catch (error) {
+      if (!isProblem(error)) throw error;
+      badWord = session.value === 'none';
+    }
+  }
+  render(<Root badWord={badWord} />, document.getElementById('page')!);
+}
+
+swallowWaking();
+document.documentElement.lang = 'en';
+addEventListener('hashchange', () => {
+  const word = takeOneShot();
+  if (word === null) return;
+  route.value = parseRoute('#/');
+  void signInWithWord(word).then(() => location.reload(), () => undefined);
+});
+effect(() => {
+  if (session.value === 'in' && meta.peek() !== null) void readMeta().then(follow, () => undefined);
+});
+void begin(oneShotAtStart);

@@ -1,0 +1,43 @@
+// What this browser prefers. Kept in localStorage: never a token, never a design.
+import { effect, signal, type Signal } from '@preact/signals';
+
+export type Units = 'mm' | 'inch';
+export type Theme = 'system' | 'light' | 'dark';
+export type Language = 'en' | 'pseudo';
+
+function kept<T extends string>(name: string, allowed: readonly T[], fallback: T): Signal<T> {
+  const stored = readStored(name);
+  const value = signal<T>(allowed.includes(stored as T) ? stored as T : fallback);
+  effect(() => writeStored(name, value.value === fallback ? null : value.value));
+  return value;
+}
+
+function readStored(name: string): string | null {
+  try {
+    return localStorage.getItem(`popcut.${name}`);
+  } catch {
+    return null;     // storage is switched off: the preference lasts as long as the page
+  }
+}
+
+function writeStored(name: string, value: string | null): void {
+  try {
+    if (value === null) localStorage.removeItem(`popcut.${name}`);
+    else localStorage.setItem(`popcut.${name}`, value);
+  } catch {
+    // as above
+  }
+}
+
+export const units = kept<Units>('units', ['mm', 'inch'], 'mm');
+export const theme = kept<Theme>('theme', ['system', 'light', 'dark'], 'system');
+export const language = kept<Language>('language', ['en', 'pseudo'], 'en');
+
+/** The id of the cutter beside which this screen stands, or ''. */
+export const beside = signal(readStored('beside') ?? '');
+effect(() => writeStored('beside', beside.value || null));
+
+effect(() => {
+  if (theme.value === 'system') delete document.documentElement.dataset.theme;
+  else document.documentElement.dataset.theme = theme.value;
+});

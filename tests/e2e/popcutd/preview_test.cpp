@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: MIT
+// Previews of a real popcutd: beside a cut, in the middle of its end, and that nothing stays.
+#include <dirent.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+
+#include "tests/support/paths.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/raw_http.hpp"
+#include "tests/support/running_daemon.hpp"
+#include "tests/support/timing.hpp"
+
+namespace preview_test {
+
+using namespace popcut::testing;
+using popcut::daemon::RawConnection;
+using popcut::daemon::WireResponse;
+using Json = nlohmann::json;
+
+namespace {
+
+const std::string kMore = "previews_per_s = 100000\npictures_per_s = 100000\n";
+
+Json sphere(int slices, int units) {
+  return {{"popcut", 1},
+          {"surface", {{"type", "revolution"}, {"radius", "sqrt(70^2 - (y - 45)^2)"}}},
+          {"units_per_slice", units},
+          {"slices", slices},
+          {"widths_mm", 90.0 / slices},
+          {"min_panel_mm", 0.2},
+          {"lattice", "conformal"}};
+}
+
+std::string wanted(const Json& spec, const std::string& quality, const std::string& more = "") {
+  const std::string body = Json{{"spec", spec}, {"quality", quality}}.dump();
+  return fmt::format(
+      "POST /v1/preview HTTP/1.1\r\nHost: popcut\r\nContent-Type: application/json\r\n"
+      "Content-Length: {}\r\n{}\r\n{}",
+      body.size(), more, body);
+}
+
+/// Processes whose parent is `parent`.
+std::vector<int> children_of(int parent) {
+  std::vector<int> found;
+  const std::string folder = fmt::format("/proc/{}/task", parent);
+  for (const auto& task : std::filesystem::directory_iterator(folder)) {
+    std::ifstream list(task.path() / "children");
+    for (int pid = 0; list >> pid;) found.push_back(pid);
+  }
+  return found;
+}
+
+std::vector<std::string> files_below(const std::string& folder) {
+  std::vector<std::string> files;
+  for (const auto& one : std::filesystem::recursive_directory_iterator(folder))
+    if (one.is_regular_file()) files.push_back(one.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// How many waits of a cutter's stream took longer than `bucket`.
+long waits_above(const std::string& metrics, const std::string& bucket) {
+  const auto value = [&](const std::string& name) {
+    const std::size_t at = metrics.find(name + " ");
+    REQUIRE(at != std::string::npos);
+    return std::stol(metrics.substr(at + name.size() + 1));
+  };
+  return value("popcut_stream_wait_seconds_count") -
+         value(fmt::format("popcut_stream_wait_seconds_bucket{{le=\"{}\"}}", bucket));
+}
+
+}  // namespace
+
+TEST_CASE("a preview leaves no row, no event and no file", "[popcutd][preview]") {
+  RunningDaemon desk(0, kMore);
+  desk.open();
+  const std::size_t events = desk.get("/v1/events?after=0&limit=200")["items"].size();
+  const auto files = files_below(desk.daemon().state());
+  RawConnection page(desk.daemon().socket());
+  for (const char* quality : {"draft", "exact"}) {
+    REQUIRE(page.send(wanted(sphere(6, 5), quality)));
+    const WireResponse blob = page.receive();
+    REQUIRE(blob.status == 200);
+    CHECK(blob.headers.at("content-type") == "application/vnd.popcut.lattice");
+    CHECK(blob.headers.at("cache-control") == "no-store");
+    CHECK(blob.body.substr(0, 4) == "PCLB");
+  }
+  CHECK(desk.get("/v1/designs")["items"].empty());
+  CHECK(desk.get("/v1/events?after=0&limit=200")["items"].size() == events);
+  CHECK(files_below(desk.daemon().state()) == files);
+}
+
+TEST_CASE("a page that closes at any moment leaves nothing at work", "[popcutd][preview]") {
+  RunningDaemon desk(0, kMore);
+  desk.open();
+  const std::string body = wanted(sphere(50, 40), "exact");
+  for (const int ms : {0, 1, 3, 10, 30, 100}) {
+    RawConnection page(desk.daemon().socket());
+    REQUIRE(page.send(body));
+    std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+  }
+  const auto begun = std::chrono::steady_clock::now();
+  RawConnection page(desk.daemon().socket());
+  REQUIRE(page.send(wanted(sphere(4, 3), "draft")));
+  CHECK(page.receive().status == 200);
+  CHECK(seconds_since(begun) < 5);  // and not after six exact ones
+  for (std::size_t cut = 1; cut < body.size(); cut += 97) {
+    RawConnection half(desk.daemon().socket());
+    REQUIRE(half.send(body.substr(0, cut)));
+  }
+  REQUIRE(page.send(wanted(sphere(4, 3), "draft")));
+  CHECK(page.receive().status == 200);
+}
+
+TEST_CASE("a cut does not wait for a hundred previews", "[popcutd][preview]") {
+  RunningDaemon desk(1, kMore + "json_bytes = 262144\nconnections = 256\n");
+  desk.open();
+  const std::string job = desk.ready_job(desk.design(RunningDaemon::lines_svg(300)));
+  desk.cut(job);
+  std::atomic<int> answered{0}, good{0};
+  std::vector<std::thread> pages;
+  for (int k = 0; k < 100; ++k)
+    pages.emplace_back([&, k] {
+      RawConnection page(desk.daemon().socket());
+      const std::string key = fmt::format("Preview-Key: page-{:011}\r\n", k % 8);
+      if (!page.send(wanted(sphere(20, 20), k % 2 == 0 ? "draft" : "exact", key))) return;
+      const WireResponse response = page.receive(60);
+      ++answered;
+      if (response.status == 200) ++good;
+    });
+  for (std::thread& page : pages) page.join();
+  CHECK(answered == 100);
+  CHECK(good > 0);
+  const std::string metrics = desk.ask("GET", "/metrics").body;
+  INFO(metrics.substr(metrics.find("popcut_stream_wait_seconds"), 800));
+  CHECK(waits_above(metrics, "0.1") == 0);
+  CHECK(desk.job(job)["state"] == "cutting");
+  CHECK(children_of(desk.daemon().pid()).size() <= 2);
+}
+
+TEST_CASE("popcutd that ends during previews leaves no process", "[popcutd][preview]") {
+  for (const int signal : {SIGTERM, SIGKILL}) {
+    RunningDaemon desk(0, kMore);
+    desk.open();
+    RawConnection page(desk.daemon().socket());
+    REQUIRE(page.send(wanted(sphere(50, 40), "exact")));
+    REQUIRE(comes_true([&] { return children_of(desk.daemon().pid()).size() == 1; }));
+    const int worker = children_of(desk.daemon().pid())[0];
+    const auto begun = std::chrono::steady_clock::now();
+    desk.daemon().signal(signal);
+    const int code = desk.daemon().wait();
+    CHECK(code == (signal == SIGTERM ? 0 : 128 + SIGKILL));
+    CHECK(seconds_since(begun) < 10);
+    CHECK(comes_true([&] { return ::kill(worker, 0) != 0; }));
+  }
+}
+
+TEST_CASE("the lattice of a stored design is kept by who has it", "[popcutd][preview]") {
+  RunningDaemon desk(0, kMore);
+  desk.open();
+  const auto made = desk.ask("POST", "/v1/designs", sphere(6, 5).dump());
+  REQUIRE(made.status == 201);
+  const std::string id = Json::parse(made.body)["id"];
+  RawConnection page(desk.daemon().socket());
+  const auto get = [&](const std::string& more) {
+    REQUIRE(page.send("GET /v1/designs/" + id + "/lattice HTTP/1.1\r\nHost: popcut\r\n" + more +
+                      "\r\n"));
+    return page.receive();
+  };
+  const WireResponse first = get("");
+  CHECK(first.status == 200);
+  CHECK(first.body.substr(0, 4) == "PCLB");
+  const std::string etag = first.headers.at("etag");
+  const WireResponse again = get("If-None-Match: " + etag + "\r\n");
+  CHECK(again.status == 304);
+  CHECK(again.headers.at("etag") == etag);
+  CHECK(again.headers.at("cache-control") == "private, max-age=86400");
+  CHECK(get("").body == first.body);
+}
+
+TEST_CASE("pictures are made once, kept, and gone with their design", "[popcutd][preview]") {
+  RunningDaemon desk(0, kMore);
+  desk.open();
+  const auto upload = [&](const Json& spec) {
+    const auto made = desk.ask("POST", "/v1/designs", spec.dump());
+    REQUIRE(made.status == 201);
+    return Json::parse(made.body)["id"].get<std::string>();
+  };
+  const std::string id = upload(sphere(6, 5));
+  RawConnection page(desk.daemon().socket());
+  const auto get = [&](const std::string& design, const std::string& name,
+                       const std::string& more = "") {
+    REQUIRE(page.send("GET /v1/designs/" + design + "/" + name + " HTTP/1.1\r\nHost: popcut\r\n" +
+                      more + "\r\n"));
+    return page.receive();
+  };
+  for (const char* name : {"deployed.svg", "pattern.svg", "preview.svg"}) {
+    CAPTURE(name);
+    const WireResponse picture = get(id, name);
+    CHECK(picture.status == 200);
+    CHECK(picture.headers.at("content-type") == "image/svg+xml");
+    CHECK(picture.headers.at("content-security-policy").find("sandbox") != std::string::npos);
+    CHECK(picture.headers.at("cache-control") == "private, max-age=86400");
+    const std::string etag = picture.headers.at("etag");
+    CHECK(get(id, name, "If-None-Match: " + etag + "\r\n").status == 304);
+    CHECK(get(id, name).body == picture.body);
+  }
+  const auto kept = [&](const std::string& design) {
+    const auto files = files_below(desk.daemon().state() + "/previews");
+    return std::count_if(files.begin(), files.end(), [&](const std::string& file) {
+      return file.find(design) != std::string::npos;
+    });
+  };
+  CHECK(kept(id) == 3);
+  // One that cannot be made has a picture that says so, and is not tried again.
+  Json never = sphere(6, 5);
+  never["surface"]["radius"] = "0 - 5";
+  const std::string wrong = upload(never);
+  const WireResponse none = get(wrong, "deployed.svg");
+  CHECK(none.status == 200);
+  CHECK(none.body.find("no preview") != std::string::npos);
+  CHECK(kept(wrong) == 3);
+  CHECK(desk.ask("DELETE", "/v1/designs/" + id).status == 204);
+  CHECK(comes_true([&] { return kept(id) == 0; }));
+  CHECK(get(id, "deployed.svg").status == 404);
+}
+
+TEST_CASE("files of a design are those of popcut design, byte for byte", "[popcutd][preview]") {
+  RunningDaemon desk(0, kMore);
+  desk.open();
+  Json spec = sphere(6, 5);
+  spec["name"] = "a <ball> & more";
+  const auto made = desk.ask("POST", "/v1/designs", spec.dump());
+  REQUIRE(made.status == 201);
+  const std::string id = Json::parse(made.body)["id"];
+  const std::filesystem::path folder = desk.daemon().folder() / "files";
+  write_file(desk.daemon().folder() / "spec.json", spec.dump());
+  const Ran ran = run_program({popcut_program(), "design", "spec.json", "-q", "-o", folder.string(),
+                               "--formats", "fold,svg,cut,dxf,csv,glb,picture,poster,report"},
+                              desk.daemon().folder() / "");
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  RawConnection page(desk.daemon().socket());
+  const auto get = [&](const std::string& name, const std::string& more = "") {
+    REQUIRE(page.send("GET /v1/designs/" + id + "/files/" + name + " HTTP/1.1\r\nHost: popcut\r\n" +
+                      more + "\r\n"));
+    return page.receive();
+  };
+  for (const char* name : {"pattern.fold", "pattern.svg", "cut.svg", "pattern.dxf", "segments.csv",
+                           "deploy.glb", "deployed.svg", "poster.svg"}) {
+    CAPTURE(name);
+    const WireResponse file = get(name);
+    CHECK(file.status == 200);
+    CHECK(file.headers.at("content-disposition") ==
+          std::string("attachment; filename=\"") + name + "\"");
+    CHECK(file.body == text_of_file(folder / name));
+    CHECK(get(name, "If-None-Match: " + file.headers.at("etag") + "\r\n").status == 304);
+  }
+  // Only how long it took is not the same.
+  Json report = Json::parse(get("report.json").body),
+       expected = Json::parse(text_of_file(folder / "report.json"));
+  report.erase("seconds");
+  expected.erase("seconds");
+  CHECK(report == expected);
+  CHECK(get("spec.json").body == spec.dump());
+  for (const char* name : {"preview.svg", "pattern.exe", "unsound.json", "..."})
+    CHECK(get(name).status == 404);
+  CHECK(get("..%2fpopcut.db").status == 400);
+  CHECK(get("cut.svg?part=2").status == 422);
+  CHECK(get("cut.svg?part=0").status == 422);
+  const std::string drawing = desk.design(RunningDaemon::lines_svg(3));
+  CHECK(desk.ask("GET", "/v1/designs/" + drawing + "/files/pattern.fold").status == 404);
+}
+
+}  // namespace preview_test

@@ -1,0 +1,170 @@
+// Speed of the page in a real browser against a real popcutd: `./run bench page`. Prints one line for each figure, with
+// its budget; a figure over its budget is marked, and the exit code is still 0: times are looked at by people.
+import { readFileSync } from 'node:fs';
+import { closeBrowser, ladder, machineHash, openBrowser, Server, until, visit, wait } from './harness.mjs';
+import { staircaseBlob } from './fixtures/staircase.mjs';
+import { bundled } from './sources.mjs';
+
+const sorted = (values) => values.slice().sort((a, b) => a - b);
+const at = (values, share) => sorted(values)[Math.min(values.length - 1, Math.floor(values.length * share))];
+const median = (values) => at(values, 0.5);
+const p95 = (values) => at(values, 0.95);
+
+function say(what, value, unit, budget, more = false) {
+  const over = more ? value < budget : value > budget;
+  console.log(`${what.padEnd(52)} ${value.toFixed(value < 10 ? 2 : 0).padStart(8)} ${unit.padEnd(4)} budget ${String(budget).padStart(4)}${over ? '  OVER' : ''}`);
+}
+
+const revolution = (units, slices, width) => ({
+  popcut: 1, name: 'bench', surface: { type: 'revolution', radius: { points: [[-10, 60], [25, 75], [50, 80], [75, 75], [110, 60]] } },
+  units_per_slice: units, slices, widths_mm: width, min_panel_mm: 0.1,
+});
+
+/** Times from an input event to the first picture of a draft, and from the last input to the exact one, ms. */
+async function dragging(server, spec) {
+  const { page, close } = await visit(server, {});
+  await page.evaluate((text) => sessionStorage.setItem('popcut.design.steps', JSON.stringify({ steps: [text], at: 0 })), JSON.stringify(spec));
+  await page.evaluate(() => { location.hash = '#/design'; });
+  await page.getByRole('button', { name: 'Go on with your last design' }).click();
+  await page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 60_000 });
+  await wait(3000);
+  const result = await page.evaluate(async () => {
+    const input = document.querySelector('.slider input[type=range]:not([disabled])[step="0.1"]');
+    const set = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, 'value').set;
+    const drawn = [];
+    const exact = [];
+    const tasks = [];
+    const gl = document.querySelector('.stage-canvas').getContext('webgl2');
+    const pixel = new Uint8Array(4);
+    new PerformanceObserver((list) => {
+      for (const mark of list.getEntries()) {
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+        if (mark.name === 'popcut.draft') drawn.push(performance.now());
+        if (mark.name === 'popcut.exact') exact.push(performance.now());
+      }
+    }).observe({ entryTypes: ['mark'] });
+    new PerformanceObserver((list) => { for (const one of list.getEntries()) tasks.push(one.duration); }).observe({ entryTypes: ['longtask'] });
+    const inputs = [];
+    for (let i = 0; i < 60; i++) {
+      set.call(input, String(0.5 + (i % 10) / 10));
+      inputs.push(performance.now());
+      input.dispatchEvent(new Event('input', { bubbles: true }));
+      await new Promise((done) => setTimeout(done, 33));
+    }
+    input.dispatchEvent(new Event('change', { bubbles: true }));
+    const rest = inputs.at(-1);
+    const end = performance.now() + 20_000;
+    while (!exact.some((time) => time > rest) && performance.now() < end) await new Promise((done) => setTimeout(done, 10));
+    return { inputs, drawn, exact: exact.find((time) => time > rest) - rest, tasks };
+  });
+  await close();
+  // Each picture shows the newest input before it was asked for: the time counts from the last input that has one.
+  const times = result.drawn.map((time) => time - Math.max(...result.inputs.filter((one) => one < time - 4)));
+  return { times, exact: result.exact, tasks: result.tasks, pictures: result.drawn.length };
+}
+
+async function deploying(page, strips, steps) {
+  return page.evaluate(async ({ base64 }) => {
+    const { readLattice, ModelView } = await import('/page/bench-model.js');
+    const canvas = document.createElement('canvas');
+    canvas.setAttribute('width', '1024');
+    Object.assign(canvas.style, { position: 'fixed', inset: '0', width: '1024px', height: '768px', zIndex: '9' });
+    document.body.append(canvas);
+    const view = new ModelView(canvas);
+    view.setLattice(readLattice(Uint8Array.from(atob(base64), (c) => c.charCodeAt(0)).buffer));
+    view.pixels();
+    const times = [];
+    for (let i = 0; i < 40; i++) {
+      const start = performance.now();
+      view.setPsi(Math.PI * (1 - (0.5 * i) / 40));
+      view.pixels();
+      times.push(performance.now() - start);
+    }
+    view.dispose();
+    canvas.remove();
+    return times;
+  }, { base64: Buffer.from(staircaseBlob({ strips, steps, step: 1, strip: 1, margin: 5 })).toString('base64') });
+}
+
+const server = await Server.start({ devices: [{ id: 'sim:cameo3', time_scale: 5 }] });
+try {
+  const sizes = (() => {
+    try { return JSON.parse(readFileSync(new URL('../../daemon/web/dist/sizes.json', import.meta.url), 'utf8')); } catch { return null; }
+  })();
+  if (sizes) {
+    const sum = (list) => list.reduce((all, one) => all + one.gzip, 0) / 1000;
+    say('shell, gzip', sum(sizes.shell), 'kB', 50);
+    say('three and the model, gzip', sum(sizes.all.filter((one) => one.inputs.some((name) => name.includes('node_modules/three/')))), 'kB', 160);
+    say('all scripts, gzip', sum(sizes.all.filter((one) => one.path.endsWith('.js'))), 'kB', 260);
+  }
+  const browser = await openBrowser();
+  const paints = [];
+  for (let i = 0; i < 9; i++) {
+    const context = await browser.newContext();
+    const page = await context.newPage();
+    await page.goto(server.address);
+    paints.push(await page.evaluate(() => new Promise((done) => {
+      new PerformanceObserver((list) => done(list.getEntriesByName('first-contentful-paint')[0]?.startTime ?? 0)).observe({ type: 'paint', buffered: true });
+    })));
+    await context.close();
+  }
+  say('first view, 9 cold contexts, median', median(paints), 'ms', 1000);
+
+  for (const [units, slices, width] of [[10, 50, 2], [20, 100, 1]]) {
+    const { times, exact, tasks, pictures } = await dragging(server, revolution(units, slices, width));
+    const what = `${units * slices} units: `;
+    if (times.length > 0) say(`${what}input to picture, ${pictures} pictures, p95`, p95(times), 'ms', 100);
+    say(`${what}exact after rest`, exact, 'ms', 500);
+    say(`${what}longest task while dragging`, Math.max(0, ...tasks), 'ms', 50);
+  }
+
+  const { page, close } = await visit(server, { screen: { width: 1024, height: 768 } });
+  await page.route('**/page/bench-model.js', async (route) => route.fulfill({ contentType: 'text/javascript', body: await bundled('lattice.ts', 'model_view.ts') }));
+  say('deploying 10 000 panels, 40 poses', 1000 / median(await deploying(page, 50, 100)), 'fps', 30, true);
+  say('deploying 100 000 panels, 40 poses', 1000 / median(await deploying(page, 200, 250)), 'fps', 10, true);
+  await close();
+
+  const watch = await visit(server, {});
+  await watch.page.locator('.live-on').waitFor();
+  const seen = [];
+  for (let i = 0; i < 12; i++) {
+    const name = `seen-${i}`;
+    const shown = watch.page.evaluate((text) => new Promise((done) => {
+      const look = () => {
+        if (document.body.textContent.includes(text)) requestAnimationFrame(() => done(Date.now()));
+        else setTimeout(look, 4);
+      };
+      look();
+    }), name);
+    const { id } = await server.must('POST', '/v1/designs', ladder(3), { headers: { 'Content-Type': 'image/svg+xml' } });
+    await server.must('POST', '/v1/jobs', { design: id, name, device: 'sim:cameo3' }, { headers: { 'Idempotency-Key': crypto.randomUUID() } });
+    const told = Date.now();
+    seen.push(Math.max(0, (await shown) - told));
+  }
+  say('event to picture, p95', p95(seen), 'ms', 150);
+  await watch.close();
+
+  for (const job of (await server.must('GET', '/v1/queue')).items) {
+    await until(async () => (await server.job(job.id)).state === 'ready', 'planned');
+    await server.act(job.id, 'cancel');
+  }
+  const job = await server.queue(ladder(60), { name: 'pause' });
+  const machine = await visit(server, { hash: machineHash() });
+  await server.cut(job.id);
+  await machine.page.locator('.pause-big').waitFor();
+  const tap = await machine.page.evaluate(() => new Promise((done) => {
+    const send = window.fetch;
+    let pressed = 0;
+    addEventListener('pointerdown', () => { pressed = performance.now(); }, { capture: true, once: true });
+    window.fetch = (...asked) => {
+      if (String(asked[0]).includes('/actions/pause')) done(performance.now() - pressed);
+      return send(...asked);
+    };
+    setTimeout(() => document.querySelector('.pause-big').dispatchEvent(new PointerEvent('pointerdown', { bubbles: true, isPrimary: true, button: 0, pointerId: 1 })), 100);
+  }));
+  say('tap on Pause to request', tap, 'ms', 50);
+  await machine.close();
+} finally {
+  await closeBrowser();
+  await server.remove();
+}

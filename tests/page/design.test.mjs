@@ -1,0 +1,462 @@
+// Design in a real browser against a real popcutd.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { deflateSync } from 'node:zlib';
+import { closeBrowser, expectComplaints, ladder, picture, refused, Server, until, visit, wait } from './harness.mjs';
+import { bundled, sources } from './sources.mjs';
+
+const popcut = process.env.POPCUT ?? 'popcut';
+let server;
+
+before(async () => { server = await Server.start({ devices: [{ id: 'sim:cameo3', time_scale: 20 }] }); });
+after(async () => { await closeBrowser(); await server.remove(); });
+
+const link = (text) => deflateSync(text).toString('base64url');
+
+/** Waits until the exact design is shown. */
+async function exact(page) {
+  await page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 30_000 });
+}
+
+/** The design view with an example on the desk. */
+async function designing(example = 'sphere', options = {}) {
+  const visited = await visit(server, { hash: `#/design/example/${example}`, motion: 'reduce', ...options });
+  await visited.page.locator('.stage').waitFor();
+  await exact(visited.page);
+  return visited;
+}
+
+/** The spec on the desk, as its last step is kept. */
+const specOf = (page) => page.evaluate(() => {
+  const { steps, at } = JSON.parse(sessionStorage.getItem('popcut.design.steps'));
+  return JSON.parse(steps[at]);
+});
+
+/** Counts requests for previews: how many were ever in work at once, and what was asked for. */
+function watchPreviews(page) {
+  const seen = { most: 0, now: 0, asked: [] };
+  const of = (request) => request.url().endsWith('/v1/preview');
+  page.on('request', (request) => {
+    if (!of(request)) return;
+    seen.asked.push(JSON.parse(request.postData()));
+    seen.most = Math.max(seen.most, ++seen.now);
+  });
+  for (const end of ['requestfinished', 'requestfailed']) page.on(end, (request) => { if (of(request)) seen.now--; });
+  return seen;
+}
+
+test('one press on an example, one drag of its silhouette: a formula becomes points, and undo brings it back', async () => {
+  const { page, sent, complaints, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
+  await page.locator('.start-card:not(:disabled)').first().waitFor();
+  assert.equal(await page.locator('.start-card img').count(), 10);
+  await picture(page, 'design-start');
+  await page.locator('.start-card').first().click();
+  await exact(page);
+  const before = await specOf(page);
+  assert.equal(typeof before.surface.radius, 'string');
+  const handles = page.locator('.handle-radius');
+  await until(async () => await handles.count() >= 4, 'radii can be dragged');
+  const box = await handles.nth(3).boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  for (let i = 1; i <= 5; i++) await page.mouse.move(x, y - 4 * i);
+  await page.mouse.up();
+  await page.getByText(/The formula became \d+ points/).waitFor();
+  const dragged = await specOf(page);
+  const points = dragged.surface.radius.points;
+  const radius = (at) => Math.sqrt(70 ** 2 - (at - 45) ** 2);
+  points.forEach(([at, r], i) => {
+    if (at < 0 || at > 90) return; // beyond the last slices the target is not drawn
+    if (i === 3) assert.ok(r > radius(at) + 2, 'the dragged one is farther out');
+    else assert.ok(Math.abs(r - radius(at)) < 0.2, `${r} at ${at} is the formula's ${radius(at)}`);
+  });
+  await exact(page);
+  await picture(page, 'design-dragged');
+  await page.keyboard.press('Control+z');
+  assert.deepEqual(await specOf(page), before);
+  await exact(page);
+  assert.ok(sent.every((one) => ['/v1/preview', '/v1/session'].includes(one.path)), 'nothing is stored while one designs');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('handles are buttons: arrow keys move a radius by 1 mm, with Shift by 0.1 mm', async () => {
+  const { page, complaints, close } = await designing();
+  await page.locator('.handle-radius').nth(2).focus();
+  await page.keyboard.press('ArrowUp');
+  await exact(page);
+  const first = (await specOf(page)).surface.radius.points[2][1];
+  await page.keyboard.press('ArrowUp');
+  await page.keyboard.press('Shift+ArrowDown');
+  assert.ok(Math.abs((await specOf(page)).surface.radius.points[2][1] - first - 0.9) < 0.011);
+  await exact(page);
+  const count = (await specOf(page)).surface.radius.points.length;
+  await page.locator('.handle-radius').nth(2).focus();
+  await page.keyboard.press('Delete');
+  assert.equal((await specOf(page)).surface.radius.points.length, count - 1);
+  await page.locator('.handle-open').focus();
+  const before = await page.getByRole('slider', { name: 'Opening angle' }).inputValue();
+  await page.keyboard.press('ArrowUp');
+  assert.equal(Number(await page.getByRole('slider', { name: 'Opening angle' }).inputValue()), Number(before) + 5);
+  assert.match(await page.locator('.stage-canvas').first().getAttribute('aria-label'), /^sphere, \d+ panels, open to 95 degrees, largest error [\d.]+ mm$/);
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('while a slider moves, one preview is in work at most, and the last input wins', async () => {
+  const { page, complaints, close } = await designing();
+  expectComplaints(page, refused(409));
+  const seen = watchPreviews(page);
+  const units = page.getByLabel('Steps in a slice (N)');
+  await units.evaluate(async (input) => {
+    const set = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, 'value').set;
+    for (let i = 0; i < 40; i++) {
+      set.call(input, String(3 + (i % 8)));
+      input.dispatchEvent(new Event('input', { bubbles: true }));
+      await new Promise((done) => setTimeout(done, 12));
+    }
+    set.call(input, '4');
+    input.dispatchEvent(new Event('input', { bubbles: true }));
+    input.dispatchEvent(new Event('change', { bubbles: true }));
+  });
+  await until(async () => (await page.locator('.badge').textContent()) === 'exact' && seen.now === 0
+    && seen.asked.at(-1).quality === 'exact', 'the exact design is shown');
+  assert.ok(seen.most <= 1, `${seen.most} previews were in work at once`);
+  assert.ok(seen.asked.length < 41, 'some inputs were replaced while they waited');
+  assert.equal(seen.asked.at(-1).spec.units_per_slice, 4);
+  const levels = await page.locator('.places tbody tr').allTextContents();
+  assert.ok(levels.some((row) => /level 4/.test(row)) && !levels.some((row) => /level [6-9]/.test(row)), 'the last input is what is drawn');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('a preview that is too much ends by its limits, and the cut beside it never waits', async () => {
+  const job = await server.queue(ladder(60), { name: 'beside' });
+  await server.cut(job.id);
+  const heavy = { popcut: 1, surface: { type: 'revolution', radius: 'sqrt(400^2 - (y - 150)^2)' }, lattice: 'conformal', units_per_slice: 60, slices: 300, widths_mm: 1, min_panel_mm: 0.1 };
+  const start = Date.now();
+  const asked = server.ask('POST', '/v1/preview', { spec: heavy, quality: 'exact' }, { headers: { 'Preview-Key': 'a-test-of-limits-1' } });
+  await server.state(job.id, 'done', 60_000);
+  const answer = await asked;
+  assert.ok([422, 503].includes(answer.status), `it is refused: ${answer.status}`);
+  assert.ok(Date.now() - start < 60_000);
+  const light = await server.ask('POST', '/v1/preview', { spec: { popcut: 1, surface: { type: 'revolution', radius: '30' }, units_per_slice: 1, slices: 1, widths_mm: 30 }, quality: 'draft' }, { headers: { 'Preview-Key': 'a-test-of-limits-1' } });
+  assert.equal(light.status, 200, 'the next one is served');
+});
+
+test('what cannot be made: the last shape stays, greyed, the field is marked, the sentence is shown, undo mends it', async () => {
+  const { page, complaints, close } = await designing();
+  expectComplaints(page, refused(422));
+  const field = page.getByLabel('Designed opening angle');
+  await field.fill('170');
+  await field.press('Enter');
+  await page.locator('.impossible').waitFor();
+  assert.equal(await field.getAttribute('aria-invalid'), 'true');
+  assert.match(await page.locator('.impossible').textContent(), /150/);
+  assert.equal(await page.locator('.badge').textContent(), 'not possible');
+  assert.equal(await page.getByRole('button', { name: 'Share' }).isDisabled(), true);
+  await picture(page, 'design-impossible');
+  await page.getByRole('button', { name: 'Undo the change' }).click();
+  await exact(page);
+  assert.equal(await page.locator('.impossible').count(), 0);
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('a share link brings the same design and stores nothing; steps survive a reload', async () => {
+  const { page, complaints, close } = await designing('saddle');
+  for (let n = 6; n <= 9; n++) {
+    await page.getByLabel('Steps in a slice (N)').focus();
+    await page.keyboard.press('ArrowRight');
+  }
+  await exact(page);
+  const made = await specOf(page);
+  assert.equal(made.units_per_slice, 9);
+  await page.getByRole('button', { name: 'Share' }).click();
+  const address = await page.locator('.share-link').inputValue();
+  assert.match(address, /#\/design\/d=[A-Za-z0-9_-]+$/);
+  await page.getByRole('button', { name: 'Close' }).click();
+  await page.reload();
+  await page.getByRole('button', { name: 'Go on with your last design' }).click();
+  await exact(page);
+  assert.deepEqual(await specOf(page), made);
+  for (let n = 8; n >= 5; n--) {
+    await page.getByRole('button', { name: 'Undo', exact: true }).click();
+    assert.equal((await specOf(page)).units_per_slice, n);
+  }
+  for (let n = 6; n <= 9; n++) await page.getByRole('button', { name: 'Redo' }).click();
+  assert.deepEqual(await specOf(page), made);
+  assert.deepEqual(complaints, []);
+  await close();
+
+  const before = (await server.must('GET', '/v1/designs')).items.length;
+  const other = await visit(server, { hash: new URL(address).hash, motion: 'reduce' });
+  await exact(other.page);
+  assert.deepEqual(await specOf(other.page), made);
+  assert.ok(other.sent.every((one) => ['/v1/preview', '/v1/session'].includes(one.path)));
+  assert.equal((await server.must('GET', '/v1/designs')).items.length, before);
+  assert.deepEqual(other.complaints, []);
+  await other.close();
+});
+
+test('hostile links and names are text: nothing runs, nothing is sent, the page lives', async () => {
+  const evil = '<img src=x onerror="window.hurt=1"><script>window.hurt=1</script>';
+  const spec = { popcut: 1, name: evil, surface: { type: 'revolution', radius: '30' }, units_per_slice: 2, slices: 3, widths_mm: 10 };
+  const cases = [
+    ['d=' + 'A'.repeat(10_000), /more than a design may have/],
+    ['d=' + link(JSON.stringify({ ...spec, note: ' '.repeat(50_000_000) })).slice(0, 7000), /does not hold a design|more than a design may have/],
+    ['d=' + link(JSON.stringify({ ...spec, x: ' '.repeat(2_000_000) })), /more than a design may have/],
+    ['d=%00%ff<svg/onload=alert(1)>', /does not hold a design/],
+    ['d=' + link('{"popcut": 1, "surface": {"type": "mesh", "file": "../../etc/passwd"}}'), /names a file/],
+    ['d=' + link('[]'), /not a spec/],
+  ];
+  const { page, sent, complaints, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
+  expectComplaints(page, refused(422), refused(404));
+  for (const [rest, sentence] of cases) {
+    await page.evaluate((to) => { location.hash = to; }, `#/design/${rest}`);
+    await page.getByText(sentence).waitFor();
+    await page.getByRole('button', { name: 'Close' }).click();
+  }
+  assert.deepEqual(sent.filter((one) => one.path !== '/v1/session'), [], 'no link sends anything');
+  await page.evaluate((to) => { location.hash = to; }, `#/design/d=${link(JSON.stringify(spec))}`);
+  await exact(page);
+  assert.equal(await page.locator('.design-name').inputValue(), evil);
+  assert.match(await page.locator('.stage-canvas').first().getAttribute('aria-label'), /^<img src=x/);
+  await page.evaluate((to) => { location.hash = to; }, `#/design/d=${link(JSON.stringify({ ...spec, units_per_slice: 1_000_000, slices: 1_000_000 }))}`);
+  await page.locator('.impossible').waitFor();
+  assert.equal(await page.evaluate(() => window.hurt), undefined);
+  assert.deepEqual(sent.filter((one) => !['/v1/session', '/v1/preview'].includes(one.path)), []);
+  await page.getByRole('link', { name: 'Now', exact: true }).click();
+  await page.locator('.now').waitFor();
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('a drawn line is enough to begin', async () => {
+  const { page, complaints, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
+  const pad = page.getByRole('group', { name: 'Seen from above' });
+  await pad.scrollIntoViewIfNeeded();
+  const box = await pad.boundingBox();
+  await page.mouse.move(box.x + box.width * 0.1, box.y + box.height * 0.3);
+  await page.mouse.down();
+  for (let i = 0; i <= 20; i++) await page.mouse.move(box.x + box.width * (0.1 + 0.04 * i), box.y + box.height * (0.3 + 0.015 * i));
+  await page.mouse.up();
+  await page.locator('.pad', { hasText: 'Seen from above' }).getByRole('button', { name: 'Use this shape' }).click();
+  await exact(page);
+  const radii = (await specOf(page)).surface.radius.points.map(([, r]) => r);
+  for (let i = 1; i < radii.length; i++) assert.ok(radii[i] > radii[i - 1], 'the line that was drawn rises');
+  await page.getByRole('button', { name: 'Examples' }).click();
+  await page.locator('.pad', { hasText: 'Seen from the side' }).getByRole('button', { name: 'Use this shape' }).click();
+  await exact(page);
+  assert.equal((await specOf(page)).surface.type, 'profile');
+  await page.getByRole('button', { name: 'Examples' }).click();
+  await page.locator('.pad', { hasText: 'As a landscape' }).getByRole('button', { name: 'Use this shape' }).click();
+  await exact(page);
+  assert.equal((await specOf(page)).surface.type, 'grid');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('every vertex that is drawn lies where the FOLD file has it, at three openings', async () => {
+  const folder = mkdtempSync(join(tmpdir(), 'popcut-fold-'));
+  try {
+    const { readLattice } = await sources('lattice.ts');
+    const { page, complaints, close } = await visit(server, {});
+    await page.route('**/page/test-model.js', async (route) => route.fulfill({ contentType: 'text/javascript', body: await bundled('lattice.ts', 'model_view.ts') }));
+    await page.route('**/page/test-places.js', (route) => route.fulfill({ contentType: 'text/javascript', path: new URL('fixtures/drawn_places.mjs', import.meta.url).pathname }));
+    for (const example of ['sphere', 'facade', 'composite']) {
+      const file = join(folder, `${example}.json`);
+      writeFileSync(file, execFileSync(popcut, ['design', '--example', example]));
+      execFileSync(popcut, ['design', file, '-o', join(folder, example), '--formats', 'fold']);
+      const fold = JSON.parse(readFileSync(join(folder, example, 'pattern.fold'), 'utf8'));
+      const poses = fold.file_frames.filter((frame) => /deployed to psi/.test(frame.frame_title))
+        .map((frame) => ({ psi: Number(/psi = ([\d.]+)/.exec(frame.frame_title)[1]), places: frame.vertices_coords }));
+      assert.ok(poses.length >= 3);
+      const { id } = await server.must('POST', '/v1/designs', readFileSync(file, 'utf8'));
+      const { token } = await server.token('viewer', `${example}-reader`);
+      const bytes = Buffer.from(await (await fetch(`${server.address}/v1/designs/${id}/lattice`, { headers: { Authorization: `Bearer ${token}` } })).arrayBuffer());
+      const drawn = await page.evaluate(async ({ base64, psis }) => {
+        const { readLattice: reader, ModelView, modelVertexShader } = await import('/page/test-model.js');
+        const { drawnPlaces } = await import('/page/test-places.js');
+        const lattice = reader(Uint8Array.from(atob(base64), (c) => c.charCodeAt(0)).buffer);
+        const canvas = document.createElement('canvas');
+        document.body.append(canvas);
+        const view = new ModelView(canvas);
+        view.setLattice(lattice);
+        const all = psis.map((psi) => {
+          view.setPsi(psi);
+          return drawnPlaces(view, modelVertexShader);
+        });
+        view.dispose();
+        canvas.remove();
+        return all;
+      }, { base64: bytes.toString('base64'), psis: poses.slice(0, 3).map((pose) => pose.psi) });
+      const lattice = readLattice(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength));
+      const key = (place) => place.map((value) => Math.round(value / 0.004)).join();
+      const at = (fold_vertex) => poses.slice(0, 3).map((pose) => pose.places[fold_vertex]);
+      const near = new Map();
+      fold.vertices_coords.forEach((_, i) => {
+        const k = key(at(i)[1].map((value) => value));
+        near.set(k, [...(near.get(k) ?? []), i]);
+      });
+      const seen = new Set();
+      const corners = lattice.triangles.length;
+      assert.equal(drawn[0].length, 3 * corners);
+      for (let c = 0; c < corners; c++) {
+        const here = drawn.map((places) => places.slice(3 * c, 3 * c + 3));
+        // Float32 of some 100 mm: 2e-5; the grid of `key` is looked at with its neighbours.
+        const found = neighbours(key(here[1])).flatMap((k) => near.get(k) ?? [])
+          .filter((i) => at(i).every((place, pose) => place.every((value, axis) => Math.abs(value - here[pose][axis]) < 1e-3)));
+        assert.ok(found.length > 0, `${example}: corner ${c} at ${here[1]} is no vertex of the FOLD file`);
+        for (const i of found) seen.add(i);
+      }
+      assert.equal(seen.size, fold.vertices_coords.length, `${example}: every vertex of the file is drawn`);
+    }
+    assert.deepEqual(complaints, []);
+    await close();
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
+});
+
+function neighbours(key) {
+  const [x, y, z] = key.split(',').map(Number);
+  const out = [];
+  for (const dx of [-1, 0, 1]) for (const dy of [-1, 0, 1]) for (const dz of [-1, 0, 1]) out.push([x + dx, y + dy, z + dz].join());
+  return out;
+}
+
+/** How many different colours a canvas shows. */
+const colours = (page, selector) => page.locator(selector).screenshot().then(async (png) => page.evaluate(async (base64) => {
+  const image = await createImageBitmap(new Blob([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], { type: 'image/png' }));
+  const canvas = new OffscreenCanvas(image.width, image.height);
+  const context = canvas.getContext('2d');
+  context.drawImage(image, 0, 0);
+  return new Set(new Uint32Array(context.getImageData(0, 0, image.width, image.height).data.buffer)).size;
+}, png.toString('base64')));
+
+test('without WebGL the opened card is painted, and again when the slider stops', async () => {
+  const visited = await visit(server, { motion: 'reduce' });
+  const { page, complaints, close } = visited;
+  await page.addInitScript(() => {
+    const get = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return /webgl/.test(kind) ? null : get.call(this, kind, ...more); };
+  });
+  await page.reload();
+  await page.locator('.bar-person').waitFor();
+  await page.evaluate(() => { location.hash = '#/design/example/sphere'; });
+  await exact(page);
+  await page.getByText('This browser cannot draw in three dimensions.', { exact: false }).waitFor();
+  await until(() => page.locator('.stage-paper[data-drawn="90"]').count(), 'it is painted');
+  assert.ok(await colours(page, '.stage-paper') > 20);
+  await page.getByRole('slider', { name: 'Opening angle' }).fill('140');
+  await until(() => page.locator('.stage-paper[data-drawn="140"]').count(), 'it is painted again');
+  await picture(page, 'design-no-webgl');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('after a lost context the picture comes again by itself', async () => {
+  const { page, complaints, close } = await designing();
+  expectComplaints(page, /Context Lost|Context Restored|WebGL/i);
+  await page.evaluate(() => {
+    const gl = document.querySelector('.stage-canvas').getContext('webgl2');
+    window.lose = gl.getExtension('WEBGL_lose_context');
+    window.lose.loseContext();
+  });
+  await page.locator('.stage-paper').waitFor();
+  await until(() => page.locator('.stage-paper[data-drawn]').count(), 'the card is painted meanwhile');
+  await page.evaluate(() => window.lose.restoreContext());
+  await until(async () => await page.locator('.stage-paper').count() === 0, 'the model is back');
+  await wait(500);
+  assert.ok(await colours(page, '.stage-canvas') > 20);
+  await page.getByRole('slider', { name: 'Opening angle' }).fill('120');
+  await exact(page);
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('files of the exact design and a picture of it are saved', async () => {
+  const { page, complaints, close } = await designing('unit');
+  const saved = async (name) => {
+    const download = page.waitForEvent('download');
+    await page.getByRole('button', { name, exact: true }).click();
+    const one = await download;
+    return [one.suggestedFilename(), readFileSync(await one.path())];
+  };
+  await page.getByRole('button', { name: 'Export' }).click();
+  const [svgName, svg] = await saved('Pattern to look at (SVG)');
+  assert.equal(svgName, 'unit-pattern.svg');
+  assert.match(svg.toString(), /^<\?xml[^]*<svg /);
+  const [, fold] = await saved('Pattern, flat and in poses (FOLD)');
+  assert.equal(JSON.parse(fold).file_title, 'unit');
+  const [pngName, png] = await saved('Picture as you see it (PNG)');
+  assert.equal(pngName, 'unit.png');
+  assert.deepEqual([...png.subarray(1, 4)], [...Buffer.from('PNG')]);
+  await page.getByRole('button', { name: 'Close' }).click();
+  const download = page.waitForEvent('download');
+  await page.getByRole('button', { name: 'Save' }).click();
+  assert.deepEqual(JSON.parse(readFileSync(await (await download).path(), 'utf8')), await specOf(page));
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('what is lit in one place is lit everywhere', async () => {
+  const { page, complaints, close } = await designing();
+  await page.locator('.places summary').click();
+  await page.getByRole('button', { name: 'slice 3', exact: true }).focus();
+  assert.match(await page.locator('.stage-lit').textContent(), /^slice 3/);
+  assert.equal(await page.locator('.places .row-lit').count(), 1);
+  await page.getByRole('button', { name: 'slice 3', exact: true }).click();
+  assert.equal(await page.getByLabel('Width of slice 3').inputValue(), '10');
+  await page.getByLabel('Width of slice 3').fill('12');
+  await page.getByLabel('Width of slice 3').press('Enter');
+  assert.deepEqual((await specOf(page)).widths_mm, [10, 10, 12, 10, 10, 10, 10, 10, 10, 10]);
+  await exact(page);
+  const canvas = await page.locator('.stage-canvas').first().boundingBox();
+  for (let i = 0; i < 12; i++) {
+    await page.mouse.move(canvas.x + canvas.width * (0.3 + 0.03 * i), canvas.y + canvas.height * 0.55);
+    await wait(60);
+    if (/slice \d+, level \d+/.test(await page.locator('.stage-lit').textContent())) break;
+  }
+  assert.match(await page.locator('.stage-lit').textContent(), /slice \d+, level \d+/, 'what is under the pointer is said');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('a pattern from a file is shown as it lies, and what was judged of it', async () => {
+  const { page, complaints, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
+  await page.locator('.start-card').first().waitFor();
+  await page.locator('input[type=file]').setInputFiles({ name: 'ladder.svg', mimeType: 'image/svg+xml', buffer: Buffer.from(ladder(6)) });
+  await page.getByText('This is a pattern from a file.', { exact: false }).waitFor();
+  await picture(page, 'design-foreign');
+  await page.locator('input[type=file]').setInputFiles({ name: 'virus.exe', mimeType: 'application/octet-stream', buffer: Buffer.from('MZ') });
+  await page.getByText(/"virus.exe" is none of them/).waitFor();
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('pictures of the design in both themes and on a phone; nothing shifts', async () => {
+  for (const [name, options] of [['light', {}], ['dark', { theme: 'dark' }], ['phone', { screen: 'phone' }]]) {
+    const { page, complaints, close } = await designing('sphere', options);
+    await page.locator('.segment', { hasText: 'error' }).click();
+    await wait(1500);
+    await picture(page, `design-${name}`);
+    const shift = await page.evaluate(() => new Promise((done) => {
+      let sum = 0;
+      new PerformanceObserver((list) => { for (const one of list.getEntries()) if (!one.hadRecentInput) sum += one.value; })
+        .observe({ type: 'layout-shift', buffered: true });
+      setTimeout(() => done(sum), 200);
+    }));
+    assert.ok(shift < 0.1, `${name}: layout shifts by ${shift}`);
+    const overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    assert.ok(overflow <= 0, `${name}: ${overflow} px too wide`);
+    assert.deepEqual(complaints, []);
+    await close();
+  }
+});

@@ -1,0 +1,305 @@
+// popcutd with simulated cutters, and a browser that looks at its page.
+import { spawn } from 'node:child_process';
+import { once } from 'node:events';
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { request as httpRequest } from 'node:http';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { setTimeout as wait } from 'node:timers/promises';
+import { chromium } from 'playwright-core';
+
+export { wait };
+
+const popcutdProgram = process.env.POPCUTD ?? 'popcutd';
+const pictures = process.env.POPCUT_PAGE_SCREENSHOTS ?? join(tmpdir(), 'popcut-page');
+const chromiumProgram = process.env.CHROMIUM ?? '/usr/bin/chromium';
+const chromiumFlags = ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
+  '--disable-component-update', '--disable-sync', '--use-gl=angle', '--use-angle=swiftshader',
+  '--enable-unsafe-swiftshader'];
+
+/** Waits until `what()` is true or gives a value; fails after `limit_ms` with `sentence`. */
+export async function until(what, sentence, limit_ms = 15_000) {
+  const end = Date.now() + limit_ms;
+  for (;;) {
+    const value = await what();
+    if (value) return value;
+    if (Date.now() > end) throw new Error(`not within ${limit_ms} ms: ${sentence}`);
+    await wait(40);
+  }
+}
+
+/** A drawing of `lines` strokes on A6, as SVG: enough to cut for a while. */
+export function ladder(lines = 40) {
+  const rungs = Array.from({ length: lines }, (_, i) => `M10 ${10 + i * 2}H90`).join('');
+  return `<svg xmlns="http://www.w3.org/2000/svg" width="105mm" height="148mm" viewBox="0 0 105 148">`
+    + `<path fill="none" stroke="#000" d="${rungs}"/></svg>`;
+}
+
+/** A spec of one strip, the smallest card. */
+export const unitSpec = {
+  popcut: 1, name: 'unit', surface: { type: 'revolution', radius: '30' }, units_per_slice: 1, slices: 1, widths_mm: 30,
+};
+
+/** A popcutd of its own: state, socket and port are new. */
+export class Server {
+  static async start({ devices = [{ id: 'sim:cameo3', time_scale: 20 }], config = '' } = {}) {
+    const server = new Server();
+    server.folder = mkdtempSync(join(tmpdir(), 'popcut-page-'));
+    server.config = join(server.folder, 'popcutd.toml');
+    const tables = devices.map((device) => {
+      const { faults, ...rest } = device;
+      if (faults) {
+        rest.faults = join(server.folder, `faults-${rest.id.replace(/\W/g, '-')}.json`);
+        writeFileSync(rest.faults, JSON.stringify({ popcut: 1, faults }));
+      }
+      return '[[device]]\n' + Object.entries(rest).map(([key, value]) => `${key} = ${JSON.stringify(value)}`).join('\n');
+    });
+    writeFileSync(server.config, `${config}\n${tables.join('\n')}\n[limits]\nrate_per_s = 1000\nrate_burst = 1000\n`);
+    await server.run('127.0.0.1:0');
+    return server;
+  }
+
+  /** Starts the program at `address`; a port 0 is any free one. */
+  async run(address) {
+    this.log = '';
+    this.program = spawn(popcutdProgram, ['--config', this.config, '--state', join(this.folder, 'state'), '--socket',
+      join(this.folder, 'socket'), '--listen', address], { stdio: ['ignore', 'pipe', 'pipe'] });
+    this.ended = once(this.program, 'exit');
+    for (const pipe of [this.program.stdout, this.program.stderr]) pipe.on('data', (text) => { this.log += text; });
+    let failure = null;
+    this.program.on('error', (error) => { failure = error; });
+    const port = await until(() => {
+      if (failure || this.program.exitCode !== null) throw new Error(`${popcutdProgram}: ${failure?.message ?? this.log}`);
+      return /serving at 127\.0\.0\.1:(\d+)/.exec(this.log)?.[1];
+    }, 'popcutd serves');
+    this.port = Number(port);
+    this.address = `http://127.0.0.1:${this.port}`;
+  }
+
+  async stop() {
+    if (this.program.exitCode === null && this.program.signalCode === null) {
+      this.program.kill('SIGCONT');
+      this.program.kill('SIGTERM');
+    }
+    await this.ended;
+  }
+
+  /** Ends popcutd at once, as a crash does; run() starts it again. */
+  async kill() {
+    this.program.kill('SIGKILL');
+    await this.ended;
+  }
+
+  async remove() {
+    await this.stop();
+    rmSync(this.folder, { recursive: true, force: true });
+  }
+
+  /** A request as an admin over the unix socket, or with `token` over TCP. Answers {status, body, headers}. */
+  ask(method, path, body, { token, headers = {} } = {}) {
+    const text = body === undefined ? undefined : typeof body === 'string' ? body : JSON.stringify(body);
+    const where = token ? { host: '127.0.0.1', port: this.port } : { socketPath: join(this.folder, 'socket') };
+    return new Promise((done, failed) => {
+      const one = httpRequest({ ...where, method, path, headers: {
+        Host: `127.0.0.1:${this.port}`,
+        ...(text === undefined ? {} : { 'Content-Type': 'application/json', 'Content-Length': Buffer.byteLength(text) }),
+        ...(token ? { Authorization: `Bearer ${token}` } : {}), ...headers,
+      } }, (answer) => {
+        let all = '';
+        answer.setEncoding('utf8');
+        answer.on('data', (part) => { all += part; });
+        answer.on('end', () => {
+          let parsed = all;
+          try { parsed = JSON.parse(all); } catch { /* not JSON */ }
+          done({ status: answer.statusCode, body: parsed, headers: answer.headers });
+        });
+      });
+      one.on('error', failed);
+      one.end(text);
+    });
+  }
+
+  /** As ask(), for what must work: fails with the answer if it does not. */
+  async must(method, path, body, more) {
+    const answer = await this.ask(method, path, body, more);
+    if (answer.status >= 300) throw new Error(`${method} ${path}: ${answer.status} ${JSON.stringify(answer.body)}`);
+    return answer.body;
+  }
+
+  /** A new token with `role`: {id, token}. */
+  token(role, name = role) {
+    return this.must('POST', '/v1/tokens', { role, name });
+  }
+
+  /** The address that signs a browser in, once. */
+  async link(role, name) {
+    const { token } = await this.token(role, name);
+    const { one_shot } = await this.must('POST', '/v1/session/one-shot', {}, { token });
+    return `${this.address}/#t=${encodeURIComponent(one_shot)}`;
+  }
+
+  /** Uploads a design (a spec as an object, or an SVG) and queues it. Answers the job when it is ready. */
+  async queue(design, { name, device = 'sim:cameo3', ...more } = {}) {
+    const { id } = await this.must('POST', '/v1/designs', typeof design === 'string' ? design : JSON.stringify(design),
+      typeof design === 'string' ? { headers: { 'Content-Type': 'image/svg+xml' } } : {});
+    const job = await this.must('POST', '/v1/jobs', { design: id, name: name ?? 'ladder', device, ...more },
+      { headers: { 'Idempotency-Key': crypto.randomUUID() } });
+    return await this.state(job.id, 'ready', 60_000);
+  }
+
+  job(id) { return this.must('GET', `/v1/jobs/${id}`); }
+
+  /** Waits until the job is in one of the `states`. */
+  state(id, states, limit_ms = 20_000) {
+    return until(async () => {
+      const job = await this.job(id);
+      return [states].flat().includes(job.state) && job;
+    }, `job is ${states}`, limit_ms);
+  }
+
+  /** An action of a job as it is now. */
+  async act(id, action, body = {}) {
+    const { rev } = await this.job(id);
+    return this.must('POST', `/v1/jobs/${id}/actions/${action}`, body,
+      { headers: { 'Idempotency-Key': crypto.randomUUID(), 'If-Match': `"${rev}"` } });
+  }
+
+  /** Arms and starts the current sheet. */
+  async cut(id) {
+    const job = await this.job(id);
+    await this.act(id, 'arm', { sheet: job.sheet, ...(job.unaccepted_warnings.length > 0
+      ? { accept_warnings: job.unaccepted_warnings } : {}) });
+    await this.act(id, 'start');
+    return this.state(id, ['cutting', 'paused', 'interrupted', 'done']);
+  }
+
+  /** How often the knife was started: attempts of all sheets of a job. */
+  async attempts(id) {
+    const { sheet } = await this.job(id);
+    const ledger = await this.ask('GET', `/v1/jobs/${id}/sheets/${sheet ?? 1}/ledger`);
+    return ledger.status === 200 ? ledger.body.attempts.length : 0;
+  }
+}
+
+let browser = null;
+
+/** The browser of this test file. */
+export async function openBrowser() {
+  browser ??= await chromium.launch({ executablePath: chromiumProgram, args: chromiumFlags });
+  return browser;
+}
+
+export async function closeBrowser() {
+  await browser?.close();
+  browser = null;
+}
+
+export const screens = {
+  phone: { width: 390, height: 844, touch: true },
+  tablet: { width: 1024, height: 768, touch: true },
+  desktop: { width: 1440, height: 900, touch: false },
+};
+
+/**
+ * A browser of its own, signed in with `role` and at `hash`. Everything that went wrong in it is in `complaints`:
+ * what the console said, errors, refused content. `sent` lists its requests that change something.
+ */
+export async function visit(server, { role = 'operator', name, hash = '', screen = 'desktop', theme = 'light', beside = 'sim:cameo3',
+  language, signIn = true, motion = 'no-preference' } = {}) {
+  const { width, height, touch } = screens[screen] ?? screen;
+  const context = await (await openBrowser()).newContext({
+    viewport: { width, height }, hasTouch: touch, colorScheme: theme, reducedMotion: motion, locale: 'en-GB',
+    baseURL: pageAddress(server),
+  });
+  const page = await context.newPage();
+  const complaints = [];
+  const sent = [];
+  page.on('console', (message) => {
+    const text = message.text();
+    if (!expectedOf(page).some((pattern) => pattern.test(text))) complaints.push(`console: ${text} ${message.location().url}`);
+  });
+  page.on('pageerror', (error) => complaints.push(`error: ${error.stack ?? error.message}`));
+  page.on('request', (request) => {
+    if (request.method() !== 'GET') sent.push({ method: request.method(), path: new URL(request.url()).pathname,
+      headers: request.headers(), body: request.postData() });
+  });
+  await page.addInitScript(({ beside: stands, language: words }) => {
+    document.addEventListener('securitypolicyviolation', (event) => {
+      console.error(`policy: ${event.violatedDirective} ${event.blockedURI} ${event.sample}`);
+    });
+    if (location.protocol !== 'http:' || localStorage.getItem('test.set')) return;
+    localStorage.setItem('test.set', '1');
+    if (stands) localStorage.setItem('popcut.beside', stands);
+    if (words) localStorage.setItem('popcut.language', words);
+  }, { beside, language });
+  if (signIn) {
+    const link = await server.link(role, name);
+    await page.goto(link.replace(server.address, pageAddress(server)));
+    await page.locator('.bar-person').waitFor();
+    if (hash) await page.evaluate((to) => { location.hash = to; }, hash);
+  } else {
+    await page.goto(`${pageAddress(server)}/${hash}`);
+  }
+  return { page, context, complaints, sent, acts: (action) => sent.filter((one) => one.path.endsWith(`/actions/${action}`)),
+    close: () => context.close() };
+}
+
+const expected = new WeakMap();
+const expectedOf = (page) => expected.get(page) ?? [];
+
+/** What the console of `page` may say from now on: a refused request is logged by the browser itself. */
+export function expectComplaints(page, ...patterns) {
+  expected.set(page, [...expectedOf(page), ...patterns]);
+}
+
+export const refused = (status) => new RegExp(`Failed to load resource: the server responded with a status of ${status}`);
+export const unreachable = /Failed to load resource: net::ERR_/;
+
+function pageAddress(server) {
+  return server.pageAddress ?? server.address;
+}
+
+/** The three ticks. */
+export async function tickAll(page) {
+  for (const tick of await page.locator('.machine-act .ticks input[type=checkbox]').all()) await tick.check();
+}
+
+/** Holds the pointer on START (or GO ON) for `ms`; without, until the ring is full. */
+export async function hold(page, ms) {
+  const box = await page.locator('.hold').boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  if (ms === undefined) {
+    await page.locator('.hold-on').waitFor();
+    await page.locator('.hold-on').waitFor({ state: 'detached' });
+  } else {
+    await wait(ms);
+  }
+  await page.mouse.up();
+}
+
+/** Three ticks, Arm; waits until START can be held. */
+export async function armHere(page) {
+  await page.locator('.arm').waitFor();
+  for (const accept of await page.locator('.warning input').all()) await accept.check();
+  await tickAll(page);
+  await page.locator('.arm').click();
+  await page.locator('.hold:enabled').waitFor();
+}
+
+export function machineHash(device = 'sim:cameo3') {
+  return `#/at/${encodeURIComponent(device)}`;
+}
+
+/** Keeps what a view looks like, for people. */
+export async function picture(page, name) {
+  mkdirSync(pictures, { recursive: true });
+  await page.screenshot({ path: join(pictures, `${name}.png`) });
+}
+
+/** The text of axe-core, to be run in a page. */
+export function axeSource() {
+  const path = new URL('node_modules/axe-core/axe.min.js', import.meta.url);
+  if (!existsSync(path)) throw new Error('axe-core is not installed: run npm ci in tests/page');
+  return readFileSync(path, 'utf8');
+}
