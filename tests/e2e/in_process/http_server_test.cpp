@@ -82,7 +82,7 @@ TEST_CASE("each route lets in the roles of its row and no other", "[daemon][http
   LiveServer server;
   for (const http::Route& route : http::routes()) {
     std::string path(route.path);
-    for (const std::string_view hole : {"{id}", "{k}"})
+    for (const std::string_view hole : {"{id}", "{k}", "{name}", "{file}"})
       for (std::size_t at = path.find(hole); at != std::string::npos; at = path.find(hole))
         path.replace(at, hole.size(), "1");
     const std::string_view method = http::name_of(route.method);
