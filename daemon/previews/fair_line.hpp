@@ -12,8 +12,8 @@
 namespace popcut::daemon {
 
 /// Who waits for a worker, and whose turn it is. Principals take turns, however much each of them
-/// asks for; what one of them asks for comes in its order. Something newer of the same principal and
-/// key takes the place of what waits. Not for several threads at once.
+/// asks for; what one of them asks for comes in its order. Something newer of the same principal
+/// and key takes the place of what waits. Not for several threads at once.
 class FairLine {
  public:
   /// @param most  that wait in all
