@@ -213,7 +213,7 @@ CREATE TABLE calendar(
 )sql";
 
 // What a program's bytes are for is protected like the bytes. Plans of before are not trusted: what
-// they say now may not be what was planned. They lose their key, so that the same is planned anew.
+// they say now may not be what was planned. They lose their key, so that the same is planned again.
 constexpr std::string_view kVersion3 = R"sql(
 ALTER TABLE plan_sheet ADD COLUMN index_sha256 TEXT NOT NULL DEFAULT ''
   CHECK(length(index_sha256) IN (0, 64));
@@ -268,7 +268,7 @@ UPDATE job SET warnings = (SELECT plan.warnings FROM plan WHERE plan.id = job.pl
 )sql";
 
 // Plans have a file of their strokes, for those who draw them. Those of before lose their key, so
-// that the same is planned anew. Sessions of tablets have a name, and may do less than their root.
+// that the same is planned again. Sessions of tablets have a name, and may do less than their root.
 constexpr std::string_view kVersion6 = R"sql(
 ALTER TABLE session ADD COLUMN name TEXT NOT NULL DEFAULT '';
 ALTER TABLE session ADD COLUMN most TEXT NOT NULL DEFAULT ''

@@ -16,7 +16,7 @@ struct StartedPopcutd {
 
 /// Starts popcutd in the background, in a session of its own, as `popcutd` without arguments would
 /// run: the one that lies beside this program, else the one in PATH. Its log is
-/// `popcutd.log` in the user's state folder; one of more than 1 MB begins anew.
+/// `popcutd.log` in the user's state folder; one of more than 1 MB is emptied first.
 ///
 /// @retval Unwritable  there is no folder for the log, or it cannot be written
 /// @retval Refused     there is no popcutd to be found

@@ -84,7 +84,7 @@ struct Route {
   /// rates. Its handler must not touch the service.
   bool is_static{false};
   Bucket bucket{Bucket::Usual};
-  /// What it has begun is told when its client goes (`Request::departure`).
+  /// The handler learns when its client goes, and ends what it began (`Request::departure`).
   bool ends_with_client{false};
   Guess guess{Guess::None};
 };

@@ -389,7 +389,7 @@ void CutDispatcher::progressed(Cut& cut, const SessionProgress& progress) {
   tell_progress(cut, *shown_row);
 }
 
-// A cutter that says nothing for a while is told of all the same: whoever watches sees that the
+// A cutter that says nothing for a while still gets its events: whoever watches sees that the
 // line is alive.
 void CutDispatcher::tell_again() {
   const std::int64_t now = parts_.store.monotonic();

@@ -444,7 +444,7 @@ export function ColourChoice() {
   );
 }
 
-/** Painted in 2D, for browsers without WebGL: drawn anew when the slider rests. */
+/** Painted in 2D, for browsers without WebGL: drawn again when the slider rests. */
 function PaperStage({ why }: { why: string }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   useEffect(() => {
