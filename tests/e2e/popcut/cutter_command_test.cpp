@@ -187,21 +187,24 @@ TEST_CASE("after the tool went round the sheet a person can move the drawing", "
       popcut_program(),
       {"cut", kSphere, "--direct", "--frame", "--at", "1,2", "--device", "sim:cameo3", "-o", "cut"},
       folder);
-  REQUIRE(popcut.shows("press Enter"));
-  popcut.type("\n");
+  std::string all;
+  const auto answers = [&](const std::string& asked, const std::string& words) {
+    const bool shown = popcut.shows(asked);
+    all += popcut.shown;
+    popcut.shown.clear();  // the same question comes again
+    INFO(all);
+    REQUIRE(shown);
+    popcut.type(words + "\n");
+  };
+  answers("press Enter", "");
   REQUIRE(popcut.shows("mm at 1.0, 2.0, up"));
-  REQUIRE(popcut.shows("or X,Y"));
-  popcut.type("500,0\n");  // off the mat
+  answers("or X,Y", "500,0");  // off the mat
   REQUIRE(popcut.shows("it stays at 1,2"));
-  REQUIRE(popcut.shows("press Enter"));
-  popcut.type("\n");
-  REQUIRE(popcut.shows("or X,Y"));
-  popcut.type("10,-0.5\n");
-  REQUIRE(popcut.shows("press Enter"));
-  popcut.type("\n");
+  answers("press Enter", "");
+  answers("or X,Y", "10,-0.5");
+  answers("press Enter", "");
   REQUIRE(popcut.shows("mm at 11.0, 1.5, up"));
-  REQUIRE(popcut.shows("or X,Y"));
-  popcut.type("y\n");
+  answers("or X,Y", "y");
   const int exit = popcut.ended();
   INFO(popcut.shown);
   CHECK(exit == 0);
