@@ -134,7 +134,7 @@ TEST_CASE("an event that is heard as it happens comes with the job or the device
                 }).contains("whole"));
   for (const char* odd : {R"("device":"gone")", R"("device":7)", R"("x":1)"})
     CHECK_FALSE(heard([&](FakeService& fake) { fake.tell("device", "", odd); }).contains("whole"));
-  // What was missed is told as it was stored.
+  // Missed events come as they were stored.
   RawConnection later = server.connect();
   open_stream(server, later, "Last-Event-ID: 0\r\n");
   const std::string missed = later.receive_until("id: 7\n");

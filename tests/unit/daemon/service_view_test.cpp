@@ -117,7 +117,7 @@ TEST_CASE("a job tells which strokes are probably cut", "[daemon][service][view]
   CHECK(torn.progress.paths_done == torn.progress.paths_certain);
 }
 
-TEST_CASE("while a sheet is cut its progress is told every two seconds at least",
+TEST_CASE("while a sheet is cut popcutd sends its progress at least every two seconds",
           "[daemon][service][view]") {
   Heard bench;
   const Job ready = bench.ready_job();
@@ -151,7 +151,7 @@ TEST_CASE("while a sheet is cut its progress is told every two seconds at least"
   CHECK(bench.told.empty());
 }
 
-TEST_CASE("a test cut is told from other jobs, and a brief answer has no ways",
+TEST_CASE("a job says whether it is a test cut, and a brief answer has no ways",
           "[daemon][service][view]") {
   Heard bench;
   const Job ready = bench.ready_job();
