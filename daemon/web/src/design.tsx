@@ -8,10 +8,10 @@ import { shownModel, Stage } from './design_stage';
 import { Start } from './design_start';
 import { LatticeError } from './lattice';
 import { Button, Dialog, Trouble } from './parts';
-import { go, sheetsOf } from './route';
+import { go, parseRoute, route, sheetsOf } from './route';
 import { isProblem, read, readBlob, saveAs, send, ServerProblem } from './server';
 import { fromShare, isSpec, nameOf, parseSpec, shareText, SpecError, withField, type Spec } from './spec';
-import { devices, may, meta } from './store';
+import { devices, may, meta, stale } from './store';
 import { designWords as words } from './words_design';
 
 const rad = (degrees: number): number => (degrees * Math.PI) / 180;
@@ -49,6 +49,7 @@ async function specOfModel(file: File, type: string): Promise<Spec> {
 }
 
 async function openFile(file: File, tell: (text: string | null) => void): Promise<Said> {
+  const wanted = desk.opening();
   const ending = /\.([^.]+)$/.exec(file.name)?.[1]?.toLowerCase() ?? '';
   const limits = meta.value?.limits as Record<string, number> | undefined;
   const most = kModels[ending] ? limits?.asset_bytes : limits?.design_bytes;
@@ -58,7 +59,7 @@ async function openFile(file: File, tell: (text: string | null) => void): Promis
       const text = await file.text();
       const value: unknown = (() => { try { return JSON.parse(text); } catch { return null; } })();
       if (isSpec(value)) {
-        desk.begin(value);
+        if (wanted()) desk.begin(value);
         return null;
       }
       if (typeof value !== 'object' || value === null || !('vertices_coords' in value)) {
@@ -68,17 +69,18 @@ async function openFile(file: File, tell: (text: string | null) => void): Promis
     }
     if (kModels[ending]) {
       tell(words.open.placing);
-      desk.begin(await specOfModel(file, kModels[ending] as string));
+      const placed = await specOfModel(file, kModels[ending] as string);
+      if (wanted()) desk.begin(placed);
       return null;
     }
     const type = kPatterns[ending] ?? (ending === 'json' ? 'application/json' : undefined);
     if (!type) return words.open.unknown(file.name);
     tell(words.open.uploading);
     const design = await desk.upload(file, type, stem(file.name));
-    await desk.openStored(design.id);
+    await desk.openStored(design.id, wanted);
     return null;
   } catch (error) {
-    return said(error);
+    return wanted() ? said(error) : null;
   } finally {
     tell(null);
   }
@@ -217,7 +219,7 @@ function ExportDialog({ onClose }: { onClose: () => void }) {
     saveAs(await readBlob(`/v1/designs/${id}/files/${file}`), `${name}-${file}`);
   });
   const view = shownModel.view;
-  const off = busy.value !== null || (!desk.canCut.value);
+  const off = busy.value !== null || !desk.canCut.value || stale.value;
   return (
     <Dialog title={words.exports.title} onNo={onClose} no={words.close}>
       {problem.value && <Trouble problem={problem.value} />}
@@ -249,19 +251,24 @@ function CutDialog({ onClose }: { onClose: () => void }) {
   const copies = useSignal(1);
   const busy = useSignal(false);
   const problem = useSignal<ServerProblem | null>(null);
+  const open = useRef(true);
+  useEffect(() => () => { open.current = false; }, []);
   useEffect(() => {
     read<{ items: MaterialRow[] }>('/v1/materials?limit=200').then(({ items }) => { materials.value = items.map((row) => row.id); }, () => undefined);
   }, []);
   const plan = async (): Promise<void> => {
+    if (busy.peek()) return;
     busy.value = true;
     problem.value = null;
     try {
       const id = await desk.storedId();
+      if (!open.current) return;
       const body: Record<string, unknown> = {};
       if (material.value) body.material = material.value;
       if (device.value) body.device = device.value;
       const made = await send<{ id: string }>('POST', `/v1/designs/${id}/plan`, { body });
       sessionStorage.setItem(`popcut.cut.${made.id}`, JSON.stringify({ copies: copies.value, device: device.value || null }));
+      if (!open.current) return;
       onClose();
       go(sheetsOf(made.id));
     } catch (error) {
@@ -272,7 +279,7 @@ function CutDialog({ onClose }: { onClose: () => void }) {
     }
   };
   return (
-    <Dialog title={words.cut.title} onNo={onClose} yes={words.cut.sheets} onYes={() => void plan()} busy={busy.value || !desk.canCut.value}>
+    <Dialog title={words.cut.title} onNo={onClose} yes={words.cut.sheets} onYes={() => void plan()} busy={busy.value || !desk.canCut.value || stale.value}>
       {problem.value && <Trouble problem={problem.value} />}
       {!desk.canCut.value && <p class="muted" role="status">{words.cut.wait}</p>}
       {busy.value && <p class="muted" role="status">{words.cut.planning}</p>}
@@ -321,7 +328,7 @@ function Bar({ onOpen }: { onOpen: () => void }) {
       {spec && <Button kind="quiet" onClick={() => { dialog.value = 'share'; }} disabled={!desk.canCut.value}>{words.bar.share}</Button>}
       {spec && <Button kind="quiet" onClick={save} disabled={!desk.canCut.value}>{words.bar.save}</Button>}
       <Button kind="quiet" onClick={() => { dialog.value = 'export'; }}>{words.bar.exports}</Button>
-      {may('submitter') && <Button kind="primary" onClick={() => { dialog.value = 'cut'; }}>{words.bar.cut}</Button>}
+      {may('submitter') && <Button kind="primary" onClick={() => { dialog.value = 'cut'; }} disabled={stale.value}>{words.bar.cut}</Button>}
       {dialog.value === 'share' && <ShareDialog onClose={close} />}
       {dialog.value === 'export' && <ExportDialog onClose={close} />}
       {dialog.value === 'cut' && <CutDialog onClose={close} />}
@@ -388,33 +395,37 @@ export default function Design({ rest }: { rest: string }) {
 
   useEffect(() => {
     if (rest === '') return undefined;
-    let wanted = true;
+    const wanted = desk.opening();
+    trouble.value = null;
     const open = async (): Promise<void> => {
       try {
         const [, key, value] = /^(d|example)[=/](.*)$/s.exec(rest) ?? ['', 'id', rest];
         if (key === 'd') {
           const spec = await fromShare(value ?? '');
-          if (wanted) desk.begin(spec);
+          if (wanted()) desk.begin(spec);
         } else if (key === 'example') {
           const { items } = await read<{ items: desk.Example[] }>('/v1/examples');
           const found = items.find((one) => one.name === value);
-          if (wanted && found) desk.begin(found.spec);
-        } else await desk.openStored(value ?? '');
+          if (wanted() && found) desk.begin(found.spec);
+        } else await desk.openStored(value ?? '', wanted);
         // The address is done with: what is on the desk now is one's own.
-        if (wanted) history.replaceState(null, '', '#/design');
+        if (location.hash !== here) return;
+        history.replaceState(null, '', '#/design');
+        route.value = parseRoute('#/design');
       } catch (error) {
-        if (wanted) trouble.value = said(error);
+        if (wanted()) trouble.value = said(error);
       }
     };
+    const here = location.hash;
     void open();
-    return () => { wanted = false; };
+    return undefined;
   }, [rest]);
 
   const take = (list: FileList | null | undefined): void => {
     const one = list?.[0];
     if (!one) return;
     trouble.value = null;
-    void openFile(one, (text) => { doing.value = text; }).then((what) => { trouble.value = what; });
+    void openFile(one, (text) => { doing.value = text; }).then((what) => { if (what !== null) trouble.value = what; });
   };
   const onOpen = (): void => file.current?.click();
   const problem = trouble.value;
@@ -427,6 +438,7 @@ export default function Design({ rest }: { rest: string }) {
     </>
   );
   const empty = desk.spec.value === null && desk.foreign.value === null;
+  useEffect(() => { if (!empty) trouble.value = null; }, [empty]);
   return (
     <div class={over.value ? 'design-drop design-over' : 'design-drop'}
       onDragOver={(event) => { event.preventDefault(); over.value = true; }} onDragLeave={() => { over.value = false; }}

@@ -97,7 +97,7 @@ function PlanPad() {
   const places = radii.value.map((r, k): [number, number] => [10 + (k * kSpineLength) / (n - 1), 10 + r]);
   const use = (): void => {
     const points = radii.value.map((r, k): RadiusPoint => [Math.round(((k * kSpineLength) / (n - 1) - 5) * 100) / 100, Math.round(r * 10) / 10]);
-    desk.begin(drawn({ type: 'revolution', radius: { points } }, 'drawing'));
+    desk.begin(drawn({ type: 'revolution', radius: { points } }, 'drawing'), { made: true });
   };
   return (
     <article class="pad">
@@ -145,7 +145,7 @@ function ProfilePad() {
     const line = falling(radii.value.map((r, k): [number, number] => [r * Math.cos(angle(k)), r * Math.sin(angle(k))]), n);
     const curve = line.filter((p, i) => i === 0 || p[0] !== (line[i - 1] as RadiusPoint)[0] || p[1] !== (line[i - 1] as RadiusPoint)[1])
       .map(([x, z], i, all): RadiusPoint => [i === 0 ? 0 : x, i === all.length - 1 ? 0 : z]);
-    desk.begin(drawn({ type: 'profile', z: { points: curve } }, 'drawing'));
+    desk.begin(drawn({ type: 'profile', z: { points: curve } }, 'drawing'), { made: true });
   };
   return (
     <article class="pad">
@@ -200,7 +200,7 @@ function HeightPad({ onProblem }: { onProblem: Signal<ServerProblem | null> }) {
     }
     try {
       const asset = await send<{ id: string }>('POST', '/v1/assets?name=heights.csv', { raw: { bytes: rows.join('\n') + '\n', type: 'text/csv' } });
-      desk.begin(drawn({ type: 'grid', file: asset.id }, 'landscape'));
+      desk.begin(drawn({ type: 'grid', file: asset.id }, 'landscape'), { made: true });
     } catch (error) {
       if (!isProblem(error)) throw error;
       onProblem.value = error;

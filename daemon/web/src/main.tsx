@@ -12,8 +12,12 @@ import { isProblem, session, signInWithWord, waitsUntil } from './server';
 import { Settings } from './settings';
 import { SignIn } from './sign_in';
 import { connection, follow, loaded, me, meta, now, readMeta, jobs, stale, tryNow } from './store';
+import { unsaved } from './unsaved';
 import { swallowWaking } from './waking';
 import { hourMinuteSecond, words } from './words';
+
+/** How long nothing may have been at stake before the page of another popcutd is loaded, ms. */
+const kReload_ms = 1000;
 
 const later: Record<string, () => Promise<{ default: ComponentType<{ rest: string }> }>> = {
   design: () => import('./design'),
@@ -103,14 +107,19 @@ function Bar() {
   );
 }
 
-/** popcutd is another one than this page came from: load its page, at once if nothing can be lost. */
+/** Nobody answers a question or types: loading the page again would take that away. */
+const isIdle = (): boolean => document.querySelector('dialog[open]') === null && !typing(document.activeElement);
+
+/** popcutd is another one than this page came from: load its page, soon if nothing can be lost. */
 function Updated({ first }: { first: string }) {
   const other = meta.value !== null && first !== '' && pageOf() !== first;
   const quiet = ![...jobs.value.values()].some((job) => ['armed', 'cutting', 'paused'].includes(job.state));
-  const unsaved = sessionStorage.getItem('popcut.unsaved') !== null;
+  const ready = other && quiet && !unsaved.value && now.value > 0 && isIdle();   // looked at again as time goes on
   useEffect(() => {
-    if (other && quiet && !unsaved) location.reload();
-  }, [other, quiet, unsaved]);
+    if (!ready) return undefined;
+    const timer = setTimeout(() => { if (isIdle()) location.reload(); }, kReload_ms);
+    return () => clearTimeout(timer);
+  }, [ready]);
   if (!other) return null;
   return (
     <div class="note note-amber band">

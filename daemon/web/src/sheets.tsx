@@ -6,7 +6,7 @@ import type { Plan } from './model';
 import { Button, LinkButton, Loading, Note, Trouble } from './parts';
 import { act, isProblem, read, readBlob, saveAs, type ServerProblem } from './server';
 import { endOf, SheetView, strokesAt, strokeWords, timeColour, type Strokes } from './sheet_view';
-import { devices, may } from './store';
+import { devices, may, stale } from './store';
 import { clockTime, integer, metres, size, timeRange } from './words';
 import { designWords } from './words_design';
 
@@ -189,6 +189,7 @@ function QueueIt({ plan }: { plan: WholePlan }) {
   const done = useSignal(false);
   const problem = useSignal<ServerProblem | null>(null);
   const queue = async (): Promise<void> => {
+    if (busy.peek()) return;
     busy.value = true;
     problem.value = null;
     try {
@@ -219,7 +220,7 @@ function QueueIt({ plan }: { plan: WholePlan }) {
         <input type="number" min="1" max="1000" value={copies.value}
           onChange={(event) => { copies.value = Math.max(1, Math.min(1000, Math.round(Number(event.currentTarget.value)) || 1)); }} />
       </label>
-      <Button kind="primary" big onClick={() => void queue()} disabled={busy.value || !may('submitter')}>{words.queue}</Button>
+      <Button kind="primary" big onClick={() => void queue()} disabled={busy.value || stale.value || !may('submitter')}>{words.queue}</Button>
     </section>
   );
 }
