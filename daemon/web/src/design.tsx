@@ -170,7 +170,8 @@ function ShareDialog({ onClose }: { onClose: () => void }) {
   );
 }
 
-async function film(view: NonNullable<typeof shownModel.view>, designed: number): Promise<Blob> {
+/** Films the card as it opens from flat to `designed`, radians; null if it was stopped. */
+async function film(view: NonNullable<typeof shownModel.view>, designed: number, stop: AbortSignal): Promise<Blob | null> {
   const stream = view.canvas.captureStream(30);
   const type = MediaRecorder.isTypeSupported('video/webm;codecs=vp9') ? 'video/webm;codecs=vp9' : 'video/webm';
   const recorder = new MediaRecorder(stream, { mimeType: type, videoBitsPerSecond: 6_000_000 });
@@ -183,6 +184,7 @@ async function film(view: NonNullable<typeof shownModel.view>, designed: number)
   await new Promise<void>((done) => {
     const start = performance.now();
     const tick = (time: number): void => {
+      if (stop.aborted) return done();
       const share = Math.min(1, (time - start) / whole_ms);
       const eased = share * share * (3 - 2 * share);
       desk.psi.value = Math.PI + eased * (designed - Math.PI);
@@ -195,13 +197,19 @@ async function film(view: NonNullable<typeof shownModel.view>, designed: number)
   await ended;
   for (const track of stream.getTracks()) track.stop();
   desk.psi.value = before;
-  return new Blob(parts, { type: 'video/webm' });
+  return stop.aborted ? null : new Blob(parts, { type: 'video/webm' });
 }
 
 function ExportDialog({ onClose }: { onClose: () => void }) {
   const problem = useSignal<ServerProblem | null>(null);
   const busy = useSignal<string | null>(null);
   const name = (desk.foreign.value?.name ?? nameOf(desk.spec.value ?? {})) || 'design';
+  const closed = useRef(new AbortController());
+  useEffect(() => () => closed.current.abort(), []);
+  const makeFilm = async (of: NonNullable<typeof shownModel.view>): Promise<void> => {
+    const blob = await film(of, desk.lattice.peek()?.design_psi_rad ?? Math.PI / 2, closed.current.signal);
+    if (blob) saveAs(blob, `${name}.webm`);
+  };
   const run = async (what: string, act: () => Promise<void>): Promise<void> => {
     busy.value = what;
     problem.value = null;
@@ -233,7 +241,7 @@ function ExportDialog({ onClose }: { onClose: () => void }) {
             <li><button type="button" class="export" disabled={busy.value !== null}
               onClick={() => void run('png', async () => { const blob = await view.png(); if (blob) saveAs(blob, `${name}.png`); })}>{words.exports.png}</button></li>
             <li><button type="button" class="export" disabled={busy.value !== null}
-              onClick={() => void run('webm', async () => saveAs(await film(view, desk.lattice.peek()?.design_psi_rad ?? Math.PI / 2), `${name}.webm`))}>
+              onClick={() => void run('webm', () => makeFilm(view))}>
               {busy.value === 'webm' ? words.exports.recording : words.exports.webm}</button></li>
           </>
         )}

@@ -181,7 +181,22 @@ function wantedFor(plan: string): Wanted {
   return { copies: 1, device: null };
 }
 
-function QueueIt({ plan }: { plan: WholePlan }) {
+/** The name of the design that a plan was made of, on one line; empty until it is known, and where it has none. */
+function useNameOf(design: string | null | undefined): string {
+  const name = useSignal('');
+  useEffect(() => {
+    name.value = '';
+    if (!design) return undefined;
+    const stop = new AbortController();
+    read<{ name?: string | null }>(`/v1/designs/${encodeURIComponent(design)}`, { signal: stop.signal }).then((one) => {
+      name.value = [...(one.name ?? '').replace(/\s+/g, ' ').trim()].slice(0, 120).join('');
+    }, () => undefined);
+    return () => stop.abort();
+  }, [design]);
+  return name.value;
+}
+
+function QueueIt({ plan, name }: { plan: WholePlan; name: string }) {
   const wanted = useRef(wantedFor(plan.id));
   const copies = useSignal(wanted.current.copies);
   const device = useSignal(wanted.current.device ?? '');
@@ -194,6 +209,7 @@ function QueueIt({ plan }: { plan: WholePlan }) {
     problem.value = null;
     try {
       const body: Record<string, unknown> = { plan: plan.id, copies: copies.value };
+      if (name) body.name = name;
       if (device.value) body.device = device.value;
       await act('/v1/jobs', undefined, body);
       done.value = true;
@@ -234,6 +250,8 @@ export default function Sheets({ rest: id }: { rest: string }) {
   const { plan, problem } = usePlan(id);
   const sheet = useSignal(1);
   const under = useSignal('');
+  const name = useNameOf(plan?.design);
+  const unsaved = useSignal<ServerProblem | null>(null);
   if (problem) return <Trouble problem={problem} />;
   if (!plan) return <Loading />;
   if (plan.state === 'failed') return <div class="note note-bad" role="alert"><p><strong>{words.failed}</strong></p><p class="server-words">{plan.error}</p></div>;
@@ -242,18 +260,24 @@ export default function Sheets({ rest: id }: { rest: string }) {
   const shown = plan.sheets.find((one) => one.sheet === sheet.value) ?? plan.sheets[sheet.value - 1];
   const go = (k: number): void => { sheet.value = Math.max(1, Math.min(total, k)); };
   const save = async (): Promise<void> => {
-    const name = `sheets/${sheet.value}.svg`;
-    saveAs(await readBlob(`/v1/plans/${encodeURIComponent(id)}/${name}`), name.replace('/', '-'));
+    unsaved.value = null;
+    try {
+      saveAs(await readBlob(`/v1/plans/${encodeURIComponent(id)}/sheets/${sheet.value}.svg`), `sheets-${sheet.value}.svg`);
+    } catch (error) {
+      if (!isProblem(error)) throw error;
+      unsaved.value = error;
+    }
   };
   return (
     <div class="sheets">
       <div class="row row-between">
-        <h1>{words.title}</h1>
+        <h1>{words.title}{name && <span class="muted">, {name}</span>}</h1>
         <div class="row">
           <Button kind="quiet" onClick={() => void save()}>{words.drawing}</Button>
           <LinkButton kind="quiet" href={`#/glue/${id}`}>{words.glue}</LinkButton>
         </div>
       </div>
+      {unsaved.value && <Trouble problem={unsaved.value} onClose={() => { unsaved.value = null; }} />}
       {total > 1 && (
         <div class="sheet-tabs" role="tablist" aria-label={words.title} onKeyDown={(event) => {
           if (event.key === 'ArrowRight') go(sheet.value + 1);
@@ -289,7 +313,7 @@ export default function Sheets({ rest: id }: { rest: string }) {
               <ul class="plain-list server-words">{plan.warnings.slice(0, 30).map((one, i) => <li key={i}>{one.message}</li>)}</ul>
             </section>
           )}
-          {may('submitter') && <QueueIt plan={plan} />}
+          {may('submitter') && <QueueIt plan={plan} name={name} />}
         </div>
       </div>
     </div>
