@@ -44,8 +44,12 @@ async function specOfModel(file: File, type: string): Promise<Spec> {
     popcut: 1, name: stem(file.name), surface: { type: 'mesh', file: asset.id }, fit: 'nearest',
     units_per_slice: 6, slices: 10, widths_mm: 10, min_panel_mm: 2,
   };
-  const { spec } = await send<{ spec: Spec }>('POST', '/v1/place', { body: { spec: first, place: 'whole' } });
-  return spec;
+  try {
+    const { spec } = await send<{ spec: Spec }>('POST', '/v1/place', { body: { spec: first, place: 'whole' } });
+    return spec;
+  } catch (error) {
+    throw isProblem(error) ? error.naming(asset.id, file.name) : error;
+  }
 }
 
 async function openFile(file: File, tell: (text: string | null) => void): Promise<Said> {

@@ -37,6 +37,15 @@ export class ServerProblem extends Error {
     this.requestId = typeof body.request_id === 'string' ? body.request_id : '';
     this.retryAfter_s = retryAfter_s;
   }
+
+  /** The same about the file `asset` of a spec, under the name that a person knows it by, without the place in the spec. */
+  naming(asset: string, name: string): ServerProblem {
+    const named = (text: string): string => text.replaceAll(asset, name).replace(/^\/surface(\/file)?: /, '');
+    return new ServerProblem(this.status, {
+      type: this.kind, detail: named(this.detail), request_id: this.requestId,
+      errors: this.errors.map((one) => ({ ...one, detail: named(one.detail) })),
+    }, this.retryAfter_s);
+  }
 }
 
 export function isProblem(error: unknown): error is ServerProblem {
