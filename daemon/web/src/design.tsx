@@ -348,11 +348,24 @@ function Bar({ onOpen }: { onOpen: () => void }) {
   );
 }
 
+/** How a person calls the field of a spec at `pointer`, before what is wrong with it. */
+function fieldAt(pointer: string): string {
+  const place = pointer.replace(/^\/spec(?=\/|$)/, '');
+  const head = place.split('/')[1] ?? '';
+  const { fields } = words;
+  const names: Record<string, string> = {
+    units_per_slice: fields.units, slices: fields.slices, widths_mm: fields.width, min_panel_mm: fields.minPanel, lattice: fields.lattice,
+    splay: fields.splay, design_angle_deg: fields.angle, material: fields.material, surface: fields.shape,
+  };
+  return place === '' ? '' : `${names[head] ?? place}: `;
+}
+
 function Impossible() {
   const problem = desk.problem.value;
   if (!problem) return null;
   if (problem.status !== 422) return <Trouble problem={problem} onClose={() => { desk.problem.value = null; }} />;
-  const text = problem.errors[0]?.detail ?? problem.detail;
+  const first = problem.errors[0];
+  const text = first ? `${fieldAt(first.pointer)}${first.detail}` : problem.detail;
   return (
     <div class="note note-amber impossible" role="alert">
       <p><strong>{words.problem.title}</strong> <span class="server-words">{text}</span></p>
