@@ -1,7 +1,7 @@
 // A session that ends, a popcutd that asks to wait, and one that was replaced: what a page keeps and what it does alone.
 import assert from 'node:assert/strict';
 import { after, afterEach, before, test } from 'node:test';
-import { armHere, closeBrowser, expectComplaints, ladder, machineHash, picture, refused, Server, tickAll, unreachable, until, visit,
+import { armHere, closeBrowser, expectComplaints, ladder, machineHash, picture, refused, Server, tickAll, unitSpec, unreachable, until, visit,
   wait } from './harness.mjs';
 
 const kLife_s = 60;      // the shortest that popcutd gives
@@ -221,6 +221,37 @@ test('a gesture that ends while popcutd is away is drawn as soon as it is back',
   await exact(page);
   assert.equal(await page.locator('.design .note-bad').count(), 0);
   assert.deepEqual(await specOf(page), spec);
+});
+
+test('a view that is opened while popcutd is away is there as soon as it is back', async () => {
+  const job = await server.queue(unitSpec, { name: 'read again' });
+  const { page, context } = await look({});
+  expectComplaints(page, unreachable);
+  // The parts of the page itself come first.
+  await page.evaluate((plan) => { location.hash = `#/sheets/${plan}`; }, job.plan);
+  await page.getByRole('button', { name: 'Queue it' }).waitFor();
+  await page.evaluate((plan) => { location.hash = `#/glue/${plan}`; }, job.plan);
+  await page.getByText(/^Step 1 of/).waitFor();
+  const views = [
+    [`#/sheets/${job.plan}`, page.locator(`.plan-canvas:not([data-strokes=""])`)],
+    [`#/glue/${job.plan}`, page.getByText(/^Step 1 of/)],
+    ['#/done', page.locator('.done .muted, .done .job-list')],
+    ['#/design/example/unit', page.locator('.badge', { hasText: 'exact' })],
+  ];
+  let missed = 0;
+  for (const [hash, there] of views) {
+    await page.evaluate(() => { location.hash = '#/settings'; });
+    await page.locator('.settings').waitFor();
+    await context.setOffline(true);
+    await page.evaluate((to) => { location.hash = to; }, hash);
+    const note = page.getByText('popcutd does not answer.');
+    await note.or(there).first().waitFor();          // what never changes the browser may have kept
+    missed += await note.count();
+    await context.setOffline(false);
+    await there.first().waitFor();
+    await page.locator('.note-bad').waitFor({ state: 'detached' });
+  }
+  assert.ok(missed >= 2, `${missed} reads failed`);
 });
 
 /** From now on popcutd seems to carry another page, to `page`; it is told as the connection comes back. */

@@ -2,6 +2,7 @@
 // Design: from a shape to an exact card, by hand.
 import { useSignal } from '@preact/signals';
 import { useEffect, useLayoutEffect, useRef } from 'preact/hooks';
+import { useAgain } from './again';
 import * as desk from './design_desk';
 import { Panel } from './design_panel';
 import { shownModel, Stage } from './design_stage';
@@ -444,7 +445,7 @@ export default function Design({ rest }: { rest: string }) {
     const here = location.hash;
     void open();
     return undefined;
-  }, [rest]);
+  }, [rest, useAgain(trouble.value instanceof ServerProblem ? trouble.value : null)]);
 
   const take = (list: FileList | null | undefined): void => {
     const one = list?.[0];

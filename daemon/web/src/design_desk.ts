@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // What is on the desk of the Design view: the spec, its steps, what popcutd made of it, and what is lit.
 import { batch, computed, effect, signal } from '@preact/signals';
+import { isThere } from './again';
 import type { Lattice, Place } from './lattice';
 import { FaceKind, readLattice } from './lattice';
 import { Previews, type Quality } from './preview';
 import type { Colouring } from './ramps';
-import { isProblem, newKey, read, request, send, ServerProblem, session, waitsUntil } from './server';
+import { isProblem, newKey, read, readAnswer, request, send, ServerProblem, waitsUntil } from './server';
 import { nameOf, Undo, type Spec } from './spec';
-import { connection } from './store';
 import { noteUnsaved } from './unsaved';
 
 export { unsaved } from './unsaved';
@@ -149,7 +149,6 @@ function askAgain(): void {
   if (spec.value) previews.input(spec.value, true);
 }
 
-const isThere = computed(() => session.value === 'in' && connection.value.open);
 effect(() => { if (isThere.value) askAgain(); });
 
 /** Asks for what `of` becomes. `settled`: at once for the exact design. */
@@ -315,7 +314,7 @@ export async function openStored(id: string, wanted: () => boolean): Promise<voi
     if (wanted()) begin(of);
     return;
   }
-  const answer = await request('GET', `/v1/designs/${encodeURIComponent(id)}/lattice`, { accept: 'application/vnd.popcut.lattice' });
+  const answer = await readAnswer(`/v1/designs/${encodeURIComponent(id)}/lattice`, { accept: 'application/vnd.popcut.lattice' });
   const made = readLattice(await answer.arrayBuffer());
   if (!wanted()) return;
   turn++;

@@ -2,6 +2,7 @@
 // How a design begins: from a card, from a drawn line, from a file.
 import { useSignal, type Signal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
+import { useAgain } from './again';
 import * as desk from './design_desk';
 import { Button, Trouble } from './parts';
 import { isProblem, read, send, type ServerProblem } from './server';
@@ -247,8 +248,12 @@ export function Start({ onOpen, children }: { onOpen: () => void; children?: pre
   const list = useSignal<desk.Example[] | null>(null);
   const problem = useSignal<ServerProblem | null>(null);
   useEffect(() => {
-    examples().then((items) => { list.value = items; }, (error: unknown) => { if (isProblem(error)) problem.value = error; });
-  }, []);
+    if (list.peek()) return;
+    examples().then((items) => {
+      list.value = items;
+      problem.value = null;
+    }, (error: unknown) => { if (isProblem(error)) problem.value = error; });
+  }, [useAgain(problem.value)]);
   const last = desk.kept();
   return (
     <div class="design-start">

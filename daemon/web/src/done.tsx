@@ -1,5 +1,6 @@
 // Done: what ended, newest first, and who used how much.
 import { useEffect, useState } from 'preact/hooks';
+import { useAgain } from './again';
 import type { Job, UsageRow } from './model';
 import { Button, Choice, Loading, Picture, Trouble } from './parts';
 import { sheetsOf } from './route';
@@ -46,7 +47,7 @@ function Usage({ list }: { list: Job[] }) {
       setProblem(null);
     }, (error) => { if (isProblem(error)) setProblem(error); });
     return () => stop.abort();
-  }, [by, ended]);
+  }, [by, ended, useAgain(problem)]);
   const save = (): void => {
     readBlob(`/v1/usage?by=${by}`, { accept: 'text/csv' }).then((blob) => saveAs(blob, words.done.csvName),
       (error) => { if (isProblem(error)) setProblem(error); });
@@ -99,7 +100,7 @@ export function Done() {
     }, (error) => { if (isProblem(error)) setProblem(error); });
   };
   const newest = recentlyDone.value[0]?.id;
-  useEffect(() => more(null), [newest]);
+  useEffect(() => more(null), [newest, useAgain(problem)]);
   return (
     <div class="done">
       <h1>{words.done.title}</h1>

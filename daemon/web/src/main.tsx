@@ -2,13 +2,14 @@ import { oneShotAtStart, takeOneShot } from './one_shot';
 import { effect, useSignal } from '@preact/signals';
 import { render, type ComponentType } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
+import { useAgain } from './again';
 import { Done } from './done';
 import { Machine } from './machine';
 import { Now } from './now';
 import { Button, Dialog, Loading, Note } from './parts';
 import { pauseAll, PauseBar } from './pause';
 import { go, parseRoute, route } from './route';
-import { isProblem, session, signInWithWord, waitsUntil } from './server';
+import { isProblem, ServerProblem, session, signInWithWord, waitsUntil } from './server';
 import { Settings } from './settings';
 import { SignIn } from './sign_in';
 import { connection, follow, loaded, me, meta, now, readMeta, jobs, stale, tryNow } from './store';
@@ -42,20 +43,21 @@ function withLaterStyle(): Promise<unknown> {
   return laterStyle;
 }
 
-/** A view that is loaded when it is first shown; it fails softly, for example after an update. */
+/** A view that is loaded when it is first shown; it fails softly while popcutd is away, and after an update until that is known. */
 function Later({ view, rest }: { view: string; rest: string }) {
   const View = useSignal<ComponentType<{ rest: string }> | null>(null);
-  const failed = useSignal(false);
+  const failed = useSignal<ServerProblem | null>(null);
   useEffect(() => {
     View.value = null;
-    failed.value = false;
-    Promise.all([later[view]!(), withLaterStyle()])
-      .then(([module]) => { View.value = module.default; }, () => { failed.value = true; });
-  }, [view]);
+    Promise.all([later[view]!(), withLaterStyle()]).then(([module]) => {
+      View.value = module.default;
+      failed.value = null;
+    }, () => { failed.value = new ServerProblem(0, { type: 'unreachable' }); });
+  }, [view, useAgain(failed.value)]);
   if (failed.value) {
     return (
       <Note kind="amber">
-        <p>{words.live.updated}</p>
+        <p>{words.problems.unreachable}</p>
         <Button onClick={() => location.reload()}>{words.live.reload}</Button>
       </Note>
     );

@@ -2,6 +2,7 @@
 // Sheets: what will be cut, sheet by sheet, played back from the plan's own strokes.
 import { effect, useSignal, type Signal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
+import { useAgain } from './again';
 import type { Plan } from './model';
 import { Button, LinkButton, Loading, Note, Trouble } from './parts';
 import { act, isProblem, read, readBlob, saveAs, type ServerProblem } from './server';
@@ -39,7 +40,7 @@ export function usePlan(id: string): { plan: WholePlan | null; problem: ServerPr
     problem.value = null;
     void again();
     return () => abort.abort();
-  }, [id]);
+  }, [id, useAgain(problem.value)]);
   return { plan: plan.value, problem: problem.value };
 }
 
@@ -154,7 +155,7 @@ function SheetStage({ plan, sheet, onHover }: { plan: string; sheet: number; onH
     view.peek()?.setMarked(null);
     readStrokes(plan, sheet).then((read_) => { if (wanted) strokes.value = read_; }, (error: unknown) => { if (wanted && isProblem(error)) problem.value = error; });
     return () => { wanted = false; };
-  }, [plan, sheet]);
+  }, [plan, sheet, useAgain(problem.value)]);
   return (
     <div>
       {problem.value && <Trouble problem={problem.value} />}
