@@ -2,7 +2,9 @@
 #include "core/fit/triangle_tree.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <numeric>
 #include <utility>
 
 namespace popcut {
@@ -10,84 +12,117 @@ namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
-/// Every third bit of the lower 10 bits.
-std::uint32_t spread_bits(std::uint32_t bits) {
-  bits = (bits | (bits << 16)) & 0x030000FFu;
-  bits = (bits | (bits << 8)) & 0x0300F00Fu;
-  bits = (bits | (bits << 4)) & 0x030C30C3u;
-  return (bits | (bits << 2)) & 0x09249249u;
-}
+/// Rounding of a coordinate to a float, as a share of it, and then some.
+constexpr float kRounding = 2.5e-7f;
 
-/// Numbers of the triangles, those with near middles near each other: Morton order of 1024 cells
-/// along the longest side, by a radix sort.
-std::vector<std::uint32_t> morton_order(const TriangleSoup& soup) {
-  const std::size_t count = soup.size();
-  std::array<double, 3> low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
-  for (std::size_t k = 0; k < soup.corners.size(); k += 3)
-    for (std::size_t i = 0; i < 3; ++i) {
-      low[i] = std::min(low[i], soup.corners[k + i]);
-      high[i] = std::max(high[i], soup.corners[k + i]);
-    }
-  double longest = 0.0;
-  for (std::size_t i = 0; i < 3; ++i) longest = std::max(longest, high[i] - low[i]);
-  const double cells = longest > 0.0 ? 1023.0 / longest : 0.0;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> keys(count), sorted(count);
-  for (std::size_t t = 0; t < count; ++t) {
-    const double* c = soup.corners.data() + 9 * t;
-    std::uint32_t key = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double middle = (c[i] + c[i + 3] + c[i + 6]) / 3.0 - low[i];
-      key |= spread_bits(static_cast<std::uint32_t>(middle * cells)) << i;
-    }
-    keys[t] = {key, static_cast<std::uint32_t>(t)};
-  }
-  for (const unsigned shift : {0u, 10u, 20u}) {
-    std::array<std::uint32_t, 1025> first{};
-    for (const auto& [key, t] : keys) ++first[((key >> shift) & 1023u) + 1];
-    for (std::size_t k = 0; k < 1024; ++k) first[k + 1] += first[k];
-    for (const auto& one : keys) sorted[first[(one.first >> shift) & 1023u]++] = one;
-    keys.swap(sorted);
-  }
-  std::vector<std::uint32_t> order(count);
-  for (std::size_t t = 0; t < count; ++t) order[t] = keys[t].second;
-  return order;
-}
+constexpr Eigen::Index lane(std::size_t k) { return static_cast<Eigen::Index>(k); }
 
 }  // namespace
 
-TriangleTree::TriangleTree(const TriangleSoup& soup) {
-  const std::vector<std::uint32_t> order = morton_order(soup);
-  corners_.resize(soup.corners.size());
-  leaves_ = 1;
-  while (leaves_ * kLeaf < order.size()) leaves_ *= 2;
-  boxes_.assign(2 * leaves_, Box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}});
-  for (std::size_t n = 0; n < order.size(); ++n) {
-    const double* from = soup.corners.data() + 9 * static_cast<std::size_t>(order[n]);
-    std::copy(from, from + 9, corners_.data() + 9 * n);
-    Box& box = boxes_[leaves_ + n / kLeaf];
-    for (std::size_t i = 0; i < 3; ++i) {
-      box.low[i] = std::min({box.low[i], from[i], from[i + 3], from[i + 6]});
-      box.high[i] = std::max({box.high[i], from[i], from[i + 3], from[i + 6]});
-    }
+/// Halves ranges of `order_` until they are leaves.
+class TriangleTree::Builder {
+ public:
+  Builder(const TriangleSoup& soup, TriangleTree& tree) : soup_(soup), tree_(tree) {
+    order_.resize(soup.size());
+    std::iota(order_.begin(), order_.end(), 0u);
+    middles_.resize(order_.size());
+    for (std::size_t t = 0; t < order_.size(); ++t)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const double* c = soup.corners.data() + 9 * t + i;
+        middles_[t][i] = static_cast<float>((c[0] + c[3] + c[6]) / 3.0);
+        tree_.size_mm_ =
+            std::max({tree_.size_mm_, static_cast<float>(std::abs(c[0])),
+                      static_cast<float>(std::abs(c[3])), static_cast<float>(std::abs(c[6]))});
+      }
   }
-  for (std::size_t node = leaves_ - 1; node > 0; --node)
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Box &left = boxes_[2 * node], &right = boxes_[2 * node + 1];
-      boxes_[node].low[i] = std::min(left.low[i], right.low[i]);
-      boxes_[node].high[i] = std::max(left.high[i], right.high[i]);
-    }
-}
 
-double TriangleTree::squared_to(const Box& box, const Vec3& p) {
-  double squared = 0.0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double at = p.data()[i];
-    const double below = box.low[i] - at, above = at - box.high[i];
-    const double off = below > above ? below : above;
-    if (off > 0.0) squared += off * off;
+  void build() {
+    if (order_.empty()) return;
+    tree_.nodes_.reserve(order_.size());
+    add_node({0, static_cast<std::uint32_t>(order_.size())});
+    tree_.corners_.resize(soup_.corners.size());
+    for (std::size_t n = 0; n < order_.size(); ++n) {
+      const double* from = soup_.corners.data() + 9 * static_cast<std::size_t>(order_[n]);
+      std::copy(from, from + 9, tree_.corners_.data() + 9 * n);
+    }
   }
-  return squared;
-}
+
+ private:
+  /// Each node halves at least once, so the depth is at most 32.
+  std::uint32_t add_node(Range range) {
+    const std::uint32_t node = static_cast<std::uint32_t>(tree_.nodes_.size());
+    tree_.nodes_.emplace_back();
+    const std::uint32_t middle = halve(range);
+    const std::array<Range, 2> half{{{range.from, middle}, {middle, range.to}}};
+    std::size_t slot = 0;
+    for (const Range& part : half) {
+      const std::uint32_t quarter = part.to - part.from > kLeaf ? halve(part) : part.to;
+      add_child(node, slot++, {part.from, quarter});
+      add_child(node, slot++, {quarter, part.to});
+    }
+    return node;
+  }
+
+  void add_child(std::uint32_t node, std::size_t slot, Range range) {
+    const std::uint32_t count = range.to - range.from;
+    const bool is_leaf = count <= kLeaf;
+    const std::uint32_t child = is_leaf ? range.from : add_node(range);
+    Node& here = tree_.nodes_[node];
+    here.child[slot] = child, here.is_leaf[slot] = is_leaf;
+    here.count[slot] = static_cast<std::uint8_t>(is_leaf ? count : 1);
+    const float wider = kRounding * tree_.size_mm_;
+    for (std::size_t i = 0; i < 3; ++i) {
+      double low = kFar, high = -kFar;
+      if (!is_leaf) {
+        const Node& below = tree_.nodes_[child];
+        for (std::size_t k = 0; k < kChildren; ++k) {
+          low = std::min(low, static_cast<double>(below.low[i][lane(k)]));
+          high = std::max(high, static_cast<double>(below.high[i][lane(k)]));
+        }
+      } else {
+        for (std::uint32_t n = range.from; n < range.to; ++n)
+          for (std::size_t k = i; k < 9; k += 3) {
+            const double at = soup_.corners[9 * static_cast<std::size_t>(order_[n]) + k];
+            low = std::min(low, at), high = std::max(high, at);
+          }
+        low -= wider, high += wider;
+      }
+      here.low[i][lane(slot)] = static_cast<float>(low),
+      here.high[i][lane(slot)] = static_cast<float>(high);
+    }
+  }
+
+  /// Puts the half with the lower middles, along the longest side of what holds them all, first;
+  /// returns where the other half begins.
+  std::uint32_t halve(Range range) {
+    std::array<float, 3> low, high;
+    low.fill(std::numeric_limits<float>::infinity());
+    high.fill(-std::numeric_limits<float>::infinity());
+    for (std::uint32_t n = range.from; n < range.to; ++n)
+      for (std::size_t i = 0; i < 3; ++i) {
+        low[i] = std::min(low[i], middles_[order_[n]][i]);
+        high[i] = std::max(high[i], middles_[order_[n]][i]);
+      }
+    std::size_t longest = 0;
+    for (std::size_t i = 1; i < 3; ++i)
+      if (high[i] - low[i] > high[longest] - low[longest]) longest = i;
+    const std::uint32_t middle = range.from + (range.to - range.from + 1) / 2;
+    // Equal middles are told apart by their numbers: the same tree in every run.
+    std::nth_element(order_.begin() + range.from, order_.begin() + middle,
+                     order_.begin() + range.to, [&](std::uint32_t a, std::uint32_t b) {
+                       const float at_a = middles_[a][longest], at_b = middles_[b][longest];
+                       return at_a < at_b || (at_a == at_b && a < b);
+                     });
+    return middle;
+  }
+
+  const TriangleSoup& soup_;
+  TriangleTree& tree_;
+  std::vector<std::uint32_t> order_;
+  std::vector<std::array<float, 3>> middles_;
+};
+
+TriangleTree::TriangleTree(const TriangleSoup& soup) { Builder(soup, *this).build(); }
 
 // Ericson, Real-Time Collision Detection (2005), section 5.1.5: the point is in the region of a
 // corner, of an edge, or of the inside.
@@ -137,29 +172,37 @@ TriangleTree::Nearest TriangleTree::nearest(const Vec3& p, std::uint32_t hint) c
   Nearest best;
   if (size() == 0) return best;
   if (hint < size()) look_at(hint, p, best);
+  const std::array<float, 3> at{static_cast<float>(p[0]), static_cast<float>(p[1]),
+                                static_cast<float>(p[2])};
+  // Nothing is left out that rounding made farther than it is.
+  const float closer =
+      kRounding * std::max({size_mm_, std::abs(at[0]), std::abs(at[1]), std::abs(at[2])});
   struct Ahead {
-    std::size_t node;
-    double squared;
+    std::uint32_t node;
+    float squared;
   };
-  std::array<Ahead, 64> stack;  // one entry a level
+  std::array<Ahead, 128> stack;  // at most three of a level wait
   std::size_t depth = 0;
-  stack[depth++] = {1, squared_to(boxes_[1], p)};
+  stack[depth++] = {0, 0.0f};
   while (depth > 0) {
-    auto [node, squared] = stack[--depth];
-    if (squared >= best.squared) continue;
-    while (node < leaves_) {
-      const double left = squared_to(boxes_[2 * node], p);
-      const double right = squared_to(boxes_[2 * node + 1], p);
-      const bool left_first = left <= right;
-      const double far = left_first ? right : left;
-      if (far < best.squared) stack[depth++] = {2 * node + (left_first ? 1u : 0u), far};
-      squared = left_first ? left : right;
-      node = 2 * node + (left_first ? 0u : 1u);
-      if (squared >= best.squared) break;
+    const Ahead next = stack[--depth];
+    if (next.squared >= best.squared) continue;
+    const Node& node = nodes_[next.node];
+    Eigen::Array4f squared = Eigen::Array4f::Zero();
+    for (std::size_t i = 0; i < 3; ++i)
+      squared += ((node.low[i] - at[i]).max(at[i] - node.high[i]) - closer).max(0.0f).square();
+    // The leaves first: they bring the others down.
+    for (std::size_t k = 0; k < kChildren; ++k)
+      if (node.is_leaf[k] && squared[lane(k)] < best.squared)
+        for (std::uint32_t n = 0; n < node.count[k]; ++n) look_at(node.child[k] + n, p, best);
+    const std::size_t first = depth;
+    for (std::size_t k = 0; k < kChildren; ++k) {
+      if (node.is_leaf[k] || squared[lane(k)] >= best.squared) continue;
+      std::size_t to = depth++;
+      for (; to > first && stack[to - 1].squared < squared[lane(k)]; --to)
+        stack[to] = stack[to - 1];
+      stack[to] = {node.child[k], squared[lane(k)]};
     }
-    if (node < leaves_ || squared >= best.squared) continue;
-    const std::size_t from = (node - leaves_) * kLeaf, to = std::min(from + kLeaf, size());
-    for (std::size_t k = from; k < to; ++k) look_at(static_cast<std::uint32_t>(k), p, best);
   }
   return best;
 }
@@ -189,22 +232,22 @@ bool TriangleTree::beyond(std::uint32_t place, const Vec3& p) const {
 
 bool TriangleTree::any_beyond(const Vec3& p) const {
   if (size() == 0) return false;
-  std::array<std::size_t, 64> stack;
+  std::array<std::uint32_t, 128> stack;
   std::size_t depth = 0;
-  stack[depth++] = 1;
+  stack[depth++] = 0;
   while (depth > 0) {
-    const std::size_t node = stack[--depth];
-    const Box& box = boxes_[node];
-    if (!(box.low[1] <= p[1] && p[1] <= box.high[1] && box.high[0] > p[0] && box.high[2] > p[2]))
-      continue;
-    if (node < leaves_) {
-      stack[depth++] = 2 * node;
-      stack[depth++] = 2 * node + 1;
-      continue;
+    const Node& node = nodes_[stack[--depth]];
+    for (std::size_t k = 0; k < kChildren; ++k) {
+      if (!(node.low[1][lane(k)] <= p[1] && p[1] <= node.high[1][lane(k)] &&
+            node.high[0][lane(k)] > p[0] && node.high[2][lane(k)] > p[2]))
+        continue;
+      if (!node.is_leaf[k]) {
+        stack[depth++] = node.child[k];
+        continue;
+      }
+      for (std::uint32_t n = 0; n < node.count[k]; ++n)
+        if (beyond(node.child[k] + n, p)) return true;
     }
-    const std::size_t from = (node - leaves_) * kLeaf, to = std::min(from + kLeaf, size());
-    for (std::size_t k = from; k < to; ++k)
-      if (beyond(static_cast<std::uint32_t>(k), p)) return true;
   }
   return false;
 }

@@ -6,15 +6,17 @@
 #include <limits>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "core/fit/triangle_soup.hpp"
 
 namespace popcut {
 
 /// A box tree over triangles: the point of them that is nearest to any place in O(log n).
 ///
-/// The triangles are put in Morton order (Karras, Maximizing Parallelism in the Construction of
-/// BVHs, 2012) and packed two a leaf; the boxes above them form a complete binary tree in one flat
-/// array, node i over 2i and 2i + 1. Building is O(n).
+/// Each node has four children, whose boxes lie side by side, so that one look tells how far all
+/// four are. The triangles are halved twice a node, each time by their middles along the longest
+/// side of what holds these. Building is O(n log n).
 class TriangleTree {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -37,17 +39,26 @@ class TriangleTree {
   [[nodiscard]] std::size_t size() const { return corners_.size() / 9; }
 
  private:
-  static constexpr std::size_t kLeaf = 2;
-  struct Box {
-    std::array<double, 3> low{}, high{};
+  static constexpr std::size_t kLeaf = 2, kChildren = 4;
+  /// Boxes in floats, each a little larger than what it holds. A child is the number of a node, or
+  /// of the first triangle of a leaf with `count` of them; 0 of them: there is no such child.
+  struct Node {
+    std::array<Eigen::Array4f, 3> low, high;
+    std::array<std::uint32_t, kChildren> child{};
+    std::array<std::uint8_t, kChildren> count{};
+    std::array<bool, kChildren> is_leaf{};
   };
-  [[nodiscard]] static double squared_to(const Box& box, const Vec3& p);
+  struct Range {
+    std::uint32_t from{}, to{};
+  };
+  class Builder;
+
   void look_at(std::uint32_t place, const Vec3& p, Nearest& best) const;
   [[nodiscard]] bool beyond(std::uint32_t place, const Vec3& p) const;
 
   std::vector<double> corners_;  ///< in the tree's order
-  std::vector<Box> boxes_;       ///< 2 x leaves of them; the root is 1
-  std::size_t leaves_{0};
+  std::vector<Node> nodes_;      ///< the root is the first
+  float size_mm_{0};             ///< the largest coordinate
 };
 
 }  // namespace popcut

@@ -361,24 +361,23 @@ class Picture {
   double bar_mm_{0}, bar_x_{0}, bar_v_{0}, bar_deep_{0}, bottom_px_{0};
 };
 
-/// Mean distance from the target of a panel that is opened to `psi_rad`.
+/// Mean distance from the target of a panel that is opened to `psi_rad`. `hint` is a triangle of
+/// the target near the panel before, and near this one after.
 double distance_mm(const SlabPanel& panel, const Slab& slab, const TriangleTree& tree,
-                   double psi_rad) {
-  constexpr int kAcross = 3;
+                   double psi_rad, int places_across, std::uint32_t& hint) {
   double sum = 0;
   const auto c = panel.corners(slab.low_mm, slab.high_mm);
   const std::array<Vec3, 4> at{vec3(posed(c[0], psi_rad)), vec3(posed(c[1], psi_rad)),
                                vec3(posed(c[2], psi_rad)), vec3(posed(c[3], psi_rad))};
-  std::uint32_t hint = TriangleTree::kNone;
-  for (int i = 0; i < kAcross; ++i)
-    for (int j = 0; j < kAcross; ++j) {
-      const double s = (i + 0.5) / kAcross, t = (j + 0.5) / kAcross;
+  for (int i = 0; i < places_across; ++i)
+    for (int j = 0; j < places_across; ++j) {
+      const double s = (i + 0.5) / places_across, t = (j + 0.5) / places_across;
       const Vec3 low = at[0] + s * (at[1] - at[0]), high = at[3] + s * (at[2] - at[3]);
       const auto nearest = tree.nearest(low + t * (high - low), hint);
       hint = nearest.place;
       sum += std::sqrt(nearest.squared);
     }
-  return sum / (kAcross * kAcross);
+  return sum / (places_across * places_across);
 }
 
 }  // namespace
@@ -387,11 +386,14 @@ CardScene card_scene(const Pattern& pattern, const SceneOptions& options) {
   CardScene scene{&pattern, options.ghost, cut_into_slabs(pattern, options.most_panels), {}, 0};
   if (options.target == nullptr || options.target->size() == 0) return scene;
   const TriangleTree tree(*options.target);
+  std::uint32_t hint = TriangleTree::kNone;
   for (const Slab& slab : scene.slabs.slabs) {
     std::vector<double>& errors = scene.error_mm.emplace_back();
     for (const SlabPanel& panel : slab.panels) {
       const bool is_structure = panel.place == PanelPlace::Structure;
-      errors.push_back(is_structure ? distance_mm(panel, slab, tree, pattern.design_psi_rad) : 0);
+      errors.push_back(is_structure ? distance_mm(panel, slab, tree, pattern.design_psi_rad,
+                                                  options.places_across, hint)
+                                    : 0);
       scene.largest_error_mm = std::max(scene.largest_error_mm, errors.back());
     }
   }

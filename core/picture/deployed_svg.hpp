@@ -33,6 +33,7 @@ struct SceneOptions {
       ghost{};  ///< the target (`target_on_sheet`), drawn translucent at the design's angle
   const TriangleSoup* target{};     ///< panels are coloured by their distance from it; none: paper
   std::size_t most_panels{12'000};  ///< a pattern with more is drawn with wider strips and steps
+  int places_across{3};  ///< so many places along and across each panel measure its distance
 };
 
 /// A pattern made ready to be drawn in any pose. Refers to the pattern and the ghost.

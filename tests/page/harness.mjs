@@ -13,9 +13,15 @@ export { wait };
 const popcutdProgram = process.env.POPCUTD ?? 'popcutd';
 const pictures = process.env.POPCUT_PAGE_SCREENSHOTS ?? join(tmpdir(), 'popcut-page');
 const chromiumProgram = process.env.CHROMIUM ?? '/usr/bin/chromium';
+// As browsers are where there is no graphics card: WebGL by software, and all else by the processor. Debian's flags say
+// otherwise, which makes each picture of the whole page go through the software's WebGL, too.
 const chromiumFlags = ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
   '--disable-component-update', '--disable-sync', '--use-gl=angle', '--use-angle=swiftshader',
-  '--enable-unsafe-swiftshader'];
+  '--enable-unsafe-swiftshader', '--disable-gpu-compositing', '--disable-gpu-rasterization',
+  '--disable-accelerated-2d-canvas'];
+
+/** With these flags the browser itself reads each picture of WebGL to put it on the screen, and warns of it. */
+const ofTheBrowser = /^\[\.WebGL-\w+\]GL Driver Message .* GPU stall due to ReadPixels/;
 
 /** Waits until `what()` is true or gives a value; fails after `limit_ms` with `sentence`. */
 export async function until(what, sentence, limit_ms = 15_000) {
@@ -232,6 +238,7 @@ export async function visit(server, { role = 'operator', name, hash = '', screen
   const sent = [];
   page.on('console', (message) => {
     const text = message.text();
+    if (ofTheBrowser.test(text)) return;
     if (!expectedOf(page).some((pattern) => pattern.test(text))) complaints.push(`console: ${text} ${message.location().url}`);
   });
   page.on('pageerror', (error) => complaints.push(`error: ${error.stack ?? error.message}`));

@@ -350,8 +350,11 @@ class LatticeWriter {
 
   /// The mean distance of each face from the target, as pictures colour panels by it.
   void add_errors(const Pattern& pattern, const TriangleSoup& target) {
-    const CardScene scene = card_scene(
-        pattern, {.target = &target, .most_panels = std::numeric_limits<std::size_t>::max()});
+    const int places_across = options_.quality == LatticeQuality::Draft ? 2 : 3;
+    const CardScene scene =
+        card_scene(pattern, {.target = &target,
+                             .most_panels = std::numeric_limits<std::size_t>::max(),
+                             .places_across = places_across});
     std::vector<double> sum(pattern.faces()), area(pattern.faces());
     for (std::size_t s = 0; s < scene.error_mm.size(); ++s) {
       const Slab& slab = scene.slabs.slabs[s];

@@ -183,6 +183,7 @@ async function film(view: NonNullable<typeof shownModel.view>, designed: number,
   const parts: Blob[] = [];
   recorder.ondataavailable = (event) => parts.push(event.data);
   const ended = new Promise<void>((done) => { recorder.onstop = () => done(); });
+  view.setFilmed(true);
   recorder.start();
   const before = desk.psi.peek();
   const whole_ms = 4000;
@@ -201,6 +202,7 @@ async function film(view: NonNullable<typeof shownModel.view>, designed: number,
   recorder.stop();
   await ended;
   for (const track of stream.getTracks()) track.stop();
+  view.setFilmed(false);
   desk.psi.value = before;
   return stop.aborted ? null : new Blob(parts, { type: 'video/webm' });
 }

@@ -68,6 +68,10 @@ export const refused = computed(() => new Map((problem.value?.errors ?? []).map(
 
 const undo = new Undo(sessionStorage, kUndoKey);
 const previewKey = newKey();
+/** When each spec came in, by the clock of performance.now(). */
+const cameIn = new WeakMap<Spec, number>();
+/** When the spec came in that the lattice on the desk belongs to, ms; for who measures. */
+export let shownInput_ms = 0;
 let lastChange: { field: string; value: number } | null = null;
 const good = new Map<string, number>();
 let fresh = true;
@@ -94,6 +98,7 @@ const previews = new Previews<Spec, Lattice>({
     batch(() => {
       const first = fresh;
       fresh = false;
+      shownInput_ms = cameIn.get(asked.input) ?? 0;
       lattice.value = made;
       quality.value = asked.quality;
       problem.value = null;
@@ -182,6 +187,7 @@ export function change(next: Spec, field?: string, value?: number): void {
   if (field === undefined || field !== lastChange?.field) walls.value = new Map();
   lastChange = field !== undefined && value !== undefined ? { field, value } : null;
   spec.value = next;
+  cameIn.set(next, performance.now());
   ask(next);
 }
 

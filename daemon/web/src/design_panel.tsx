@@ -56,6 +56,8 @@ export function facesOnSheet(of: Lattice, faces: readonly number[]): Float32Arra
   return Float32Array.from(out);
 }
 
+const kSheetEvery_ms = 250;
+
 export function FlatSheet() {
   const canvas = useRef<HTMLCanvasElement>(null);
   useEffect(() => {
@@ -76,8 +78,25 @@ export function FlatSheet() {
       const panel = of !== null && face !== null && of.face_kind[face] === FaceKind.panel;
       desk.pinned.value = panel ? { kind: 'face', face: face as number } : null;
     };
+    let shown: Lattice | null = null;
+    let shownAt = 0;
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    const show = (of: Lattice | null): void => {
+      if (of === shown) return;
+      shown = of;
+      shownAt = performance.now();
+      view.setStrokes(of ? flatStrokes(of) : null);
+    };
     const stops = [
-      effect(() => view.setStrokes(desk.lattice.value ? flatStrokes(desk.lattice.value) : null)),
+      // While a hand moves, the sheet follows more slowly than the model: that is what is looked at.
+      effect(() => {
+        const of = desk.lattice.value;
+        const wait = desk.busy.value ? kSheetEvery_ms - (performance.now() - shownAt) : 0;
+        clearTimeout(timer);
+        if (wait <= 0 || of === null) show(of);
+        else timer = setTimeout(() => show(of), wait);
+      }),
+      () => clearTimeout(timer),
       effect(() => {
         const of = desk.lattice.value;
         const faces = of ? desk.litFaces(of, desk.lit.value) : null;

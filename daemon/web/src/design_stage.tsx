@@ -484,14 +484,14 @@ export function nameShown(): string {
 
 let marked: Lattice | null = null;
 
-/** Says to who measures that a new lattice is on the screen: `popcut.draft` or `popcut.exact`. */
+/** Says to who measures that a new lattice is drawn, and when its input came: `popcut.draft` or `popcut.exact`. */
 function markDrawn(): void {
   const of = desk.lattice.peek();
   if (!of || of === marked) return;
   marked = of;
   const name = `popcut.${of.quality}`;
   performance.clearMarks(name);
-  performance.mark(name);
+  performance.mark(name, { detail: desk.shownInput_ms });
 }
 
 export function Stage() {
@@ -550,6 +550,7 @@ export function Stage() {
           shown = of;
           view.setLattice(of, { fit: !moving, blend: !first && desk.quality.peek() === 'exact' });
         }),
+        effect(() => view.setBusy(desk.busy.value || desk.moving.value)),
         effect(() => view.setPsi(desk.psi.value)),
         effect(() => view.setColouring(desk.colouring.value)),
         effect(() => view.setGhost(desk.targetShown.value)),

@@ -39,7 +39,13 @@ import {
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Lattice } from './lattice';
 import { frameAt, posedPoints } from './lattice';
-import { cornerValues, scaleOf, stopsOf, type Colouring, type Rgb, type Scale } from './ramps';
+import { cornersOf, drawOrder, largestUpTo, light, ordered, sameTopology, tintCorners, type DrawOrder } from './model_mesh';
+import {
+  copyFragmentShader, depthFragmentShader, ghostFragmentShader, ghostVertexShader, kFaint_px, modelVertexShader,
+  paperFragmentShader, paperVertexShader, screenVertexShader, tableFragmentShader, tableVertexShader, whoFragmentShader,
+  whoVertexShader,
+} from './model_shaders';
+import { scaleOf, type Colouring, type Rgb, type Scale } from './ramps';
 
 export interface Lit {
   face?: number | null;
@@ -57,269 +63,6 @@ export interface ModelOptions {
   onRestored?: () => void;
 }
 
-/** The vertex shader of the model: every place comes from psi. Its output vWorld is in mm. */
-export const modelVertexShader = /* glsl */ `
-precision highp float;
-precision highp int;
-in vec3 position;
-in vec3 before;
-in vec3 across;
-in vec3 along;
-in vec2 grain;
-in vec4 who;
-in float value;
-#ifdef TIPS
-in vec4 apex;
-in float alpha;
-#endif
-#ifdef FRAMES
-in float point;
-uniform highp sampler2D frames;
-uniform int frameFirst, frameNext, frameWidth;
-uniform float frameShare;
-vec3 framed(int i) {
-  return texelFetch(frames, ivec2(i % frameWidth, i / frameWidth), 0).xyz;
-}
-#endif
-uniform mat4 modelViewMatrix, projectionMatrix;
-uniform vec4 pose; // cos psi, sin psi, cos psi/2, sin psi/2: the GPU's own are not exact enough
-uniform float blend;
-uniform mat4 sunMatrix, skyMatrix;
-out vec3 vWorld;
-out vec3 vAcross;
-out vec3 vAlong;
-flat out vec2 vGrain;
-flat out vec4 vWho;
-out float vValue;
-out vec3 vSun;
-out vec3 vSky;
-vec3 opened(vec3 p) {
-  return vec3(p.x + p.y * pose.x, p.z, p.y * pose.y);
-}
-void main() {
-#ifdef FRAMES
-  vec3 world = mix(framed(frameFirst + int(point)), framed(frameNext + int(point)), frameShare);
-#else
-  vec3 world = opened(mix(before, position, blend));
-#ifdef TIPS
-  if (apex.w > 0.0) {
-    // Half the splay angle has the tangent t.
-    float t = alpha * pose.z;
-    float up = apex.w * 2.0 * t / (1.0 + t * t);
-    world = opened(apex.xyz) + vec3(up * pose.z, apex.w * (1.0 - t * t) / (1.0 + t * t), up * pose.w);
-  }
-#endif
-#endif
-  vWorld = world;
-  vAcross = across;
-  vAlong = along;
-  vGrain = grain;
-  vWho = who;
-  vValue = value;
-  vec4 s = sunMatrix * vec4(world, 1.0);
-  vSun = s.xyz * 0.5 + 0.5;
-  s = skyMatrix * vec4(world, 1.0);
-  vSky = s.xyz * 0.5 + 0.5;
-  gl_Position = projectionMatrix * modelViewMatrix * vec4(world, 1.0);
-}`;
-
-const kLight = /* glsl */ `
-uniform highp sampler2DShadow sunMap, skyMap;
-uniform vec3 sun, sky;
-uniform float gathering, plain;
-float seen(highp sampler2DShadow map, vec3 at, float bias) {
-  if (plain > 0.5 || at.x <= 0.0 || at.x >= 1.0 || at.y <= 0.0 || at.y >= 1.0) return 1.0;
-  return texture(map, vec3(at.xy, at.z - bias));
-}
-// Direct light and light of the sky on a surface that faces n, in linear light.
-vec3 lit(vec3 n, vec3 atSun, vec3 atSky, float bias) {
-  float d = dot(n, sun);
-  float s = d > 0.0 ? d * seen(sunMap, atSun, bias) : 0.0;
-  float a;
-  if (gathering > 0.5) {
-    float e = dot(n, sky);
-    a = e > 0.0 ? 2.0 * e * seen(skyMap, atSky, bias) : 0.0;
-  } else {
-    a = 0.88 * (0.5 + 0.5 * n.z);
-  }
-  float through = d < 0.0 ? -d * 0.10 : 0.0;
-  vec3 warm = vec3(1.0, 0.965, 0.90), cool = vec3(0.88, 0.94, 1.0);
-  return warm * (0.68 * s + through) + cool * 0.40 * a + vec3(0.17, 0.165, 0.16);
-}
-vec3 shown(vec3 linear) {
-  return pow(clamp(linear, 0.0, 1.0), vec3(1.0 / 2.2));
-}
-`;
-
-const kPaper = /* glsl */ `
-precision highp float;
-precision highp int;
-in vec3 vWorld;
-in vec3 vAcross;
-in vec3 vAlong;
-flat in vec2 vGrain;
-flat in vec4 vWho;
-in float vValue;
-in vec3 vSun;
-in vec3 vSky;
-uniform vec3 front, back, inkCut, inkMountain, inkValley, accent, amber;
-uniform vec3 stops[5];
-uniform int stepped;
-uniform float dash, ratio, dim;
-uniform vec4 marked; // face, slice, level; w: 1 if any is lit
-uniform vec3 eye;
-out vec4 colour;
-${kLight}
-vec3 ramp(float t) {
-  float at = clamp(t, 0.0, 1.0) * 4.0;
-  int i = int(min(3.0, floor(at)));
-  if (stepped == 1) return stops[int(at + 0.5)];
-  return mix(stops[i], stops[i + 1], at - float(i));
-}
-float stroke(float role, float across, float along, float width, float mm) {
-  float body = 1.0 - smoothstep(width - 0.6, width + 0.6, across / mm);
-  float t = fract(along / dash);
-  float soft = 0.06;
-  float open = 1.0;
-  if (role > 1.5 && role < 2.5) {
-    open = smoothstep(0.0, soft, t) - smoothstep(0.52, 0.52 + soft, t) + smoothstep(0.70, 0.70 + soft, t) - smoothstep(0.82, 0.82 + soft, t);
-  } else if (role > 2.5 && role < 3.5) {
-    float h = fract(2.0 * along / dash);
-    open = smoothstep(0.0, soft, h) - smoothstep(0.56, 0.56 + soft, h);
-  }
-  float fade = smoothstep(2.5, 9.0, vGrain.y / mm);
-  return body * open * fade;
-}
-void main() {
-  vec3 n = normalize(cross(dFdx(vWorld), dFdy(vWorld)));
-  if (dot(n, eye - vWorld) < 0.0) n = -n;
-  float slope = 1.0 - abs(dot(n, sun));
-  vec3 base = gl_FrontFacing ? front : back;
-  float kind = mod(vWho.w, 4.0);
-  bool merged = mod(floor(vWho.w / 4.0), 2.0) > 0.5;
-  if (gl_FrontFacing) {
-    if (vValue >= 0.0) base = ramp(vValue) * (stepped == 1 ? 1.0 : 1.0);
-    if (merged && kind < 0.5) base = mix(base, amber, 0.72);
-  }
-  bool on = vWho.w >= 8.0 || marked.w > 0.5 && kind < 2.5 &&
-    (abs(vWho.x - marked.x) < 0.5 || abs(vWho.y - marked.y) < 0.5 || abs(vWho.z - marked.z) < 0.5);
-  base = base * base * (base * 0.305306 + 0.682171) + base * 0.012522878;
-  if (on) base = mix(base, accent * accent, 0.42);
-  vec3 c = base * lit(n, vSun, vSky, 0.0012 + 0.004 * slope);
-  c = shown(c);
-  float roles = vGrain.x;
-  float r0 = mod(roles, 8.0), r1 = mod(floor(roles / 8.0), 8.0), r2 = floor(roles / 64.0);
-  vec3 r = vec3(r0, r1, r2);
-  // Derivatives must be taken outside of branches that differ between pixels.
-  vec3 mm = max(fwidth(vAcross), 1e-5);
-  for (int k = 0; k < 3; k++) {
-    float role = r[k];
-    if (role < 0.5 || vAcross[k] > 2.5 * ratio * mm[k]) continue;
-    bool cut = role < 1.5 || role > 3.5;
-    float a = stroke(role, vAcross[k], vAlong[k], (cut ? 0.62 : 0.78) * ratio, mm[k]);
-    vec3 ink = cut ? inkCut : role < 2.5 ? inkMountain : inkValley;
-    c = mix(c, ink, a * (cut ? 0.72 : 0.8));
-  }
-  colour = vec4(mix(c, vec3(dot(c, vec3(0.3333))), dim * 0.8), 1.0);
-}`;
-
-const kDepth = /* glsl */ `
-precision highp float;
-out vec4 colour;
-void main() {
-  colour = vec4(1.0);
-}`;
-
-const kWho = /* glsl */ `
-precision highp float;
-precision highp int;
-flat in vec4 vWho;
-out vec4 colour;
-void main() {
-  int id = int(vWho.x + 0.5) + 1;
-  colour = vec4(float(id & 255), float((id >> 8) & 255), float((id >> 16) & 255), 255.0) / 255.0;
-}`;
-
-const kTableVertex = /* glsl */ `
-precision highp float;
-in vec3 position;
-uniform mat4 modelMatrix, viewMatrix, projectionMatrix, sunMatrix, skyMatrix;
-out vec3 vWorld;
-out vec3 vSun;
-out vec3 vSky;
-out float vOut;
-void main() {
-  vec4 world = modelMatrix * vec4(position, 1.0);
-  vWorld = world.xyz;
-  vOut = length(position.xy);
-  vSun = (sunMatrix * world).xyz * 0.5 + 0.5;
-  vSky = (skyMatrix * world).xyz * 0.5 + 0.5;
-  gl_Position = projectionMatrix * viewMatrix * world;
-}`;
-
-const kTable = /* glsl */ `
-precision highp float;
-in vec3 vWorld;
-in vec3 vSun;
-in vec3 vSky;
-in float vOut;
-uniform vec3 ground;
-uniform float dark;
-out vec4 colour;
-${kLight}
-void main() {
-  vec3 n = vec3(0.0, 0.0, 1.0);
-  float s = seen(sunMap, vSun, 0.001);
-  float a = gathering > 0.5 ? 2.0 * max(0.0, sky.z) * seen(skyMap, vSky, 0.001) : 1.0;
-  float full = 0.66 * sun.z + 0.36;
-  a = mix(1.0, a, 0.4);
-  float light = (0.66 * sun.z * s + 0.36 * a) / full;
-  light = mix(1.0, light, (1.0 - smoothstep(0.13, 0.25, vOut)) * dark);
-  colour = vec4(ground * pow(max(light, 0.0), 0.5), 1.0);
-}`;
-
-const kGhostVertex = /* glsl */ `
-precision highp float;
-in vec3 position;
-uniform mat4 modelViewMatrix, projectionMatrix;
-out vec3 vWorld;
-void main() {
-  vWorld = position;
-  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-}`;
-
-const kGhost = /* glsl */ `
-precision highp float;
-in vec3 vWorld;
-uniform vec3 eye, accent;
-uniform float strength;
-out vec4 colour;
-void main() {
-  vec3 n = normalize(cross(dFdx(vWorld), dFdy(vWorld)));
-  float facing = abs(dot(n, normalize(eye - vWorld)));
-  float rim = pow(1.0 - facing, 2.5);
-  colour = vec4(accent, strength * (0.16 + 0.6 * rim));
-}`;
-
-const kScreenVertex = /* glsl */ `
-precision highp float;
-in vec3 position;
-out vec2 at;
-void main() {
-  at = position.xy * 0.5 + 0.5;
-  gl_Position = vec4(position.xy, 0.0, 1.0);
-}`;
-
-const kCopy = /* glsl */ `
-precision highp float;
-in vec2 at;
-uniform sampler2D from;
-uniform float opacity;
-out vec4 colour;
-void main() {
-  colour = vec4(texture(from, at).rgb, opacity);
-}`;
-
 // Colours are given and mixed as they are shown; the shaders do their own light.
 ColorManagement.enabled = false;
 
@@ -327,6 +70,10 @@ ColorManagement.enabled = false;
 const kGathered = 40;
 const kGatheredSlow = 14;
 const kSlow_ms = 70;
+/** If a picture takes longer, those of something that moves are drawn with fewer pixels. */
+const kSmooth_ms = 40;
+/** Only what rests so long gets its soft shadows. */
+const kRest_ms = 300;
 /** Beyond this the light of the sky is not gathered: each frame costs two more passes. */
 const kMostGatheredTriangles = 60_000;
 const kShadowPixels = 1024;
@@ -381,7 +128,10 @@ export class ModelView {
   private readonly controls: OrbitControls;
   private readonly geometry = new BufferGeometry();
   private readonly ghostGeometry = new BufferGeometry();
-  private readonly mesh: Mesh;
+  private readonly mesh: Mesh<BufferGeometry, RawShaderMaterial[]>;
+  /** Without lines, for triangles that are too small for them, and with. */
+  private readonly papers: { plain: RawShaderMaterial[]; shadows: RawShaderMaterial[] };
+  private readonly inks: Record<string, { value: unknown }>;
   private readonly depthMesh: Mesh;
   private readonly whoMesh: Mesh;
   private readonly ghost: Mesh;
@@ -396,6 +146,10 @@ export class ModelView {
   private readonly sun = new Vector3(0.5, -0.52, 0.88).normalize();
   private readonly observer: ResizeObserver;
   private lattice: Lattice | null = null;
+  /** The lattice with its triangles in the order in which they are drawn. */
+  private drawn: Lattice | null = null;
+  private order: DrawOrder | null = null;
+  private largest_mm: number[] = [];
   private scale: Scale | null = null;
   private colouring: Colouring = 'paper';
   private psi = Math.PI / 2;
@@ -412,8 +166,21 @@ export class ModelView {
   private radius = 100;
   private hoverAt: { x: number; y: number } | null = null;
   private hovered: number | null = null;
+  private picking = false;
+  private left = false;
+  private disposed = false;
   private pressed: { x: number; y: number } | null = null;
   private still = false;
+  private rest: ReturnType<typeof setTimeout> | undefined;
+  private drawing: WebGLSync | null = null;
+  private busy = false;
+  private coarse = false;
+  /** How long the last picture with all its pixels took, ms. */
+  private took_ms = 0;
+  private filmed = false;
+  private drawnAt = -Infinity;
+  private width = 1;
+  private height = 1;
 
   constructor(canvas: HTMLCanvasElement, options: ModelOptions = {}) {
     this.canvas = canvas;
@@ -437,7 +204,6 @@ export class ModelView {
       sun: { value: this.sun.clone() },
       sky: { value: new Vector3(0, 0, 1) },
       gathering: { value: 0 },
-      plain: { value: 0 },
       eye: { value: new Vector3() },
       accent: { value: new Vector3(0.15, 0.42, 0.7) },
       frames: { value: null },
@@ -446,36 +212,34 @@ export class ModelView {
       frameWidth: { value: 1 },
       frameShare: { value: 0 },
     };
-    const paper = new RawShaderMaterial({
-      glslVersion: GLSL3,
-      vertexShader: modelVertexShader,
-      fragmentShader: kPaper,
-      side: DoubleSide,
-      uniforms: {
-        ...this.shared,
-        front: { value: new Vector3() },
-        back: { value: new Vector3() },
-        inkCut: { value: new Vector3() },
-        inkMountain: { value: new Vector3() },
-        inkValley: { value: new Vector3() },
-        amber: { value: new Vector3() },
-        stops: { value: Array.from({ length: 5 }, () => new Vector3(1, 1, 1)) },
-        stepped: { value: 0 },
-        dash: { value: 4 },
-        ratio: { value: 1 },
-        dim: { value: 0 },
-        marked: { value: new Vector4(-9, -9, -9, 0) },
-      },
+    this.inks = {
+      ...this.shared,
+      back: { value: new Vector3() },
+      inkCut: { value: new Vector3() },
+      inkMountain: { value: new Vector3() },
+      inkValley: { value: new Vector3() },
+      dash: { value: 4 },
+      ratio: { value: 1 },
+      dim: { value: 0 },
+      marked: { value: new Vector4(-9, -9, -9, 0) },
+    };
+    const paper = (defines: Record<string, number>): RawShaderMaterial => new RawShaderMaterial({
+      glslVersion: GLSL3, vertexShader: paperVertexShader, fragmentShader: paperFragmentShader, side: DoubleSide,
+      uniforms: this.inks, defines,
     });
-    const deep = new RawShaderMaterial({ glslVersion: GLSL3, vertexShader: modelVertexShader, fragmentShader: kDepth, side: DoubleSide, uniforms: this.shared });
-    const who = new RawShaderMaterial({ glslVersion: GLSL3, vertexShader: modelVertexShader, fragmentShader: kWho, side: DoubleSide, uniforms: this.shared, blending: NoBlending });
-    this.mesh = new Mesh(this.geometry, paper);
+    this.papers = {
+      plain: [paper({}), paper({ LINES: 1 })],
+      shadows: [paper({ SHADOWS: 1 }), paper({ LINES: 1, SHADOWS: 1 })],
+    };
+    const deep = new RawShaderMaterial({ glslVersion: GLSL3, vertexShader: modelVertexShader, fragmentShader: depthFragmentShader, side: DoubleSide, uniforms: this.shared });
+    const who = new RawShaderMaterial({ glslVersion: GLSL3, vertexShader: whoVertexShader, fragmentShader: whoFragmentShader, side: DoubleSide, uniforms: this.shared, blending: NoBlending });
+    this.mesh = new Mesh(this.geometry, this.papers.shadows);
     this.depthMesh = new Mesh(this.geometry, deep);
     this.whoMesh = new Mesh(this.geometry, who);
     const ghost = new RawShaderMaterial({
       glslVersion: GLSL3,
-      vertexShader: kGhostVertex,
-      fragmentShader: kGhost,
+      vertexShader: ghostVertexShader,
+      fragmentShader: ghostFragmentShader,
       side: DoubleSide,
       transparent: true,
       depthWrite: false,
@@ -485,8 +249,8 @@ export class ModelView {
     this.ghost.visible = false;
     const table = new RawShaderMaterial({
       glslVersion: GLSL3,
-      vertexShader: kTableVertex,
-      fragmentShader: kTable,
+      vertexShader: tableVertexShader,
+      fragmentShader: tableFragmentShader,
       side: FrontSide,
       uniforms: { ...this.shared, ground: { value: new Vector3() }, dark: { value: 1 } },
     });
@@ -498,8 +262,8 @@ export class ModelView {
     this.whoScene.add(this.whoMesh);
     this.copy = new RawShaderMaterial({
       glslVersion: GLSL3,
-      vertexShader: kScreenVertex,
-      fragmentShader: kCopy,
+      vertexShader: screenVertexShader,
+      fragmentShader: copyFragmentShader,
       depthTest: false,
       depthWrite: false,
       transparent: true,
@@ -533,16 +297,17 @@ export class ModelView {
   /** Reads the theme's colours again. */
   retheme(): void {
     const style = getComputedStyle(this.canvas);
-    const u = (this.mesh.material as RawShaderMaterial).uniforms;
+    const u = this.inks;
     const set = (name: string, variable: string, fallback: Rgb): void => {
       (u[name] as { value: Vector3 }).value.copy(readColour(style, variable, fallback));
     };
-    set('front', '--model-paper', [0.985, 0.975, 0.95]);
+    this.frontRgb = readColour(style, '--model-paper', [0.985, 0.975, 0.95]).toArray();
+    this.amberRgb = readColour(style, '--model-amber', [0.93, 0.66, 0.16]).toArray();
+    this.recolour();
     set('back', '--model-back', [0.8, 0.83, 0.85]);
     set('inkCut', '--model-cut', [0.16, 0.15, 0.14]);
     set('inkMountain', '--model-mountain', [0.72, 0.2, 0.16]);
     set('inkValley', '--model-valley', [0.13, 0.36, 0.64]);
-    set('amber', '--model-amber', [0.93, 0.66, 0.16]);
     set('accent', '--model-accent', [0.12, 0.42, 0.72]);
     const ground = readColour(style, '--stage', [0.91, 0.9, 0.875]);
     ((this.table.material as RawShaderMaterial).uniforms['ground'] as { value: Vector3 }).value.copy(ground);
@@ -552,6 +317,8 @@ export class ModelView {
     this.request();
   }
   private clear = 0xe8e6df;
+  private frontRgb: Rgb = [1, 1, 1];
+  private amberRgb: Rgb = [1, 1, 1];
 
   /** Where the card lies on the table, and whose faces the scalars colour. */
   setLattice(lattice: Lattice | null, { fit = true, blend = false } = {}): void {
@@ -564,9 +331,11 @@ export class ModelView {
     }
     this.mesh.visible = true;
     const before = this.geometry.getAttribute('position') as BufferAttribute | undefined;
-    const same = blend && !this.still && old !== null && before !== undefined && sameTopology(old, lattice);
-    const held = same ? new BufferAttribute((before as BufferAttribute).array, 3) : null;
-    this.fill(lattice);
+    const same = old !== null && before !== undefined && sameTopology(old, lattice);
+    const held = same && blend && !this.still ? new BufferAttribute((before as BufferAttribute).array, 3) : null;
+    if (!same || !this.order) this.order = drawOrder(lattice);
+    this.drawn = ordered(lattice, this.order);
+    this.fill(this.drawn, this.order);
     if (held) {
       this.geometry.setAttribute('before', held);
       this.blendFrom = performance.now();
@@ -584,78 +353,35 @@ export class ModelView {
     this.request();
   }
 
-  private fill(lattice: Lattice): void {
-    const { points, triangles, triangle_face, sides } = lattice;
-    const m = triangle_face.length;
-    const position = new Float32Array(9 * m);
-    const across = new Float32Array(9 * m);
-    const along = new Float32Array(9 * m);
-    const grain = new Float32Array(6 * m);
-    const who = new Float32Array(12 * m);
-    const wall = lattice.card.wall_mm;
-    for (let t = 0; t < m; t++) {
-      const face = triangle_face[t] as number;
-      const i0 = 3 * (triangles[3 * t] as number);
-      const i1 = 3 * (triangles[3 * t + 1] as number);
-      const i2 = 3 * (triangles[3 * t + 2] as number);
-      const corner = [i0, i1, i2];
-      const us = [0, 0, 0];
-      const vs = [0, 0, 0];
-      for (let k = 0; k < 3; k++) {
-        const i = corner[k] as number;
-        const x = points[i] as number;
-        const z = points[i + 1] as number;
-        const v = points[i + 2] as number;
-        const at = 9 * t + 3 * k;
-        position[at] = x;
-        position[at + 1] = z;
-        position[at + 2] = v;
-        us[k] = x + wall - z;
-        vs[k] = v;
-      }
-      const [u0, u1, u2] = us as [number, number, number];
-      const [v0, v1, v2] = vs as [number, number, number];
-      const twice = Math.abs((u1 - u0) * (v2 - v0) - (v1 - v0) * (u2 - u0));
-      const roles = (sides[3 * t] as number) + 8 * (sides[3 * t + 1] as number) + 64 * (sides[3 * t + 2] as number);
-      const size = Math.sqrt(twice);
-      for (let k = 0; k < 3; k++) {
-        const a = k;
-        const b = (k + 1) % 3;
-        const c = (k + 2) % 3;
-        let du = (us[b] as number) - (us[a] as number);
-        let dv = (vs[b] as number) - (vs[a] as number);
-        const length = Math.hypot(du, dv) || 1e-9;
-        if (du < 0 || (du === 0 && dv < 0)) {
-          du = -du;
-          dv = -dv;
-        }
-        du /= length;
-        dv /= length;
-        across[9 * t + 3 * c + k] = twice / length;
-        for (const j of [a, b, c]) along[9 * t + 3 * j + k] = (us[j] as number) * du + (vs[j] as number) * dv;
-      }
-      const flags = (lattice.face_kind[face] as number) + (lattice.face_merged[face] ? 4 : 0);
-      for (let k = 0; k < 3; k++) {
-        grain[6 * t + 2 * k] = roles;
-        grain[6 * t + 2 * k + 1] = size;
-        const at = 12 * t + 4 * k;
-        who[at] = face;
-        who[at + 1] = lattice.face_slice[face] as number;
-        who[at + 2] = lattice.face_level[face] as number;
-        who[at + 3] = flags;
-      }
-    }
+  private fill(lattice: Lattice, order: DrawOrder): void {
+    const { position, height, along, size, face, kinds } = cornersOf(lattice);
     const g = this.geometry;
     g.dispose();
     g.setAttribute('position', new BufferAttribute(position, 3));
-    g.setAttribute('across', new BufferAttribute(across, 3));
+    g.setAttribute('height', new BufferAttribute(height, 1));
     g.setAttribute('along', new BufferAttribute(along, 3));
-    g.setAttribute('grain', new BufferAttribute(grain, 2));
-    g.setAttribute('who', new BufferAttribute(who, 4));
-    g.setAttribute('value', new BufferAttribute(new Float32Array(3 * m).fill(-1), 1));
+    g.setAttribute('size', new BufferAttribute(size, 1));
+    g.setAttribute('face', new BufferAttribute(face, 1));
+    g.setAttribute('kinds', new BufferAttribute(kinds, 4));
+    g.setAttribute('tint', new BufferAttribute(new Uint8Array(4 * face.length), 4, true));
+    this.largest_mm = largestUpTo(order, size);
     this.fillTips(lattice);
     this.fillFrames(lattice);
-    g.setDrawRange(0, 3 * m);
+    g.setDrawRange(0, face.length);
+  }
+
+  /** Draws triangles without lines where no line could be seen in a picture with `mm` per pixel. */
+  private leaveOutLines(mm: number): void {
+    const all = 3 * (this.drawn?.triangle_face.length ?? 0);
+    let faint = 0;
+    this.order?.ends.forEach((end, step) => {
+      if ((this.largest_mm[step] as number) < kFaint_px * mm) faint = 3 * end;
+    });
+    const g = this.geometry;
+    if (g.groups.length > 0 && g.groups[0]?.count === faint && g.groups[1]?.count === all - faint) return;
+    g.clearGroups();
+    g.addGroup(0, faint, 0);
+    g.addGroup(faint, all - faint, 1);
   }
 
   private fillTips(lattice: Lattice): void {
@@ -705,8 +431,8 @@ export class ModelView {
   }
 
   private define(name: string, on: boolean): void {
-    for (const mesh of [this.mesh, this.depthMesh, this.whoMesh]) {
-      const material = mesh.material as RawShaderMaterial;
+    const others = [this.depthMesh, this.whoMesh].map((mesh) => mesh.material as RawShaderMaterial);
+    for (const material of [...this.papers.plain, ...this.papers.shadows, ...others]) {
       if ((name in material.defines) === on) continue;
       if (on) material.defines[name] = 1;
       else delete material.defines[name];
@@ -761,16 +487,12 @@ export class ModelView {
   }
 
   private recolour(): void {
-    const lattice = this.lattice;
+    const lattice = this.drawn;
     if (!lattice) return;
     this.scale = scaleOf(lattice, this.colouring);
-    const value = this.geometry.getAttribute('value') as BufferAttribute;
-    cornerValues(lattice, this.scale, value.array as Float32Array);
-    value.needsUpdate = true;
-    const u = (this.mesh.material as RawShaderMaterial).uniforms;
-    const held = (u['stops'] as { value: Vector3[] }).value;
-    stopsOf(this.scale).forEach((stop, i) => held[i]?.set(stop[0], stop[1], stop[2]));
-    (u['stepped'] as { value: number }).value = this.scale.kind === 'names' ? 1 : 0;
+    const tint = this.geometry.getAttribute('tint') as BufferAttribute;
+    tintCorners(lattice, this.scale, this.frontRgb, this.amberRgb, tint.array as Uint8Array);
+    tint.needsUpdate = true;
   }
 
   setGhost(on: boolean): void {
@@ -781,7 +503,7 @@ export class ModelView {
 
   /** Greys the model: it is not what the spec says now. */
   setDim(dim: boolean): void {
-    ((this.mesh.material as RawShaderMaterial).uniforms['dim'] as { value: number }).value = dim ? 1 : 0;
+    (this.inks['dim'] as { value: number }).value = dim ? 1 : 0;
     this.request();
   }
 
@@ -791,7 +513,7 @@ export class ModelView {
   }
 
   light(lit: Lit | null): void {
-    const marked = ((this.mesh.material as RawShaderMaterial).uniforms['marked'] as { value: Vector4 }).value;
+    const marked = (this.inks['marked'] as { value: Vector4 }).value;
     const next = new Vector4(lit?.face ?? -9, lit?.slice ?? -9, lit?.level ?? -9, lit ? 1 : 0);
     if (marked.equals(next)) return;
     marked.copy(next);
@@ -800,13 +522,11 @@ export class ModelView {
 
   /** Lights any set of faces, beside what `light` does. */
   markFaces(faces: ReadonlySet<number>): void {
-    const who = this.geometry.getAttribute('who') as BufferAttribute | undefined;
-    if (!who) return;
-    const values = who.array as Float32Array;
-    for (let i = 0; i < values.length; i += 4) {
-      values[i + 3] = ((values[i + 3] as number) % 8) + (faces.has(values[i] as number) ? 8 : 0);
-    }
-    who.needsUpdate = true;
+    const kinds = this.geometry.getAttribute('kinds') as BufferAttribute | undefined;
+    const face = this.geometry.getAttribute('face') as BufferAttribute | undefined;
+    if (!kinds || !face) return;
+    light({ kinds: kinds.array as Uint16Array, face: face.array as Float32Array }, faces);
+    kinds.needsUpdate = true;
     this.request();
   }
 
@@ -947,10 +667,10 @@ export class ModelView {
   }
 
   private resize(): void {
-    const width = Math.max(1, this.canvas.clientWidth);
-    const height = Math.max(1, this.canvas.clientHeight);
-    const ratio = Math.min(2, window.devicePixelRatio || 1);
-    this.renderer.setPixelRatio(ratio);
+    this.width = Math.max(1, this.canvas.clientWidth);
+    this.height = Math.max(1, this.canvas.clientHeight);
+    const { width, height } = this;
+    this.renderer.setPixelRatio(this.pixelRatio());
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
@@ -961,9 +681,22 @@ export class ModelView {
     this.request();
   }
 
+  private pixelRatio(): number {
+    return Math.min(2, window.devicePixelRatio || 1) * (this.coarse ? 0.5 : 1);
+  }
+
+  /** Where pictures take long, what moves is drawn with half the pixels a side: sharp again once it rests. */
+  private setCoarse(coarse: boolean): void {
+    if (coarse === this.coarse) return;
+    this.coarse = coarse;
+    this.renderer.setPixelRatio(this.pixelRatio());
+  }
+
   /** Asks for a picture at the next frame of the screen. */
   request(): void {
     this.changed = true;
+    clearTimeout(this.rest);
+    this.rest = undefined;
     this.schedule();
   }
 
@@ -974,24 +707,83 @@ export class ModelView {
   private readonly tick = (): void => {
     this.requested = 0;
     if (this.lost) return;
-    if (this.hoverAt) this.hover();
+    // What is drawn off the screen is not held back by it: a queue of frames would make all that follows late.
+    if (this.isDrawing()) {
+      this.schedule();
+      return;
+    }
+    if (this.hoverAt) void this.hover();
     if (this.changed) {
       this.changed = false;
       this.gathered = 0;
+      const now = performance.now();
+      const goesOn = this.busy || now - this.drawnAt < kRest_ms;
+      this.setCoarse(goesOn && !this.filmed && (this.coarse || this.took_ms > kSmooth_ms));
+      this.drawnAt = now;
       this.drawNow();
+      this.fence();
       this.options.onDraw?.();
       if (this.blendFrom > 0) this.request();
-      else this.schedule();
+      else this.settleSoon();
       return;
     }
-    if (this.gathered < this.framesToGather()) {
+    if (this.rest === undefined && !this.busy && this.gathered < this.framesToGather()) {
       const now = performance.now();
       if (this.gathered === 1) this.gatherFrom = now;
       if (this.gathered === 4) this.slow ||= (now - this.gatherFrom) / 3 > kSlow_ms;
       this.gather();
+      this.fence();
       this.schedule();
     }
   };
+
+  private settleSoon(): void {
+    clearTimeout(this.rest);
+    this.rest = undefined;
+    if (!this.busy && (this.coarse || this.framesToGather() > 0)) this.rest = setTimeout(this.settle, kRest_ms);
+  }
+
+  /** While it is filmed, all that is drawn is sharp. */
+  setFilmed(filmed: boolean): void {
+    this.filmed = filmed;
+    this.request();
+  }
+
+  /** While a new lattice is on its way, nothing is gathered that it would throw away. */
+  setBusy(busy: boolean): void {
+    if (busy === this.busy) return;
+    this.busy = busy;
+    if (this.gathered === 0) this.settleSoon();
+    else if (!busy) this.schedule();
+  }
+
+  private readonly settle = (): void => {
+    this.rest = undefined;
+    if (this.coarse && !this.lost) {
+      this.setCoarse(false);
+      this.drawnAt = performance.now();
+      this.drawNow();
+      this.fence();
+    }
+    this.schedule();
+  };
+
+  private fence(): void {
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    this.drawing = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+  }
+
+  /** True until the GPU has drawn what it was given last. */
+  private isDrawing(): boolean {
+    if (!this.drawing) return false;
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    if (gl.getSyncParameter(this.drawing, gl.SYNC_STATUS) !== gl.SIGNALED) return true;
+    gl.deleteSync(this.drawing);
+    this.drawing = null;
+    if (!this.coarse && this.gathered === 0) this.took_ms = performance.now() - this.drawnAt;
+    return false;
+  }
 
   private framesToGather(): number {
     const triangles = this.lattice ? this.lattice.triangle_face.length : 0;
@@ -1009,7 +801,7 @@ export class ModelView {
     (this.shared['gathering'] as { value: number }).value = 0;
     // A slow machine has no shadows while something moves.
     const plain = this.slow && this.litOnce;
-    (this.shared['plain'] as { value: number }).value = plain ? 1 : 0;
+    this.shadow(!plain);
     if (!plain) this.shine(this.sun, this.sunTarget, 'sunMatrix');
     if (!this.litOnce) this.shine(this.sun, this.skyTarget, 'skyMatrix');
     this.litOnce = true;
@@ -1018,8 +810,14 @@ export class ModelView {
     this.drawScene(null);
   }
 
+  /** With shadows or without: then the table has none either, and is as grey as what is around it. */
+  private shadow(on: boolean): void {
+    this.mesh.material = on ? this.papers.shadows : this.papers.plain;
+    this.table.visible = on;
+  }
+
   private drawScene(target: WebGLRenderTarget | null): void {
-    const u = (this.mesh.material as RawShaderMaterial).uniforms;
+    const u = this.inks;
     (this.shared['eye'] as { value: Vector3 }).value.copy(this.camera.position);
     const ratio = this.renderer.getPixelRatio();
     const pixels = this.renderer.domElement.height;
@@ -1027,6 +825,7 @@ export class ModelView {
     const mm = (2 * distance * Math.tan((this.camera.fov * Math.PI) / 360)) / pixels;
     (u['dash'] as { value: number }).value = 2 ** Math.round(Math.log2(16 * ratio * mm));
     (u['ratio'] as { value: number }).value = ratio;
+    this.leaveOutLines(mm * Math.max(0.05, 1 - this.radius / distance));
     this.renderer.setRenderTarget(target);
     this.renderer.setClearColor(this.clear, 1);
     this.renderer.clear(true, true, false);
@@ -1073,7 +872,7 @@ export class ModelView {
     const round = 2 * Math.PI * halton(i, 7);
     const flat = Math.sqrt(1 - up * up);
     const sky = new Vector3(flat * Math.cos(round), flat * Math.sin(round), up);
-    (this.shared['plain'] as { value: number }).value = 0;
+    this.shadow(true);
     this.shine(sun, this.sunTarget, 'sunMatrix');
     this.shine(sky, this.skyTarget, 'skyMatrix');
     (this.shared['sun'] as { value: Vector3 }).value.copy(sun);
@@ -1096,11 +895,13 @@ export class ModelView {
     this.renderer.setRenderTarget(null);
   }
 
-  /** The face at a place of the canvas in CSS pixels, or null: one pixel is drawn, with numbers for colours. */
-  pick(x: number, y: number): number | null {
+  /**
+   * The face at a place of the canvas in CSS pixels, or null: one pixel is drawn, with numbers for colours. It is read
+   * once the GPU has it, so that nothing waits.
+   */
+  async pick(x: number, y: number): Promise<number | null> {
     if (this.lost || !this.lattice) return null;
-    const width = this.canvas.clientWidth;
-    const height = this.canvas.clientHeight;
+    const { width, height } = this;
     if (x < 0 || y < 0 || x >= width || y >= height) return null;
     this.camera.setViewOffset(width, height, x, y, 1, 1);
     this.renderer.setRenderTarget(this.whoTarget);
@@ -1108,9 +909,10 @@ export class ModelView {
     this.renderer.clear(true, true, false);
     this.renderer.render(this.whoScene, this.camera);
     const pixel = new Uint8Array(4);
-    this.renderer.readRenderTargetPixels(this.whoTarget, 0, 0, 1, 1, pixel);
+    const read = this.renderer.readRenderTargetPixelsAsync(this.whoTarget, 0, 0, 1, 1, pixel);
     this.renderer.setRenderTarget(null);
     this.camera.clearViewOffset();
+    await read;
     const id = (pixel[0] as number) + 256 * (pixel[1] as number) + 65536 * (pixel[2] as number);
     return id === 0 ? null : id - 1;
   }
@@ -1120,31 +922,37 @@ export class ModelView {
     this.camera.updateMatrixWorld();
     const p = new Vector3(X, V, Z).project(this.camera);
     return {
-      x: (p.x * 0.5 + 0.5) * this.canvas.clientWidth,
-      y: (0.5 - p.y * 0.5) * this.canvas.clientHeight,
+      x: (p.x * 0.5 + 0.5) * this.width,
+      y: (0.5 - p.y * 0.5) * this.height,
       behind: p.z > 1 || p.z < -1,
     };
   }
 
-  private hover(): void {
+  private async hover(): Promise<void> {
     const at = this.hoverAt;
+    if (!at || this.picking) return;
     this.hoverAt = null;
-    if (!at) return;
-    const face = this.pick(at.x, at.y);
-    if (face !== this.hovered) {
+    this.picking = true;
+    const face = await this.pick(at.x, at.y).catch(() => null);
+    this.picking = false;
+    if (this.disposed) return;
+    if (!this.left && face !== this.hovered) {
       this.hovered = face;
       this.options.onHover?.(face);
     }
+    if (this.hoverAt) this.schedule();
   }
 
   private readonly onPointerMove = (event: PointerEvent): void => {
     if (event.buttons !== 0 || event.pointerType === 'touch') return;
+    this.left = false;
     this.hoverAt = { x: event.offsetX, y: event.offsetY };
-    if (this.requested === 0) this.requested = requestAnimationFrame(this.tick);
+    this.schedule();
   };
 
   private readonly onPointerLeave = (): void => {
     this.hoverAt = null;
+    this.left = true;
     if (this.hovered !== null) {
       this.hovered = null;
       this.options.onHover?.(null);
@@ -1159,7 +967,9 @@ export class ModelView {
     const from = this.pressed;
     this.pressed = null;
     if (!from || Math.hypot(event.clientX - from.x, event.clientY - from.y) > 4) return;
-    this.options.onPick?.(this.pick(event.offsetX, event.offsetY), event);
+    void this.pick(event.offsetX, event.offsetY).then((face) => {
+      if (!this.disposed) this.options.onPick?.(face, event);
+    }, () => undefined);
   };
 
   private readonly onContextLost = (event: Event): void => {
@@ -1172,6 +982,7 @@ export class ModelView {
 
   private readonly onContextRestored = (): void => {
     this.lost = false;
+    this.drawing = null;
     this.litOnce = false;
     this.frameTarget = this.sumTarget = null;
     this.options.onRestored?.();
@@ -1188,11 +999,12 @@ export class ModelView {
 
   /** True once the picture rests and nothing more will be drawn. */
   get resting(): boolean {
-    return !this.changed && this.requested === 0;
+    return !this.changed && this.requested === 0 && this.rest === undefined;
   }
 
   /** The picture as PNG, with all that is gathered. */
   png(): Promise<Blob | null> {
+    this.setCoarse(false);
     this.drawNow();
     this.gathered = 0;
     const { slow } = this;
@@ -1225,7 +1037,9 @@ export class ModelView {
   }
 
   dispose(): void {
+    this.disposed = true;
     if (this.requested) cancelAnimationFrame(this.requested);
+    clearTimeout(this.rest);
     this.observer.disconnect();
     this.controls.dispose();
     const { canvas } = this;
@@ -1237,19 +1051,12 @@ export class ModelView {
     canvas.removeEventListener('pointerup', this.onPointerUp);
     this.geometry.dispose();
     this.ghostGeometry.dispose();
-    for (const mesh of [this.mesh, this.depthMesh, this.whoMesh, this.ghost, this.table]) (mesh.material as RawShaderMaterial).dispose();
+    for (const material of [...this.papers.plain, ...this.papers.shadows]) material.dispose();
+    for (const mesh of [this.depthMesh, this.whoMesh, this.ghost, this.table]) (mesh.material as RawShaderMaterial).dispose();
     for (const target of [this.sunTarget, this.skyTarget, this.whoTarget, this.frameTarget, this.sumTarget]) target?.dispose();
     (this.shared['frames'] as { value: DataTexture | null }).value?.dispose();
     this.renderer.dispose();
   }
-}
-
-/** Same triangles with the same corners: positions can be blended. */
-function sameTopology(a: Lattice, b: Lattice): boolean {
-  if (a.motion !== 'pose' || b.motion !== 'pose') return false;
-  if (a.triangles.length !== b.triangles.length || a.tips.length !== b.tips.length) return false;
-  for (let i = 0; i < a.triangles.length; i++) if (a.triangles[i] !== b.triangles[i]) return false;
-  return true;
 }
 
 function shadowTarget(): WebGLRenderTarget {

@@ -125,16 +125,26 @@ async function readJobOnce(id: string, entry: { again: boolean }): Promise<void>
   reading.delete(id);
 }
 
-function later(what: () => Promise<void>, wait_ms: number): () => void {
+/** Reads at once; what comes within `wait_ms` is read together, once, after it. */
+function soon(what: () => Promise<void>, wait_ms: number): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
+  let again = false;
+  const run = (): void => {
+    again = false;
+    void what().catch(() => undefined);
+    timer = setTimeout(() => {
+      timer = undefined;
+      if (again) run();
+    }, wait_ms);
+  };
   return () => {
-    clearTimeout(timer);
-    timer = setTimeout(() => void what().catch(() => undefined), wait_ms);
+    if (timer === undefined) run();
+    else again = true;
   };
 }
 
-const queueChanged = later(readQueue, 150);
-const doneChanged = later(readDone, 300);
+const queueChanged = soon(readQueue, 150);
+const doneChanged = soon(readDone, 300);
 
 interface Page<T> { items: T[]; next_cursor?: string | null }
 
@@ -163,7 +173,7 @@ function takeDevice(device: Device): void {
   devices.value = new Map(devices.value).set(device.id, device);
 }
 
-const devicesChanged = later(readDevices, 150);
+const devicesChanged = soon(readDevices, 150);
 
 /** Reads who we are and which popcutd this is. Throws ServerProblem. */
 export async function readMeta(): Promise<void> {

@@ -303,7 +303,7 @@ TEST_CASE("a worker that somebody kills is replaced, between previews and in the
   REQUIRE(warm.size() == 1);
   ::kill(warm[0], SIGKILL);
   CHECK(bench.run(preview(sphere(4, 3), "draft", "ana")));
-  bench.start("long", preview(sphere(50, 40, kConformal), "exact", "ana"));
+  bench.start("long", preview(sphere(25, 20, kConformal), "exact", "ana"));
   REQUIRE(comes_true([&] { return children().size() == 1 && children()[0] != warm[0]; }));
   const std::vector<int> next = children();
   ::kill(next[0], SIGKILL);
