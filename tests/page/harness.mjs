@@ -48,7 +48,7 @@ export const unitSpec = {
 
 /** A popcutd of its own: state, socket and port are new. */
 export class Server {
-  static async start({ devices = [{ id: 'sim:cameo3', time_scale: 20 }], config = '' } = {}) {
+  static async start({ devices = [{ id: 'sim:cameo3', time_scale: 20 }], config = '', limits = {} } = {}) {
     const server = new Server();
     server.folder = mkdtempSync(join(tmpdir(), 'popcut-page-'));
     server.config = join(server.folder, 'popcutd.toml');
@@ -60,9 +60,25 @@ export class Server {
       }
       return '[[device]]\n' + Object.entries(rest).map(([key, value]) => `${key} = ${JSON.stringify(value)}`).join('\n');
     });
-    writeFileSync(server.config, `${config}\n${tables.join('\n')}\n[limits]\nrate_per_s = 1000\nrate_burst = 1000\n`);
+    server.settings = `${config}\n${tables.join('\n')}\n`;
+    server.limits = { rate_per_s: 1000, rate_burst: 1000, failed_logins_per_minute: 1000, ...limits };
+    server.configure({});
     await server.run('127.0.0.1:0');
     return server;
+  }
+
+  /** Writes the configuration, with these limits instead of those that it began with. */
+  configure(limits) {
+    const all = { ...this.limits, ...limits };
+    writeFileSync(this.config, `${this.settings}[limits]\n${Object.entries(all).map(([key, value]) => `${key} = ${value}\n`).join('')}`);
+  }
+
+  /** Changes limits while popcutd runs. */
+  async limit(limits) {
+    const before = this.log.length;
+    this.configure(limits);
+    this.program.kill('SIGHUP');
+    await until(() => /configuration/i.test(this.log.slice(before)), 'popcutd read its configuration again');
   }
 
   /** Starts the program at `address`; a port 0 is any free one. */

@@ -2,16 +2,17 @@
 // Design: from a shape to an exact card, by hand.
 import { useSignal } from '@preact/signals';
 import { useEffect, useLayoutEffect, useRef } from 'preact/hooks';
+import { useAgain } from './again';
 import * as desk from './design_desk';
 import { Panel } from './design_panel';
 import { shownModel, Stage } from './design_stage';
 import { Start } from './design_start';
 import { LatticeError } from './lattice';
 import { Button, Dialog, Trouble } from './parts';
-import { go, sheetsOf } from './route';
+import { go, parseRoute, route, sheetsOf } from './route';
 import { isProblem, read, readBlob, saveAs, send, ServerProblem } from './server';
 import { fromShare, isSpec, nameOf, parseSpec, shareText, SpecError, withField, type Spec } from './spec';
-import { devices, may, meta } from './store';
+import { devices, may, meta, stale } from './store';
 import { designWords as words } from './words_design';
 
 const rad = (degrees: number): number => (degrees * Math.PI) / 180;
@@ -44,11 +45,16 @@ async function specOfModel(file: File, type: string): Promise<Spec> {
     popcut: 1, name: stem(file.name), surface: { type: 'mesh', file: asset.id }, fit: 'nearest',
     units_per_slice: 6, slices: 10, widths_mm: 10, min_panel_mm: 2,
   };
-  const { spec } = await send<{ spec: Spec }>('POST', '/v1/place', { body: { spec: first, place: 'whole' } });
-  return spec;
+  try {
+    const { spec } = await send<{ spec: Spec }>('POST', '/v1/place', { body: { spec: first, place: 'whole' } });
+    return spec;
+  } catch (error) {
+    throw isProblem(error) ? error.naming(asset.id, file.name) : error;
+  }
 }
 
 async function openFile(file: File, tell: (text: string | null) => void): Promise<Said> {
+  const wanted = desk.opening();
   const ending = /\.([^.]+)$/.exec(file.name)?.[1]?.toLowerCase() ?? '';
   const limits = meta.value?.limits as Record<string, number> | undefined;
   const most = kModels[ending] ? limits?.asset_bytes : limits?.design_bytes;
@@ -58,7 +64,7 @@ async function openFile(file: File, tell: (text: string | null) => void): Promis
       const text = await file.text();
       const value: unknown = (() => { try { return JSON.parse(text); } catch { return null; } })();
       if (isSpec(value)) {
-        desk.begin(value);
+        if (wanted()) desk.begin(value);
         return null;
       }
       if (typeof value !== 'object' || value === null || !('vertices_coords' in value)) {
@@ -68,17 +74,18 @@ async function openFile(file: File, tell: (text: string | null) => void): Promis
     }
     if (kModels[ending]) {
       tell(words.open.placing);
-      desk.begin(await specOfModel(file, kModels[ending] as string));
+      const placed = await specOfModel(file, kModels[ending] as string);
+      if (wanted()) desk.begin(placed);
       return null;
     }
     const type = kPatterns[ending] ?? (ending === 'json' ? 'application/json' : undefined);
     if (!type) return words.open.unknown(file.name);
     tell(words.open.uploading);
     const design = await desk.upload(file, type, stem(file.name));
-    await desk.openStored(design.id);
+    await desk.openStored(design.id, wanted);
     return null;
   } catch (error) {
-    return said(error);
+    return wanted() ? said(error) : null;
   } finally {
     tell(null);
   }
@@ -168,7 +175,8 @@ function ShareDialog({ onClose }: { onClose: () => void }) {
   );
 }
 
-async function film(view: NonNullable<typeof shownModel.view>, designed: number): Promise<Blob> {
+/** Films the card as it opens from flat to `designed`, radians; null if it was stopped. */
+async function film(view: NonNullable<typeof shownModel.view>, designed: number, stop: AbortSignal): Promise<Blob | null> {
   const stream = view.canvas.captureStream(30);
   const type = MediaRecorder.isTypeSupported('video/webm;codecs=vp9') ? 'video/webm;codecs=vp9' : 'video/webm';
   const recorder = new MediaRecorder(stream, { mimeType: type, videoBitsPerSecond: 6_000_000 });
@@ -182,6 +190,7 @@ async function film(view: NonNullable<typeof shownModel.view>, designed: number)
   await new Promise<void>((done) => {
     const start = performance.now();
     const tick = (time: number): void => {
+      if (stop.aborted) return done();
       const share = Math.min(1, (time - start) / whole_ms);
       const eased = share * share * (3 - 2 * share);
       desk.psi.value = Math.PI + eased * (designed - Math.PI);
@@ -195,13 +204,19 @@ async function film(view: NonNullable<typeof shownModel.view>, designed: number)
   for (const track of stream.getTracks()) track.stop();
   view.setFilmed(false);
   desk.psi.value = before;
-  return new Blob(parts, { type: 'video/webm' });
+  return stop.aborted ? null : new Blob(parts, { type: 'video/webm' });
 }
 
 function ExportDialog({ onClose }: { onClose: () => void }) {
   const problem = useSignal<ServerProblem | null>(null);
   const busy = useSignal<string | null>(null);
   const name = (desk.foreign.value?.name ?? nameOf(desk.spec.value ?? {})) || 'design';
+  const closed = useRef(new AbortController());
+  useEffect(() => () => closed.current.abort(), []);
+  const makeFilm = async (of: NonNullable<typeof shownModel.view>): Promise<void> => {
+    const blob = await film(of, desk.lattice.peek()?.design_psi_rad ?? Math.PI / 2, closed.current.signal);
+    if (blob) saveAs(blob, `${name}.webm`);
+  };
   const run = async (what: string, act: () => Promise<void>): Promise<void> => {
     busy.value = what;
     problem.value = null;
@@ -219,7 +234,7 @@ function ExportDialog({ onClose }: { onClose: () => void }) {
     saveAs(await readBlob(`/v1/designs/${id}/files/${file}`), `${name}-${file}`);
   });
   const view = shownModel.view;
-  const off = busy.value !== null || (!desk.canCut.value);
+  const off = busy.value !== null || !desk.canCut.value || stale.value;
   return (
     <Dialog title={words.exports.title} onNo={onClose} no={words.close}>
       {problem.value && <Trouble problem={problem.value} />}
@@ -233,7 +248,7 @@ function ExportDialog({ onClose }: { onClose: () => void }) {
             <li><button type="button" class="export" disabled={busy.value !== null}
               onClick={() => void run('png', async () => { const blob = await view.png(); if (blob) saveAs(blob, `${name}.png`); })}>{words.exports.png}</button></li>
             <li><button type="button" class="export" disabled={busy.value !== null}
-              onClick={() => void run('webm', async () => saveAs(await film(view, desk.lattice.peek()?.design_psi_rad ?? Math.PI / 2), `${name}.webm`))}>
+              onClick={() => void run('webm', () => makeFilm(view))}>
               {busy.value === 'webm' ? words.exports.recording : words.exports.webm}</button></li>
           </>
         )}
@@ -251,19 +266,24 @@ function CutDialog({ onClose }: { onClose: () => void }) {
   const copies = useSignal(1);
   const busy = useSignal(false);
   const problem = useSignal<ServerProblem | null>(null);
+  const open = useRef(true);
+  useEffect(() => () => { open.current = false; }, []);
   useEffect(() => {
     read<{ items: MaterialRow[] }>('/v1/materials?limit=200').then(({ items }) => { materials.value = items.map((row) => row.id); }, () => undefined);
   }, []);
   const plan = async (): Promise<void> => {
+    if (busy.peek()) return;
     busy.value = true;
     problem.value = null;
     try {
       const id = await desk.storedId();
+      if (!open.current) return;
       const body: Record<string, unknown> = {};
       if (material.value) body.material = material.value;
       if (device.value) body.device = device.value;
       const made = await send<{ id: string }>('POST', `/v1/designs/${id}/plan`, { body });
       sessionStorage.setItem(`popcut.cut.${made.id}`, JSON.stringify({ copies: copies.value, device: device.value || null }));
+      if (!open.current) return;
       onClose();
       go(sheetsOf(made.id));
     } catch (error) {
@@ -274,7 +294,7 @@ function CutDialog({ onClose }: { onClose: () => void }) {
     }
   };
   return (
-    <Dialog title={words.cut.title} onNo={onClose} yes={words.cut.sheets} onYes={() => void plan()} busy={busy.value || !desk.canCut.value}>
+    <Dialog title={words.cut.title} onNo={onClose} yes={words.cut.sheets} onYes={() => void plan()} busy={busy.value || !desk.canCut.value || stale.value}>
       {problem.value && <Trouble problem={problem.value} />}
       {!desk.canCut.value && <p class="muted" role="status">{words.cut.wait}</p>}
       {busy.value && <p class="muted" role="status">{words.cut.planning}</p>}
@@ -323,7 +343,7 @@ function Bar({ onOpen }: { onOpen: () => void }) {
       {spec && <Button kind="quiet" onClick={() => { dialog.value = 'share'; }} disabled={!desk.canCut.value}>{words.bar.share}</Button>}
       {spec && <Button kind="quiet" onClick={save} disabled={!desk.canCut.value}>{words.bar.save}</Button>}
       <Button kind="quiet" onClick={() => { dialog.value = 'export'; }}>{words.bar.exports}</Button>
-      {may('submitter') && <Button kind="primary" onClick={() => { dialog.value = 'cut'; }}>{words.bar.cut}</Button>}
+      {may('submitter') && <Button kind="primary" onClick={() => { dialog.value = 'cut'; }} disabled={stale.value}>{words.bar.cut}</Button>}
       {dialog.value === 'share' && <ShareDialog onClose={close} />}
       {dialog.value === 'export' && <ExportDialog onClose={close} />}
       {dialog.value === 'cut' && <CutDialog onClose={close} />}
@@ -331,11 +351,24 @@ function Bar({ onOpen }: { onOpen: () => void }) {
   );
 }
 
+/** How a person calls the field of a spec at `pointer`, before what is wrong with it. */
+function fieldAt(pointer: string): string {
+  const place = pointer.replace(/^\/spec(?=\/|$)/, '');
+  const head = place.split('/')[1] ?? '';
+  const { fields } = words;
+  const names: Record<string, string> = {
+    units_per_slice: fields.units, slices: fields.slices, widths_mm: fields.width, min_panel_mm: fields.minPanel, lattice: fields.lattice,
+    splay: fields.splay, design_angle_deg: fields.angle, material: fields.material, surface: fields.shape,
+  };
+  return place === '' ? '' : `${names[head] ?? place}: `;
+}
+
 function Impossible() {
   const problem = desk.problem.value;
   if (!problem) return null;
   if (problem.status !== 422) return <Trouble problem={problem} onClose={() => { desk.problem.value = null; }} />;
-  const text = problem.errors[0]?.detail ?? problem.detail;
+  const first = problem.errors[0];
+  const text = first ? `${fieldAt(first.pointer)}${first.detail}` : problem.detail;
   return (
     <div class="note note-amber impossible" role="alert">
       <p><strong>{words.problem.title}</strong> <span class="server-words">{text}</span></p>
@@ -390,33 +423,37 @@ export default function Design({ rest }: { rest: string }) {
 
   useEffect(() => {
     if (rest === '') return undefined;
-    let wanted = true;
+    const wanted = desk.opening();
+    trouble.value = null;
     const open = async (): Promise<void> => {
       try {
         const [, key, value] = /^(d|example)[=/](.*)$/s.exec(rest) ?? ['', 'id', rest];
         if (key === 'd') {
           const spec = await fromShare(value ?? '');
-          if (wanted) desk.begin(spec);
+          if (wanted()) desk.begin(spec);
         } else if (key === 'example') {
           const { items } = await read<{ items: desk.Example[] }>('/v1/examples');
           const found = items.find((one) => one.name === value);
-          if (wanted && found) desk.begin(found.spec);
-        } else await desk.openStored(value ?? '');
+          if (wanted() && found) desk.begin(found.spec);
+        } else await desk.openStored(value ?? '', wanted);
         // The address is done with: what is on the desk now is one's own.
-        if (wanted) history.replaceState(null, '', '#/design');
+        if (location.hash !== here) return;
+        history.replaceState(null, '', '#/design');
+        route.value = parseRoute('#/design');
       } catch (error) {
-        if (wanted) trouble.value = said(error);
+        if (wanted()) trouble.value = said(error);
       }
     };
+    const here = location.hash;
     void open();
-    return () => { wanted = false; };
-  }, [rest]);
+    return undefined;
+  }, [rest, useAgain(trouble.value instanceof ServerProblem ? trouble.value : null)]);
 
   const take = (list: FileList | null | undefined): void => {
     const one = list?.[0];
     if (!one) return;
     trouble.value = null;
-    void openFile(one, (text) => { doing.value = text; }).then((what) => { trouble.value = what; });
+    void openFile(one, (text) => { doing.value = text; }).then((what) => { if (what !== null) trouble.value = what; });
   };
   const onOpen = (): void => file.current?.click();
   const problem = trouble.value;
@@ -429,6 +466,7 @@ export default function Design({ rest }: { rest: string }) {
     </>
   );
   const empty = desk.spec.value === null && desk.foreign.value === null;
+  useEffect(() => { if (!empty) trouble.value = null; }, [empty]);
   return (
     <div class={over.value ? 'design-drop design-over' : 'design-drop'}
       onDragOver={(event) => { event.preventDefault(); over.value = true; }} onDragLeave={() => { over.value = false; }}

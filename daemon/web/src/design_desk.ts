@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: MIT
 // What is on the desk of the Design view: the spec, its steps, what popcutd made of it, and what is lit.
-import { batch, computed, signal } from '@preact/signals';
+import { batch, computed, effect, signal } from '@preact/signals';
+import { isThere } from './again';
 import type { Lattice, Place } from './lattice';
 import { FaceKind, readLattice } from './lattice';
 import { Previews, type Quality } from './preview';
 import type { Colouring } from './ramps';
-import { isProblem, newKey, read, request, send, ServerProblem } from './server';
+import { isProblem, newKey, read, readAnswer, request, send, ServerProblem, waitsUntil } from './server';
 import { nameOf, Undo, type Spec } from './spec';
+import { noteUnsaved } from './unsaved';
+
+export { unsaved } from './unsaved';
 
 const kUndoKey = 'popcut.design.steps';
-const kUnsaved = 'popcut.unsaved';
+const kAgain_ms = [1000, 2000, 5000];
 
 export interface Example {
   name: string;
@@ -50,7 +54,6 @@ export const note = signal<string | null>(null);
 export const steps = signal({ undo: false, redo: false });
 export const moving = signal(false);
 export const walls = signal<ReadonlyMap<string, Wall>>(new Map());
-export const unsaved = signal(false);
 /** The spec that the exact lattice on the desk belongs to. */
 export const exactSpec = signal<Spec | null>(null);
 
@@ -90,6 +93,8 @@ export async function preview(of: Spec, how: Quality, signal_: AbortSignal): Pro
 const previews = new Previews<Spec, Lattice>({
   run: preview,
   onResult: (made, asked) => {
+    clearTimeout(missed?.timer);
+    missed = null;
     batch(() => {
       const first = fresh;
       fresh = false;
@@ -108,12 +113,56 @@ const previews = new Previews<Spec, Lattice>({
   onFailure: (error, asked) => {
     if (isProblem(error) && (error.kind === 'superseded' || error.status === 409)) return;
     if (asked.input !== spec.value) return;
-    const told = isProblem(error) ? error : new ServerProblem(0, { type: 'other', detail: error instanceof Error ? error.message : '' });
+    if (isProblem(error) && passes(error)) {
+      askLater(error);
+      return;
+    }
+    const told = isProblem(error) ? error : new ServerProblem(500, { type: 'other', detail: error instanceof Error ? error.message : '' });
     if (told.status === 422 && lastChange) setWall(lastChange.field, lastChange.value);
     problem.value = told;
   },
   onBusy: (now) => { busy.value = now; },
 });
+
+/** What the desk could not ask for, since when it has tried; null: nothing is missed. */
+let missed: { times: number; timer: ReturnType<typeof setTimeout> | undefined } | null = null;
+
+/** True if the same preview may work in a while: popcutd is away, asks to wait, or wants us to sign in. */
+function passes(problem_: ServerProblem): boolean {
+  return [0, 401, 429].includes(problem_.status);
+}
+
+/** A preview changes nothing, so it is asked for again by itself: after a while, or as soon as popcutd is back. */
+function askLater(problem_: ServerProblem): void {
+  const times = (missed?.times ?? 0) + 1;
+  clearTimeout(missed?.timer);
+  missed = { times, timer: undefined };
+  if (problem_.status === 401) return;
+  let wait_ms = kAgain_ms[Math.min(times, kAgain_ms.length) - 1] as number;
+  if (problem_.status === 429) {
+    wait_ms = Math.min(30, problem_.retryAfter_s || 1) * 1000;
+    waitsUntil.value = Date.now() + wait_ms;
+  } else {
+    problem.value = problem_;
+  }
+  missed.timer = setTimeout(askAgain, wait_ms);
+}
+
+function askAgain(): void {
+  if (!missed) return;
+  clearTimeout(missed.timer);
+  if (spec.value) previews.input(spec.value, true);
+}
+
+effect(() => { if (isThere.value) askAgain(); });
+
+/** Asks for what `of` becomes. `settled`: at once for the exact design. */
+function ask(of: Spec, settled = false): void {
+  clearTimeout(missed?.timer);
+  missed = null;
+  if (!settled && quality.value === 'exact') quality.value = 'draft';   // what is shown is that of another spec
+  previews.input(of, settled);
+}
 
 function setWall(field: string, value: number): void {
   const known = good.get(field);
@@ -139,7 +188,7 @@ export function change(next: Spec, field?: string, value?: number): void {
   lastChange = field !== undefined && value !== undefined ? { field, value } : null;
   spec.value = next;
   cameIn.set(next, performance.now());
-  previews.input(next);
+  ask(next);
 }
 
 /** The end of a gesture: one step for undo. */
@@ -147,8 +196,7 @@ export function settle(): void {
   moving.value = false;
   if (!spec.value) return;
   undo.push(spec.value);
-  unsaved.value = true;
-  sessionStorage.setItem(kUnsaved, '1');
+  noteUnsaved(true);
   tellSteps();
 }
 
@@ -159,8 +207,17 @@ export function set(next: Spec, field?: string, value?: number): void {
   settle();
 }
 
-/** A new design on the desk. */
-export function begin(next: Spec, { step = true } = {}): void {
+let turn = 0;
+
+/** Begins to open something. The answer says whether it is still wanted: nothing else came onto the desk meanwhile. */
+export function opening(): () => boolean {
+  const mine = ++turn;
+  return () => mine === turn;
+}
+
+/** A new design on the desk. `made`: by hand, so it is kept nowhere else; `step` is false for the one that was there. */
+export function begin(next: Spec, { step = true, made = false } = {}): void {
+  turn++;
   fresh = true;
   good.clear();
   lastChange = null;
@@ -175,9 +232,12 @@ export function begin(next: Spec, { step = true } = {}): void {
     note.value = null;
     walls.value = new Map();
   });
-  if (step) undo.push(next);
+  if (step) {
+    undo.push(next);
+    noteUnsaved(made);
+  }
   tellSteps();
-  previews.input(next, true);
+  ask(next, true);
 }
 
 function take(next: Spec | null): void {
@@ -189,7 +249,7 @@ function take(next: Spec | null): void {
     note.value = null;
   });
   tellSteps();
-  previews.input(next);
+  ask(next);
 }
 
 export const stepBack = (): void => take(undo.undo());
@@ -208,6 +268,7 @@ export function goOn(): void {
 }
 
 export function leave(): void {
+  turn++;
   batch(() => {
     spec.value = null;
     foreign.value = null;
@@ -219,8 +280,7 @@ export function leave(): void {
 
 /** The spec is kept somewhere else too: in popcutd, in a file or in a link. */
 export function saved(): void {
-  unsaved.value = false;
-  sessionStorage.removeItem(kUnsaved);
+  noteUnsaved(false);
 }
 
 export interface Design {
@@ -240,25 +300,30 @@ let stored: { text: string; id: string } | null = null;
 /** The id of the design on the desk in popcutd; stores it if it is not there. Throws ServerProblem. */
 export async function storedId(): Promise<string> {
   if (foreign.value) return foreign.value.id;
-  const text = JSON.stringify(spec.value, null, 1);
+  const of = spec.value;
+  const text = JSON.stringify(of, null, 1);
   if (stored?.text === text) return stored.id;
-  const design = await upload(text, 'application/json', spec.value ? nameOf(spec.value) : '');
+  const design = await upload(text, 'application/json', of ? nameOf(of) : '');
   stored = { text, id: design.id };
-  saved();
+  if (spec.value === of) saved();
   return design.id;
 }
 
-/** Shows a stored design: a spec on the desk as one's own, any other pattern to look at. Throws ServerProblem, LatticeError. */
-export async function openStored(id: string): Promise<void> {
+/**
+ * Shows a stored design: a spec on the desk as one's own, any other pattern to look at. Does nothing where it is no
+ * longer `wanted` when it comes. Throws ServerProblem, LatticeError.
+ */
+export async function openStored(id: string, wanted: () => boolean): Promise<void> {
   const design = await read<Design>(`/v1/designs/${encodeURIComponent(id)}`);
   if (design.kind === 'spec') {
     const of = await read<Spec>(`/v1/designs/${encodeURIComponent(id)}/content`);
-    begin(of);
-    saved();
+    if (wanted()) begin(of);
     return;
   }
-  const answer = await request('GET', `/v1/designs/${encodeURIComponent(id)}/lattice`, { accept: 'application/vnd.popcut.lattice' });
+  const answer = await readAnswer(`/v1/designs/${encodeURIComponent(id)}/lattice`, { accept: 'application/vnd.popcut.lattice' });
   const made = readLattice(await answer.arrayBuffer());
+  if (!wanted()) return;
+  turn++;
   batch(() => {
     spec.value = null;
     foreign.value = { id, name: design.name, kind: design.kind };

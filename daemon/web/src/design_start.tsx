@@ -2,6 +2,7 @@
 // How a design begins: from a card, from a drawn line, from a file.
 import { useSignal, type Signal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
+import { useAgain } from './again';
 import * as desk from './design_desk';
 import { Button, Trouble } from './parts';
 import { isProblem, read, send, type ServerProblem } from './server';
@@ -97,7 +98,7 @@ function PlanPad() {
   const places = radii.value.map((r, k): [number, number] => [10 + (k * kSpineLength) / (n - 1), 10 + r]);
   const use = (): void => {
     const points = radii.value.map((r, k): RadiusPoint => [Math.round(((k * kSpineLength) / (n - 1) - 5) * 100) / 100, Math.round(r * 10) / 10]);
-    desk.begin(drawn({ type: 'revolution', radius: { points } }, 'drawing'));
+    desk.begin(drawn({ type: 'revolution', radius: { points } }, 'drawing'), { made: true });
   };
   return (
     <article class="pad">
@@ -145,7 +146,7 @@ function ProfilePad() {
     const line = falling(radii.value.map((r, k): [number, number] => [r * Math.cos(angle(k)), r * Math.sin(angle(k))]), n);
     const curve = line.filter((p, i) => i === 0 || p[0] !== (line[i - 1] as RadiusPoint)[0] || p[1] !== (line[i - 1] as RadiusPoint)[1])
       .map(([x, z], i, all): RadiusPoint => [i === 0 ? 0 : x, i === all.length - 1 ? 0 : z]);
-    desk.begin(drawn({ type: 'profile', z: { points: curve } }, 'drawing'));
+    desk.begin(drawn({ type: 'profile', z: { points: curve } }, 'drawing'), { made: true });
   };
   return (
     <article class="pad">
@@ -200,7 +201,7 @@ function HeightPad({ onProblem }: { onProblem: Signal<ServerProblem | null> }) {
     }
     try {
       const asset = await send<{ id: string }>('POST', '/v1/assets?name=heights.csv', { raw: { bytes: rows.join('\n') + '\n', type: 'text/csv' } });
-      desk.begin(drawn({ type: 'grid', file: asset.id }, 'landscape'));
+      desk.begin(drawn({ type: 'grid', file: asset.id }, 'landscape'), { made: true });
     } catch (error) {
       if (!isProblem(error)) throw error;
       onProblem.value = error;
@@ -247,8 +248,12 @@ export function Start({ onOpen, children }: { onOpen: () => void; children?: pre
   const list = useSignal<desk.Example[] | null>(null);
   const problem = useSignal<ServerProblem | null>(null);
   useEffect(() => {
-    examples().then((items) => { list.value = items; }, (error: unknown) => { if (isProblem(error)) problem.value = error; });
-  }, []);
+    if (list.peek()) return;
+    examples().then((items) => {
+      list.value = items;
+      problem.value = null;
+    }, (error: unknown) => { if (isProblem(error)) problem.value = error; });
+  }, [useAgain(problem.value)]);
   const last = desk.kept();
   return (
     <div class="design-start">

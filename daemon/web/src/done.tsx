@@ -1,10 +1,11 @@
 // Done: what ended, newest first, and who used how much.
 import { useEffect, useState } from 'preact/hooks';
+import { useAgain } from './again';
 import type { Job, UsageRow } from './model';
 import { Button, Choice, Loading, Picture, Trouble } from './parts';
 import { sheetsOf } from './route';
 import { isProblem, read, readBlob, saveAs, type ServerProblem } from './server';
-import { deviceTitle, localTime, ownerOf, recentlyDone } from './store';
+import { deviceTitle, jobs, localTime, ownerOf, recentlyDone } from './store';
 import { dateTime, duration, integer, metres, words } from './words';
 
 type By = 'owner' | 'device' | 'material';
@@ -33,7 +34,8 @@ function Ended({ job }: { job: Job }) {
   );
 }
 
-function Usage() {
+/** `list`: jobs that tell how the people are called. */
+function Usage({ list }: { list: Job[] }) {
   const [by, setBy] = useState<By>('owner');
   const [rows, setRows] = useState<UsageRow[] | null>(null);
   const [problem, setProblem] = useState<ServerProblem | null>(null);
@@ -45,11 +47,13 @@ function Usage() {
       setProblem(null);
     }, (error) => { if (isProblem(error)) setProblem(error); });
     return () => stop.abort();
-  }, [by, ended]);
+  }, [by, ended, useAgain(problem)]);
   const save = (): void => {
     readBlob(`/v1/usage?by=${by}`, { accept: 'text/csv' }).then((blob) => saveAs(blob, words.done.csvName),
       (error) => { if (isProblem(error)) setProblem(error); });
   };
+  const people = new Map([...jobs.value.values(), ...ended, ...list].map((job) => [job.owner, ownerOf(job)]));
+  const title = (key: string): string => (by === 'device' ? deviceTitle(key) : by === 'owner' ? people.get(key) ?? key : key);
   const names = words.done.columns;
   const sum = (of: (row: UsageRow) => number): number => (rows ?? []).reduce((all, row) => all + of(row), 0);
   return (
@@ -68,7 +72,7 @@ function Usage() {
               <th scope="col">{names.sheets}</th></tr></thead>
             <tbody>
               {rows.map((row) => (
-                <tr key={row.key}><th scope="row">{by === 'device' ? deviceTitle(row.key) : row.key}</th>
+                <tr key={row.key}><th scope="row">{title(row.key)}</th>
                   <td>{duration(row.seconds)}</td><td>{metres(row.cut_mm)}</td><td>{integer(row.sheets)}</td></tr>
               ))}
             </tbody>
@@ -96,7 +100,7 @@ export function Done() {
     }, (error) => { if (isProblem(error)) setProblem(error); });
   };
   const newest = recentlyDone.value[0]?.id;
-  useEffect(() => more(null), [newest]);
+  useEffect(() => more(null), [newest, useAgain(problem)]);
   return (
     <div class="done">
       <h1>{words.done.title}</h1>
@@ -108,7 +112,7 @@ export function Done() {
             : <ul class="job-list">{list.map((job) => <Ended key={job.id} job={job} />)}</ul>}
           {cursor && <Button onClick={() => more(cursor)}>{words.done.more}</Button>}
         </section>
-        <Usage />
+        <Usage list={list ?? []} />
       </div>
     </div>
   );

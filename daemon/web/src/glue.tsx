@@ -2,12 +2,13 @@
 // Glue: from the cut sheets to the card, one step a screen.
 import { useSignal } from '@preact/signals';
 import { useEffect, useLayoutEffect, useRef } from 'preact/hooks';
+import { useAgain } from './again';
 import { bands, fans, glueSteps, type GlueStep, type PlanFile } from './glue_steps';
 import { readLattice, type Lattice } from './lattice';
 import { paintModel } from './model_paper';
 import type { ModelView } from './model_view';
 import { Button, LinkButton, Loading, Trouble } from './parts';
-import { isProblem, read, readBlob, request, type ServerProblem } from './server';
+import { isProblem, read, readBlob, readAnswer, type ServerProblem } from './server';
 import { readStrokes, usePlan } from './sheets';
 import { SheetView, type Strokes } from './sheet_view';
 import { designWords } from './words_design';
@@ -63,6 +64,7 @@ function StepSheet({ plan, sheet, step }: { plan: string; sheet: number; step: G
   const canvas = useRef<HTMLCanvasElement>(null);
   const view = useRef<SheetView | null>(null);
   const strokes = useSignal<Strokes | null>(null);
+  const missed = useSignal<ServerProblem | null>(null);
   useEffect(() => {
     if (!canvas.current) return undefined;
     const made = new SheetView(canvas.current);
@@ -72,9 +74,11 @@ function StepSheet({ plan, sheet, step }: { plan: string; sheet: number; step: G
   }, []);
   useEffect(() => {
     let wanted = true;
-    readStrokes(plan, sheet).then((got) => { if (wanted) strokes.value = got; }, () => undefined);
+    missed.value = null;
+    readStrokes(plan, sheet).then((got) => { if (wanted) strokes.value = got; },
+      (error: unknown) => { if (wanted && isProblem(error)) missed.value = error; });
     return () => { wanted = false; };
-  }, [plan, sheet]);
+  }, [plan, sheet, useAgain(missed.value)]);
   useEffect(() => {
     const made = view.current;
     if (!made) return;
@@ -205,8 +209,9 @@ export default function Glue({ rest: id }: { rest: string }) {
   const ready = plan?.state === 'planned';
   useEffect(() => {
     if (!ready || !plan) return;
+    trouble.value = null;
     read<PlanFile>(`/v1/plans/${encodeURIComponent(id)}/plan.json`).then((got) => { file.value = got; }, (error: unknown) => { if (isProblem(error)) trouble.value = error; });
-    request('GET', `/v1/designs/${encodeURIComponent(plan.design)}/lattice`, { accept: 'application/vnd.popcut.lattice' })
+    readAnswer(`/v1/designs/${encodeURIComponent(plan.design)}/lattice`, { accept: 'application/vnd.popcut.lattice' })
       .then(async (answer) => {
         const of = readLattice(await answer.arrayBuffer());
         lattice.value = of;
@@ -216,8 +221,12 @@ export default function Glue({ rest: id }: { rest: string }) {
           if (role === 3) valleys++;
         }
         folds.value = { mountains, valleys };
-      }, () => { folds.value = { mountains: 0, valleys: 0 }; });
-  }, [ready, id]);
+      }).catch((error: unknown) => {
+        // A design that cannot be drawn has no count of its folds; one that could not be read is read again.
+        if (isProblem(error) && [0, 401, 429].includes(error.status)) trouble.value = error;
+        else folds.value = { mountains: 0, valleys: 0 };
+      });
+  }, [ready, id, useAgain(trouble.value)]);
   const steps = file.value && folds.value ? glueSteps(file.value, folds.value) : [];
   const count = steps.length;
   const move = (by: number): void => {

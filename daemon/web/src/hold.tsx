@@ -13,7 +13,7 @@ interface HoldProps {
   disabled?: boolean;
 }
 
-/** A ring fills while a pointer holds the button; leaving it, a second finger, or losing the page cancels. */
+/** A ring fills while a pointer holds the button; leaving it, a second finger, a key, or losing the page cancels. */
 export function HoldButton({ children, onHeld, question, disabled = false }: HoldProps) {
   const button = useRef<HTMLButtonElement>(null);
   const [inert, setInert] = useState(true);
@@ -36,6 +36,8 @@ export function HoldButton({ children, onHeld, question, disabled = false }: Hol
     };
     addEventListener('blur', lost);
     addEventListener('scroll', lost, true);
+    addEventListener('resize', lost);
+    addEventListener('keydown', lost, true);
     document.addEventListener('visibilitychange', lost);
     document.addEventListener('pointerdown', second, true);
     return () => {
@@ -43,6 +45,8 @@ export function HoldButton({ children, onHeld, question, disabled = false }: Hol
       stop();
       removeEventListener('blur', lost);
       removeEventListener('scroll', lost, true);
+      removeEventListener('resize', lost);
+      removeEventListener('keydown', lost, true);
       document.removeEventListener('visibilitychange', lost);
       document.removeEventListener('pointerdown', second, true);
     };

@@ -2,18 +2,23 @@ import { oneShotAtStart, takeOneShot } from './one_shot';
 import { effect, useSignal } from '@preact/signals';
 import { render, type ComponentType } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
+import { useAgain } from './again';
 import { Done } from './done';
 import { Machine } from './machine';
 import { Now } from './now';
 import { Button, Dialog, Loading, Note } from './parts';
 import { pauseAll, PauseBar } from './pause';
 import { go, parseRoute, route } from './route';
-import { isProblem, session, signInWithWord, waitsUntil } from './server';
+import { isProblem, ServerProblem, session, signInWithWord, waitsUntil } from './server';
 import { Settings } from './settings';
 import { SignIn } from './sign_in';
 import { connection, follow, loaded, me, meta, now, readMeta, jobs, stale, tryNow } from './store';
+import { unsaved } from './unsaved';
 import { swallowWaking } from './waking';
 import { hourMinuteSecond, words } from './words';
+
+/** How long nothing may have been at stake before the page of another popcutd is loaded, ms. */
+const kReload_ms = 1000;
 
 const later: Record<string, () => Promise<{ default: ComponentType<{ rest: string }> }>> = {
   design: () => import('./design'),
@@ -38,20 +43,21 @@ function withLaterStyle(): Promise<unknown> {
   return laterStyle;
 }
 
-/** A view that is loaded when it is first shown; it fails softly, for example after an update. */
+/** A view that is loaded when it is first shown; it fails softly while popcutd is away, and after an update until that is known. */
 function Later({ view, rest }: { view: string; rest: string }) {
   const View = useSignal<ComponentType<{ rest: string }> | null>(null);
-  const failed = useSignal(false);
+  const failed = useSignal<ServerProblem | null>(null);
   useEffect(() => {
     View.value = null;
-    failed.value = false;
-    Promise.all([later[view]!(), withLaterStyle()])
-      .then(([module]) => { View.value = module.default; }, () => { failed.value = true; });
-  }, [view]);
+    Promise.all([later[view]!(), withLaterStyle()]).then(([module]) => {
+      View.value = module.default;
+      failed.value = null;
+    }, () => { failed.value = new ServerProblem(0, { type: 'unreachable' }); });
+  }, [view, useAgain(failed.value)]);
   if (failed.value) {
     return (
       <Note kind="amber">
-        <p>{words.live.updated}</p>
+        <p>{words.problems.unreachable}</p>
         <Button onClick={() => location.reload()}>{words.live.reload}</Button>
       </Note>
     );
@@ -103,14 +109,19 @@ function Bar() {
   );
 }
 
-/** popcutd is another one than this page came from: load its page, at once if nothing can be lost. */
+/** Nobody answers a question or types: loading the page again would take that away. */
+const isIdle = (): boolean => document.querySelector('dialog[open]') === null && !typing(document.activeElement);
+
+/** popcutd is another one than this page came from: load its page, soon if nothing can be lost. */
 function Updated({ first }: { first: string }) {
   const other = meta.value !== null && first !== '' && pageOf() !== first;
   const quiet = ![...jobs.value.values()].some((job) => ['armed', 'cutting', 'paused'].includes(job.state));
-  const unsaved = sessionStorage.getItem('popcut.unsaved') !== null;
+  const ready = other && quiet && !unsaved.value && now.value > 0 && isIdle();   // looked at again as time goes on
   useEffect(() => {
-    if (other && quiet && !unsaved) location.reload();
-  }, [other, quiet, unsaved]);
+    if (!ready) return undefined;
+    const timer = setTimeout(() => { if (isIdle()) location.reload(); }, kReload_ms);
+    return () => clearTimeout(timer);
+  }, [ready]);
   if (!other) return null;
   return (
     <div class="note note-amber band">

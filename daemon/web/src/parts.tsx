@@ -59,13 +59,14 @@ export function Trouble({ problem, onClose, children }: {
   problem: ServerProblem; onClose?: () => void; children?: ComponentChildren;
 }) {
   const said = words.problems[problem.kind] ?? words.problems.other;
+  const listed = problem.errors.length > 1 || problem.detail === '' ? problem.errors : [];   // a single one is the sentence
   return (
     <div class="note note-bad" role="alert">
       <p><strong>{said}</strong></p>
       {problem.detail && <p class="server-words">{problem.detail}</p>}
-      {problem.errors.length > 0 && (
+      {listed.length > 0 && (
         <ul class="server-words">
-          {problem.errors.slice(0, 5).map((one) => <li key={one.pointer + one.code}>{one.pointer} {one.detail}</li>)}
+          {listed.slice(0, 5).map((one) => <li key={one.pointer + one.code}>{one.pointer} {one.detail}</li>)}
         </ul>
       )}
       {children}

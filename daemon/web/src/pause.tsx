@@ -67,7 +67,7 @@ export function pauseJob(job: string): void {
     const abort = new AbortController();
     underWay.push(abort);
     if (underWay.length > kAtOnce) underWay.shift()!.abort();
-    send<Job>('POST', `/v1/jobs/${job}/actions/pause`, { body: {}, key, rev: '*', signal: abort.signal }).then(
+    send<Job>('POST', `/v1/jobs/${job}/actions/pause`, { body: {}, key, rev: '*', signal: abort.signal, stops: true }).then(
       (now) => { if (!over) { answered({ state: 'through' }); takeJob(now); } },
       (error) => {
         if (over || !isProblem(error)) return;

@@ -37,6 +37,15 @@ export class ServerProblem extends Error {
     this.requestId = typeof body.request_id === 'string' ? body.request_id : '';
     this.retryAfter_s = retryAfter_s;
   }
+
+  /** The same about the file `asset` of a spec, under the name that a person knows it by, without the place in the spec. */
+  naming(asset: string, name: string): ServerProblem {
+    const named = (text: string): string => text.replaceAll(asset, name).replace(/^\/surface(\/file)?: /, '');
+    return new ServerProblem(this.status, {
+      type: this.kind, detail: named(this.detail), request_id: this.requestId,
+      errors: this.errors.map((one) => ({ ...one, detail: named(one.detail) })),
+    }, this.retryAfter_s);
+  }
 }
 
 export function isProblem(error: unknown): error is ServerProblem {
@@ -51,6 +60,7 @@ export interface Ask {
   headers?: Record<string, string>;
   accept?: string;
   signal?: AbortSignal;
+  stops?: boolean;                      // stops a knife: sent even if the session seems to be over
 }
 
 /** A key for one act, kept by whoever acts until the act is answered. */
@@ -85,10 +95,14 @@ export async function openAsk<T>(path: string, body: unknown, signal?: AbortSign
   return { ...await answer.json() as T, status: answer.status };
 }
 
-/** The answer to a request, whatever its form. Throws ServerProblem, also if no answer comes. */
+/**
+ * The answer to a request, whatever its form. Throws ServerProblem, also if no answer comes. When the session is over
+ * nothing is sent: popcutd would count it as a failed login.
+ */
 export async function request(method: string, path: string, ask: Ask = {}): Promise<Response> {
   const headers: Record<string, string> = { Accept: ask.accept ?? 'application/json', ...ask.headers };
   const token = sessionStorage.getItem(kToken);
+  if (session.peek() === 'over' && !ask.stops) throw new ServerProblem(401, { type: 'unauthenticated' });
   if (token) headers.Authorization = `Bearer ${token}`;
   if (ask.key) headers['Idempotency-Key'] = ask.key;
   if (ask.rev !== undefined) headers['If-Match'] = ask.rev === '*' ? '*' : `"${ask.rev}"`;

@@ -53,6 +53,7 @@ const kInks: readonly Ink[] = ['other', 'valley', 'mountain', 'cut'];
 const kTimeBands = 12;
 const kTapPixels = 22;
 const kMargin = 18;
+const kArrow = 34;
 
 export class SheetView {
   onPick: ((stroke: number | null, xy_mm: [number, number]) => void) | null = null;
@@ -686,8 +687,13 @@ export class SheetView {
     const width = this.canvas.clientWidth;
     const height = this.canvas.clientHeight;
     const r = Math.min(96, width * 0.3, height * 0.3);
-    const cx = Math.min(width - r - 6, Math.max(r + 6, px + (px < width / 2 ? 1 : -1) * (r + 28)));
+    const beside = (side: number): number => Math.min(width - r - 6, Math.max(r + 6, px + side * (r + 28)));
     const cy = Math.min(height - r - 6, Math.max(r + 6, py));
+    // Where there is room, but not over the arrow at the start of the stroke.
+    const [sx, sy] = this.placeOn(this.lensOn, 0);
+    const clears = (x_: number): boolean => Math.hypot(sx * this.scale + this.left - x_, sy * this.scale + this.top - cy) > r + kArrow;
+    const side = px < width / 2 ? 1 : -1;
+    const cx = beside(clears(beside(side)) || !clears(beside(-side)) ? side : -side);
     const to = Math.max(96 / 25.4, 1.5 * this.scale);
     c.save();
     c.setTransform(ratio, 0, 0, ratio, 0, 0);

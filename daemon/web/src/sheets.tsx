@@ -2,11 +2,12 @@
 // Sheets: what will be cut, sheet by sheet, played back from the plan's own strokes.
 import { effect, useSignal, type Signal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
+import { useAgain } from './again';
 import type { Plan } from './model';
 import { Button, LinkButton, Loading, Note, Trouble } from './parts';
 import { act, isProblem, read, readBlob, saveAs, type ServerProblem } from './server';
 import { endOf, SheetView, strokesAt, strokeWords, timeColour, type Strokes } from './sheet_view';
-import { devices, may } from './store';
+import { devices, may, stale } from './store';
 import { clockTime, integer, metres, size, timeRange } from './words';
 import { designWords } from './words_design';
 
@@ -39,7 +40,7 @@ export function usePlan(id: string): { plan: WholePlan | null; problem: ServerPr
     problem.value = null;
     void again();
     return () => abort.abort();
-  }, [id]);
+  }, [id, useAgain(problem.value)]);
   return { plan: plan.value, problem: problem.value };
 }
 
@@ -154,7 +155,7 @@ function SheetStage({ plan, sheet, onHover }: { plan: string; sheet: number; onH
     view.peek()?.setMarked(null);
     readStrokes(plan, sheet).then((read_) => { if (wanted) strokes.value = read_; }, (error: unknown) => { if (wanted && isProblem(error)) problem.value = error; });
     return () => { wanted = false; };
-  }, [plan, sheet]);
+  }, [plan, sheet, useAgain(problem.value)]);
   return (
     <div>
       {problem.value && <Trouble problem={problem.value} />}
@@ -181,7 +182,22 @@ function wantedFor(plan: string): Wanted {
   return { copies: 1, device: null };
 }
 
-function QueueIt({ plan }: { plan: WholePlan }) {
+/** The name of the design that a plan was made of, on one line; empty until it is known, and where it has none. */
+function useNameOf(design: string | null | undefined): string {
+  const name = useSignal('');
+  useEffect(() => {
+    name.value = '';
+    if (!design) return undefined;
+    const stop = new AbortController();
+    read<{ name?: string | null }>(`/v1/designs/${encodeURIComponent(design)}`, { signal: stop.signal }).then((one) => {
+      name.value = [...(one.name ?? '').replace(/\s+/g, ' ').trim()].slice(0, 120).join('');
+    }, () => undefined);
+    return () => stop.abort();
+  }, [design]);
+  return name.value;
+}
+
+function QueueIt({ plan, name }: { plan: WholePlan; name: string }) {
   const wanted = useRef(wantedFor(plan.id));
   const copies = useSignal(wanted.current.copies);
   const device = useSignal(wanted.current.device ?? '');
@@ -189,10 +205,12 @@ function QueueIt({ plan }: { plan: WholePlan }) {
   const done = useSignal(false);
   const problem = useSignal<ServerProblem | null>(null);
   const queue = async (): Promise<void> => {
+    if (busy.peek()) return;
     busy.value = true;
     problem.value = null;
     try {
       const body: Record<string, unknown> = { plan: plan.id, copies: copies.value };
+      if (name) body.name = name;
       if (device.value) body.device = device.value;
       await act('/v1/jobs', undefined, body);
       done.value = true;
@@ -219,7 +237,7 @@ function QueueIt({ plan }: { plan: WholePlan }) {
         <input type="number" min="1" max="1000" value={copies.value}
           onChange={(event) => { copies.value = Math.max(1, Math.min(1000, Math.round(Number(event.currentTarget.value)) || 1)); }} />
       </label>
-      <Button kind="primary" big onClick={() => void queue()} disabled={busy.value || !may('submitter')}>{words.queue}</Button>
+      <Button kind="primary" big onClick={() => void queue()} disabled={busy.value || stale.value || !may('submitter')}>{words.queue}</Button>
     </section>
   );
 }
@@ -233,6 +251,8 @@ export default function Sheets({ rest: id }: { rest: string }) {
   const { plan, problem } = usePlan(id);
   const sheet = useSignal(1);
   const under = useSignal('');
+  const name = useNameOf(plan?.design);
+  const unsaved = useSignal<ServerProblem | null>(null);
   if (problem) return <Trouble problem={problem} />;
   if (!plan) return <Loading />;
   if (plan.state === 'failed') return <div class="note note-bad" role="alert"><p><strong>{words.failed}</strong></p><p class="server-words">{plan.error}</p></div>;
@@ -241,18 +261,24 @@ export default function Sheets({ rest: id }: { rest: string }) {
   const shown = plan.sheets.find((one) => one.sheet === sheet.value) ?? plan.sheets[sheet.value - 1];
   const go = (k: number): void => { sheet.value = Math.max(1, Math.min(total, k)); };
   const save = async (): Promise<void> => {
-    const name = `sheets/${sheet.value}.svg`;
-    saveAs(await readBlob(`/v1/plans/${encodeURIComponent(id)}/${name}`), name.replace('/', '-'));
+    unsaved.value = null;
+    try {
+      saveAs(await readBlob(`/v1/plans/${encodeURIComponent(id)}/sheets/${sheet.value}.svg`), `sheets-${sheet.value}.svg`);
+    } catch (error) {
+      if (!isProblem(error)) throw error;
+      unsaved.value = error;
+    }
   };
   return (
     <div class="sheets">
       <div class="row row-between">
-        <h1>{words.title}</h1>
+        <h1>{words.title}{name && <span class="muted">, {name}</span>}</h1>
         <div class="row">
           <Button kind="quiet" onClick={() => void save()}>{words.drawing}</Button>
           <LinkButton kind="quiet" href={`#/glue/${id}`}>{words.glue}</LinkButton>
         </div>
       </div>
+      {unsaved.value && <Trouble problem={unsaved.value} onClose={() => { unsaved.value = null; }} />}
       {total > 1 && (
         <div class="sheet-tabs" role="tablist" aria-label={words.title} onKeyDown={(event) => {
           if (event.key === 'ArrowRight') go(sheet.value + 1);
@@ -288,7 +314,7 @@ export default function Sheets({ rest: id }: { rest: string }) {
               <ul class="plain-list server-words">{plan.warnings.slice(0, 30).map((one, i) => <li key={i}>{one.message}</li>)}</ul>
             </section>
           )}
-          {may('submitter') && <QueueIt plan={plan} />}
+          {may('submitter') && <QueueIt plan={plan} name={name} />}
         </div>
       </div>
     </div>

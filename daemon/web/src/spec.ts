@@ -10,6 +10,8 @@ export class SpecError extends Error {}
 
 const kMostUnits = 40;
 const kMostSlices = 80;
+/** More slices than anybody moves one by one; such a spec is only sent to popcutd, which refuses it. */
+const kMostWidths = 10_000;
 const kUndoSteps = 200;
 /** What a link may hold, and what may come out of it. */
 export const kMostLinkBytes = 8_000;
@@ -59,7 +61,7 @@ export const widthOf = (spec: Spec): number | null => (isPlain(spec) ? numberIn(
 export function widthsOf(spec: Spec): number[] | null {
   const n = slicesOf(spec);
   const widths = spec['widths_mm'];
-  if (n === null) return null;
+  if (n === null || n < 0 || n > kMostWidths) return null;
   if (typeof widths === 'number') return Array.from({ length: n }, () => widths);
   if (Array.isArray(widths) && widths.length === n && widths.every((w) => typeof w === 'number')) return widths as number[];
   return null;
