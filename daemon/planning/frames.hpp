@@ -33,7 +33,7 @@ struct Frame {
 
 /// How a worker ends whose processor time is up.
 inline constexpr int kOutOfTimeCode = 64;
-/// And one that serves, when a task wanted more memory than there is.
+/// And one that wanted more memory than there is, where it could not say so.
 inline constexpr int kOutOfMemoryCode = 65;
 
 inline constexpr std::size_t kFrameHeadBytes = 20;

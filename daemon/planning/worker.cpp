@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
+#include <cstdlib>
 #include <exception>
 #include <new>
 #include <stdexcept>
@@ -93,6 +94,20 @@ void end_when_out_of_time() {
   ::sigaction(SIGXCPU, &action, nullptr);
 }
 
+/// Has memory that runs out where nothing may be thrown end this process with a code that says so.
+void end_when_out_of_memory() {
+  std::set_terminate([] {
+    try {
+      if (const std::exception_ptr thrown = std::current_exception())
+        std::rethrow_exception(thrown);
+    } catch (const std::bad_alloc&) {
+      ::_exit(kOutOfMemoryCode);
+    } catch (...) {  // a fault of ours
+    }
+    std::abort();
+  });
+}
+
 /// The sanitizer that looks for leaks at the end does so from a process that it would have to
 /// start.
 int end(int code, [[maybe_unused]] bool confined) {
@@ -144,6 +159,7 @@ int run_worker(int in, int out, std::string_view word) {
   std::vector<daemon::WorkerWall> walls;
   if (alone) {
     end_when_out_of_time();
+    end_when_out_of_memory();
     walls = confine_worker();
   }
   Pipes pipes(in, out);
