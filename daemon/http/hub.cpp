@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <map>
 #include <random>
 
 #include <spdlog/logger.h>
@@ -18,6 +19,8 @@ namespace {
 
 // How long a connection may have said nothing before its place is given to another.
 constexpr double kQuiet_s = 1;
+
+constexpr double kReading_s = 2;  // for so long nobody who reads an answer is slow
 
 // For how many seconds of their rate previews and pictures may come at once: a list of designs is a
 // picture each.
@@ -170,6 +173,36 @@ bool Hub::make_room(const Peer& peer, int descriptor, bool& reserved) {
   if (!slowest) return false;
   slowest->close();
   remove(slowest);
+  return true;
+}
+
+bool Hub::make_room_for_answer(const ClientPtr& client, std::size_t bytes) {
+  const std::size_t most = limits().answer_bytes;
+  for (;;) {
+    std::size_t all = 0;
+    std::map<std::string, std::size_t> held;
+    for (const ClientPtr& other : clients) {
+      all += other->answer_bytes;
+      held[other->principal] += other->answer_bytes;
+    }
+    const std::size_t own = held[client->principal];
+    const bool is_own_full = own > 0 && own + bytes > most / 2;
+    if (!is_own_full && (all == 0 || all + bytes <= most)) break;
+    const std::string whose =
+        is_own_full ? client->principal
+                    : std::max_element(held.begin(), held.end(), [](const auto& a, const auto& b) {
+                        return a.second < b.second;
+                      })->first;
+    ClientPtr slowest;
+    for (const ClientPtr& other : clients)
+      if (other->answer_bytes > 0 && other->principal == whose && age_s(*other) > kReading_s &&
+          (!slowest || other->since < slowest->since))
+        slowest = other;
+    if (!slowest) return false;
+    slowest->answer_bytes = 0;
+    slowest->close();  // its coroutine ends next, and what it held with it
+  }
+  client->answer_bytes = bytes;
   return true;
 }
 

@@ -89,7 +89,7 @@ class FakeAccess : public Access, public virtual FakeState {
   void on_access_change(std::function<void()> listener) override;
   Answer<std::string> create_one_shot(const Principal&) override;
   Answer<NewToken> open_session(const std::string& one_shot) override;
-  Answer<NewPairing> ask_pairing(const std::string& name) override;
+  Answer<NewPairing> ask_pairing(const std::string& name, const std::string& place) override;
   Answer<AllowedPairing> allow_pairing(const Principal&, const std::string& code,
                                        Role role) override;
   Answer<std::optional<NewToken>> collect_pairing(const std::string& secret) override;

@@ -53,6 +53,7 @@ TEST_CASE("the defaults of all limits are as documented", "[daemon][http][limits
   CHECK(limits.body_bytes_per_s == 1024);
   CHECK(limits.idle_s == 60);
   CHECK(limits.heartbeat_s == 15);
+  CHECK(limits.answer_bytes == 536'870'912);
   CHECK(limits.stream_events == 256);
   CHECK(limits.stream_bytes == 262'144);
 }
@@ -342,6 +343,46 @@ TEST_CASE("clients that stop reading or reset leak nothing", "[daemon][http][slo
   }));
 }
 
+TEST_CASE("large answers that nobody reads are ended before they fill the memory",
+          "[daemon][http][limits]") {
+  constexpr std::size_t kBlob = 16u << 20;  // more than the system takes from a sender
+  LiveServer server([](HttpOptions& options) { options.limits.answer_bytes = 4 * kBlob; });
+  server.ask([](FakeService& fake) { fake.lattice_blob.assign(kBlob, 'x'); });
+  const std::string body = R"({"spec":{},"quality":"draft"})";
+  const auto ask = [&](RawConnection& page, const char* role) {
+    page.send(
+        server.request("POST", "/v1/preview", role, "Content-Type: application/json\r\n", body));
+  };
+  std::vector<RawConnection> slow;
+  for (int k = 0; k < 2; ++k) {
+    slow.push_back(server.connect());
+    ask(slow.back(), "submitter");
+  }
+  // Half of all is one principal's; for two seconds nobody is called slow.
+  RawConnection third = server.connect();
+  WireResponse answer;
+  CHECK(comes_true([&] {
+    ask(third, "submitter");
+    answer = third.receive();
+    return answer.status == 503;
+  }));
+  CHECK(answer.headers.count("retry-after") == 1);
+  CHECK(answer.problem() == "unavailable");
+  // What is small passes, and so do others.
+  CHECK(server.fetch("GET", "/v1/devices", "submitter").status == 200);
+  RawConnection other = server.connect();
+  ask(other, "operator");
+  CHECK(other.receive().body.size() == kBlob);
+  // Then the slowest goes.
+  std::this_thread::sleep_for(std::chrono::milliseconds(2200));
+  ask(third, "submitter");
+  answer = third.receive();
+  CHECK(answer.status == 200);
+  CHECK(answer.body.size() == kBlob);
+  CHECK(slow[0].receive().body.size() < kBlob);
+  CHECK(slow[1].receive().body.size() == kBlob);
+}
+
 TEST_CASE("codes of tablets cannot be tried out", "[daemon][http][pairing]") {
   LiveServer server;
   const std::string json = "Content-Type: application/json\r\n";
@@ -377,8 +418,14 @@ TEST_CASE("codes of tablets cannot be tried out", "[daemon][http][pairing]") {
   CHECK(collect(secret).status == 201);
   for (int i = 0; i < 5; ++i) CHECK(collect(secret).status == 404);
   CHECK(collect(secret).status == 429);
+  // Whoever tries secrets keeps no tablet of the same address from its session.
+  const auto second = nlohmann::json::parse(ask().body);
+  for (int i = 0; i < 70; ++i) CHECK(collect("guess " + std::to_string(i)).status == 429);
+  CHECK(collect(second.at("secret")).status == 202);
+  CHECK(allow(second.at("code"), "viewer").status == 200);
+  CHECK(collect(second.at("secret")).status == 201);
   // New codes are no way to guess either.
-  for (int i = 0; i < 4; ++i) CHECK(ask().status == 201);
+  for (int i = 0; i < 3; ++i) CHECK(ask().status == 201);
   CHECK(ask().status == 429);
   CHECK(server
             .fetch("POST", "/v1/session/pair", "", json + "Origin: http://evil.example\r\n",

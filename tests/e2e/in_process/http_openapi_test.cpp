@@ -160,7 +160,7 @@ struct Bench {
             [&](FakeService& fake) { example["one_shot"] = *fake.access.create_one_shot({}); });
       if (example.contains("code") || example.contains("secret"))
         server.ask([&](FakeService& fake) {
-          const NewPairing asked = *fake.access.ask_pairing("tablet");
+          const NewPairing asked = *fake.access.ask_pairing("tablet", "127.0.0.1");
           if (example.contains("code")) example["code"] = asked.code;
           if (example.contains("secret")) example["secret"] = asked.secret;
         });
