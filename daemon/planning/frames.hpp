@@ -23,6 +23,7 @@ enum class FrameKind : std::uint32_t {
   File = 5,     ///< from the worker: a file of the outcome
   Outcome = 6,  ///< from the worker: the figures, JSON; last
   Failure = 7,  ///< from the worker: one error, JSON; last
+  Phase = 8,    ///< from the worker: what it is at, JSON
 };
 
 struct Frame {

@@ -7,6 +7,7 @@
 #endif
 
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdint>
 #include <cstdlib>
@@ -117,6 +118,21 @@ int end(int code, [[maybe_unused]] bool confined) {
   return code;
 }
 
+/// Writes what is being done, but not each step of it.
+Progress phases_to(Pipes& pipes) {
+  using Clock = std::chrono::steady_clock;
+  return [&pipes, last = std::string(), at = Clock::time_point()](std::string_view doing,
+                                                                  double done) mutable {
+    constexpr std::chrono::milliseconds kEach{200};
+    const Clock::time_point now = Clock::now();
+    if (doing == last && now - at < kEach) return;
+    last = doing;
+    at = now;
+    (void)pipes.write(FrameKind::Phase, "",
+                      phase_json(doing, done));  // the outcome tells the fault
+  };
+}
+
 Result<daemon::PlanningOutcome> guarded(Pipes& pipes, bool serves) {
   const auto add = [&](const std::string& name, const std::string& bytes) {
     return pipes.write(FrameKind::File, name, bytes);
@@ -131,7 +147,7 @@ Result<daemon::PlanningOutcome> guarded(Pipes& pipes, bool serves) {
   try {
     Result<WorkerTask> task = pipes.read();
     if (!task) return tl::unexpected(task.error());
-    return perform(std::move(*task), add);
+    return perform(std::move(*task), add, phases_to(pipes));
   } catch (const std::bad_alloc&) {
     return too_large();
   } catch (const std::length_error&) {

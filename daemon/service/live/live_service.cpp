@@ -76,6 +76,9 @@ struct Parts {
         device_dispatcher({store, thread, cutters, registry, jobs, dispatcher, alive}) {
     designs.removed = [this](const std::string& design) { plans.remove_all_of(design); };
     plans.begun = [this](const std::string& plan) { jobs.plan_begun(plan); };
+    plans.is_at = [this](const std::string& plan, const PlanningPhase& phase) {
+      jobs.plan_is_at(plan, phase);
+    };
     plans.ended = [this](const std::string& plan) { jobs.plan_ended(plan); };
     jobs.live = [this](const std::string& job) { return dispatcher.live(job); };
     jobs.ways = [this](const JobRow& row) { return dispatcher.ways(row); };
