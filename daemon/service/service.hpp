@@ -106,6 +106,9 @@ class Designs {
                        Shown done) = 0;
   /// The lattice blob of a stored design.
   virtual CallOff lattice(const Principal&, const std::string& id, Shown done) = 0;
+  /// What changes with the material that a stored spec names, for the ETags of what is made of it:
+  /// "-" and a few digits; empty for other designs.
+  [[nodiscard]] virtual std::string material_mark(const std::string& id) = 0;
 };
 
 /// Sheets that are read in one turn of the service's thread.

@@ -110,6 +110,7 @@ class FakeDesigns : public Designs, public virtual FakeState {
   CallOff show_spec(const Principal&, const PreviewRequest&, Shown done) override;
   CallOff place_spec(const Principal&, const PreviewRequest&, Shown done) override;
   CallOff lattice(const Principal&, const std::string& id, Shown done) override;
+  std::string material_mark(const std::string&) override { return {}; }
   void picture(const Principal&, const std::string& id, const std::string& name,
                Shown done) override;
   CallOff file(const Principal&, const std::string& id, const std::string& name, int part,

@@ -15,7 +15,6 @@
 namespace popcut::daemon {
 namespace {
 
-constexpr const char* kUsualMaterial = "paper-220";
 constexpr const char* kUsualMachine = "cameo3";
 constexpr std::size_t kMostHurried = 1000;
 constexpr std::size_t kMostWarnings = 200, kLongestWarning = 1000;
