@@ -21,6 +21,9 @@ namespace {
 constexpr double kQuiet_s = 1;
 
 constexpr double kReading_s = 2;  // for so long nobody who reads an answer is slow
+// And for so long who has connected may take to say who they are when all places are taken: a head
+// comes with the connection, or soon after it.
+constexpr double kStranger_s = 0.02;
 
 // For how many seconds of their rate previews and pictures may come at once: a list of designs is a
 // picture each.
@@ -142,6 +145,17 @@ double BodyPace::left_s(const HttpLimits& limits, std::uint64_t got, double now_
   return std::max(until - now_s, 0.0);
 }
 
+ClientPtr Hub::oldest_stranger() const {
+  ClientPtr oldest;
+  for (const ClientPtr& client : clients) {
+    if (client->reserved || client->closed || client->peer.is_local || !client->principal.empty())
+      continue;
+    const double patience = client->state == Client::State::Busy ? kReading_s : kStranger_s;
+    if (age_s(*client) > patience && (!oldest || client->since < oldest->since)) oldest = client;
+  }
+  return oldest;
+}
+
 bool Hub::make_room(const Peer& peer, int descriptor, bool& reserved) {
   reserved = false;
   const auto usual = std::count_if(clients.begin(), clients.end(),
@@ -156,6 +170,7 @@ bool Hub::make_room(const Peer& peer, int descriptor, bool& reserved) {
                           (client->served > 0 || age_s(*client) > kQuiet_s);
     if (is_quiet && (!quietest || client->since < quietest->since)) quietest = client;
   }
+  if (!quietest && !own_only) quietest = oldest_stranger();
   if (quietest) {
     quietest->close();  // its coroutine ends soon; the place is given away now
     remove(quietest);

@@ -109,11 +109,13 @@ struct Hub {
 
   [[nodiscard]] const HttpLimits& limits() const { return options.limits; }
   [[nodiscard]] double now_s() const;
-  /// A place for a new connection: one that is free, else that of the longest idle one, else a
-  /// reserved one. False: there is none.
+  /// A place for a new connection: one that is free, else that of the longest idle one, else that
+  /// of who has not said for longest who they are, else a reserved one. False: there is none.
   ///
   /// @param descriptor  of its socket; the last `kDescriptorsLeft` are no places
   [[nodiscard]] bool make_room(const Peer& peer, int descriptor, bool& reserved);
+  /// Over TCP, the one who has not said for longest who they are; null: none is that slow.
+  [[nodiscard]] ClientPtr oldest_stranger() const;
   /// True if one principal, this client's, has more than half of all places.
   [[nodiscard]] bool is_crowding(const Client& client) const;
   /// How many uploads of a principal are under way.

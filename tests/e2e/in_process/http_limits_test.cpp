@@ -18,6 +18,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "daemon/http/api/page_files.hpp"
 #include "tests/support/raw_http.hpp"
 
 namespace http_limits_test {
@@ -286,20 +287,19 @@ TEST_CASE("a knife can be stopped even when all connections are in use", "[daemo
     options.limits.header_s = 300;
   });
   const std::string id = new_job(server, JobState::Cutting);
-  // Half-sent heads hold their places for long; there are more of them than places.
+  // Half-sent bodies of people who are known hold their places for long.
   std::vector<RawConnection> slow;
-  for (int i = 0; i < 30; ++i) {
-    slow.push_back(server.connect());
-    slow.back().send("GET /v1/jobs HTTP/1.1\r\nX-A: ");
-  }
-  // Until the server has read what a client says, that one is idle and may have to make room.
+  for (const char* role : {"submitter", "admin"})
+    for (int i = 0; i < 4; ++i) {
+      slow.push_back(server.connect());
+      const std::string request =
+          server.request("POST", "/v1/jobs", role, acting(), std::string(1000, ' '));
+      slow.back().send(request.substr(0, request.size() - 500));
+    }
   WireResponse other;
   CHECK(comes_true([&] {
-    other = server.fetch("GET", "/v1/devices");
-    if (other.status == 503) return true;
-    slow.push_back(server.connect());
-    slow.back().send("GET /v1/jobs HTTP/1.1\r\nX-A: ");
-    return false;
+    other = server.fetch("GET", "/v1/devices", "viewer");
+    return other.status == 503;
   }));
   CHECK(other.problem() == "unavailable");
   CHECK(other.headers.at("retry-after") == "1");
@@ -312,6 +312,36 @@ TEST_CASE("a knife can be stopped even when all connections are in use", "[daemo
   const WireResponse cancelled =
       server.fetch("POST", "/v1/jobs/" + id + "/actions/cancel", "operator", acting("*"));
   CHECK(cancelled.status == 200);
+}
+
+TEST_CASE("who does not say who they are keeps out nobody who does", "[daemon][http][slow]") {
+  LiveServer server([](HttpOptions& options) {
+    options.limits.connections = 8;
+    options.limits.header_s = options.limits.body_s = 300;
+  });
+  std::vector<RawConnection> strangers;
+  SECTION("half-sent heads") {
+    for (int i = 0; i < 100; ++i) {
+      strangers.push_back(server.connect());
+      strangers.back().send("GET /v1/jobs HTTP/1.1\r\nX-A: ");
+    }
+  }
+  SECTION("files of the page that nobody reads") {
+    const auto files = http::page_files();
+    const auto largest = std::max_element(
+        files.begin(), files.end(),
+        [](const auto& a, const auto& b) { return a.bytes.size() < b.bytes.size(); });
+    std::string all;
+    for (int i = 0; i < 300; ++i)
+      all += server.request("GET", "/page/" + std::string(largest->name), "");
+    for (int i = 0; i < 8; ++i) {
+      strangers.push_back(server.connect());
+      strangers.back().send(all);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  for (int i = 0; i < 20; ++i) CHECK(server.fetch("GET", "/v1/devices", "viewer").status == 200);
 }
 
 TEST_CASE("an idle connection is closed in favour of a new one", "[daemon][http][slow]") {
