@@ -407,6 +407,39 @@ test('files of the exact design and a picture of it are saved', async () => {
   await close();
 });
 
+test('a design is handed to Origami Simulator once that is ready, and to no other site', async () => {
+  const { page, context, complaints, close } = await designing('unit');
+  const site = (ready) => `<!doctype html><script>
+    window.heard = [];
+    addEventListener('message', (event) => heard.push({ data: event.data, origin: event.origin }));
+    ${ready ? "opener.postMessage({ from: 'OrigamiSimulator', status: 'ready' }, '*');" : ''}
+  </script>`;
+  await context.route('https://origamisimulator.org/**', (route) => route.fulfill({ contentType: 'text/html', body: site(true) }));
+  await page.getByRole('button', { name: 'Export' }).click();
+  const opened = context.waitForEvent('page');
+  await page.getByRole('button', { name: /Origami Simulator/ }).click();
+  const other = await opened;
+  await other.waitForFunction(() => window.heard?.length > 0);
+  const [heard] = await other.evaluate(() => window.heard);
+  assert.equal(heard.origin, server.address);
+  assert.equal(heard.data.op, 'importFold');
+  assert.equal(heard.data.fold.edges_foldAngle.length, heard.data.fold.edges_vertices.length);
+  assert.ok(heard.data.fold.faces_vertices.length > 0);
+  await other.close();
+  // A window that went elsewhere gets nothing, whatever it says.
+  await context.unroute('https://origamisimulator.org/**');
+  await context.route('https://elsewhere.test/**', (route) => route.fulfill({ contentType: 'text/html', body: site(true) }));
+  await context.route('https://origamisimulator.org/**', (route) => route.fulfill({ status: 302, headers: { Location: 'https://elsewhere.test/' } }));
+  const astray = context.waitForEvent('page');
+  await page.getByRole('button', { name: /Origami Simulator/ }).click();
+  const stranger = await astray;
+  await stranger.waitForFunction(() => window.heard !== undefined);
+  await wait(1000);
+  assert.deepEqual(await stranger.evaluate(() => window.heard), []);
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
 test('what is lit in one place is lit everywhere', async () => {
   const { page, complaints, close } = await designing();
   await page.locator('.places summary').click();

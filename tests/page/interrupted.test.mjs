@@ -48,6 +48,40 @@ test('the ledger shown is the ledger of popcutd, and the first stroke in doubt i
   await picture(page, 'interrupted-desktop-light');
 });
 
+test('what was done is played again, and nothing is sent', async () => {
+  const { page, ledger, sent } = await broken('replay');
+  const canvas = page.locator('.machine-sheet canvas');
+  // Strokes that were sent are dark or amber: far from the grey of the rest and from white.
+  const marked = () => canvas.evaluate((one) => {
+    const copy = new OffscreenCanvas(one.width, one.height).getContext('2d', { willReadFrequently: true });
+    copy.drawImage(one, 0, 0);
+    const { data } = copy.getImageData(0, 0, one.width, one.height);
+    let n = 0;
+    for (let i = 0; i < data.length; i += 4) if (data[i + 3] > 200 && Math.min(data[i], data[i + 1], data[i + 2]) < 90) n++;
+    return n;
+  });
+  const at = page.getByLabel('Time of the cut');
+  const move = (value) => at.evaluate((one, to) => {
+    Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, 'value').set.call(one, String(to));
+    one.dispatchEvent(new Event('input', { bubbles: true }));
+  }, value);
+  const [all, before] = [Number(await at.getAttribute('max')), sent.length];
+  assert.ok(all > 0);
+  const seen = [];
+  for (const share of [0.02, 0.5, 0.98]) {
+    await move(all * share);
+    await wait(150);
+    seen.push(await marked());
+  }
+  assert.ok(seen[0] < seen[1] && seen[1] < seen[2], `more and more is cut: ${seen}`);
+  await page.getByRole('button', { name: 'Play what was done' }).click();
+  await page.getByRole('button', { name: 'Stop' }).click();
+  await move(all);
+  assert.match(await page.locator('.lens-line strong').textContent(), new RegExp(`\\b${ledger.in_doubt[0][0] + 1} of 40$`));
+  await page.getByRole('button', { name: 'Play what was done' }).waitFor();
+  assert.equal(sent.length, before, 'looking sends nothing');
+});
+
 test('New sheet takes a new blank and starts nothing', async () => {
   const { page, id, acts } = await broken('new sheet');
   assert.equal(await page.getByRole('button', { name: 'That is what I want' }).isDisabled(), true);

@@ -8,6 +8,7 @@ import { Panel } from './design_panel';
 import { shownModel, Stage } from './design_stage';
 import { Start } from './design_start';
 import { LatticeError } from './lattice';
+import { openInSimulator } from './origami_simulator';
 import { Button, Dialog, Trouble } from './parts';
 import { go, parseRoute, route, sheetsOf } from './route';
 import { isProblem, read, readBlob, saveAs, send, ServerProblem } from './server';
@@ -233,16 +234,30 @@ function ExportDialog({ onClose }: { onClose: () => void }) {
     const id = await desk.storedId();
     saveAs(await readBlob(`/v1/designs/${id}/files/${file}`), `${name}-${file}`);
   });
+  const blocked = useSignal(false);
+  const simulate = (): void => {
+    blocked.value = false;
+    void run('simulator', async () => {
+      const opened = await openInSimulator(async () => {
+        const id = await desk.storedId();
+        return JSON.parse(await (await readBlob(`/v1/designs/${id}/files/pattern.fold`)).text()) as unknown;
+      });
+      blocked.value = !opened;
+    });
+  };
   const view = shownModel.view;
   const off = busy.value !== null || !desk.canCut.value || stale.value;
   return (
     <Dialog title={words.exports.title} onNo={onClose} no={words.close}>
       {problem.value && <Trouble problem={problem.value} />}
+      {blocked.value && <p class="note note-bad" role="alert">{words.exports.blocked}</p>}
       {!desk.foreign.value && <p class="muted">{desk.canCut.value ? words.exports.what : words.cut.wait}</p>}
       <ul class="export-list">
         {!desk.foreign.value && Object.entries(words.exports.files).map(([file, text]) => (
           <li key={file}><button type="button" class="export" disabled={off} onClick={() => void get(file)}>{text}</button></li>
         ))}
+        {!desk.foreign.value && <li><button type="button" class="export" disabled={off} onClick={simulate}>
+          {busy.value === 'simulator' ? words.exports.simulatorOpens : words.exports.simulator}</button></li>}
         {view && (
           <>
             <li><button type="button" class="export" disabled={busy.value !== null}

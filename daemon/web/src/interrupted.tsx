@@ -1,16 +1,17 @@
 // A cut that broke off: what became of each stroke, and four ways on. None of them starts the cutter.
 import type { ComponentChildren } from 'preact';
-import { useEffect, useMemo, useState } from 'preact/hooks';
+import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { consequence, startNear, type Consequence } from './choices';
-import { fatesOf, strokesIn } from './ledger';
+import { fatesAfter, fatesOf, strokesIn, strokesSent } from './ledger';
 import type { Acts } from './machine';
 import type { Job, Ledger, Way } from './model';
 import { Button, Tick } from './parts';
 import { read } from './server';
 import { SheetPicture, useLedger, type SheetOfJob } from './sheet_picture';
-import { strokeWords } from './sheet_view';
+import { strokeWords, type Strokes } from './sheet_view';
+import { strokesAt } from './strokes';
 import { localTime, may } from './store';
-import { hourMinuteSecond, words } from './words';
+import { clockTime, hourMinuteSecond, words } from './words';
 
 const say = words.interrupted;
 
@@ -40,6 +41,51 @@ function Counts({ ledger, job }: { ledger: Ledger; job: Job }) {
         <li class="fate-rest">{say.notCut(strokesIn(ledger.not_sent))}</li>
       </ul>
     </>
+  );
+}
+
+const kPlayed_s = 8;
+
+/** The cut up to where it broke off, again, in a few seconds. `onSent` gets how many strokes are shown; null: all. */
+function Replay({ strokes, sent, onSent }: { strokes: Strokes; sent: number; onSent: (sent: number | null) => void }) {
+  const all_s = sent > 0 ? strokes.stroke.end_s[sent - 1] ?? 0 : 0;
+  const [time_s, setTime] = useState(all_s);
+  const [playing, setPlaying] = useState(false);
+  const frame = useRef(0);
+  const stop = (): void => {
+    cancelAnimationFrame(frame.current);
+    setPlaying(false);
+  };
+  const show = (at_s: number): void => {
+    setTime(at_s);
+    onSent(at_s >= all_s ? null : Math.min(sent, strokesAt(strokes, at_s).begun));
+  };
+  useEffect(() => { stop(); setTime(all_s); }, [strokes, sent]);
+  useEffect(() => () => cancelAnimationFrame(frame.current), []);
+  const play = (): void => {
+    if (playing) {
+      stop();
+      return;
+    }
+    setPlaying(true);
+    let at_s = time_s >= all_s ? 0 : time_s;
+    let last = performance.now();
+    const tick = (now: number): void => {
+      at_s = Math.min(all_s, at_s + ((now - last) / 1000) * Math.max(1, all_s / kPlayed_s));
+      last = now;
+      show(at_s);
+      if (at_s < all_s) frame.current = requestAnimationFrame(tick);
+      else stop();
+    };
+    frame.current = requestAnimationFrame(tick);
+  };
+  return (
+    <div class="replay row">
+      <Button onClick={play}>{playing ? say.replayStop : say.replay}</Button>
+      <input type="range" min="0" max={all_s} step="any" value={time_s} aria-label={say.replayAt}
+        aria-valuetext={`${clockTime(time_s)} / ${clockTime(all_s)}`} onInput={(event) => { stop(); show(Number(event.currentTarget.value)); }} />
+      <output class="figure">{clockTime(time_s)} / {clockTime(all_s)}</output>
+    </div>
   );
 }
 
@@ -93,10 +139,11 @@ export function Interrupted({ job, known, acts, news }: {
   const stroke = picked ?? firstDoubt;
   const start = ledger ? startNear(ledger, stroke) : stroke;
   const effect = ledger ? consequence(ledger, start) : null;
-  const fates = useMemo(() => (ledger ? fatesOf(ledger) : null), [ledger]);
+  const [sent, setSent] = useState<number | null>(null);
+  const fates = useMemo(() => (!ledger ? null : sent === null ? fatesOf(ledger) : fatesAfter(ledger, sent)), [ledger, sent]);
   const placed: Registration | null = registration ?? (canKeep ? null : 're-registered');
   useEffect(() => { setTwice(false); setUncut(false); }, [start, registration]);
-  useEffect(() => { setChosen(null); setPicked(null); setRegistration(null); }, [job.rev]);
+  useEffect(() => { setChosen(null); setPicked(null); setRegistration(null); setSent(null); }, [job.rev]);
 
   const can = (action: string): boolean => job.actions.includes(action);
   const total = ledger ? strokesIn(ledger.certain) + strokesIn(ledger.in_doubt) + strokesIn(ledger.not_sent) : 0;
@@ -126,7 +173,7 @@ export function Interrupted({ job, known, acts, news }: {
   return (
     <>
       <section class="machine-sheet">
-        <SheetPicture job={job} known={known} fates={fates} marked={ledger ? stroke : null} lens onPick={setPicked}
+        <SheetPicture job={job} known={known} fates={fates} marked={ledger && sent === null ? stroke : null} lens onPick={setPicked}
           label={say.lens(lens, stroke + 1, total)} />
         <div class="lens-line">
           <strong role="status">{lens}</strong>
@@ -136,6 +183,7 @@ export function Interrupted({ job, known, acts, news }: {
             <Button onClick={() => setPicked(null)}>{say.first}</Button>
           </span>
         </div>
+        {ledger && known.strokes && strokesSent(ledger) > 0 && <Replay strokes={known.strokes} sent={strokesSent(ledger)} onSent={setSent} />}
       </section>
       <section class="machine-act">
         {news}

@@ -9,6 +9,19 @@ export function fatesOf(ledger: Ledger): Fates {
   return { certain: ends(ledger.certain), doubt: ends(ledger.in_doubt), done: 0 };
 }
 
+/** The same as it was when only the first `sent` strokes had been sent. */
+export function fatesAfter(ledger: Ledger, sent: number): Fates {
+  const until = (ranges: [number, number][]): [number, number][] => ranges
+    .filter(([first]) => first < sent).map(([first, end]) => [first, Math.min(end, sent)]);
+  const { certain, doubt } = fatesOf(ledger);
+  return { certain: until(certain), doubt: until(doubt), done: 0 };
+}
+
+/** How many strokes were sent: all up to the last one that is certain or in doubt. */
+export function strokesSent(ledger: Ledger): number {
+  return Math.max(0, ...[...ledger.certain, ...ledger.in_doubt].map(([, last]) => last! + 1));
+}
+
 /** How many strokes ranges [first, last] hold. */
 export function strokesIn(ranges: number[][]): number {
   return ranges.reduce((sum, [first, last]) => sum + last! - first! + 1, 0);

@@ -200,6 +200,9 @@ export const designWords = localized({
     png: 'Picture as you see it (PNG)',
     webm: 'Film of the opening (WebM)',
     recording: 'Filming…',
+    simulator: 'Fold it in Origami Simulator (another site, needs the internet)',
+    simulatorOpens: 'Waiting for Origami Simulator…',
+    blocked: 'Your browser did not open the window. Allow pop-ups of this page and press again.',
     files: {
       'pattern.fold': 'Pattern, flat and in poses (FOLD)',
       'pattern.svg': 'Pattern to look at (SVG)',
