@@ -256,7 +256,9 @@ Result<Material> read_material(const TableRow& row) {
 }  // namespace
 
 Result<std::vector<Machine>> all_machines(const std::vector<std::string>& user_tables) {
-  return table_values("machines", kMachinesJson, user_tables, read_machine);
+  static const auto built_in = table_values("machines", kMachinesJson, {}, read_machine);
+  return user_tables.empty() ? built_in
+                             : table_values("machines", kMachinesJson, user_tables, read_machine);
 }
 
 Result<Machine> find_machine(std::string_view name, const std::vector<std::string>& user_tables) {
@@ -331,7 +333,10 @@ const char* fold_mode_name(FoldMode mode) {
 }
 
 Result<std::vector<Material>> all_materials(const std::vector<std::string>& user_tables) {
-  return table_values("materials", kMaterialsJson, user_tables, read_material);
+  static const auto built_in = table_values("materials", kMaterialsJson, {}, read_material);
+  return user_tables.empty()
+             ? built_in
+             : table_values("materials", kMaterialsJson, user_tables, read_material);
 }
 
 Result<Material> find_material(std::string_view name, const std::vector<std::string>& user_tables) {

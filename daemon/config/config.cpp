@@ -75,6 +75,7 @@ void read_limits(FieldReader& fields, Config& config) {
   read(fields, "answer_s", limits.answer_s, 1, 3600);
   read(fields, "design_answer_s", limits.design_answer_s, 1, 86'400);
   read(fields, "heartbeat_s", limits.heartbeat_s, 0.1, 3600);
+  read(fields, "answer_bytes", limits.answer_bytes, 16 * kMib, 65'536 * kMib);
   read(fields, "stream_events", limits.stream_events, 16, 100'000);
   read(fields, "stream_bytes", limits.stream_bytes, 4096, 64 * kMib);
   read(fields, "queue_jobs", config.queue_jobs, 1, 10'000'000);

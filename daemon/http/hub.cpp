@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <map>
 #include <random>
 
 #include <spdlog/logger.h>
@@ -18,6 +19,11 @@ namespace {
 
 // How long a connection may have said nothing before its place is given to another.
 constexpr double kQuiet_s = 1;
+
+constexpr double kReading_s = 2;  // for so long nobody who reads an answer is slow
+// And for so long who has connected may take to say who they are when all places are taken: a head
+// comes with the connection, or soon after it.
+constexpr double kStranger_s = 0.02;
 
 // For how many seconds of their rate previews and pictures may come at once: a list of designs is a
 // picture each.
@@ -139,6 +145,17 @@ double BodyPace::left_s(const HttpLimits& limits, std::uint64_t got, double now_
   return std::max(until - now_s, 0.0);
 }
 
+ClientPtr Hub::oldest_stranger() const {
+  ClientPtr oldest;
+  for (const ClientPtr& client : clients) {
+    if (client->reserved || client->closed || client->peer.is_local || !client->principal.empty())
+      continue;
+    const double patience = client->state == Client::State::Busy ? kReading_s : kStranger_s;
+    if (age_s(*client) > patience && (!oldest || client->since < oldest->since)) oldest = client;
+  }
+  return oldest;
+}
+
 bool Hub::make_room(const Peer& peer, int descriptor, bool& reserved) {
   reserved = false;
   const auto usual = std::count_if(clients.begin(), clients.end(),
@@ -153,6 +170,7 @@ bool Hub::make_room(const Peer& peer, int descriptor, bool& reserved) {
                           (client->served > 0 || age_s(*client) > kQuiet_s);
     if (is_quiet && (!quietest || client->since < quietest->since)) quietest = client;
   }
+  if (!quietest && !own_only) quietest = oldest_stranger();
   if (quietest) {
     quietest->close();  // its coroutine ends soon; the place is given away now
     remove(quietest);
@@ -170,6 +188,36 @@ bool Hub::make_room(const Peer& peer, int descriptor, bool& reserved) {
   if (!slowest) return false;
   slowest->close();
   remove(slowest);
+  return true;
+}
+
+bool Hub::make_room_for_answer(const ClientPtr& client, std::size_t bytes) {
+  const std::size_t most = limits().answer_bytes;
+  for (;;) {
+    std::size_t all = 0;
+    std::map<std::string, std::size_t> held;
+    for (const ClientPtr& other : clients) {
+      all += other->answer_bytes;
+      held[other->principal] += other->answer_bytes;
+    }
+    const std::size_t own = held[client->principal];
+    const bool is_own_full = own > 0 && own + bytes > most / 2;
+    if (!is_own_full && (all == 0 || all + bytes <= most)) break;
+    const std::string whose =
+        is_own_full ? client->principal
+                    : std::max_element(held.begin(), held.end(), [](const auto& a, const auto& b) {
+                        return a.second < b.second;
+                      })->first;
+    ClientPtr slowest;
+    for (const ClientPtr& other : clients)
+      if (other->answer_bytes > 0 && other->principal == whose && age_s(*other) > kReading_s &&
+          (!slowest || other->since < slowest->since))
+        slowest = other;
+    if (!slowest) return false;
+    slowest->answer_bytes = 0;
+    slowest->close();  // its coroutine ends next, and what it held with it
+  }
+  client->answer_bytes = bytes;
   return true;
 }
 

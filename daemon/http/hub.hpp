@@ -71,9 +71,10 @@ struct Client {
   State state{State::Idle};
   Clock::time_point since{Clock::now()};  ///< of `state`
   std::uint64_t served{0};
-  bool reserved{false};     ///< in a place that serves urgent requests only
-  bool uploads{false};      ///< a body of its goes to the disk
-  std::string principal{};  ///< whose last request it was; empty: nobody known
+  bool reserved{false};         ///< in a place that serves urgent requests only
+  bool uploads{false};          ///< a body of its goes to the disk
+  std::string principal{};      ///< whose last request it was; empty: nobody known
+  std::size_t answer_bytes{0};  ///< of a large answer that it is being sent from memory
   bool closed{false};
   std::shared_ptr<Ticket> ticket{};
   std::shared_ptr<Stream> stream{};
@@ -108,17 +109,23 @@ struct Hub {
 
   [[nodiscard]] const HttpLimits& limits() const { return options.limits; }
   [[nodiscard]] double now_s() const;
-  /// A place for a new connection: one that is free, else that of the longest idle one, else a
-  /// reserved one. False: there is none.
+  /// A place for a new connection: one that is free, else that of the longest idle one, else that
+  /// of who has not said for longest who they are, else a reserved one. False: there is none.
   ///
   /// @param descriptor  of its socket; the last `kDescriptorsLeft` are no places
   [[nodiscard]] bool make_room(const Peer& peer, int descriptor, bool& reserved);
+  /// Over TCP, the one who has not said for longest who they are; null: none is that slow.
+  [[nodiscard]] ClientPtr oldest_stranger() const;
   /// True if one principal, this client's, has more than half of all places.
   [[nodiscard]] bool is_crowding(const Client& client) const;
   /// How many uploads of a principal are under way.
   [[nodiscard]] int uploads_of(const std::string& principal) const;
   /// True for a user of the unix socket who has half of all places already.
   [[nodiscard]] bool is_greedy(const Peer& peer) const;
+  /// Counts a large answer that is sent to `client` from memory. If there are too many, it ends
+  /// those that have been read the longest: of this principal if theirs are half of
+  /// `answer_bytes`, else of who has most. False: there is none that may be ended.
+  [[nodiscard]] bool make_room_for_answer(const ClientPtr& client, std::size_t bytes);
   void remove(const ClientPtr& client);
   /// See `HttpServer::retune`.
   void retune(HttpTuning tuning);

@@ -20,6 +20,7 @@ namespace {
 using boost::system::error_code;
 
 constexpr double kAuthenticate_s = 10;
+constexpr std::size_t kLargeAnswer = 1 << 20;  // counted, see `Hub::make_room_for_answer`
 constexpr std::size_t kFilePiece = 64 << 10;
 constexpr std::size_t kMostLinger = 1 << 20;
 constexpr double kLinger_s = 2;
@@ -140,14 +141,25 @@ asio::awaitable<bool> respond(Hub& hub, ClientPtr client, Exchange& exchange, Re
           Problem{ProblemKind::Unavailable, "popcutd is out of memory; try again later"}, request);
   }
   if (response.make_body) response.body = response.make_body();
+  const AtEnd sent([client] { client->answer_bytes = 0; });
+  if (response.body.size() >= kLargeAnswer &&
+      !hub.make_room_for_answer(client, response.body.size())) {
+    Problem full{ProblemKind::Unavailable,
+                 "popcutd is sending too many large answers at once; try again"};
+    full.retry_after_s = 2;
+    response = problem_response(full, request);
+  }
   const bool has_body = response.status != 204 && response.status != 304;
   std::optional<std::uint64_t> length;
   if (has_body) length = file_size ? *file_size : response.body.size();
   std::string text = response_head(response, request.id, length, close);
   const bool is_head = request.method == Method::Head;
-  if (has_body && !is_head && !file_size) text += response.body;
+  const bool is_large = response.body.size() >= kLargeAnswer;  // and stays where it is
+  if (has_body && !is_head && !file_size && !is_large) text += response.body;
   client->enter(Client::State::Busy);
   bool fine = co_await send_all(hub, client, text);
+  if (fine && has_body && !is_head && is_large)
+    fine = co_await send_all(hub, client, response.body);
   if (fine && file_size && !is_head) fine = co_await send_file(hub, client, *file, *file_size);
   hub.metrics.count(exchange.route == nullptr ? "none" : exchange.route->path, response.status);
   const double ms =
@@ -164,6 +176,7 @@ std::optional<Problem> look_at_head(Hub& hub, const Client& client, Exchange& ex
   request.method = head.method;
   request.target = head.target;
   request.headers = head.headers;
+  request.place = place_of(client.peer);
   if (auto wrong = check_host(head, client.peer, hub.names)) return wrong;
   Answer<Target> target = read_target(head.target);
   if (!target) return target.error();
@@ -274,7 +287,9 @@ std::optional<Problem> take_from_bucket(Hub& hub, const Client& client, const Ex
 
 // Who has a good word opens a page however many bad ones come from the same address: all users of
 // this computer share 127.0.0.1.
-bool counts_failures(const Route& route) { return route.guess == Guess::Word; }
+bool counts_failures(const Route& route) {
+  return route.guess == Guess::Word || route.guess == Guess::Secret;
+}
 
 // Under which name the tries of a route are counted. A wrong word is a failed login.
 std::string tries_of(const Client& client, const Exchange& exchange) {
@@ -286,6 +301,8 @@ std::string tries_of(const Client& client, const Exchange& exchange) {
 
 Problem too_many_tries(const Route& route, int wait_s) {
   Problem problem{ProblemKind::Rate, "too many failed logins"};
+  if (route.guess == Guess::Secret)
+    problem.detail = "too many pairings that have ended; ask for a new code";
   if (route.guess == Guess::Code)
     problem.detail = "too many wrong codes; wait, then look at the code again";
   if (route.guess == Guess::Another)
@@ -299,6 +316,7 @@ std::optional<Problem> count_try(Hub& hub, const Client& client, const Exchange&
                                  const Response& response) {
   const Guess guess = exchange.route->guess;
   const bool counts = (guess == Guess::Word && response.status == 401) ||
+                      (guess == Guess::Secret && response.status == 404) ||
                       (guess == Guess::Code && response.status == 404) ||
                       (guess == Guess::Another && response.status == 201);
   if (!counts) return std::nullopt;

@@ -34,6 +34,9 @@ struct HttpLimits {
   double answer_s{30};          ///< how long a handler may take
   double design_answer_s{900};  ///< and one that waits for a design to be read
   double heartbeat_s{15};
+  /// Of large answers (from 1 MiB) that are in memory while clients read them; half of it for one
+  /// principal.
+  std::size_t answer_bytes{std::size_t{512} << 20};
   std::size_t stream_events{256};
   std::size_t stream_bytes{256 << 10};
 };

@@ -121,6 +121,7 @@ struct PreviewRequest {
   std::string key{};  ///< a newer one of the same principal and key takes its place; may be empty
   bool is_draft{false};  ///< quickly, whatever lattice it asks for; else as it will be cut
   std::string place{};   ///< "whole" or "quarter": with its shape moved into place; empty: as it is
+  std::string material{};  ///< that the spec names; empty: none
 };
 
 struct PlanRequest {

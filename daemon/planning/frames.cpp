@@ -48,7 +48,7 @@ Result<void> FrameReader::begin() {
   if (std::string_view(buffer_).substr(0, kMagic.size()) != kMagic)
     return malformed("not the start of a frame");
   const std::uint64_t kind = number_at(buffer_, 4, 4);
-  if (kind < 1 || kind > static_cast<std::uint64_t>(FrameKind::Failure))
+  if (kind < 1 || kind > static_cast<std::uint64_t>(FrameKind::Phase))
     return malformed("a frame of an unknown kind");
   const std::uint64_t name_size = number_at(buffer_, 8, 4);
   if (name_size > kMostNameBytes) return malformed("a frame's name is too long");

@@ -23,6 +23,7 @@ enum class FrameKind : std::uint32_t {
   File = 5,     ///< from the worker: a file of the outcome
   Outcome = 6,  ///< from the worker: the figures, JSON; last
   Failure = 7,  ///< from the worker: one error, JSON; last
+  Phase = 8,    ///< from the worker: what it is at, JSON
 };
 
 struct Frame {
@@ -33,7 +34,7 @@ struct Frame {
 
 /// How a worker ends whose processor time is up.
 inline constexpr int kOutOfTimeCode = 64;
-/// And one that serves, when a task wanted more memory than there is.
+/// And one that wanted more memory than there is, where it could not say so.
 inline constexpr int kOutOfMemoryCode = 65;
 
 inline constexpr std::size_t kFrameHeadBytes = 20;

@@ -13,6 +13,13 @@
 
 namespace popcut::daemon {
 
+/// What a plan is at.
+struct PlanningPhase {
+  std::string phase;  ///< one word, see `planning::phase_of`
+  std::string doing;  ///< in words
+  double done{-1};    ///< the part of `doing` that is done, 0 to 1; below 0: not known
+};
+
 /// A task of a worker process.
 struct PlanningTask {
   enum class Kind : std::uint8_t {
@@ -37,6 +44,9 @@ struct PlanningTask {
   std::string machine_json, material_json;       ///< rows of the tables
   std::string profile_json{};                    ///< row of svg_profiles; empty: a built-in one
   std::map<std::string, std::string> options{};  ///< as in `PlanRequest`
+  /// Told while a plan is made what it is at: at most twice a second, and at least every two
+  /// seconds once there is something to tell. On a thread of the planner; may be empty.
+  std::function<void(const PlanningPhase&)> progress{};
 };
 
 struct PlanningFile {

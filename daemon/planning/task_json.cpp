@@ -2,6 +2,8 @@
 #include "daemon/planning/task_json.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -18,7 +20,26 @@ using daemon::PlanningOutcome;
 constexpr auto kLastKind = daemon::PlanningTask::Kind::Place;
 constexpr double kMost = 1e12;
 constexpr std::size_t kMostName = 100;
+constexpr std::size_t kMostDoing = 100;
 constexpr std::size_t kMostText = 10'000;  ///< characters of a warning or an error
+
+/// How what is done begins, in the order of planning.
+constexpr std::pair<std::string_view, std::string_view> kPhases[] = {
+    {"reading", "reading"},
+    {"cutting the shape", "slicing"},
+    {"fitting", "slicing"},
+    {"laying the lattice", "lattice"},
+    {"building the pattern", "lattice"},
+    {"measuring", "checking"},
+    {"counting", "checking"},
+    {"checking", "checking"},
+    {"cleaning", "cleaning"},
+    {"splitting", "splitting"},
+    {"drawing the folds", "toolpath"},
+    {"ordering the cuts", "toolpath"},
+    {"making the strokes", "toolpath"},
+    {"writing", "writing"},
+};
 
 /// Text may hold bytes of a hostile file that are no UTF-8.
 std::string dumped(const Json& json) {
@@ -140,6 +161,33 @@ Error read_error(std::string_view json) {
   if (!fields.finish() || error.detail.empty())
     return {ErrorKind::Internal, "worker", "its error cannot be read"};
   return error;
+}
+
+std::string_view phase_of(std::string_view doing) {
+  for (const auto& [beginning, phase] : kPhases)
+    if (doing.starts_with(beginning)) return phase;
+  return "planning";
+}
+
+std::string phase_json(std::string_view doing, double done) {
+  const Json json{
+      {"doing", std::string(doing.substr(0, kMostDoing))},
+      {"done", std::isfinite(done) ? std::clamp(done, kUnknownPart, 1.0) : kUnknownPart}};
+  return dumped(json);
+}
+
+std::optional<daemon::PlanningPhase> read_phase(std::string_view json) {
+  const auto parsed = parse_json(json, 2);
+  if (!parsed || !parsed->is_object()) return std::nullopt;
+  FieldReader fields(*parsed, "");
+  daemon::PlanningPhase phase;
+  phase.doing = fields.text("doing", {}).substr(0, kMostDoing);
+  phase.done = fields.number("done", {}, kUnknownPart, 1.0);
+  if (!fields.finish() || phase.doing.empty()) return std::nullopt;
+  for (char& c : phase.doing)
+    if (c < 0x20 || c > 0x7E) c = '?';
+  phase.phase = phase_of(phase.doing);
+  return phase;
 }
 
 }  // namespace popcut::planning

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "core/progress.hpp"
 #include "core/result.hpp"
 #include "daemon/planning/planner.hpp"
 #include "daemon/planning/work.hpp"
@@ -25,5 +27,14 @@ namespace popcut::planning {
 [[nodiscard]] std::string error_json(const Error& error);
 /// The error a worker reports, or an Internal error if it cannot be read.
 [[nodiscard]] Error read_error(std::string_view json);
+
+/// The phase of planning that `doing`, told by what takes long, belongs to: "reading", "slicing",
+/// "lattice", "checking", "cleaning", "splitting", "toolpath", "writing"; "planning" for others.
+[[nodiscard]] std::string_view phase_of(std::string_view doing);
+
+/// What a worker writes of it (see `Progress`), and what popcutd reads of that: at most 100
+/// printable characters, a part from 0 to 1. Nothing if it is not what a worker writes.
+[[nodiscard]] std::string phase_json(std::string_view doing, double done);
+[[nodiscard]] std::optional<daemon::PlanningPhase> read_phase(std::string_view json);
 
 }  // namespace popcut::planning

@@ -87,7 +87,7 @@ Result<PlanningOutcome> outcome_of(const PlanJob& job, PlanningOutcome outcome,
   return outcome;
 }
 
-Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add) {
+Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add, const Progress& progress) {
   auto options = read_plan_options(task.options);
   if (!options) return tl::unexpected(in_request(options.error()));
   const auto tables = tables_of(task);
@@ -97,11 +97,13 @@ Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add) {
     return tl::unexpected(within("/machine", machine.error()));
   options->machine = tables->machine;
   options->material = tables->material;
+  options->progress = progress;
   PlanningOutcome outcome;
   SpecSources sources;
   sources.assets = [&](const DesignSpec& spec) { return assets_for(spec, task.assets); };
   sources.tables = tables->texts;
   sources.material = options->material;
+  sources.progress = progress;
   sources.designed = [&](const DesignSpec& spec, PatchAssembly& made) -> Result<void> {
     if (const auto ids = asset_ids(spec)) outcome.assets = *ids;
     for (Design& part : made.parts) part.report.surface_fit = surface_fit(part);
@@ -173,13 +175,13 @@ Result<PlanningOutcome> check(WorkerTask& task, const FileSink& add) {
 
 }  // namespace
 
-Result<PlanningOutcome> perform(WorkerTask task, const FileSink& add) {
+Result<PlanningOutcome> perform(WorkerTask task, const FileSink& add, const Progress& progress) {
   switch (task.kind) {
     case Kind::Check:
       return check(task, add);
     case Kind::Plan:
     case Kind::TestCut:
-      return make_plan(task, add);
+      return make_plan(task, add, progress);
     case Kind::Preview:
     case Kind::Lattice:
     case Kind::Place:

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/design/target/surface_spec.hpp"
+#include "core/progress.hpp"
 #include "core/result.hpp"
 #include "daemon/planning/design_files.hpp"
 #include "daemon/planning/planner.hpp"
@@ -23,12 +24,13 @@ struct WorkerTask {
 
 /// Does a task: the same code as `popcut plan` and `popcut design`, on values alone. The files go
 /// to `add` as they are made; `files` of the outcome stays empty. The same task gives the same
-/// bytes.
+/// bytes. While a plan is made, `progress` is told what is being done.
 ///
 /// @retval Malformed, OutOfRange  the design, at a JSON pointer or a line and column; an option, at
 ///                                "/options/NAME"; a file of a spec that is no asset's id
 /// @retval Infeasible             there is no valid pattern or layout for it
-[[nodiscard]] Result<daemon::PlanningOutcome> perform(WorkerTask task, const FileSink& add);
+[[nodiscard]] Result<daemon::PlanningOutcome> perform(WorkerTask task, const FileSink& add,
+                                                      const Progress& progress = {});
 
 /// `perform` of what somebody looks at (Preview, Lattice, Picture, Export, Place).
 [[nodiscard]] Result<daemon::PlanningOutcome> show(WorkerTask& task, const FileSink& add);

@@ -7,8 +7,10 @@
 #endif
 
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdint>
+#include <cstdlib>
 #include <exception>
 #include <new>
 #include <stdexcept>
@@ -93,6 +95,20 @@ void end_when_out_of_time() {
   ::sigaction(SIGXCPU, &action, nullptr);
 }
 
+/// Has memory that runs out where nothing may be thrown end this process with a code that says so.
+void end_when_out_of_memory() {
+  std::set_terminate([] {
+    try {
+      if (const std::exception_ptr thrown = std::current_exception())
+        std::rethrow_exception(thrown);
+    } catch (const std::bad_alloc&) {
+      ::_exit(kOutOfMemoryCode);
+    } catch (...) {  // a fault of ours
+    }
+    std::abort();
+  });
+}
+
 /// The sanitizer that looks for leaks at the end does so from a process that it would have to
 /// start.
 int end(int code, [[maybe_unused]] bool confined) {
@@ -100,6 +116,21 @@ int end(int code, [[maybe_unused]] bool confined) {
   if (confined) ::_exit(code);
 #endif
   return code;
+}
+
+/// Writes what is being done, but not each step of it.
+Progress phases_to(Pipes& pipes) {
+  using Clock = std::chrono::steady_clock;
+  return [&pipes, last = std::string(), at = Clock::time_point()](std::string_view doing,
+                                                                  double done) mutable {
+    constexpr std::chrono::milliseconds kEach{200};
+    const Clock::time_point now = Clock::now();
+    if (doing == last && now - at < kEach) return;
+    last = doing;
+    at = now;
+    (void)pipes.write(FrameKind::Phase, "",
+                      phase_json(doing, done));  // the outcome tells the fault
+  };
 }
 
 Result<daemon::PlanningOutcome> guarded(Pipes& pipes, bool serves) {
@@ -116,7 +147,7 @@ Result<daemon::PlanningOutcome> guarded(Pipes& pipes, bool serves) {
   try {
     Result<WorkerTask> task = pipes.read();
     if (!task) return tl::unexpected(task.error());
-    return perform(std::move(*task), add);
+    return perform(std::move(*task), add, phases_to(pipes));
   } catch (const std::bad_alloc&) {
     return too_large();
   } catch (const std::length_error&) {
@@ -144,6 +175,7 @@ int run_worker(int in, int out, std::string_view word) {
   std::vector<daemon::WorkerWall> walls;
   if (alone) {
     end_when_out_of_time();
+    end_when_out_of_memory();
     walls = confine_worker();
   }
   Pipes pipes(in, out);

@@ -36,6 +36,7 @@ using std::chrono::steady_clock;
 
 constexpr std::size_t kBlock = 1u << 16;
 constexpr std::size_t kMostFiles = 100'000;
+constexpr std::chrono::milliseconds kTellEach{500}, kTellAgain{2000};
 
 /// A stored file on its way into the pipe: head first, then the bytes as they are read.
 class Source {
@@ -90,6 +91,37 @@ class Source {
   std::size_t at_{};
 };
 
+/// Passes on what a worker says it is at, but not as often as it says it.
+class PhaseTeller {
+ public:
+  explicit PhaseTeller(const std::function<void(const daemon::PlanningPhase&)>& tell)
+      : tell_(tell) {}
+
+  void hear(std::string json) {
+    if (!tell_) return;
+    json_ = std::move(json);  // read only if it is told: a hostile worker says much
+    is_new_ = true;
+  }
+  void tell_if_due(steady_clock::time_point now) {
+    if (now < due()) return;
+    if (std::exchange(is_new_, false)) phase_ = planning::read_phase(json_);
+    told_ = now;
+    if (phase_) tell_(*phase_);
+  }
+  /// When it is to be looked at again.
+  [[nodiscard]] steady_clock::time_point due() const {
+    if (is_new_) return told_ + kTellEach;
+    return phase_ ? told_ + kTellAgain : steady_clock::time_point::max();
+  }
+
+ private:
+  const std::function<void(const daemon::PlanningPhase&)>& tell_;
+  std::string json_{};
+  std::optional<daemon::PlanningPhase> phase_{};
+  bool is_new_{false};
+  steady_clock::time_point told_{};  ///< the epoch: never
+};
+
 /// A write to a worker that died must not end this process.
 class PipeSignalBlocked {
  public:
@@ -134,11 +166,13 @@ class Talk {
   [[nodiscard]] int killed_by() const { return killed_by_; }
 
   /// @param keeps  the worker waits for another task when it has answered this one
-  Talk(const PlanningLimits& limits, const CallOff& call_off, WorkerProcess& process, bool keeps)
+  Talk(const PlanningTask& task, const PlanningLimits& limits, const CallOff& call_off,
+       WorkerProcess& process, bool keeps)
       : limits_(limits),
         call_off_(call_off),
         process_(process),
         keeps_(keeps),
+        teller_(task.progress),
         reader_(limits.output_bytes),
         until_(steady_clock::now() + std::chrono::milliseconds(static_cast<std::int64_t>(
                                          1000 * std::clamp(limits.wall_s, 0.01, 1e8)))) {}
@@ -175,7 +209,11 @@ class Talk {
         return tl::unexpected(
             infeasible(fmt::format("took longer than the {:g} s that {}", limits_.wall_s,
                                    advice("may take", "planner.wall_s"))));
+      teller_.tell_if_due(now);
       auto most = std::min<std::int64_t>(left.count() + 1, 1000);
+      if (const auto due = teller_.due(); due < now + std::chrono::seconds(1))
+        most = std::min<std::int64_t>(
+            most, std::chrono::ceil<std::chrono::milliseconds>(due - now).count());
       if (is_doomed && call_off_.at() > now)
         most = std::min<std::int64_t>(
             most, std::chrono::ceil<std::chrono::milliseconds>(call_off_.at() - now).count());
@@ -263,6 +301,9 @@ class Talk {
       case FrameKind::Failure:
         answer_ = tl::unexpected(read_error(frame.bytes));
         return {};
+      case FrameKind::Phase:
+        teller_.hear(std::move(frame.bytes));
+        return {};
       default:
         return wrong("a frame that only popcutd sends");
     }
@@ -298,6 +339,7 @@ class Talk {
   const CallOff& call_off_;
   WorkerProcess& process_;
   bool keeps_;
+  PhaseTeller teller_;
   FrameReader reader_;
   steady_clock::time_point until_;
   std::deque<Source> sources_;
@@ -358,7 +400,7 @@ Result<PlanningOutcome> run_in_worker(const PlanningTask& task, const PlanningLi
   auto process = WorkerProcess::start(program, limits);
   if (!process) return tl::unexpected(process.error());
   const PipeSignalBlocked blocked;
-  Talk talk(limits, call_off, *process, false);
+  Talk talk(task, limits, call_off, *process, false);
   Result<PlanningOutcome> outcome = talk.run(std::move(*sources));
   if (killed_by != nullptr) *killed_by = talk.killed_by();
   return outcome;
@@ -398,7 +440,7 @@ Result<PlanningOutcome> WarmWorker::run_once(const PlanningTask& task, const Cal
   }
   ++served_;
   const PipeSignalBlocked blocked;
-  Talk talk(limits_, call_off, *process_, true);
+  Talk talk(task, limits_, call_off, *process_, true);
   Result<PlanningOutcome> outcome = talk.run(std::move(*sources));
   if (killed_by != nullptr) *killed_by = talk.killed_by();
   if (process_->has_ended()) {

@@ -42,6 +42,8 @@ class ProcessPreviewer final : public Previewer {
       : limits_(limits), program_(std::move(program)) {
     for (int k = 0; k < std::max(1, limits_.processes); ++k)
       lanes_.emplace_back(&quick_, limits_.quick, program_);
+    for (int k = 0; k < std::max(1, limits_.openings); ++k)
+      lanes_.emplace_back(&opening_, limits_.slow, program_);
     lanes_.emplace_back(&slow_, limits_.slow, program_);
     for (Lane& lane : lanes_) lane.thread = std::thread([this, &lane] { work(lane); });
   }
@@ -133,15 +135,14 @@ class ProcessPreviewer final : public Previewer {
     std::thread thread{};
   };
 
-  [[nodiscard]] static bool is_quick(PlanningTask::Kind kind) {
-    using Kind = PlanningTask::Kind;
-    return kind == Kind::Preview || kind == Kind::Place || kind == Kind::Lattice;
-  }
   [[nodiscard]] static bool is_warm(const PreviewTask& task) {
-    using Kind = PlanningTask::Kind;
-    return task.task.kind == Kind::Preview || task.task.kind == Kind::Place;
+    return task.task.kind == PlanningTask::Kind::Preview;
   }
-  [[nodiscard]] Line& line_of(PlanningTask::Kind kind) { return is_quick(kind) ? quick_ : slow_; }
+  [[nodiscard]] Line& line_of(PlanningTask::Kind kind) {
+    using Kind = PlanningTask::Kind;
+    if (kind == Kind::Preview) return quick_;
+    return kind == Kind::Lattice || kind == Kind::Place ? opening_ : slow_;
+  }
 
   [[nodiscard]] Clock::duration grace() const {
     return std::chrono::duration_cast<Clock::duration>(seconds(limits_.grace_s));
@@ -239,7 +240,7 @@ class ProcessPreviewer final : public Previewer {
   const std::string program_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  Line quick_, slow_;
+  Line quick_, opening_, slow_;
   std::map<std::uint64_t, Waiting> waiting_;
   std::map<std::uint64_t, std::shared_ptr<Running>> running_;
   std::uint64_t last_id_{0};

@@ -23,11 +23,11 @@ struct PreviewTask {
 };
 
 struct PreviewLimits {
-  int processes{2};     ///< at work at once on what is quick; one more for what may take long
+  int processes{2};     ///< at work at once on previews; one more makes pictures and files
+  int openings{2};      ///< the same, of stored designs and shapes to place
   double idle_s{60};    ///< after which a worker without work ends
   double grace_s{0.5};  ///< see `PreviewTask::is_patient`
-  /// Of previews and of placing a shape. Processor time is bounded by `wall_s`, since a worker has
-  /// one thread.
+  /// Of previews. Processor time is bounded by `wall_s`, since a worker has one thread.
   PlanningLimits quick{.wall_s = 10,
                        .memory_bytes = std::uint64_t{512} << 20,
                        .output_bytes = std::uint64_t{64} << 20,
@@ -37,11 +37,13 @@ struct PreviewLimits {
 };
 
 /// Runs what somebody waits for at a screen in workers of its own (see `Planner`), so that no plan
-/// delays it. Previews and placings of one principal are done one after another by one worker that
-/// stays warm, and that does nothing for anybody else; all other tasks get a fresh one each.
+/// delays it. Previews of one principal are done one after another by one worker that stays warm,
+/// and that does nothing for anybody else; all other tasks get a fresh one each.
 ///
-/// Principals take turns. At most 64 tasks wait, 16 of one principal. Of one principal and key one
-/// is at work and one waits.
+/// There are three lines, so that nobody's hand waits for somebody's large design: previews; stored
+/// designs that are opened and shapes that are placed; pictures and files. In each of them
+/// principals take turns, and of one principal one task is at work. In each at most 64 tasks wait,
+/// 16 of one principal. Of one principal and key one is at work and one waits.
 class Previewer {
  public:
   virtual ~Previewer() = default;

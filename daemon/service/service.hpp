@@ -43,9 +43,11 @@ class Access {
   /// is good only as long as the credential that asked for it.
   [[nodiscard]] virtual Answer<std::string> create_one_shot(const Principal&) = 0;
   [[nodiscard]] virtual Answer<NewToken> open_session(const std::string& one_shot) = 0;
-  /// A tablet asks to be paired. It waits five minutes for a person who types its code.
-  /// @retval Unavailable  twenty wait already
-  [[nodiscard]] virtual Answer<NewPairing> ask_pairing(const std::string& name) = 0;
+  /// A tablet asks to be paired. It waits five minutes for a person who types its code. If twenty
+  /// wait already, the oldest one goes of the `place` (an address) where most of them are.
+  /// @retval Unavailable  twenty wait already, no two of them at one place
+  [[nodiscard]] virtual Answer<NewPairing> ask_pairing(const std::string& name,
+                                                       const std::string& place) = 0;
   /// Lets in the tablet that shows `code`, once. Its session's root is that of `Principal`, whose
   /// session it ends with; its role is at most `role`, and never more than its root has.
   /// @retval Forbidden  `role` is more than one's own
@@ -104,6 +106,9 @@ class Designs {
                        Shown done) = 0;
   /// The lattice blob of a stored design.
   virtual CallOff lattice(const Principal&, const std::string& id, Shown done) = 0;
+  /// What changes with the material that a stored spec names, for the ETags of what is made of it:
+  /// "-" and a few digits; empty for other designs.
+  [[nodiscard]] virtual std::string material_mark(const std::string& id) = 0;
 };
 
 /// Sheets that are read in one turn of the service's thread.

@@ -38,7 +38,7 @@ class Tokens : public Access {
   }
   Answer<std::string> create_one_shot(const Principal& who) override;
   Answer<NewToken> open_session(const std::string& one_shot) override;
-  Answer<NewPairing> ask_pairing(const std::string& name) override;
+  Answer<NewPairing> ask_pairing(const std::string& name, const std::string& place) override;
   Answer<AllowedPairing> allow_pairing(const Principal& who, const std::string& code,
                                        Role role) override;
   Answer<std::optional<NewToken>> collect_pairing(const std::string& secret) override;
@@ -55,7 +55,7 @@ class Tokens : public Access {
   };
   /// A tablet that waits, or was let in and has not come for its session.
   struct Pairing {
-    std::string id, code, secret_sha256, name;
+    std::string id, code, secret_sha256, name, place;
     std::int64_t until_ms{};                ///< monotonic
     std::optional<Principal> allowed_by{};  ///< then its code is used
     Role role{};
@@ -74,6 +74,8 @@ class Tokens : public Access {
   [[nodiscard]] std::optional<SessionRecord> record_of(const Session& session);
   [[nodiscard]] std::string new_code() const;
   void forget_late_pairings();
+  /// False: all places are taken, and none of them by somebody who has several.
+  [[nodiscard]] bool make_room_for_pairing(const std::string& place);
   void make_room_for_word(const std::string& principal);
   void make_room_for_session(const std::string& principal);
   void tell_change();

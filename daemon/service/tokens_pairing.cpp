@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Tablets: one shows a code, a person who is signed in types it, and it gets a session of theirs.
 #include <algorithm>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -48,12 +49,29 @@ void Tokens::forget_late_pairings() {
   std::erase_if(pairings_, [&](const Pairing& one) { return one.until_ms <= now; });
 }
 
-Answer<NewPairing> Tokens::ask_pairing(const std::string& name) {
+// Whoever asks again and again loses their own oldest code, and nobody else's.
+bool Tokens::make_room_for_pairing(const std::string& place) {
+  if (pairings_.size() < kMostPairings) return true;
+  std::map<std::string, int> waiting;
+  for (const Pairing& one : pairings_)
+    if (!one.allowed_by) ++waiting[one.place];
+  std::string whose = place;
+  for (const auto& [other, count] : waiting)
+    if (count > std::max(1, waiting[whose])) whose = other;
+  const auto oldest = std::find_if(pairings_.begin(), pairings_.end(), [&](const Pairing& one) {
+    return !one.allowed_by && one.place == whose;
+  });
+  if (oldest == pairings_.end()) return false;
+  pairings_.erase(oldest);
+  return true;
+}
+
+Answer<NewPairing> Tokens::ask_pairing(const std::string& name, const std::string& place) {
   if (name.empty() || name.size() > 480)
     return tl::unexpected(
         invalid_value("/name", "range", "must have 1 to 120 characters", "the name is not valid"));
   forget_late_pairings();
-  if (pairings_.size() >= kMostPairings) {
+  if (!make_room_for_pairing(place)) {
     Problem full{ProblemKind::Unavailable,
                  fmt::format("{} tablets wait to be let in already; try again in a few minutes",
                              pairings_.size())};
@@ -65,6 +83,7 @@ Answer<NewPairing> Tokens::ask_pairing(const std::string& name) {
               .code = new_code(),
               .secret_sha256 = sha256_hex(secret),
               .name = name,
+              .place = place,
               .until_ms = store_.monotonic() + kPairingMs};
   pairings_.push_back(one);
   return NewPairing{one.id, one.code, secret, store_.now() + kPairingMs};

@@ -89,6 +89,13 @@ async function deploying(page, strips, steps) {
   }, { base64: Buffer.from(staircaseBlob({ strips, steps, step: 1, strip: 1, margin: 5 })).toString('base64') });
 }
 
+/** The histogram of how long a stream waited for its turn: {most_s, count} up to there. */
+async function streamWaits(server) {
+  const { body } = await server.ask('GET', '/metrics');
+  return [...body.matchAll(/^popcut_stream_wait_seconds_bucket\{[^}]*le="([^"]+)"\} (\d+)/gm)]
+    .map(([, most, count]) => ({ most_s: most === '+Inf' ? Infinity : Number(most), count: Number(count) }));
+}
+
 const server = await Server.start({ devices: [{ id: 'sim:cameo3', time_scale: 5 }] });
 try {
   const sizes = (() => {
@@ -176,6 +183,23 @@ try {
   }));
   say('tap on Pause to request', tap, 'ms', 50);
   await machine.close();
+  await server.state(job.id, ['paused', 'done'], 60_000);
+  if ((await server.job(job.id)).state === 'paused') await server.act(job.id, 'resume');
+  await server.state(job.id, 'done', 120_000);
+
+  // What is recorded before each path waits for the disk: so the same cut without a page comes first.
+  for (const pages of [0, 20]) {
+    const open = [];
+    for (let i = 0; i < pages; i++) open.push(await visit(server, { role: 'viewer', name: `page-${i}`, hash: i % 2 === 0 ? '' : machineHash() }));
+    const one = await server.queue(ladder(60), { name: 'beside' });
+    const before = await streamWaits(server);
+    await server.cut(one.id);
+    await server.state(one.id, 'done', 120_000);
+    const waits = (await streamWaits(server)).map(({ most_s, count }, i) => ({ most_s, count: count - before[i].count }));
+    const longest = waits.find(({ count }) => count === waits.at(-1).count).most_s;
+    say(`a stream's longest wait of ${waits.at(-1).count} beside ${pages} pages, at most`, 1000 * longest, 'ms', pages === 0 ? null : 50);
+    for (const page of open) await page.close();
+  }
 } finally {
   await closeBrowser();
   await server.remove();

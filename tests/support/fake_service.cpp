@@ -142,7 +142,7 @@ std::optional<SessionRecord> FakeAccess::session_of(const std::string& credentia
   return found->second;
 }
 
-Answer<NewPairing> FakeAccess::ask_pairing(const std::string&) {
+Answer<NewPairing> FakeAccess::ask_pairing(const std::string&, const std::string&) {
   if (auto problem = failure("ask_pairing")) return tl::unexpected<Problem>(*problem);
   const int number = ++next_id_;
   const std::string secret = "secret-" + std::to_string(number);

@@ -89,7 +89,7 @@ class FakeAccess : public Access, public virtual FakeState {
   void on_access_change(std::function<void()> listener) override;
   Answer<std::string> create_one_shot(const Principal&) override;
   Answer<NewToken> open_session(const std::string& one_shot) override;
-  Answer<NewPairing> ask_pairing(const std::string& name) override;
+  Answer<NewPairing> ask_pairing(const std::string& name, const std::string& place) override;
   Answer<AllowedPairing> allow_pairing(const Principal&, const std::string& code,
                                        Role role) override;
   Answer<std::optional<NewToken>> collect_pairing(const std::string& secret) override;
@@ -110,6 +110,7 @@ class FakeDesigns : public Designs, public virtual FakeState {
   CallOff show_spec(const Principal&, const PreviewRequest&, Shown done) override;
   CallOff place_spec(const Principal&, const PreviewRequest&, Shown done) override;
   CallOff lattice(const Principal&, const std::string& id, Shown done) override;
+  std::string material_mark(const std::string&) override { return {}; }
   void picture(const Principal&, const std::string& id, const std::string& name,
                Shown done) override;
   CallOff file(const Principal&, const std::string& id, const std::string& name, int part,

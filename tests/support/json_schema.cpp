@@ -100,17 +100,20 @@ void JsonSchema::check(const json& value, const json& reference, const std::stri
 
 void JsonSchema::check_object(const json& value, const json& schema, const std::string& at,
                               std::vector<std::string>& out) const {
-  for (const json& name : schema.value("required", json::array()))
-    if (!value.contains(name.get<std::string>()))
-      out.push_back(at + ": has no " + name.get<std::string>());
-  const json known = schema.value("properties", json::object());
-  const json more = schema.value("additionalProperties", json(!schema.contains("properties")));
+  // Looked up and not copied: a copy of all that lies below would be most of the work.
+  const auto required = schema.find("required");
+  const auto known = schema.find("properties");
+  const auto more = schema.find("additionalProperties");
+  if (required != schema.end())
+    for (const json& name : *required)
+      if (!value.contains(name.get<std::string>()))
+        out.push_back(at + ": has no " + name.get<std::string>());
   for (const auto& [name, member] : value.items()) {
-    if (known.contains(name))
-      check(member, schema.at("properties").at(name), at + "/" + name, out);
-    else if (more.is_object())
-      check(member, schema.at("additionalProperties"), at + "/" + name, out);
-    else if (!more.get<bool>())
+    if (known != schema.end() && known->contains(name))
+      check(member, known->at(name), at + "/" + name, out);
+    else if (more != schema.end() && more->is_object())
+      check(member, *more, at + "/" + name, out);
+    else if (more != schema.end() ? !more->get<bool>() : known != schema.end())
       out.push_back(at + ": has the member " + name + ", which is not documented");
   }
 }

@@ -80,6 +80,16 @@ std::string surroundings() {
   if (word == "dies") std::fputs("first\n\x1b[31mlast words\n", stderr), __builtin_trap();
   if (word == "sleeps")
     for (;;) ::sleep(1000);
+  if (word == "tells") {
+    for (const char* phase : {"no json", "[]", R"({"doing":"x"})",
+                              R"({"doing":"cutting","done":7})", R"({"doing":"","done":0})"})
+      send(FrameKind::Phase, "", phase);
+    for (int k = 0; k < 10'000; ++k)
+      send(FrameKind::Phase, "", R"({"doing":"reading \u001b[31m\u00e9<b>","done":0.5})");
+    ::usleep(600'000);
+    send(FrameKind::Outcome, "", outcome());
+    std::_Exit(0);
+  }
   if (word == "naps") {
     ::usleep(400'000);
     send(FrameKind::Outcome, "", outcome());

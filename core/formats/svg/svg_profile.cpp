@@ -119,7 +119,10 @@ std::uint32_t nearest_colour(const StrokeProfile& profile, std::uint32_t rgb) {
 
 Result<std::vector<StrokeProfile>> all_stroke_profiles(
     const std::vector<std::string>& user_tables) {
-  return table_values("svg_profiles", kSvgProfilesJson, user_tables, read_profile);
+  static const auto built_in = table_values("svg_profiles", kSvgProfilesJson, {}, read_profile);
+  return user_tables.empty()
+             ? built_in
+             : table_values("svg_profiles", kSvgProfilesJson, user_tables, read_profile);
 }
 
 Result<StrokeProfile> find_stroke_profile(std::string_view name,

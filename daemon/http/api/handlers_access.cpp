@@ -71,7 +71,7 @@ void ask_pairing(const Request& request, Service& service, const HandlerContext&
         return fields.text("name", "", line(120));
       });
   if (!name) return reply(problem_response(name.error(), request));
-  const Answer<NewPairing> made = service.access.ask_pairing(*name);
+  const Answer<NewPairing> made = service.access.ask_pairing(*name, request.place);
   if (!made) return reply(problem_response(made.error(), request));
   reply(json_response(201, {{"id", made->id},
                             {"code", made->code},

@@ -202,8 +202,8 @@ void design_file(const Request& request, Service& service, const HandlerContext&
         request));
   if (name == "spec.json")
     return answer_file(request, reply, service.designs.content(design->id), name);
-  const std::string etag =
-      fmt::format("\"{}-{}-{}-{}\"", design->id, name, part.value_or(1), context.build);
+  const std::string etag = fmt::format("\"{}-{}-{}-{}{}\"", design->id, name, part.value_or(1),
+                                       context.build, service.designs.material_mark(design->id));
   if (has_seen(request, etag)) return reply(unchanged(etag, kKept));
   Designs::CallOff call_off = service.designs.file(
       request.principal, design->id, name, static_cast<int>(part.value_or(1)),

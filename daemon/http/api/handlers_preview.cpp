@@ -15,19 +15,23 @@ constexpr std::string_view kLatticeType = "application/vnd.popcut.lattice";
 constexpr std::string_view kKeptByClient = "private, max-age=86400";
 const std::vector<std::string> kStands{"whole", "quarter"};
 
-std::string read_spec(FieldReader& fields) {
+void read_spec(FieldReader& fields, PreviewRequest& wanted) {
   const nlohmann::json* const spec = fields.value("spec");
-  if (spec != nullptr && spec->is_object()) return spec->dump();
+  if (spec != nullptr && spec->is_object()) {
+    wanted.spec = spec->dump();
+    const auto material = spec->find("material");
+    if (material != spec->end() && material->is_string()) wanted.material = *material;
+    return;
+  }
   fields.refuse("spec", ErrorKind::Malformed,
                 spec == nullptr ? "is missing; must be the spec of a design"
                                 : "must be the spec of a design, an object",
                 spec == nullptr ? "missing" : "type");
-  return {};
 }
 
 PreviewRequest read_preview(FieldReader& fields) {
   PreviewRequest wanted;
-  wanted.spec = read_spec(fields);
+  read_spec(fields, wanted);
   wanted.is_draft = fields.word("quality", {}, {"draft", "exact"}) == 0;
   if (const auto stand = fields.optional_word("place", kStands)) wanted.place = kStands[*stand];
   return wanted;
@@ -35,7 +39,7 @@ PreviewRequest read_preview(FieldReader& fields) {
 
 PreviewRequest read_place(FieldReader& fields) {
   PreviewRequest wanted;
-  wanted.spec = read_spec(fields);
+  read_spec(fields, wanted);
   wanted.place = kStands[fields.word("place", {}, kStands)];
   return wanted;
 }
@@ -96,9 +100,10 @@ void place_spec(const Request& request, Service& service, const HandlerContext& 
 
 void design_lattice(const Request& request, Service& service, const HandlerContext& context,
                     Reply reply) {
-  const std::string etag = fmt::format("\"{}-{}\"", request.params[0], context.build);
   if (const Answer<Design> design = service.designs.find(request.params[0]); !design)
     return reply(problem_response(design.error(), request));
+  const std::string etag = fmt::format("\"{}-{}{}\"", request.params[0], context.build,
+                                       service.designs.material_mark(request.params[0]));
   if (has_seen(request, etag)) return reply(unchanged(etag, kKeptByClient));
   end_with_client(
       request,

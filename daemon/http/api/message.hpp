@@ -66,6 +66,7 @@ struct Request {
   std::string body{};
   std::optional<Upload> upload{};
   Principal principal{};
+  std::string place{};                     ///< the user or network that it came from
   std::shared_ptr<Departure> departure{};  ///< of its client; null: nobody looks
 
   [[nodiscard]] std::optional<std::string_view> header(std::string_view lower_name) const;

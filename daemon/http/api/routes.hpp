@@ -62,6 +62,7 @@ enum class Patience : std::uint8_t { Usual, Probe, Design };  ///< how long the 
 enum class Guess : std::uint8_t {
   None,
   Word,    ///< 401: a word was wrong; good ones pass however many bad ones come from that address
+  Secret,  ///< the same, with 404; counted by itself, since a tablet that is gone is no login
   Code,    ///< 404: a code was wrong
   Another  ///< each answer is one more secret to be guessed
 };

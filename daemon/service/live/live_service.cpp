@@ -74,8 +74,15 @@ struct Parts {
         dispatcher(
             {store, thread, cutters, jobs, plans, programs, registry, intents, options, alive}),
         device_dispatcher({store, thread, cutters, registry, jobs, dispatcher, alive}) {
+    designs.material_row = [this](const std::string& name) {
+      const Answer<MaterialRecord> found = materials.find(name.empty() ? kUsualMaterial : name);
+      return found ? found->json : std::string();
+    };
     designs.removed = [this](const std::string& design) { plans.remove_all_of(design); };
     plans.begun = [this](const std::string& plan) { jobs.plan_begun(plan); };
+    plans.is_at = [this](const std::string& plan, const PlanningPhase& phase) {
+      jobs.plan_is_at(plan, phase);
+    };
     plans.ended = [this](const std::string& plan) { jobs.plan_ended(plan); };
     jobs.live = [this](const std::string& job) { return dispatcher.live(job); };
     jobs.ways = [this](const JobRow& row) { return dispatcher.ways(row); };

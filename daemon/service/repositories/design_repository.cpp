@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::string_view kColumns = "id, name, kind, owner, bytes, created, assets, media_type";
 constexpr std::uint64_t kSpecBytes = 1u << 20;  // longer ones name their material in the request
+constexpr std::uint64_t kNewSpecBytes = 64u << 10;  // of one that is being uploaded
 constexpr std::uint64_t kScanBytes = 64u << 20;
 constexpr std::size_t kMostKept = 1000;  // materials of designs, in memory
 constexpr std::string_view kPreview = "preview.svg";
@@ -91,6 +92,14 @@ class MaterialFinder : public nlohmann::json_sax<nlohmann::json> {
   bool is_next_{false};
 };
 
+std::string material_in(const std::string& path, std::uint64_t most) {
+  const auto text = read_whole(path, most);
+  if (!text) return {};
+  MaterialFinder finder;
+  (void)nlohmann::json::sax_parse(*text, &finder);
+  return finder.material();
+}
+
 }  // namespace
 
 Answer<void> check_text(const std::string& text, std::size_t most, const std::string& pointer,
@@ -139,6 +148,8 @@ void DesignRepository::add(const Principal& who, Upload upload, std::string medi
   task.design_path = upload.path;
   task.media_type = media_type;
   task.assets_folder = store_.folder().at("assets");
+  if (media_type.find("json") != std::string::npos && upload.bytes <= kNewSpecBytes)
+    task.material_json = row_of_material(material_in(upload.path, kNewSpecBytes));
   const std::string preview = store_.folder().at("previews/sha256-" + upload.sha256 + ".svg");
   planner_.start(std::move(task), [this, alive = std::weak_ptr<void>(alive_), thread = &thread_,
                                    who, upload, media_type, name, preview,
@@ -293,6 +304,7 @@ PlanningTask DesignRepository::task_for(const Design& design, PlanningTask::Kind
   task.design_path = store_.folder().at("designs/" + design.id);
   task.design_kind = design.kind;
   (void)row(design.id, &task.media_type);
+  if (design.kind == "spec") task.material_json = row_of_material(own_material(design));
   // One that is not there yet is reported by the planner, with its place in the spec.
   for (const std::string& asset : design.assets)
     if (std::string place = store_.folder().at("assets/" + asset); exists(place))
@@ -304,12 +316,13 @@ std::string DesignRepository::own_material(const Design& design) {
   if (design.kind != "spec" || design.bytes > kSpecBytes) return {};
   if (const auto known = materials_.find(design.id); known != materials_.end())
     return known->second;
-  const auto text = read_whole(store_.folder().at("designs/" + design.id), kSpecBytes);
-  if (!text) return {};
-  MaterialFinder finder;
-  (void)nlohmann::json::sax_parse(*text, &finder);
   if (materials_.size() >= kMostKept) materials_.clear();
-  return materials_[design.id] = finder.material();
+  return materials_[design.id] =
+             material_in(store_.folder().at("designs/" + design.id), kSpecBytes);
+}
+
+std::string DesignRepository::row_of_material(const std::string& name) const {
+  return material_row ? material_row(name) : std::string();
 }
 
 void DesignRepository::preview(const std::string& id,

@@ -46,6 +46,7 @@ class DesignRepository : public Designs {
   CallOff lattice(const Principal& who, const std::string& id, Shown done) override;
   void picture(const Principal& who, const std::string& id, const std::string& name,
                Shown done) override;
+  std::string material_mark(const std::string& id) override;
   CallOff file(const Principal& who, const std::string& id, const std::string& name, int part,
                Shown done) override;
 
@@ -53,6 +54,8 @@ class DesignRepository : public Designs {
   [[nodiscard]] PlanningTask task_for(const Design& design, PlanningTask::Kind kind);
   /// The material that a spec names; empty: none.
   [[nodiscard]] std::string own_material(const Design& design);
+  /// The row of a material as JSON, of the usual one for an empty name; empty: there is none.
+  std::function<std::string(const std::string& name)> material_row{};
   /// Called when a design is removed, in the same transaction.
   std::function<void(const std::string& design)> removed{};
 
@@ -70,6 +73,7 @@ class DesignRepository : public Designs {
   /// The task of a spec that is not stored.
   [[nodiscard]] PreviewTask task_for(const Principal& who, const PreviewRequest& request,
                                      PlanningTask::Kind kind) const;
+  [[nodiscard]] std::string row_of_material(const std::string& name) const;
   /// Has the previewer make the file `name`, and tells `done` what is in it.
   CallOff show(PreviewTask task, std::string name, Shown done);
   ServiceStore& store_;

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "daemon/digest/digest.hpp"
 #include "daemon/planning/views/preview.hpp"
 #include "daemon/service/repositories/design_repository.hpp"
 
@@ -33,6 +34,7 @@ PreviewTask DesignRepository::task_for(const Principal& who, const PreviewReques
   task.task.design_kind = "spec";
   task.task.media_type = "application/json";
   task.task.assets_folder = store_.folder().at("assets");
+  task.task.material_json = row_of_material(request.material);
   if (!request.place.empty()) task.task.options["place"] = request.place;
   task.who = who.name;
   return task;
@@ -90,6 +92,13 @@ Designs::CallOff DesignRepository::file(const Principal& who, const std::string&
   task.task.options["file"] = name;
   task.task.options["part"] = std::to_string(part);
   return show(std::move(task), name, std::move(done));
+}
+
+std::string DesignRepository::material_mark(const std::string& id) {
+  constexpr std::size_t kDigits = 12;
+  const Answer<Design> design = find(id);
+  if (!design || design->kind != "spec") return {};
+  return "-" + sha256_hex(row_of_material(own_material(*design))).substr(0, kDigits);
 }
 
 std::string DesignRepository::picture_place(const std::string& id, const std::string& name) const {

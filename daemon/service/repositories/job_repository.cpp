@@ -170,6 +170,23 @@ void JobRepository::plan_begun(const std::string& plan) {
   });
 }
 
+void JobRepository::plan_is_at(const std::string& plan, const PlanningPhase& phase) {
+  constexpr int kMostTold = 20;  // jobs of one plan
+  (void)parts_.store.look([&]() -> Answer<void> {
+    for (const JobRow& row : jobs_.waiting_for(plan, JobState::Planning, kMostTold))
+      parts_.store.tell(
+          {.seq = 0,
+           .kind = "progress",
+           .time = parts_.store.now(),
+           .job = row.id,
+           .data = fmt::format(
+               R"({{"seq":0,"kind":"progress","job":"{}","state":"{}","rev":{},"phase":"{}","doing":{},"share":{}}})",
+               row.id, name_of(row.state), row.rev, phase.phase, json_text(phase.doing),
+               phase.done < 0 ? std::string("null") : fmt::format("{:.2f}", phase.done))});
+    return {};
+  });
+}
+
 void JobRepository::plan_ended(const std::string& plan) { plan_ended_some(plan); }
 
 void JobRepository::plan_ended_some(const std::string& id) {

@@ -62,6 +62,8 @@ class JobRepository : public Jobs {
 
   /// Updates the jobs of a plan when it is being made and when it has ended; many in several steps.
   void plan_begun(const std::string& plan);
+  /// Tells those who listen what the plan of a job is at; nothing is stored.
+  void plan_is_at(const std::string& plan, const PlanningPhase& phase);
   void plan_ended(const std::string& plan);
   /// Repeats updates that could not be stored.
   void catch_up();

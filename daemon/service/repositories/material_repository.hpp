@@ -11,6 +11,9 @@
 
 namespace popcut::daemon {
 
+/// What is cut if nobody names a material.
+inline constexpr const char* kUsualMaterial = "paper-220";
+
 /// The tables of materials, machines and SVG profiles: the built-in ones, users' own, and the
 /// materials that were put into the store. Rows are whole: what a row inherits by "like" is filled
 /// in.

@@ -15,7 +15,6 @@
 namespace popcut::daemon {
 namespace {
 
-constexpr const char* kUsualMaterial = "paper-220";
 constexpr const char* kUsualMachine = "cameo3";
 constexpr std::size_t kMostHurried = 1000;
 constexpr std::size_t kMostWarnings = 200, kLongestWarning = 1000;
@@ -352,6 +351,13 @@ bool PlanningQueue::start(const std::string& id) {
   });
   if (!noted) return false;
   running_[id] = 0;
+  task.progress = [this, id, thread = &parts_.thread,
+                   alive = std::weak_ptr<void>(parts_.alive)](const PlanningPhase& phase) {
+    thread->post(ServiceThread::Lane::Asking, [this, id, alive, phase] {
+      name_turn("phase of a plan");
+      if (const auto here = alive.lock(); here && is_at && running_.contains(id)) is_at(id, phase);
+    });
+  };
   // It may be over before its number is known, but what is posted runs only after this.
   running_[id] = parts_.planner.start(
       std::move(task), [this, id, folder = folder_of(id), thread = &parts_.thread,

@@ -72,6 +72,8 @@ class PlanningQueue : public Plans {
 
   /// Called when the planner has one, and when a plan is made or failed.
   std::function<void(const std::string&plan)> begun{}, ended{};
+  /// Called now and then while one is made.
+  std::function<void(const std::string& plan, const PlanningPhase&)> is_at{};
 
  private:
   struct Machine {

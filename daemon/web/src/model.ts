@@ -30,7 +30,7 @@ export type Meta = Omit<Schemas['Meta'], 'principal'> & {
   principal: { name: string; role: Role; title?: string };
 };
 
-/** What a `progress` event says about the cut of a job. */
+/** What a `progress` event says about the cut of a job; of one that is planned, only `phase` and `share`. */
 export interface Progress {
   sheet: number;
   phase: string;
@@ -40,6 +40,7 @@ export interface Progress {
   paths_done: number;
   remaining_s?: [number, number];
   seconds_left?: number;
+  share?: number | null;
 }
 
 export interface ProblemEntry { pointer: string; code: string; detail: string }

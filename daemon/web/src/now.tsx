@@ -35,6 +35,14 @@ export function remaining(job: Job): readonly number[] {
   return [live.seconds_left * (1 - spread), live.seconds_left * (1 + spread)];
 }
 
+/** What the plan of `job` is at, in words; null if it is not planned now, or nothing was told. */
+export function planningAt(job: Job): string | null {
+  const live = job.state === 'planning' ? progressOf.value.get(job.id) : undefined;
+  const phase = live && words.planPhases[live.phase];
+  if (!phase) return null;
+  return typeof live.share === 'number' ? `${phase}, ${percent(live.share)}` : phase;
+}
+
 /** The sentence that says what a person must do, or null. */
 export function waitSentence(job: Job): string | null {
   if (job.state === 'armed') return words.now.armed(operatorOf(job) ?? words.nobody);
@@ -181,6 +189,7 @@ function Next({ job }: { job: Job }) {
     <Row job={job} end={<More job={job} />}>
       <span class="next-line">
         <span>{job.held ? words.states.held : words.states[job.state]}</span>
+        {planningAt(job) && <span class="muted">{planningAt(job)}</span>}
         <span class="muted">{ownerOf(job)}</span>
         {planned && <span>{words.sheets(job.sheets_total)}</span>}
         {(job.load?.material ?? job.material) && <span>{job.load?.material ?? job.material}</span>}

@@ -133,6 +133,11 @@ export const words = localized({
     connecting: 'connecting', settings: 'settings', searching: 'looking for the marks', cutting: 'cutting',
     finishing: 'finishing', parking: 'feeding out', held: 'held', paused: 'paused',
   } as Record<string, string>,
+  planPhases: {
+    reading: 'reading the design', slicing: 'cutting the shape into slices', lattice: 'laying the lattice',
+    checking: 'checking the pattern', cleaning: 'cleaning the lines', splitting: 'splitting it into sheets',
+    toolpath: 'making the strokes', writing: 'writing the programs',
+  } as Record<string, string>,
   reasons: {
     device_gone: 'The connection to the cutter broke.',
     stall: 'The cutter took no more data.',

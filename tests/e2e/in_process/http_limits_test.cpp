@@ -18,6 +18,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "daemon/http/api/page_files.hpp"
 #include "tests/support/raw_http.hpp"
 
 namespace http_limits_test {
@@ -53,6 +54,7 @@ TEST_CASE("the defaults of all limits are as documented", "[daemon][http][limits
   CHECK(limits.body_bytes_per_s == 1024);
   CHECK(limits.idle_s == 60);
   CHECK(limits.heartbeat_s == 15);
+  CHECK(limits.answer_bytes == 536'870'912);
   CHECK(limits.stream_events == 256);
   CHECK(limits.stream_bytes == 262'144);
 }
@@ -285,20 +287,19 @@ TEST_CASE("a knife can be stopped even when all connections are in use", "[daemo
     options.limits.header_s = 300;
   });
   const std::string id = new_job(server, JobState::Cutting);
-  // Half-sent heads hold their places for long; there are more of them than places.
+  // Half-sent bodies of people who are known hold their places for long.
   std::vector<RawConnection> slow;
-  for (int i = 0; i < 30; ++i) {
-    slow.push_back(server.connect());
-    slow.back().send("GET /v1/jobs HTTP/1.1\r\nX-A: ");
-  }
-  // Until the server has read what a client says, that one is idle and may have to make room.
+  for (const char* role : {"submitter", "admin"})
+    for (int i = 0; i < 4; ++i) {
+      slow.push_back(server.connect());
+      const std::string request =
+          server.request("POST", "/v1/jobs", role, acting(), std::string(1000, ' '));
+      slow.back().send(request.substr(0, request.size() - 500));
+    }
   WireResponse other;
   CHECK(comes_true([&] {
-    other = server.fetch("GET", "/v1/devices");
-    if (other.status == 503) return true;
-    slow.push_back(server.connect());
-    slow.back().send("GET /v1/jobs HTTP/1.1\r\nX-A: ");
-    return false;
+    other = server.fetch("GET", "/v1/devices", "viewer");
+    return other.status == 503;
   }));
   CHECK(other.problem() == "unavailable");
   CHECK(other.headers.at("retry-after") == "1");
@@ -311,6 +312,36 @@ TEST_CASE("a knife can be stopped even when all connections are in use", "[daemo
   const WireResponse cancelled =
       server.fetch("POST", "/v1/jobs/" + id + "/actions/cancel", "operator", acting("*"));
   CHECK(cancelled.status == 200);
+}
+
+TEST_CASE("who does not say who they are keeps out nobody who does", "[daemon][http][slow]") {
+  LiveServer server([](HttpOptions& options) {
+    options.limits.connections = 8;
+    options.limits.header_s = options.limits.body_s = 300;
+  });
+  std::vector<RawConnection> strangers;
+  SECTION("half-sent heads") {
+    for (int i = 0; i < 100; ++i) {
+      strangers.push_back(server.connect());
+      strangers.back().send("GET /v1/jobs HTTP/1.1\r\nX-A: ");
+    }
+  }
+  SECTION("files of the page that nobody reads") {
+    const auto files = http::page_files();
+    const auto largest = std::max_element(
+        files.begin(), files.end(),
+        [](const auto& a, const auto& b) { return a.bytes.size() < b.bytes.size(); });
+    std::string all;
+    for (int i = 0; i < 300; ++i)
+      all += server.request("GET", "/page/" + std::string(largest->name), "");
+    for (int i = 0; i < 8; ++i) {
+      strangers.push_back(server.connect());
+      strangers.back().send(all);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  for (int i = 0; i < 20; ++i) CHECK(server.fetch("GET", "/v1/devices", "viewer").status == 200);
 }
 
 TEST_CASE("an idle connection is closed in favour of a new one", "[daemon][http][slow]") {
@@ -340,6 +371,46 @@ TEST_CASE("clients that stop reading or reset leak nothing", "[daemon][http][slo
     return server.fetch("GET", "/metrics").body.find("popcut_http_connections 1\n") !=
            std::string::npos;
   }));
+}
+
+TEST_CASE("large answers that nobody reads are ended before they fill the memory",
+          "[daemon][http][limits]") {
+  constexpr std::size_t kBlob = 16u << 20;  // more than the system takes from a sender
+  LiveServer server([](HttpOptions& options) { options.limits.answer_bytes = 4 * kBlob; });
+  server.ask([](FakeService& fake) { fake.lattice_blob.assign(kBlob, 'x'); });
+  const std::string body = R"({"spec":{},"quality":"draft"})";
+  const auto ask = [&](RawConnection& page, const char* role) {
+    page.send(
+        server.request("POST", "/v1/preview", role, "Content-Type: application/json\r\n", body));
+  };
+  std::vector<RawConnection> slow;
+  for (int k = 0; k < 2; ++k) {
+    slow.push_back(server.connect());
+    ask(slow.back(), "submitter");
+  }
+  // Half of all is one principal's; for two seconds nobody is called slow.
+  RawConnection third = server.connect();
+  WireResponse answer;
+  CHECK(comes_true([&] {
+    ask(third, "submitter");
+    answer = third.receive();
+    return answer.status == 503;
+  }));
+  CHECK(answer.headers.count("retry-after") == 1);
+  CHECK(answer.problem() == "unavailable");
+  // What is small passes, and so do others.
+  CHECK(server.fetch("GET", "/v1/devices", "submitter").status == 200);
+  RawConnection other = server.connect();
+  ask(other, "operator");
+  CHECK(other.receive().body.size() == kBlob);
+  // Then the slowest goes.
+  std::this_thread::sleep_for(std::chrono::milliseconds(2200));
+  ask(third, "submitter");
+  answer = third.receive();
+  CHECK(answer.status == 200);
+  CHECK(answer.body.size() == kBlob);
+  CHECK(slow[0].receive().body.size() < kBlob);
+  CHECK(slow[1].receive().body.size() == kBlob);
 }
 
 TEST_CASE("codes of tablets cannot be tried out", "[daemon][http][pairing]") {
@@ -377,8 +448,14 @@ TEST_CASE("codes of tablets cannot be tried out", "[daemon][http][pairing]") {
   CHECK(collect(secret).status == 201);
   for (int i = 0; i < 5; ++i) CHECK(collect(secret).status == 404);
   CHECK(collect(secret).status == 429);
+  // Whoever tries secrets keeps no tablet of the same address from its session.
+  const auto second = nlohmann::json::parse(ask().body);
+  for (int i = 0; i < 70; ++i) CHECK(collect("guess " + std::to_string(i)).status == 429);
+  CHECK(collect(second.at("secret")).status == 202);
+  CHECK(allow(second.at("code"), "viewer").status == 200);
+  CHECK(collect(second.at("secret")).status == 201);
   // New codes are no way to guess either.
-  for (int i = 0; i < 4; ++i) CHECK(ask().status == 201);
+  for (int i = 0; i < 3; ++i) CHECK(ask().status == 201);
   CHECK(ask().status == 429);
   CHECK(server
             .fetch("POST", "/v1/session/pair", "", json + "Origin: http://evil.example\r\n",

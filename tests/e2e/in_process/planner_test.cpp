@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <filesystem>
+#include <mutex>
 #include <random>
+#include <set>
 #include <string>
+#include <vector>
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -11,6 +14,8 @@
 #include "daemon/planning/frames.hpp"
 #include "daemon/planning/plan_input.hpp"
 #include "daemon/planning/program_file.hpp"
+#include "daemon/planning/task_json.hpp"
+#include "daemon/planning/work.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/planner_bench.hpp"
@@ -35,8 +40,8 @@ struct Bench {
   Outcomes outcomes;
   std::unique_ptr<daemon::Planner> planner;
 
-  explicit Bench(const PlanningLimits& limits = {}) {
-    planner = daemon::make_planner(limits, worker_program());
+  explicit Bench(const PlanningLimits& limits = {}, const std::string& program = worker_program()) {
+    planner = daemon::make_planner(limits, program);
   }
   [[nodiscard]] PlanningTask task(Kind kind, const std::string& design,
                                   const std::string& design_kind = "") const {
@@ -381,6 +386,49 @@ TEST_CASE("frames arrive in pieces of any size and invalid ones are refused", "[
     };
     (void)other.feed(broken, counted);
     CHECK(taken <= all.size());
+  }
+}
+
+TEST_CASE("a plan says what it is at, phase by phase", "[daemon][planning]") {
+  planning::WorkerTask task{.kind = Kind::Plan, .design_kind = "spec"};
+  task.machine_json = R"({"name": "ours", "like": "cameo3", "title": "T"})";
+  task.material_json = R"({"name": "m", "like": "paper-220", "title": "M"})";
+  task.design = text_of_file(kExamples + "sphere.json");
+  std::set<std::string> phases;
+  const auto outcome = planning::perform(
+      std::move(task), [](const std::string&, const std::string&) -> Result<void> { return {}; },
+      [&](std::string_view doing, double done) {
+        CAPTURE(doing);
+        CHECK(planning::phase_of(doing) != "planning");
+        const auto read = planning::read_phase(planning::phase_json(doing, done));
+        REQUIRE(read);
+        CHECK(read->doing == doing);
+        CHECK(read->done == done);
+        phases.insert(read->phase);
+      });
+  REQUIRE(outcome);
+  CHECK(phases == std::set<std::string>{"reading", "slicing", "lattice", "checking", "cleaning",
+                                        "toolpath", "writing"});
+}
+
+TEST_CASE("what a worker says it is at is told now and then, and as plain text",
+          "[daemon][planning]") {
+  Bench bench({}, probe_program());
+  std::mutex mutex;
+  std::vector<daemon::PlanningPhase> told;
+  auto task = bench.task(Kind::Plan, "tells");
+  task.progress = [&](const daemon::PlanningPhase& phase) {
+    const std::lock_guard lock(mutex);
+    told.push_back(phase);
+  };
+  REQUIRE(bench.run(std::move(task)));
+  const std::lock_guard lock(mutex);
+  REQUIRE_FALSE(told.empty());
+  CHECK(told.size() <= 4);  // of ten thousand, in 0.6 s and what a busy computer adds
+  for (const daemon::PlanningPhase& phase : told) {
+    CHECK(phase.phase == "reading");
+    CHECK(phase.doing == "reading ?[31m?\?<b>");
+    CHECK(phase.done == 0.5);
   }
 }
 

@@ -282,6 +282,18 @@ TEST_CASE("each limit of a preview ends it alone and says so", "[daemon][preview
     CHECK(large.error().detail.find("memory than a preview may use") != std::string::npos);
     CHECK(bench.run(preview(sphere(4, 3), "draft", "ana")));
   }
+  SECTION("memory, wherever it runs out") {
+    for (std::uint64_t mib = 64; mib <= 160; mib += 4) {
+      CAPTURE(mib);
+      PreviewLimits limits = quick_limits(60);
+      limits.quick.memory_bytes = mib << 20;
+      Bench bench(limits);
+      const auto large = bench.run(preview(sphere(200, 400), "draft", "ana"));
+      if (large) break;
+      INFO(large.error().detail);
+      CHECK(large.error().detail.find("memory than a preview may use") != std::string::npos);
+    }
+  }
 #endif
   SECTION("what no worker says") {
     for (const char* word : {"garbage", "no head", "twice", "nonsense", "deep"}) {
@@ -322,6 +334,38 @@ TEST_CASE("a full line refuses more and nobody else's preview waits for a hog",
   CHECK(full.error().kind == ProblemKind::Unavailable);
   CHECK(full.error().retry_after_s);
   for (int k = 0; k < 3; ++k) CHECK(bench.run(probe("naps", "ana")));
+}
+
+TEST_CASE("nobody's preview waits for the large designs of others", "[daemon][previews]") {
+  Bench bench({}, probe_program());
+  const auto of_kind = [](Kind kind, const std::string& word, const std::string& who) {
+    PreviewTask task = probe(word, who);
+    task.task.kind = kind;
+    return task;
+  };
+  int count = 0;
+  for (const Kind kind : {Kind::Lattice, Kind::Place, Kind::Picture, Kind::Export})
+    for (const char* who : {"hog", "other hog", "third hog"})
+      bench.start("hog " + std::to_string(++count), of_kind(kind, "sleeps", who));
+  REQUIRE(comes_true([] { return children().size() == 3; }));  // two are opened, one is drawn
+  for (const char* who : {"ana", "hog"}) CHECK(bench.run(probe("naps", who)));
+}
+
+TEST_CASE("a shape that takes its time is placed, and ends with who waits for it",
+          "[daemon][previews]") {
+  Bench bench(quick_limits(0.1), probe_program());
+  const auto place = [](const std::string& word) {
+    PreviewTask task = probe(word, "ana");
+    task.task.kind = Kind::Place;
+    return task;
+  };
+  CHECK_FALSE(bench.run(probe("naps", "ana")));  // as long as a preview may not take
+  CHECK(bench.run(place("naps")));
+  const auto long_one = bench.start("long", place("sleeps"));
+  REQUIRE(comes_true([] { return children().size() == 1; }));
+  bench.previewer->cancel(long_one);
+  CHECK(bench.wait("long").error().kind == ProblemKind::Unavailable);
+  CHECK(comes_true([] { return children().empty(); }));
 }
 
 TEST_CASE("a worker without work ends after a while, and stopping leaves nothing",

@@ -100,6 +100,48 @@ TEST_CASE("a preview leaves no row, no event and no file", "[popcutd][preview]")
   CHECK(files_below(desk.daemon().state()) == files);
 }
 
+TEST_CASE("a material of the user is known in previews and files as it is in plans",
+          "[popcutd][preview]") {
+  RunningDaemon desk(0, kMore);
+  desk.open();
+  RawConnection admin(desk.daemon().socket());
+  const auto put = [&](const std::string& row, const std::string& match) {
+    REQUIRE(
+        admin.send(fmt::format("PUT /v1/materials/board HTTP/1.1\r\nHost: popcut\r\n"
+                               "Content-Type: application/json\r\n{}\r\n"
+                               "Content-Length: {}\r\n\r\n{}",
+                               match, row.size(), row)));
+    const WireResponse stored = admin.receive();
+    INFO(stored.body);
+    REQUIRE(stored.status / 100 == 2);
+  };
+  const auto fetch = [&](const std::string& target) {
+    REQUIRE(admin.send("GET " + target + " HTTP/1.1\r\nHost: popcut\r\n\r\n"));
+    return admin.receive(60);
+  };
+  put(R"({"like":"paper-220","title":"Board","thickness_mm":2})", "If-None-Match: *");
+  Json spec = sphere(6, 5);
+  spec["material"] = "board";
+  // It is as thick as it is, and the least panel is its own.
+  REQUIRE(admin.send(wanted(spec, "exact")));
+  const WireResponse blob = admin.receive(60);
+  REQUIRE(blob.status == 200);
+  CHECK(blob.body.find("\"board: ") != std::string::npos);
+  const auto stored = desk.ask("POST", "/v1/designs", spec.dump());
+  REQUIRE(stored.status == 201);
+  const std::string design = "/v1/designs/" + Json::parse(stored.body)["id"].get<std::string>();
+  const WireResponse report = fetch(design + "/files/report.json");
+  INFO(report.body);
+  CHECK(report.status == 200);
+  CHECK(report.body.find("board: ") != std::string::npos);
+  const WireResponse lattice = fetch(design + "/lattice");
+  CHECK(lattice.body.find("\"board: ") != std::string::npos);
+  // What a page has kept is old once the material is another.
+  put(R"({"like":"paper-220","title":"Board","thickness_mm":0.1})", "If-Match: \"1\"");
+  CHECK(fetch(design + "/lattice").headers.at("etag") != lattice.headers.at("etag"));
+  CHECK(fetch(design + "/files/report.json").headers.at("etag") != report.headers.at("etag"));
+}
+
 TEST_CASE("a page that closes at any moment leaves nothing at work", "[popcutd][preview]") {
   RunningDaemon desk(0, kMore);
   desk.open();

@@ -174,6 +174,7 @@ TEST_CASE("the printed configuration names every key with its default", "[daemon
   CHECK(a.answer_s == b.answer_s);
   CHECK(a.design_answer_s == b.design_answer_s);
   CHECK(a.heartbeat_s == b.heartbeat_s);
+  CHECK(a.answer_bytes == b.answer_bytes);
   CHECK(a.stream_events == b.stream_events);
   CHECK(a.stream_bytes == b.stream_bytes);
 }

@@ -29,8 +29,9 @@ class Tablets : public ServiceBench {
     options.users.groups[kGroup] = Role::Operator;
     REQUIRE(start().empty());
   }
-  Answer<NewPairing> ask(const std::string& name = "tablet by the window") {
-    return on([&](LiveService& s) { return s.access.ask_pairing(name); });
+  Answer<NewPairing> ask(const std::string& name = "tablet by the window",
+                         const std::string& from = "10.0.0.1") {
+    return on([&](LiveService& s) { return s.access.ask_pairing(name, from); });
   }
   Answer<AllowedPairing> allow(const Principal& who, const std::string& code, Role role) {
     return on([&](LiveService& s) { return s.access.allow_pairing(who, code, role); });
@@ -276,24 +277,48 @@ TEST_CASE("twenty tablets wait and no more, and no two show the same code",
   std::set<std::string> codes, secrets;
   std::string first;
   for (int i = 0; i < 20; ++i) {
-    const NewPairing asked = bench.ask().value();
+    const NewPairing asked = bench.ask("tablet", "10.0.0." + std::to_string(i)).value();
     if (i == 0) first = asked.code;
     codes.insert(asked.code);
     secrets.insert(asked.secret);
   }
   CHECK(codes.size() == 20);
   CHECK(secrets.size() == 20);
-  const auto full = bench.ask();
+  const auto full = bench.ask("tablet", "10.0.1.1");
   REQUIRE_FALSE(full);
   CHECK(full.error().kind == ProblemKind::Unavailable);
   CHECK(full.error().retry_after_s);
   // Those that are there go on.
   CHECK(bench.allow(Tablets::local(), first, Role::Viewer));
-  CHECK_FALSE(bench.ask());  // it has not come for its session
+  CHECK_FALSE(bench.ask("tablet", "10.0.1.1"));  // it has not come for its session
   bench.pass(6 * kMinute_ms);
   CHECK(bench.ask());
   for (const std::string& name : {std::string(), std::string(481, 'x')})
     CHECK(bench.ask(name).error().kind == ProblemKind::Validation);
+}
+
+TEST_CASE("who asks for codes again and again keeps nobody else out",
+          "[daemon][service][pairing]") {
+  Tablets bench;
+  const NewPairing ana = bench.ask("tablet of Ana", "10.0.0.1").value();
+  const NewPairing let_in = bench.ask("let in", "10.0.0.9").value();
+  REQUIRE(bench.allow(Tablets::local(), let_in.code, Role::Viewer));
+  NewPairing flood = bench.ask("flood", "10.0.0.9").value();
+  const NewPairing oldest = flood;
+  for (int i = 0; i < 100; ++i) {
+    const auto next = bench.ask("flood", "10.0.0.9");
+    REQUIRE(next);
+    flood = *next;
+  }
+  // A tablet elsewhere, and one more, find room; of who asked so often the oldest codes ended.
+  const NewPairing ben = bench.ask("tablet of Ben", "10.0.0.2").value();
+  CHECK(is_gone(bench.collect(oldest.secret)));
+  for (const NewPairing& one : {ana, ben, flood}) {
+    CHECK_FALSE(bench.collect(one.secret).value());
+    CHECK(bench.allow(Tablets::local(), one.code, Role::Viewer));
+    CHECK(bench.collect(one.secret).value());
+  }
+  CHECK(bench.collect(let_in.secret).value());
 }
 
 TEST_CASE("whatever a tablet calls itself is its name and nothing else",

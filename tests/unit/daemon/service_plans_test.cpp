@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <filesystem>
 #include <map>
+#include <mutex>
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "tests/support/service_bench.hpp"
 
@@ -239,6 +241,46 @@ TEST_CASE("a plan during which popcutd died ten times is given up", "[daemon][se
   const Job failed = bench.wait_for(job.id, JobState::Failed);
   CHECK(failed.state == JobState::Failed);
   CHECK(failed.reason.find("ended 10 times") != std::string::npos);
+}
+
+TEST_CASE("the jobs of a plan say what it is at while it is made", "[daemon][service]") {
+  ServiceBench bench;
+  std::mutex mutex;
+  std::vector<Event> heard;
+  bench.on([&](LiveService& s) {
+    s.operations.listen([&](const Event& event) {
+      const std::lock_guard lock(mutex);
+      if (event.kind == "progress") heard.push_back(event);
+    });
+  });
+  const auto told = [&] {
+    const std::lock_guard lock(mutex);
+    return heard;
+  };
+  const auto design = bench.add_design("slow").value();
+  const std::string job = bench.create(design.id).value().id;
+  REQUIRE(bench.wait([&] { return bench.planner.last_task().kind == PlanningTask::Kind::Plan; }));
+  bench.wait_for(job, JobState::Planning);
+  const auto progress = bench.planner.last_task().progress;
+  progress({.phase = "slicing", .doing = "cutting \"it\"", .done = 0.254});
+  progress({.phase = "checking", .doing = "checking it"});
+  REQUIRE(bench.wait([&] { return told().size() == 2; }));
+  const auto first = nlohmann::json::parse(told()[0].data);
+  CHECK(first == nlohmann::json::parse(fmt::format(
+                     R"({{"seq":0,"kind":"progress","job":"{}","state":"planning","rev":{},)"
+                     R"("phase":"slicing","doing":"cutting \"it\"","share":0.25}})",
+                     job, bench.job(job).rev)));
+  CHECK(told()[0].job == job);
+  CHECK(nlohmann::json::parse(told()[1].data)["share"].is_null());
+  // It is told to who listens, and not stored.
+  CHECK(
+      bench.on([&](LiveService& s) { return s.operations.events(0, 1000, job).value(); }).size() ==
+      2);
+  bench.planner.release();
+  bench.wait_for(job, JobState::Ready);
+  progress({.phase = "writing", .doing = "writing the programs"});  // too late
+  bench.on([](LiveService&) {});
+  CHECK(told().size() == 2);
 }
 
 }  // namespace service_plans_test
