@@ -73,7 +73,7 @@ for (const [name, file] of [['ball.stl', binaryStl(ball())], ['ball in words.stl
     assert.ok(height > 20 && height < 100, `it stands ${height} mm high`);
     assert.match(await page.locator('.stage-canvas').first().getAttribute('aria-label'), /\d{2,} panels, open to 90 degrees/);
     assert.equal(await page.locator('.note-bad').count(), 0);
-    await picture(page, `mesh-${file === undefined ? '' : name.replace(/\W/g, '-').toLowerCase()}`);
+    await picture(page, `mesh-${name.replace(/\W/g, '-').toLowerCase()}`);
     assert.deepEqual(complaints, []);
     await close();
   });
@@ -130,7 +130,6 @@ test('a model that is broken or means harm gives one sentence, and the desk stay
   const { page, sent, complaints, close } = await desk();
   expectComplaints(page, refused(400), refused(422));
   page.on('dialog', () => complaints.push('a dialog of the browser'));
-  const said = [];
   for (const [name, bytes] of broken) {
     await give(page, name, bytes);
     const note = page.locator('.note-bad');
@@ -140,14 +139,12 @@ test('a model that is broken or means harm gives one sentence, and the desk stay
     assert.ok(text.length > 20 && text.length < 260, `${name}: ${text}`);
     assert.ok(!/sha256|\/surface/.test(text), `it speaks of the file by its name: ${text}`);
     assert.ok(await note.locator('.server-words').count() <= 1, text);
-    said.push(`${name}: ${text.replace(/\s+/g, ' ')}`);
     assert.equal(await page.locator('.design-start').isVisible(), true, name);
     assert.equal(await page.locator('.design-start p[role=status]').count(), 0, 'nothing is said to go on');
     await note.getByRole('button', { name: 'Close' }).click();
     assert.equal(await note.count(), 0);
   }
   assert.ok(sent.every((one) => ['/v1/assets', '/v1/place', '/v1/session'].includes(one.path)), 'nothing is designed, planned or queued');
-  if (process.env.POPCUT_PAGE_SAID) console.log(said.join('\n'));
   // And over a design: that stays.
   await page.locator('.start-card', { hasText: 'unit' }).click();
   await page.locator('.badge', { hasText: 'exact' }).waitFor();

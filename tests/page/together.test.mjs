@@ -213,6 +213,19 @@ test('of two designs that are opened at once the later one stays, whichever come
   await close();
 });
 
+test('Design visited twenty times gives back what it took of the graphics card', async () => {
+  const { page, complaints, close } = await designing();
+  for (let i = 0; i < 20; i++) {
+    await page.getByRole('link', { name: 'Settings', exact: true }).click();
+    await page.locator('.settings').waitFor();
+    await page.getByRole('link', { name: 'Design', exact: true }).click();
+    await page.locator('.handle-open').waitFor();
+  }
+  assert.equal(await page.locator('.stage-paper').count(), 0, 'the model is still drawn by the graphics card');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
 test('Cut this… and what follows, each pressed twice: one design, one plan, one job', async () => {
   const { page, sent, complaints, close } = await designing();
   await page.getByRole('button', { name: 'Cut this…' }).dblclick();

@@ -105,13 +105,20 @@ function drawnBySoftware(gl: WebGLRenderingContext | WebGL2RenderingContext): bo
   return /swiftshader|llvmpipe|softpipe|software/i.test(name);
 }
 
-/** True where WebGL 2 can be had. */
+let webgl = false;
+
+/** True where WebGL 2 can be had. Found out once, as a browser gives few contexts at a time. */
 export function hasWebgl(): boolean {
-  try {
-    return document.createElement('canvas').getContext('webgl2') !== null;
-  } catch {
-    return false;
+  if (!webgl) {
+    try {
+      const gl = document.createElement('canvas').getContext('webgl2');
+      webgl = gl !== null;
+      gl?.getExtension('WEBGL_lose_context')?.loseContext();
+    } catch {
+      webgl = false;
+    }
   }
+  return webgl;
 }
 
 export class ModelView {
@@ -1056,6 +1063,7 @@ export class ModelView {
     for (const target of [this.sunTarget, this.skyTarget, this.whoTarget, this.frameTarget, this.sumTarget]) target?.dispose();
     (this.shared['frames'] as { value: DataTexture | null }).value?.dispose();
     this.renderer.dispose();
+    if (!this.renderer.getContext().isContextLost()) this.renderer.forceContextLoss();   // at once, not when the garbage is collected: there are sixteen
   }
 }
 
