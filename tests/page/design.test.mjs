@@ -452,6 +452,21 @@ test('what is lit in one place is lit everywhere', async () => {
   await page.getByLabel('Width of slice 3').press('Enter');
   assert.deepEqual((await specOf(page)).widths_mm, [10, 10, 12, 10, 10, 10, 10, 10, 10, 10]);
   await exact(page);
+  // The edge of the slice that is pressed is a handle, for hands and for keys.
+  const edge = page.getByRole('button', { name: /^Edge of slice 3/ });
+  await edge.press('ArrowRight');
+  assert.equal((await specOf(page)).widths_mm[2], 13);
+  await exact(page);
+  const from = await edge.boundingBox();
+  await page.mouse.move(from.x + from.width / 2, from.y + from.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(from.x + from.width / 2 + 25, from.y + from.height / 2 - 10, { steps: 4 });
+  await page.mouse.up();
+  const widths = (await specOf(page)).widths_mm;
+  assert.ok(widths[2] > 14, `dragged to ${widths[2]} mm`);
+  assert.deepEqual(widths.filter((_, i) => i !== 2), Array(9).fill(10));
+  await exact(page);
+  await picture(page, 'design-slice-edge');
   const canvas = await page.locator('.stage-canvas').first().boundingBox();
   for (let i = 0; i < 12; i++) {
     await page.mouse.move(canvas.x + canvas.width * (0.3 + 0.03 * i), canvas.y + canvas.height * 0.55);

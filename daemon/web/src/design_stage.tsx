@@ -9,7 +9,7 @@ import type { ModelView } from './model_view';
 import { css, curvatures, scaleOf, stopsOf, type Colouring, type Scale } from './ramps';
 import {
   isRevolution, radiusPoints, reachOf, sampledRadii, sheetOffset, stretched, withoutPoint, withPointAt, withRadius,
-  withRadiusPoints, widthsOf, type RadiusPoint, type Spec,
+  withRadiusPoints, withSliceWidth, widthsOf, type RadiusPoint, type Spec,
 } from './spec';
 import { length } from './words';
 import { designWords as words, small } from './words_design';
@@ -22,7 +22,7 @@ export const shownModel: { view: ModelView | null } = { view: null };
 /** Something to drag: its place for each value, and what a value does. */
 interface Handle {
   id: string;
-  kind: 'radius' | 'open' | 'length';
+  kind: 'radius' | 'open' | 'length' | 'width';
   label: string;
   text: string;
   value: number;
@@ -174,11 +174,63 @@ function lengthHandle(of: Lattice, spec: Spec): Handle | null {
 
 const lengthOf = (spec: Spec): number => (widthsOf(spec) ?? []).reduce((sum, w) => sum + w, 0);
 
+/** The section's place (X, Z) of a slice that is farthest out; null if it has no panel. */
+function outermostOf(of: Lattice, slice: number): readonly [number, number] | null {
+  let best: readonly [number, number] | null = null;
+  let most = -Infinity;
+  for (let t = 0; t < of.triangle_face.length; t++) {
+    const face = of.triangle_face[t] as number;
+    if (of.face_slice[face] !== slice || of.face_kind[face] !== FaceKind.panel) continue;
+    for (let k = 0; k < 3; k++) {
+      const p = 3 * (of.triangles[3 * t + k] as number);
+      const [x, z] = [of.points[p] as number, of.points[p + 1] as number];
+      if (x + z <= most) continue;
+      most = x + z;
+      best = [x, z];
+    }
+  }
+  return best;
+}
+
+/** The far edge of the slice that is pressed: drags its width. */
+function widthHandle(of: Lattice, spec: Spec): Handle | null {
+  const pinned = desk.pinned.value;
+  const slice = pinned?.kind === 'slice' ? pinned.slice : pinned?.kind === 'face' ? of.face_slice[pinned.face] as number : -1;
+  const widths = widthsOf(spec);
+  const width = widths?.[slice];
+  const reach = reachOf(of);
+  const offset = sheetOffset(of);
+  const place = slice < 0 ? null : outermostOf(of, slice);
+  if (!widths || width === undefined || !reach || offset === null || !place) return null;
+  const begin = offset + reach[0] + widths.slice(0, slice).reduce((sum, w) => sum + w, 0);
+  return {
+    id: `width-${slice}`,
+    kind: 'width',
+    label: words.handles.width(slice + 1),
+    text: length(width),
+    value: width,
+    least: 1,
+    most: Math.max(40, width * 4),
+    step: 1,
+    fine: 0.1,
+    at: (value) => posedAt(place[0], place[1], begin + value, desk.psi.peek()),
+    set: (value, last) => {
+      const now = desk.spec.peek();
+      if (!now) return;
+      const next = withSliceWidth(now, slice, value);
+      if (last) desk.set(next, `width-${slice}`, value);
+      else desk.change(next, `width-${slice}`, value);
+    },
+  };
+}
+
 function handlesOf(of: Lattice | null, spec: Spec | null): Handle[] {
   if (!of) return [];
   const out: Handle[] = spec ? radiusHandles(of, spec) : [];
   const length_ = spec ? lengthHandle(of, spec) : null;
   if (length_) out.push(length_);
+  const width = spec ? widthHandle(of, spec) : null;
+  if (width) out.push(width);
   const open = openHandle(of);
   if (open) out.push(open);
   return out;

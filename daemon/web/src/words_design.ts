@@ -100,6 +100,7 @@ export const designWords = localized({
     radiusText: (mm: string): string => `${mm} from the spine`,
     open: 'Free edge of the wall: opens and shuts the card',
     length: 'End of the row: length along the spine',
+    width: (k: number): string => `Edge of slice ${k}: how wide it is`,
     what: 'Arrow keys: 1 mm, with Shift 0.1 mm. Delete removes a radius, Enter adds one after it.',
     letGo: 'let go to remove',
     sampled: (n: number): string => `The formula became ${n} points that you can drag. Undo brings the formula back.`,
