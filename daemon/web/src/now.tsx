@@ -4,7 +4,7 @@ import type { ComponentChildren } from 'preact';
 import type { Device, Job } from './model';
 import { Button, Dialog, LinkButton, Loading, Meter, Picture, Trouble, useAct } from './parts';
 import { atDevice, sheetsOf } from './route';
-import { act, type ServerProblem } from './server';
+import { act, send, type ServerProblem } from './server';
 import {
   deviceTitle, devices, hasEnded, isPausing, jobs, loaded, localTime, may, me, now, operatorOf, ownerOf, progressOf,
   queueOrder, recentlyDone, stale,
@@ -103,10 +103,15 @@ function Waiting({ job }: { job: Job }) {
   const machine = machineOf(job);
   const look = job.state === 'interrupted';
   return (
-    <Row job={job} end={machine && (
-      <LinkButton kind="primary" href={atDevice(machine)}>
-        {look ? words.now.lookAtIt : words.now.goToMachine}
-      </LinkButton>
+    <Row job={job} end={(
+      <>
+        {machine && (
+          <LinkButton kind="primary" href={atDevice(machine)}>
+            {look ? words.now.lookAtIt : words.now.goToMachine}
+          </LinkButton>
+        )}
+        {isUncut(job) && <More job={job} />}
+      </>
     )}>
       <span>{waitSentence(job)}</span>
       <span class="muted">{ownerOf(job)}</span>
@@ -138,9 +143,36 @@ function mayChange(job: Job): boolean {
   return may('operator') || (may('submitter') && job.owner === me.value?.name);
 }
 
+/** Plans a job that nothing is cut of for another cutter, with the same options. */
+function OtherCutter({ job, onClose }: { job: Job; onClose: () => void }) {
+  const others = [...devices.value.values()].filter((device) => device.enabled && device.id !== job.device);
+  const [chosen, setChosen] = useState(others[0]?.id ?? '');
+  const [problem, setProblem] = useState<ServerProblem | null>(null);
+  const { busy, run } = useAct(setProblem);
+  const plan = (): void => {
+    void run(() => send('PATCH', `/v1/jobs/${job.id}`, { body: { device: chosen, plan_again: true }, rev: job.rev }))
+      .then((worked) => { if (worked) onClose(); });
+  };
+  return (
+    <Dialog title={words.now.otherCutter} yes={words.now.planAgain} busy={busy || chosen === '' || stale.value} onNo={onClose} onYes={plan}>
+      <p>{words.now.otherCutterWhat}</p>
+      <label class="field"><span>{words.now.cutter}</span>
+        <select value={chosen} onChange={(event) => setChosen(event.currentTarget.value)}>
+          {others.map((device) => <option key={device.id} value={device.id} selected={device.id === chosen}>{device.title}</option>)}
+        </select>
+      </label>
+      {problem && <Trouble problem={problem} onClose={() => setProblem(null)} />}
+    </Dialog>
+  );
+}
+
+/** Whether nothing of the job is cut or about to be, so that it can be planned anew. */
+const isUncut = (job: Job): boolean => ['queued', 'planning', 'ready'].includes(job.state) && (job.sheet ?? 1) === 1 && (job.blank ?? 1) <= 1;
+
 function More({ job }: { job: Job }) {
   const [open, setOpen] = useState(false);
   const [sure, setSure] = useState(false);
+  const [other, setOther] = useState(false);
   const [problem, setProblem] = useState<ServerProblem | null>(null);
   const { busy, run } = useAct(setProblem);
   const off = busy || stale.value;
@@ -168,10 +200,14 @@ function More({ job }: { job: Job }) {
               {words.now.first}
             </Button>
           )}
+          {mayChange(job) && isUncut(job) && devices.value.size > 1 && (
+            <Button kind="quiet" disabled={off} onClick={() => { setOpen(false); setOther(true); }}>{words.now.otherCutter}</Button>
+          )}
           {mayChange(job) && <Button kind="quiet" disabled={off} onClick={() => setSure(true)}>{words.now.cancel}</Button>}
           {problem && <Trouble problem={problem} onClose={() => setProblem(null)} />}
         </div>
       )}
+      {other && <OtherCutter job={job} onClose={() => setOther(false)} />}
       {sure && (
         <Dialog title={words.machine.cancelJobSure(nameOf(job))} yes={words.machine.cancelJobGo} kind="danger" busy={busy}
           onNo={() => setSure(false)}
