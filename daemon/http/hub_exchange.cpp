@@ -504,7 +504,10 @@ asio::awaitable<Response> ask_handler(Hub& hub, ClientPtr client, Exchange& exch
   if (request->departure && !answered) request->departure->happens();
   if (answered && *answer) co_return std::move(**answer);
   Problem late{ProblemKind::Unavailable,
-               "popcutd has no answer yet; send the request again with the same Idempotency-Key"};
+               route->key == KeyRule::None
+                   ? "popcutd has no answer yet; try again"
+                   : "popcutd has no answer yet; send the request again with the same "
+                     "Idempotency-Key"};
   late.retry_after_s = 5;
   co_return problem_response(late, *request);
 }

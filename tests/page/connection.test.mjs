@@ -103,6 +103,22 @@ test('a one-shot word is out of the address before the page shows, and is good o
   await close();
 });
 
+test('a job that is planned says in its row what popcutd is doing', async () => {
+  const slow = { popcut: 1, surface: { type: 'revolution', radius: 'sqrt(70^2 - (y - 45)^2)' }, lattice: 'conformal',
+    units_per_slice: 30, slices: 60, widths_mm: 1.5, min_panel_mm: 0.2 };
+  const { id } = await server.must('POST', '/v1/designs', slow);
+  const { page, complaints, close } = await visit(server, {});
+  await page.locator('.live-on').waitFor();
+  const job = await server.must('POST', '/v1/jobs', { design: id, name: 'many units' },
+    { headers: { 'Idempotency-Key': crypto.randomUUID() } });
+  const row = page.locator('.job-row').filter({ hasText: 'many units' });
+  await row.getByText(/^(laying the lattice|checking the pattern)/).waitFor();
+  await server.act(job.id, 'cancel');
+  await row.waitFor({ state: 'detached' });
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
 test('a tablet is let in by a code that somebody allows, with a role at most theirs', async () => {
   const tablet = await visit(server, { signIn: false, screen: 'tablet' });
   await tablet.page.getByLabel('Name of this screen').fill('by the window');

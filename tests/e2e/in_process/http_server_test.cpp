@@ -224,6 +224,20 @@ TEST_CASE("only files that an earlier run left among the uploads are removed",
   CHECK(std::filesystem::is_symlink(folder / "link.upload"));
 }
 
+TEST_CASE("a preview that waits too long ends, and placing a shape has more time",
+          "[daemon][http][preview]") {
+  LiveServer server([](HttpOptions& options) { options.limits.answer_s = 0.5; });
+  server.ask([](FakeService& fake) { fake.holds_previews = true; });
+  const std::string json = "Content-Type: application/json\r\n";
+  const WireResponse late =
+      server.fetch("POST", "/v1/preview", "submitter", json, R"({"spec": {}, "quality": "exact"})");
+  CHECK(late.status == 503);
+  CHECK(late.body.find("no answer yet; try again") != std::string::npos);  // it has no key
+  CHECK(server.fake.previews_called_off == 1);
+  for (const http::Route& route : http::routes())
+    if (route.path == "/v1/place") CHECK(route.patience == http::Patience::Design);
+}
+
 TEST_CASE("a preview ends when its client goes, and not before", "[daemon][http][preview]") {
   LiveServer server;
   server.ask([](FakeService& fake) { fake.holds_previews = true; });
