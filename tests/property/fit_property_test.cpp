@@ -17,6 +17,7 @@
 #include "core/design/shape_fit.hpp"
 #include "core/fit/fit.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/rounds.hpp"
 
 namespace fit_property_test {
 
@@ -46,6 +47,12 @@ struct CloudPoint {
   std::size_t chart{};
   double a{}, b{};
 };
+
+/// Of plain numbers, here and below, where the test spends its time: it is not optimised.
+double squared_between(const double* p, const double* q) {
+  const double x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
+  return x * x + y * y + z * z;
+}
 
 std::vector<CloudPoint> cloud_of(const std::vector<Chart>& charts) {
   std::vector<CloudPoint> out;
@@ -82,7 +89,7 @@ class Bins {
             const auto found = bins_.find(key({c[0] + i, c[1] + j, c[2] + k}));
             if (found == bins_.end()) continue;
             for (const std::uint32_t n : found->second) {
-              const double d = (cloud_[n].p - p).squaredNorm();
+              const double d = squared_between(cloud_[n].p.data(), p.data());
               if (d < best) best = d, nearest = n;
             }
           }
@@ -121,7 +128,7 @@ struct StandingFace {
 };
 
 struct Rectangle {
-  Vec3 low, high;
+  double low[3], high[3];
 };
 
 struct Standing {
@@ -163,7 +170,8 @@ Standing standing(const Design& made) {
     for (std::size_t i = 0; i + 1 < s.size(); ++i)
       for (std::size_t j = 0; j + 1 < along.size(); ++j) {
         if (!face.contains(0.5 * (along[j] + along[j + 1]), 0.5 * (s[i] + s[i + 1]))) continue;
-        out.rectangles.push_back({place(along[j], s[i]), place(along[j + 1], s[i + 1])});
+        const Vec3 low = place(along[j], s[i]), high = place(along[j + 1], s[i + 1]);
+        out.rectangles.push_back({{low[0], low[1], low[2]}, {high[0], high[1], high[2]}});
         out.from_mm = std::min(out.from_mm, s[i]), out.to_mm = std::max(out.to_mm, s[i + 1]);
         for (const double a : {along[j], along[j + 1]})
           for (const double b : {s[i], s[i + 1]}) out.corners.push_back(place(a, b));
@@ -182,13 +190,15 @@ Standing standing(const Design& made) {
 
 double distance(const Standing& structure, const Vec3& p) {
   double best = 1e300;
+  const double* const at = p.data();
   for (const Rectangle& r : structure.rectangles) {
     double squared = 0.0;
     for (int i = 0; i < 3; ++i) {
-      const double off = std::max({r.low[i] - p[i], p[i] - r.high[i], 0.0});
+      const double below = r.low[i] - at[i], above = at[i] - r.high[i];
+      const double off = below > 0.0 ? below : above > 0.0 ? above : 0.0;
       squared += off * off;
     }
-    best = std::min(best, squared);
+    if (squared < best) best = squared;
   }
   return std::sqrt(best);
 }
@@ -384,7 +394,9 @@ Result<Design> designed(const std::string& middle, const SurfaceAssets& assets) 
 }  // namespace
 
 TEST_CASE("the fit of targets of all kinds agrees with an independent measure", "[core][fit]") {
-  for (const Case& one : cases()) {
+  const std::vector<Case> all = cases();
+  for (std::size_t k = 0; k < all.size(); k += static_cast<std::size_t>(testing::step_of(1, 3))) {
+    const Case& one = all[k];
     DYNAMIC_SECTION(one.name) {
       const auto made = designed(one.spec, one.assets);
       if (!made) FAIL(message(made.error()));

@@ -8,6 +8,7 @@
 #include "core/plan/order/order.hpp"
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/order_checks.hpp"
+#include "tests/support/rounds.hpp"
 
 namespace order_property_test {
 
@@ -100,7 +101,7 @@ void check_permutation(const LineWork& work, const std::vector<Visit>& visits) {
 TEST_CASE("an order is a permutation with reversals and obeys all bounds", "[core][plan][order]") {
   std::mt19937 random(17);
   for (const OrderMethod method : {OrderMethod::Quick, OrderMethod::Best})
-    for (int round = 0; round < 30; ++round) {
+    for (int round = 0, all = testing::rounds(30); round < all; ++round) {
       CAPTURE(round);
       const LineWork work = random_drawing(random, 1 + below(random, 150));
       const OrderOptions options = random_options(random, method);
@@ -122,7 +123,7 @@ TEST_CASE("an order is a permutation with reversals and obeys all bounds", "[cor
 TEST_CASE("an order never costs more than the drawing's own within the same bounds",
           "[core][plan][order]") {
   std::mt19937 random(29);
-  for (int round = 0; round < 40; ++round) {
+  for (int round = 0, all = testing::rounds(40); round < all; ++round) {
     CAPTURE(round);
     const LineWork work = random_drawing(random, 1 + below(random, 100));
     OrderOptions options = random_options(random, OrderMethod::Quick);

@@ -10,6 +10,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/support/fault_vfs.hpp"
+#include "tests/support/rounds.hpp"
 #include "tests/support/service_bench.hpp"
 
 namespace service_faults_test {
@@ -162,7 +163,8 @@ TEST_CASE("a disk that stays full after any write stops new work but never a run
   }
   int refused = 0, finished = 0, interrupted = 0;
   // Every third in the suite, with and without the usual reserve; each in ./run soak calls.
-  const std::uint64_t step = std::getenv("POPCUT_EVERY_CALL") == nullptr ? 3 : 1;
+  const auto step = static_cast<std::uint64_t>(
+      std::getenv("POPCUT_EVERY_CALL") == nullptr ? testing::step_of(3) : 1);
   for (std::uint64_t n = 1; n <= writes; n += step) {
     CAPTURE(n, writes);
     FaultVfs vfs;
@@ -239,7 +241,8 @@ TEST_CASE("after a failed sync or write nothing is written until a restart", "[d
     writes = vfs.writes() - before.second;
   }
   for (const bool by_sync : {true, false}) {
-    for (std::uint64_t n = 1; n <= (by_sync ? syncs : writes); n += by_sync ? 1 : 3) {
+    for (std::uint64_t n = 1; n <= (by_sync ? syncs : writes);
+         n += static_cast<std::uint64_t>(testing::step_of(by_sync ? 1 : 3))) {
       CAPTURE(by_sync, n, syncs, writes);
       FaultVfs vfs;
       ServiceBench bench(false);
@@ -325,7 +328,8 @@ TEST_CASE("a power cut at any write loses nothing that was confirmed", "[daemon]
   vfs.after_each = nullptr;
   fs::copy(bench.folder(), original, fs::copy_options::recursive);
   std::shuffle(cuts.begin(), cuts.end(), random);
-  if (cuts.size() > 150) cuts.resize(150);
+  const auto most = static_cast<std::size_t>(testing::rounds(150));
+  if (cuts.size() > most) cuts.resize(most);
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     CAPTURE(i);
     ServiceBench after(false);

@@ -13,6 +13,7 @@
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/verify/verify.hpp"
 #include "tests/support/random_numbers.hpp"
+#include "tests/support/rounds.hpp"
 
 namespace soundness_property_test {
 
@@ -135,7 +136,7 @@ TEST_CASE("a cylinder in two regions is sound for all units beside each other",
           "[property][design][bridge]") {
   for (int left = 1; left <= 8; ++left)
     for (int right = 1; right <= 8; ++right)
-      for (int slices = 1; slices <= 3; ++slices) {
+      for (int slices = 1; slices <= testing::rounds(3, 3); ++slices) {
         const std::string text = fmt::format(
             R"({{"popcut":1,"surface":{{"type":"revolution","radius":"60"}},"regions":[
                {{"units_per_slice":{0},"slices":{2},"width_mm":9}},
@@ -155,12 +156,8 @@ TEST_CASE("500 random designs are sound, and few are refused", "[property][desig
   std::mt19937 random(seed);
   int made = 0, refused = 0, blank = 0, splayed = 0, sheets = 0, loose = 0;
   std::map<std::string, int> reasons;
-#ifdef __SANITIZE_ADDRESS__  // the ranks of large matrices take minutes there
-  constexpr int kSpecs = 100;
-#else
-  constexpr int kSpecs = 500;
-#endif
-  for (int k = 0; k < kSpecs; ++k) {
+  const int specs = testing::rounds(500);
+  for (int k = 0; k < specs; ++k) {
     const std::string text = any_spec(random);
     CAPTURE(seed, k, text);
     const auto spec = parse_design_spec(text);
@@ -186,10 +183,10 @@ TEST_CASE("500 random designs are sound, and few are refused", "[property][desig
       fmt::format("{} made, {} slices of them blank, {} splayed, {} of patches, {} without a card; "
                   "{} refused:{}",
                   made, blank, splayed, sheets, loose, refused, said));
-  CHECK(refused < kSpecs / 10);
-  CHECK(blank > kSpecs / 5);
-  CHECK(splayed > kSpecs / 20);
-  CHECK(sheets > kSpecs / 10);
+  CHECK(refused < specs / 10);
+  CHECK(blank > specs / 5);
+  CHECK(splayed > specs / 20);
+  CHECK(sheets > specs / 10);
   CHECK(loose > 0);
 }
 

@@ -13,6 +13,7 @@
 #include "device/session/session.hpp"
 #include "device/usb/usb_bus.hpp"
 #include "tests/support/ledger_checks.hpp"
+#include "tests/support/rounds.hpp"
 #include "tests/support/sim_bench.hpp"
 #include "tests/support/usb_cutter.hpp"
 #include "tests/support/usbfs_device.hpp"
@@ -321,7 +322,7 @@ void play(const UsbTestbed& testbed, const UsbBus& usb, Script& script, int plac
 TEST_CASE("after any fault on the bus the ledger is true and nothing is cut twice",
           "[device][usb][session][scripts]") {
   const char* const wanted = std::getenv("POPCUT_USB_SCRIPTS");
-  const int scripts = wanted == nullptr ? 24 : std::atoi(wanted);
+  const int scripts = wanted == nullptr ? testing::rounds(24, 3) : std::atoi(wanted);
   constexpr int kAtOnce = 8;
   int done = 0, failed = 0;
   UsbTestbed testbed;

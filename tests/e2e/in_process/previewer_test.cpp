@@ -15,6 +15,7 @@
 #include "daemon/previews/previewer.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/planner_bench.hpp"
+#include "tests/support/rounds.hpp"
 
 namespace previewer_test {
 
@@ -393,7 +394,7 @@ TEST_CASE("many previews leave no descriptors and little memory behind", "[daemo
   Bench bench;
   REQUIRE(bench.run(preview(sphere(4, 3), "draft", "ana")));
   const std::size_t before = open_descriptors();
-  for (int k = 0; k < 1000; ++k)
+  for (int k = 0, all = testing::rounds(1000, 10); k < all; ++k)
     REQUIRE(bench.run(preview(sphere(3, 2), "draft", k % 2 == 0 ? "ana" : "ben")));
   CHECK(open_descriptors() <= before + 6);  // the pipes of a second worker
   CHECK(children().size() <= 2);

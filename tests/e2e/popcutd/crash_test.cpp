@@ -23,6 +23,7 @@
 #include "tests/support/fault_page.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/received_log.hpp"
+#include "tests/support/rounds.hpp"
 #include "tests/support/timing.hpp"
 
 namespace crash_test {
@@ -360,15 +361,10 @@ class Crash {
   int resumed_{};
 };
 
-/// How many deaths: 50 in the suite (20 with a sanitizer), as many as a soak asks for.
+/// How many deaths: 30 in the suite (fewer with a sanitizer), as many as a soak asks for.
 int deaths() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  constexpr int kInSuite = 20;
-#else
-  constexpr int kInSuite = 50;
-#endif
   const char* const text = std::getenv("POPCUT_CRASH_POINTS");
-  return text == nullptr ? kInSuite : std::atoi(text);
+  return text == nullptr ? testing::rounds(30, 3) : std::atoi(text);
 }
 /// A long run says how far it is.
 void tell(const char* what, int point) {
@@ -474,8 +470,9 @@ TEST_CASE("killed at any system call of its start popcutd starts the next time",
   FaultControl& control = crash.control();
   bool died = true;
   std::uint64_t calls = 0;
-  // Every third in the suite, before it or after it; all of them in a soak.
-  const std::uint64_t step = std::getenv("POPCUT_CRASH_POINTS") == nullptr ? 3 : 1;
+  // Every fifth in the suite, before it or after it; all of them in a soak.
+  const auto step = static_cast<std::uint64_t>(
+      std::getenv("POPCUT_CRASH_POINTS") == nullptr ? testing::step_of(5, 3) : 1);
   for (std::uint64_t n = 1 + seed() % step; died && n < 2000; n += step) {
     CAPTURE(n);
     crash.keep_busy(0.3);
@@ -503,7 +500,8 @@ TEST_CASE("killed at any system call of its end popcutd starts the next time", "
   crash.cut_something();
   FaultControl& control = crash.control();
   // Some in the suite, with the kills of service_kill_test at each; all of them in a soak.
-  const std::uint64_t step = std::getenv("POPCUT_CRASH_POINTS") == nullptr ? 16 : 1;
+  const auto step = static_cast<std::uint64_t>(
+      std::getenv("POPCUT_CRASH_POINTS") == nullptr ? testing::step_of(16, 2) : 1);
   std::uint64_t deaths = 0;
   for (const bool cutting : {false, true}) {
     bool ended = false;

@@ -19,6 +19,7 @@
 #include "tests/support/fault_page.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/received_log.hpp"
+#include "tests/support/rounds.hpp"
 
 namespace disk_full_test {
 
@@ -195,13 +196,9 @@ class FullDisk {
 TEST_CASE("a disk that is full at any write of a job stops new work but never a running cut",
           "[daemon][disk]") {
   constexpr std::uint64_t kAtOnce = 8;
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  constexpr std::uint64_t kInSuite = 7 * kAtOnce;  // a seventh of the writes: a sanitizer is slow
-#else
-  constexpr std::uint64_t kInSuite = 3 * kAtOnce;
-#endif
   // Each write in ./run soak calls.
-  const std::uint64_t step = std::getenv("POPCUT_EVERY_CALL") == nullptr ? kInSuite : kAtOnce;
+  const auto in_suite = static_cast<std::uint64_t>(testing::step_of(3, 7)) * kAtOnce;
+  const std::uint64_t step = std::getenv("POPCUT_EVERY_CALL") == nullptr ? in_suite : kAtOnce;
   std::mutex mutex;
   std::map<std::string, int> ends;
   std::map<int, int> refusals;

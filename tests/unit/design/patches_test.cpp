@@ -9,6 +9,7 @@
 #include "core/design/strips/mobility.hpp"
 #include "core/design/strips/pattern_builder.hpp"
 #include "core/design/strips/strips.hpp"
+#include "tests/support/rounds.hpp"
 
 namespace patches_test {
 
@@ -186,6 +187,8 @@ TEST_CASE("slices of any N are connected to slices of any other", "[core][bridge
   for (int left = 1; left <= 9; ++left)
     for (int right = 1; right <= 9; ++right) {
       if (left == right) continue;
+      // With a sanitizer a fifth of them, so that each number comes on both sides.
+      if (testing::fewer_rounds() && (left + 2 * right) % 5 != 1) continue;
       CAPTURE(left, right);
       const Design d = designed(fmt::format(
           R"j("surface":{{"type":"revolution","radius":"sqrt(3600-y^2)"}},"regions":[
