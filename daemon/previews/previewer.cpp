@@ -159,12 +159,13 @@ class ProcessPreviewer final : public Previewer {
   }
 
   /// Whether this lane may begin something of `who`: not while another lane does, nor if another
-  /// one has nothing to do and the worker that is warm for them.
+  /// one has nothing to do and the worker that is warm for them, or no worker to end for them.
   [[nodiscard]] bool may_begin(const Lane& lane, const std::string& who) const {
     const std::vector<std::string>& busy = lane.line->at_work;
     if (std::find(busy.begin(), busy.end(), who) != busy.end()) return false;
     return lane.owner == who || std::none_of(lanes_.begin(), lanes_.end(), [&](const Lane& other) {
-             return other.line == lane.line && !other.is_at_work && other.owner == who;
+             return other.line == lane.line && !other.is_at_work &&
+                    (other.owner == who || (other.owner.empty() && !lane.owner.empty()));
            });
   }
 
