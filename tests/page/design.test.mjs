@@ -440,6 +440,23 @@ test('a design is handed to Origami Simulator once that is ready, and to no othe
   await close();
 });
 
+test('a height that is typed is the height of the exact card, also where its steps fall elsewhere; one undo brings it back', async () => {
+  const { page, complaints, close } = await designing();
+  const before = await specOf(page);
+  for (const mm of [90, 41]) {
+    await page.getByLabel('Height').fill(String(mm));
+    await page.getByLabel('Height').press('Enter');
+    await until(async () => Math.abs(Number(await page.getByLabel('Height').inputValue()) - mm) <= 0.003 * mm
+      && (await page.locator('.badge').textContent()) === 'exact', `the card is ${mm} mm high`, 20_000);
+    await wait(600);
+    assert.ok(Math.abs(Number(await page.getByLabel('Height').inputValue()) - mm) <= 0.003 * mm, 'it stays');
+  }
+  for (let i = 0; i < 2; i++) await page.getByRole('button', { name: 'Undo' }).click();
+  assert.deepEqual(await specOf(page), before);
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
 test('what is lit in one place is lit everywhere', async () => {
   const { page, complaints, close } = await designing();
   await page.locator('.places summary').click();

@@ -170,6 +170,7 @@ function ShareDialog({ onClose }: { onClose: () => void }) {
   return (
     <Dialog title={words.share.title} onNo={onClose} no={words.close}>
       <p role="status">{text.value}</p>
+      {link.value && /^(localhost|127\.|\[::1\])/.test(location.hostname) && <p class="muted">{words.share.hereOnly}</p>}
       {link.value && <label class="field"><span class="visually-hidden">{words.share.title}</span>
         <input type="text" readOnly value={link.value} class="share-link" onFocus={(event) => event.currentTarget.select()} /></label>}
     </Dialog>
@@ -338,7 +339,9 @@ function Bar({ onOpen }: { onOpen: () => void }) {
   const close = (): void => { dialog.value = null; };
   const save = (): void => {
     if (!spec) return;
-    saveAs(new Blob([JSON.stringify(spec, null, 2) + '\n'], { type: 'application/json' }), `${nameOf(spec) || 'design'}.json`);
+    const file = `${nameOf(spec) || 'design'}.json`;
+    saveAs(new Blob([JSON.stringify(spec, null, 2) + '\n'], { type: 'application/json' }), file);
+    desk.note.value = words.bar.savedAs(file);
     desk.saved();
   };
   return (

@@ -7,8 +7,10 @@ import { FaceKind, readLattice } from './lattice';
 import { Previews, type Quality } from './preview';
 import type { Colouring } from './ramps';
 import { isProblem, newKey, read, readAnswer, request, send, ServerProblem, waitsUntil } from './server';
-import { nameOf, Undo, type Spec } from './spec';
+import { nameOf, scaled, Undo, type Spec } from './spec';
 import { noteUnsaved } from './unsaved';
+import { length } from './words';
+import { designWords } from './words_design';
 
 export { unsaved } from './unsaved';
 
@@ -105,6 +107,7 @@ const previews = new Previews<Spec, Lattice>({
       if (asked.quality === 'exact') exactSpec.value = asked.input;
       if (first) psi.value = made.design_psi_rad;
     });
+    if (asked.quality === 'exact' && wish?.of === asked.input) comeNearer(made);
     if (lastChange) {
       good.set(lastChange.field, lastChange.value);
       moveWall(lastChange.field, lastChange.value);
@@ -123,6 +126,40 @@ const previews = new Previews<Spec, Lattice>({
   },
   onBusy: (now) => { busy.value = now; },
 });
+
+/** How large a person wants the exact card to be in one of its measures. */
+let wish: { of: Spec; value: number; measure: (of: Lattice) => number; tries: number } | null = null;
+const kNearEnough = 0.002;
+
+/**
+ * Scales the whole design until `measure` of the exact card is `value`. At another size the steps fall elsewhere, so one
+ * scaling may not do.
+ */
+export function setSize(value: number, measure: (of: Lattice) => number): void {
+  const now = spec.peek();
+  const have = lattice.peek() ? measure(lattice.peek() as Lattice) : 0;
+  if (!now || !(have > 0)) return;
+  const next = scaled(now, value / have);
+  set(next);
+  wish = { of: next, value, measure, tries: 4 };
+}
+
+function comeNearer(made: Lattice): void {
+  if (!wish) return;
+  const { value, measure, tries, of } = wish;
+  const have = measure(made);
+  wish = null;
+  if (!(have > 0) || Math.abs(have - value) <= kNearEnough * value) return;
+  const next = tries > 0 ? scaled(of, value / have) : of;
+  if (JSON.stringify(next) === JSON.stringify(of)) {
+    note.value = designWords.fields.nearestSize(length(have));
+    return;
+  }
+  spec.value = next;
+  undo.amend(next);
+  wish = { of: next, value, measure, tries: tries - 1 };
+  ask(next, true);
+}
 
 /** What the desk could not ask for, since when it has tried; null: nothing is missed. */
 let missed: { times: number; timer: ReturnType<typeof setTimeout> | undefined } | null = null;
@@ -184,6 +221,7 @@ function moveWall(field: string, value: number): void {
 /** A change by a hand that goes on: drafts follow. `field` and `value` name what moves, for its wall. */
 export function change(next: Spec, field?: string, value?: number): void {
   if (next === spec.value) return;
+  wish = null;
   if (field === undefined || field !== lastChange?.field) walls.value = new Map();
   lastChange = field !== undefined && value !== undefined ? { field, value } : null;
   spec.value = next;

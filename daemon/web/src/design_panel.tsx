@@ -7,7 +7,7 @@ import * as desk from './design_desk';
 import { FaceKind, onSheet, type Lattice } from './lattice';
 import { SheetView, type Strokes } from './sheet_view';
 import { isPlain, scaled, slicesOf, stretched, unitsOf, widthOf, widthsOf, withField, withSlices, withSliceWidth, withUnits, withWidth, type Spec } from './spec';
-import { integer, length, percent, size } from './words';
+import { integer, length, percent, size, withoutTicks } from './words';
 import { designWords as words, plainNumber } from './words_design';
 
 const kLineKinds = ['outline', 'mountain', 'valley', 'slit'];
@@ -136,8 +136,8 @@ function Refusal({ id, text }: { id: string; text: string | null }) {
   return text === null ? null : <p id={id} class="field-refused server-words">{text}</p>;
 }
 
-function NumberField({ label, value, unit, pointers, onSet, least, disabled }: {
-  label: string; value: number | null; unit: string; pointers: string[]; onSet: (value: number) => void; least: number; disabled?: boolean;
+function NumberField({ label, value, unit, pointers, onSet, least, disabled, title }: {
+  label: string; value: number | null; unit: string; pointers: string[]; onSet: (value: number) => void; least: number; disabled?: boolean; title?: string;
 }) {
   const id = useId();
   const refused = refusedFor(...pointers);
@@ -148,7 +148,7 @@ function NumberField({ label, value, unit, pointers, onSet, least, disabled }: {
     else if (value === null || Math.abs(typed - value) > 0.004) onSet(typed);
   };
   return (
-    <div class="field field-number">
+    <div class="field field-number" title={title}>
       <label for={id}>{label}</label>
       <span class="field-box">
         <input id={id} type="text" inputMode="decimal" value={shown} disabled={disabled} aria-invalid={refused !== null}
@@ -264,9 +264,9 @@ function Fields({ spec, of }: { spec: Spec; of: Lattice | null }) {
         <legend>{words.fields.shape}</legend>
         <div class="field-grid">
           <NumberField label={words.fields.height} value={at?.height ?? null} unit="mm" pointers={['/scale_mm']} least={1}
-            onSet={(v) => { if (at && at.height > 0) desk.set(scaled(spec, v / at.height)); }} />
+            title={words.fields.scales} onSet={(v) => desk.setSize(v, (of) => standing(of).height)} />
           <NumberField label={words.fields.depth} value={at?.depth ?? null} unit="mm" pointers={['/scale_mm']} least={1}
-            onSet={(v) => { if (at && at.depth > 0) desk.set(scaled(spec, v / at.depth)); }} />
+            title={words.fields.scales} onSet={(v) => desk.setSize(v, (of) => standing(of).depth)} />
           <NumberField label={words.fields.along} value={widths ? widths.reduce((sum, w) => sum + w, 0) : null} unit="mm" pointers={['/widths_mm']} least={1}
             disabled={!widths} onSet={(v) => { if (widths) desk.set(stretched(spec, v / widths.reduce((sum, w) => sum + w, 0))); }} />
           {slice !== null && slice >= 0 && widths && slice < widths.length
@@ -277,7 +277,7 @@ function Fields({ spec, of }: { spec: Spec; of: Lattice | null }) {
           <NumberField label={words.fields.angle} value={typeof spec.design_angle_deg === 'number' ? spec.design_angle_deg : 90} unit="°" pointers={['/design_angle_deg']} least={30}
             onSet={(v) => desk.set(withField(spec, 'design_angle_deg', v === 90 ? null : v))} />
           <div class="field field-end">
-            <button type="button" class="button button-plain" onClick={fits} disabled={!sheet}>{words.fields.fits('12 × 12')}</button>
+            <button type="button" class="button button-plain" onClick={fits} disabled={!sheet} title={words.fields.fitsWhat('12 × 12')}>{words.fields.fits('12 × 12')}</button>
           </div>
         </div>
         <label class="field field-row">
@@ -305,8 +305,8 @@ interface Report {
   fold_length_mm?: number;
 }
 
-function Row({ name, children }: { name: string; children: ComponentChildren }) {
-  return <div class="figure-row"><dt>{name}</dt><dd class="figure">{children}</dd></div>;
+function Row({ name, means, children }: { name: string; means?: string; children: ComponentChildren }) {
+  return <div class="figure-row" title={means}><dt>{name}</dt><dd class="figure">{children}</dd></div>;
 }
 
 export function Figures({ of }: { of: Lattice }) {
@@ -318,17 +318,17 @@ export function Figures({ of }: { of: Lattice }) {
     <section aria-labelledby="figures">
       <h2 id="figures">{words.figures.title}</h2>
       <dl class="facts">
-        {off?.mean !== undefined && <Row name={words.figures.off}>{length(off.mean)}{off.p95 !== undefined && <small>{words.figures.offWhat(length(off.p95))}</small>}</Row>}
-        {within !== undefined && <Row name={words.figures.within}>{percent(within)}</Row>}
+        {off?.mean !== undefined && <Row name={words.figures.off} means={words.figures.means.off}>{length(off.mean)}{off.p95 !== undefined && <small>{words.figures.offWhat(length(off.p95))}</small>}</Row>}
+        {within !== undefined && <Row name={words.figures.within} means={words.figures.means.within}>{percent(within)}</Row>}
         {of.error_mm && of.error_mm.max > 0 && (
-          <Row name={words.figures.worst}>
+          <Row name={words.figures.worst} means={words.figures.means.worst}>
             {length(of.error_mm.max)}{' '}
             {of.error_mm.at && <button type="button" class="link-button" onClick={() => { desk.pinned.value = desk.litAt(of, of.error_mm?.at); }}>{words.warnings.show}</button>}
           </Row>
         )}
-        {report.inner_error_mm?.max !== undefined && <Row name={words.figures.inner}>{length(report.inner_error_mm.max)}</Row>}
-        {report.end_error_mm?.max !== undefined && <Row name={words.figures.ends}>{length(report.end_error_mm.max)}</Row>}
-        {freedom !== undefined && <Row name={words.figures.freedom}>{freedom === 1 ? words.figures.freedomOne : integer(freedom)}</Row>}
+        {report.inner_error_mm?.max !== undefined && <Row name={words.figures.inner} means={words.figures.means.inner}>{length(report.inner_error_mm.max)}</Row>}
+        {report.end_error_mm?.max !== undefined && <Row name={words.figures.ends} means={words.figures.means.ends}>{length(report.end_error_mm.max)}</Row>}
+        {freedom !== undefined && <Row name={words.figures.freedom} means={words.figures.means.freedom}>{freedom === 1 ? words.figures.freedomOne : integer(freedom)}</Row>}
         {report.pieces !== undefined && <Row name={words.figures.pieces}>{integer(report.pieces)}</Row>}
         <Row name={words.figures.panels}>{integer(desk.panelsOf(of))}</Row>
         {report.folds !== undefined && <Row name={words.figures.folds}>{integer(report.folds)}{report.fold_length_mm !== undefined && <small>{length(report.fold_length_mm)}</small>}</Row>}
@@ -385,7 +385,7 @@ export function Warnings({ of }: { of: Lattice }) {
           return (
             <li key={i}>
               {warning.spoils && <strong>{words.warnings.spoils} </strong>}
-              <span class="server-words">{warning.message}</span>{' '}
+              <span class="server-words">{withoutTicks(warning.message)}</span>{' '}
               {place && <button type="button" class="link-button" onClick={() => { desk.pinned.value = place; }}>{words.warnings.show}</button>}
             </li>
           );

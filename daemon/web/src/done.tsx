@@ -3,7 +3,7 @@ import { useEffect, useState } from 'preact/hooks';
 import { useAgain } from './again';
 import type { Job, UsageRow } from './model';
 import { Button, Choice, Loading, Picture, Trouble } from './parts';
-import { sheetsOf } from './route';
+import { glueOf, sheetsOf } from './route';
 import { isProblem, read, readBlob, saveAs, type ServerProblem } from './server';
 import { deviceTitle, jobs, localTime, ownerOf, recentlyDone } from './store';
 import { dateTime, duration, integer, metres, words } from './words';
@@ -29,7 +29,12 @@ function Ended({ job }: { job: Job }) {
         </span>
         {job.state === 'failed' && job.reason && <span class="server-words">{words.reasons[job.reason] ?? job.reason}</span>}
       </div>
-      {job.plan && <div class="job-end"><a href={sheetsOf(job.plan)}>{words.now.plan}</a></div>}
+      {job.plan && (
+        <div class="job-end">
+          {job.state === 'done' && <a href={glueOf(job.plan)}>{words.machine.howToFold}</a>}
+          <a href={sheetsOf(job.plan)}>{words.now.plan}</a>
+        </div>
+      )}
     </li>
   );
 }

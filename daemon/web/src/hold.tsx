@@ -1,6 +1,7 @@
 // A button that acts only when it is held: what moves a knife.
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { Dialog } from './parts';
+import { words } from './words';
 
 /** How long it takes to start, and how long the button is inert after it appears, ms. */
 export const kHold_ms = 800;
@@ -19,6 +20,7 @@ export function HoldButton({ children, onHeld, question, disabled = false }: Hol
   const [inert, setInert] = useState(true);
   const [holding, setHolding] = useState(false);
   const [asks, setAsks] = useState(false);
+  const [tooShort, setTooShort] = useState(false);
   const held = useRef<{ pointer: number; since: number; timer: ReturnType<typeof setTimeout> } | null>(null);
   const off = inert || disabled;
 
@@ -76,6 +78,12 @@ export function HoldButton({ children, onHeld, question, disabled = false }: Hol
     };
     held.current = { pointer, since, timer: setTimeout(check, kHold_ms) };
     setHolding(true);
+    setTooShort(false);
+  };
+
+  const up = (): void => {
+    if (held.current) setTooShort(true);
+    stop();
   };
 
   const moved = (event: PointerEvent): void => {
@@ -86,7 +94,7 @@ export function HoldButton({ children, onHeld, question, disabled = false }: Hol
     <>
       <button ref={button} type="button" class={`hold${holding ? ' hold-on' : ''}`}
         disabled={off} tabIndex={0}
-        onPointerDown={down} onPointerMove={moved} onPointerUp={stop} onPointerCancel={stop}
+        onPointerDown={down} onPointerMove={moved} onPointerUp={up} onPointerCancel={stop}
         onLostPointerCapture={stop} onContextMenu={(event) => event.preventDefault()}
         onClick={(event) => { if (event.detail === 0 && !off) setAsks(true); }}>
         <svg class="hold-ring" viewBox="0 0 100 100" aria-hidden="true">
@@ -95,6 +103,7 @@ export function HoldButton({ children, onHeld, question, disabled = false }: Hol
         </svg>
         <span class="hold-label">{children}</span>
       </button>
+      {tooShort && !holding && !off && <p class="hold-hint" role="status">{words.machine.holdOn}</p>}
       {asks && !disabled && (
         <Dialog title={question.title} yes={question.yes} onNo={() => setAsks(false)}
           onYes={() => { setAsks(false); onHeld(); }}>

@@ -9,7 +9,7 @@ import { fits, remaining, shareCut } from './now';
 import { Button, Choice, Dialog, LinkButton, Loading, Meter, Note, Tick, Trouble } from './parts';
 import { PauseButton, PauseNews } from './pause';
 import { beside } from './preferences';
-import { sheetsOf } from './route';
+import { glueOf, sheetsOf } from './route';
 import { act, isProblem, read, type ServerProblem } from './server';
 import { SheetPicture, useLedger, useSheet, type SheetOfJob } from './sheet_picture';
 import type { Fates } from './sheet_view';
@@ -17,7 +17,7 @@ import {
   devices, hasEnded, isPausing, jobs, lastChange, loaded, localTime, may, now, operatorOf, progressOf,
   queueOrder, readJob, removedBy, stale, takeJob,
 } from './store';
-import { clockTime, count, duration, percent, size, timeRange, words } from './words';
+import { clockTime, count, duration, percent, size, timeRange, withoutTicks, words } from './words';
 
 const say = words.machine;
 const nameOf = (job: Job): string => job.name ?? words.unnamed;
@@ -118,7 +118,7 @@ function useWakeLock(wanted: boolean): void {
 }
 
 function WarningText({ warning }: { warning: Warning }) {
-  return <p class="server-words">{warning.message}</p>;
+  return <p class="server-words">{withoutTicks(warning.message)}</p>;
 }
 
 /** Warnings: those that may spoil the cut are accepted one by one. */
@@ -521,6 +521,7 @@ export function Machine({ device: id }: { device: string }) {
     <Note kind={before.state === 'done' ? 'good' : 'amber'}>
       <p role="status">{before.state === 'done' ? say.finishedWhat(nameOf(before))
         : say.endedWhat(nameOf(before), words.states[before.state] ?? before.state)}</p>
+      {before.state === 'done' && before.plan && <p><LinkButton kind="primary" href={glueOf(before.plan)}>{say.howToFold}</LinkButton></p>}
     </Note>
   ) : removed !== undefined ? <Note kind="amber"><p role="status">{say.removed(removed ?? words.changed.someone)}</p></Note> : null;
   if (!job) return <Nothing device={device}>{news}</Nothing>;

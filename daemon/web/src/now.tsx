@@ -345,6 +345,7 @@ export function Now() {
       {empty && (
         <section class="empty">
           <h2>{words.now.empty}</h2>
+          <p>{words.now.what}</p>
           <p>{words.now.emptyWhat}</p>
           <Examples />
         </section>

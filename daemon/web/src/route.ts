@@ -21,4 +21,5 @@ addEventListener('hashchange', () => { route.value = parseRoute(location.hash); 
 
 export const atDevice = (id: string): string => `#/at/${encodeURIComponent(id)}`;
 export const sheetsOf = (plan: string): string => `#/sheets/${plan}`;
+export const glueOf = (plan: string): string => `#/glue/${plan}`;
 export const go = (hash: string): void => { location.hash = hash; };

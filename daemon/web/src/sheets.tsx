@@ -8,7 +8,7 @@ import { Button, LinkButton, Loading, Note, Trouble } from './parts';
 import { act, isProblem, read, readBlob, saveAs, type ServerProblem } from './server';
 import { endOf, SheetView, strokesAt, strokeWords, timeColour, type Strokes } from './sheet_view';
 import { devices, may, stale } from './store';
-import { clockTime, integer, metres, size, timeRange } from './words';
+import { clockTime, integer, metres, size, timeRange, withoutTicks } from './words';
 import { designWords } from './words_design';
 
 const words = designWords.sheets;
@@ -275,7 +275,7 @@ export default function Sheets({ rest: id }: { rest: string }) {
         <h1>{words.title}{name && <span class="muted">, {name}</span>}</h1>
         <div class="row">
           <Button kind="quiet" onClick={() => void save()}>{words.drawing}</Button>
-          <LinkButton kind="quiet" href={`#/glue/${id}`}>{words.glue}</LinkButton>
+          <LinkButton kind="quiet" href={`#/glue/${id}`}>{total > 1 ? words.glue : words.fold}</LinkButton>
         </div>
       </div>
       {unsaved.value && <Trouble problem={unsaved.value} onClose={() => { unsaved.value = null; }} />}
@@ -311,7 +311,7 @@ export default function Sheets({ rest: id }: { rest: string }) {
           {plan.warnings.length > 0 && (
             <section aria-label={words.warnings} class="note note-amber">
               <h2>{words.warnings}</h2>
-              <ul class="plain-list server-words">{plan.warnings.slice(0, 30).map((one, i) => <li key={i}>{one.message}</li>)}</ul>
+              <ul class="plain-list server-words">{plan.warnings.slice(0, 30).map((one, i) => <li key={i}>{withoutTicks(one.message)}</li>)}</ul>
             </section>
           )}
           {may('submitter') && <QueueIt plan={plan} name={name} />}

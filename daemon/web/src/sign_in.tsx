@@ -82,6 +82,7 @@ export function SignIn({ again = false, badWord = false }: { again?: boolean; ba
       <p class="bar-name">{words.title}</p>
       <h1>{words.signIn.title}</h1>
       {badWord && <p class="note note-amber" role="alert">{words.signIn.bad}</p>}
+      <p>{words.now.what}</p>
       <p>{words.signIn.what}</p>
       {body}
     </main>

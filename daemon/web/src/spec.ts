@@ -322,6 +322,13 @@ export class Undo {
     this.keep();
   }
 
+  /** Puts `spec` in the place of the step that is shown. */
+  amend(spec: Spec): void {
+    if (this.at < 0) return;
+    this.steps = [...this.steps.slice(0, this.at), JSON.stringify(spec), ...this.steps.slice(this.at + 1)];
+    this.keep();
+  }
+
   undo(): Spec | null {
     if (!this.canUndo) return null;
     this.at--;

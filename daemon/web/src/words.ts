@@ -66,6 +66,9 @@ export function clockTime(seconds: number): string {
   return hours > 0 ? `${hours}:${two(minutes)}:${two(all % 60)}` : `${minutes}:${two(all % 60)}`;
 }
 
+/** A sentence of popcutd without the ticks that mark words to type on a command line. */
+export const withoutTicks = (text: string): string => text.replace(/`/g, '');
+
 /** A range of seconds, "3:00–4:04", or one time when both ends look the same. */
 export function timeRange([least, most]: readonly number[]): string {
   const low = clockTime(least ?? 0);
@@ -171,6 +174,7 @@ export const words = localized({
     nextSumUntil: (jobs: number, time: string, toLoad: number, until: string) => `${count(jobs, 'job', 'jobs')}, ${time} of cutting until about ${until}, ${sheets(toLoad)} to load`,
     done: 'Done',
     all: 'All that is done',
+    what: 'popcut turns a shape into a card that pops up, and cuts it.',
     empty: 'Nothing to cut.',
     emptyWhat: 'Start from one of these, or design your own.',
     noDevice: 'No cutter is connected.',
@@ -210,7 +214,7 @@ export const words = localized({
     testCutMaterial: 'Material',
     testCutGo: 'Queue a test cut',
     otherJobs: 'Other jobs for this cutter',
-    danger: 'Danger: the machine\u2019s own switch.',
+    danger: 'In danger, use the machine\u2019s own switch.',
     feedEdge: 'feed edge: this side goes in first',
     picture: (k: number, name: string, w: string) => `Sheet ${k} of "${name}" as it lies on the mat, ${w}`,
     trueSize: (drawing: string, x: string, y: string) => `${drawing}, placed at ${x}, ${y}`,
@@ -238,13 +242,13 @@ export const words = localized({
     afterFault: 'The cutter is not ready.',
     afterTicks: 'Tick all three first.',
     afterWarnings: 'Accept the warning first.',
-    notBeside: 'You are not beside the cutter',
-    notBesideWhat: (device: string) => `Somebody\u2019s hands may be in ${device}. Arm only if you see it.`,
+    notBeside: 'Do you see the cutter?',
+    notBesideWhat: (device: string) => `This screen is not said to stand beside ${device} (Settings). Somebody\u2019s hands may be in it. Arm only if you see it.`,
     notBesideGo: 'I see the cutter: arm',
     armed: 'Armed',
     armedWhat: 'Hands off. Hold START to cut.',
     armedBy: (who: string) => `Armed by ${who}.`,
-    lapses: (left: string) => `lapses in ${left}`,
+    lapses: (left: string) => `armed for ${left} more`,
     lapsesSoon: 'lapses after ten minutes',
     start: 'START',
     holdTo: 'hold to',
@@ -286,6 +290,8 @@ export const words = localized({
     reset: 'It is seen to: reset',
     planFailed: 'It cannot be cut like this.',
     removed: (who: string) => `This job was removed by ${who}.`,
+    howToFold: 'How to fold it',
+    holdOn: 'Keep holding, until the ring is full.',
     finishedWhat: (name: string) => `"${name}" is cut. Take the sheet out.`,
     endedWhat: (name: string, state: string) => `"${name}": ${state}.`,
     awake: 'This screen stays awake.',
