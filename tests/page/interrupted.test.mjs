@@ -229,8 +229,8 @@ async function looksOf(page, strokes, marked) {
       }
       if (n < 12) return null;
       if (amber / n > 0.3 && wide / n > 0.9) return 'doubt';
-      if (ink / n > 0.65 && wide / n < 0.1) return 'certain';
-      return ink / n > 0.05 && ink / n < 0.5 && wide / n < 0.1 ? 'rest' : `ink ${ink / n}, amber ${amber / n}, wide ${wide / n}`;
+      if (ink / n > 0.65 && wide / n < 0.3) return 'certain';
+      return ink / n > 0.05 && ink / n < 0.5 && wide / n < 0.3 ? 'rest' : `ink ${ink / n}, amber ${amber / n}, wide ${wide / n}`;
     });
   }, { all: lines, width_mm: strokes.width_mm, length_mm: strokes.length_mm, hidden: marked });
 }
