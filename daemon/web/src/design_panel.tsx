@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The right side of Design: the flat sheet, the fields, the figures, the warnings.
-import { effect } from '@preact/signals';
+import { effect, useSignal } from '@preact/signals';
 import type { ComponentChildren } from 'preact';
-import { useEffect, useId, useLayoutEffect, useRef } from 'preact/hooks';
+import { useEffect, useId, useLayoutEffect, useMemo, useRef } from 'preact/hooks';
 import * as desk from './design_desk';
 import { FaceKind, onSheet, type Lattice } from './lattice';
 import { SheetView, type Strokes } from './sheet_view';
@@ -345,32 +345,43 @@ function same(a: desk.Lit | null, b: desk.Lit): boolean {
 
 /** Slices and levels with their errors; each row lights its panels. */
 export function Places({ of }: { of: Lattice }) {
+  const open = useSignal(false);
+  const held = useRef(of);
+  // Hundreds of rows that nobody sees would make each picture of a drag late.
+  if (open.value || !desk.busy.value) held.current = of;
+  const table = useMemo(() => (hasPlaces(held.current) ? <PlacesTable of={held.current} /> : null), [held.current]);
+  return table && <details class="places" onToggle={(event) => { open.value = event.currentTarget.open; }}>
+    <summary>{words.figures.slices}</summary>
+    {table}
+  </details>;
+}
+
+const hasPlaces = (of: Lattice): boolean => of.face_kind.some((kind, face) => kind === FaceKind.panel
+  && ((of.face_slice[face] as number) >= 0 || (of.face_level[face] as number) >= 0));
+
+function PlacesTable({ of }: { of: Lattice }) {
   const { slices, levels } = desk.errorsBy(of);
   const rows: [desk.Lit, string, number][] = [
     ...[...slices].map(([slice, error]): [desk.Lit, string, number] => [{ kind: 'slice', slice }, words.figures.slice(slice + 1), error]),
     ...[...levels].map(([level, error]): [desk.Lit, string, number] => [{ kind: 'level', level }, words.figures.level(level), error]),
   ];
-  if (rows.length === 0) return null;
   return (
-    <details class="places">
-      <summary>{words.figures.slices}</summary>
-      <table>
-        <thead><tr><th scope="col">{words.figures.row}</th><th scope="col">{words.figures.errorOf}</th></tr></thead>
-        <tbody>
-          {rows.map(([which, name, error]) => (
-            <tr key={name} class={same(desk.lit.value, which) ? 'row-lit' : ''}>
-              <th scope="row">
-                <button type="button" class="link-button" aria-pressed={same(desk.pinned.value, which)}
-                  onPointerEnter={() => { desk.hovered.value = which; }} onPointerLeave={() => { desk.hovered.value = null; }}
-                  onFocus={() => { desk.hovered.value = which; }} onBlur={() => { desk.hovered.value = null; }}
-                  onClick={() => { desk.pinned.value = same(desk.pinned.value, which) ? null : which; }}>{name}</button>
-              </th>
-              <td class="figure">{error >= 0 ? length(error) : '–'}</td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
-    </details>
+    <table>
+      <thead><tr><th scope="col">{words.figures.row}</th><th scope="col">{words.figures.errorOf}</th></tr></thead>
+      <tbody>
+        {rows.map(([which, name, error]) => (
+          <tr key={name} class={same(desk.lit.value, which) ? 'row-lit' : ''}>
+            <th scope="row">
+              <button type="button" class="link-button" aria-pressed={same(desk.pinned.value, which)}
+                onPointerEnter={() => { desk.hovered.value = which; }} onPointerLeave={() => { desk.hovered.value = null; }}
+                onFocus={() => { desk.hovered.value = which; }} onBlur={() => { desk.hovered.value = null; }}
+                onClick={() => { desk.pinned.value = same(desk.pinned.value, which) ? null : which; }}>{name}</button>
+            </th>
+            <td class="figure">{error >= 0 ? length(error) : '–'}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
   );
 }
 

@@ -71,7 +71,7 @@ const kGathered = 40;
 const kGatheredSlow = 14;
 const kSlow_ms = 70;
 /** If a picture takes longer, those of something that moves are drawn with fewer pixels. */
-const kSmooth_ms = 40;
+const kSmooth_ms = 36;
 /** Only what rests so long gets its soft shadows. */
 const kRest_ms = 300;
 /** Beyond this the light of the sky is not gathered: each frame costs two more passes. */
@@ -180,6 +180,7 @@ export class ModelView {
   private still = false;
   private rest: ReturnType<typeof setTimeout> | undefined;
   private drawing: WebGLSync | null = null;
+  private watched = 0;
   private busy = false;
   private coarse = false;
   /** How long the last picture with all its pixels took, ms. */
@@ -777,9 +778,16 @@ export class ModelView {
 
   private fence(): void {
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    if (this.drawing) gl.deleteSync(this.drawing);
     this.drawing = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     gl.flush();
+    if (this.watched === 0) this.watched = requestAnimationFrame(this.watch);
   }
+
+  /** Looks at each frame of the screen whether the GPU is done, so that how long it took is known. */
+  private readonly watch = (): void => {
+    this.watched = this.isDrawing() && !this.lost && !this.disposed ? requestAnimationFrame(this.watch) : 0;
+  };
 
   /** True until the GPU has drawn what it was given last. */
   private isDrawing(): boolean {
