@@ -27,7 +27,9 @@ class ServiceStore {
   [[nodiscard]] TimeMs now() const { return options_.wall_ms(); }
   [[nodiscard]] std::int64_t monotonic() const { return options_.monotonic_ms(); }
   [[nodiscard]] const std::string& invocation() const { return options_.invocation; }
-  [[nodiscard]] std::string new_id() { return ulids_.next(now()); }
+  [[nodiscard]] std::string new_id() { return new_id(now()); }
+  /// For a row that was made at `created`: lists look for it by the time in its id.
+  [[nodiscard]] std::string new_id(TimeMs created) { return ulids_.next(created); }
 
   /// Runs `effect`, which gives an Answer, in a transaction. A problem, or a fault of the store,
   /// undoes it all. On a full disk the reserve is given up and it runs once more.

@@ -105,7 +105,8 @@ Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
   }
   if (const auto waits = parts_.plans.await(who, plan); !waits)
     return tl::unexpected(waits.error());
-  JobRow row{.id = store.new_id(), .rev = 1, .state = JobState::Queued};
+  const TimeMs created = store.now();
+  JobRow row{.id = store.new_id(created), .rev = 1, .state = JobState::Queued};
   row.name = request.name;
   row.note = request.note;
   row.owner = who.name;
@@ -116,7 +117,7 @@ Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
   row.priority = request.priority;
   row.position = jobs_.last_position() + kPositionStep;
   row.copies = request.copies;
-  row.created = store.now();
+  row.created = created;
   row.tags = json_list(request.tags);
   const std::int64_t sheets = std::int64_t{plan.sheets} * request.copies;
   if (plan.state == PlanState::Planned && sheets > parts_.options.sheets_per_job)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <atomic>
 #include <filesystem>
 #include <set>
 
@@ -420,6 +421,23 @@ TEST_CASE("lists are paged by id and filtered as requested", "[daemon][service]"
   CHECK(bench.on([](LiveService& s) {
     return s.jobs.list({}, {10, "' OR 1=1"}).error().kind;
   }) == ProblemKind::Validation);
+}
+
+TEST_CASE("a job is found by its own time however slowly the service reads the clock",
+          "[daemon][service]") {
+  ServiceBench bench{false};
+  std::atomic<TimeMs> reading{1'790'000'000'000};
+  bench.options.wall_ms = [&reading] { return reading += 5; };
+  REQUIRE(bench.start().empty());
+  const Job first = bench.ready_job();
+  for (const std::string& id : {first.id, bench.create(first.design)->id}) {
+    const TimeMs created = bench.job(id).created;
+    const auto found = bench.on([&](LiveService& s) {
+      return s.jobs.list({.since = created, .newest_first = true}, {200, ""}).value();
+    });
+    REQUIRE_FALSE(found.items.empty());
+    CHECK(found.items.back().id == id);
+  }
 }
 
 TEST_CASE("only finished jobs can be removed and their usage is kept", "[daemon][service]") {
