@@ -53,9 +53,8 @@ TimeMs Calendar::now() {
 }
 
 void Calendar::keep() {
-  store_.db().run(
-      "INSERT OR REPLACE INTO calendar(one, believed, claimed, held_ms) VALUES(1, ?, ?, ?)",
-      believed_, claimed_, held_ms_);
+  store_.db().put("calendar(one, believed, claimed, held_ms)", "one", 1, believed_, claimed_,
+                  held_ms_);
 }
 
 void Calendar::believe() {

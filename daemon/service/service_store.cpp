@@ -50,7 +50,7 @@ void ServiceStore::emit(const std::string& kind, const std::string& job,
   if (!members.empty()) data += "," + members;
   data += "}";
   const Event event{seq, kind, now(), job, data};
-  db().insert("INSERT INTO event(seq, time, kind, job, data)", seq, event.time, kind, job, data);
+  db().insert("event(seq, time, kind, job, data)", seq, event.time, kind, job, data);
   events_.push_back(event);
 }
 
@@ -60,8 +60,8 @@ void ServiceStore::tell(const Event& event) {
 
 void ServiceStore::audit(const std::string& principal, std::string_view action,
                          const std::string& subject, const std::string& detail) {
-  db().insert("INSERT INTO audit(time, principal, action, subject, detail)", now(), principal,
-              action, subject, detail);
+  db().insert("audit(time, principal, action, subject, detail)", now(), principal, action, subject,
+              detail);
 }
 
 void ServiceStore::log(const std::string& line) const {

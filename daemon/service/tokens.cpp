@@ -179,10 +179,9 @@ Answer<NewToken> Tokens::create_token(const Principal& who, const std::string& n
                    .text = {}};
     const Secret secret = new_secret(token.record.id);
     token.text = secret.text;
-    store_.db().insert(
-        "INSERT INTO token(id, kind, name, role, principal, secret_sha256, created, expires)",
-        token.record.id, "token", name, name_of(role), "token:" + token.record.id, secret.sha256,
-        token.record.created, expires);
+    store_.db().insert("token(id, kind, name, role, principal, secret_sha256, created, expires)",
+                       token.record.id, "token", name, name_of(role), "token:" + token.record.id,
+                       secret.sha256, token.record.created, expires);
     store_.audit(who.name, "create-token", token.record.id,
                  fmt::format("{} {}", name_of(role), name));
     return token;
@@ -386,7 +385,7 @@ std::optional<NewToken> Tokens::begin_session(const Principal& who, const std::s
   if (fresh->user) uid = fresh->user->uid;
   const std::string groups = fresh->user ? text_of(fresh->user->groups) : std::string();
   store_.db().insert(
-      "INSERT INTO session(id, token, uid, groups, via, principal, secret_sha256, created, "
+      "session(id, token, uid, groups, via, principal, secret_sha256, created, "
       "expires, ends, name, most)",
       fresh->id, text_or_null(fresh->token), uid, groups, text_or_null(fresh->via),
       fresh->principal, secret.sha256, fresh->created, fresh->expires, fresh->ends, fresh->name,

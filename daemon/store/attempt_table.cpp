@@ -35,14 +35,14 @@ AttemptTable::SheetRow sheet_row(const Rows& rows) {
 }  // namespace
 
 void AttemptTable::insert(const AttemptRow& row) {
-  db_.insert("INSERT INTO attempt(" POPCUT_ATTEMPT_COLUMNS ")", attempt_values(row));
+  db_.insert("attempt(" POPCUT_ATTEMPT_COLUMNS ")", attempt_values(row));
 }
 
 void AttemptTable::put_chunk(const std::string& attempt, int seq, PathRange paths,
                              std::string_view state) {
   if (paths.last < paths.first) return;
-  db_.insert("INSERT OR REPLACE INTO chunk(attempt, seq, path_from, path_to, state)", attempt, seq,
-             paths.first, paths.last, state);
+  db_.put("chunk(attempt, seq, path_from, path_to, state)", "attempt, seq", attempt, seq,
+          paths.first, paths.last, state);
 }
 
 void AttemptTable::mark(const std::string& attempt, const AttemptMarks& marks) {
@@ -54,7 +54,7 @@ void AttemptTable::mark(const std::string& attempt, const AttemptMarks& marks) {
 }
 
 void AttemptTable::add_bytes(const std::string& attempt, std::uint64_t bytes_taken) {
-  db_.run("UPDATE attempt SET bytes_taken=max(bytes_taken, ?) WHERE id=?", bytes_taken, attempt);
+  db_.run("UPDATE attempt SET bytes_taken=?1 WHERE id=?2 AND bytes_taken<?1", bytes_taken, attempt);
 }
 
 void AttemptTable::finish(const std::string& attempt, TimeMs ended, const std::string& end_kind,
@@ -122,7 +122,7 @@ void AttemptTable::put_sheet(const std::string& job, int sheet, int blank, int s
   db_.run(
       "INSERT INTO sheet(job, k, blank, segment, state, started, finished) "
       "VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7) ON CONFLICT(job, k) DO UPDATE SET blank=?3, "
-      "segment=?4, state=?5, started=coalesce(?6, started), finished=?7",
+      "segment=?4, state=?5, started=coalesce(?6, sheet.started), finished=?7",
       job, sheet, blank, segment, state, started, finished);
 }
 
@@ -142,8 +142,8 @@ std::optional<AttemptTable::SheetRow> AttemptTable::sheet(const std::string& job
 }
 
 void AttemptTable::arm(const ArmRow& row) {
-  db_.insert("INSERT OR REPLACE INTO arm(" POPCUT_ARM_COLUMNS ")", row.job, row.sheet, row.blank,
-             row.device, row.plan_sha256, row.operator_name, row.armed, row.invocation);
+  db_.put("arm(" POPCUT_ARM_COLUMNS ")", "job", row.job, row.sheet, row.blank, row.device,
+          row.plan_sha256, row.operator_name, row.armed, row.invocation);
 }
 
 void AttemptTable::disarm(const std::string& job) { db_.run("DELETE FROM arm WHERE job=?", job); }

@@ -14,9 +14,6 @@
 #include <type_traits>
 #include <vector>
 
-struct sqlite3;
-struct sqlite3_stmt;
-
 namespace popcut::daemon {
 
 /// What kept the database from doing something.
@@ -26,6 +23,9 @@ enum class FaultKind : std::uint8_t {
   Busy,        ///< no file descriptor left: nothing was begun
   Corrupt,     ///< the file is no database, or a damaged one
   Constraint,  ///< a rule of the schema said no
+  Away,        ///< the server does not answer: nothing was committed
+  Again,       ///< somebody else was quicker: rolled back, and may be tried once more
+  InDoubt,     ///< the server went away during the commit: it is done, or not
   Other,       ///< out of memory, misuse
 };
 
@@ -55,30 +55,48 @@ class Bound {
   Bound(const std::optional<std::int64_t>& value)                          // NOLINT
       : kind_(value ? Kind::Integer : Kind::Null), integer_(value.value_or(0)) {}
 
+  [[nodiscard]] Kind kind() const { return kind_; }
+  [[nodiscard]] std::int64_t integer() const { return integer_; }
+  [[nodiscard]] double real() const { return real_; }
+  [[nodiscard]] std::string_view text() const { return text_; }
+
  private:
-  friend class Rows;
   Kind kind_{Kind::Null};
   std::int64_t integer_{};
   double real_{};
   std::string_view text_;
 };
 
+/// Where rows come from: one run of a statement.
+class RowSource {
+ public:
+  virtual ~RowSource() = default;
+  virtual bool next() = 0;
+  [[nodiscard]] virtual bool null(int column) const = 0;
+  [[nodiscard]] virtual std::int64_t integer(int column) const = 0;
+  [[nodiscard]] virtual double real(int column) const = 0;
+  [[nodiscard]] virtual std::string_view text(int column) const = 0;
+  /// The value as it is, to be bound elsewhere before `next`.
+  [[nodiscard]] virtual Bound value(int column) const = 0;
+};
+
 /// The rows of one run of a statement. The columns are those of the row `next` went to.
 class Rows {
  public:
-  ~Rows();
-  Rows(Rows&& other) noexcept;
-  Rows& operator=(Rows&&) = delete;
+  explicit Rows(std::unique_ptr<RowSource> source) : source_(std::move(source)) {}
 
   /// Goes to the next row; false after the last.
-  bool next();
-  [[nodiscard]] bool null(int column) const;
-  [[nodiscard]] std::int64_t integer(int column) const;
-  [[nodiscard]] double real(int column) const;
-  [[nodiscard]] std::string text(int column) const;
-  [[nodiscard]] std::optional<std::int64_t> maybe_integer(int column) const;
+  bool next() { return source_->next(); }
+  [[nodiscard]] bool null(int column) const { return source_->null(column); }
+  /// 0 where there is none.
+  [[nodiscard]] std::int64_t integer(int column) const { return source_->integer(column); }
+  [[nodiscard]] double real(int column) const { return source_->real(column); }
+  [[nodiscard]] std::string text(int column) const { return std::string(source_->text(column)); }
+  [[nodiscard]] std::optional<std::int64_t> maybe_integer(int column) const {
+    return null(column) ? std::nullopt : std::optional(integer(column));
+  }
   /// The value as it is, to be bound elsewhere before `next`.
-  [[nodiscard]] Bound value(int column) const;
+  [[nodiscard]] Bound value(int column) const { return source_->value(column); }
   [[nodiscard]] int small(int column) const { return static_cast<int>(integer(column)); }
   /// Reads the columns from `column` on, each into a variable of its type.
   template <typename... Values>
@@ -87,7 +105,6 @@ class Rows {
   }
 
  private:
-  friend class Database;
   template <typename Value>
   void read_one(int column, Value& value) const {
     if constexpr (std::is_same_v<Value, std::string>)
@@ -101,11 +118,7 @@ class Rows {
     else
       value = static_cast<Value>(integer(column));
   }
-  Rows(sqlite3* db, sqlite3_stmt* statement, bool* busy, std::span<const Bound> values);
-  void put_back();
-  sqlite3* db_;
-  sqlite3_stmt* statement_;
-  bool* busy_;  ///< of the kept statement; nullptr: ours, to be finalised
+  std::unique_ptr<RowSource> source_;
 };
 
 /// Every row, as `one` reads it.
@@ -126,18 +139,13 @@ template <typename One>
 
 [[nodiscard]] inline std::string first_text(const Rows& rows) { return rows.text(0); }
 
-/// The one connection to an SQLite file. Exclusive, WAL, synchronous FULL. Not for two threads.
+/// Where the service's tables are: an SQLite file of popcutd's own, or a PostgreSQL that a fleet
+/// shares. Statements are in the SQL that both understand, with `?` or `?1` for parameters. Not for
+/// two threads.
 class Database {
  public:
-  struct Options {
-    std::string path;
-    std::string vfs{};         ///< empty: the system's
-    bool create{true};         ///< false: the file must be there
-    bool exclusive_wal{true};  ///< false: for a copy that is only read (salvage)
-  };
-  /// @throws StoreFault  if it cannot be opened or is no database
-  explicit Database(const Options& options);
-  ~Database();
+  Database() = default;
+  virtual ~Database() = default;
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
 
@@ -151,7 +159,7 @@ class Database {
   [[nodiscard]] Rows rows(std::string_view sql, const Values&... values) {
     return rows_list(sql, std::array<Bound, sizeof...(Values)>{Bound(values)...});
   }
-  /// Puts one row: `into` is "INSERT INTO table(columns)", with a value for each of the columns.
+  /// Puts one row: `into` is "table(columns)", with a value for each of the columns.
   template <typename... Values>
   int insert(std::string_view into, const Values&... values) {
     return insert_list(into, std::array<Bound, sizeof...(Values)>{Bound(values)...});
@@ -160,9 +168,22 @@ class Database {
   int insert(std::string_view into, const std::tuple<Values...>& values) {
     return std::apply([&](const auto&... each) { return insert(into, each...); }, values);
   }
-  int run_list(std::string_view sql, std::span<const Bound> values);
+  /// As `insert`; a row with the same `keys`, which are columns, gets the other values.
+  template <typename... Values>
+  int put(std::string_view into, std::string_view keys, const Values&... values) {
+    return put_list(into, keys, std::array<Bound, sizeof...(Values)>{Bound(values)...});
+  }
+  template <typename... Values>
+  int put(std::string_view into, std::string_view keys, const std::tuple<Values...>& values) {
+    return std::apply([&](const auto&... each) { return put(into, keys, each...); }, values);
+  }
+  /// Waits until no other transaction holds this name; it is held to the end of this one. In a
+  /// database that is not shared there is nobody to wait for.
+  virtual void hold(std::string_view name) = 0;
+  virtual int run_list(std::string_view sql, std::span<const Bound> values) = 0;
+  [[nodiscard]] virtual Rows rows_list(std::string_view sql, std::span<const Bound> values) = 0;
   int insert_list(std::string_view into, std::span<const Bound> values);
-  [[nodiscard]] Rows rows_list(std::string_view sql, std::span<const Bound> values);
+  int put_list(std::string_view into, std::string_view keys, std::span<const Bound> values);
   /// The first column of the first row as a number; 0 without a row.
   template <typename... Values>
   [[nodiscard]] std::int64_t number(std::string_view sql, const Values&... values) {
@@ -170,26 +191,17 @@ class Database {
     return found.next() ? found.integer(0) : 0;
   }
   /// Several statements without parameters, not kept.
-  void script(const std::string& sql);
-
-  /// Gives back the memory of the pages that were read.
-  void forget_pages();
-  [[nodiscard]] bool in_transaction() const;
-  /// Pages in the write-ahead log after the last commit.
-  [[nodiscard]] int wal_pages() const { return wal_pages_; }
-  /// Moves what it can of the log into the file; true: all of it. `to_zero` empties the log.
-  bool checkpoint(bool to_zero);
+  virtual void script(const std::string& sql) = 0;
+  [[nodiscard]] virtual bool in_transaction() const = 0;
+  /// Whether others write to it, too: then who may cut is decided by its functions (daemon/fleet).
+  [[nodiscard]] virtual bool is_shared() const = 0;
   /// Called after each commit with the seconds that it took.
   std::function<void(double seconds)> committed{};
 
  private:
   friend class Transaction;
-  friend class SlicedCopy;
-  sqlite3_stmt* prepare(std::string_view sql, bool kept);
-  struct Kept;
-  sqlite3* db_{};
-  std::unique_ptr<Kept> kept_;
-  int wal_pages_{0};
+  /// How a transaction that will write begins.
+  [[nodiscard]] virtual std::string_view begin_words() const = 0;
 };
 
 /// All or nothing: rolled back unless committed. Inside another one it is a savepoint of that.

@@ -62,7 +62,7 @@ Integrity integrity_of(const std::string& database, const std::string& scratch) 
   if (fs::exists(database + "-wal", ignored)) (void)folder.take(database + "-wal");
   Integrity found;
   try {
-    Database opened({.path = copy, .create = false, .exclusive_wal = false});
+    SqliteDatabase opened({.path = copy, .create = false, .exclusive_wal = false});
     found.damage = damage_in(opened);
     found.application = opened.number("PRAGMA application_id");
     found.version = static_cast<int>(opened.number("PRAGMA user_version"));

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "daemon/store/database.hpp"
+#include "daemon/store/sqlite_database.hpp"
 
 namespace popcut::daemon {
 

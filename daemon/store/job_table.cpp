@@ -72,7 +72,7 @@ JobRow row_of(const Rows& rows) {
 }  // namespace
 
 void JobTable::insert(const JobRow& row) {
-  db_.insert("INSERT INTO job(" POPCUT_JOB_COLUMNS ")",
+  db_.insert("job(" POPCUT_JOB_COLUMNS ")",
              std::tuple_cat(std::tuple(name_of(row.state)), job_values(row)));
 }
 
@@ -206,7 +206,7 @@ std::optional<JobRow> JobTable::on_device(const std::string& device) {
 std::int64_t JobTable::last_position() { return db_.number("SELECT max(position) FROM job"); }
 
 std::int64_t JobTable::count(JobState state) {
-  return db_.number("SELECT jobs FROM tally WHERE state=?", name_of(state));
+  return db_.number("SELECT sum(jobs) FROM tally WHERE state=?", name_of(state));
 }
 
 std::int64_t JobTable::open_count() {

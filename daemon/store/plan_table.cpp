@@ -75,15 +75,15 @@ std::vector<std::string> list_from_json(const std::string& json) {
 }
 
 void PlanTable::insert(const PlanRow& row) {
-  db_.insert("INSERT INTO plan(" POPCUT_PLAN_COLUMNS ")",
+  db_.insert("plan(" POPCUT_PLAN_COLUMNS ")",
              std::tuple_cat(std::tuple(name_of(row.state), warnings_json(row.warnings)),
                             plan_values(row)));
 }
 
 void PlanTable::put_sheets(std::string_view plan, std::span<const SheetPlan> sheets) {
   for (const SheetPlan& sheet : sheets)
-    db_.insert("INSERT OR REPLACE INTO plan_sheet(plan, " POPCUT_SHEET_COLUMNS ")",
-               std::tuple_cat(std::tuple(plan), sheet_values(sheet)));
+    db_.put("plan_sheet(plan, " POPCUT_SHEET_COLUMNS ")", "plan, number",
+            std::tuple_cat(std::tuple(plan), sheet_values(sheet)));
 }
 
 void PlanTable::finish(const PlanRow& row) {
@@ -101,7 +101,7 @@ void PlanTable::set_begun(std::string_view plan, int begun) {
 }
 
 void PlanTable::ask(std::string_view plan, std::string_view owner) {
-  db_.run("INSERT OR IGNORE INTO plan_asker(owner, plan) VALUES(?, ?)", owner, plan);
+  db_.put("plan_asker(owner, plan)", "owner, plan", owner, plan);
 }
 
 bool PlanTable::has_asked(std::string_view plan, std::string_view owner) {

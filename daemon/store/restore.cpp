@@ -27,11 +27,11 @@ void write_fresh(const StateFolder& folder, const std::string& copy, const std::
   if (fs::exists(copy + "-wal")) take(copy + "-wal", "popcut.db-wal");
   for (const char* suffix : {"", "-wal", "-journal"}) remove_tree(fresh + suffix);
   {
-    Database from({.path = reading + "/popcut.db", .create = false, .exclusive_wal = false});
+    SqliteDatabase from({.path = reading + "/popcut.db", .create = false, .exclusive_wal = false});
     from.run("VACUUM INTO ?", fresh);
   }
   {
-    Database to({.path = fresh, .create = false});
+    SqliteDatabase to({.path = fresh, .create = false});
     to.checkpoint(true);
   }
   remove_tree(reading);

@@ -67,7 +67,7 @@ int damaged_version_of(Database& damaged) {
   }
 }
 
-std::vector<Salvage::Table> bring_all(Database& from, Database& to) {
+std::vector<Salvage::Table> bring_all(SqliteDatabase& from, SqliteDatabase& to) {
   std::vector<Salvage::Table> tables;
   Transaction all(to);
   for (const std::string_view name : table_names())
@@ -161,8 +161,8 @@ Result<Salvage> salvage(const std::string& path) {
   try {
     fs::copy(*aside, reading, fs::copy_options::recursive);
     for (const char* suffix : {"", "-wal", "-journal"}) remove_tree(fresh + suffix);
-    Database from({.path = reading + "/popcut.db", .create = false, .exclusive_wal = false});
-    Database to({.path = fresh});
+    SqliteDatabase from({.path = reading + "/popcut.db", .create = false, .exclusive_wal = false});
+    SqliteDatabase to({.path = fresh});
     const int version = damaged_version_of(from);
     const int newest = migrations().back().version;
     if (version > newest)

@@ -276,11 +276,29 @@ ALTER TABLE session ADD COLUMN most TEXT NOT NULL DEFAULT ''
 UPDATE plan SET key = 'before-version-6-' || id WHERE state = 'planned';
 )sql";
 
+// What the tables of a fleet have too (daemon/fleet/schema.sql). Here there is one node, without a
+// name.
+constexpr std::string_view kVersion7 = R"sql(
+ALTER TABLE device ADD COLUMN node TEXT NOT NULL DEFAULT '';
+ALTER TABLE device ADD COLUMN machine TEXT NOT NULL DEFAULT '';
+ALTER TABLE device ADD COLUMN materials TEXT NOT NULL DEFAULT '';
+ALTER TABLE device ADD COLUMN reasons TEXT NOT NULL DEFAULT '[]';
+ALTER TABLE device ADD COLUMN firmware TEXT NOT NULL DEFAULT '';
+ALTER TABLE arm ADD COLUMN node TEXT NOT NULL DEFAULT '';
+ALTER TABLE arm ADD COLUMN epoch INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE attempt ADD COLUMN node TEXT NOT NULL DEFAULT '';
+ALTER TABLE attempt ADD COLUMN epoch INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE attempt ADD COLUMN fence INTEGER;
+ALTER TABLE plan ADD COLUMN planner TEXT NOT NULL DEFAULT '';
+ALTER TABLE plan ADD COLUMN planner_epoch INTEGER NOT NULL DEFAULT 0;
+)sql";
+
 }  // namespace
 
 const std::vector<Migration>& migrations() {
   static const std::vector<Migration> all{{1, kVersion1}, {2, kVersion2}, {3, kVersion3},
-                                          {4, kVersion4}, {5, kVersion5}, {6, kVersion6}};
+                                          {4, kVersion4}, {5, kVersion5}, {6, kVersion6},
+                                          {7, kVersion7}};
   return all;
 }
 

@@ -19,7 +19,7 @@ namespace {
 
 }  // namespace
 
-SlicedCopy::SlicedCopy(Database& from, const std::string& path) {
+SlicedCopy::SlicedCopy(SqliteDatabase& from, const std::string& path) {
   const int opened =
       sqlite3_open_v2(path.c_str(), &to_,
                       SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr);
@@ -51,12 +51,12 @@ void SlicedCopy::close() {
 }
 
 void finish_copy(const std::string& path) {
-  Database copy({.path = path, .create = false});
+  SqliteDatabase copy({.path = path, .create = false});
   copy.checkpoint(true);
 }
 
 std::string verdict_on_copy(const std::string& path) {
-  Database copy({.path = path, .create = false});
+  SqliteDatabase copy({.path = path, .create = false});
   std::string verdict;
   for (const char* check : {"PRAGMA integrity_check(20)", "PRAGMA foreign_key_check"}) {
     Rows rows = copy.rows(check);

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "daemon/store/database.hpp"
+#include "daemon/store/sqlite_database.hpp"
 
 struct sqlite3_backup;
 
@@ -17,7 +17,7 @@ class SlicedCopy {
   /// Begins a copy at `path`, which must not exist.
   ///
   /// @throws StoreFault
-  SlicedCopy(Database& from, const std::string& path);
+  SlicedCopy(SqliteDatabase& from, const std::string& path);
   ~SlicedCopy();
   SlicedCopy(const SlicedCopy&) = delete;
   SlicedCopy& operator=(const SlicedCopy&) = delete;

@@ -52,7 +52,7 @@ void make_database(const std::string& path, const StoreOptions& options) {
   remove_tree(fresh + "-journal");
   remove_tree(fresh + "-wal");
   {
-    Database database({.path = fresh, .vfs = options.vfs});
+    SqliteDatabase database({.path = fresh, .vfs = options.vfs});
     build_schema(database, options.steps, options.steps.back().version);
     database.checkpoint(true);
   }
@@ -107,8 +107,10 @@ Result<std::unique_ptr<Store>> Store::open(StoreOptions options) {
     if (mark == kInUse || mark == kSuspect)
       if (std::string what = log_damage(path + "-wal"); !what.empty())
         return damaged("was not closed and its log " + what);
-    store->database_ = std::make_unique<Database>(
-        Database::Options{.path = path, .vfs = settings.vfs, .create = false});
+    auto file = std::make_unique<SqliteDatabase>(
+        SqliteDatabase::Options{.path = path, .vfs = settings.vfs, .create = false});
+    store->file_ = file.get();
+    store->database_ = std::move(file);
     const int version = version_of(*store->database_);
     const int newest = settings.steps.back().version;
     if (version > newest) {
@@ -123,7 +125,7 @@ Result<std::unique_ptr<Store>> Store::open(StoreOptions options) {
     if (!was_closed && (!settings.check_later || mark != kInUse || version < newest)) {
       if (std::string what = damage_in(*store->database_); !what.empty())
         return damaged("is damaged: " + what);
-      store->database_->forget_pages();
+      store->file_->forget_pages();
       store->checked_ = true;
     }
     if (version < 1) return damaged("has no version");
@@ -143,6 +145,16 @@ Result<std::unique_ptr<Store>> Store::open(StoreOptions options) {
     store->failed_ = true;
     return fail(ErrorKind::Unwritable, "", fmt::format("{}: {}", path, fault.what()));
   }
+}
+
+Result<std::unique_ptr<Store>> Store::over(StoreOptions options, std::unique_ptr<Database> shared) {
+  auto folder = StateFolder::open(options.folder);
+  if (!folder) return tl::unexpected(folder.error());
+  std::unique_ptr<Store> store(new Store(std::move(options), std::move(*folder)));
+  store->database_ = std::move(shared);
+  store->checked_ = true;
+  store->folder_->take_reserve(store->options_.reserve_bytes);
+  return store;
 }
 
 std::string Store::set_aside_as(const std::string& what) const {
@@ -178,12 +190,13 @@ std::optional<std::string> Store::damage_of_copy() const {
 }
 
 std::string Store::damage_in_place() {
-  const std::string damage = damage_in(*database_);
-  database_->forget_pages();
+  const std::string damage = damage_in(*file_);
+  file_->forget_pages();
   return damage.empty() ? "" : "is damaged: " + damage;
 }
 
 void Store::mark_suspect() const {
+  if (file_ == nullptr) return;
   // Best effort: without it the next run serves until it has found the damage again.
   (void)write_file(folder_->at("database-state"), kSuspect);
 }
@@ -196,6 +209,7 @@ std::int64_t Store::witnessed() const {
 }
 
 void Store::bear_witness(std::int64_t event) {
+  if (file_ == nullptr) return;
   if (witness_ < 0)
     witness_ =
         ::open(folder_->at("witness").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
@@ -218,8 +232,9 @@ void Store::migrate() {
 }
 
 void Store::mark_in_use() {
+  if (file_ == nullptr) return;
   // With nothing in it yet the log would be taken for one that was cut short.
-  if (database_->wal_pages() == 0)
+  if (file_->wal_pages() == 0)
     database_->script(fmt::format("PRAGMA user_version={}", version_of(*database_)));
   if (const Result<void> done = write_file(folder_->at("database-state"), kInUse); !done)
     throw StoreFault(FaultKind::Io, message(done.error()));
@@ -230,11 +245,11 @@ void Store::mark_in_use() {
 // from then on all is in the file, each byte of it is known, and the log is of no use.
 Store::~Store() {
   if (witness_ >= 0) close(witness_);
-  if (!database_ || failed_ || !checked_) return;
+  if (file_ == nullptr || failed_ || !checked_) return;
   try {
     const std::string path = folder_->at("popcut.db");
-    if (!in_use_ && database_->wal_pages() > 0) mark_in_use();
-    const bool moved = database_->checkpoint(false);
+    if (!in_use_ && file_->wal_pages() > 0) mark_in_use();
+    const bool moved = file_->checkpoint(false);
     database_.reset();
     if (!moved || !folder_->is_in_place()) return;
     const std::string mark = clean_mark(path);
@@ -252,7 +267,7 @@ std::string back_up(Database& database, const StateFolder& folder, const std::st
   database.run("VACUUM INTO ?", fresh);
   {
     // In the mode in which popcutd keeps it, so that it can be put in the database's place.
-    Database copy({.path = fresh, .create = false});
+    SqliteDatabase copy({.path = fresh, .create = false});
     copy.checkpoint(true);
   }
   remove_tree(fresh + "-wal");

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/result.hpp"
-#include "daemon/store/database.hpp"
 #include "daemon/store/schema.hpp"
+#include "daemon/store/sqlite_database.hpp"
 #include "daemon/store/state_folder.hpp"
 
 namespace popcut::daemon {
@@ -38,12 +38,20 @@ class Store {
   /// @retval OutOfRange   a later popcutd wrote it
   /// @retval CheckFailed  the database belongs to another user
   [[nodiscard]] static Result<std::unique_ptr<Store>> open(StoreOptions options);
+  /// With the tables in a database that others use too; the folder holds the files beside them, and
+  /// what only this popcutd knows.
+  ///
+  /// @retval Refused, Unwritable  as above
+  [[nodiscard]] static Result<std::unique_ptr<Store>> over(StoreOptions options,
+                                                           std::unique_ptr<Database> shared);
   /// Moves the log into the database, unless the disk failed or the database was not checked.
   ~Store();
   Store(const Store&) = delete;
   Store& operator=(const Store&) = delete;
 
   [[nodiscard]] Database& database() { return *database_; }
+  /// The file with the tables; nullptr: they are in a shared database.
+  [[nodiscard]] SqliteDatabase* file() { return file_; }
   [[nodiscard]] StateFolder& folder() { return *folder_; }
   [[nodiscard]] const StoreOptions& options() const { return options_; }
   /// Says that an unclean end may leave a log that must not be missing. After the first commit.
@@ -77,6 +85,7 @@ class Store {
   StoreOptions options_;
   std::unique_ptr<StateFolder> folder_;
   std::unique_ptr<Database> database_;
+  SqliteDatabase* file_{};
   bool failed_{false};
   bool checked_{false}, in_use_{false};
   int witness_{-1};

@@ -236,7 +236,7 @@ TEST_CASE("after a failed sync or write nothing is written until a restart", "[d
     REQUIRE(run.make("{\"card\":1}"));
     REQUIRE(run.begin(false));
     run.cut();
-    bench.on([&](LiveService&) { bench.store().database().checkpoint(false); });
+    bench.on([&](LiveService&) { bench.store().file()->checkpoint(false); });
     syncs = vfs.syncs() - before.first;
     writes = vfs.writes() - before.second;
   }
@@ -259,7 +259,7 @@ TEST_CASE("after a failed sync or write nothing is written until a restart", "[d
       bench.on([&](LiveService& service) {
         // The log is moved in the tick; here at once.
         try {
-          if (service.operations.health().database) bench.store().database().checkpoint(false);
+          if (service.operations.health().database) bench.store().file()->checkpoint(false);
         } catch (const StoreFault&) {
           bench.store().give_up();
         }
@@ -317,7 +317,7 @@ TEST_CASE("a power cut at any write loses nothing that was confirmed", "[daemon]
     }
   };
   all_of_it(bench, promises);
-  bench.on([&](LiveService&) { bench.store().database().checkpoint(false); });
+  bench.on([&](LiveService&) { bench.store().file()->checkpoint(false); });
   REQUIRE(promises.done.size() == 2);
   over = true;
 

@@ -242,11 +242,9 @@ Answer<Rendered> AssembledService::once(const Principal& who, const IdempotentRe
       unkept = std::move(rendered);
       return refuse(ProblemKind::Internal, "");
     }
-    db.insert(
-        "INSERT OR REPLACE INTO idem(principal, key, request, status, body, etag, location, "
-        "expires)",
-        who.name, request.key, request.sha256, rendered.status, rendered.body, rendered.etag,
-        rendered.location, parts_.calendar.now() + parts_.options.keep_keys_ms);
+    db.put("idem(principal, key, request, status, body, etag, location, expires)", "principal, key",
+           who.name, request.key, request.sha256, rendered.status, rendered.body, rendered.etag,
+           rendered.location, parts_.calendar.now() + parts_.options.keep_keys_ms);
     return rendered;
   });
   if (!answer && unkept) return std::move(*unkept);
@@ -328,6 +326,10 @@ void AssembledService::in_slices(const char* name, std::function<Answer<bool>()>
 Answer<void> AssembledService::may_copy(const Principal& who) const {
   if (who.role < Role::Admin)
     return refuse(ProblemKind::Forbidden, "only an admin may back up or check the database");
+  if (parts_.raw.file() == nullptr)
+    return refuse(ProblemKind::StateConflict,
+                  "the database is a PostgreSQL that all nodes share; back it up with PostgreSQL's "
+                  "own tools: docs/fleet.md says how");
   // The copy takes from the disk what a cut's journal needs.
   if (parts_.dispatcher.cutting())
     return refuse(ProblemKind::StateConflict,
@@ -343,7 +345,7 @@ void AssembledService::copy(const std::string& path, std::function<Answer<std::s
   auto copy = std::make_shared<std::unique_ptr<SlicedCopy>>();
   const Answer<void> begun = parts_.store.look([&]() -> Answer<void> {
     remove_tree(path);
-    *copy = std::make_unique<SlicedCopy>(parts_.store.db(), path);
+    *copy = std::make_unique<SlicedCopy>(*parts_.raw.file(), path);
     return {};
   });
   if (!begun) return done(tl::unexpected(begun.error()));
@@ -432,7 +434,7 @@ void AssembledService::prune() {
     db.run(
         "WITH first AS (SELECT seq, time FROM event ORDER BY seq LIMIT ?) "
         "DELETE FROM event WHERE seq IN (SELECT seq FROM first) AND "
-        "seq<ifnull((SELECT min(seq) FROM first WHERE time BETWEEN ? AND ?), "
+        "seq<coalesce((SELECT min(seq) FROM first WHERE time BETWEEN ? AND ?), "
         "(SELECT max(seq) FROM event))",
         kPrunedAtOnce, now - parts_.options.keep_events_ms, parts_.calendar.latest() + kAfter_ms);
     db.run("DELETE FROM token WHERE expires<?", now - parts_.options.keep_keys_ms);
@@ -452,9 +454,12 @@ void AssembledService::tick() {
   parts_.tokens.tidy();
   if (!parts_.store.full()) parts_.calendar.tick();
   try {
-    if (parts_.raw.checked() && (parts_.store.db().wal_pages() > kCheckpointPages ||
-                                 parts_.intents.waiting() > kEndedJournals)) {
-      if (parts_.store.db().checkpoint(false)) parts_.intents.checkpointed();
+    SqliteDatabase* const file = parts_.raw.file();
+    const bool many_ended = parts_.intents.waiting() > kEndedJournals;
+    if (file == nullptr) {
+      if (many_ended) parts_.intents.checkpointed();
+    } else if (parts_.raw.checked() && (file->wal_pages() > kCheckpointPages || many_ended)) {
+      if (file->checkpoint(false)) parts_.intents.checkpointed();
     }
     const TimeMs now = parts_.calendar.now();
     const bool old =

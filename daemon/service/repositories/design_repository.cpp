@@ -199,10 +199,9 @@ Answer<Design> DesignRepository::store(const Principal& who, const Upload& uploa
     } else if (const Result<void> kept = keep_file(upload.path, place); !kept) {
       return tl::unexpected(store_.unkept(kept.error()));
     }
-    store_.db().insert(
-        "INSERT INTO design(id, name, kind, owner, bytes, created, assets, media_type)", id, name,
-        design.kind, design.owner, design.bytes, design.created, json_list(design.assets),
-        media_type);
+    store_.db().insert("design(id, name, kind, owner, bytes, created, assets, media_type)", id,
+                       name, design.kind, design.owner, design.bytes, design.created,
+                       json_list(design.assets), media_type);
     store_.audit(who.name, "add-design", id, name);
     store_.emit("notice", "", fmt::format(R"("design":"{}","what":"added")", id));
     return design;
@@ -236,8 +235,8 @@ Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& up
                       .owner = who.name,
                       .bytes = upload.bytes,
                       .created = store_.now()};
-    store_.db().insert("INSERT INTO asset(id, bytes, created, name, owner)", id, asset.bytes,
-                       asset.created, asset.name, asset.owner);
+    store_.db().insert("asset(id, bytes, created, name, owner)", id, asset.bytes, asset.created,
+                       asset.name, asset.owner);
     store_.audit(who.name, "add-asset", id, "");
     return asset;
   });

@@ -98,10 +98,10 @@ std::vector<std::string> DeviceRegistry::refresh() {
 
 void DeviceRegistry::keep(const Entry& entry) {
   const DeviceRecord& record = entry.record;
-  store_.db().insert(
-      "INSERT OR REPLACE INTO device(id, rev, model, title, simulated, width_mm, length_mm, "
-      "enabled, state, sheets_done, cut_mm)",
-      record.id, record.rev, record.model, record.title, record.simulated, record.width_mm,
+  store_.db().put(
+      "device(id, rev, model, title, simulated, width_mm, length_mm, enabled, state, sheets_done, "
+      "cut_mm)",
+      "id", record.id, record.rev, record.model, record.title, record.simulated, record.width_mm,
       record.length_mm, record.enabled, record.state, record.sheets_done, record.cut_mm);
 }
 

@@ -130,8 +130,7 @@ Answer<MaterialRecord> MaterialRepository::put(const Principal& who, const std::
     if (!row) return tl::unexpected(row.error());
     const MaterialRecord record{
         .id = id, .rev = before ? before->rev + 1 : 1, .json = std::move(*row), .built_in = false};
-    store_.db().insert("INSERT OR REPLACE INTO material(id, rev, json)", id, record.rev,
-                       record.json);
+    store_.db().put("material(id, rev, json)", "id", id, record.rev, record.json);
     store_.audit(who.name, "put-material", id, "");
     return record;
   });

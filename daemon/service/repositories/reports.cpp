@@ -64,7 +64,7 @@ std::vector<UsageRow> UsageSum::rows() const {
 
 void record_usage(ServiceStore& store, const JobRow& job, const SheetUse& use) {
   store.db().insert(
-      "INSERT INTO usage(time, owner, operator, device, material, job, k, seconds, cut_mm, sheets)",
+      "usage(time, owner, operator, device, material, job, k, seconds, cut_mm, sheets)",
       store.now(), job.owner, use.operator_name, use.device, job.material, job.id, use.sheet,
       use.seconds, use.cut_mm, use.sheets);
 }
@@ -77,9 +77,8 @@ std::string metrics_text(ServiceStore& store, JobTable& jobs,
   fmt::format_to(out, "# TYPE popcut_jobs gauge\n# HELP popcut_jobs Jobs by state.\n");
   for (const JobState state : all_states())
     fmt::format_to(out, "popcut_jobs{{state=\"{}\"}} {}\n", name_of(state), jobs.count(state));
-  const std::int64_t oldest = db.number(
-      "SELECT min(created) FROM (SELECT created FROM job WHERE state='queued' ORDER BY id LIMIT "
-      "1)");
+  const std::int64_t oldest =
+      db.number("SELECT created FROM job WHERE state='queued' ORDER BY id LIMIT 1");
   fmt::format_to(out,
                  "# TYPE popcut_queue_oldest_seconds gauge\n# HELP popcut_queue_oldest_seconds Age "
                  "of the oldest queued job.\npopcut_queue_oldest_seconds {:.3f}\n",

@@ -203,7 +203,7 @@ TEST_CASE("sessions of a database of before, which have no root, have ended", "[
     auto store = Store::open({.folder = scratch.path() + "/state", .steps = old}).value();
     for (const char* kind : {"session", "token"})
       store->database().insert(
-          "INSERT INTO token(id, kind, name, role, principal, secret_sha256, created, expires)",
+          "token(id, kind, name, role, principal, secret_sha256, created, expires)",
           kind[0] == 's' ? id : "01JD0000000000000000000002", kind, "page", "admin", "token:gone",
           sha256_hex(std::string(43, 'x')), 1, std::int64_t{1} << 45);
     store->mark_in_use();
@@ -366,8 +366,8 @@ TEST_CASE("assets are listed with the designs that refer to them and removed whe
   bench.on([&](LiveService&) {
     Database& db = bench.store().database();
     db.run("DELETE FROM design WHERE id=?", design.id);
-    db.insert("INSERT INTO design(id, name, kind, owner, bytes, created, assets, media_type)",
-              design.id, "vase", "spec", bench.student.name, 6, 1, "[\"" + mesh.id + "\"]",
+    db.insert("design(id, name, kind, owner, bytes, created, assets, media_type)", design.id,
+              "vase", "spec", bench.student.name, 6, 1, "[\"" + mesh.id + "\"]",
               "application/json");
   });
   const auto listed = [&](int limit, const std::string& cursor) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <catch2/catch.hpp>
 
+#include "tests/support/earlier_schema.hpp"
 #include "tests/support/service_bench.hpp"
 
 namespace service_actions_test {
@@ -331,16 +332,8 @@ TEST_CASE("a plan of an earlier popcutd is not cut and not used again", "[daemon
   bench.stop();
   {
     // As the tables were.
-    Database db({.path = bench.folder() + "/popcut.db"});
-    db.script(
-        "DROP TRIGGER end_tally_insert; DROP TRIGGER end_tally_update; DROP TABLE end_tally;"
-        "DROP INDEX job_waiting_of; DROP INDEX job_open_of; DROP TABLE plan_asker;"
-        "ALTER TABLE plan DROP COLUMN begun; ALTER TABLE plan_sheet DROP COLUMN index_sha256;"
-        "ALTER TABLE job DROP COLUMN warnings; ALTER TABLE job DROP COLUMN unaccepted;"
-        "ALTER TABLE job DROP COLUMN load; ALTER TABLE plan_sheet DROP COLUMN mat;"
-        "ALTER TABLE plan_sheet DROP COLUMN side;"
-        "ALTER TABLE session DROP COLUMN name; ALTER TABLE session DROP COLUMN most;"
-        "PRAGMA user_version=2;");
+    SqliteDatabase db({.path = bench.folder() + "/popcut.db"});
+    db.script(test::back_to(2));
     db.checkpoint(true);
   }
   for (const char* name : {"database-state", "witness", "popcut.db-wal"})

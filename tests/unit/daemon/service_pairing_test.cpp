@@ -8,6 +8,7 @@
 #include <catch2/catch.hpp>
 
 #include "daemon/store/schema.hpp"
+#include "tests/support/earlier_schema.hpp"
 #include "tests/support/service_bench.hpp"
 
 namespace service_pairing_test {
@@ -336,11 +337,7 @@ TEST_CASE("the sessions of an earlier popcutd go on as they were", "[daemon][ser
   const NewToken page = bench.on([&](LiveService& s) {
     return s.access.open_session(s.access.create_one_shot(Tablets::local()).value()).value();
   });
-  bench.on([&](LiveService&) {
-    bench.store().database().script(
-        "ALTER TABLE session DROP COLUMN name; ALTER TABLE session DROP COLUMN most; "
-        "PRAGMA user_version=5;");
-  });
+  bench.on([&](LiveService&) { bench.store().database().script(test::back_to(5)); });
   bench.stop();
   REQUIRE(bench.start().empty());
   CHECK(bench.who(page.text)->role == Role::Operator);

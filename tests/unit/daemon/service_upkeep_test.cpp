@@ -34,7 +34,7 @@ TEST_CASE("tokens give access until they are revoked", "[daemon][service]") {
   CHECK_FALSE(who("pc_' OR 1=1"));
   // Of the secret only its digest is stored.
   const std::string secret = token.text.substr(30);
-  bench.on([&](LiveService&) { bench.store().database().checkpoint(false); });
+  bench.on([&](LiveService&) { bench.store().file()->checkpoint(false); });
   CHECK(read_whole(bench.folder() + "/popcut.db", 1 << 26)->find(secret) == std::string::npos);
   bench.skew_ms = 3'601'000;
   CHECK_FALSE(who(token.text));
@@ -188,7 +188,7 @@ TEST_CASE("an admin backs the database up and checks it while nothing is cut",
   const Job ready = bench.ready_job();
   const std::string copy = bench.backup(bench.admin).value();
   {
-    Database database({.path = copy, .create = false, .exclusive_wal = false});
+    SqliteDatabase database({.path = copy, .create = false, .exclusive_wal = false});
     CHECK(database.number("SELECT count(*) FROM job") == 1);
   }
   CHECK(bench.check_integrity().value() == "ok");

@@ -7,6 +7,7 @@
 #include "daemon/store/job_table.hpp"
 #include "daemon/store/plan_table.hpp"
 #include "daemon/store/schema.hpp"
+#include "tests/support/earlier_schema.hpp"
 #include "tests/support/service_bench.hpp"
 
 namespace warnings_test {
@@ -77,14 +78,8 @@ TEST_CASE("plans of an earlier popcutd keep their warnings and open jobs get the
   const Job open = bench.ready_job();
   bench.stop();
   {
-    Database db({.path = bench.folder() + "/popcut.db", .create = false});
-    db.script(
-        "UPDATE plan SET warnings='[\"it is \\\"large\\\"\"]';"
-        "ALTER TABLE job DROP COLUMN warnings; ALTER TABLE job DROP COLUMN unaccepted;"
-        "ALTER TABLE job DROP COLUMN load; ALTER TABLE plan_sheet DROP COLUMN mat;"
-        "ALTER TABLE plan_sheet DROP COLUMN side;"
-        "ALTER TABLE session DROP COLUMN name; ALTER TABLE session DROP COLUMN most;"
-        "PRAGMA user_version=4;");
+    SqliteDatabase db({.path = bench.folder() + "/popcut.db", .create = false});
+    db.script("UPDATE plan SET warnings='[\"it is \\\"large\\\"\"]';" + test::back_to(4));
     db.checkpoint(true);
   }
   for (const char* name : {"database-state", "witness", "popcut.db-wal"})
