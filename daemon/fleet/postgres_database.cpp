@@ -34,6 +34,8 @@ FaultKind kind_of(std::string_view state) {
   if (of_class == "08" || of_class == "57" || of_class == "53" || state == "25006" ||
       state == "25P03")
     return FaultKind::Away;
+  // Raised by the functions of daemon/fleet/schema.sql.
+  if (of_class == "PC") return FaultKind::Refused;
   if (of_class == "58") return FaultKind::Io;
   if (of_class == "XX") return FaultKind::Corrupt;
   return FaultKind::Other;
@@ -43,6 +45,15 @@ std::string one_line(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
   for (char& c : text)
     if (c == '\n' || c == '\t') c = ' ';
+  return text;
+}
+
+// What a function raised: the first line of "ERROR:  sentence\nCONTEXT:  ...".
+std::string sentence_of(std::string text) {
+  constexpr std::string_view kError = "ERROR:";
+  text.resize(std::min(text.find('\n'), text.size()));
+  if (text.starts_with(kError)) text.erase(0, kError.size());
+  text.erase(0, std::min(text.find_first_not_of(' '), text.size()));
   return text;
 }
 
@@ -379,6 +390,7 @@ StoreFault PostgresDatabase::Line::failed(FaultKind kind, const std::string& wha
   if (kind != FaultKind::Away && connection->is_open()) {
     aborted = open;
     if (commits) open = aborted = false;  // it has rolled back
+    if (kind == FaultKind::Refused) return {kind, sentence_of(what)};
     return {kind, fmt::format("{} ({})", said, sql.substr(0, 200))};
   }
   lose(said);
