@@ -34,6 +34,7 @@ set(walls
   "daemon/model : (core/[a-z]+|protocol|device|daemon/[a-z]+)/ : the model is plain values"
   "daemon/jobs : (core/[a-z]+|protocol|device|daemon/(cli|client|config|devices|http|planning|popcutd|service|store))/ : the rules of jobs need values only"
   "daemon/store : (protocol|device|daemon/(cli|client|config|devices|http|planning|popcutd|service))/ : it stores what it is given"
+  "daemon/fleet : (protocol|device|daemon/(cli|client|config|devices|http|planning|popcutd|service))/ : it stores what it is given"
   "daemon/planning : (device|daemon/(cli|client|config|devices|http|popcutd|service|store))/ : a worker has the plan's inputs only"
   "daemon/devices : daemon/(cli|client|http|planning|popcutd|service|store)/ : a cutter knows no jobs"
   "daemon/service : daemon/(cli|client|config|http|popcutd)/ : HTTP asks the service"
@@ -45,6 +46,7 @@ set(walls
 # Libraries that one place uses: their header : the folders that may include it.
 set(libraries
   "sqlite3[.]h : daemon/store"
+  "pqxx/.* : daemon/fleet"
   "libusb.* : device/usb"
   "boost/asio.* : daemon|device/port"
   "boost/beast.* : daemon/(client|http)"

@@ -38,20 +38,64 @@ void ServiceStore::follow_up() {
     }
   };
   if (!events.empty()) try_to([&] { store_.bear_witness(events.back().seq); });
-  for (const Event& event : events) try_to([&] { tell(event); });
+  if (in_fleet())
+    try_to([&] { hear_news(); });
+  else
+    for (const Event& event : events) try_to([&] { tell(event); });
   for (const auto& work : after) try_to(work);
 }
 
 void ServiceStore::emit(const std::string& kind, const std::string& job,
                         const std::string& members) {
-  const std::int64_t seq = db().number("SELECT max(seq) FROM event") + 1;
-  std::string data = fmt::format(R"({{"seq":{},"kind":"{}")", seq, kind);
+  std::string data = fmt::format(R"("kind":"{}")", kind);
   if (!job.empty()) data += fmt::format(R"(,"job":"{}")", job);
   if (!members.empty()) data += "," + members;
   data += "}";
-  const Event event{seq, kind, now(), job, data};
-  db().insert("event(seq, time, kind, job, data)", seq, event.time, kind, job, data);
-  events_.push_back(event);
+  events_.push_back({0, kind, now(), job, std::move(data)});
+}
+
+// In a fleet the counter's row is held from here to the commit, so that numbers come in the order
+// of the commits, and nobody who reads them in that order misses one.
+void ServiceStore::store_events() {
+  if (events_.empty()) return;
+  const auto count = static_cast<std::int64_t>(events_.size());
+  std::int64_t seq =
+      in_fleet() ? db().number("UPDATE event_counter SET last=last+? RETURNING last", count) - count
+                 : db().number("SELECT max(seq) FROM event");
+  for (Event& event : events_) {
+    event.seq = ++seq;
+    event.data = fmt::format(R"({{"seq":{},{})", seq, event.data);
+    db().insert("event(seq, time, kind, job, data)", seq, event.time, event.kind, event.job,
+                event.data);
+  }
+  if (in_fleet()) (void)db().number("SELECT pg_notify('popcut', ?)", node_.name);
+}
+
+void ServiceStore::begin_news() { told_ = db().number("SELECT last FROM event_counter"); }
+
+void ServiceStore::hear_news() {
+  constexpr int kAtOnce = 500;
+  if (db().in_transaction()) return;
+  for (int count = kAtOnce; count == kAtOnce;) {
+    std::vector<Event> news = all_of(
+        db().rows("SELECT seq, kind, time, job, data FROM event WHERE seq>? ORDER BY seq LIMIT ?",
+                  told_, kAtOnce),
+        [](const Rows& one) {
+          Event event;
+          one.read(0, std::tie(event.seq, event.kind, event.time, event.job, event.data));
+          return event;
+        });
+    count = static_cast<int>(news.size());
+    for (const Event& event : news) {
+      told_ = event.seq;
+      tell(event);
+    }
+  }
+}
+
+bool ServiceStore::was_overtaken(const StoreFault& fault) const {
+  // In a fleet what was looked at before may not hold any more when it is written.
+  return fault.kind() == FaultKind::Again || (fault.kind() == FaultKind::Constraint && in_fleet());
 }
 
 void ServiceStore::tell(const Event& event) {
@@ -87,6 +131,11 @@ std::string ServiceStore::moved_away() const {
 }
 
 void ServiceStore::note(const StoreFault& fault) {
+  if (in_fleet()) {
+    // The database looks after its own disk. What it says of it ends no cut here.
+    if (fault.kind() == FaultKind::InDoubt && on_doubt) on_doubt();
+    return;
+  }
   if (fault.kind() == FaultKind::Full) note_full();
   if (degraded_ || (fault.kind() != FaultKind::Io && fault.kind() != FaultKind::Corrupt)) return;
   // A failed fsync may have dropped what it should have written: trying again proves nothing.
@@ -111,7 +160,29 @@ Problem ServiceStore::degraded_problem() const {
 
 Problem ServiceStore::problem_of(const StoreFault& fault) const {
   switch (fault.kind()) {
+    case FaultKind::Away: {
+      Problem away{ProblemKind::Unavailable,
+                   fmt::format("the database of the fleet does not answer: {}", fault.what())};
+      away.retry_after_s = 2;
+      return away;
+    }
+    case FaultKind::InDoubt:
+      return {ProblemKind::Unavailable,
+              "the database of the fleet went away while this was stored; look whether it was done "
+              "before you send it again"};
+    case FaultKind::Again: {
+      Problem busy{ProblemKind::Unavailable,
+                   "others change the same at this moment; send the request again"};
+      busy.retry_after_s = 1;
+      return busy;
+    }
+    case FaultKind::Refused:
+      return {ProblemKind::StateConflict, fault.what()};
     case FaultKind::Full:
+      if (in_fleet())
+        return {ProblemKind::DiskFull,
+                "the disk of the fleet's database is full; tell who runs it, and send the request "
+                "again when it has space"};
       return {ProblemKind::DiskFull,
               "the disk is full; free some space and send the request again"};
     case FaultKind::Busy:
@@ -120,6 +191,9 @@ Problem ServiceStore::problem_of(const StoreFault& fault) const {
               "connected"};
     case FaultKind::Io:
     case FaultKind::Corrupt:
+      if (in_fleet())
+        return {ProblemKind::Unavailable,
+                fmt::format("the database of the fleet failed: {}", fault.what())};
       return degraded_problem();
     default:
       return {ProblemKind::Internal, fault.what()};

@@ -11,6 +11,7 @@
 #include "daemon/model/metrics.hpp"
 #include "daemon/model/problem.hpp"
 #include "daemon/service/service_options.hpp"
+#include "daemon/store/attempt_table.hpp"
 #include "daemon/store/store.hpp"
 #include "daemon/store/ulid.hpp"
 
@@ -27,19 +28,27 @@ class ServiceStore {
   [[nodiscard]] TimeMs now() const { return options_.wall_ms(); }
   [[nodiscard]] std::int64_t monotonic() const { return options_.monotonic_ms(); }
   [[nodiscard]] const std::string& invocation() const { return options_.invocation; }
+  /// Whether other popcutd share the database.
+  [[nodiscard]] bool in_fleet() const { return store_.file() == nullptr; }
+  /// Who this is among them; changed by `FleetNode`.
+  [[nodiscard]] const NodeMark& node() const { return node_; }
+  [[nodiscard]] NodeMark& node() { return node_; }
+  /// Takes note of the fence of a START.
+  void fenced(std::int64_t fence) { node_.fence = std::max(node_.fence, fence); }
   [[nodiscard]] std::string new_id() { return new_id(now()); }
   /// For a row that was made at `created`: lists look for it by the time in its id.
   [[nodiscard]] std::string new_id(TimeMs created) { return ulids_.next(created); }
 
   /// Runs `effect`, which gives an Answer, in a transaction. A problem, or a fault of the store,
-  /// undoes it all. On a full disk the reserve is given up and it runs once more.
+  /// undoes it all. On a full disk the reserve is given up and it runs once more; and a few times
+  /// if another node of a fleet changed the same.
   ///
   /// Inside another one it is a part of that, and a fault goes up to it.
   template <typename Effect>
   auto change(const Effect& effect) -> decltype(effect()) {
     const bool nested = db().in_transaction();
     if (degraded_) return tl::unexpected(degraded_problem());
-    for (bool again = true;; again = false) {
+    for (int tries = 0;; ++tries) {
       const Marks marks = this->marks();
       try {
         Transaction all(db());
@@ -48,6 +57,7 @@ class ServiceStore {
           forget_after(marks);
           return answer;
         }
+        if (!nested) store_events();
         all.commit();
         if (!nested) follow_up();
         return answer;
@@ -55,7 +65,8 @@ class ServiceStore {
         forget_after(marks);
         if (nested) throw;
         note(fault);
-        if (again && fault.kind() == FaultKind::Full && folder().free_reserve()) continue;
+        if (tries == 0 && fault.kind() == FaultKind::Full && folder().free_reserve()) continue;
+        if (tries < kMostTries && was_overtaken(fault)) continue;
         return tl::unexpected(problem_of(fault));
       } catch (...) {
         // Out of memory, say: what would have followed must not follow the next commit.
@@ -83,6 +94,10 @@ class ServiceStore {
   void emit(const std::string& kind, const std::string& job, const std::string& members);
   /// Calls the listeners at once; nothing is stored.
   void tell(const Event& event);
+  /// In a fleet: tells of the events that are stored and were not told of yet, whoever caused them.
+  void hear_news();
+  /// The events from now on are news.
+  void begin_news();
   void listen(std::function<void(const Event&)> listener) {
     listeners_.push_back(std::move(listener));
   }
@@ -107,6 +122,8 @@ class ServiceStore {
   /// Takes the reserve again when there is room.
   void recover_disk();
   std::function<void()> on_degraded{};
+  /// In a fleet: what was asked of the database last may have been done, or not.
+  std::function<void()> on_doubt{};
 
   [[nodiscard]] Problem problem_of(const StoreFault& fault) const;
 
@@ -124,6 +141,9 @@ class ServiceStore {
   };
   [[nodiscard]] Marks marks() const { return {after_.size(), events_.size()}; }
   void forget_after(const Marks& marks);
+  static constexpr int kMostTries = 5;
+  [[nodiscard]] bool was_overtaken(const StoreFault& fault) const;
+  void store_events();
   void follow_up();
   void degrade(const std::string& why);
   [[nodiscard]] Problem degraded_problem() const;
@@ -133,7 +153,9 @@ class ServiceStore {
   const ServiceOptions& options_;
   UlidSource ulids_;
   std::vector<std::function<void()>> after_;
-  std::vector<Event> events_;
+  std::vector<Event> events_;  ///< of this transaction, numbered at its end
+  NodeMark node_;
+  std::int64_t told_{0};  ///< in a fleet: the last event that was told of
   std::vector<std::function<void(const Event&)>> listeners_;
   std::string degraded_why_;
   bool degraded_{false};

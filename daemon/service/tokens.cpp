@@ -147,6 +147,8 @@ std::optional<Principal> Tokens::authenticate(std::string_view bearer) {
     return with_session(std::string(parts->id), parts->secret);
   } catch (const StoreFault& fault) {
     store_.note(fault);
+    // It is not known: whoever takes this for a no would throw a good token away.
+    if (store_.in_fleet()) throw;
     return std::nullopt;
   }
 }

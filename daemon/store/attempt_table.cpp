@@ -6,10 +6,12 @@
 namespace popcut::daemon {
 namespace {
 
-#define POPCUT_ATTEMPT_COLUMNS                                                            \
-  "id, job, k, blank, segment, first_stroke, strokes, device, device_session, operator, " \
-  "plan_sha256, invocation, created, started_at, ended, end_kind, bytes_taken, last_status"
-#define POPCUT_ARM_COLUMNS "job, sheet, blank, device, plan_sha256, operator, armed, invocation"
+#define POPCUT_ATTEMPT_COLUMNS                                                                \
+  "id, job, k, blank, segment, first_stroke, strokes, device, device_session, operator, "     \
+  "plan_sha256, invocation, created, started_at, ended, end_kind, bytes_taken, last_status, " \
+  "node, epoch, fence, identity"
+#define POPCUT_ARM_COLUMNS \
+  "job, sheet, blank, device, plan_sha256, operator, armed, invocation, node, epoch"
 
 // The members in the order of the columns.
 template <typename Row>
@@ -17,7 +19,7 @@ auto attempt_values(Row& row) {
   return std::tie(row.id, row.job, row.sheet, row.blank, row.segment, row.first_stroke, row.strokes,
                   row.device, row.device_session, row.operator_name, row.plan_sha256,
                   row.invocation, row.created, row.started, row.ended, row.end_kind,
-                  row.bytes_taken, row.last_status);
+                  row.bytes_taken, row.last_status, row.node, row.epoch, row.fence, row.identity);
 }
 
 AttemptRow attempt_row(const Rows& rows) {
@@ -34,8 +36,31 @@ AttemptTable::SheetRow sheet_row(const Rows& rows) {
 
 }  // namespace
 
-void AttemptTable::insert(const AttemptRow& row) {
+void AttemptTable::put_all(const AttemptRow& row) {
   db_.insert("attempt(" POPCUT_ATTEMPT_COLUMNS ")", attempt_values(row));
+}
+
+std::int64_t AttemptTable::start(const AttemptRow& row) {
+  if (db_.is_shared())
+    return db_.number("SELECT knife_start(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                      node_.name, node_.epoch, row.id, row.job, row.sheet, row.blank, row.segment,
+                      row.first_stroke, row.strokes, row.device, row.device_session,
+                      row.operator_name, row.plan_sha256, row.invocation, row.created, node_.fence);
+  put_all(row);
+  disarm(row.job);
+  return 0;
+}
+
+void AttemptTable::bring_back(const AttemptRow& row, TimeMs now, std::int64_t doubt_upto,
+                              const std::string& remark) {
+  if (db_.is_shared())
+    db_.run("SELECT knife_bring_back(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+            node_.name, node_.epoch, row.id, row.job, row.sheet, row.blank, row.segment,
+            row.first_stroke, row.strokes, row.device, row.device_session, row.operator_name,
+            row.plan_sha256, row.invocation, row.created, row.started, row.fence, row.identity);
+  else
+    put_all(row);
+  crash(row, now, doubt_upto, remark);
 }
 
 void AttemptTable::put_chunk(const std::string& attempt, int seq, PathRange paths,
@@ -45,22 +70,41 @@ void AttemptTable::put_chunk(const std::string& attempt, int seq, PathRange path
           paths.first, paths.last, state);
 }
 
-void AttemptTable::mark(const std::string& attempt, const AttemptMarks& marks) {
+void AttemptTable::mark(const std::string& attempt, const AttemptMarks& marks,
+                        std::uint64_t bytes_taken) {
+  if (db_.is_shared()) {
+    db_.run("SELECT knife_mark(?, ?, ?, ?, ?, ?, ?, ?)", node_.name, node_.epoch, attempt,
+            marks.first, marks.certain, marks.taken, marks.intended, bytes_taken);
+    return;
+  }
   const std::int64_t taken = std::max(marks.taken, marks.certain);
   db_.run("DELETE FROM chunk WHERE attempt=?", attempt);
   put_chunk(attempt, 0, {marks.first, marks.certain}, "certain");
   put_chunk(attempt, 1, {std::max(marks.first, marks.certain + 1), taken}, "sent");
   put_chunk(attempt, 2, {std::max(marks.first, taken + 1), marks.intended}, "intent");
-}
-
-void AttemptTable::add_bytes(const std::string& attempt, std::uint64_t bytes_taken) {
   db_.run("UPDATE attempt SET bytes_taken=?1 WHERE id=?2 AND bytes_taken<?1", bytes_taken, attempt);
 }
 
 void AttemptTable::finish(const std::string& attempt, TimeMs ended, const std::string& end_kind,
-                          const std::string& last_status, const std::vector<FateRun>& fates) {
+                          const std::string& last_status, std::uint64_t bytes_taken,
+                          const std::vector<FateRun>& fates) {
+  if (db_.is_shared()) {
+    std::string from, to, states;
+    for (const FateRun& run : fates) {
+      if (run.fate == PathFate::NotSent || run.paths.last < run.paths.first) continue;
+      const char* const comma = from.empty() ? "" : ",";
+      from += comma + std::to_string(run.paths.first);
+      to += comma + std::to_string(run.paths.last);
+      states += std::string(comma) + (run.fate == PathFate::Certain ? "certain" : "doubt");
+    }
+    db_.run("SELECT knife_end(?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", node_.name, node_.epoch, attempt,
+            ended, end_kind, last_status, bytes_taken, "{" + from + "}", "{" + to + "}",
+            "{" + states + "}");
+    return;
+  }
   db_.run("UPDATE attempt SET ended=?, end_kind=?, last_status=? WHERE id=?", ended, end_kind,
           last_status, attempt);
+  db_.run("UPDATE attempt SET bytes_taken=?1 WHERE id=?2 AND bytes_taken<?1", bytes_taken, attempt);
   db_.run("DELETE FROM chunk WHERE attempt=?", attempt);
   int seq = 0;
   for (const FateRun& run : fates)
@@ -69,20 +113,33 @@ void AttemptTable::finish(const std::string& attempt, TimeMs ended, const std::s
 }
 
 void AttemptTable::never_started(const std::string& attempt, TimeMs now) {
+  if (db_.is_shared()) {
+    db_.run("SELECT knife_never(?, ?, ?, ?)", node_.name, node_.epoch, attempt, now);
+    return;
+  }
   db_.run("UPDATE attempt SET started_at=NULL, ended=?, end_kind='refused' WHERE id=?", now,
           attempt);
   db_.run("DELETE FROM chunk WHERE attempt=?", attempt);
 }
 
 void AttemptTable::crash(const AttemptRow& attempt, TimeMs now, std::int64_t doubt_upto,
-                         const std::string& remark) {
-  db_.run("UPDATE attempt SET ended=?, end_kind='crash', last_status=? WHERE id=?", now, remark,
+                         const std::string& remark, const std::string& end_kind) {
+  if (db_.is_shared()) {
+    db_.run("SELECT knife_crash(?, ?, ?, ?, ?, ?, ?)", node_.name, node_.epoch, attempt.id, now,
+            end_kind, remark, doubt_upto);
+    return;
+  }
+  db_.run("UPDATE attempt SET ended=?, end_kind=?, last_status=? WHERE id=?", now, end_kind, remark,
           attempt.id);
   const std::int64_t certain =
       db_.number("SELECT coalesce(max(path_to), -1) FROM chunk WHERE attempt=? AND state='certain'",
                  attempt.id);
   db_.run("DELETE FROM chunk WHERE attempt=? AND state!='certain'", attempt.id);
   put_chunk(attempt.id, 1, {std::max(attempt.first_stroke, certain + 1), doubt_upto}, "doubt");
+}
+
+void AttemptTable::go_on(const std::string& attempt) {
+  db_.run("SELECT knife_again(?, ?, ?)", node_.name, node_.epoch, attempt);
 }
 
 std::int64_t AttemptTable::last_recorded(const std::string& attempt) {
@@ -100,10 +157,16 @@ std::vector<AttemptRow> AttemptTable::of_sheet(const std::string& job, int sheet
       attempt_row);
 }
 
+std::optional<AttemptRow> AttemptTable::find(const std::string& attempt) {
+  return first_of(db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS " FROM attempt WHERE id=?", attempt),
+                  attempt_row);
+}
+
 std::vector<AttemptRow> AttemptTable::open() {
-  return all_of(
-      db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS " FROM attempt WHERE ended IS NULL ORDER BY id"),
-      attempt_row);
+  return all_of(db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS
+                         " FROM attempt WHERE ended IS NULL AND node=? ORDER BY id",
+                         node_.name),
+                attempt_row);
 }
 
 std::vector<FateRun> AttemptTable::fates(const std::string& attempt) {
@@ -142,18 +205,31 @@ std::optional<AttemptTable::SheetRow> AttemptTable::sheet(const std::string& job
 }
 
 void AttemptTable::arm(const ArmRow& row) {
-  db_.put("arm(" POPCUT_ARM_COLUMNS ")", "job", row.job, row.sheet, row.blank, row.device,
-          row.plan_sha256, row.operator_name, row.armed, row.invocation);
+  if (db_.is_shared())
+    db_.run("SELECT knife_arm(?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", node_.name, node_.epoch, row.job,
+            row.sheet, row.blank, row.device, row.plan_sha256, row.operator_name, row.armed,
+            row.invocation);
+  else
+    db_.put("arm(" POPCUT_ARM_COLUMNS ")", "job", row.job, row.sheet, row.blank, row.device,
+            row.plan_sha256, row.operator_name, row.armed, row.invocation, node_.name, node_.epoch);
 }
 
-void AttemptTable::disarm(const std::string& job) { db_.run("DELETE FROM arm WHERE job=?", job); }
+void AttemptTable::disarm(const std::string& job) {
+  db_.run(db_.is_shared() ? "SELECT knife_disarm(?)" : "DELETE FROM arm WHERE job=?", job);
+}
+
+void AttemptTable::disarm_all() {
+  for (const std::string& job :
+       all_of(db_.rows("SELECT job FROM arm WHERE node=?", node_.name), first_text))
+    disarm(job);
+}
 
 std::optional<AttemptTable::ArmRow> AttemptTable::armed(const std::string& job) {
   return first_of(
       db_.rows("SELECT " POPCUT_ARM_COLUMNS " FROM arm WHERE job=?", job), [](const Rows& rows) {
         ArmRow row;
         rows.read(0, std::tie(row.job, row.sheet, row.blank, row.device, row.plan_sha256,
-                              row.operator_name, row.armed, row.invocation));
+                              row.operator_name, row.armed, row.invocation, row.node, row.epoch));
         return row;
       });
 }

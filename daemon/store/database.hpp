@@ -26,6 +26,7 @@ enum class FaultKind : std::uint8_t {
   Away,        ///< the server does not answer: nothing was committed
   Again,       ///< somebody else was quicker: rolled back, and may be tried once more
   InDoubt,     ///< the server went away during the commit: it is done, or not
+  Refused,     ///< a rule of the fleet says no, in words for people
   Other,       ///< out of memory, misuse
 };
 

@@ -86,7 +86,7 @@ void JobTable::update(JobRow& row) {
               row.attention_text, row.attention_since, row.plan, row.material, row.load,
               row.warnings, row.unaccepted, row.id, row.rev);
   if (changed != 1)
-    throw StoreFault(FaultKind::Other, "job " + row.id + " has changed in the meantime");
+    throw StoreFault(FaultKind::Again, "job " + row.id + " has changed in the meantime");
   ++row.rev;
 }
 

@@ -15,7 +15,7 @@ namespace popcut::test {
        "ALTER TABLE device DROP COLUMN firmware;"
        "ALTER TABLE arm DROP COLUMN node; ALTER TABLE arm DROP COLUMN epoch;"
        "ALTER TABLE attempt DROP COLUMN node; ALTER TABLE attempt DROP COLUMN epoch;"
-       "ALTER TABLE attempt DROP COLUMN fence;"
+       "ALTER TABLE attempt DROP COLUMN fence; ALTER TABLE attempt DROP COLUMN identity;"
        "ALTER TABLE plan DROP COLUMN planner; ALTER TABLE plan DROP COLUMN planner_epoch;"},
       {6, "ALTER TABLE session DROP COLUMN name; ALTER TABLE session DROP COLUMN most;"},
       {5,

@@ -247,20 +247,20 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const Actio
                                             .plan_sha256 = plan->sha256,
                                             .invocation = parts_.store.invocation(),
                                             .created = now});
-    attempts.insert({.id = (*cut)->attempt,
-                     .job = row.id,
-                     .sheet = row.sheet,
-                     .blank = row.blank,
-                     .segment = row.segment,
-                     .first_stroke = (*cut)->first,
-                     .strokes = (*cut)->strokes,
-                     .device = row.device,
-                     .device_session = parts_.devices.session_of(row.device),
-                     .operator_name = who.name,
-                     .plan_sha256 = plan->sha256,
-                     .invocation = parts_.store.invocation(),
-                     .created = now,
-                     .started = now});
+    parts_.store.fenced(attempts.start({.id = (*cut)->attempt,
+                                        .job = row.id,
+                                        .sheet = row.sheet,
+                                        .blank = row.blank,
+                                        .segment = row.segment,
+                                        .first_stroke = (*cut)->first,
+                                        .strokes = (*cut)->strokes,
+                                        .device = row.device,
+                                        .device_session = parts_.devices.session_of(row.device),
+                                        .operator_name = who.name,
+                                        .plan_sha256 = plan->sha256,
+                                        .invocation = parts_.store.invocation(),
+                                        .created = now,
+                                        .started = now}));
   } catch (const StoreFault& fault) {
     if (fault.kind() != FaultKind::Constraint) throw;
     Problem used = JobRepository::conflict(
@@ -268,7 +268,6 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const Actio
     used.ways = {{std::string(name_of(JobAction::Disarm)), "{}"}};
     return tl::unexpected(std::move(used));
   }
-  attempts.disarm(row.id);
   parts_.jobs.take(row, Step::ToCutting, "");
   // The knife moves only after all this is on the disk; what follows the commit takes no memory
   // but within `hand_over`.
@@ -335,8 +334,7 @@ Result<void> CutDispatcher::intended(Cut& cut, std::int64_t last) {
   }
   marks.intended = std::max(marks.intended, last);
   const Answer<void> done = parts_.store.change([&]() -> Answer<void> {
-    parts_.jobs.attempts().mark(cut.attempt, marks);
-    parts_.jobs.attempts().add_bytes(cut.attempt, bytes);
+    parts_.jobs.attempts().mark(cut.attempt, marks, bytes);
     return {};
   });
   if (!done) return tl::unexpected(given_up(done.error().detail));
@@ -445,11 +443,11 @@ Answer<void> CutDispatcher::record_end(Cut& cut, const SessionEnd& end) {
   const TimeMs now = parts_.store.now();
   std::string status = end.error ? message(*end.error) : end.confirmed ? "ready" : "";
   for (const std::string& remark : end.remarks) status += (status.empty() ? "" : "; ") + remark;
-  attempts.finish(cut.attempt, now, verdict.kind, status, runs);
-  {
+  const std::uint64_t bytes = [&] {
     const std::lock_guard lock(cut.mutex);
-    attempts.add_bytes(cut.attempt, cut.settled_bytes);
-  }
+    return cut.settled_bytes;
+  }();
+  attempts.finish(cut.attempt, now, verdict.kind, status, bytes, runs);
   std::int64_t certain = 0;
   for (const FateRun& run : runs)
     if (run.fate == PathFate::Certain) certain += run.paths.last - run.paths.first + 1;

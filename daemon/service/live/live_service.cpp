@@ -223,6 +223,8 @@ Answer<Rendered> AssembledService::once(const Principal& who, const IdempotentRe
   Answer<Rendered> answer = parts_.store.change([&]() -> Answer<Rendered> {
     unkept.reset();
     Database& db = parts_.store.db();
+    // In a fleet the same may come to two nodes at once.
+    db.hold(fmt::format("idem {} {}", who.name, request.key));
     Rows kept = db.rows(
         "SELECT request, status, body, etag, location, expires FROM idem WHERE principal=? AND "
         "key=?",

@@ -39,7 +39,9 @@ class JobRepository : public Jobs {
     std::shared_ptr<void> alive;
   };
   explicit JobRepository(Parts parts)
-      : parts_(std::move(parts)), jobs_(parts_.store.db()), attempts_(parts_.store.db()) {}
+      : parts_(std::move(parts)),
+        jobs_(parts_.store.db()),
+        attempts_(parts_.store.db(), parts_.store.node()) {}
 
   Answer<Job> create(const Principal& who, const JobCreate& request) override;
   /// The material's test shape as a job for that device; an empty material is the usual one.

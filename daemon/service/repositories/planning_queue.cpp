@@ -239,6 +239,7 @@ Answer<PlanRow> PlanningQueue::find_or_add(const Principal& who, PlanRow row) {
     key.add(std::string_view("\0", 1));
   }
   row.key = key.hex();
+  store.db().hold("plan " + row.key);
   if (auto before = plans_.find_key(row.key)) {
     if (const auto fine = await(who, *before); !fine) return tl::unexpected(fine.error());
     return *before;

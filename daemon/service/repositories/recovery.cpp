@@ -24,7 +24,7 @@ class Recovery {
 
   Answer<void> run() {
     close_attempts();
-    store_.db().run("DELETE FROM arm");
+    jobs_.attempts().disarm_all();
     for (const auto& [attempt, trail] : trails_) surface(attempt, trail);
     for (const JobState state :
          {JobState::Cutting, JobState::Paused, JobState::Armed, JobState::Planning})
@@ -160,8 +160,7 @@ class Recovery {
         .created = head.created,
         .started = started ? std::optional(head.created) : std::nullopt,
     };
-    attempts.insert(row);
-    attempts.crash(row, store_.now(), verdict.doubt_upto, verdict.loss);
+    attempts.bring_back(row, store_.now(), verdict.doubt_upto, verdict.loss);
   }
 
   void count_paths(JobRow& row, int sheet, int blank, std::int64_t strokes) {

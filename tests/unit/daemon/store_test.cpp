@@ -179,7 +179,7 @@ TEST_CASE("the schema itself keeps the rules that matter most", "[daemon][store]
   const auto attempt = [&](const std::string& id, const char* started) {
     db.run(std::string("INSERT INTO attempt VALUES(?, '01J00000000000000000000001', 1, 1, 1, 0, 5, "
                        "'sim:a', '', '', '', '', 0, ") +
-               started + ", 1, '', 0, '', '', 0, NULL)",
+               started + ", 1, '', 0, '', '', 0, NULL, '')",
            id);
   };
   attempt("01J0000000000000000000000A", "NULL");

@@ -1,0 +1,518 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/fleet/postgres_database.hpp"
+
+#include <charconv>
+#include <chrono>
+#include <condition_variable>
+#include <cstdlib>
+#include <mutex>
+#include <thread>
+#include <unordered_map>
+#include <vector>
+
+#include <fmt/format.h>
+#include <sys/socket.h>
+
+#include <pqxx/pqxx>
+
+namespace popcut::daemon {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::chrono::nanoseconds seconds(double value) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(value));
+}
+
+// Classes and codes of the appendix "PostgreSQL Error Codes".
+FaultKind kind_of(std::string_view state) {
+  const std::string_view of_class = state.substr(0, std::min<std::size_t>(2, state.size()));
+  if (of_class == "23") return FaultKind::Constraint;
+  if (state == "40001" || state == "40P01" || state == "55P03") return FaultKind::Again;
+  if (state == "53100") return FaultKind::Full;
+  // It is ending, full of others, or a standby that takes no writes.
+  if (of_class == "08" || of_class == "57" || of_class == "53" || state == "25006" ||
+      state == "25P03")
+    return FaultKind::Away;
+  // Raised by the functions of daemon/fleet/schema.sql.
+  if (of_class == "PC") return FaultKind::Refused;
+  if (of_class == "58") return FaultKind::Io;
+  if (of_class == "XX") return FaultKind::Corrupt;
+  return FaultKind::Other;
+}
+
+std::string one_line(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+  for (char& c : text)
+    if (c == '\n' || c == '\t') c = ' ';
+  return text;
+}
+
+// What a function raised: the first line of "ERROR:  sentence\nCONTEXT:  ...".
+std::string sentence_of(std::string text) {
+  constexpr std::string_view kError = "ERROR:";
+  text.resize(std::min(text.find('\n'), text.size()));
+  if (text.starts_with(kError)) text.erase(0, kError.size());
+  text.erase(0, std::min(text.find_first_not_of(' '), text.size()));
+  return text;
+}
+
+/// Shuts a socket on which somebody waits for too long, so that the wait ends.
+class Watchdog {
+ public:
+  Watchdog() : thread_([this] { run(); }) {}
+  ~Watchdog() {
+    {
+      const std::lock_guard hold(lock_);
+      is_over_ = true;
+    }
+    changed_.notify_one();
+    thread_.join();
+  }
+  Watchdog(const Watchdog&) = delete;
+  Watchdog& operator=(const Watchdog&) = delete;
+
+  void begin(int socket, double most_s) {
+    {
+      const std::lock_guard hold(lock_);
+      socket_ = socket;
+      until_ = Clock::now() + seconds(most_s);
+      bit_ = false;
+    }
+    changed_.notify_one();
+  }
+  /// True: it was shut.
+  bool end() {
+    const std::lock_guard hold(lock_);
+    socket_ = -1;
+    return bit_;
+  }
+
+ private:
+  void run() {
+    std::unique_lock hold(lock_);
+    while (!is_over_) {
+      if (socket_ < 0) {
+        changed_.wait(hold);
+      } else if (Clock::now() >= until_) {
+        ::shutdown(socket_, SHUT_RDWR);
+        socket_ = -1;
+        bit_ = true;
+      } else {
+        changed_.wait_until(hold, until_);
+      }
+    }
+  }
+  std::mutex lock_;
+  std::condition_variable changed_;
+  Clock::time_point until_{};
+  int socket_{-1};
+  bool bit_{false}, is_over_{false};
+  std::thread thread_;
+};
+
+/// The rows of an answer, all of which is here.
+class PostgresRows final : public RowSource {
+ public:
+  explicit PostgresRows(pqxx::result answer) : answer_(std::move(answer)) {}
+  bool next() override { return ++at_ < static_cast<int>(answer_.size()); }
+  [[nodiscard]] bool null(int column) const override { return field(column).is_null(); }
+  [[nodiscard]] std::int64_t integer(int column) const override {
+    const std::string_view given = text(column);
+    if (given == "t") return 1;
+    std::int64_t value = 0;
+    std::from_chars(given.data(), given.data() + given.size(), value);
+    return value;
+  }
+  [[nodiscard]] double real(int column) const override {
+    const std::string_view given = text(column);
+    double value = 0;
+    std::from_chars(given.data(), given.data() + given.size(), value);
+    return value;
+  }
+  [[nodiscard]] std::string_view text(int column) const override {
+    const pqxx::field one = field(column);
+    return one.is_null() ? std::string_view() : std::string_view(one.c_str(), one.size());
+  }
+  [[nodiscard]] Bound value(int column) const override {
+    return null(column) ? Bound(nullptr) : Bound(text(column));
+  }
+
+ private:
+  [[nodiscard]] pqxx::field field(int column) const {
+    return answer_[static_cast<pqxx::result::size_type>(at_)]
+                  [static_cast<pqxx::row::size_type>(column)];
+  }
+  pqxx::result answer_;
+  int at_{-1};
+};
+
+// A value as text; nothing: NULL.
+std::optional<std::string> text_of(const Bound& value) {
+  switch (value.kind()) {
+    case Bound::Kind::Null:
+      break;
+    case Bound::Kind::Integer:
+      return std::to_string(value.integer());
+    case Bound::Kind::Real:
+      return fmt::format("{}", value.real());
+    case Bound::Kind::Text:
+      return clean_text(value.text());
+  }
+  return std::nullopt;
+}
+
+bool ends_transaction(std::string_view sql) { return sql == "COMMIT" || sql == "ROLLBACK"; }
+bool is_control(std::string_view sql) {
+  return ends_transaction(sql) || sql.starts_with("BEGIN") || sql.starts_with("SAVEPOINT") ||
+         sql.starts_with("RELEASE") || sql.starts_with("ROLLBACK");
+}
+
+// As it stands in a URL.
+std::string percent_encoded(std::string_view text) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
+  std::string encoded;
+  for (const char c : text)
+    encoded += kPlain.find(c) != std::string_view::npos
+                   ? std::string(1, c)
+                   : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  return encoded;
+}
+
+// As it stands among the words of "key='value'".
+std::string in_quotes(std::string_view text) {
+  std::string all = "'";
+  for (const char c : text) {
+    if (c == '\\' || c == '\'') all += '\\';
+    all += c;
+  }
+  return all + "'";
+}
+
+// What must hold for every connection: a partition is noticed, a server that hangs too, and a
+// client that hangs keeps no lock for long.
+std::string connection_words(const PostgresDatabase::Options& options) {
+  const int wait_s = std::max(1, static_cast<int>(options.connect_s));
+  const int answer_ms = static_cast<int>(options.answer_s * 1000);
+  const bool is_url = options.url.starts_with("postgres");
+  std::vector<std::pair<std::string, std::string>> own{
+      {"connect_timeout", std::to_string(wait_s)},
+      {"application_name", options.name},
+      {"target_session_attrs", "read-write"},
+      {"keepalives_idle", "5"},
+      {"keepalives_interval", "2"},
+      {"keepalives_count", "3"},
+      {"tcp_user_timeout", std::to_string(answer_ms)},
+      {"options", fmt::format("-c search_path=popcut -c client_min_messages=warning "
+                              "-c statement_timeout={} -c lock_timeout={} "
+                              "-c idle_in_transaction_session_timeout={} "
+                              "-c default_transaction_isolation=read\\ committed",
+                              answer_ms, answer_ms * 3 / 5, answer_ms * 2)},
+  };
+  if (!options.password.empty()) own.emplace_back("password", options.password);
+  std::string text = options.url;
+  // What the URL says itself goes before.
+  for (const auto& [key, value] : own) {
+    if (options.url.find(key + "=") != std::string::npos) continue;
+    if (is_url)
+      text += fmt::format("{}{}={}", text.find('?') == std::string::npos ? '?' : '&', key,
+                          percent_encoded(value));
+    else
+      text += fmt::format(" {}={}", key, in_quotes(value));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string with_dollars(std::string_view sql) {
+  std::string text;
+  text.reserve(sql.size() + 16);
+  int count = 0;
+  char quote = 0;
+  for (std::size_t at = 0; at < sql.size(); ++at) {
+    const char c = sql[at];
+    if (quote != 0) {
+      if (c == quote) quote = 0;
+    } else if (c == '\'' || c == '"') {
+      quote = c;
+    } else if (c == '?') {
+      text += '$';
+      const bool is_numbered = at + 1 < sql.size() && sql[at + 1] >= '0' && sql[at + 1] <= '9';
+      if (!is_numbered) text += std::to_string(++count);
+      continue;
+    }
+    text += c;
+  }
+  return text;
+}
+
+std::string clean_text(std::string_view text) {
+  constexpr std::string_view kReplacement = "\xEF\xBF\xBD";
+  std::string clean;
+  clean.reserve(text.size());
+  for (std::size_t at = 0; at < text.size();) {
+    const auto first = static_cast<unsigned char>(text[at]);
+    const std::size_t size = first < 0x80                    ? 1
+                             : first >= 0xC2 && first < 0xE0 ? 2
+                             : first >= 0xE0 && first < 0xF0 ? 3
+                             : first >= 0xF0 && first < 0xF5 ? 4
+                                                             : 0;
+    bool sound = size > 0 && first != 0 && at + size <= text.size();
+    for (std::size_t k = 1; sound && k < size; ++k)
+      sound = (static_cast<unsigned char>(text[at + k]) & 0xC0) == 0x80;
+    if (sound && size > 2) {
+      // Not longer than it must be, no surrogate, not beyond U+10FFFF.
+      const auto second = static_cast<unsigned char>(text[at + 1]);
+      sound = !(first == 0xE0 && second < 0xA0) && !(first == 0xED && second >= 0xA0) &&
+              !(first == 0xF0 && second < 0x90) && !(first == 0xF4 && second >= 0x90);
+    }
+    clean += sound ? text.substr(at, size) : kReplacement;
+    at += sound ? size : 1;
+  }
+  return clean;
+}
+
+struct PostgresDatabase::Line {
+  explicit Line(Options given) : options(std::move(given)), words(connection_words(options)) {}
+  ~Line() {
+    if (seeker.joinable()) seeker.join();
+  }
+  Line(const Line&) = delete;
+  Line& operator=(const Line&) = delete;
+
+  /// What another thread brings.
+  struct Found {
+    std::mutex lock;
+    bool is_over{false};
+    std::unique_ptr<pqxx::connection> connection;
+    std::string fault;
+    bool refused{false};
+  };
+
+  void seek() {
+    if (seeker.joinable()) seeker.join();
+    found = std::make_shared<Found>();
+    seeker = std::thread([words = words, found = found] {
+      try {
+        auto made = std::make_unique<pqxx::connection>(words);
+        const std::lock_guard hold(found->lock);
+        found->connection = std::move(made);
+        found->is_over = true;
+      } catch (const std::exception& fault) {
+        const std::lock_guard hold(found->lock);
+        found->fault = one_line(fault.what());
+        // Wrong words will not be right the next time; a server that is not there may be.
+        found->refused = found->fault.find("authentication failed") != std::string::npos ||
+                         found->fault.find("does not exist") != std::string::npos ||
+                         found->fault.find("not permitted") != std::string::npos ||
+                         found->fault.find("no pg_hba.conf entry") != std::string::npos ||
+                         found->fault.find("invalid") != std::string::npos ||
+                         found->fault.find("missing") != std::string::npos;
+        found->is_over = true;
+      }
+    });
+  }
+
+  /// Takes what the other thread found; begins to look again if it found nothing.
+  bool take() {
+    if (connection) return true;
+    if (!found) {
+      if (Clock::now() < again) return false;
+      seek();
+      return false;
+    }
+    {
+      const std::lock_guard hold(found->lock);
+      if (!found->is_over) return false;
+      connection = std::move(found->connection);
+      if (!connection) why = found->fault;
+      refused = found->refused;
+    }
+    if (seeker.joinable()) seeker.join();
+    found.reset();
+    again = Clock::now() + seconds(options.again_s);
+    return connection != nullptr;
+  }
+
+  /// Runs a statement, or several that are not kept, and keeps the books on the transaction.
+  pqxx::result ask(std::string_view sql, std::span<const Bound> values, bool is_script = false);
+  pqxx::result send(std::string_view sql, std::span<const Bound> values);
+  [[nodiscard]] StoreFault failed(FaultKind kind, const std::string& what, std::string_view sql);
+  void lose(const std::string& because) {
+    why = because;
+    connection.reset();
+    prepared.clear();
+    listens.clear();
+    again = Clock::now();
+    dead = open;
+  }
+
+  Options options;
+  std::string words;
+  std::unique_ptr<pqxx::connection> connection;
+  std::unordered_map<std::string, std::string> prepared;  ///< names by text
+  std::unordered_map<std::string, std::unique_ptr<pqxx::notification_receiver>> listens;
+  std::shared_ptr<Found> found;
+  std::thread seeker;
+  Watchdog watchdog;
+  Clock::time_point again{};
+  std::string why{"it was not asked yet"};
+  bool refused{false};
+  bool open{false};     ///< a transaction is
+  bool dead{false};     ///< its connection went away: it can only be rolled back
+  bool aborted{false};  ///< a statement of it failed
+};
+
+pqxx::result PostgresDatabase::Line::send(std::string_view sql, std::span<const Bound> values) {
+  pqxx::nontransaction work(*connection);
+  const std::string text(sql);
+  auto known = prepared.find(text);
+  if (known == prepared.end()) {
+    std::string name = fmt::format("s{}", prepared.size());
+    connection->prepare(name, with_dollars(sql));
+    known = prepared.emplace(text, std::move(name)).first;
+  }
+  std::vector<std::optional<std::string>> texts;
+  texts.reserve(values.size());
+  for (const Bound& value : values) texts.push_back(text_of(value));
+  std::vector<const char*> given;
+  given.reserve(values.size());
+  for (const auto& one : texts) given.push_back(one ? one->c_str() : nullptr);
+  return work.exec_prepared(known->second, pqxx::prepare::make_dynamic_params(given));
+}
+
+StoreFault PostgresDatabase::Line::failed(FaultKind kind, const std::string& what,
+                                          std::string_view sql) {
+  const bool commits = sql == "COMMIT";
+  const std::string said = one_line(what);
+  if (kind != FaultKind::Away && connection->is_open()) {
+    aborted = open;
+    if (commits) open = aborted = false;  // it has rolled back
+    if (kind == FaultKind::Refused) return {kind, sentence_of(what)};
+    return {kind, fmt::format("{} ({})", said, sql.substr(0, 200))};
+  }
+  lose(said);
+  if (!commits) return {FaultKind::Away, said};
+  open = dead = aborted = false;
+  return {FaultKind::InDoubt, said};
+}
+
+pqxx::result PostgresDatabase::Line::ask(std::string_view sql, std::span<const Bound> values,
+                                         bool is_script) {
+  if (dead) {
+    if (sql != "ROLLBACK") throw StoreFault(FaultKind::Away, why);
+    open = dead = aborted = false;
+    return {};
+  }
+  if (!take()) throw StoreFault(FaultKind::Away, why);
+  // PostgreSQL would answer it with a ROLLBACK that looks like success.
+  if (sql == "COMMIT" && aborted)
+    throw StoreFault(FaultKind::Other, "a statement of this transaction failed");
+  watchdog.begin(connection->sock(), options.answer_s + 1);
+  try {
+    pqxx::result rows;
+    if (is_script || is_control(sql)) {
+      pqxx::nontransaction work(*connection);
+      rows = work.exec(std::string(sql));
+    } else {
+      rows = send(sql, values);
+    }
+    watchdog.end();
+    if (sql == "BEGIN") open = true;
+    if (sql.starts_with("ROLLBACK TO")) aborted = false;
+    if (ends_transaction(sql)) open = aborted = false;
+    return rows;
+  } catch (const pqxx::broken_connection& fault) {
+    throw failed(FaultKind::Away,
+                 watchdog.end() ? fmt::format("no answer for {:g} s", options.answer_s + 1)
+                                : std::string(fault.what()),
+                 sql);
+  } catch (const pqxx::sql_error& fault) {
+    watchdog.end();
+    throw failed(kind_of(fault.sqlstate()), fault.what(), sql);
+  } catch (const pqxx::transaction_rollback& fault) {
+    watchdog.end();
+    throw failed(FaultKind::Again, fault.what(), sql);
+  } catch (const std::bad_alloc&) {
+    watchdog.end();
+    lose("out of memory");
+    throw;
+  } catch (const std::exception& fault) {
+    const bool is_late = watchdog.end();
+    throw failed(is_late || !connection->is_open() ? FaultKind::Away : FaultKind::Other,
+                 fault.what(), sql);
+  }
+}
+
+namespace {
+
+class Heard final : public pqxx::notification_receiver {
+ public:
+  Heard(pqxx::connection_base& connection, const std::string& channel)
+      : pqxx::notification_receiver(connection, channel) {}
+  void operator()(const std::string& text, int) override {
+    if (tell != nullptr && *tell) (*tell)(text);
+  }
+  const std::function<void(const std::string&)>* tell{};
+};
+
+}  // namespace
+
+PostgresDatabase::PostgresDatabase(Options options, bool must_be_there)
+    : line_(std::make_unique<Line>(std::move(options))) {
+  line_->seek();
+  line_->seeker.join();
+  if (line_->take() || !must_be_there) return;
+  throw StoreFault(line_->refused ? FaultKind::Other : FaultKind::Away, line_->why);
+}
+
+PostgresDatabase::~PostgresDatabase() = default;
+
+bool PostgresDatabase::in_transaction() const { return line_->open; }
+
+bool PostgresDatabase::is_there() {
+  if (line_->dead) return false;
+  return line_->take();
+}
+
+std::string PostgresDatabase::why_away() const { return line_->why; }
+
+void PostgresDatabase::hold(std::string_view name) {
+  Rows none = rows("SELECT pg_advisory_xact_lock(hashtextextended(?, 0))", name);
+  while (none.next()) continue;
+}
+
+Rows PostgresDatabase::rows_list(std::string_view sql, std::span<const Bound> values) {
+  return Rows(std::make_unique<PostgresRows>(line_->ask(sql, values)));
+}
+
+int PostgresDatabase::run_list(std::string_view sql, std::span<const Bound> values) {
+  return static_cast<int>(line_->ask(sql, values).affected_rows());
+}
+
+void PostgresDatabase::script(const std::string& sql) { line_->ask(sql, {}, true); }
+
+bool PostgresDatabase::listen(std::string_view channel, double wait_s,
+                              const std::function<void(const std::string& text)>& heard) {
+  Line& line = *line_;
+  if (!is_there()) return false;
+  try {
+    auto& one = line.listens[std::string(channel)];
+    if (!one) one = std::make_unique<Heard>(*line.connection, std::string(channel));
+    auto& ear = static_cast<Heard&>(*one);
+    ear.tell = &heard;
+    const auto whole = static_cast<long>(wait_s);
+    line.connection->await_notification(
+        whole, static_cast<long>((wait_s - static_cast<double>(whole)) * 1e6));
+    ear.tell = nullptr;
+    return true;
+  } catch (const std::exception& fault) {
+    line.listens.clear();
+    line.lose(one_line(fault.what()));
+    return false;
+  }
+}
+
+}  // namespace popcut::daemon
