@@ -61,14 +61,18 @@ END $$;
 -- ---------------------------------------------------------------------------------------------
 -- The fleet
 
--- A popcutd that knows the schema V may use the database if least <= V and V <= version + 1.
+-- `least` is the oldest version of a popcutd that may still use the database. `went_back` is when a
+-- node last saw that the database is an earlier one than before: restored from a copy.
 CREATE TABLE popcut.popcut_schema(
-  version bigint NOT NULL, least bigint NOT NULL CHECK (least <= version));
+  version bigint NOT NULL, least bigint NOT NULL CHECK (least <= version),
+  went_back bigint NOT NULL DEFAULT 0);
 CREATE UNIQUE INDEX popcut_schema_one ON popcut.popcut_schema((true));
 INSERT INTO popcut.popcut_schema(version, least) VALUES (1, 1);
 
--- `identity` is what a node keeps in its own folder: it tells a node that is back from another with
--- its name. Every beat writes to this table, so no index has a column of it that changes.
+-- `identity` is that of a machine and its state folder: it tells a node that is back from another
+-- with its name. `generation` is that of the database in which the node last compared its journals
+-- with it; `ended` says that it was stopped in order. Every beat writes to this table, so no index
+-- has a column that a beat changes.
 CREATE TABLE popcut.node(
   name text COLLATE "C" PRIMARY KEY CHECK (name ~ '^[A-Za-z0-9][A-Za-z0-9._-]{0,62}$'),
   login text COLLATE "C" NOT NULL,
@@ -80,11 +84,14 @@ CREATE TABLE popcut.node(
   heartbeat timestamptz NOT NULL,
   lease_until timestamptz NOT NULL,
   lease_s double precision NOT NULL,
+  generation text COLLATE "C" NOT NULL,
+  ended bigint NOT NULL CHECK (ended IN (0, 1)),
   draining bigint NOT NULL CHECK (draining IN (0, 1))) WITH (fillfactor = 40);
+CREATE INDEX node_generation ON popcut.node(generation);
 
 -- The nodes in the terms of the other tables: milliseconds, and whether the lease lives.
 CREATE VIEW popcut.node_state AS
-  SELECT name, login, epoch, url, version, draining, lease_s,
+  SELECT name, login, epoch, url, version, draining, ended, generation, lease_s,
          (extract(epoch FROM begun) * 1000)::bigint AS begun_ms,
          (extract(epoch FROM heartbeat) * 1000)::bigint AS heartbeat_ms,
          (extract(epoch FROM lease_until) * 1000)::bigint AS lease_until_ms,
@@ -245,7 +252,7 @@ CREATE TABLE popcut.arm(
   node text COLLATE "C" NOT NULL DEFAULT '', epoch bigint NOT NULL DEFAULT 0);
 
 -- `fence` grows with each start of the fleet; a node starts nothing with one below the greatest
--- that its journals know.
+-- that its journals know. `identity` is that of the node which started it: its journal knows most.
 CREATE TABLE popcut.attempt(
   id text COLLATE "C" PRIMARY KEY CHECK (length(id) = 26),
   job text COLLATE "C" NOT NULL REFERENCES popcut.job(id), k bigint NOT NULL,
@@ -257,7 +264,8 @@ CREATE TABLE popcut.attempt(
   created bigint NOT NULL, started_at bigint, ended bigint, end_kind text COLLATE "C" NOT NULL,
   bytes_taken bigint NOT NULL, last_status text COLLATE "C" NOT NULL,
   node text COLLATE "C" NOT NULL DEFAULT '', epoch bigint NOT NULL DEFAULT 0,
-  fence bigint UNIQUE) WITH (fillfactor = 70);
+  fence bigint UNIQUE,
+  identity text COLLATE "C" NOT NULL DEFAULT '') WITH (fillfactor = 70);
 -- The same blank is never started twice.
 CREATE UNIQUE INDEX attempt_once ON popcut.attempt(job, k, blank, segment)
   WHERE started_at IS NOT NULL;
@@ -268,7 +276,7 @@ CREATE UNIQUE INDEX attempt_knife ON popcut.attempt(job)
   WHERE started_at IS NOT NULL AND ended IS NULL;
 CREATE INDEX attempt_job ON popcut.attempt(job, k, id);
 CREATE INDEX attempt_open ON popcut.attempt(id) WHERE ended IS NULL;
-CREATE INDEX attempt_lost ON popcut.attempt(node) WHERE end_kind = 'lost';
+CREATE INDEX attempt_node ON popcut.attempt(node) WHERE ended IS NULL OR end_kind = 'lost';
 CREATE SEQUENCE popcut.fence_seq AS bigint;
 
 -- Rows change in place while a cut goes on.
@@ -548,6 +556,37 @@ CREATE FUNCTION popcut.clock_ms() RETURNS bigint LANGUAGE sql VOLATILE
 SET search_path = pg_catalog, popcut, pg_temp
 AS $$ SELECT (extract(epoch FROM clock_timestamp()) * 1000)::bigint $$;
 
+-- Which of its pasts the database goes on from. A promoted standby and a recovery to a point in time
+-- begin another timeline; files that were put back as they were do not, and only a node that knows
+-- of later events can tell.
+CREATE FUNCTION popcut.popcut_generation() RETURNS text LANGUAGE plpgsql STABLE
+SET search_path = pg_catalog, popcut, pg_temp AS $$
+BEGIN
+  RETURN substr(pg_walfile_name(pg_current_wal_lsn()), 1, 8) || '.' ||
+    (SELECT went_back FROM popcut_schema);
+END $$;
+
+-- Nothing is armed or started while a node may know of a start that the database has forgotten.
+-- One that was stopped in order missed nothing when a standby took over.
+CREATE FUNCTION popcut.generation_check() RETURNS void LANGUAGE plpgsql
+SET search_path = pg_catalog, popcut, pg_temp AS $$
+DECLARE
+  v_now text := popcut_generation();
+  v_name text;
+BEGIN
+  -- Two ranges rather than one <>, so that the index finds that there is none.
+  SELECT name INTO v_name FROM node
+    WHERE (generation < v_now OR generation > v_now) AND epoch > 0 AND
+      (ended = 0 OR split_part(generation, '.', 2) <> split_part(v_now, '.', 2))
+    ORDER BY name LIMIT 1;
+  IF FOUND THEN
+    RAISE EXCEPTION USING ERRCODE = 'PC001', MESSAGE =
+      format('the database went back to an earlier state, and node %s has not compared its '
+             'journals with it since; start it, or forget it: popcut fleet forget %s', v_name,
+             v_name);
+  END IF;
+END $$;
+
 -- Who calls is the login of that node, and of its present life. `p_live`: its lease must live too,
 -- and this life lasts until the transaction ends. That lock lets beats pass.
 CREATE FUNCTION popcut.node_check(p_node text, p_epoch bigint, p_live boolean) RETURNS void
@@ -573,13 +612,17 @@ BEGIN
   END IF;
   IF p_live AND one.lease_until <= clock_timestamp() THEN
     RAISE EXCEPTION USING ERRCODE = 'PC001',
-      MESSAGE = format('the lease of node %s is over since %s', p_node, one.lease_until);
+      MESSAGE = format('the lease of node %s is over', p_node);
   END IF;
 END $$;
 
--- A node begins a new life. `fence` is the greatest that was given so far.
+-- A node begins a new life. Its epoch is one that no earlier life had, also when the database went
+-- back and forgot some. `p_epoch_before` is that of its last life as it knows it, null if it knows
+-- none; `p_last_event` is the greatest number of an event that it has seen. `fence` is the greatest
+-- that was given so far.
 CREATE FUNCTION popcut.node_begin(p_name text, p_identity text, p_url text, p_version text,
-                                  OUT epoch bigint, OUT fence bigint, OUT now_ms bigint)
+                                  p_epoch_before bigint, p_last_event bigint, OUT epoch bigint,
+                                  OUT fence bigint, OUT now_ms bigint, OUT generation text)
 LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 DECLARE
   c_first_lease CONSTANT double precision := 30;
@@ -598,9 +641,9 @@ BEGIN
       END IF;
     END IF;
     INSERT INTO node(name, login, identity, epoch, url, version, begun, heartbeat, lease_until,
-                     lease_s, draining)
+                     lease_s, generation, ended, draining)
       VALUES (p_name, session_user, '', 0, '', '', '-infinity', '-infinity', '-infinity',
-              c_first_lease, 0) ON CONFLICT (name) DO NOTHING;
+              c_first_lease, '', 1, 0) ON CONFLICT (name) DO NOTHING;
   END IF;
   -- Waits for starts of the life before that are still under way.
   SELECT * INTO one FROM node WHERE node.name = p_name FOR UPDATE;
@@ -608,22 +651,37 @@ BEGIN
     RAISE EXCEPTION USING ERRCODE = 'PC001',
       MESSAGE = format('node %s is for the login %s, not for %s', p_name, one.login, session_user);
   END IF;
-  IF one.identity <> p_identity AND one.lease_until > clock_timestamp() THEN
+  IF one.lease_until > clock_timestamp() AND
+     (one.identity <> p_identity OR one.epoch <> p_epoch_before) THEN
     RAISE EXCEPTION USING ERRCODE = 'PC002',
       MESSAGE = format('another popcutd is node %s and is alive; give this one another name',
                        p_name);
   END IF;
+  IF p_last_event > (SELECT last FROM event_counter) THEN
+    UPDATE popcut_schema SET went_back = greatest(went_back + 1, clock_ms());
+  END IF;
   now_ms := clock_ms();
-  epoch := one.epoch + 1;
-  UPDATE node SET identity = p_identity, epoch = one.epoch + 1, url = p_url, version = p_version,
-      begun = clock_timestamp(), heartbeat = clock_timestamp(), lease_s = c_first_lease,
+  epoch := greatest(one.epoch + 1, now_ms);
+  UPDATE node SET identity = p_identity, epoch = node_begin.epoch, url = p_url,
+      version = p_version, begun = clock_timestamp(), heartbeat = clock_timestamp(),
+      lease_s = c_first_lease, ended = 0,
       lease_until = clock_timestamp() + make_interval(secs => c_first_lease)
     WHERE node.name = p_name;
   SELECT CASE WHEN is_called THEN last_value ELSE 0 END INTO fence FROM fence_seq;
+  generation := popcut_generation();
 END $$;
 
--- Renews the lease if it lives; if not, the node begins again. A beat of its own transaction may
--- have synchronous_commit off: a beat that is lost makes a lease shorter, never longer.
+-- The node has compared its journals with the database.
+CREATE FUNCTION popcut.node_reported(p_name text, p_epoch bigint) RETURNS void LANGUAGE plpgsql
+SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
+BEGIN
+  PERFORM node_check(p_name, p_epoch, false);
+  UPDATE node SET generation = popcut_generation() WHERE name = p_name AND epoch = p_epoch;
+END $$;
+
+-- Renews the lease if it lives; if not, the node begins again. So it does when the database went
+-- back, to compare its journals. A beat of its own transaction may have synchronous_commit off: a
+-- beat that is lost makes a lease shorter, never longer.
 CREATE FUNCTION popcut.node_beat(p_name text, p_epoch bigint, p_lease_s double precision,
                                  OUT alive boolean, OUT now_ms bigint, OUT is_draining bigint)
 LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
@@ -636,7 +694,8 @@ BEGIN
   END IF;
   UPDATE node SET heartbeat = clock_timestamp(), lease_s = p_lease_s,
       lease_until = clock_timestamp() + make_interval(secs => p_lease_s)
-    WHERE name = p_name AND epoch = p_epoch AND lease_until > clock_timestamp()
+    WHERE name = p_name AND epoch = p_epoch AND lease_until > clock_timestamp() AND
+      generation = popcut_generation()
     RETURNING login, draining INTO v_login, is_draining;
   alive := FOUND;
   IF NOT alive THEN
@@ -657,8 +716,31 @@ CREATE FUNCTION popcut.node_end(p_name text, p_epoch bigint) RETURNS void LANGUA
 SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 BEGIN
   PERFORM node_check(p_name, p_epoch, false);
-  UPDATE node SET lease_until = least(lease_until, clock_timestamp())
-    WHERE name = p_name AND epoch = p_epoch;
+  UPDATE node SET lease_until = '-infinity', ended = 1 WHERE name = p_name AND epoch = p_epoch;
+END $$;
+
+-- Whether that life of a node is over. If its lease is, it is closed for good, also for a clock that
+-- is put back, and what the node still starts has been waited for: what is read after this is all.
+-- For as long as a lease lasts, somebody must have been alive without a break: when the database
+-- was away, the leases of all are over, and each gets time to come back before its cut is lost.
+CREATE FUNCTION popcut.node_lapse(p_name text, p_epoch bigint) RETURNS boolean LANGUAGE plpgsql
+SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
+DECLARE
+  one node;
+BEGIN
+  -- Only a node that may be dead is locked.
+  SELECT * INTO one FROM node WHERE name = p_name;
+  IF one.lease_until > clock_timestamp() THEN RETURN false; END IF;
+  SELECT * INTO one FROM node WHERE name = p_name FOR UPDATE;
+  IF one.name IS NULL THEN RETURN true; END IF;  -- it was forgotten
+  IF one.lease_until > clock_timestamp() THEN RETURN false; END IF;
+  IF one.lease_until = '-infinity' THEN RETURN true; END IF;
+  IF NOT EXISTS (SELECT FROM node WHERE lease_until > clock_timestamp() AND
+                 begun + make_interval(secs => one.lease_s) <= clock_timestamp()) THEN
+    RETURN false;
+  END IF;
+  UPDATE node SET lease_until = '-infinity' WHERE name = p_name;
+  RETURN true;
 END $$;
 
 -- For admins: a name for a login, before the node is there. An existing node gets the login.
@@ -666,8 +748,8 @@ CREATE FUNCTION popcut.node_join(p_name text, p_login text) RETURNS void LANGUAG
 SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 BEGIN
   INSERT INTO node(name, login, identity, epoch, url, version, begun, heartbeat, lease_until,
-                   lease_s, draining)
-    VALUES (p_name, p_login, '', 0, '', '', '-infinity', '-infinity', '-infinity', 30, 0)
+                   lease_s, generation, ended, draining)
+    VALUES (p_name, p_login, '', 0, '', '', '-infinity', '-infinity', '-infinity', 30, '', 1, 0)
     ON CONFLICT (name) DO UPDATE SET login = excluded.login;
 END $$;
 
@@ -737,6 +819,7 @@ DECLARE
   v_at text;
 BEGIN
   PERFORM node_check(p_node, p_epoch, true);
+  PERFORM generation_check();
   IF EXISTS (SELECT FROM node WHERE name = p_node AND draining = 1) THEN
     RAISE EXCEPTION USING ERRCODE = 'PC001',
       MESSAGE = format('node %s is being drained and arms nothing more', p_node);
@@ -792,6 +875,7 @@ DECLARE
   v_fence bigint;
 BEGIN
   PERFORM node_check(p_node, p_epoch, true);
+  PERFORM generation_check();
   DELETE FROM arm WHERE job = p_job AND sheet = p_k AND blank = p_blank AND device = p_device AND
       plan_sha256 = p_plan_sha256 AND node = p_node AND epoch = p_epoch;
   IF NOT FOUND THEN
@@ -813,15 +897,16 @@ BEGIN
   END IF;
   INSERT INTO attempt(id, job, k, blank, segment, first_stroke, strokes, device, device_session,
                       operator, plan_sha256, invocation, created, started_at, ended, end_kind,
-                      bytes_taken, last_status, node, epoch, fence)
+                      bytes_taken, last_status, node, epoch, fence, identity)
     VALUES (p_id, p_job, p_k, p_blank, p_segment, p_first_stroke, p_strokes, p_device,
             p_device_session, p_operator, p_plan_sha256, p_invocation, p_created, p_created, NULL,
-            '', 0, '', p_node, p_epoch, v_fence);
+            '', 0, '', p_node, p_epoch, v_fence,
+            (SELECT identity FROM node WHERE name = p_node));
   RETURN v_fence;
 END $$;
 
--- An attempt of that node, locked; `p_lost`: one that was given up for lost will do too.
-CREATE FUNCTION popcut.attempt_of(p_node text, p_id text, p_lost boolean) RETURNS popcut.attempt
+-- An attempt of that node, locked: an open one, or one that ended as one of p_kinds.
+CREATE FUNCTION popcut.attempt_of(p_node text, p_id text, p_kinds text[]) RETURNS popcut.attempt
 LANGUAGE plpgsql SET search_path = pg_catalog, popcut, pg_temp AS $$
 DECLARE
   one attempt;
@@ -834,7 +919,7 @@ BEGIN
     RAISE EXCEPTION USING ERRCODE = 'PC003',
       MESSAGE = format('attempt %s is of node %s, not of node %s', p_id, one.node, p_node);
   END IF;
-  IF one.ended IS NOT NULL AND NOT (p_lost AND one.end_kind = 'lost') THEN
+  IF one.ended IS NOT NULL AND one.end_kind <> ALL (p_kinds) THEN
     RAISE EXCEPTION USING ERRCODE = 'PC003',
       MESSAGE = format('attempt %s has ended as %s', p_id, one.end_kind);
   END IF;
@@ -859,39 +944,41 @@ BEGIN
 END $$;
 
 -- Strokes p_first .. p_certain are cut, those up to p_taken have a byte with the device, those up
--- to p_intended are about to be sent.
+-- to p_intended are about to be sent. What is marked only grows: a statement that was late on its
+-- way takes nothing back.
 CREATE FUNCTION popcut.knife_mark(p_node text, p_epoch bigint, p_id text, p_first bigint,
                                   p_certain bigint, p_taken bigint, p_intended bigint,
                                   p_bytes bigint)
 RETURNS void LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 DECLARE
-  one attempt;
-  v_taken bigint := greatest(p_taken, p_certain);
+  v_certain bigint;
+  v_taken bigint;
+  v_intended bigint;
 BEGIN
   PERFORM node_check(p_node, p_epoch, false);
-  one := attempt_of(p_node, p_id, false);
-  IF one.epoch <> p_epoch THEN
-    RAISE EXCEPTION USING ERRCODE = 'PC003', MESSAGE =
-      format('attempt %s is of epoch %s of node %s; take it up again first', p_id, one.epoch,
-             p_node);
-  END IF;
-  PERFORM put_chunk(p_id, 0, p_first, p_certain, 'certain');
-  PERFORM put_chunk(p_id, 1, greatest(p_first, p_certain + 1), v_taken, 'sent');
-  PERFORM put_chunk(p_id, 2, greatest(p_first, v_taken + 1), p_intended, 'intent');
-  DELETE FROM chunk WHERE attempt = p_id AND seq > 2;
+  PERFORM attempt_of(p_node, p_id, '{}');
+  SELECT max(path_to) FILTER (WHERE state = 'certain'), max(path_to) FILTER (WHERE state = 'sent'),
+         max(path_to) INTO v_certain, v_taken, v_intended FROM chunk WHERE attempt = p_id;
+  v_certain := greatest(v_certain, p_certain);
+  v_taken := greatest(v_taken, v_certain, p_taken);
+  v_intended := greatest(v_intended, p_intended);
+  PERFORM put_chunk(p_id, 0, p_first, v_certain, 'certain');
+  PERFORM put_chunk(p_id, 1, greatest(p_first, v_certain + 1), v_taken, 'sent');
+  PERFORM put_chunk(p_id, 2, greatest(p_first, v_taken + 1), v_intended, 'intent');
   UPDATE attempt SET bytes_taken = p_bytes WHERE id = p_id AND bytes_taken < p_bytes;
 END $$;
 
 -- The final fates; they replace what was marked. The truth of the node that cut goes over what
--- others took for lost.
+-- others took for lost; of an attempt that is superseded only the fates become true.
 CREATE FUNCTION popcut.knife_end(p_node text, p_epoch bigint, p_id text, p_ended bigint,
                                  p_end_kind text, p_last_status text, p_bytes bigint,
                                  p_from bigint[], p_to bigint[], p_state text[])
 RETURNS void LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 BEGIN
   PERFORM node_check(p_node, p_epoch, false);
-  PERFORM attempt_of(p_node, p_id, true);
-  UPDATE attempt SET ended = p_ended, end_kind = p_end_kind, last_status = p_last_status,
+  PERFORM attempt_of(p_node, p_id, '{lost,superseded}');
+  UPDATE attempt SET ended = p_ended,
+      end_kind = CASE WHEN end_kind = 'superseded' THEN end_kind ELSE p_end_kind END, last_status = p_last_status,
       bytes_taken = greatest(bytes_taken, p_bytes) WHERE id = p_id;
   DELETE FROM chunk WHERE attempt = p_id;
   INSERT INTO chunk(attempt, seq, path_from, path_to, state)
@@ -906,7 +993,7 @@ DECLARE
   one attempt;
 BEGIN
   PERFORM node_check(p_node, p_epoch, false);
-  one := attempt_of(p_node, p_id, true);
+  one := attempt_of(p_node, p_id, '{lost}');
   IF one.bytes_taken > 0 OR EXISTS (SELECT FROM chunk WHERE attempt = p_id AND
                                     state IN ('sent', 'certain')) THEN
     RAISE EXCEPTION USING ERRCODE = 'PC003',
@@ -917,7 +1004,7 @@ BEGIN
 END $$;
 
 -- What nobody can know any more is in doubt: the strokes that are not certain, up to p_doubt_upto.
--- By the node that cut; by any other when that node is not alive, or lives again and forgot it.
+-- By the node that cut; by any other only when the lease of that node is over.
 CREATE FUNCTION popcut.knife_crash(p_node text, p_epoch bigint, p_id text, p_ended bigint,
                                    p_end_kind text, p_last_status text, p_doubt_upto bigint)
 RETURNS void LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
@@ -932,14 +1019,13 @@ BEGIN
   END IF;
   SELECT * INTO one FROM attempt WHERE id = p_id FOR NO KEY UPDATE;
   IF one.node = p_node THEN
-    one := attempt_of(p_node, p_id, true);
-  ELSIF EXISTS (SELECT FROM node WHERE name = one.node AND epoch = one.epoch AND
-                lease_until > clock_timestamp()) THEN
+    one := attempt_of(p_node, p_id, '{lost}');
+  ELSIF EXISTS (SELECT FROM node WHERE name = one.node AND lease_until > clock_timestamp()) THEN
     RAISE EXCEPTION USING ERRCODE = 'PC001',
       MESSAGE = format('attempt %s is of node %s, which is alive', p_id, one.node);
   ELSE
     PERFORM node_check(p_node, p_epoch, true);
-    one := attempt_of(one.node, p_id, false);
+    one := attempt_of(one.node, p_id, '{}');
   END IF;
   UPDATE attempt SET ended = p_ended, end_kind = p_end_kind, last_status = p_last_status
     WHERE id = p_id;
@@ -958,7 +1044,7 @@ DECLARE
   one attempt;
 BEGIN
   PERFORM node_check(p_node, p_epoch, true);
-  one := attempt_of(p_node, p_id, true);
+  one := attempt_of(p_node, p_id, '{lost}');
   IF one.started_at IS NULL OR NOT EXISTS (
       SELECT FROM job WHERE id = one.job AND sheet = one.k AND blank = one.blank AND
         segment = one.segment AND state IN ('interrupted', 'cutting', 'paused')) THEN
@@ -968,17 +1054,19 @@ BEGIN
   END IF;
   UPDATE attempt SET ended = NULL, end_kind = '', last_status = '', epoch = p_epoch
     WHERE id = p_id;
+  -- The node's journal knows what of this was sent, and marks it at once.
+  DELETE FROM chunk WHERE attempt = p_id AND state = 'doubt';
 END $$;
 
 -- An attempt that a journal knows and the database does not: the database is an older one,
--- restored. It comes back open; the caller says at once how it ended. A fence that was given again
--- since is left out.
+-- restored. It comes back as lost, and the caller says at once how it ended. If its fence was given
+-- again since, it gets another one.
 CREATE FUNCTION popcut.knife_bring_back(p_node text, p_epoch bigint, p_id text, p_job text,
                                         p_k bigint, p_blank bigint, p_segment bigint,
                                         p_first_stroke bigint, p_strokes bigint, p_device text,
                                         p_device_session text, p_operator text,
                                         p_plan_sha256 text, p_invocation text, p_created bigint,
-                                        p_started_at bigint, p_fence bigint)
+                                        p_started_at bigint, p_fence bigint, p_identity text)
 RETURNS void LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 BEGIN
   PERFORM node_check(p_node, p_epoch, false);
@@ -989,52 +1077,12 @@ BEGIN
   IF p_fence IS NOT NULL THEN PERFORM fence_above(p_fence); END IF;
   INSERT INTO attempt(id, job, k, blank, segment, first_stroke, strokes, device, device_session,
                       operator, plan_sha256, invocation, created, started_at, ended, end_kind,
-                      bytes_taken, last_status, node, epoch, fence)
+                      bytes_taken, last_status, node, epoch, fence, identity)
     VALUES (p_id, p_job, p_k, p_blank, p_segment, p_first_stroke, p_strokes, p_device,
             p_device_session, p_operator, p_plan_sha256, p_invocation, p_created, p_started_at,
-            NULL, '', 0, '', p_node, p_epoch,
-            CASE WHEN NOT EXISTS (SELECT FROM attempt WHERE fence = p_fence) THEN p_fence END);
-END $$;
-
--- Whether that node may speak for those that are not alive: it has itself been alive for as long as
--- its lease lasts. When the database was away, the leases of all are over, and each gets this time
--- to come back before others take its cuts for lost.
-CREATE FUNCTION popcut.node_settled(p_node text) RETURNS boolean LANGUAGE sql STABLE
-SET search_path = pg_catalog, popcut, pg_temp AS $$
-  SELECT coalesce((SELECT begun + make_interval(secs => lease_s) <= clock_timestamp() AND
-                          lease_until > clock_timestamp() FROM node WHERE name = p_node), false)
-$$;
-
--- Open attempts of nodes that are not alive, or live again and forgot them, of other nodes than
--- this one. Each is locked until the transaction ends, and those that another has locked are left
--- out: two nodes at once share the work.
-CREATE FUNCTION popcut.knife_orphans(p_node text, p_epoch bigint, p_most bigint)
-RETURNS TABLE(id text, job text) LANGUAGE plpgsql SECURITY DEFINER
-SET search_path = pg_catalog, popcut, pg_temp AS $$
-BEGIN
-  PERFORM node_check(p_node, p_epoch, false);
-  IF NOT node_settled(p_node) THEN RETURN; END IF;
-  RETURN QUERY
-    SELECT attempt.id, attempt.job FROM attempt
-    WHERE attempt.ended IS NULL AND attempt.node <> p_node AND NOT EXISTS (
-      SELECT FROM node WHERE node.name = attempt.node AND node.epoch = attempt.epoch AND
-        node.lease_until > clock_timestamp())
-    ORDER BY attempt.id LIMIT p_most FOR NO KEY UPDATE SKIP LOCKED;
-END $$;
-
--- Jobs that are armed by such nodes. Nothing physical has happened: they are ready again.
-CREATE FUNCTION popcut.knife_orphan_arms(p_node text, p_epoch bigint, p_most bigint)
-RETURNS TABLE(job text) LANGUAGE plpgsql SECURITY DEFINER
-SET search_path = pg_catalog, popcut, pg_temp AS $$
-BEGIN
-  PERFORM node_check(p_node, p_epoch, false);
-  IF NOT node_settled(p_node) THEN RETURN; END IF;
-  RETURN QUERY
-    SELECT arm.job FROM arm
-    WHERE arm.node <> p_node AND NOT EXISTS (
-      SELECT FROM node WHERE node.name = arm.node AND node.epoch = arm.epoch AND
-        node.lease_until > clock_timestamp())
-    ORDER BY arm.job LIMIT p_most FOR NO KEY UPDATE SKIP LOCKED;
+            p_created, 'lost', 0, '', p_node, p_epoch,
+            CASE WHEN p_fence IS NULL OR EXISTS (SELECT FROM attempt WHERE fence = p_fence)
+                 THEN nextval('fence_seq') ELSE p_fence END, p_identity);
 END $$;
 
 -- ---------------------------------------------------------------------------------------------
@@ -1050,8 +1098,9 @@ GRANT INSERT, UPDATE, DELETE ON popcut.blob, popcut.blob_part, popcut.event_coun
   popcut.tally, popcut.sheet, popcut.event, popcut.idem, popcut.audit, popcut.token,
   popcut.session, popcut.material, popcut.device, popcut.usage, popcut.calendar, popcut.end_tally
   TO popcut_node;
-GRANT EXECUTE ON FUNCTION popcut.clock_ms(), popcut.node_settled(text),
-  popcut.node_begin(text, text, text, text), popcut.node_beat(text, bigint, double precision),
+GRANT EXECUTE ON FUNCTION popcut.clock_ms(), popcut.popcut_generation(),
+  popcut.node_begin(text, text, text, text, bigint, bigint), popcut.node_reported(text, bigint),
+  popcut.node_beat(text, bigint, double precision), popcut.node_lapse(text, bigint),
   popcut.node_end(text, bigint), popcut.node_tidy(),
   popcut.knife_arm(text, bigint, text, bigint, bigint, text, text, text, bigint, text),
   popcut.knife_disarm(text),
@@ -1063,8 +1112,7 @@ GRANT EXECUTE ON FUNCTION popcut.clock_ms(), popcut.node_settled(text),
   popcut.knife_crash(text, bigint, text, bigint, text, text, bigint),
   popcut.knife_again(text, bigint, text),
   popcut.knife_bring_back(text, bigint, text, text, bigint, bigint, bigint, bigint, bigint, text,
-                          text, text, text, text, bigint, bigint, bigint),
-  popcut.knife_orphans(text, bigint, bigint), popcut.knife_orphan_arms(text, bigint, bigint)
+                          text, text, text, text, bigint, bigint, bigint, text)
   TO popcut_node;
 
 GRANT SELECT ON popcut.popcut_schema, popcut.node, popcut.node_state, popcut.attempt, popcut.arm,
