@@ -444,15 +444,13 @@ PostgresServer::Removed::~Removed() {
 }
 
 std::string PostgresServer::url(const std::string& database, const std::string& user) const {
-  return fmt::format("postgresql://{}@/{}?host={}&port={}&sslmode=disable&gssencmode=disable",
-                     escaped(user), escaped(database), escaped(folder_.string()), port_);
+  return postgres_url(folder_.string(), port_, database, user);
 }
 
 std::string PostgresServer::tcp_url(const std::string& database, const std::string& user,
                                     const std::string& password) const {
   if (!options_.tcp) throw std::runtime_error("the server was not asked for tcp");
-  return fmt::format("postgresql://{}:{}@127.0.0.1:{}/{}?sslmode=disable&gssencmode=disable",
-                     escaped(user), escaped(password), port_, escaped(database));
+  return postgres_url("127.0.0.1", port_, database, user, password);
 }
 
 std::string PostgresServer::socket() const { return folder_ / fmt::format(".s.PGSQL.{}", port_); }
@@ -620,6 +618,13 @@ FreshDatabase::~FreshDatabase() {
     server_.run_sql(fmt::format("DROP DATABASE \"{}\" WITH (FORCE)", name_));
   } catch (const std::exception&) {  // the server is gone, and the database with it
   }
+}
+
+std::string postgres_url(const std::string& host, std::uint16_t port, const std::string& database,
+                         const std::string& user, const std::string& password) {
+  return fmt::format("postgresql://{}{}@/{}?host={}&port={}&sslmode=disable&gssencmode=disable",
+                     escaped(user), password.empty() ? "" : ":" + escaped(password),
+                     escaped(database), escaped(host), port);
 }
 
 std::string run_sql(const std::string& url, const std::string& sql) {

@@ -125,6 +125,11 @@ class FreshDatabase {
   std::string name_;
 };
 
+/// @param host  an address, or the folder of a unix socket
+[[nodiscard]] std::string postgres_url(const std::string& host, std::uint16_t port,
+                                       const std::string& database, const std::string& user,
+                                       const std::string& password = "");
+
 /// Runs statements in a connection of their own; several are one transaction unless they say BEGIN
 /// and COMMIT. The rows of the last one as `psql -At` prints them: "1|a\n2|b", NULL is empty.
 /// Throws what libpqxx throws.
