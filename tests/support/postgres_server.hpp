@@ -12,8 +12,9 @@
 namespace popcut::testing {
 
 struct PostgresOptions {
-  bool fsync{false};   ///< on: what is committed is on the disk; for tests of failover
+  bool fsync{false};   ///< it writes as one does that a power cut must not harm; for failover
   bool tcp{false};     ///< also on 127.0.0.1, with passwords (scram)
+  bool disk{false};    ///< not in memory (/dev/shm), even if there is much; to measure
   std::string more{};  ///< lines of postgresql.conf, which win over those of this class
 };
 

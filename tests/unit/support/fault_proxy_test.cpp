@@ -223,7 +223,7 @@ TEST_CASE("a proxy loses a COMMIT or the answer to it", "[proxy]") {
   // libpqxx says that nobody knows what became of it.
   pqxx::connection connection(bench.url());
   pqxx::work work(connection);
-  work.exec0("INSERT INTO t VALUES (1)");
+  work.exec("INSERT INTO t VALUES (1)");
   bench.proxy.cut_at("COMMIT", Lost::Answer);
   CHECK_THROWS_AS(work.commit(), pqxx::in_doubt_error);
   CHECK(bench.rows() == "2");
