@@ -224,6 +224,9 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
         fmt::format("{} holds a sheet of job {} ({})", *device, other->id, name_of(other->state))));
   if (const auto accepted = accept_warnings(row, request); !accepted)
     return tl::unexpected(accepted.error());
+  if (const auto sheet = parts_.jobs.current_sheet(row))
+    if (const auto here = parts_.plans.bring_sheet(row.plan, sheet->number); !here)
+      return tl::unexpected(here.error());
   row.device = *device;
   row.operator_name = who.name;
   parts_.jobs.take(row, Step::ToArmed, "");
