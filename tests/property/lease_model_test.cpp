@@ -18,27 +18,30 @@ using popcut::test::lease::Flaw;
 
 namespace {
 
-constexpr std::size_t kMost = 400'000'000;
+constexpr int kMost = 400'000'000;
 
-// In the suite; POPCUT_MODEL_FAULTS and POPCUT_MODEL_STARTS ask for others.
-Bounds bounds_of_suite() {
-  const auto number = [](const char* name, int otherwise) {
-    const char* const text = std::getenv(name);
-    return text == nullptr ? otherwise : std::atoi(text);
-  };
+int number(const char* name, int otherwise) {
+  const char* const text = std::getenv(name);
+  return text == nullptr ? otherwise : std::atoi(text);
+}
+
+// In the suite; the environment asks for others.
+Bounds wanted_bounds() {
+  const int starts = popcut::testing::fewer_rounds() ? 2 : 3;
   return {.faults = number("POPCUT_MODEL_FAULTS", 1),
-          .attempts = number("POPCUT_MODEL_STARTS", popcut::testing::fewer_rounds() ? 2 : 3),
-          .states = kMost};
+          .attempts = number("POPCUT_MODEL_STARTS", starts),
+          .states = static_cast<std::size_t>(number("POPCUT_MODEL_STATES", kMost))};
 }
 
 }  // namespace
 
 TEST_CASE("in no state of a fleet that can be reached is a rule of its leases broken",
           "[daemon][model][lease]") {
-  const Exploration all = explore_leases(bounds_of_suite(), Flaw::None);
+  const Bounds bounds = wanted_bounds();
+  const Exploration all = explore_leases(bounds, Flaw::None);
   INFO(told(all));
   CHECK(all.wrong.empty());
-  CHECK(all.whole);
+  CHECK((all.whole || bounds.states != kMost));
   CHECK(all.states > 400'000);
   CHECK(all.recoveries > 10'000);
   WARN(told(all));

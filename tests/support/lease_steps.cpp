@@ -142,7 +142,7 @@ class Steps {
       step(Do::BeatFails, p, 0, [p](World& w, Rules&) {
         Process& self = w.processes[at(p)];
         if (self.doing == Doing::Starting) give_up_start(w, p);
-        self.epoch = self.fresh = self.recovered = 0;
+        self.epoch = self.fresh = self.recovered = self.forgotten = 0;
       });
     if (look().may_begin(p)) step(Do::Begins, p, 0, [p](World&, Rules& rules) { rules.begin(p); });
     if (look().calls(p) && one.recovered == 0)
@@ -386,8 +386,11 @@ class Steps {
       if (flaw_ == Flaw::GoesOnAfterRestore) node.begun = 1;
       if (flaw_ == Flaw::GoesOnAfterRestore || flaw_ == Flaw::ArmsBeforeAllReported) node.owes = 0;
     }
-    for (Process& one : w.processes)
+    for (int p = 0; p < kProcesses; ++p) {
+      Process& one = w.processes[at(p)];
       if (one.doing == Doing::Starting) one.doing = Doing::Unsure;
+      if (one.epoch != 0 && one.epoch != w.now.nodes[at(node_of(p))].epoch) one.forgotten = 1;
+    }
     for (int id = 0; id < kAttempts; ++id) {
       const Process& one = w.processes[w.made[at(id)].process];
       if (one.doing != Doing::Ended || one.id != id) w.made[at(id)].complete = 0;

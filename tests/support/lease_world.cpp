@@ -106,8 +106,9 @@ const char* broken_rule(const World& world) {
   }
   for (int p = 0; p < kProcesses; ++p)
     if (const char* const broken = broken_at(world, p)) return broken;
+  // One that the database forgot is refused whatever it asks for, and hears so.
   const auto leads = [](const Process& one) {
-    return one.up != 0 && one.epoch != 0 && one.fresh != 0;
+    return one.up != 0 && one.epoch != 0 && one.fresh != 0 && one.forgotten == 0;
   };
   if (leads(world.processes[0]) && leads(world.processes[kClone])) return kOneName;
   if (world.cancelled != 0 &&

@@ -104,6 +104,7 @@ struct Process {
   std::uint8_t epoch{};      ///< 0: it has no lease
   std::uint8_t recovered{};  ///< it has told its journals in this epoch
   std::uint8_t fresh{};      ///< by its own clock its lease lives
+  std::uint8_t forgotten{};  ///< the database went back to before this epoch
   Doing doing{};
   std::uint8_t id{};  ///< of the attempt that it does
   Request request{};  ///< while it starts
