@@ -20,8 +20,8 @@ const std::vector<JobAction>& all_actions() {
 const std::vector<JobEvent>& all_events() {
   using enum JobEvent;
   static const std::vector<JobEvent> all{
-      PlanBegins,     PlanComes, PlanFails, ArmLapses, CutRefused,     CutHeld,   CutCompletes,
-      CutUnconfirmed, CutBreaks, CutStops,  Restarts,  IntentsSurface, PlansAgain};
+      PlanBegins,     PlanComes, PlanFails, ArmLapses, CutRefused,     CutHeld,    CutCompletes,
+      CutUnconfirmed, CutBreaks, CutStops,  Restarts,  IntentsSurface, PlansAgain, CutFoundAgain};
   return all;
 }
 
@@ -95,6 +95,8 @@ Step step_of(JobState state, JobEvent event) {
       return only(
           state == JobState::Queued || state == JobState::Planning || state == JobState::Ready,
           Step::ToQueued);
+    case CutFoundAgain:
+      return only(state == JobState::Interrupted, Step::ToCutting);
   }
   return Step::Refused;
 }

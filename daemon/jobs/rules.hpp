@@ -8,8 +8,9 @@
 
 namespace popcut::daemon {
 
-/// What happens to a job without a person asking for it. None of these leads to `armed` or
-/// `cutting` (rules R1 and R2).
+/// What happens to a job without a person asking for it. None of these leads to `armed`, and only
+/// `CutFoundAgain` to `cutting`: of a cut that a person started, and that never ended (rules R1 and
+/// R2).
 enum class JobEvent : std::uint8_t {
   PlanBegins,      ///< a worker has its design
   PlanComes,       ///< the plan is stored
@@ -24,6 +25,7 @@ enum class JobEvent : std::uint8_t {
   Restarts,        ///< popcutd starts again
   IntentsSurface,  ///< a journal knows of strokes that were sent, and the store does not
   PlansAgain,      ///< a person wants another plan; nothing of the job was cut
+  CutFoundAgain,   ///< in a fleet: its node was thought lost, and the cut went on all the time
 };
 
 /// All of them, for tables.

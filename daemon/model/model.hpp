@@ -319,6 +319,8 @@ struct DeviceRecord {
   std::string machine{};                 ///< row of the table that it is driven as
   std::vector<std::string> materials{};  ///< it is set up for; none: any
   std::string test_job{};                ///< in the answer to test-cut: the job that was made
+  std::string node{};                    ///< of a fleet: whose cutter it is
+  std::string node_url{};                ///< where that node's page is; empty: it is this node
 };
 
 /// What a person asks of a device.

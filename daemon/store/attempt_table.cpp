@@ -157,6 +157,13 @@ std::vector<AttemptRow> AttemptTable::of_sheet(const std::string& job, int sheet
       attempt_row);
 }
 
+std::vector<AttemptRow> AttemptTable::open_of(const std::string& node, std::int64_t epoch) {
+  return all_of(db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS
+                         " FROM attempt WHERE ended IS NULL AND node=? AND epoch<=? ORDER BY id",
+                         node, epoch),
+                attempt_row);
+}
+
 std::optional<AttemptRow> AttemptTable::find(const std::string& attempt) {
   return first_of(db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS " FROM attempt WHERE id=?", attempt),
                   attempt_row);
@@ -222,6 +229,10 @@ void AttemptTable::disarm_all() {
   for (const std::string& job :
        all_of(db_.rows("SELECT job FROM arm WHERE node=?", node_.name), first_text))
     disarm(job);
+}
+
+std::vector<std::string> AttemptTable::armed_by(const std::string& node, std::int64_t epoch) {
+  return all_of(db_.rows("SELECT job FROM arm WHERE node=? AND epoch<=?", node, epoch), first_text);
 }
 
 std::optional<AttemptTable::ArmRow> AttemptTable::armed(const std::string& job) {

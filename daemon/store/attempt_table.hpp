@@ -82,6 +82,8 @@ class AttemptTable {
   [[nodiscard]] std::optional<AttemptRow> find(const std::string& attempt);
   /// Those of this node that have not ended.
   [[nodiscard]] std::vector<AttemptRow> open();
+  /// Those of a run of a node, or of its runs before, that have not ended.
+  [[nodiscard]] std::vector<AttemptRow> open_of(const std::string& node, std::int64_t epoch);
   [[nodiscard]] bool knows(const std::string& attempt);
   [[nodiscard]] std::vector<FateRun> fates(const std::string& attempt);
 
@@ -108,6 +110,8 @@ class AttemptTable {
   void disarm(const std::string& job);
   /// All that this node armed.
   void disarm_all();
+  /// The jobs that a run of a node armed, or its runs before.
+  [[nodiscard]] std::vector<std::string> armed_by(const std::string& node, std::int64_t epoch);
   [[nodiscard]] std::optional<ArmRow> armed(const std::string& job);
 
  private:

@@ -71,7 +71,10 @@ struct IntentTrail {
 /// a log that loses its tail after an end is noticed, too.
 class IntentJournals {
  public:
-  explicit IntentJournals(const StateFolder& folder) : folder_(folder) {}
+  /// @param keeps  also of attempts whose end is known: a shared database may be replaced by an
+  ///               older copy of it, on which this popcutd has no influence
+  explicit IntentJournals(const StateFolder& folder, bool keeps = false)
+      : folder_(folder), keeps_(keeps) {}
 
   [[nodiscard]] std::unique_ptr<IntentJournal> begin(const IntentHead& head) const {
     return std::make_unique<IntentJournal>(folder_, head);
@@ -79,7 +82,11 @@ class IntentJournals {
   /// By attempt. A file whose name is no id is left alone.
   [[nodiscard]] std::map<std::string, IntentTrail> trails() const;
   /// The attempt's end is committed.
-  void ended(const std::string& attempt) { ended_.insert(attempt); }
+  void ended(const std::string& attempt) {
+    if (!keeps_) ended_.insert(attempt);
+  }
+  /// It is so old that no copy of a database without it will be put back.
+  void outlived(const std::string& attempt) { ended_.insert(attempt); }
   [[nodiscard]] std::size_t waiting() const { return ended_.size(); }
   /// All that was committed is in the database itself: what ended is forgotten.
   void checkpointed();
@@ -95,6 +102,7 @@ class IntentJournals {
 
  private:
   const StateFolder& folder_;
+  bool keeps_;
   std::set<std::string> ended_;
   std::map<std::string, std::string> blocked_;
 };

@@ -14,7 +14,7 @@ namespace {
 #define POPCUT_PLAN_COLUMNS                                                                    \
   "state, warnings, id, key, kind, design, material, machine, sha256, sheets, paths, cut_mm, " \
   "low_s, high_s, width_mm, length_mm, error, options, machine_json, material_json, created, " \
-  "begun"
+  "begun, planner"
 #define POPCUT_SHEET_COLUMNS                                                                 \
   "number, paths, cut_mm, fold_mm, travel_mm, seconds, low_s, high_s, width_mm, length_mm, " \
   "program_sha256, index_sha256, mat, side"
@@ -27,7 +27,7 @@ auto plan_values(Row& row) {
   return std::tie(row.id, row.key, row.kind, row.design, row.material, row.machine, row.sha256,
                   row.sheets, row.paths, row.cut_mm, row.low_s, row.high_s, row.width_mm,
                   row.length_mm, row.error, row.options, row.machine_json, row.material_json,
-                  row.created, row.begun);
+                  row.created, row.begun, row.planner);
 }
 
 PlanRow plan_row(const Rows& rows) {
@@ -89,15 +89,23 @@ void PlanTable::put_sheets(std::string_view plan, std::span<const SheetPlan> she
 void PlanTable::finish(const PlanRow& row) {
   db_.run(
       "UPDATE plan SET state=?, sha256=?, sheets=?, paths=?, cut_mm=?, low_s=?, high_s=?, "
-      "width_mm=?, length_mm=?, warnings=?, error=?, begun=0 WHERE id=?",
+      "width_mm=?, length_mm=?, warnings=?, error=?, begun=0, planner='', planner_epoch=0 "
+      "WHERE id=?",
       name_of(row.state), row.sha256, row.sheets, row.paths, row.cut_mm, row.low_s, row.high_s,
       row.width_mm, row.length_mm, warnings_json(row.warnings), row.error, row.id);
   db_.run("DELETE FROM plan_sheet WHERE plan=? AND number>?", row.id, row.sheets);
   db_.run("DELETE FROM plan_asker WHERE plan=?", row.id);
 }
 
-void PlanTable::set_begun(std::string_view plan, int begun) {
-  db_.run("UPDATE plan SET begun=? WHERE id=?", begun, plan);
+bool PlanTable::claim(std::string_view plan, const NodeMark& node) {
+  return db_.run(
+             "UPDATE plan SET begun=begun+1, planner=?, planner_epoch=? WHERE id=? AND "
+             "state='pending' AND planner=''",
+             node.name, node.epoch, plan) == 1;
+}
+
+void PlanTable::give_back(std::string_view plan, int begun) {
+  db_.run("UPDATE plan SET begun=?, planner='', planner_epoch=0 WHERE id=?", begun, plan);
 }
 
 void PlanTable::ask(std::string_view plan, std::string_view owner) {
@@ -120,14 +128,17 @@ std::optional<std::string> PlanTable::asker_after(std::string_view owner) {
 }
 
 std::vector<std::string> PlanTable::wanted_by(std::string_view owner, int limit) {
-  std::vector<std::string> plans =
-      all_of(db_.rows("SELECT job.plan FROM job JOIN plan ON plan.id=job.plan WHERE job.owner=? "
-                      "AND job.state='queued' AND plan.state='pending' ORDER BY job.priority "
-                      "DESC, job.position LIMIT ?",
-                      owner, limit),
-             first_text);
+  std::vector<std::string> plans = all_of(
+      db_.rows("SELECT job.plan FROM job JOIN plan ON plan.id=job.plan WHERE job.owner=? "
+               "AND job.state='queued' AND plan.state='pending' AND plan.planner='' ORDER BY "
+               "job.priority "
+               "DESC, job.position LIMIT ?",
+               owner, limit),
+      first_text);
   const std::vector<std::string> others = all_of(
-      db_.rows("SELECT plan FROM plan_asker WHERE owner=? ORDER BY plan LIMIT ?", owner, limit),
+      db_.rows("SELECT plan_asker.plan FROM plan_asker JOIN plan ON plan.id=plan_asker.plan WHERE "
+               "owner=? AND plan.planner='' ORDER BY plan_asker.plan LIMIT ?",
+               owner, limit),
       first_text);
   plans.insert(plans.end(), others.begin(), others.end());
   return plans;
@@ -145,8 +156,10 @@ std::optional<PlanRow> PlanTable::find_key(std::string_view key) {
 }
 
 std::vector<std::string> PlanTable::pending(int limit) {
-  return all_of(db_.rows("SELECT id FROM plan WHERE state='pending' ORDER BY id LIMIT ?", limit),
-                first_text);
+  return all_of(
+      db_.rows("SELECT id FROM plan WHERE state='pending' AND planner='' ORDER BY id LIMIT ?",
+               limit),
+      first_text);
 }
 
 std::vector<SheetPlan> PlanTable::sheets(std::string_view plan, int after, int limit) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "daemon/model/model.hpp"
+#include "daemon/store/attempt_table.hpp"
 #include "daemon/store/database.hpp"
 
 namespace popcut::daemon {
@@ -28,7 +29,8 @@ struct PlanRow {
   std::string options{"{}"};  ///< JSON object of words
   std::string machine_json{}, material_json{};
   TimeMs created{};
-  int begun{0};  ///< how often a planner had it and popcutd ended before the planner did
+  int begun{0};           ///< how often a planner had it and popcutd ended before the planner did
+  std::string planner{};  ///< in a fleet: the node that makes it; empty: nobody does
 };
 
 /// The statements over `plan` and `plan_sheet`. All throw StoreFault.
@@ -41,7 +43,10 @@ class PlanTable {
   void put_sheets(std::string_view plan, std::span<const SheetPlan> sheets);
   /// The plan is made, with `row.sheets` sheets that are stored already, or it failed.
   void finish(const PlanRow& row);
-  void set_begun(std::string_view plan, int begun);
+  /// Takes a plan that nobody makes, and counts that it is begun. False: another node was quicker.
+  [[nodiscard]] bool claim(std::string_view plan, const NodeMark& node);
+  /// Nobody makes it any more. `begun` is how often it was begun in vain.
+  void give_back(std::string_view plan, int begun);
 
   /// Notes that `owner` waits for a plan.
   void ask(std::string_view plan, std::string_view owner);

@@ -339,6 +339,8 @@ ordered_json to_json(const DeviceRecord& device) {
                    {"sheets_done", device.sheets_done},
                    {"cut_mm", device.cut_mm}};
   if (!device.test_job.empty()) out["test_job"] = device.test_job;
+  if (!device.node.empty()) out["node"] = device.node;
+  if (!device.node_url.empty()) out["node_url"] = device.node_url;
   return out;
 }
 

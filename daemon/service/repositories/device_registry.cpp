@@ -20,16 +20,75 @@ bool is_away(const std::string& state) { return state == "absent" || state == "o
 
 void DeviceRegistry::load() {
   Rows rows = store_.db().rows(
-      "SELECT id, rev, model, title, simulated, width_mm, length_mm, enabled, sheets_done, cut_mm "
-      "FROM device ORDER BY id");
+      "SELECT id, rev, model, title, simulated, width_mm, length_mm, enabled, sheets_done, cut_mm, "
+      "node FROM device WHERE node=? ORDER BY id",
+      store_.node().name);
   while (rows.next()) {
     DeviceRecord record;
     rows.read(0, std::tie(record.id, record.rev, record.model, record.title, record.simulated,
                           record.width_mm, record.length_mm, record.enabled, record.sheets_done,
-                          record.cut_mm));
+                          record.cut_mm, record.node));
     record.state = "absent";
     entries_[record.id] = {.record = record, .machine = {}, .sessions = 0, .kept = true};
   }
+}
+
+void DeviceRegistry::load_others() {
+  if (!store_.in_fleet()) return;
+  std::set<std::string> seen;
+  Rows rows = store_.db().rows(
+      "SELECT device.id, rev, model, title, simulated, width_mm, length_mm, enabled, sheets_done, "
+      "cut_mm, node, state, reasons, firmware, machine, materials, node.url, "
+      "node.lease_until>clock_timestamp() FROM device LEFT JOIN node ON node.name=device.node "
+      "WHERE "
+      "device.node!=? ORDER BY device.id",
+      store_.node().name);
+  while (rows.next()) {
+    DeviceRecord record;
+    std::string reasons, machine, materials, url;
+    bool lives = false;
+    rows.read(0, std::tie(record.id, record.rev, record.model, record.title, record.simulated,
+                          record.width_mm, record.length_mm, record.enabled, record.sheets_done,
+                          record.cut_mm, record.node, record.state, reasons, record.firmware,
+                          machine, materials, url, lives));
+    seen.insert(record.id);
+    record.reasons = list_from_json(reasons);
+    if (!materials.empty()) record.materials = list_from_json(materials);
+    record.node_url = url.empty() ? "node:" + record.node : url;
+    if (!lives && !is_away(record.state)) {
+      record.state = "offline";
+      record.reasons = {fmt::format("node {} does not answer", record.node)};
+    }
+    Entry& entry = entries_[record.id];
+    // One of the same id is plugged in here.
+    if (!entry.record.id.empty() && !is_remote(entry)) {
+      entry.taken_by = record.node;
+      continue;
+    }
+    entry = {.record = std::move(record), .machine = machine, .sessions = 0, .kept = true};
+  }
+  std::erase_if(entries_, [&](const auto& one) {
+    return is_remote(one.second) && !seen.contains(one.first);
+  });
+}
+
+bool DeviceRegistry::is_elsewhere(const std::string& id) const {
+  const auto found = entries_.find(id);
+  return found != entries_.end() && is_remote(found->second);
+}
+
+Problem DeviceRegistry::elsewhere(const std::string& id) const {
+  const DeviceRecord& record = entries_.at(id).record;
+  return {ProblemKind::StateConflict,
+          fmt::format("{} is at {}; only a person there may arm, start and resume: {}", id,
+                      record.node, record.node_url)};
+}
+
+const std::vector<std::string>* DeviceRegistry::materials_of(const std::string& id) const {
+  if (const auto found = entries_.find(id); found != entries_.end() && is_remote(found->second))
+    return found->second.record.materials.empty() ? nullptr : &found->second.record.materials;
+  const auto set_up = options_.device_materials.find(id);
+  return set_up == options_.device_materials.end() ? nullptr : &set_up->second;
 }
 
 // What the bus knows goes over what the store knows. True if anything that is shown has changed.
@@ -64,6 +123,16 @@ std::vector<std::string> DeviceRegistry::refresh() {
     listed.insert(fresh.id);
     const bool is_new = !entries_.contains(fresh.id);
     Entry& entry = entries_[fresh.id];
+    if (!is_new && is_remote(entry)) {
+      // It was plugged in here, and a node that is gone had it before; or two have the same.
+      const std::string before = entry.record.node;
+      const bool is_free = is_away(entry.record.state);
+      entry = {};
+      entry.record.id = fresh.id;
+      entry.record.state = "absent";
+      entry.record.enabled = fresh.enabled;
+      if (!is_free) entry.taken_by = before;
+    }
     if (is_new) {
       entry.record.id = fresh.id;
       entry.record.rev = 0;
@@ -75,7 +144,7 @@ std::vector<std::string> DeviceRegistry::refresh() {
     if (was_there && is_away(entry.record.state)) gone.push_back(fresh.id);
   }
   for (auto& [id, entry] : entries_) {
-    if (listed.contains(id) || entry.record.state == "absent") continue;
+    if (listed.contains(id) || entry.record.state == "absent" || is_remote(entry)) continue;
     entry.record.state = "absent";
     entry.record.reasons.clear();
     changed.push_back(&entry);
@@ -98,19 +167,26 @@ std::vector<std::string> DeviceRegistry::refresh() {
 
 void DeviceRegistry::keep(const Entry& entry) {
   const DeviceRecord& record = entry.record;
+  if (!entry.taken_by.empty()) return;
+  const auto* const materials = materials_of(record.id);
   store_.db().put(
       "device(id, rev, model, title, simulated, width_mm, length_mm, enabled, state, sheets_done, "
-      "cut_mm)",
+      "cut_mm, node, machine, materials, reasons, firmware)",
       "id", record.id, record.rev, record.model, record.title, record.simulated, record.width_mm,
-      record.length_mm, record.enabled, record.state, record.sheets_done, record.cut_mm);
+      record.length_mm, record.enabled, record.state, record.sheets_done, record.cut_mm,
+      store_.node().name, entry.machine, materials == nullptr ? "" : json_list(*materials),
+      json_list(record.reasons), record.firmware);
 }
 
 DeviceRecord DeviceRegistry::shown(const Entry& entry) const {
   DeviceRecord record = entry.record;
   record.machine = entry.machine;
-  if (const auto set_up = options_.device_materials.find(record.id);
-      set_up != options_.device_materials.end())
-    record.materials = set_up->second;
+  if (!is_remote(entry)) record.node = store_.node().name;
+  if (const auto* const materials = materials_of(record.id)) record.materials = *materials;
+  if (!entry.taken_by.empty()) {
+    record.state = "fault";
+    record.reasons = {fmt::format("node {} has a cutter of this id, too", entry.taken_by)};
+  }
   return record;
 }
 
@@ -141,17 +217,16 @@ std::string DeviceRegistry::machine_of(const std::string& id) const {
 }
 
 bool DeviceRegistry::is_set_up_for(const std::string& id, const std::string& material) const {
-  const auto found = options_.device_materials.find(id);
-  return found != options_.device_materials.end() &&
-         std::find(found->second.begin(), found->second.end(), material) != found->second.end();
+  const auto* const set_up = materials_of(id);
+  return set_up != nullptr && std::find(set_up->begin(), set_up->end(), material) != set_up->end();
 }
 
 DeviceRegistry::MachineChoice DeviceRegistry::machine_for(const std::string& material) const {
   constexpr int kForOthers = 2;
   const auto rank = [&](const std::string& id, const Entry& entry) {
-    const int set_up = is_set_up_for(id, material)              ? 0
-                       : options_.device_materials.contains(id) ? kForOthers
-                                                                : 1;
+    const int set_up = is_set_up_for(id, material)   ? 0
+                       : materials_of(id) != nullptr ? kForOthers
+                                                     : 1;
     return std::pair(set_up, is_away(entry.record.state));
   };
   MachineChoice choice;
@@ -171,9 +246,8 @@ DeviceRegistry::MachineChoice DeviceRegistry::machine_for(const std::string& mat
 bool DeviceRegistry::wants_own_plan(const std::string& id, const PlanRow& plan) const {
   const auto found = entries_.find(id);
   if (found == entries_.end() || found->second.machine.empty()) return false;
-  const auto materials = options_.device_materials.find(id);
   return found->second.machine != plan.machine &&
-         (materials == options_.device_materials.end() || is_set_up_for(id, plan.material));
+         (materials_of(id) == nullptr || is_set_up_for(id, plan.material));
 }
 
 std::string DeviceRegistry::session_of(const std::string& id) const {
@@ -193,10 +267,9 @@ std::string DeviceRegistry::misfit(const std::string& id, const PlanRow& plan) c
                               plan.length_mm > record.length_mm + kAreaSlackMm))
     return fmt::format("the sheets need {:g} x {:g} mm, its area is {:g} x {:g} mm", plan.width_mm,
                        plan.length_mm, record.width_mm, record.length_mm);
-  const auto set_up = options_.device_materials.find(id);
-  if (set_up == options_.device_materials.end() || is_set_up_for(id, plan.material)) return {};
-  return fmt::format("it is set up for {}, not for {}", fmt::join(set_up->second, ", "),
-                     plan.material);
+  const auto* const set_up = materials_of(id);
+  if (set_up == nullptr || is_set_up_for(id, plan.material)) return {};
+  return fmt::format("it is set up for {}, not for {}", fmt::join(*set_up, ", "), plan.material);
 }
 
 std::vector<std::string> DeviceRegistry::fitting(const PlanRow& plan) const {
@@ -210,6 +283,12 @@ Answer<void> DeviceRegistry::usable(const std::string& id) const {
   const auto found = entries_.find(id);
   if (found == entries_.end()) return tl::unexpected(unknown(id, "/device"));
   const DeviceRecord& record = found->second.record;
+  if (is_remote(found->second)) return tl::unexpected(elsewhere(id));
+  if (!found->second.taken_by.empty())
+    return refuse(ProblemKind::StateConflict,
+                  fmt::format("node {} has a cutter of the id {}, too; unplug one of them, or give "
+                              "one another id in its configuration",
+                              found->second.taken_by, id));
   if (!record.enabled)
     return refuse(ProblemKind::StateConflict,
                   id + " is disabled; an admin can enable it with the action enable");

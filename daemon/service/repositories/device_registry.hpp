@@ -13,14 +13,20 @@
 namespace popcut::daemon {
 
 /// The cutters that are connected, and those that were: what the bus reports, joined with what the
-/// store keeps of each.
+/// store keeps of each. In a fleet also those of the other nodes, as these last told.
 class DeviceRegistry {
  public:
   DeviceRegistry(ServiceStore& store, Cutters& cutters, const ServiceOptions& options)
       : store_(store), cutters_(cutters), options_(options) {}
 
-  /// Reads what is kept. Once.
+  /// Reads what is kept of one's own. Once.
   void load();
+  /// Reads those of the other nodes.
+  void load_others();
+  /// Whether another node has it.
+  [[nodiscard]] bool is_elsewhere(const std::string& id) const;
+  /// Why it can only be used at its node, with the way there.
+  [[nodiscard]] Problem elsewhere(const std::string& id) const;
   /// Reads the cutters again; gives the ids of those that went away.
   std::vector<std::string> refresh();
 
@@ -63,8 +69,11 @@ class DeviceRegistry {
     DeviceRecord record;
     std::string machine;
     int sessions{0};
-    bool kept{false};  ///< there is a row of it
+    bool kept{false};        ///< there is a row of it
+    std::string taken_by{};  ///< a node that has a cutter of the same id, and had it first
   };
+  [[nodiscard]] static bool is_remote(const Entry& entry) { return !entry.record.node_url.empty(); }
+  [[nodiscard]] const std::vector<std::string>* materials_of(const std::string& id) const;
   [[nodiscard]] bool is_set_up_for(const std::string& id, const std::string& material) const;
   [[nodiscard]] DeviceRecord shown(const Entry& entry) const;
   void keep(const Entry& entry);

@@ -19,7 +19,7 @@ constexpr const char* kUsualMachine = "cameo3";
 constexpr std::size_t kMostHurried = 1000;
 constexpr std::size_t kMostWarnings = 200, kLongestWarning = 1000;
 // A plan that was being made each time when popcutd died may be why.
-constexpr int kMostBegun = 10;
+constexpr int kMostBegun = 10, kMostBegunInFleet = 3;
 // Plans of one owner that are looked at for one that is not being made already.
 constexpr int kLooked = 8;
 // Beside a plan's options as they were given: the row that the SVG profile had then.
@@ -271,7 +271,7 @@ std::string PlanningQueue::next_of(const std::string& owner) {
   const auto is_free = [&](const std::string& id) {
     if (running_.contains(id)) return false;
     const auto plan = plans_.find(id);
-    return plan && plan->state == PlanState::Pending;
+    return plan && plan->state == PlanState::Pending && plan->planner.empty();
   };
   for (auto one = hurried_.begin(); one != hurried_.end();) {
     if (one->owner != owner) {
@@ -324,7 +324,8 @@ void PlanningQueue::pump() {
 bool PlanningQueue::start(const std::string& id) {
   const auto plan = plans_.find(id);
   if (!plan) return false;
-  if (plan->begun >= kMostBegun) {
+  const int most = parts_.store.in_fleet() ? kMostBegunInFleet : kMostBegun;
+  if (plan->begun >= most) {
     fail_plan(id, fmt::format("popcutd ended {} times while it was made; please report the design",
                               plan->begun));
     return true;
@@ -345,12 +346,14 @@ bool PlanningQueue::start(const std::string& id) {
   task.material_json = plan->material_json;
   task.options = words_of(plan->options);
   if (auto own = task.options.extract(kProfileRow)) task.profile_json = std::move(own.mapped());
-  // Before it begins: if popcutd dies of it, the next start knows.
+  // Before it begins: if popcutd dies of it, the next start knows; and no other node begins it.
+  bool is_mine = false;
   const Answer<void> noted = parts_.store.change([&]() -> Answer<void> {
-    plans_.set_begun(id, plan->begun + 1);
+    is_mine = plans_.claim(id, parts_.store.node());
     return {};
   });
   if (!noted) return false;
+  if (!is_mine) return true;
   running_[id] = 0;
   task.progress = [this, id, thread = &parts_.thread,
                    alive = std::weak_ptr<void>(parts_.alive)](const PlanningPhase& phase) {
@@ -409,7 +412,7 @@ void PlanningQueue::over(const std::string& id, Result<PlanningOutcome> outcome)
 
 void PlanningQueue::ended_in_order(const std::string& id) {
   (void)parts_.store.change([&]() -> Answer<void> {
-    plans_.set_begun(id, 0);
+    plans_.give_back(id, 0);
     return {};
   });
 }
@@ -424,7 +427,9 @@ void PlanningQueue::keep(const std::string& id, const std::shared_ptr<PlanningOu
   bool is_gone = false;
   const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {
     auto plan = plans_.find(id);
-    is_gone = !plan || plan->state != PlanState::Pending;
+    // In a fleet: given to another node meanwhile, because this one did not answer.
+    is_gone =
+        !plan || plan->state != PlanState::Pending || plan->planner != parts_.store.node().name;
     if (is_gone) return {};
     plans_.put_sheets(id, sheets.subspan(from, count));
     if (!is_last) return {};

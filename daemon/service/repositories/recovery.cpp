@@ -11,16 +11,40 @@
 namespace popcut::daemon {
 namespace {
 
+// A copy of the database that is older than this is not put back without a look at the cutters.
+constexpr std::int64_t kJournals_ms = 30LL * 86'400'000;
+
 std::string crash_text(const std::string& job, const std::string& loss) {
   return fmt::format(
       "popcutd ended during the cut; 'popcut jobs {}' shows which paths are in doubt{}", job,
       loss.empty() ? loss : fmt::format(" ({})", loss));
 }
 
+// How many strokes of the blank are certain, and how many may have been cut.
+void count_paths(JobRepository& jobs, JobRow& row, int sheet, int blank, std::int64_t strokes) {
+  std::vector<std::vector<FateRun>> fates;
+  for (const AttemptRow& attempt : jobs.attempts().of_sheet(row.id, sheet))
+    if (attempt.blank == blank) fates.push_back(jobs.attempts().fates(attempt.id));
+  row.paths_certain = row.paths_sent = 0;
+  for (const FateRun& run : merged_fates(strokes, fates)) {
+    const std::int64_t count = run.paths.last - run.paths.first + 1;
+    if (run.fate == PathFate::Certain) row.paths_certain += count;
+    if (run.fate != PathFate::NotSent) row.paths_sent += count;
+  }
+}
+
 class Recovery {
  public:
-  Recovery(ServiceStore& store, JobRepository& jobs, IntentJournals& intents)
-      : store_(store), jobs_(jobs), intents_(intents), trails_(intents.trails()) {}
+  Recovery(ServiceStore& store, JobRepository& jobs, IntentJournals& intents,
+           std::function<bool(const std::string&)> cuts)
+      : store_(store),
+        jobs_(jobs),
+        intents_(intents),
+        cuts_(std::move(cuts)),
+        trails_(intents.trails()) {
+    // What is cut now has no end to look for.
+    if (cuts_) std::erase_if(trails_, [&](const auto& one) { return cuts_(one.first); });
+  }
 
   Answer<void> run() {
     close_attempts();
@@ -31,6 +55,7 @@ class Recovery {
       restart(state);
     store_.after_commit([this] {
       for (const std::string& attempt : ended_) intents_.ended(attempt);
+      for (const std::string& attempt : outlived_) intents_.outlived(attempt);
       for (const std::string& attempt : empty_) intents_.remove(attempt);
       for (const auto& [job, why] : blocked_) intents_.block(job, why);
     });
@@ -51,17 +76,20 @@ class Recovery {
   void close_attempts() {
     AttemptTable& attempts = jobs_.attempts();
     for (const AttemptRow& open : attempts.open()) {
+      if (cuts_ && cuts_(open.id)) {
+        attempts.go_on(open.id);
+        continue;
+      }
       IntentTrail trail;
       if (const auto found = trails_.extract(open.id)) trail = found.mapped();
-      const IntentVerdict verdict = verdict_on(
-          claims_of(trail, open.first_stroke, open.strokes, attempts.last_recorded(open.id)));
+      const IntentVerdict verdict = verdict_of(open, trail);
       attempts.crash(open, store_.now(), verdict.doubt_upto, verdict.loss);
       ended_.push_back(open.id);
       Answer<JobRow> row = jobs_.row(open.job);
       if (!verdict.loss.empty())
         tell(open.job, open.sheet, verdict.loss, open.first_stroke, verdict.doubt_upto);
       if (!row || is_terminal(row->state)) continue;
-      count_paths(*row, open.sheet, open.blank, open.strokes);
+      count_paths(jobs_, *row, open.sheet, open.blank, open.strokes);
       jobs_.table().update(*row);
       record_usage(
           store_, *row,
@@ -69,9 +97,40 @@ class Recovery {
     }
   }
 
+  // In a fleet the database may know less than the journal in good order: the marks of a cut come
+  // when the database answers. And a journal that was copied to another machine may know less than
+  // the one that went on.
+  IntentVerdict verdict_of(const AttemptRow& attempt, const IntentTrail& trail) {
+    IntentVerdict verdict = verdict_on(claims_of(trail, attempt.first_stroke, attempt.strokes,
+                                                 jobs_.attempts().last_recorded(attempt.id)));
+    if (store_.in_fleet() && attempt.identity != store_.node().identity) {
+      verdict.doubt_upto = attempt.strokes - 1;
+      verdict.loss = "the journal of this cut is on another machine, or in another folder";
+    }
+    return verdict;
+  }
+
+  // Another node found that this one did not answer, and knew less of the cut than its journal.
+  void narrow(const AttemptRow& lost, const IntentTrail& trail) {
+    const IntentVerdict verdict = verdict_of(lost, trail);
+    jobs_.attempts().crash(lost, store_.now(), verdict.doubt_upto, verdict.loss);
+    Answer<JobRow> row = jobs_.row(lost.job);
+    if (!row || row->state != JobState::Interrupted || row->sheet != lost.sheet ||
+        row->blank != lost.blank)
+      return;
+    count_paths(jobs_, *row, lost.sheet, lost.blank, lost.strokes);
+    jobs_.save(*row);
+  }
+
   // An attempt that is not open: it has ended, or the database does not know it.
   void surface(const std::string& attempt, const IntentTrail& trail) {
-    if (jobs_.attempts().knows(attempt)) return ended_.push_back(attempt);
+    if (const auto known = jobs_.attempts().find(attempt)) {
+      if (known->end_kind == "lost") narrow(*known, trail);
+      ended_.push_back(attempt);
+      if (store_.in_fleet() && known->created < store_.now() - kJournals_ms)
+        outlived_.push_back(attempt);
+      return;
+    }
     if (!trail.head) {
       store_.log(
           fmt::format("the journal {} is damaged and belongs to no attempt that is known; "
@@ -130,7 +189,7 @@ class Recovery {
     }
     row.device = head.device;
     row.operator_name = head.operator_name;
-    count_paths(row, row.sheet, row.blank, head.strokes);
+    count_paths(jobs_, row, row.sheet, row.blank, head.strokes);
     const std::string from(name_of(row.state));
     jobs_.set_attention(row, "in_doubt", crash_text(row.id, verdict.loss));
     jobs_.take(row, step_of(row.state, JobEvent::IntentsSurface), "crash");
@@ -159,20 +218,11 @@ class Recovery {
         .invocation = head.invocation,
         .created = head.created,
         .started = started ? std::optional(head.created) : std::nullopt,
+        .node = store_.node().name,
+        .epoch = store_.node().epoch,
+        .identity = store_.node().identity,
     };
     attempts.bring_back(row, store_.now(), verdict.doubt_upto, verdict.loss);
-  }
-
-  void count_paths(JobRow& row, int sheet, int blank, std::int64_t strokes) {
-    std::vector<std::vector<FateRun>> fates;
-    for (const AttemptRow& attempt : jobs_.attempts().of_sheet(row.id, sheet))
-      if (attempt.blank == blank) fates.push_back(jobs_.attempts().fates(attempt.id));
-    row.paths_certain = row.paths_sent = 0;
-    for (const FateRun& run : merged_fates(strokes, fates)) {
-      const std::int64_t count = run.paths.last - run.paths.first + 1;
-      if (run.fate == PathFate::Certain) row.paths_certain += count;
-      if (run.fate != PathFate::NotSent) row.paths_sent += count;
-    }
   }
 
   void tell(const std::string& job, int sheet, const std::string& loss, std::int64_t first,
@@ -194,6 +244,7 @@ class Recovery {
   }
 
   void restart(JobState state) {
+    if (store_.in_fleet()) return restart_own(state);
     JobFilter filter;
     filter.states = {state};
     // Each leaves its state, so the next few are the first ones.
@@ -202,37 +253,123 @@ class Recovery {
       const std::string after = looked_to;
       std::vector<JobRow> rows = jobs_.table().list(filter, after, 100, looked_to);
       if (rows.empty() && looked_to.empty()) return;
-      for (JobRow& row : rows) {
-        const std::string from(name_of(row.state));
-        const Step step = step_of(row.state, JobEvent::Restarts);
-        const bool interrupted = step == Step::ToInterrupted;
-        const auto loss = losses_.find(row.id);
-        if (interrupted)
-          jobs_.set_attention(row, "in_doubt",
-                              crash_text(row.id, loss == losses_.end() ? "" : loss->second));
-        jobs_.take(row, step, interrupted ? "crash" : "restart");
-        note_recovered(row, from);
-      }
+      for (JobRow& row : rows) restart(row);
     }
+  }
+
+  // Those in the cutters of this node, and those that it planned. What it cuts now goes on.
+  void restart_own(JobState state) {
+    const char* const sql =
+        state == JobState::Planning
+            ? "SELECT job.id FROM job JOIN plan ON plan.id=job.plan WHERE job.state=? AND "
+              "(plan.planner='' OR plan.planner=?)"
+            : "SELECT job.id FROM job JOIN device ON device.id=job.device WHERE job.state=? AND "
+              "device.node=? AND NOT EXISTS (SELECT 1 FROM attempt WHERE attempt.job=job.id AND "
+              "started_at IS NOT NULL AND ended IS NULL)";
+    for (const std::string& id :
+         all_of(store_.db().rows(sql, name_of(state), store_.node().name), first_text))
+      if (Answer<JobRow> row = jobs_.row(id)) restart(*row);
+    if (state == JobState::Planning)
+      store_.db().run(
+          "UPDATE plan SET planner='', planner_epoch=0 WHERE planner=? AND state='pending'",
+          store_.node().name);
+  }
+
+  void restart(JobRow& row) {
+    const std::string from(name_of(row.state));
+    const Step step = step_of(row.state, JobEvent::Restarts);
+    const bool interrupted = step == Step::ToInterrupted;
+    const auto loss = losses_.find(row.id);
+    if (interrupted)
+      jobs_.set_attention(row, "in_doubt",
+                          crash_text(row.id, loss == losses_.end() ? "" : loss->second));
+    jobs_.take(row, step, interrupted ? "crash" : "restart");
+    note_recovered(row, from);
   }
 
   ServiceStore& store_;
   JobRepository& jobs_;
   IntentJournals& intents_;
+  std::function<bool(const std::string&)> cuts_;
   std::map<std::string, IntentTrail> trails_;            ///< by attempt, those not looked at yet
   std::map<std::string, std::string> losses_, blocked_;  ///< by job
-  std::vector<std::string> ended_, empty_;
+  std::vector<std::string> ended_, empty_, outlived_;
 };
 
 }  // namespace
 
-Answer<void> recover(ServiceStore& store, JobRepository& jobs, IntentJournals& intents) {
+Answer<void> recover(ServiceStore& store, JobRepository& jobs, IntentJournals& intents,
+                     const std::function<bool(const std::string& attempt)>& cuts) {
   // On a full disk it runs twice: nothing of the first time may stay.
   std::unique_ptr<Recovery> recovery;
   return store.change([&]() -> Answer<void> {
-    recovery = std::make_unique<Recovery>(store, jobs, intents);
+    recovery = std::make_unique<Recovery>(store, jobs, intents, cuts);
     return recovery->run();
   });
+}
+
+Answer<void> close_lost_node(ServiceStore& store, JobRepository& jobs, const std::string& node,
+                             std::int64_t epoch) {
+  return store.change([&]() -> Answer<void> {
+    AttemptTable& attempts = jobs.attempts();
+    const std::string why = fmt::format("node {} does not answer", node);
+    for (const AttemptRow& open : attempts.open_of(node, epoch)) {
+      attempts.crash(open, store.now(), open.strokes - 1, why, "lost");
+      Answer<JobRow> row = jobs.row(open.job);
+      if (!row || is_terminal(row->state)) continue;
+      count_paths(jobs, *row, open.sheet, open.blank, open.strokes);
+      // Whoever asked for the end of it gets it; a cut that still goes on ends when it is seen.
+      if (row->asked == "cancel") {
+        jobs.take(*row, step_of(row->state, JobEvent::CutStops), row->reason);
+        continue;
+      }
+      jobs.set_attention(
+          *row, "in_doubt",
+          fmt::format("node {} has not answered for a while, and may still be cutting this sheet; "
+                      "look at {}; if it comes back, what it knows is recorded by itself",
+                      node, open.device));
+      jobs.take(*row, step_of(row->state, JobEvent::CutBreaks), "lost");
+    }
+    for (const std::string& job : attempts.armed_by(node, epoch)) {
+      attempts.disarm(job);
+      Answer<JobRow> row = jobs.row(job);
+      if (row && row->state == JobState::Armed)
+        jobs.take(*row, step_of(row->state, JobEvent::ArmLapses), "lost");
+    }
+    for (const std::string& id :
+         all_of(store.db().rows("SELECT job.id FROM job JOIN plan ON plan.id=job.plan WHERE "
+                                "job.state='planning' AND plan.planner=? AND plan.planner_epoch<=?",
+                                node, epoch),
+                first_text))
+      if (Answer<JobRow> row = jobs.row(id))
+        jobs.take(*row, step_of(row->state, JobEvent::Restarts), "lost");
+    store.db().run(
+        "UPDATE plan SET planner='', planner_epoch=0 WHERE planner=? AND planner_epoch<=? AND "
+        "state='pending'",
+        node, epoch);
+    store.emit("notice", "", fmt::format(R"("node":{},"state":"lost")", json_text(node)));
+    return {};
+  });
+}
+
+TakeUp take_up(ServiceStore& store, JobRepository& jobs, const std::string& attempt, bool held) {
+  (void)store;
+  const auto known = jobs.attempts().find(attempt);
+  if (!known) return TakeUp::Superseded;
+  if (!known->ended) return TakeUp::Goes;
+  if (known->end_kind != "lost")
+    return known->end_kind == "superseded" ? TakeUp::Superseded : TakeUp::Ended;
+  Answer<JobRow> row = jobs.row(known->job);
+  // A person who looked at it and said something of it said "result_bad", or moved it on.
+  const bool is_untouched = row && row->state == JobState::Interrupted && row->reason == "lost" &&
+                            row->sheet == known->sheet && row->blank == known->blank &&
+                            row->segment == known->segment;
+  if (!is_untouched) return TakeUp::Superseded;
+  jobs.attempts().go_on(attempt);
+  row->device = known->device;
+  jobs.take(*row, step_of(row->state, JobEvent::CutFoundAgain), "");
+  if (held) jobs.take(*row, step_of(row->state, JobEvent::CutHeld), "");
+  return TakeUp::Goes;
 }
 
 }  // namespace popcut::daemon
