@@ -203,6 +203,28 @@ void read_webhook(FieldReader& fields, WebhookConfig& webhook) {
         "is missing; list the hosts that popcutd may call, as in allow = [\"localhost:9000\"]");
 }
 
+void read_fleet(FieldReader& fields, FleetConfig& fleet) {
+  constexpr std::string_view kLetters =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
+  constexpr std::size_t kLongestName = 48;
+  read(fields, "database", fleet.database);
+  read(fields, "password_file", fleet.password_file);
+  read(fields, "node", fleet.node);
+  read(fields, "url", fleet.url);
+  if (fields.has("database") && fleet.database.rfind("postgresql://", 0) != 0 &&
+      fleet.database.rfind("postgres://", 0) != 0 && fleet.database.find('=') == std::string::npos)
+    fields.refuse("database", ErrorKind::OutOfRange,
+                  "must be the address of a PostgreSQL, as in "
+                  "\"postgresql://popcut@db.lab/popcut\"");
+  if (fields.has("node") && (fleet.node.empty() || fleet.node.size() > kLongestName ||
+                             fleet.node.find_first_not_of(kLetters) != std::string::npos))
+    fields.refuse("node", ErrorKind::OutOfRange,
+                  "must have 1 to 48 letters, digits, '-', '_' and '.'");
+  if (fleet.database.empty() && (fields.has("node") || fields.has("url")))
+    fields.refuse("database", ErrorKind::Malformed,
+                  "is missing; name the fleet's PostgreSQL, or remove [fleet]");
+}
+
 /// Whether two devices differ in what is taken at the start.
 bool same_device(const DeviceConfig& a, const DeviceConfig& b) {
   return a.id == b.id && a.machine == b.machine && a.treat_as == b.treat_as &&
@@ -239,6 +261,9 @@ std::vector<std::string> restart_keys(const Config& running, const Config& wante
   const PlannerConfig &a = running.planner, &b = wanted.planner;
   add("planner", a.processes == b.processes && a.cpu_s == b.cpu_s && a.wall_s == b.wall_s &&
                      a.memory_bytes == b.memory_bytes && a.output_bytes == b.output_bytes);
+  const FleetConfig &c = running.fleet, &d = wanted.fleet;
+  add("fleet", c.database == d.database && c.password_file == d.password_file && c.node == d.node &&
+                   c.url == d.url);
   add_devices(running.devices, wanted.devices, keys);
   add_devices(wanted.devices, running.devices, keys);
   return keys;
@@ -311,6 +336,7 @@ Result<Config> parse_config(std::string_view text) {
   fields.optional_objects("device", [&](FieldReader& one) { read_device(one, config.devices); });
   fields.optional_object("limits", [&](FieldReader& some) { read_limits(some, config); });
   fields.optional_object("planner", [&](FieldReader& some) { read_planner(some, config.planner); });
+  fields.optional_object("fleet", [&](FieldReader& some) { read_fleet(some, config.fleet); });
   fields.optional_objects("user", [&](FieldReader& one) { read_user(one, config.users); });
   fields.optional_object("webhook", [&](FieldReader& some) { read_webhook(some, config.webhook); });
   if (auto done = fields.finish(); !done) return tl::unexpected(done.error());

@@ -48,6 +48,14 @@ struct WebhookConfig {
   std::vector<std::string> allow{};  ///< "host:port" that may be called
 };
 
+/// The fleet of which this popcutd is a node; off unless a database is given.
+struct FleetConfig {
+  std::string database{};  ///< "postgresql://..."
+  std::string password_file{};
+  std::string node{};  ///< empty: the machine's name
+  std::string url{};   ///< where people reach this node's page; empty: its first HTTP address
+};
+
 enum class LogForm : std::uint8_t { Text, Json };
 struct LogConfig {
   LogForm form{LogForm::Text};
@@ -72,6 +80,7 @@ struct Config {
   PlannerConfig planner{};
   std::vector<UserRule> users{};
   WebhookConfig webhook{};
+  FleetConfig fleet{};
 };
 
 /// The most bytes that the path of a unix socket may have (sun_path).

@@ -27,8 +27,8 @@ std::int64_t boot_clock_ms() {
 std::string identity_of(const StateFolder& folder) {
   struct stat place {};
   (void)::stat(folder.path().c_str(), &place);
-  return sha256_hex(fmt::format("{} {}", read_whole("/etc/machine-id", 100).value_or(""),
-                                place.st_ino))
+  return sha256_hex(
+             fmt::format("{} {}", read_whole("/etc/machine-id", 100).value_or(""), place.st_ino))
       .substr(0, 32);
 }
 
@@ -52,9 +52,10 @@ void NodeLease::keep() {
 void NodeLease::begin() {
   holds_until_ms_ = 0;
   {
-    Rows begun = database_.rows("SELECT epoch, fence FROM node_begin(?, ?, ?, ?, ?, ?)",
-                                options_.name, mark_.identity, options_.url, options_.version,
-                                last_epoch_, last_event_);
+    Rows begun =
+        database_.rows("SELECT epoch, fence FROM node_begin(?, ?, ?, ?, ?, ?)", options_.name,
+                       mark_.identity, options_.url, options_.version,
+                       last_epoch_ == 0 ? std::nullopt : std::optional(last_epoch_), last_event_);
     if (!begun.next()) throw StoreFault(FaultKind::Other, "node_begin gave no row");
     mark_.epoch = begun.integer(0);
     mark_.fence = std::max(mark_.fence, begun.integer(1));

@@ -479,6 +479,8 @@ bool PostgresDatabase::is_there() {
 
 std::string PostgresDatabase::why_away() const { return line_->why; }
 
+bool PostgresDatabase::is_refused() const { return !line_->connection && line_->refused; }
+
 void PostgresDatabase::hold(std::string_view name) {
   Rows none = rows("SELECT pg_advisory_xact_lock(hashtextextended(?, 0))", name);
   while (none.next()) continue;

@@ -43,6 +43,9 @@ class PostgresDatabase final : public Database {
   [[nodiscard]] bool is_there();
   /// Why it is not: the server's words, in one line.
   [[nodiscard]] std::string why_away() const;
+  /// Whether it refused the last connection in a way that will not pass by itself: a wrong
+  /// password, no such database, a URL that is none.
+  [[nodiscard]] bool is_refused() const;
   /// Waits up to `seconds` for notifications of `channel`, to which it listens from then on, and
   /// gives each one's text to `heard`. False: the server is away.
   bool listen(std::string_view channel, double seconds,

@@ -70,8 +70,9 @@ std::string place_of(const Peer& peer) {
   return fmt::format("{}/64", text);
 }
 
-Answer<Principal> local_principal(const Peer& peer, const LocalUsers& users, uid_t own_uid) {
-  Principal principal{.name = fmt::format("uid:{}", peer.uid),
+Answer<Principal> local_principal(const Peer& peer, const LocalUsers& users, uid_t own_uid,
+                                  const std::string& machine) {
+  Principal principal{.name = fmt::format("uid:{}{}", peer.uid, machine),
                       .user = LocalUser{peer.uid, peer.groups}};
   const std::optional<Role> role = role_of(*principal.user, users, own_uid);
   if (!role)

@@ -43,9 +43,10 @@ struct Names {
                                                   const Names& names);
 
 /// The principal behind a unix socket.
+/// @param machine  of a fleet: "@room-1" after the user's number, which is somebody else elsewhere
 /// @retval Forbidden  a user without a role
 [[nodiscard]] Answer<Principal> local_principal(const Peer& peer, const LocalUsers& users,
-                                                uid_t own_uid);
+                                                uid_t own_uid, const std::string& machine = {});
 
 /// The token of `Authorization: Bearer ...`.
 /// @retval Unauthenticated  there is no token, or it is malformed

@@ -237,7 +237,7 @@ void Hub::retune(HttpTuning tuning) {
   logins.set(tuning.limits.failed_logins_per_minute);
   for (const ClientPtr& client : std::vector<ClientPtr>(clients))
     if (client->stream && client->peer.is_local &&
-        !local_principal(client->peer, options.users, ::getuid()))
+        !local_principal(client->peer, options.users, ::getuid(), options.machine))
       client->close();
 }
 

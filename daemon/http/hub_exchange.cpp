@@ -222,7 +222,7 @@ asio::awaitable<Answer<Principal>> authenticate(Hub& hub, ClientPtr client, bool
       co_return refuse(ProblemKind::Unauthenticated,
                        "on the unix socket, your user is your identity; do not send Authorization");
     }
-    co_return local_principal(client->peer, hub.options.users, ::getuid());
+    co_return local_principal(client->peer, hub.options.users, ::getuid(), hub.options.machine);
   }
   const Answer<std::string> bearer = bearer_of(head);
   if (!bearer) {
@@ -470,7 +470,8 @@ asio::awaitable<Response> ask_handler(Hub& hub, ClientPtr client, Exchange& exch
   if (!route->access.is_open() && !client->peer.is_local)
     bearer = bearer_of(client->reader.head()).value_or("");
   if (!route->access.is_open() && client->peer.is_local) {
-    const Answer<Principal> now = local_principal(client->peer, hub.options.users, ::getuid());
+    const Answer<Principal> now =
+        local_principal(client->peer, hub.options.users, ::getuid(), hub.options.machine);
     if (!now) co_return problem_response(now.error(), *request);
     if (!route->access.allows(now->role))
       co_return problem_response(lacks_role(*route, *now), *request);

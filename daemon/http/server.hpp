@@ -30,6 +30,7 @@ struct HttpOptions {
   std::vector<std::string> hosts{};    ///< more names of this daemon: "cutter.lab:8631"
   std::vector<std::string> origins{};  ///< more origins of its page: "https://cutter.lab"
   LocalUsers users{};
+  std::string machine{};  ///< of a fleet: what follows the number of a local user, "@room-1"
   HttpLimits limits{};
   std::string incoming_folder{};  ///< of the state: uploads lie there until the service takes them
   std::string build{"0"};         ///< version, for /v1/meta

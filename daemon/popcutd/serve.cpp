@@ -28,6 +28,8 @@
 #include "daemon/devices/make_cutters.hpp"
 #include "daemon/digest/digest.hpp"
 #include "daemon/files/user_tables.hpp"
+#include "daemon/fleet/fleet_schema.hpp"
+#include "daemon/fleet/postgres_database.hpp"
 #include "daemon/http/server.hpp"
 #include "daemon/planning/confinement.hpp"
 #include "daemon/planning/planner.hpp"
@@ -200,6 +202,8 @@ class Daemon {
 
  private:
   [[nodiscard]] std::optional<StartFailure> open_state();
+  [[nodiscard]] std::optional<StartFailure> open_fleet();
+  void begin_listening();
   [[nodiscard]] std::optional<StartFailure> open_devices();
   [[nodiscard]] std::optional<StartFailure> open_service();
   void check_database();
@@ -211,6 +215,7 @@ class Daemon {
   Config config_;
   std::shared_ptr<spdlog::logger> log_;
   std::vector<std::string> tables_{};
+  PostgresDatabase::Options fleet_{};
   std::unique_ptr<Store> store_{};
   std::unique_ptr<ServiceThread> thread_{};
   std::unique_ptr<Planner> planner_{};
@@ -221,6 +226,7 @@ class Daemon {
   std::unique_ptr<Webhook> webhook_{};
   std::unique_ptr<HttpServer> http_{};
   std::thread checker_{};
+  std::jthread ear_{};
   mutable std::mutex damage_lock_{};
   std::string damage_{};
   Pulse pulse_{};
@@ -238,6 +244,7 @@ std::optional<StartFailure> Daemon::start(const ServiceManager& manager) {
   if (auto failure = open_state()) return failure;
   if (auto failure = open_devices()) return failure;
   if (auto failure = open_service()) return failure;
+  begin_listening();
   check_database();
   log_changes();
   if (auto failure = open_webhook()) return failure;
@@ -245,6 +252,7 @@ std::optional<StartFailure> Daemon::start(const ServiceManager& manager) {
 }
 
 std::optional<StartFailure> Daemon::open_state() {
+  if (!config_.fleet.database.empty()) return open_fleet();
   StoreOptions options;
   options.folder = config_.state;
   options.check_later = true;
@@ -252,6 +260,65 @@ std::optional<StartFailure> Daemon::open_state() {
   if (!store) return StartFailure{code_of(store.error()), message(store.error())};
   store_ = std::move(*store);
   return std::nullopt;
+}
+
+std::string machine_name() {
+  std::array<char, 65> name{};
+  (void)gethostname(name.data(), name.size() - 1);
+  return name.data();
+}
+
+std::optional<StartFailure> Daemon::open_fleet() {
+  if (config_.fleet.node.empty()) config_.fleet.node = machine_name();
+  fleet_.url = config_.fleet.database;
+  fleet_.name = "popcutd " + config_.fleet.node;
+  if (!config_.fleet.password_file.empty()) {
+    auto secret = read_whole(config_.fleet.password_file, 4096);
+    if (!secret)
+      return StartFailure{kNeedsPerson, "fleet.password_file: " + message(secret.error())};
+    fleet_.password = secret->substr(0, secret->find('\n'));
+  }
+  std::unique_ptr<PostgresDatabase> database;
+  try {
+    database = std::make_unique<PostgresDatabase>(fleet_, false);
+    if (database->is_refused())
+      return StartFailure{kNeedsPerson,
+                          fmt::format("fleet.database: {}; 'popcut doctor' says what is wrong",
+                                      database->why_away())};
+    if (database->is_there()) {
+      if (const std::string misfit = schema_misfit(*database); !misfit.empty())
+        return StartFailure{kNeedsPerson, "fleet.database: " + misfit};
+    } else {
+      log_->warn("the fleet's database does not answer; serving what is local until it does: {}",
+                 database->why_away());
+    }
+  } catch (const StoreFault& fault) {
+    return StartFailure{kNeedsPerson, fmt::format("fleet.database: {}", fault.what())};
+  }
+  StoreOptions options;
+  options.folder = config_.state;
+  auto store = Store::over(std::move(options), std::move(database));
+  if (!store) return StartFailure{code_of(store.error()), message(store.error())};
+  store_ = std::move(*store);
+  return std::nullopt;
+}
+
+/// What other nodes tell wakes this one; without it, it looks once a second.
+void Daemon::begin_listening() {
+  if (fleet_.url.empty()) return;
+  ear_ = std::jthread([this](const std::stop_token& stop) {
+    constexpr double kListenSeconds = 0.5;
+    PostgresDatabase database(fleet_, false);
+    while (!stop.stop_requested()) {
+      const bool is_there =
+          database.listen("popcut", kListenSeconds, [this](const std::string& news) {
+            if (news == config_.fleet.node) return;
+            thread_->post(ServiceThread::Lane::Asking,
+                          [this, news] { service_->hear_fleet(news); });
+          });
+      if (!is_there) std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    }
+  });
 }
 
 /// Tries on this machine how workers are confined, and logs it. The start does not wait for it.
@@ -308,6 +375,11 @@ std::optional<StartFailure> Daemon::open_service() {
   options.tables = tables_;
   options.read_program = stored_program;
   options.previewer = previewer_;
+  options.fleet.node = config_.fleet.node;
+  options.fleet.url = config_.fleet.url;
+  options.fleet.version = POPCUT_VERSION;
+  if (options.fleet.url.empty() && !config_.listen.empty())
+    options.fleet.url = "http://" + config_.listen.front();
   options.log = [log = log_](const std::string& line) { log->info(line); };
   auto service = make_service(*store_, *thread_, *planner_, *cutters_, std::move(options));
   if (!service) return StartFailure{code_of(service.error()), message(service.error())};
@@ -423,6 +495,7 @@ std::optional<StartFailure> Daemon::open_http(const ServiceManager& manager) {
   options.hosts = config_.allowed_hosts;
   options.origins = config_.allowed_origins;
   options.users = users_of(config_);
+  if (!config_.fleet.database.empty()) options.machine = "@" + config_.fleet.node;
   options.limits = config_.limits;
   options.incoming_folder = store_->folder().at("incoming");
   options.build = POPCUT_VERSION;
@@ -447,6 +520,8 @@ std::optional<StartFailure> Daemon::open_http(const ServiceManager& manager) {
 void Daemon::stop() {
   if (service_) thread_->run(ServiceThread::Lane::Cutting, [this] { service_->stopping(); });
   if (cutters_) cutters_->stop_all(kStopSeconds);
+  ear_ = {};  // asks it to stop, and waits
+  if (service_) thread_->run(ServiceThread::Lane::Cutting, [this] { service_->leave_fleet(); });
   if (http_) http_->stop();
   end_webhook();
   planner_.reset();

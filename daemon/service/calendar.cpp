@@ -28,6 +28,11 @@ void Calendar::load() {
 }
 
 void Calendar::follow() {
+  // The clock of a fleet is its database's, which is looked after.
+  if (store_.in_fleet()) {
+    believed_ = claimed_ = store_.now();
+    return;
+  }
   const std::int64_t monotonic = store_.monotonic();
   const TimeMs wall = store_.now();
   const std::int64_t passed = std::max<std::int64_t>(0, monotonic - at_ms_);
@@ -70,6 +75,7 @@ void Calendar::believe() {
 }
 
 void Calendar::tick() {
+  if (store_.in_fleet()) return;
   follow();
   if (claimed_ != believed_ && held_ms_ >= options_.believe_ms) believe();
   if (kept_at_ms_ >= 0 && at_ms_ - kept_at_ms_ < kKeep_ms) return;

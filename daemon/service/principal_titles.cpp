@@ -49,7 +49,10 @@ std::string PrincipalTitles::looked_up(const std::string& principal) {
   if (const std::string_view digits = after(kUser, principal); !digits.empty()) {
     uid_t user = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), user);
-    if (error == std::errc() && end == digits.data() + digits.size())
+    // In a fleet: "uid:1000@room-1".
+    const std::string_view at(end, digits.data() + digits.size());
+    const std::string here = store_.in_fleet() ? "@" + store_.node().name : "";
+    if (error == std::errc() && at == here)
       if (std::string name = options_.user_name(user); !name.empty()) return name;
   }
   return principal;

@@ -25,6 +25,14 @@ struct StoredProgram {
 /// The name of that file in a plan's folder: "sheet-01.program.json".
 [[nodiscard]] std::string index_name(int sheet);
 
+/// A node of a fleet; used if the store's database is shared.
+struct FleetOptions {
+  std::string node{};     ///< its name
+  std::string url{};      ///< where people reach its page
+  std::string version{};  ///< of popcutd
+  double lease_s{30}, beat_s{5};
+};
+
 /// Limits and hooks of a service. The defaults are those of the manual.
 struct ServiceOptions {
   std::int64_t arm_s{600};          ///< how long START may be pressed after arming
@@ -45,6 +53,7 @@ struct ServiceOptions {
   std::map<std::string, std::vector<std::string>> device_materials{};
   /// Makes what people see while they design; null: nothing is.
   std::shared_ptr<Previewer> previewer{};
+  FleetOptions fleet{};
   std::string invocation{};  ///< of this run; empty: INVOCATION_ID or a new one
 
   /// Reads the program of a sheet from a plan's folder, as the planner's files hold it.

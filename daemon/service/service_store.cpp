@@ -9,11 +9,13 @@ namespace popcut::daemon {
 ServiceStore::ServiceStore(Store& store, const ServiceOptions& options)
     : store_(store), options_(options) {
   // Ids go on after the greatest there is, also when the clock was put back.
-  for (const char* sql : {"SELECT max(id) FROM job", "SELECT max(id) FROM plan",
-                          "SELECT max(id) FROM attempt", "SELECT max(id) FROM token"}) {
-    Rows last = db().rows(sql);
-    if (last.next()) ulids_.raise_above(last.text(0));
-  }
+  // In a fleet they need not: the clock is the database's.
+  if (!in_fleet())
+    for (const char* sql : {"SELECT max(id) FROM job", "SELECT max(id) FROM plan",
+                            "SELECT max(id) FROM attempt", "SELECT max(id) FROM token"}) {
+      Rows last = db().rows(sql);
+      if (last.next()) ulids_.raise_above(last.text(0));
+    }
   db().committed = [this](double seconds) { figures_.commits.add(seconds); };
 }
 

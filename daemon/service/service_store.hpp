@@ -17,6 +17,9 @@
 
 namespace popcut::daemon {
 
+/// What nodes of a fleet tell each other when credentials have ended or have another role.
+inline constexpr const char* kAccessNews = ":access";
+
 /// The store as the parts of the service use it: transactions with what follows from them, events,
 /// audit, and what a failing disk means.
 class ServiceStore {

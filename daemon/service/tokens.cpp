@@ -111,6 +111,8 @@ std::optional<Principal> Tokens::root_of(const Session& session) {
   };
   Principal owner{.name = session.principal, .credential = session.id, .left_ms = end - now};
   if (session.user) {
+    // A user's number means somebody else on another machine.
+    if (!is_of_this_machine(session.principal)) return std::nullopt;
     const std::optional<Role> role = role_of(*session.user, options_.users, ::getuid());
     if (!role) return std::nullopt;
     owner.role = at_most(*role);
@@ -121,6 +123,10 @@ std::optional<Principal> Tokens::root_of(const Session& session) {
   owner.role = at_most(root->role);
   if (root->left_ms) owner.left_ms = std::min(*owner.left_ms, *root->left_ms);
   return owner;
+}
+
+bool Tokens::is_of_this_machine(const std::string& principal) const {
+  return !store_.in_fleet() || principal.ends_with("@" + store_.node().name);
 }
 
 std::optional<Principal> Tokens::with_session(const std::string& id, std::string_view secret) {
@@ -153,7 +159,12 @@ std::optional<Principal> Tokens::authenticate(std::string_view bearer) {
   }
 }
 
+void Tokens::changed_elsewhere() {
+  for (const auto& listener : listeners_) listener();
+}
+
 void Tokens::tell_change() {
+  if (store_.in_fleet()) (void)store_.db().number("SELECT pg_notify('popcut', ?)", kAccessNews);
   store_.after_commit([this] {
     for (const auto& listener : listeners_) listener();
   });
@@ -281,7 +292,8 @@ void Tokens::users_changed() {
         all_of(store_.db().rows("SELECT id FROM session WHERE uid IS NOT NULL"), first_text);
     for (const std::string& id : of_users) {
       const std::optional<Session> one = session(id);
-      if (one && one->user && !role_of(*one->user, options_.users, ::getuid()))
+      if (one && one->user && is_of_this_machine(one->principal) &&
+          !role_of(*one->user, options_.users, ::getuid()))
         store_.db().run("DELETE FROM session WHERE id=?", id);
     }
     return {};

@@ -47,6 +47,8 @@ class Tokens : public Access {
   /// Ends the sessions of users who have no role any more. To be called when it starts, and when
   /// the users have changed.
   void users_changed();
+  /// In a fleet: another node ended credentials, or changed their roles.
+  void changed_elsewhere();
 
  private:
   struct OneShot {
@@ -64,6 +66,7 @@ class Tokens : public Access {
   [[nodiscard]] std::optional<Session> session(const std::string& id);
   [[nodiscard]] std::optional<Principal> root_of(const Session& session);
   [[nodiscard]] std::optional<Principal> token_owner(const std::string& id, TimeMs now);
+  [[nodiscard]] bool is_of_this_machine(const std::string& principal) const;
   [[nodiscard]] std::optional<Principal> with_token(std::string_view id, std::string_view secret);
   [[nodiscard]] std::optional<Principal> with_session(const std::string& id,
                                                       std::string_view secret);

@@ -132,18 +132,24 @@ std::vector<JobRow> JobTable::list(const JobFilter& filter, const std::string& a
   std::vector<JobRow> all;
   looked_to.clear();
   for (const std::string_view key : keys) {
-    const std::array<Bound, 3> values{from, most, key};
     const bool has_key = by_state || !filter.owner.empty() || !filter.device.empty();
-    Rows rows = db_.rows_list(sql, std::span(values).first(has_key ? 3 : 2));
     int looked = 0, found = 0;
-    std::string last;
-    while (found < limit && rows.next()) {
-      if (filter.newest_first && rows.text(kIdColumn) <= oldest) break;
-      ++looked;
-      if (looked == most) last = rows.text(kIdColumn);
-      if (!fits(rows)) continue;
-      ++found;
-      all.push_back(row_of(rows));
+    std::string last = from;
+    // A shared database answers with all rows at once, so it is asked for few.
+    for (int piece = db_.is_shared() ? std::min(most, 2 * limit + 1) : most, got = piece;
+         got == piece && found < limit && looked < most;) {
+      const std::array<Bound, 3> values{last, piece, key};
+      Rows rows = db_.rows_list(sql, std::span(values).first(has_key ? 3 : 2));
+      got = 0;
+      while (found < limit && looked < most && rows.next()) {
+        ++got;
+        if (filter.newest_first && rows.text(kIdColumn) <= oldest) break;
+        ++looked;
+        last = rows.text(kIdColumn);
+        if (!fits(rows)) continue;
+        ++found;
+        all.push_back(row_of(rows));
+      }
     }
     // Of the others of this run nothing is known yet.
     if (found < limit && looked == most && (looked_to.empty() || before(last, looked_to)))

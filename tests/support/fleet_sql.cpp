@@ -99,15 +99,33 @@ std::string new_plan_sql() {
       FleetSql::id("PLAN"), FleetSql::plan_sha256());
 }
 
+namespace {
+
+constexpr std::string_view kNewJob =
+    "INSERT INTO job(id, rev, state, reason, asked, name, note, owner, operator, wish, device, "
+    "design, plan, material, priority, position, copies, held, sheets_total, sheet, blank, "
+    "segment, first_stroke, paths_certain, paths_sent, paths_total, done_paths, done_mm, low_s, "
+    "high_s, created, finished, outcome, tags, attention, attention_text, attention_since) ";
+
+}  // namespace
+
 std::string new_job_sql(const std::string& id, const std::string& owner) {
   return fmt::format(
-      "INSERT INTO job(id, rev, state, reason, asked, name, note, owner, operator, wish, device, "
-      "design, plan, material, priority, position, copies, held, sheets_total, sheet, blank, "
-      "segment, first_stroke, paths_certain, paths_sent, paths_total, done_paths, done_mm, low_s, "
-      "high_s, created, outcome, tags, attention, attention_text, attention_since) VALUES('{}', 1, "
-      "'ready', '', '', 'card', '', '{}', '', '', '', 'd', '{}', 'card', 0, 1, 1, 0, 1, 1, 1, 1, "
-      "0, 0, 0, 10, 0, 0, 60, 90, 1, '', '[]', 'load_sheet', 'load sheet 1 of 1', 1)",
-      id, owner, FleetSql::id("PLAN"));
+      "{}VALUES('{}', 1, 'ready', '', '', 'card', '', '{}', '', '', '', 'd', '{}', 'card', 0, 1, "
+      "1, 0, 1, 1, 1, 1, 0, 0, 0, 10, 0, 0, 60, 90, 1, NULL, '', '[]', 'load_sheet', 'load sheet "
+      "1 of 1', 1)",
+      kNewJob, id, owner, FleetSql::id("PLAN"));
+}
+
+std::string new_jobs_sql(std::int64_t first, std::int64_t last, const std::string& state) {
+  const bool ended = state == "done" || state == "failed" || state == "cancelled";
+  return fmt::format(
+      "{}SELECT 'J' || lpad(n::text, 25, '0'), 1, '{}', '', '', 'card ' || n, '', 'owner-' || n % "
+      "1000, '', '', '', 'd', '{}', 'card', 0, n * 1048576::bigint, 1, 0, 1, 1, 1, 1, 0, 0, 0, 10, "
+      "0, 0, "
+      "60, 90, n, {}, '', '[]', 'load_sheet', 'load sheet 1 of 1', 1 FROM generate_series({}, {}) "
+      "n",
+      kNewJob, state, FleetSql::id("PLAN"), ended ? "n" : "NULL", first, last);
 }
 
 namespace {

@@ -61,6 +61,10 @@ class FleetSql {
 [[nodiscard]] std::string fleet_schema();
 /// One INSERT into `job`, of a job of that id in the state `ready`.
 [[nodiscard]] std::string new_job_sql(const std::string& id, const std::string& owner);
+/// Many at once, of many owners, with the ids J00... of those numbers; without a device, and
+/// finished if that is their state.
+[[nodiscard]] std::string new_jobs_sql(std::int64_t first, std::int64_t last,
+                                       const std::string& state);
 [[nodiscard]] std::string new_plan_sql();
 
 /// What a popcutd does as a node. Each function is a transaction; it gives back what `tried` does.

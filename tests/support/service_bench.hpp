@@ -60,6 +60,11 @@ class ServiceBench {
   const daemon::Principal admin{"uid:5", daemon::Role::Admin};
   const std::string device{"sim:cameo3"};
 
+  /// Set by a test program whose benches are nodes of a fleet: a connection to the database that
+  /// `kept` names, which it makes and names if it is empty.
+  static inline std::function<std::unique_ptr<daemon::Database>(std::shared_ptr<void>& kept)>
+      shared_database{};
+
   daemon::ServiceOptions options;
   std::string place;        ///< its state folder; empty: one of its own, that goes with it
   bool check_later{false};  ///< all of the database: nothing is armed until `checked` is called
@@ -90,10 +95,14 @@ class ServiceBench {
 
   /// Opens the store and the service; the error as text, or nothing.
   std::string start() {
-    auto opened = daemon::Store::open({.folder = folder(),
-                                       .reserve_bytes = reserve_bytes,
-                                       .vfs = vfs,
-                                       .check_later = check_later});
+    if (shared_database && options.fleet.node.empty()) options.fleet.node = "bench";
+    auto opened = shared_database
+                      ? daemon::Store::over({.folder = folder(), .reserve_bytes = reserve_bytes},
+                                            shared_database(database_))
+                      : daemon::Store::open({.folder = folder(),
+                                             .reserve_bytes = reserve_bytes,
+                                             .vfs = vfs,
+                                             .check_later = check_later});
     if (!opened) return message(opened.error());
     store_ = std::move(*opened);
     thread_ = std::make_unique<daemon::ServiceThread>();
@@ -244,6 +253,7 @@ class ServiceBench {
   }
 
  private:
+  std::shared_ptr<void> database_{};
   // The planner outlives it and may still want to tell it something.
   void bury_thread() {
     if (thread_) buried_.push_back(std::move(thread_));

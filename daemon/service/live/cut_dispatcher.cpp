@@ -7,6 +7,7 @@
 
 #include "daemon/model/warnings.hpp"
 #include "daemon/service/live/running_cut.hpp"
+#include "daemon/service/repositories/recovery.hpp"
 #include "daemon/service/repositories/reports.hpp"
 
 namespace popcut::daemon {
@@ -198,6 +199,8 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
 Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionRequest& request) {
   if (const auto sound = parts_.store.accepts_arming(); !sound)
     return tl::unexpected(sound.error());
+  if (may_cut)
+    if (const auto may = may_cut(); !may) return tl::unexpected(may.error());
   const auto plan = parts_.plans.table().find(row.plan);
   if (!plan || plan->state != PlanState::Planned)
     return tl::unexpected(
@@ -286,6 +289,7 @@ Answer<void> CutDispatcher::pause(JobRow& row) {
 
 Answer<void> CutDispatcher::resume(JobRow& row) {
   if (stopping_) return refuse(ProblemKind::Unavailable, "popcutd is stopping");
+  if (const auto here = check_node(row.device); !here) return tl::unexpected(here.error());
   if (!cuts_.contains(row.id))
     return tl::unexpected(JobRepository::conflict(row, "its cut has already ended"));
   if (const auto device = parts_.devices.find(row.device); !device || !device->enabled)
@@ -362,6 +366,7 @@ Answer<void> CutDispatcher::resume_from(JobRow& row, const ActionRequest& reques
     return tl::unexpected(
         JobRepository::conflict(row, "this blank was never started; arm and start it"));
   const AttemptRow* const last = &state->last;
+  if (const auto here = check_node(last->device); !here) return tl::unexpected(here.error());
   const auto plan = parts_.plans.table().find(row.plan);
   if (!plan || plan->sha256 != last->plan_sha256)
     return tl::unexpected(JobRepository::conflict(row, "the plan is not the one that was cut"));
@@ -384,6 +389,9 @@ void CutDispatcher::lapse(const std::string& job, const std::string& reason) {
   const Answer<void> done = parts_.store.change([&]() -> Answer<void> {
     Answer<JobRow> row = parts_.jobs.row(job);
     if (!row || row->state != JobState::Armed) return {};
+    // In a fleet it may be armed elsewhere by now.
+    const auto arm = parts_.jobs.attempts().armed(job);
+    if (arm && arm->node != parts_.store.node().name) return {};
     parts_.jobs.attempts().disarm(job);
     parts_.jobs.take(*row, step_of(row->state, JobEvent::ArmLapses), reason);
     return {};
@@ -420,6 +428,84 @@ void CutDispatcher::devices_gone(const std::vector<std::string>& devices) {
       parts_.store.note(fault);
     }
   }
+}
+
+Answer<void> CutDispatcher::check_node(const std::string& device) const {
+  if (parts_.devices.is_elsewhere(device)) return tl::unexpected(parts_.devices.elsewhere(device));
+  return {};
+}
+
+bool CutDispatcher::cuts(const std::string& attempt) const {
+  return std::any_of(cuts_.begin(), cuts_.end(),
+                     [&](const auto& one) { return one.second->attempt == attempt; });
+}
+
+void CutDispatcher::forget_arms() {
+  for (const auto& [job, until] : armed_until_) parts_.programs.forget(job);
+  armed_until_.clear();
+}
+
+// True: it goes on.
+bool CutDispatcher::take_up_one(Cut& cut) {
+  switch (take_up(parts_.store, parts_.jobs, cut.attempt, cut.phase == SessionPhase::Held)) {
+    case TakeUp::Goes:
+      return true;
+    case TakeUp::Superseded:
+      cut.superseded = true;
+      return false;
+    case TakeUp::Ended:
+      return false;
+  }
+  return false;
+}
+
+void CutDispatcher::take_up_cuts() {
+  for (const auto& [job, cut] : cuts_) {
+    if (cut->over) continue;  // its end takes it up
+    const Answer<void> taken = parts_.store.change([&, one = cut.get()]() -> Answer<void> {
+      (void)take_up_one(*one);
+      return {};
+    });
+    if (!taken || !cut->superseded) continue;
+    parts_.store.log(
+        fmt::format("job {} sheet {}: while this node did not answer, somebody decided otherwise; "
+                    "the cut stops",
+                    cut->job, cut->sheet));
+    parts_.cutters.cancel(cut->device);
+  }
+}
+
+void CutDispatcher::never_began(const AttemptRow& attempt) {
+  const Answer<void> noted = parts_.store.change([&]() -> Answer<void> {
+    // Waits for the transaction of that START, if it is still under way.
+    (void)parts_.store.db().number("SELECT rev FROM job WHERE id=? FOR UPDATE", attempt.job);
+    const auto open = parts_.jobs.attempts().find(attempt.id);
+    if (!open || open->ended) return {};
+    Answer<JobRow> row = parts_.jobs.row(attempt.job);
+    parts_.jobs.attempts().never_started(attempt.id, parts_.store.now());
+    if (row && !is_terminal(row->state))
+      parts_.jobs.take(*row, step_of(row->state, JobEvent::CutRefused),
+                       "the database went away during the start; nothing was sent");
+    return {};
+  });
+  if (noted) parts_.intents.remove(attempt.id);
+}
+
+void CutDispatcher::heed(const std::string& job) {
+  const auto found = cuts_.find(job);
+  if (found == cuts_.end() || found->second->over) return;
+  Cut& cut = *found->second;
+  (void)parts_.store.look([&]() -> Answer<void> {
+    const Answer<JobRow> row = parts_.jobs.row(job);
+    if (!row) return {};
+    if (row->asked == "cancel" && !cut.cancel_asked) {
+      cut.cancel_asked = true;
+      parts_.cutters.cancel(cut.device);
+    } else if (row->asked == "pause") {
+      parts_.cutters.pause(cut.device);
+    }
+    return {};
+  });
 }
 
 void CutDispatcher::stop_cuts() {

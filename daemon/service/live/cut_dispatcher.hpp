@@ -56,6 +56,21 @@ class CutDispatcher : public Cutting {
   /// Ends all cuts at the end of their strokes, because the store can no longer record them.
   void stop_cuts();
   void stopping() { stopping_ = true; }
+
+  // In a fleet.
+
+  /// Why nothing may be armed or started now; set by `FleetWatch`.
+  std::function<Answer<void>()> may_cut{};
+  /// Whether that attempt is cut here now, or its end is not recorded yet.
+  [[nodiscard]] bool cuts(const std::string& attempt) const;
+  /// What was armed is armed no more: the node began again.
+  void forget_arms();
+  /// Cuts that another node called lost go on, or stop if a person decided otherwise meanwhile.
+  void take_up_cuts();
+  /// A START of which the answer was lost: the knife never moved.
+  void never_began(const AttemptRow& attempt);
+  /// What others ask of a job that is cut here.
+  void heed(const std::string& job);
   [[nodiscard]] bool cutting() const { return !cuts_.empty(); }
 
  private:
@@ -83,6 +98,9 @@ class CutDispatcher : public Cutting {
   [[nodiscard]] Answer<void> retry(JobRow& row);
   [[nodiscard]] Answer<void> resume_from(JobRow& row, const ActionRequest& request);
   [[nodiscard]] Answer<void> check_place(const JobRow& row, const std::string& device) const;
+  /// Whether the cutter is at this node.
+  [[nodiscard]] Answer<void> check_node(const std::string& device) const;
+  [[nodiscard]] bool take_up_one(Cut& cut);
   /// Takes what the request accepts; refused while a warning that spoils a cut is left.
   [[nodiscard]] static Answer<void> accept_warnings(JobRow& row, const ActionRequest& request);
   /// The member of an `arm` that accepts the warnings of a job, with a comma; empty: none is left.

@@ -15,6 +15,8 @@ namespace {
 constexpr std::int64_t kTellMs = 500;
 constexpr std::int64_t kTellAgainMs = 1000;  // and the clock of `tick` adds as much: 2 s at most
 
+constexpr std::int64_t kMarkMs = 1000;  // in a fleet, between marks in the database
+
 constexpr double kBusySeconds = 5;  // longer than a cutter with a full buffer takes nothing
 
 /// The kind of what a person should see to while a cut goes on.
@@ -55,6 +57,8 @@ class CutDispatcher::Journal final : public CutJournal {
       // Here, not on the service's thread, which others wait for: first beside the database, then
       // in it, so that neither can lose its end unnoticed.
       if (const Result<void> beside = intend_beside(last_stroke); !beside) return beside;
+      // In a fleet that is what counts: a network or a database that is away ends no cut.
+      if (dispatcher_.parts_.store.in_fleet()) return mark_when_there(last_stroke);
       thread_.run(ServiceThread::Lane::Cutting, [&] {
         const auto here = alive_.lock();
         if (!here) return;
@@ -118,6 +122,15 @@ class CutDispatcher::Journal final : public CutJournal {
   }
 
  private:
+  Result<void> mark_when_there(std::int64_t last_stroke) {
+    thread_.post(ServiceThread::Lane::Cutting,
+                 [dispatcher = &dispatcher_, cut = cut_, alive = alive_, last_stroke] {
+                   if (const auto here = alive.lock(); here && !cut->over)
+                     (void)dispatcher->intended(*cut, last_stroke);
+                 });
+    return {};
+  }
+
   Result<void> intend_beside(std::int64_t last_stroke) {
     for (bool again = true;; again = false) {
       try {
@@ -209,6 +222,9 @@ Answer<std::shared_ptr<CutDispatcher::Cut>> CutDispatcher::prepare(const JobRow&
 
 Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const ActionRequest&) {
   if (stopping_) return refuse(ProblemKind::Unavailable, "popcutd is stopping");
+  if (const auto here = check_node(row.device); !here) return tl::unexpected(here.error());
+  if (may_cut)
+    if (const auto may = may_cut(); !may) return tl::unexpected(may.error());
   AttemptTable& attempts = parts_.jobs.attempts();
   const auto armed = attempts.armed(row.id);
   if (!armed || !arm_lives(row.id))
@@ -286,6 +302,12 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const Actio
 
 void CutDispatcher::hand_over(const std::shared_ptr<Cut>& cut) {
   try {
+    // The answer to the START may have come so late that others think this node is lost.
+    if (may_cut)
+      if (const auto may = may_cut(); !may) {
+        cut->refusal = may.error().detail;
+        return record_refusal(cut);
+      }
     auto journal = std::make_shared<Journal>(*this, cut);
     const Result<void> taken = parts_.cutters.cut(std::move(cut->order), std::move(journal));
     cut->order = {};
@@ -333,14 +355,24 @@ Result<void> CutDispatcher::intended(Cut& cut, std::int64_t last) {
     cut.settled = false;
   }
   marks.intended = std::max(marks.intended, last);
+  const auto noted = [&] {
+    cut.marks = marks;
+    cut.live.certain = marks.certain + 1;
+    cut.live.sent = std::max(marks.certain, marks.taken) + 1;
+  };
+  if (parts_.store.in_fleet()) {
+    // The journal knows it. The database hears of it now and then, if it is there.
+    noted();
+    const std::int64_t now = parts_.store.monotonic();
+    if (now - cut.marked_ms < kMarkMs || (may_cut && !may_cut())) return {};
+    cut.marked_ms = now;
+  }
   const Answer<void> done = parts_.store.change([&]() -> Answer<void> {
     parts_.jobs.attempts().mark(cut.attempt, marks, bytes);
     return {};
   });
-  if (!done) return tl::unexpected(given_up(done.error().detail));
-  cut.marks = marks;
-  cut.live.certain = marks.certain + 1;
-  cut.live.sent = std::max(marks.certain, marks.taken) + 1;
+  if (!done && !parts_.store.in_fleet()) return tl::unexpected(given_up(done.error().detail));
+  noted();
   return {};
 }
 
@@ -433,6 +465,16 @@ void CutDispatcher::ended(const std::shared_ptr<Cut>& cut, const SessionEnd& end
 }
 
 Answer<void> CutDispatcher::record_end(Cut& cut, const SessionEnd& end) {
+  if (parts_.store.in_fleet() && !take_up_one(cut)) {
+    // The record of its strokes is true all the same.
+    if (!cut.superseded) return {};
+    parts_.jobs.attempts().finish(cut.attempt, parts_.store.now(), "superseded",
+                                  end.error ? message(*end.error) : "", cut.settled_bytes,
+                                  fate_runs(end.fates, cut.dots, cut.first, cut.strokes));
+    parts_.store.emit("notice", cut.job,
+                      fmt::format(R"("sheet":{},"state":"superseded")", cut.sheet));
+    return {};
+  }
   Answer<JobRow> row = parts_.jobs.row(cut.job);
   if (!row) return tl::unexpected(row.error());
   const std::vector<FateRun> runs = fate_runs(end.fates, cut.dots, cut.first, cut.strokes);

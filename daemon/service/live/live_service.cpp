@@ -12,6 +12,7 @@
 #include "daemon/service/calendar.hpp"
 #include "daemon/service/live/cut_dispatcher.hpp"
 #include "daemon/service/live/device_dispatcher.hpp"
+#include "daemon/service/live/fleet_watch.hpp"
 #include "daemon/service/live/program_shelf.hpp"
 #include "daemon/service/repositories/recovery.hpp"
 #include "daemon/service/repositories/reports.hpp"
@@ -60,7 +61,7 @@ struct Parts {
         cutters(all_cutters),
         store(disk, options),
         calendar(store, options),
-        intents(disk.folder()),
+        intents(disk.folder(), disk.file() == nullptr),
         titles(store, options),
         tokens(store, titles, options),
         registry(store, cutters, options),
@@ -74,6 +75,14 @@ struct Parts {
         dispatcher(
             {store, thread, cutters, jobs, plans, programs, registry, intents, options, alive}),
         device_dispatcher({store, thread, cutters, registry, jobs, dispatcher, alive}) {
+    if (store.in_fleet()) {
+      fleet.emplace(FleetWatch::Parts{store, jobs, plans, registry, intents, dispatcher, options});
+      // All nodes go by one clock.
+      options.wall_ms = [this, own = options.wall_ms] {
+        const TimeMs now = own();
+        return now + fleet->lease().ahead_ms(now);
+      };
+    }
     designs.material_row = [this](const std::string& name) {
       const Answer<MaterialRecord> found = materials.find(name.empty() ? kUsualMaterial : name);
       return found ? found->json : std::string();
@@ -113,6 +122,7 @@ struct Parts {
   ProgramShelf programs;
   CutDispatcher dispatcher;
   DeviceDispatcher device_dispatcher;
+  std::optional<FleetWatch> fleet;
 };
 
 /// A base, so that the parts are there before what refers to them.
@@ -158,6 +168,10 @@ class AssembledService final : private PartsHolder, public Operations, public Li
     parts_.dispatcher.stopping();
     parts_.plans.stop();
   }
+  void hear_fleet(const std::string& news) override;
+  void leave_fleet() override {
+    if (parts_.fleet) parts_.fleet->end();
+  }
   void tick() override;
   void checked(const std::string& damage) override { parts_.store.checked(damage); }
   void retune(ServiceTuning tuning) override {
@@ -171,6 +185,10 @@ class AssembledService final : private PartsHolder, public Operations, public Li
   }
 
  private:
+  Answer<void> begin_alone();
+  Answer<void> begin_in_fleet();
+  void look_back();
+  void heed(const Event& event);
   void prune();
   [[nodiscard]] Answer<void> may_copy(const Principal& who) const;
   void in_slices(const char* name, std::function<Answer<bool>()> step,
@@ -181,6 +199,72 @@ class AssembledService final : private PartsHolder, public Operations, public Li
 };
 
 Answer<void> AssembledService::begin() {
+  const Answer<void> begun = parts_.fleet ? begin_in_fleet() : begin_alone();
+  if (!begun) return begun;
+  const std::weak_ptr<void> alive = parts_.alive;
+  parts_.cutters.on_change([this, alive, thread = &parts_.thread] {
+    thread->post(ServiceThread::Lane::Asking, [this, alive] {
+      if (const auto here = alive.lock()) parts_.device_dispatcher.look();
+    });
+  });
+  parts_.device_dispatcher.look();
+  if (!parts_.fleet) look_back();
+  parts_.thread.every(1000, [this, alive] {
+    if (const auto here = alive.lock()) tick();
+  });
+  return {};
+}
+
+// Plans that were stored just before the last run ended.
+void AssembledService::look_back() {
+  for (const std::string& plan :
+       all_of(parts_.store.db().rows("SELECT DISTINCT job.plan FROM job JOIN plan ON "
+                                     "plan.id=job.plan WHERE job.state='queued' "
+                                     "AND plan.state != 'pending'"),
+              first_text))
+    parts_.jobs.plan_ended(plan);
+  parts_.plans.pump();
+}
+
+// Without the database it begins, too: to show the cutters, and to finish what they cut.
+Answer<void> AssembledService::begin_in_fleet() {
+  parts_.fleet->on_begun = [this] {
+    parts_.tokens.users_changed();
+    parts_.registry.load();
+    parts_.device_dispatcher.look();
+    look_back();
+  };
+  parts_.store.listen([this](const Event& event) { heed(event); });
+  return parts_.fleet->begin();
+}
+
+// What another node did may concern what this one is doing.
+void AssembledService::heed(const Event& event) {
+  if (event.kind == "job") {
+    parts_.dispatcher.heed(event.job);
+    const bool is_over = event.data.find(R"("state":"cancelled")") != std::string::npos;
+    const bool is_new = event.data.find(R"("state":"queued")") != std::string::npos;
+    if (is_over)
+      (void)parts_.store.look([&]() -> Answer<void> {
+        if (const Answer<JobRow> row = parts_.jobs.row(event.job)) parts_.plans.abandon(row->plan);
+        return {};
+      });
+    if (is_new) parts_.plans.pump();
+  }
+}
+
+void AssembledService::hear_fleet(const std::string& news) {
+  name_turn("news of the fleet");
+  if (!parts_.fleet) return;
+  if (news == kAccessNews) return parts_.tokens.changed_elsewhere();
+  try {
+    parts_.store.hear_news();
+  } catch (const StoreFault& fault) {
+    parts_.store.note(fault);
+  }
+}
+
+Answer<void> AssembledService::begin_alone() {
   Answer<void> recovered = recover(parts_.store, parts_.jobs, parts_.intents);
   if (!recovered) return recovered;
   try {
@@ -194,24 +278,6 @@ Answer<void> AssembledService::begin() {
   parts_.calendar.load();
   parts_.tokens.users_changed();
   parts_.registry.load();
-  const std::weak_ptr<void> alive = parts_.alive;
-  parts_.cutters.on_change([this, alive, thread = &parts_.thread] {
-    thread->post(ServiceThread::Lane::Asking, [this, alive] {
-      if (const auto here = alive.lock()) parts_.device_dispatcher.look();
-    });
-  });
-  parts_.device_dispatcher.look();
-  // Plans that were stored just before the last run ended.
-  for (const std::string& plan :
-       all_of(parts_.store.db().rows("SELECT DISTINCT job.plan FROM job JOIN plan ON "
-                                     "plan.id=job.plan WHERE job.state='queued' "
-                                     "AND plan.state != 'pending'"),
-              first_text))
-    parts_.jobs.plan_ended(plan);
-  parts_.plans.pump();
-  parts_.thread.every(1000, [this, alive] {
-    if (const auto here = alive.lock()) tick();
-  });
   return {};
 }
 
@@ -448,6 +514,7 @@ void AssembledService::prune() {
 void AssembledService::tick() {
   name_turn("tick");
   parts_.store.recover_disk();
+  if (parts_.fleet) parts_.fleet->tick();
   parts_.dispatcher.tick();
   parts_.device_dispatcher.look();
   if (parts_.store.degraded()) return;
@@ -459,7 +526,7 @@ void AssembledService::tick() {
     SqliteDatabase* const file = parts_.raw.file();
     const bool many_ended = parts_.intents.waiting() > kEndedJournals;
     if (file == nullptr) {
-      if (many_ended) parts_.intents.checkpointed();
+      if (parts_.intents.waiting() > 0) parts_.intents.checkpointed();
     } else if (parts_.raw.checked() && (file->wal_pages() > kCheckpointPages || many_ended)) {
       if (file->checkpoint(false)) parts_.intents.checkpointed();
     }

@@ -26,6 +26,8 @@ struct CutDispatcher::Cut {
   AttemptMarks marks;
   LiveCut live;
   bool cancel_asked{false}, over{false};
+  bool superseded{false};              ///< in a fleet: a person decided otherwise while it was lost
+  std::int64_t marked_ms{-1'000'000};  ///< when its marks were last stored
   std::optional<std::string> refusal;  ///< why the cutter did not take it
   std::string shown;                   ///< kind of the attention that is shown meanwhile
   SessionPhase phase{SessionPhase::Connecting};

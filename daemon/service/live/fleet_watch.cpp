@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/service/live/fleet_watch.hpp"
+
+#include <fmt/format.h>
+
+#include "daemon/service/repositories/recovery.hpp"
+
+namespace popcut::daemon {
+
+FleetWatch::FleetWatch(Parts parts)
+    : parts_(parts),
+      lease_(parts_.store.db(), parts_.store.folder(), parts_.store.node(),
+             {.name = parts_.options.fleet.node,
+              .url = parts_.options.fleet.url,
+              .version = parts_.options.fleet.version,
+              .lease_s = parts_.options.fleet.lease_s}) {
+  parts_.store.on_doubt = [this] { in_doubt_ = true; };
+  parts_.dispatcher.may_cut = [this] { return may_cut(); };
+}
+
+Answer<void> FleetWatch::begin() {
+  try {
+    begin_life();
+  } catch (const StoreFault& fault) {
+    if (fault.kind() == FaultKind::Refused) return refuse(ProblemKind::StateConflict, fault.what());
+    if (fault.kind() != FaultKind::Away && fault.kind() != FaultKind::InDoubt)
+      return refuse(ProblemKind::Unavailable, fault.what());
+    note(fault);
+  }
+  return {};
+}
+
+// The epoch is committed before anything is read: no start of the one before is still under way.
+void FleetWatch::begin_life() {
+  has_begun_ = false;
+  lease_.begin();
+  parts_.store.begin_news();
+  if (const Answer<void> recovered =
+          recover(parts_.store, parts_.jobs, parts_.intents,
+                  [this](const std::string& attempt) { return parts_.dispatcher.cuts(attempt); });
+      !recovered)
+    throw StoreFault(FaultKind::Away, recovered.error().detail);
+  parts_.dispatcher.forget_arms();
+  parts_.dispatcher.take_up_cuts();
+  lease_.reported();
+  has_begun_ = true;
+  in_doubt_ = false;
+  why_.clear();
+  parts_.store.log(fmt::format("this is node {} of the fleet, epoch {}", lease_.options().name,
+                               parts_.store.node().epoch));
+  logged_.clear();
+  beat_ms_ = parts_.store.monotonic();
+  if (!std::exchange(was_begun_, true) && on_begun) on_begun();
+  parts_.devices.load_others();
+}
+
+void FleetWatch::note(const StoreFault& fault) {
+  why_ = fault.what();
+  if (std::exchange(logged_, why_) != why_)
+    parts_.store.log(fmt::format("the fleet's database: {}", why_));
+}
+
+void FleetWatch::tick() {
+  try {
+    if (!has_begun_) return begin_life();
+    const std::int64_t now = parts_.store.monotonic();
+    if (now - beat_ms_ >= static_cast<std::int64_t>(parts_.options.fleet.beat_s * 1000)) {
+      beat_ms_ = now;
+      beat();
+    }
+    if (has_begun_ && in_doubt_) settle();
+    if (has_begun_) parts_.store.hear_news();
+  } catch (const StoreFault& fault) {
+    // Another popcutd has begun in this one's name, or the database is away.
+    if (fault.kind() == FaultKind::Refused) has_begun_ = false;
+    note(fault);
+  }
+}
+
+void FleetWatch::beat() {
+  if (!lease_.beat()) {
+    parts_.store.log(
+        "the lease of this node was over, or the database is an earlier one; it begins "
+        "again and compares its journals");
+    return begin_life();
+  }
+  why_.clear();
+  logged_.clear();
+  settle();
+  parts_.devices.load_others();
+  close_lost_nodes();
+}
+
+// What the database calls open and nobody cuts here: a START whose answer was lost. Nothing of it
+// was sent, since the knife moves only after the answer.
+void FleetWatch::settle() {
+  in_doubt_ = false;
+  for (const AttemptRow& open : parts_.jobs.attempts().open())
+    if (!parts_.dispatcher.cuts(open.id)) parts_.dispatcher.never_began(open);
+}
+
+void FleetWatch::close_lost_nodes() {
+  struct Node {
+    std::string name;
+    std::int64_t epoch{};
+  };
+  const std::vector<Node> silent =
+      all_of(parts_.store.db().rows(
+                 "SELECT name, epoch FROM node WHERE lease_until<clock_timestamp() AND name!=? AND "
+                 "(EXISTS (SELECT 1 FROM attempt WHERE attempt.node=name AND ended IS NULL) OR "
+                 "EXISTS (SELECT 1 FROM arm WHERE arm.node=name) OR "
+                 "EXISTS (SELECT 1 FROM plan WHERE planner=name AND state='pending'))",
+                 lease_.options().name),
+             [](const Rows& rows) {
+               return Node{rows.text(0), rows.integer(1)};
+             });
+  for (const Node& node : silent) {
+    if (parts_.store.db().number("SELECT node_lapse(?, ?)", node.name, node.epoch) == 0) continue;
+    const Answer<void> closed = close_lost_node(parts_.store, parts_.jobs, node.name, node.epoch);
+    if (closed)
+      parts_.store.log(
+          fmt::format("node {} does not answer: what it was cutting is interrupted, "
+                      "what it was planning is planned by others",
+                      node.name));
+  }
+  // Plans that were stored just before their node ended.
+  for (const std::string& plan :
+       all_of(parts_.store.db().rows("SELECT DISTINCT job.plan FROM job JOIN plan ON "
+                                     "plan.id=job.plan WHERE job.state='queued' AND "
+                                     "plan.state!='pending'"),
+              first_text))
+    parts_.jobs.plan_ended(plan);
+  parts_.store.db().run("SELECT node_tidy()");
+}
+
+void FleetWatch::end() {
+  if (has_begun_) lease_.end();
+  has_begun_ = false;
+}
+
+Answer<void> FleetWatch::may_cut() const {
+  if (has_begun_ && lease_.holds()) return {};
+  Problem away{
+      ProblemKind::Unavailable,
+      fmt::format("this node has no lease of the fleet's database, so it starts nothing{}{}",
+                  why_.empty() ? "" : ": ", why_)};
+  away.retry_after_s = 2;
+  return tl::unexpected(std::move(away));
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "daemon/fleet/node_lease.hpp"
+#include "daemon/service/live/cut_dispatcher.hpp"
+#include "daemon/service/service_options.hpp"
+
+namespace popcut::daemon {
+
+/// This popcutd as a node of a fleet: it begins when the database is there, beats, compares its
+/// journals, closes what lost nodes leave, and hears what others do. On the service's thread.
+class FleetWatch {
+ public:
+  struct Parts {
+    ServiceStore& store;
+    JobRepository& jobs;
+    PlanningQueue& plans;
+    DeviceRegistry& devices;
+    IntentJournals& intents;
+    CutDispatcher& dispatcher;
+    const ServiceOptions& options;
+  };
+  explicit FleetWatch(Parts parts);
+  FleetWatch(const FleetWatch&) = delete;
+  FleetWatch& operator=(const FleetWatch&) = delete;
+
+  /// Begins. A database that is away is no failure: it begins when it is there.
+  ///
+  /// @retval StateConflict  another popcutd has this node's name
+  [[nodiscard]] Answer<void> begin();
+  /// Once a second, and when others tell that there is news.
+  void tick();
+  /// The node ends in order.
+  void end();
+  /// Whether it may arm and start; if not, why.
+  [[nodiscard]] Answer<void> may_cut() const;
+  [[nodiscard]] const NodeLease& lease() const { return lease_; }
+  /// Called once, when the database was there for the first time.
+  std::function<void()> on_begun{};
+
+ private:
+  void begin_life();
+  void settle();
+  void beat();
+  void close_lost_nodes();
+  void note(const StoreFault& fault);
+
+  Parts parts_;
+  NodeLease lease_;
+  bool has_begun_{false}, was_begun_{false};
+  bool in_doubt_{false};
+  std::int64_t beat_ms_{0};
+  std::string why_{"it has not begun yet"}, logged_;
+};
+
+}  // namespace popcut::daemon
