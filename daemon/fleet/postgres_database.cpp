@@ -425,9 +425,13 @@ pqxx::result PostgresDatabase::Line::ask(std::string_view sql, std::span<const B
     if (ends_transaction(sql)) open = aborted = false;
     return rows;
   } catch (const pqxx::broken_connection& fault) {
+    // What libpqxx says of a connection that broke during a statement is of no use to anybody.
+    const std::string_view said = fault.what();
+    const bool says_nothing = said.find("client encoding") != std::string_view::npos;
     throw failed(FaultKind::Away,
                  watchdog.end() ? fmt::format("no answer for {:g} s", options.answer_s + 1)
-                                : std::string(fault.what()),
+                 : says_nothing ? std::string("the connection was lost")
+                                : std::string(said),
                  sql);
   } catch (const pqxx::sql_error& fault) {
     watchdog.end();

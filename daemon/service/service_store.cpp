@@ -41,7 +41,10 @@ void ServiceStore::follow_up() {
   };
   if (!events.empty()) try_to([&] { store_.bear_witness(events.back().seq); });
   if (in_fleet())
-    try_to([&] { hear_news(); });
+    try_to([&] {
+      for (const Event& event : events) own_.insert(event.seq);
+      hear_news();
+    });
   else
     for (const Event& event : events) try_to([&] { tell(event); });
   for (const auto& work : after) try_to(work);
@@ -77,8 +80,14 @@ void ServiceStore::begin_news() { told_ = db().number("SELECT last FROM event_co
 
 void ServiceStore::hear_news() {
   constexpr int kAtOnce = 500;
-  if (db().in_transaction()) return;
-  for (int count = kAtOnce; count == kAtOnce;) {
+  // Who hears of an event may cause the next one: it is told after those that are under way.
+  if (db().in_transaction() || hears_) return;
+  struct Hearing {
+    bool& hears;
+    explicit Hearing(bool& flag) : hears(flag) { hears = true; }
+    ~Hearing() { hears = false; }
+  } const hearing(hears_);
+  for (int count = 1; count > 0;) {
     std::vector<Event> news = all_of(
         db().rows("SELECT seq, kind, time, job, data FROM event WHERE seq>? ORDER BY seq LIMIT ?",
                   told_, kAtOnce),
@@ -91,6 +100,7 @@ void ServiceStore::hear_news() {
     for (const Event& event : news) {
       told_ = event.seq;
       tell(event);
+      if (own_.erase(event.seq) == 0 && on_others) on_others(event);
     }
   }
 }

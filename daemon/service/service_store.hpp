@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -99,6 +100,8 @@ class ServiceStore {
   void tell(const Event& event);
   /// In a fleet: tells of the events that are stored and were not told of yet, whoever caused them.
   void hear_news();
+  /// Called too for those that other nodes caused.
+  std::function<void(const Event&)> on_others{};
   /// The events from now on are news.
   void begin_news();
   void listen(std::function<void(const Event&)> listener) {
@@ -159,6 +162,8 @@ class ServiceStore {
   std::vector<Event> events_;  ///< of this transaction, numbered at its end
   NodeMark node_;
   std::int64_t told_{0};  ///< in a fleet: the last event that was told of
+  bool hears_{false};
+  std::set<std::int64_t> own_{};  ///< events of this node that were not told of yet
   std::vector<std::function<void(const Event&)>> listeners_;
   std::string degraded_why_;
   bool degraded_{false};

@@ -50,7 +50,7 @@ int Database::put_list(std::string_view into, std::string_view keys,
 
 Transaction::Transaction(Database& database)
     : database_(database), outermost_(!database.in_transaction()) {
-  database_.run(outermost_ ? database_.begin_words() : "SAVEPOINT inner");
+  database_.run(outermost_ ? database_.begin_words() : "SAVEPOINT part");
 }
 
 Transaction::~Transaction() {
@@ -60,8 +60,8 @@ Transaction::~Transaction() {
       // A failed commit may have rolled back already.
       if (database_.in_transaction()) database_.run("ROLLBACK");
     } else if (database_.in_transaction()) {
-      database_.run("ROLLBACK TO inner");
-      database_.run("RELEASE inner");
+      database_.run("ROLLBACK TO part");
+      database_.run("RELEASE part");
     }
   } catch (const StoreFault&) {
     // Nothing more can be undone; the next BEGIN says so.
@@ -70,7 +70,7 @@ Transaction::~Transaction() {
 
 void Transaction::commit() {
   if (!outermost_) {
-    database_.run("RELEASE inner");
+    database_.run("RELEASE part");
     open_ = false;
     return;
   }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Part of tests/support/service_bench.hpp: every bench is a node of a fleet of its own.
+#include <iostream>
+
 #include "daemon/fleet/fleet_schema.hpp"
 #include "daemon/fleet/postgres_database.hpp"
 #include "tests/support/postgres_server.hpp"
@@ -9,6 +11,10 @@ namespace popcut::test {
 namespace {
 
 const bool kIsSet = [] {
+  if (const std::string why = popcut::testing::PostgresServer::why_not(); !why.empty()) {
+    std::cerr << "skipped, the cases run on SQLite: " << why << '\n';
+    return false;
+  }
   ServiceBench::shared_database =
       [](std::shared_ptr<void>& kept) -> std::unique_ptr<daemon::Database> {
     const bool is_new = !kept;

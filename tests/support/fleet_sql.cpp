@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "tests/support/fleet_sql.hpp"
 
-#include <fstream>
-#include <iterator>
 #include <unordered_map>
 
 #include <fmt/format.h>
 
 #include <pqxx/pqxx>
 
-#include "tests/support/paths.hpp"
+#include "daemon/fleet/fleet_schema.hpp"
 
 namespace popcut::testing {
 namespace {
@@ -85,11 +83,6 @@ std::string FleetLine::prepared(const std::string& sql, const std::vector<std::s
   return answer.empty() || answer.columns() == 0 ? std::string() : answer[0][0].c_str();
 }
 
-std::string fleet_schema() {
-  std::ifstream file(source_file("daemon/fleet/schema.sql"));
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 std::string new_plan_sql() {
   return fmt::format(
       "INSERT INTO plan(id, key, kind, design, material, machine, state, sha256, sheets, paths, "
@@ -132,7 +125,7 @@ namespace {
 
 // As one transaction: statements that are sent together.
 std::string prepared_database(FreshDatabase& database) {
-  database.run_sql(fleet_schema());
+  database.run_sql(std::string(daemon::fleet_schema()));
   return database.url();
 }
 

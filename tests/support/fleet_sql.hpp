@@ -57,8 +57,6 @@ class FleetSql {
   FleetLine admin_;
 };
 
-/// The schema's file.
-[[nodiscard]] std::string fleet_schema();
 /// One INSERT into `job`, of a job of that id in the state `ready`.
 [[nodiscard]] std::string new_job_sql(const std::string& id, const std::string& owner);
 /// Many at once, of many owners, with the ids J00... of those numbers; without a device, and

@@ -112,14 +112,14 @@ fs::path new_folder(const fs::path& where) {
   return name;
 }
 
-/// In memory if nothing has to be on a disk and much is free there.
+/// In memory if much is free there: a killed process does not harm what it holds.
 fs::path place_for(const PostgresOptions& options) {
   const fs::path memory = "/dev/shm";
   struct statvfs space {};
   const bool roomy = ::access(memory.c_str(), W_OK | X_OK) == 0 &&
                      ::statvfs(memory.c_str(), &space) == 0 &&
                      space.f_bavail * space.f_frsize > (std::uint64_t{1} << 30);
-  return roomy && !options.fsync ? memory : fs::temp_directory_path();
+  return roomy && !options.disk ? memory : fs::temp_directory_path();
 }
 
 // ---- Processes. What runs between fork and exec may be a copy of a program with many threads, so
@@ -136,10 +136,12 @@ class Command {
   }
   Command(const Command&) = delete;
   Command& operator=(const Command&) = delete;
-  [[noreturn]] void execute(const Account& as) {
+  /// @param at_death  the signal that it gets when its parent dies
+  [[noreturn]] void execute(const Account& as, int at_death = 0) {
     if (as.other &&
         (::setgroups(0, nullptr) != 0 || ::setgid(as.group) != 0 || ::setuid(as.user) != 0))
       ::_exit(126);
+    ::prctl(PR_SET_PDEATHSIG, at_death);  // a change of the user takes it back
     ::execve(arguments_[0], arguments_.data(), environment_.data());
     ::_exit(127);
   }
@@ -267,7 +269,7 @@ int order_or_end(int from_test, pid_t postmaster) {
   const pid_t warden = ::getpid(), postmaster = ::fork();
   if (postmaster == 0) {
     ::close(3);
-    server.execute(as);
+    server.execute(as, SIGQUIT);
   }
   if (postmaster < 0 || ::write(3, &postmaster, sizeof postmaster) != sizeof postmaster)
     ::_exit(126);
@@ -444,15 +446,13 @@ PostgresServer::Removed::~Removed() {
 }
 
 std::string PostgresServer::url(const std::string& database, const std::string& user) const {
-  return fmt::format("postgresql://{}@/{}?host={}&port={}&sslmode=disable&gssencmode=disable",
-                     escaped(user), escaped(database), escaped(folder_.string()), port_);
+  return postgres_url(folder_.string(), port_, database, user);
 }
 
 std::string PostgresServer::tcp_url(const std::string& database, const std::string& user,
                                     const std::string& password) const {
   if (!options_.tcp) throw std::runtime_error("the server was not asked for tcp");
-  return fmt::format("postgresql://{}:{}@127.0.0.1:{}/{}?sslmode=disable&gssencmode=disable",
-                     escaped(user), escaped(password), port_, escaped(database));
+  return postgres_url("127.0.0.1", port_, database, user, password);
 }
 
 std::string PostgresServer::socket() const { return folder_ / fmt::format(".s.PGSQL.{}", port_); }
@@ -620,6 +620,13 @@ FreshDatabase::~FreshDatabase() {
     server_.run_sql(fmt::format("DROP DATABASE \"{}\" WITH (FORCE)", name_));
   } catch (const std::exception&) {  // the server is gone, and the database with it
   }
+}
+
+std::string postgres_url(const std::string& host, std::uint16_t port, const std::string& database,
+                         const std::string& user, const std::string& password) {
+  return fmt::format("postgresql://{}{}@/{}?host={}&port={}&sslmode=disable&gssencmode=disable",
+                     escaped(user), password.empty() ? "" : ":" + escaped(password),
+                     escaped(database), escaped(host), port);
 }
 
 std::string run_sql(const std::string& url, const std::string& sql) {

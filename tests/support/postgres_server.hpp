@@ -12,8 +12,9 @@
 namespace popcut::testing {
 
 struct PostgresOptions {
-  bool fsync{false};   ///< on: what is committed is on the disk; for tests of failover
+  bool fsync{false};   ///< it writes as one does that a power cut must not harm; for failover
   bool tcp{false};     ///< also on 127.0.0.1, with passwords (scram)
+  bool disk{false};    ///< not in memory (/dev/shm), even if there is much; to measure
   std::string more{};  ///< lines of postgresql.conf, which win over those of this class
 };
 
@@ -124,6 +125,11 @@ class FreshDatabase {
   PostgresServer& server_;
   std::string name_;
 };
+
+/// @param host  an address, or the folder of a unix socket
+[[nodiscard]] std::string postgres_url(const std::string& host, std::uint16_t port,
+                                       const std::string& database, const std::string& user,
+                                       const std::string& password = "");
 
 /// Runs statements in a connection of their own; several are one transaction unless they say BEGIN
 /// and COMMIT. The rows of the last one as `psql -At` prints them: "1|a\n2|b", NULL is empty.

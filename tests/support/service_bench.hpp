@@ -65,6 +65,9 @@ class ServiceBench {
   static inline std::function<std::unique_ptr<daemon::Database>(std::shared_ptr<void>& kept)>
       shared_database{};
 
+  /// What follows the number of a user of the unix socket.
+  [[nodiscard]] static std::string machine() { return shared_database ? "@bench" : ""; }
+
   daemon::ServiceOptions options;
   std::string place;        ///< its state folder; empty: one of its own, that goes with it
   bool check_later{false};  ///< all of the database: nothing is armed until `checked` is called
@@ -95,7 +98,11 @@ class ServiceBench {
 
   /// Opens the store and the service; the error as text, or nothing.
   std::string start() {
-    if (shared_database && options.fleet.node.empty()) options.fleet.node = "bench";
+    if (shared_database) {
+      options.fleet.node = "bench";
+      options.fleet.mark_s = 0;
+      options.fleet.has_database_clock = false;  // cases put the other one forward and back
+    }
     auto opened = shared_database
                       ? daemon::Store::over({.folder = folder(), .reserve_bytes = reserve_bytes},
                                             shared_database(database_))

@@ -15,8 +15,6 @@ namespace {
 constexpr std::int64_t kTellMs = 500;
 constexpr std::int64_t kTellAgainMs = 1000;  // and the clock of `tick` adds as much: 2 s at most
 
-constexpr std::int64_t kMarkMs = 1000;  // in a fleet, between marks in the database
-
 constexpr double kBusySeconds = 5;  // longer than a cutter with a full buffer takes nothing
 
 /// The kind of what a person should see to while a cut goes on.
@@ -364,7 +362,8 @@ Result<void> CutDispatcher::intended(Cut& cut, std::int64_t last) {
     // The journal knows it. The database hears of it now and then, if it is there.
     noted();
     const std::int64_t now = parts_.store.monotonic();
-    if (now - cut.marked_ms < kMarkMs || (may_cut && !may_cut())) return {};
+    const auto between_ms = static_cast<std::int64_t>(parts_.options.fleet.mark_s * 1000);
+    if (now - cut.marked_ms < between_ms || (may_cut && !may_cut())) return {};
     cut.marked_ms = now;
   }
   const Answer<void> done = parts_.store.change([&]() -> Answer<void> {

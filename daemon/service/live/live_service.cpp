@@ -75,9 +75,9 @@ struct Parts {
         dispatcher(
             {store, thread, cutters, jobs, plans, programs, registry, intents, options, alive}),
         device_dispatcher({store, thread, cutters, registry, jobs, dispatcher, alive}) {
-    if (store.in_fleet()) {
+    if (store.in_fleet())
       fleet.emplace(FleetWatch::Parts{store, jobs, plans, registry, intents, dispatcher, options});
-      // All nodes go by one clock.
+    if (store.in_fleet() && options.fleet.has_database_clock) {
       options.wall_ms = [this, own = options.wall_ms] {
         const TimeMs now = own();
         return now + fleet->lease().ahead_ms(now);
@@ -234,7 +234,7 @@ Answer<void> AssembledService::begin_in_fleet() {
     parts_.device_dispatcher.look();
     look_back();
   };
-  parts_.store.listen([this](const Event& event) { heed(event); });
+  parts_.store.on_others = [this](const Event& event) { heed(event); };
   return parts_.fleet->begin();
 }
 

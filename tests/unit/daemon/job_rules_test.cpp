@@ -45,14 +45,14 @@ TEST_CASE("every action does in every state what the manual says", "[daemon][job
 
 TEST_CASE("every event does in every state what the manual says", "[daemon][jobs]") {
   // Columns: plan begins, plan comes, plan fails, arm lapses, cut refused, cut held, cut completes,
-  // cut unconfirmed, cut breaks, cut stops, restarts, intents surface, plans again. Q queued, P
-  // planning, U paused, I interrupted, F failed.
+  // cut unconfirmed, cut breaks, cut stops, restarts, intents surface, plans again, found again. Q
+  // queued, P planning, C cutting, U paused, I interrupted, F failed.
   const std::map<JobState, std::string> table{
-      {JobState::Queued, "PRF.........Q"},      {JobState::Planning, ".RF.......Q.Q"},
-      {JobState::Ready, "...........IQ"},       {JobState::Armed, "...R......RI."},
-      {JobState::Cutting, "....RUNIIXII."},     {JobState::Paused, "....R.NIIXII."},
-      {JobState::Interrupted, "...........I."}, {JobState::Done, "............."},
-      {JobState::Failed, "............."},      {JobState::Cancelled, "............."}};
+      {JobState::Queued, "PRF.........Q."},      {JobState::Planning, ".RF.......Q.Q."},
+      {JobState::Ready, "...........IQ."},       {JobState::Armed, "...R......RI.."},
+      {JobState::Cutting, "....RUNIIXII.."},     {JobState::Paused, "....R.NIIXII.."},
+      {JobState::Interrupted, "...........I.C"}, {JobState::Done, ".............."},
+      {JobState::Failed, ".............."},      {JobState::Cancelled, ".............."}};
   for (const JobState state : all_states()) {
     std::string row;
     for (const JobEvent event : all_events()) row += letter(step_of(state, event));
@@ -67,6 +67,8 @@ TEST_CASE("a knife cuts only after arm and start or after pause and resume", "[d
       const JobState next = state_after(state, step_of(state, event), 1, 2);
       if (next == state) continue;
       CHECK(next != JobState::Armed);
+      // It never stopped; only its node was not heard of.
+      if (event == JobEvent::CutFoundAgain && state == JobState::Interrupted) continue;
       CHECK(next != JobState::Cutting);
     }
     for (const JobAction action : all_actions()) {

@@ -56,7 +56,7 @@ class Pages : public ServiceBench {
     on([&](LiveService& s) { s.retune({.users = users}); });
   }
   static Principal local() {
-    return {.name = "uid:4242", .role = Role::Operator, .user = LocalUser{kUser, {kGroup}}};
+    return {.name = "uid:4242" + machine(), .role = Role::Operator, .user = LocalUser{kUser, {kGroup}}};
   }
   void tick() {
     on([](LiveService& s) { s.tick(); });
@@ -228,7 +228,7 @@ TEST_CASE("nobody takes the one-time words or the sessions of others", "[daemon]
   std::vector<std::string> words;
   for (int i = 0; i < 110; ++i) {
     Principal one = Pages::local();
-    one.name = "uid:" + std::to_string(i);
+    one.name = "uid:" + std::to_string(i) + ServiceBench::machine();
     words.push_back(bench.word(one));
   }
   CHECK(bench.open(words.back()));
@@ -240,7 +240,7 @@ TEST_CASE("nobody takes the one-time words or the sessions of others", "[daemon]
 }
 
 TEST_CASE("a clock that is wrong by years for a moment deletes nothing",
-          "[daemon][service][clock]") {
+          "[alone][daemon][service][clock]") {
   Pages bench;
   const NewToken token = bench.token(Role::Operator, 3600);
   const NewToken page = bench.page(token);
@@ -295,7 +295,7 @@ TEST_CASE("a clock that is wrong by years for a moment deletes nothing",
 }
 
 TEST_CASE("a clock that was set right is believed after a day and what is old goes then",
-          "[daemon][service][clock]") {
+          "[alone][daemon][service][clock]") {
   Pages bench;
   const NewToken token = bench.token(Role::Operator, 3600);
   for (const char* name : {"one", "two", "three"}) REQUIRE(bench.add_design(name));

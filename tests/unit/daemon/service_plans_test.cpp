@@ -228,7 +228,7 @@ TEST_CASE("one principal cannot fill the queue of jobs", "[daemon][service]") {
   }));
 }
 
-TEST_CASE("a plan during which popcutd died ten times is given up", "[daemon][service]") {
+TEST_CASE("a plan during which popcutd died ten times is given up", "[alone][daemon][service]") {
   ServiceBench bench;
   const auto design = bench.add_design("slow").value();
   const Job job = bench.create(design.id).value();

@@ -41,7 +41,7 @@ class Heard : public ServiceBench {
 
 }  // namespace
 
-TEST_CASE("a job names its people as people do", "[daemon][service][view]") {
+TEST_CASE("a job names its people as people do", "[alone][daemon][service][view]") {
   Heard bench;
   const Job ready = bench.ready_job();
   CHECK(ready.owner == "uid:2");

@@ -73,7 +73,7 @@ TEST_CASE("codes that nobody accepted are left", "[daemon][warnings]") {
 }
 
 TEST_CASE("plans of an earlier popcutd keep their warnings and open jobs get them",
-          "[daemon][warnings][store]") {
+          "[alone][daemon][warnings][store]") {
   test::ServiceBench bench;
   const Job open = bench.ready_job();
   bench.stop();

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "daemon/fleet/fleet_schema.hpp"
 #include "daemon/store/schema.hpp"
 #include "daemon/store/sqlite_database.hpp"
 #include "tests/support/fleet_sql.hpp"
@@ -82,18 +83,18 @@ TEST_CASE(
     "[fleet]") {
   if (skipped()) return;
   const FreshDatabase first, second, third;
-  first.run_sql(fleet_schema());
+  first.run_sql(std::string(daemon::fleet_schema()));
   CHECK(first.run_sql("SELECT version, least, went_back FROM popcut.popcut_schema") == "1|1|0");
   shared_postgres().run_sql("CREATE ROLE boss LOGIN CREATEROLE");
   second.run_sql(fmt::format("GRANT CREATE ON DATABASE {} TO boss", second.name()));
-  run_sql(second.url("boss"), fleet_schema());
+  run_sql(second.url("boss"), std::string(daemon::fleet_schema()));
   CHECK(second.run_sql("SELECT pg_get_userbyid(nspowner) FROM pg_namespace WHERE nspname="
                        "'popcut'") == "popcut_owner");
   CHECK(second.run_sql("SELECT count(*) FROM pg_class WHERE relnamespace='popcut'::regnamespace "
                        "AND pg_get_userbyid(relowner) <> 'popcut_owner'") == "0");
-  CHECK_THROWS_WITH(first.run_sql(fleet_schema()), Contains("already exists"));
+  CHECK_THROWS_WITH(first.run_sql(std::string(daemon::fleet_schema())), Contains("already exists"));
   // Statement by statement, as psql sends them, nothing is made.
-  const std::string schema = fleet_schema();
+  const std::string schema = std::string(daemon::fleet_schema());
   const std::size_t end = schema.find("END $$;", schema.find("FOREACH"));
   FleetLine line(third.url());
   const std::size_t cut = schema.find("DO $$\nDECLARE");

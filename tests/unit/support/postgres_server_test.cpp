@@ -124,6 +124,23 @@ TEST_CASE("a line of configuration is in force when it is set", "[postgres]") {
   CHECK(server.run_sql("SHOW work_mem") == "1234kB");
 }
 
+// As when somebody kills a test program with all its children, one after the other.
+TEST_CASE("a PostgreSQL ends with the process that guards it", "[postgres]") {
+  if (skipped()) return;
+  PostgresServer server;
+  const auto stat_of = [](pid_t process) {  // "S 17 ...": its state, its parent
+    const std::string text = text_of_file("/proc/" + std::to_string(process) + "/stat");
+    return text.empty() ? text : text.substr(text.rfind(')') + 2);
+  };
+  const pid_t postmaster = server.pid(), warden = std::stoi(stat_of(postmaster).substr(2));
+  REQUIRE(warden != ::getpid());
+  ::kill(warden, SIGKILL);
+  CHECK(comes_true([&] {
+    const std::string now = stat_of(postmaster);
+    return now.empty() || now[0] == 'Z';
+  }));
+}
+
 // The test program is played by a child that is killed, frozen server and all.
 TEST_CASE("nothing is left of a PostgreSQL whose test is killed", "[postgres]") {
   if (skipped()) return;
