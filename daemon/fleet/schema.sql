@@ -364,6 +364,17 @@ CREATE TABLE popcut.calendar(
 CREATE TABLE popcut.end_tally(
   device text COLLATE "C" NOT NULL, end_kind text COLLATE "C" NOT NULL, attempts bigint NOT NULL);
 
+-- Rows that live for seconds leave room behind, which is to be used again before there is much of
+-- it; a fifth of a table of a million jobs, as is usual, would be much.
+ALTER TABLE popcut.tally SET (autovacuum_vacuum_scale_factor = 0, autovacuum_vacuum_threshold = 500);
+ALTER TABLE popcut.end_tally
+  SET (autovacuum_vacuum_scale_factor = 0, autovacuum_vacuum_threshold = 500);
+ALTER TABLE popcut.arm SET (autovacuum_vacuum_scale_factor = 0, autovacuum_vacuum_threshold = 500);
+ALTER TABLE popcut.event_counter
+  SET (autovacuum_vacuum_scale_factor = 0, autovacuum_vacuum_threshold = 500);
+ALTER TABLE popcut.job SET (autovacuum_vacuum_scale_factor = 0.01);
+ALTER TABLE popcut.attempt SET (autovacuum_vacuum_scale_factor = 0.01);
+
 -- ---------------------------------------------------------------------------------------------
 -- Triggers. Every function that a login reaches sets search_path, temporary tables last: what a
 -- caller creates, and where a caller searches, changes nothing here. That costs several µs a call.

@@ -52,6 +52,7 @@ void print(const char* title, const FleetLoad::Figures& figures) {
     std::printf("  %-6s %7zu %8.1f %8.1f %8.1f\n", call, times.count, times.p50_ms, times.p99_ms,
                 times.most_ms);
   }
+  std::fflush(stdout);
 }
 
 }  // namespace

@@ -24,6 +24,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char* kLogin = "popcut_n_load";
 constexpr std::int64_t kStrokes = 10;
+constexpr double kLeaseS = 3600;  // longer than any measurement
 
 double ms_since(Clock::time_point begun) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begun).count();
@@ -189,7 +190,7 @@ struct FleetLoad::Parts {
   void beat(Desk& desk, int node) {
     const NodeMark& one = marks[static_cast<std::size_t>(node)];
     Rows answer = desk.database.rows("SELECT alive, now_ms FROM node_beat(?, ?, ?)", one.name,
-                                     one.epoch, 120.0);
+                                     one.epoch, kLeaseS);
     if (!answer.next() || answer.integer(0) == 0)
       throw StoreFault(FaultKind::Other, one.name + " is not alive");
   }
@@ -222,7 +223,7 @@ FleetLoad::FleetLoad(FleetSql& fleet, int nodes, int connections)
                   "generate_series(0, {1}) n",
                   kLogin, nodes - 1));
   fleet(fmt::format(
-      "SELECT count(node_reported(name, epoch)), count(node_beat(name, epoch, 120)) FROM node; "
+      "SELECT count(node_reported(name, epoch)), count(node_beat(name, epoch, 3600)) FROM node; "
       "INSERT INTO device(id, rev, model, title, simulated, width_mm, length_mm, enabled, state, "
       "sheets_done, cut_mm, node) SELECT 'dev-' || n, 1, 'portrait', '', 1, 210, 297, 1, 'idle', "
       "0, 0, 'node-' || n FROM generate_series(0, {}) n",
