@@ -750,10 +750,10 @@ BEGIN
 END $$;
 
 -- Renews the lease if it lives; if not, the node begins again. So it does when the database went
--- back, to compare its journals. A beat of its own transaction may have synchronous_commit off: a
+-- back, also when it knows fewer events than the node has seen, to compare its journals. A beat of its own transaction may have synchronous_commit off: a
 -- beat that is lost makes a lease shorter, never longer.
 CREATE FUNCTION popcut.node_beat(p_name text, p_epoch bigint, p_lease_s double precision,
-                                 OUT alive boolean, OUT now_ms bigint, OUT is_draining bigint)
+                                 p_last_event bigint, OUT alive boolean, OUT now_ms bigint, OUT is_draining bigint)
 LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 DECLARE
   v_login text;
@@ -765,7 +765,8 @@ BEGIN
   UPDATE node SET heartbeat = clock_timestamp(), lease_s = p_lease_s,
       lease_until = clock_timestamp() + make_interval(secs => p_lease_s)
     WHERE name = p_name AND epoch = p_epoch AND lease_until > clock_timestamp() AND
-      generation = popcut_generation()
+      generation = popcut_generation() AND
+      coalesce(p_last_event, 0) <= (SELECT last FROM event_counter)
     RETURNING login, draining INTO v_login, is_draining;
   alive := FOUND;
   IF NOT alive THEN
@@ -1064,8 +1065,7 @@ DECLARE
 BEGIN
   PERFORM node_speaks(p_node, p_epoch);
   one := attempt_of(p_node, p_id, '{lost}');
-  IF one.bytes_taken > 0 OR EXISTS (SELECT FROM chunk WHERE attempt = p_id AND
-                                    state IN ('sent', 'certain')) THEN
+  IF one.bytes_taken > 0 OR EXISTS (SELECT FROM chunk WHERE attempt = p_id) THEN
     RAISE EXCEPTION USING ERRCODE = 'PC003',
       MESSAGE = format('attempt %s has sent strokes, so it was started', p_id);
   END IF;
@@ -1170,7 +1170,7 @@ GRANT INSERT, UPDATE, DELETE ON popcut.blob, popcut.blob_part, popcut.event_coun
   TO popcut_node;
 GRANT EXECUTE ON FUNCTION popcut.clock_ms(), popcut.popcut_generation(),
   popcut.node_begin(text, text, text, text, bigint, bigint), popcut.node_reported(text, bigint),
-  popcut.node_beat(text, bigint, double precision), popcut.node_lapse(text, bigint),
+  popcut.node_beat(text, bigint, double precision, bigint), popcut.node_lapse(text, bigint),
   popcut.node_end(text, bigint), popcut.node_tidy(),
   popcut.knife_arm(text, bigint, text, bigint, bigint, text, text, text, bigint, text),
   popcut.knife_disarm(text),

@@ -102,6 +102,8 @@ class ServiceStore {
   void hear_news();
   /// Called too for those that other nodes caused.
   std::function<void(const Event&)> on_others{};
+  /// The last event that was told of.
+  [[nodiscard]] std::int64_t heard() const { return told_; }
   /// The events from now on are news.
   void begin_news();
   void listen(std::function<void(const Event&)> listener) {

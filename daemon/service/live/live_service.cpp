@@ -75,8 +75,11 @@ struct Parts {
         dispatcher(
             {store, thread, cutters, jobs, plans, programs, registry, intents, options, alive}),
         device_dispatcher({store, thread, cutters, registry, jobs, dispatcher, alive}) {
-    if (store.in_fleet())
+    if (store.in_fleet()) {
       fleet.emplace(FleetWatch::Parts{store, jobs, plans, registry, intents, dispatcher, options});
+      // So that a journal says from which machine and folder it is.
+      options.invocation = store.node().mark() + options.invocation.substr(0, 16);
+    }
     if (store.in_fleet() && options.fleet.has_database_clock) {
       options.wall_ms = [this, own = options.wall_ms] {
         const TimeMs now = own();
