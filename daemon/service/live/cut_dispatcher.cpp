@@ -444,6 +444,12 @@ bool CutDispatcher::cuts(const std::string& attempt) const {
                      [&](const auto& one) { return one.second->attempt == attempt; });
 }
 
+std::string CutDispatcher::job_on(const std::string& device) const {
+  for (const auto& [job, cut] : cuts_)
+    if (cut->device == device) return job;
+  return {};
+}
+
 void CutDispatcher::forget_arms() {
   for (const auto& [job, until] : armed_until_) parts_.programs.forget(job);
   armed_until_.clear();

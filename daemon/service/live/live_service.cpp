@@ -161,8 +161,17 @@ class AssembledService final : private PartsHolder, public Operations, public Li
              std::function<void(Answer<std::vector<UsageRow>>)> done) override;
   ServiceHealth health() override;
   std::string metrics() override {
-    return metrics_text(parts_.store, parts_.jobs.table(), parts_.registry.list()) +
-           turns_text(parts_.thread) + parts_.cutters.metrics();
+    const std::string own = turns_text(parts_.thread) + parts_.cutters.metrics();
+    if (!parts_.fleet)
+      return metrics_text(parts_.store, parts_.jobs.table(), parts_.registry.list()) + own;
+    // Those of the node are there, also when the database is not.
+    try {
+      return metrics_text(parts_.store, parts_.jobs.table(), parts_.registry.list()) + own +
+             parts_.fleet->metrics();
+    } catch (const StoreFault& fault) {
+      parts_.store.note(fault);
+      return own + parts_.fleet->metrics();
+    }
   }
   void backup(const Principal& who, std::function<void(Answer<std::string>)> done) override;
   void check_integrity(const Principal& who,
