@@ -111,6 +111,20 @@ class Watchdog {
   std::thread thread_;
 };
 
+/// Hears that a COMMIT was given up waiting for a standby: it is done here, and lost if that
+/// standby takes over now.
+class StandbyEar final : public pqxx::errorhandler {
+ public:
+  explicit StandbyEar(pqxx::connection& connection) : pqxx::errorhandler(connection) {}
+  bool operator()(const char words[]) noexcept override {
+    if (std::string_view(words).find("canceling wait for synchronous replication") !=
+        std::string_view::npos)
+      gave_up = true;
+    return false;  // nobody else hears of it
+  }
+  bool gave_up{false};
+};
+
 /// The rows of an answer, all of which is here.
 class PostgresRows final : public RowSource {
  public:
@@ -327,6 +341,7 @@ struct PostgresDatabase::Line {
       const std::lock_guard hold(found->lock);
       if (!found->is_over) return false;
       connection = std::move(found->connection);
+      if (connection) standby = std::make_unique<StandbyEar>(*connection);
       if (!connection) why = found->fault;
       refused = found->refused;
     }
@@ -342,9 +357,10 @@ struct PostgresDatabase::Line {
   [[nodiscard]] StoreFault failed(FaultKind kind, const std::string& what, std::string_view sql);
   void lose(const std::string& because) {
     why = because;
+    listens.clear();
+    standby.reset();
     connection.reset();
     prepared.clear();
-    listens.clear();
     again = Clock::now();
     dead = open;
   }
@@ -352,6 +368,7 @@ struct PostgresDatabase::Line {
   Options options;
   std::string words;
   std::unique_ptr<pqxx::connection> connection;
+  std::unique_ptr<StandbyEar> standby;
   std::unordered_map<std::string, std::string> prepared;  ///< names by text
   std::unordered_map<std::string, std::unique_ptr<pqxx::notification_receiver>> listens;
   std::shared_ptr<Found> found;
@@ -420,6 +437,10 @@ pqxx::result PostgresDatabase::Line::ask(std::string_view sql, std::span<const B
       rows = send(sql, values);
     }
     watchdog.end();
+    if (standby && std::exchange(standby->gave_up, false)) {
+      open = aborted = false;
+      throw StoreFault(FaultKind::InDoubt, "no standby confirmed the commit");
+    }
     if (sql == "BEGIN") open = true;
     if (sql.starts_with("ROLLBACK TO")) aborted = false;
     if (ends_transaction(sql)) open = aborted = false;
@@ -442,6 +463,8 @@ pqxx::result PostgresDatabase::Line::ask(std::string_view sql, std::span<const B
   } catch (const std::bad_alloc&) {
     watchdog.end();
     lose("out of memory");
+    throw;
+  } catch (const StoreFault&) {
     throw;
   } catch (const std::exception& fault) {
     const bool is_late = watchdog.end();

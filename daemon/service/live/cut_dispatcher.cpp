@@ -224,6 +224,9 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
         fmt::format("{} holds a sheet of job {} ({})", *device, other->id, name_of(other->state))));
   if (const auto accepted = accept_warnings(row, request); !accepted)
     return tl::unexpected(accepted.error());
+  if (const auto sheet = parts_.jobs.current_sheet(row))
+    if (const auto here = parts_.plans.bring_sheet(row.plan, sheet->number); !here)
+      return tl::unexpected(here.error());
   row.device = *device;
   row.operator_name = who.name;
   parts_.jobs.take(row, Step::ToArmed, "");
@@ -439,6 +442,12 @@ Answer<void> CutDispatcher::check_node(const std::string& device) const {
 bool CutDispatcher::cuts(const std::string& attempt) const {
   return std::any_of(cuts_.begin(), cuts_.end(),
                      [&](const auto& one) { return one.second->attempt == attempt; });
+}
+
+std::string CutDispatcher::job_on(const std::string& device) const {
+  for (const auto& [job, cut] : cuts_)
+    if (cut->device == device) return job;
+  return {};
 }
 
 void CutDispatcher::forget_arms() {

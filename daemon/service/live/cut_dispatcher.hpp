@@ -64,6 +64,8 @@ class CutDispatcher : public Cutting {
   std::function<Answer<void>()> may_cut{};
   /// Whether that attempt is cut here now, or its end is not recorded yet.
   [[nodiscard]] bool cuts(const std::string& attempt) const;
+  /// The job that is cut there now; empty: none.
+  [[nodiscard]] std::string job_on(const std::string& device) const;
   /// What was armed is armed no more: the node began again.
   void forget_arms();
   /// Cuts that another node called lost go on, or stop if a person decided otherwise meanwhile.

@@ -290,6 +290,7 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const Actio
   mine->emplace(row.id, *cut);
   parts_.store.after_commit([this, cut = *cut, mine] {
     cut->intents->keep();
+    starting_.clear();
     armed_until_.erase(cut->job);
     placed_.erase(cut->job);
     parts_.programs.forget(cut->job);
@@ -326,8 +327,10 @@ void CutDispatcher::record_refusal(const std::shared_ptr<Cut>& cut) {
       // In a fleet others may have called it lost meanwhile, and a person may have acted on that.
       const bool is_ours = !parts_.store.in_fleet() || take_up_one(*cut);
       Answer<JobRow> row = parts_.jobs.row(cut->job);
+      if (!row && !is_ours) return {};
       if (!row) return tl::unexpected(row.error());
-      if (is_ours || cut->superseded)
+      const auto known = parts_.jobs.attempts().find(cut->attempt);
+      if (known && (!known->ended || known->end_kind == "lost"))
         parts_.jobs.attempts().never_started(cut->attempt, parts_.store.now());
       if (is_ours)
         parts_.jobs.take_left(*row, step_of(row->state, JobEvent::CutRefused), *cut->refusal);
@@ -470,11 +473,18 @@ void CutDispatcher::ended(const std::shared_ptr<Cut>& cut, const SessionEnd& end
 
 Answer<void> CutDispatcher::record_end(Cut& cut, const SessionEnd& end) {
   if (parts_.store.in_fleet() && !take_up_one(cut)) {
-    // The record of its strokes is true all the same.
+    // The record of its strokes is true all the same. A database that went back so far that it does
+    // not know the job has no place for it; the journal stays.
     if (!cut.superseded) return {};
-    parts_.jobs.attempts().finish(cut.attempt, parts_.store.now(), "superseded",
-                                  end.error ? message(*end.error) : "", cut.settled_bytes,
-                                  fate_runs(end.fates, cut.dots, cut.first, cut.strokes));
+    if (parts_.jobs.attempts().knows(cut.attempt)) {
+      const std::uint64_t bytes = [&] {
+        const std::lock_guard lock(cut.mutex);
+        return cut.settled_bytes;
+      }();
+      parts_.jobs.attempts().finish(cut.attempt, parts_.store.now(), "superseded",
+                                    end.error ? message(*end.error) : "", bytes,
+                                    fate_runs(end.fates, cut.dots, cut.first, cut.strokes));
+    }
     parts_.store.emit("notice", cut.job,
                       fmt::format(R"("sheet":{},"state":"superseded")", cut.sheet));
     return {};

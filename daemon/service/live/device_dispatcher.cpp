@@ -11,8 +11,15 @@ DeviceDispatcher::~DeviceDispatcher() {
 
 std::vector<DeviceRecord> DeviceDispatcher::list() {
   std::vector<DeviceRecord> all = parts_.devices.list();
-  for (DeviceRecord& one : all)
-    if (const auto row = parts_.jobs.table().on_device(one.id)) one.job = row->id;
+  try {
+    for (DeviceRecord& one : all)
+      if (const auto row = parts_.jobs.table().on_device(one.id)) one.job = row->id;
+  } catch (const StoreFault& fault) {
+    // The cutters are here, also when the database of the fleet is not.
+    if (!parts_.store.in_fleet()) throw;
+    parts_.store.note(fault);
+    for (DeviceRecord& one : all) one.job = parts_.dispatcher.job_on(one.id);
+  }
   return all;
 }
 
@@ -20,7 +27,12 @@ Answer<DeviceRecord> DeviceDispatcher::find(const std::string& id) {
   return parts_.store.look([&]() -> Answer<DeviceRecord> {
     auto found = parts_.devices.find(id);
     if (!found) return refuse(ProblemKind::NotFound, parts_.devices.unknown(id, "/device").detail);
-    if (const auto row = parts_.jobs.table().on_device(id)) found->job = row->id;
+    try {
+      if (const auto row = parts_.jobs.table().on_device(id)) found->job = row->id;
+    } catch (const StoreFault&) {
+      if (!parts_.store.in_fleet()) throw;
+      found->job = parts_.dispatcher.job_on(id);
+    }
     return *found;
   });
 }

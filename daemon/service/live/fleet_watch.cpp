@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "daemon/model/metrics.hpp"
 #include "daemon/service/repositories/recovery.hpp"
 
 namespace popcut::daemon {
@@ -142,6 +143,30 @@ void FleetWatch::close_lost_nodes() {
 void FleetWatch::end() {
   if (has_begun_) lease_.end();
   has_begun_ = false;
+}
+
+std::string FleetWatch::metrics() {
+  const std::string node = metric_label(lease_.options().name);
+  const bool holds = has_begun_ && lease_.holds();
+  std::string text = fmt::format(
+      "# TYPE popcut_fleet_lease gauge\n# HELP popcut_fleet_lease Whether this node has a lease "
+      "and "
+      "may arm and start.\npopcut_fleet_lease{{node=\"{}\"}} {}\n"
+      "# TYPE popcut_fleet_epoch gauge\npopcut_fleet_epoch{{node=\"{}\"}} {}\n",
+      node, holds ? 1 : 0, node, parts_.store.node().epoch);
+  try {
+    text +=
+        "# TYPE popcut_fleet_node_alive gauge\n# HELP popcut_fleet_node_alive Nodes whose lease "
+        "has not run out.\n";
+    Rows nodes = parts_.store.db().rows(
+        "SELECT name, lease_until>clock_timestamp() FROM node WHERE epoch>0 ORDER BY name");
+    while (nodes.next())
+      text += fmt::format("popcut_fleet_node_alive{{node=\"{}\"}} {}\n",
+                          metric_label(nodes.text(0)), nodes.integer(1));
+  } catch (const StoreFault& fault) {
+    note(fault);
+  }
+  return text;
 }
 
 Answer<void> FleetWatch::may_cut() const {

@@ -39,6 +39,8 @@ class FleetWatch {
   /// Whether it may arm and start; if not, why.
   [[nodiscard]] Answer<void> may_cut() const;
   [[nodiscard]] const NodeLease& lease() const { return lease_; }
+  /// OpenMetrics lines of this node and of all that it knows.
+  [[nodiscard]] std::string metrics();
   /// Called once, when the database was there for the first time.
   std::function<void()> on_begun{};
 

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -160,8 +161,17 @@ class AssembledService final : private PartsHolder, public Operations, public Li
              std::function<void(Answer<std::vector<UsageRow>>)> done) override;
   ServiceHealth health() override;
   std::string metrics() override {
-    return metrics_text(parts_.store, parts_.jobs.table(), parts_.registry.list()) +
-           turns_text(parts_.thread) + parts_.cutters.metrics();
+    const std::string own = turns_text(parts_.thread) + parts_.cutters.metrics();
+    if (!parts_.fleet)
+      return metrics_text(parts_.store, parts_.jobs.table(), parts_.registry.list()) + own;
+    // Those of the node are there, also when the database is not.
+    try {
+      return metrics_text(parts_.store, parts_.jobs.table(), parts_.registry.list()) + own +
+             parts_.fleet->metrics();
+    } catch (const StoreFault& fault) {
+      parts_.store.note(fault);
+      return own + parts_.fleet->metrics();
+    }
   }
   void backup(const Principal& who, std::function<void(Answer<std::string>)> done) override;
   void check_integrity(const Principal& who,
@@ -191,6 +201,7 @@ class AssembledService final : private PartsHolder, public Operations, public Li
   Answer<void> begin_alone();
   Answer<void> begin_in_fleet();
   void look_back();
+  void share_again();
   void heed(const Event& event);
   void prune();
   [[nodiscard]] Answer<void> may_copy(const Principal& who) const;
@@ -236,9 +247,24 @@ Answer<void> AssembledService::begin_in_fleet() {
     parts_.registry.load();
     parts_.device_dispatcher.look();
     look_back();
+    share_again();
   };
   parts_.store.on_others = [this](const Event& event) { heed(event); };
   return parts_.fleet->begin();
+}
+
+// Large assets that this node took and did not get into the database before it ended.
+void AssembledService::share_again() {
+  SharedFiles* const files = parts_.store.files();
+  if (files == nullptr) return;
+  for (const std::string& id : all_of(
+           parts_.store.db().rows("SELECT id FROM asset WHERE NOT EXISTS (SELECT 1 FROM blob WHERE "
+                                  "blob.path='assets/' || asset.id)"),
+           first_text))
+    parts_.chores.run([files, id, place = parts_.raw.folder().at("assets/" + id)] {
+      std::error_code ignored;
+      if (std::filesystem::exists(place, ignored)) (void)files->keep("assets/" + id);
+    });
 }
 
 // What another node did may concern what this one is doing.

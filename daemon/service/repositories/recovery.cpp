@@ -132,7 +132,7 @@ class Recovery {
   // the one that went on.
   IntentVerdict verdict_of(const AttemptRow& attempt, const IntentTrail& trail) {
     std::int64_t recorded = jobs_.attempts().last_recorded(attempt.id);
-    if (store_.in_fleet()) recorded = std::max(recorded, trail.journal.last);
+    if (store_.in_fleet()) recorded = std::max(recorded, trail.witness.last_before);
     IntentVerdict verdict =
         verdict_on(claims_of(trail, attempt.first_stroke, attempt.strokes, recorded));
     if (is_foreign(attempt.invocation)) {
