@@ -504,6 +504,49 @@ TEST_CASE("an attempt that sent nothing never was a start", "[fleet]") {
              StartsWith("PC003") && Contains("was about to send strokes"));
 }
 
+TEST_CASE("no function of the knife listens to an old life, or to another's login", "[fleet]") {
+  if (skipped()) return;
+  TwoRooms rooms;
+  rooms.start(rooms.one, "left", "A1");
+  const std::string attempt = "'" + FleetSql::id("A1") + "'", job = "'" + FleetSql::id("JOB") + "'";
+  const std::string plan = "'" + FleetSql::plan_sha256() + "'";
+  const std::map<std::string, std::string> values{
+      {"knife_arm", job + ", 1, 1, 'left', " + plan + ", 'olga', 5, 'run'"},
+      {"knife_start",
+       attempt + ", " + job + ", 1, 1, 1, 0, 10, 'left', 's', 'olga', " + plan + ", 'run', 6, 0"},
+      {"knife_mark", attempt + ", 0, 1, 1, 1, 1"},
+      {"knife_end", attempt + ", 9, 'done', '', 1, '{0}', '{9}', '{certain}'"},
+      {"knife_never", attempt + ", 9"},
+      {"knife_crash", crash_values("A1", "crash", 9)},
+      {"knife_again", attempt},
+      {"knife_bring_back", attempt + ", " + job + ", 1, 1, 1, 0, 10, 'left', 's', 'olga', " + plan +
+                               ", 'run', 6, 6, 40, 'folder'"},
+      {"node_end", ""},
+      {"node_reported", ""}};
+  CHECK(rooms.fleet(
+            "SELECT string_agg(proname, ' ' ORDER BY proname) FROM pg_proc WHERE "
+            "pronamespace='popcut'::regnamespace AND (proname LIKE 'knife\\_%' AND prorettype "
+            "<> 'trigger'::regtype)") ==
+        "knife_again knife_arm knife_bring_back knife_crash knife_disarm knife_end knife_mark "
+        "knife_never knife_start");
+  FleetNode thief(rooms.fleet, "room-1", "popcut_n_room_2"),
+      nobody(rooms.fleet, "room-8", "popcut_n_room_1");
+  thief.epoch = nobody.epoch = rooms.one.epoch;
+  const std::string old = rooms.one.epoch;
+  REQUIRE(rooms.one.begin().empty());
+  FleetNode before(rooms.fleet, "room-1", "popcut_n_room_1");
+  before.epoch = old;
+  thief.epoch = rooms.one.epoch;
+  for (const auto& [function, given] : values) {
+    INFO(function);
+    CHECK_THAT(before.call(function, given), StartsWith("PC001 node room-1 is in its epoch"));
+    CHECK_THAT(thief.call(function, given),
+               StartsWith("PC001 the login popcut_n_room_2 does not speak for node room-1"));
+    CHECK_THAT(nobody.call(function, given), StartsWith("PC001 there is no node room-8"));
+  }
+  CHECK(rooms.attempt("A1") == "6||");
+}
+
 TEST_CASE("a start that a restored database forgot comes back", "[fleet]") {
   if (skipped()) return;
   TwoRooms rooms;
