@@ -72,8 +72,8 @@ void NodeLease::reported() {
 
 bool NodeLease::beat() {
   const std::int64_t sent_ms = options_.elapsed_ms();
-  Rows answer = database_.rows("SELECT alive, now_ms FROM node_beat(?, ?, ?)", options_.name,
-                               mark_.epoch, options_.lease_s);
+  Rows answer = database_.rows("SELECT alive, now_ms FROM node_beat(?, ?, ?, ?)", options_.name,
+                               mark_.epoch, options_.lease_s, last_event_);
   if (!answer.next() || answer.integer(0) == 0) {
     holds_until_ms_ = 0;
     return false;

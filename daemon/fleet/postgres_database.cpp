@@ -165,7 +165,7 @@ std::optional<std::string> text_of(const Bound& value) {
 bool ends_transaction(std::string_view sql) { return sql == "COMMIT" || sql == "ROLLBACK"; }
 bool is_control(std::string_view sql) {
   return ends_transaction(sql) || sql.starts_with("BEGIN") || sql.starts_with("SAVEPOINT") ||
-         sql.starts_with("RELEASE") || sql.starts_with("ROLLBACK");
+         sql.starts_with("RELEASE") || sql.starts_with("ROLLBACK") || sql.starts_with("SET ");
 }
 
 // As it stands in a URL.

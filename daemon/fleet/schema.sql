@@ -56,6 +56,7 @@ BEGIN
   END IF;
   CREATE SCHEMA popcut AUTHORIZATION popcut_owner;
   SET LOCAL ROLE popcut_owner;
+  SET LOCAL search_path = pg_catalog, popcut, pg_temp;  -- for names in functions' bodies
 END $$;
 
 -- ---------------------------------------------------------------------------------------------
@@ -108,8 +109,8 @@ CREATE TABLE popcut.blob_part(
   data bytea NOT NULL CHECK (octet_length(data) BETWEEN 1 AND 1048576),
   PRIMARY KEY (path, seq));
 
--- The last number of an event: locked last in a transaction, so that numbers are in the order of
--- commits and have no gaps.
+-- The last number of an event. Its row is locked from when a transaction numbers its events to its
+-- commit, so that numbers have no gaps, and who reads them in their order misses none.
 CREATE TABLE popcut.event_counter(
   one bigint PRIMARY KEY CHECK (one = 1), last bigint NOT NULL);
 INSERT INTO popcut.event_counter(one, last) VALUES (1, 0);
@@ -363,9 +364,22 @@ CREATE TABLE popcut.calendar(
 CREATE TABLE popcut.end_tally(
   device text COLLATE "C" NOT NULL, end_kind text COLLATE "C" NOT NULL, attempts bigint NOT NULL);
 
+-- Rows that live for seconds leave room behind, which is to be used again before there is much of
+-- it; a fifth of a table of a million jobs, as is usual, would be much.
+ALTER TABLE popcut.tally SET (autovacuum_vacuum_scale_factor = 0, autovacuum_vacuum_threshold = 500);
+ALTER TABLE popcut.end_tally
+  SET (autovacuum_vacuum_scale_factor = 0, autovacuum_vacuum_threshold = 500);
+ALTER TABLE popcut.arm SET (autovacuum_vacuum_scale_factor = 0, autovacuum_vacuum_threshold = 500);
+ALTER TABLE popcut.event_counter
+  SET (autovacuum_vacuum_scale_factor = 0, autovacuum_vacuum_threshold = 500);
+ALTER TABLE popcut.job SET (autovacuum_vacuum_scale_factor = 0.01);
+ALTER TABLE popcut.attempt SET (autovacuum_vacuum_scale_factor = 0.01);
+
 -- ---------------------------------------------------------------------------------------------
--- Triggers. Every function sets search_path, temporary tables last: what a caller creates, and
--- where a caller searches, changes nothing here.
+-- Triggers. Every function that a login reaches sets search_path, temporary tables last: what a
+-- caller creates, and where a caller searches, changes nothing here. That costs several µs a call.
+-- So those that only these call do without, and those that say popcut. of everything and use no
+-- operator.
 
 -- Terminal states never change.
 CREATE FUNCTION popcut.job_ended() RETURNS trigger LANGUAGE plpgsql
@@ -397,10 +411,9 @@ END $$;
 CREATE TRIGGER tally_insert AFTER INSERT ON popcut.job REFERENCING NEW TABLE AS added
   FOR EACH STATEMENT EXECUTE FUNCTION popcut.tally_insert();
 
-CREATE FUNCTION popcut.tally_update() RETURNS trigger LANGUAGE plpgsql SECURITY DEFINER
-SET search_path = pg_catalog, popcut, pg_temp AS $$
+CREATE FUNCTION popcut.tally_update() RETURNS trigger LANGUAGE plpgsql AS $$
 BEGIN
-  INSERT INTO tally(state, jobs) VALUES (old.state, -1), (new.state, 1);
+  INSERT INTO popcut.tally(state, jobs) VALUES (old.state, -1), (new.state, 1);
   RETURN NULL;
 END $$;
 CREATE TRIGGER tally_update AFTER UPDATE OF state ON popcut.job
@@ -436,84 +449,133 @@ END $$;
 CREATE TRIGGER asset_use_insert AFTER INSERT ON popcut.design
   FOR EACH ROW EXECUTE FUNCTION popcut.asset_use_insert();
 
--- The state of a job and what its knife does agree when a transaction commits. The job's row is
--- locked, so that of two transactions each of which would be right alone the second sees the first.
-CREATE FUNCTION popcut.check_knife(p_job text) RETURNS void LANGUAGE plpgsql
-SET search_path = pg_catalog, popcut, pg_temp AS $$
-DECLARE
-  one record;
-  v_open bigint;
-  v_same bigint;
-  v_arms bigint;
-  v_fit bigint;
+-- The state of a job and what its knife does agree when a transaction commits. That no job has two
+-- open attempts or arms is for the indexes attempt_knife and arm_pkey to say. These functions are
+-- half of what an arm costs: they look at as little as they can.
+CREATE FUNCTION popcut.check_attempts(p_job text, p_state text, p_sheet bigint, p_blank bigint,
+                                      p_segment bigint)
+RETURNS void LANGUAGE plpgsql AS $$
 BEGIN
-  SELECT state, sheet, blank, segment, device INTO one FROM job WHERE id = p_job
-    FOR NO KEY UPDATE;
-  IF NOT FOUND THEN RETURN; END IF;  -- a foreign key has its say on that
-  SELECT count(*),
-         count(*) FILTER (WHERE k = one.sheet AND blank = one.blank AND segment = one.segment)
-    INTO v_open, v_same
-    FROM attempt WHERE job = p_job AND started_at IS NOT NULL AND ended IS NULL;
-  IF one.state IN ('cutting', 'paused') AND (v_open <> 1 OR v_same <> 1) THEN
-    RAISE EXCEPTION USING ERRCODE = 'check_violation', CONSTRAINT = 'job_knife', MESSAGE =
-      format('job %s is %s, so sheet %s (blank %s, segment %s) has one open attempt; %s are open, '
-             '%s of them of this sheet', p_job, one.state, one.sheet, one.blank, one.segment,
-             v_open, v_same);
-  ELSIF one.state NOT IN ('cutting', 'paused') AND v_open <> 0 THEN
-    RAISE EXCEPTION USING ERRCODE = 'check_violation', CONSTRAINT = 'job_knife', MESSAGE =
-      format('job %s is %s, so none of its attempts is open; %s are', p_job, one.state, v_open);
-  END IF;
-  SELECT count(*), count(*) FILTER (WHERE sheet = one.sheet AND blank = one.blank AND
-                                          device = one.device)
-    INTO v_arms, v_fit FROM arm WHERE job = p_job;
-  IF one.state = 'armed' AND v_fit <> 1 THEN
-    RAISE EXCEPTION USING ERRCODE = 'check_violation', CONSTRAINT = 'job_arm', MESSAGE =
-      format('job %s is armed, but no one armed sheet %s (blank %s) on %s', p_job, one.sheet,
-             one.blank, one.device);
-  ELSIF one.state <> 'armed' AND v_arms <> 0 THEN
-    RAISE EXCEPTION USING ERRCODE = 'check_violation', CONSTRAINT = 'job_arm', MESSAGE =
-      format('job %s is %s, but its sheet is still armed', p_job, one.state);
+  IF p_state = 'cutting' OR p_state = 'paused' THEN
+    PERFORM FROM attempt WHERE job = p_job AND started_at IS NOT NULL AND ended IS NULL AND
+      k = p_sheet AND blank = p_blank AND segment = p_segment;
+    IF NOT FOUND THEN
+      RAISE EXCEPTION USING ERRCODE = 'check_violation', CONSTRAINT = 'job_knife', MESSAGE =
+        format('job %s is %s, but no attempt at its sheet %s (blank %s, segment %s) is open', p_job,
+               p_state, p_sheet, p_blank, p_segment);
+    END IF;
+  ELSE
+    PERFORM FROM attempt WHERE job = p_job AND started_at IS NOT NULL AND ended IS NULL;
+    IF FOUND THEN
+      RAISE EXCEPTION USING ERRCODE = 'check_violation', CONSTRAINT = 'job_knife', MESSAGE =
+        format('job %s is %s, but an attempt at it is open', p_job, p_state);
+    END IF;
   END IF;
 END $$;
 
-CREATE FUNCTION popcut.check_job() RETURNS trigger LANGUAGE plpgsql SECURITY DEFINER
-SET search_path = pg_catalog, popcut, pg_temp AS $$
+CREATE FUNCTION popcut.check_arm(p_job text, p_state text, p_sheet bigint, p_blank bigint,
+                                 p_device text)
+RETURNS void LANGUAGE plpgsql AS $$
 BEGIN
-  PERFORM check_knife(new.id);
-  RETURN NULL;
+  IF p_state = 'armed' THEN
+    PERFORM FROM arm WHERE job = p_job AND sheet = p_sheet AND blank = p_blank AND
+      device = p_device;
+    IF NOT FOUND THEN
+      RAISE EXCEPTION USING ERRCODE = 'check_violation', CONSTRAINT = 'job_arm', MESSAGE =
+        format('job %s is armed, but no one armed sheet %s (blank %s) on %s', p_job, p_sheet,
+               p_blank, p_device);
+    END IF;
+  ELSE
+    PERFORM FROM arm WHERE job = p_job;
+    IF FOUND THEN
+      RAISE EXCEPTION USING ERRCODE = 'check_violation', CONSTRAINT = 'job_arm', MESSAGE =
+        format('job %s is %s, but its sheet is still armed', p_job, p_state);
+    END IF;
+  END IF;
 END $$;
-CREATE FUNCTION popcut.check_job_of() RETURNS trigger LANGUAGE plpgsql SECURITY DEFINER
+
+-- The job as it is at last, which need not be what this change made of it.
+CREATE FUNCTION popcut.knife_of_job() RETURNS trigger LANGUAGE plpgsql SECURITY DEFINER
 SET search_path = pg_catalog, popcut, pg_temp AS $$
+DECLARE
+  v_state text;
+  v_sheet bigint;
+  v_blank bigint;
+  v_segment bigint;
+  v_device text;
 BEGIN
-  IF tg_op <> 'INSERT' THEN PERFORM check_knife(old.job); END IF;
-  IF tg_op = 'INSERT' OR (tg_op = 'UPDATE' AND new.job <> old.job) THEN
-    PERFORM check_knife(new.job);
+  SELECT state, sheet, blank, segment, device INTO v_state, v_sheet, v_blank, v_segment, v_device
+    FROM job WHERE id = new.id;
+  IF 'cutting' IN (old.state, new.state, v_state) OR 'paused' IN (old.state, new.state, v_state) THEN
+    PERFORM check_attempts(new.id, v_state, v_sheet, v_blank, v_segment);
+  END IF;
+  IF 'armed' IN (old.state, new.state, v_state) THEN
+    PERFORM check_arm(new.id, v_state, v_sheet, v_blank, v_device);
   END IF;
   RETURN NULL;
 END $$;
+
+-- Of an attempt or an arm. If this transaction has not changed the job, it locks its row and looks
+-- again: of two transactions each of which would be right alone the second sees the first.
+CREATE FUNCTION popcut.knife_of_row() RETURNS trigger LANGUAGE plpgsql SECURITY DEFINER
+SET search_path = pg_catalog, popcut, pg_temp AS $$
+DECLARE
+  v_job text;
+  v_state text;
+  v_sheet bigint;
+  v_blank bigint;
+  v_segment bigint;
+  v_device text;
+  v_own boolean;
+BEGIN
+  v_job := CASE WHEN tg_op = 'INSERT' THEN new.job ELSE old.job END;
+  SELECT state, sheet, blank, segment, device, xmin = pg_current_xact_id()::xid
+    INTO v_state, v_sheet, v_blank, v_segment, v_device, v_own FROM job WHERE id = v_job;
+  IF NOT v_own THEN
+    SELECT state, sheet, blank, segment, device
+      INTO v_state, v_sheet, v_blank, v_segment, v_device FROM job WHERE id = v_job
+      FOR NO KEY UPDATE;
+  END IF;
+  IF tg_table_name = 'arm' THEN
+    PERFORM check_arm(v_job, v_state, v_sheet, v_blank, v_device);
+  ELSE
+    PERFORM check_attempts(v_job, v_state, v_sheet, v_blank, v_segment);
+  END IF;
+  RETURN NULL;
+END $$;
+-- An attempt and an arm keep their job.
+CREATE FUNCTION popcut.job_stays() RETURNS trigger LANGUAGE plpgsql AS $$
+BEGIN
+  RAISE EXCEPTION USING ERRCODE = 'integrity_constraint_violation',
+    MESSAGE = 'an attempt or an arm is of one job for good';
+END $$;
+CREATE TRIGGER job_stays BEFORE UPDATE OF job ON popcut.attempt
+  FOR EACH ROW WHEN (old.job <> new.job) EXECUTE FUNCTION popcut.job_stays();
+CREATE TRIGGER job_stays BEFORE UPDATE OF job ON popcut.arm
+  FOR EACH ROW WHEN (old.job <> new.job) EXECUTE FUNCTION popcut.job_stays();
 -- Only changes that can break the rule are looked at: progress of a cut costs nothing.
 CREATE CONSTRAINT TRIGGER knife_insert AFTER INSERT ON popcut.job
   DEFERRABLE INITIALLY DEFERRED FOR EACH ROW
-  WHEN (new.state IN ('armed', 'cutting', 'paused')) EXECUTE FUNCTION popcut.check_job();
+  WHEN (new.state IN ('armed', 'cutting', 'paused')) EXECUTE FUNCTION popcut.knife_of_job();
 CREATE CONSTRAINT TRIGGER knife_update AFTER UPDATE ON popcut.job
   DEFERRABLE INITIALLY DEFERRED FOR EACH ROW
   WHEN ((old.state, old.sheet, old.blank, old.segment, old.device) IS DISTINCT FROM
           (new.state, new.sheet, new.blank, new.segment, new.device) AND
         (old.state IN ('armed', 'cutting', 'paused') OR
-         new.state IN ('armed', 'cutting', 'paused'))) EXECUTE FUNCTION popcut.check_job();
+         new.state IN ('armed', 'cutting', 'paused'))) EXECUTE FUNCTION popcut.knife_of_job();
 CREATE CONSTRAINT TRIGGER knife_insert AFTER INSERT ON popcut.attempt
   DEFERRABLE INITIALLY DEFERRED FOR EACH ROW
-  WHEN (new.started_at IS NOT NULL AND new.ended IS NULL) EXECUTE FUNCTION popcut.check_job_of();
+  WHEN (new.started_at IS NOT NULL AND new.ended IS NULL) EXECUTE FUNCTION popcut.knife_of_row();
 CREATE CONSTRAINT TRIGGER knife_update AFTER UPDATE ON popcut.attempt
   DEFERRABLE INITIALLY DEFERRED FOR EACH ROW
   WHEN ((old.job, old.k, old.blank, old.segment, old.started_at IS NULL, old.ended IS NULL)
         IS DISTINCT FROM
         (new.job, new.k, new.blank, new.segment, new.started_at IS NULL, new.ended IS NULL))
-  EXECUTE FUNCTION popcut.check_job_of();
+  EXECUTE FUNCTION popcut.knife_of_row();
 CREATE CONSTRAINT TRIGGER knife_delete AFTER DELETE ON popcut.attempt
-  DEFERRABLE INITIALLY DEFERRED FOR EACH ROW EXECUTE FUNCTION popcut.check_job_of();
+  DEFERRABLE INITIALLY DEFERRED FOR EACH ROW EXECUTE FUNCTION popcut.knife_of_row();
 CREATE CONSTRAINT TRIGGER knife_change AFTER INSERT OR UPDATE OR DELETE ON popcut.arm
-  DEFERRABLE INITIALLY DEFERRED FOR EACH ROW EXECUTE FUNCTION popcut.check_job_of();
+  DEFERRABLE INITIALLY DEFERRED FOR EACH ROW EXECUTE FUNCTION popcut.knife_of_row();
 
 -- A cutter belongs to the node that has it. Another takes it only when that node is not alive, or
 -- says that the cutter is away from it; and a node speaks for itself only.
@@ -553,23 +615,60 @@ CREATE TRIGGER device_owner_update BEFORE UPDATE OF node ON popcut.device
 -- Nodes. Leases go by clock_timestamp(), not now(): a transaction may have waited for a lock.
 
 CREATE FUNCTION popcut.clock_ms() RETURNS bigint LANGUAGE sql VOLATILE
-SET search_path = pg_catalog, popcut, pg_temp
 AS $$ SELECT (extract(epoch FROM clock_timestamp()) * 1000)::bigint $$;
 
 -- Which of its pasts the database goes on from. A promoted standby and a recovery to a point in time
 -- begin another timeline; files that were put back as they were do not, and only a node that knows
 -- of later events can tell.
-CREATE FUNCTION popcut.popcut_generation() RETURNS text LANGUAGE plpgsql STABLE
-SET search_path = pg_catalog, popcut, pg_temp AS $$
+CREATE FUNCTION popcut.popcut_generation() RETURNS text LANGUAGE sql STABLE AS $$
+  SELECT pg_catalog.concat(
+    pg_catalog.substr(pg_catalog.pg_walfile_name(pg_catalog.pg_current_wal_lsn()), 1, 8), '.',
+    went_back) FROM popcut.popcut_schema
+$$;
+
+-- Who calls is the login of that node, and of its present life.
+CREATE FUNCTION popcut.node_check(one popcut.node, p_node text, p_epoch bigint) RETURNS void
+LANGUAGE plpgsql AS $$
 BEGIN
-  RETURN substr(pg_walfile_name(pg_current_wal_lsn()), 1, 8) || '.' ||
-    (SELECT went_back FROM popcut_schema);
+  IF one.name IS NULL THEN
+    RAISE EXCEPTION USING ERRCODE = 'PC001', MESSAGE = format('there is no node %s', p_node);
+  END IF;
+  IF one.login <> session_user AND NOT pg_has_role(session_user, 'popcut_owner', 'MEMBER') THEN
+    RAISE EXCEPTION USING ERRCODE = 'PC001',
+      MESSAGE = format('the login %s does not speak for node %s', session_user, p_node);
+  END IF;
+  IF one.epoch <> p_epoch THEN
+    RAISE EXCEPTION USING ERRCODE = 'PC001',
+      MESSAGE = format('node %s is in its epoch %s; epoch %s is over', p_node, one.epoch, p_epoch);
+  END IF;
+END $$;
+CREATE FUNCTION popcut.node_speaks(p_node text, p_epoch bigint) RETURNS void LANGUAGE plpgsql AS $$
+DECLARE
+  one node;
+BEGIN
+  SELECT * INTO one FROM node WHERE name = p_node;
+  PERFORM node_check(one, p_node, p_epoch);
+END $$;
+
+-- The same, and its lease lives. This life of the node lasts until the transaction ends; the lock
+-- lets beats pass.
+CREATE FUNCTION popcut.node_lives(p_node text, p_epoch bigint) RETURNS popcut.node
+LANGUAGE plpgsql AS $$
+DECLARE
+  one node;
+BEGIN
+  SELECT * INTO one FROM node WHERE name = p_node FOR KEY SHARE;
+  PERFORM node_check(one, p_node, p_epoch);
+  IF one.lease_until <= clock_timestamp() THEN
+    RAISE EXCEPTION USING ERRCODE = 'PC001',
+      MESSAGE = format('the lease of node %s is over', p_node);
+  END IF;
+  RETURN one;
 END $$;
 
 -- Nothing is armed or started while a node may know of a start that the database has forgotten.
 -- One that was stopped in order missed nothing when a standby took over.
-CREATE FUNCTION popcut.generation_check() RETURNS void LANGUAGE plpgsql
-SET search_path = pg_catalog, popcut, pg_temp AS $$
+CREATE FUNCTION popcut.generation_check() RETURNS void LANGUAGE plpgsql AS $$
 DECLARE
   v_now text := popcut_generation();
   v_name text;
@@ -584,35 +683,6 @@ BEGIN
       format('the database went back to an earlier state, and node %s has not compared its '
              'journals with it since; start it, or forget it: popcut fleet forget %s', v_name,
              v_name);
-  END IF;
-END $$;
-
--- Who calls is the login of that node, and of its present life. `p_live`: its lease must live too,
--- and this life lasts until the transaction ends. That lock lets beats pass.
-CREATE FUNCTION popcut.node_check(p_node text, p_epoch bigint, p_live boolean) RETURNS void
-LANGUAGE plpgsql SET search_path = pg_catalog, popcut, pg_temp AS $$
-DECLARE
-  one node;
-BEGIN
-  IF p_live THEN
-    SELECT * INTO one FROM node WHERE name = p_node FOR KEY SHARE;
-  ELSE
-    SELECT * INTO one FROM node WHERE name = p_node;
-  END IF;
-  IF one.name IS NULL THEN
-    RAISE EXCEPTION USING ERRCODE = 'PC001', MESSAGE = format('there is no node %s', p_node);
-  END IF;
-  IF one.login <> session_user AND NOT pg_has_role(session_user, 'popcut_owner', 'MEMBER') THEN
-    RAISE EXCEPTION USING ERRCODE = 'PC001',
-      MESSAGE = format('the login %s does not speak for node %s', session_user, p_node);
-  END IF;
-  IF one.epoch <> p_epoch THEN
-    RAISE EXCEPTION USING ERRCODE = 'PC001',
-      MESSAGE = format('node %s is in its epoch %s; epoch %s is over', p_node, one.epoch, p_epoch);
-  END IF;
-  IF p_live AND one.lease_until <= clock_timestamp() THEN
-    RAISE EXCEPTION USING ERRCODE = 'PC001',
-      MESSAGE = format('the lease of node %s is over', p_node);
   END IF;
 END $$;
 
@@ -675,15 +745,15 @@ END $$;
 CREATE FUNCTION popcut.node_reported(p_name text, p_epoch bigint) RETURNS void LANGUAGE plpgsql
 SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 BEGIN
-  PERFORM node_check(p_name, p_epoch, false);
+  PERFORM node_speaks(p_name, p_epoch);
   UPDATE node SET generation = popcut_generation() WHERE name = p_name AND epoch = p_epoch;
 END $$;
 
 -- Renews the lease if it lives; if not, the node begins again. So it does when the database went
--- back, to compare its journals. A beat of its own transaction may have synchronous_commit off: a
+-- back, also when it knows fewer events than the node has seen, to compare its journals. A beat of its own transaction may have synchronous_commit off: a
 -- beat that is lost makes a lease shorter, never longer.
 CREATE FUNCTION popcut.node_beat(p_name text, p_epoch bigint, p_lease_s double precision,
-                                 OUT alive boolean, OUT now_ms bigint, OUT is_draining bigint)
+                                 p_last_event bigint, OUT alive boolean, OUT now_ms bigint, OUT is_draining bigint)
 LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 DECLARE
   v_login text;
@@ -695,7 +765,8 @@ BEGIN
   UPDATE node SET heartbeat = clock_timestamp(), lease_s = p_lease_s,
       lease_until = clock_timestamp() + make_interval(secs => p_lease_s)
     WHERE name = p_name AND epoch = p_epoch AND lease_until > clock_timestamp() AND
-      generation = popcut_generation()
+      generation = popcut_generation() AND
+      coalesce(p_last_event, 0) <= (SELECT last FROM event_counter)
     RETURNING login, draining INTO v_login, is_draining;
   alive := FOUND;
   IF NOT alive THEN
@@ -715,7 +786,7 @@ END $$;
 CREATE FUNCTION popcut.node_end(p_name text, p_epoch bigint) RETURNS void LANGUAGE plpgsql
 SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 BEGIN
-  PERFORM node_check(p_name, p_epoch, false);
+  PERFORM node_speaks(p_name, p_epoch);
   UPDATE node SET lease_until = '-infinity', ended = 1 WHERE name = p_name AND epoch = p_epoch;
 END $$;
 
@@ -816,11 +887,12 @@ CREATE FUNCTION popcut.knife_arm(p_node text, p_epoch bigint, p_job text, p_shee
                                  p_operator text, p_armed bigint, p_invocation text)
 RETURNS void LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 DECLARE
+  one node;
   v_at text;
 BEGIN
-  PERFORM node_check(p_node, p_epoch, true);
+  one := node_lives(p_node, p_epoch);
   PERFORM generation_check();
-  IF EXISTS (SELECT FROM node WHERE name = p_node AND draining = 1) THEN
+  IF one.draining = 1 THEN
     RAISE EXCEPTION USING ERRCODE = 'PC001',
       MESSAGE = format('node %s is being drained and arms nothing more', p_node);
   END IF;
@@ -854,8 +926,7 @@ END $$;
 
 -- The fences given from now on are above `p_least`. Not undone if the transaction is: that is
 -- what makes the next try succeed.
-CREATE FUNCTION popcut.fence_above(p_least bigint) RETURNS void LANGUAGE plpgsql
-SET search_path = pg_catalog, popcut, pg_temp AS $$
+CREATE FUNCTION popcut.fence_above(p_least bigint) RETURNS void LANGUAGE plpgsql AS $$
 BEGIN
   PERFORM pg_advisory_xact_lock(hashtextextended('popcut.fence_seq', 0));
   IF (SELECT last_value < p_least OR (last_value = p_least AND NOT is_called) FROM fence_seq) THEN
@@ -872,9 +943,10 @@ CREATE FUNCTION popcut.knife_start(p_node text, p_epoch bigint, p_id text, p_job
 RETURNS bigint LANGUAGE plpgsql SECURITY DEFINER
 SET search_path = pg_catalog, popcut, pg_temp AS $$
 DECLARE
+  one node;
   v_fence bigint;
 BEGIN
-  PERFORM node_check(p_node, p_epoch, true);
+  one := node_lives(p_node, p_epoch);
   PERFORM generation_check();
   DELETE FROM arm WHERE job = p_job AND sheet = p_k AND blank = p_blank AND device = p_device AND
       plan_sha256 = p_plan_sha256 AND node = p_node AND epoch = p_epoch;
@@ -900,14 +972,13 @@ BEGIN
                       bytes_taken, last_status, node, epoch, fence, identity)
     VALUES (p_id, p_job, p_k, p_blank, p_segment, p_first_stroke, p_strokes, p_device,
             p_device_session, p_operator, p_plan_sha256, p_invocation, p_created, p_created, NULL,
-            '', 0, '', p_node, p_epoch, v_fence,
-            (SELECT identity FROM node WHERE name = p_node));
+            '', 0, '', p_node, p_epoch, v_fence, one.identity);
   RETURN v_fence;
 END $$;
 
 -- An attempt of that node, locked: an open one, or one that ended as one of p_kinds.
 CREATE FUNCTION popcut.attempt_of(p_node text, p_id text, p_kinds text[]) RETURNS popcut.attempt
-LANGUAGE plpgsql SET search_path = pg_catalog, popcut, pg_temp AS $$
+LANGUAGE plpgsql AS $$
 DECLARE
   one attempt;
 BEGIN
@@ -929,7 +1000,7 @@ END $$;
 -- One chunk as it should be; without strokes it goes. Written only if it differs, in place.
 CREATE FUNCTION popcut.put_chunk(p_attempt text, p_seq bigint, p_from bigint, p_to bigint,
                                  p_state text)
-RETURNS void LANGUAGE plpgsql SET search_path = pg_catalog, popcut, pg_temp AS $$
+RETURNS void LANGUAGE plpgsql AS $$
 BEGIN
   IF p_to < p_from THEN
     DELETE FROM chunk WHERE attempt = p_attempt AND seq = p_seq;
@@ -955,7 +1026,7 @@ DECLARE
   v_taken bigint;
   v_intended bigint;
 BEGIN
-  PERFORM node_check(p_node, p_epoch, false);
+  PERFORM node_speaks(p_node, p_epoch);
   PERFORM attempt_of(p_node, p_id, '{}');
   SELECT max(path_to) FILTER (WHERE state = 'certain'), max(path_to) FILTER (WHERE state = 'sent'),
          max(path_to) INTO v_certain, v_taken, v_intended FROM chunk WHERE attempt = p_id;
@@ -975,7 +1046,7 @@ CREATE FUNCTION popcut.knife_end(p_node text, p_epoch bigint, p_id text, p_ended
                                  p_from bigint[], p_to bigint[], p_state text[])
 RETURNS void LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 BEGIN
-  PERFORM node_check(p_node, p_epoch, false);
+  PERFORM node_speaks(p_node, p_epoch);
   PERFORM attempt_of(p_node, p_id, '{lost,superseded}');
   UPDATE attempt SET ended = p_ended,
       end_kind = CASE WHEN end_kind = 'superseded' THEN end_kind ELSE p_end_kind END, last_status = p_last_status,
@@ -992,10 +1063,9 @@ RETURNS void LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, pop
 DECLARE
   one attempt;
 BEGIN
-  PERFORM node_check(p_node, p_epoch, false);
+  PERFORM node_speaks(p_node, p_epoch);
   one := attempt_of(p_node, p_id, '{lost}');
-  IF one.bytes_taken > 0 OR EXISTS (SELECT FROM chunk WHERE attempt = p_id AND
-                                    state IN ('sent', 'certain')) THEN
+  IF one.bytes_taken > 0 OR EXISTS (SELECT FROM chunk WHERE attempt = p_id) THEN
     RAISE EXCEPTION USING ERRCODE = 'PC003',
       MESSAGE = format('attempt %s has sent strokes, so it was started', p_id);
   END IF;
@@ -1012,7 +1082,7 @@ DECLARE
   one attempt;
   v_certain bigint;
 BEGIN
-  PERFORM node_check(p_node, p_epoch, false);
+  PERFORM node_speaks(p_node, p_epoch);
   IF p_end_kind NOT IN ('crash', 'lost', 'superseded') THEN
     RAISE EXCEPTION USING ERRCODE = 'PC003',
       MESSAGE = format('an attempt breaks off as crash, lost or superseded, not as %s', p_end_kind);
@@ -1024,7 +1094,7 @@ BEGIN
     RAISE EXCEPTION USING ERRCODE = 'PC001',
       MESSAGE = format('attempt %s is of node %s, which is alive', p_id, one.node);
   ELSE
-    PERFORM node_check(p_node, p_epoch, true);
+    PERFORM node_lives(p_node, p_epoch);
     one := attempt_of(one.node, p_id, '{}');
   END IF;
   UPDATE attempt SET ended = p_ended, end_kind = p_end_kind, last_status = p_last_status
@@ -1043,7 +1113,7 @@ LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp 
 DECLARE
   one attempt;
 BEGIN
-  PERFORM node_check(p_node, p_epoch, true);
+  PERFORM node_lives(p_node, p_epoch);
   one := attempt_of(p_node, p_id, '{lost}');
   IF one.started_at IS NULL OR NOT EXISTS (
       SELECT FROM job WHERE id = one.job AND sheet = one.k AND blank = one.blank AND
@@ -1069,7 +1139,7 @@ CREATE FUNCTION popcut.knife_bring_back(p_node text, p_epoch bigint, p_id text, 
                                         p_started_at bigint, p_fence bigint, p_identity text)
 RETURNS void LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 BEGIN
-  PERFORM node_check(p_node, p_epoch, false);
+  PERFORM node_speaks(p_node, p_epoch);
   IF NOT EXISTS (SELECT FROM job WHERE id = p_job) THEN
     RAISE EXCEPTION USING ERRCODE = 'PC003',
       MESSAGE = format('attempt %s is of job %s, which the database does not know', p_id, p_job);
@@ -1100,7 +1170,7 @@ GRANT INSERT, UPDATE, DELETE ON popcut.blob, popcut.blob_part, popcut.event_coun
   TO popcut_node;
 GRANT EXECUTE ON FUNCTION popcut.clock_ms(), popcut.popcut_generation(),
   popcut.node_begin(text, text, text, text, bigint, bigint), popcut.node_reported(text, bigint),
-  popcut.node_beat(text, bigint, double precision), popcut.node_lapse(text, bigint),
+  popcut.node_beat(text, bigint, double precision, bigint), popcut.node_lapse(text, bigint),
   popcut.node_end(text, bigint), popcut.node_tidy(),
   popcut.knife_arm(text, bigint, text, bigint, bigint, text, text, text, bigint, text),
   popcut.knife_disarm(text),
@@ -1121,3 +1191,4 @@ GRANT EXECUTE ON FUNCTION popcut.node_join(text, text), popcut.node_drain(text, 
   popcut.node_forget(text) TO popcut_admin;
 
 RESET ROLE;
+SET LOCAL search_path TO DEFAULT;

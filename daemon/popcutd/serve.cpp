@@ -28,6 +28,7 @@
 #include "daemon/devices/make_cutters.hpp"
 #include "daemon/digest/digest.hpp"
 #include "daemon/files/user_tables.hpp"
+#include "daemon/fleet/fleet_files.hpp"
 #include "daemon/fleet/fleet_schema.hpp"
 #include "daemon/fleet/postgres_database.hpp"
 #include "daemon/http/server.hpp"
@@ -300,6 +301,7 @@ std::optional<StartFailure> Daemon::open_fleet() {
   auto store = Store::over(std::move(options), std::move(database));
   if (!store) return StartFailure{code_of(store.error()), message(store.error())};
   store_ = std::move(*store);
+  store_->share_files(make_fleet_files(store_->database(), store_->folder(), fleet_));
   return std::nullopt;
 }
 

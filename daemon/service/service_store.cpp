@@ -76,6 +76,17 @@ void ServiceStore::store_events() {
   if (in_fleet()) (void)db().number("SELECT pg_notify('popcut', ?)", node_.name);
 }
 
+Answer<void> ServiceStore::bring(const std::string& name) {
+  if (files() == nullptr) return {};
+  return look([&]() -> Answer<void> {
+    if (files()->fetch(name) != SharedFiles::Found::Coming) return {};
+    Problem coming{ProblemKind::Unavailable,
+                   "this file is on its way from the fleet's database; ask again in a moment"};
+    coming.retry_after_s = 1;
+    return tl::unexpected(std::move(coming));
+  });
+}
+
 void ServiceStore::begin_news() { told_ = db().number("SELECT last FROM event_counter"); }
 
 void ServiceStore::hear_news() {

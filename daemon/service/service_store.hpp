@@ -34,6 +34,12 @@ class ServiceStore {
   [[nodiscard]] const std::string& invocation() const { return options_.invocation; }
   /// Whether other popcutd share the database.
   [[nodiscard]] bool in_fleet() const { return store_.file() == nullptr; }
+  /// The files that all of them need; nullptr: this popcutd is alone.
+  [[nodiscard]] SharedFiles* files() { return store_.files(); }
+  /// Makes a file be in the state folder if another node has it.
+  ///
+  /// @retval Unavailable  it is large and on its way: ask again
+  [[nodiscard]] Answer<void> bring(const std::string& name);
   /// Who this is among them; changed by `FleetNode`.
   [[nodiscard]] const NodeMark& node() const { return node_; }
   [[nodiscard]] NodeMark& node() { return node_; }
@@ -102,6 +108,8 @@ class ServiceStore {
   void hear_news();
   /// Called too for those that other nodes caused.
   std::function<void(const Event&)> on_others{};
+  /// The last event that was told of.
+  [[nodiscard]] std::int64_t heard() const { return told_; }
   /// The events from now on are news.
   void begin_news();
   void listen(std::function<void(const Event&)> listener) {

@@ -52,7 +52,7 @@ std::int64_t AttemptTable::start(const AttemptRow& row) {
 }
 
 void AttemptTable::bring_back(const AttemptRow& row, TimeMs now, std::int64_t doubt_upto,
-                              const std::string& remark) {
+                              const std::string& remark, const std::string& end_kind) {
   if (db_.is_shared())
     db_.run("SELECT knife_bring_back(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
             node_.name, node_.epoch, row.id, row.job, row.sheet, row.blank, row.segment,
@@ -60,7 +60,7 @@ void AttemptTable::bring_back(const AttemptRow& row, TimeMs now, std::int64_t do
             row.plan_sha256, row.invocation, row.created, row.started, row.fence, row.identity);
   else
     put_all(row);
-  crash(row, now, doubt_upto, remark);
+  crash(row, now, doubt_upto, remark, end_kind);
 }
 
 void AttemptTable::put_chunk(const std::string& attempt, int seq, PathRange paths,
@@ -162,6 +162,16 @@ std::vector<AttemptRow> AttemptTable::open_of(const std::string& node, std::int6
                          " FROM attempt WHERE ended IS NULL AND node=? AND epoch<=? ORDER BY id",
                          node, epoch),
                 attempt_row);
+}
+
+std::optional<AttemptTable::Begun> AttemptTable::last_begun(const std::string& job, int sheet) {
+  return first_of(
+      db_.rows("SELECT blank, segment, first_stroke FROM attempt WHERE job=? AND k=? AND "
+               "started_at IS NOT NULL ORDER BY blank DESC, segment DESC LIMIT 1",
+               job, sheet),
+      [](const Rows& rows) {
+        return Begun{rows.small(0), rows.small(1), rows.integer(2)};
+      });
 }
 
 std::optional<AttemptRow> AttemptTable::find(const std::string& attempt) {

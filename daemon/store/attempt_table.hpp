@@ -19,6 +19,8 @@ struct NodeMark {
   std::string identity{};  ///< of its machine and state folder: a copy of them is another one
   std::int64_t epoch{0};
   std::int64_t fence{0};  ///< the greatest that it has seen; a START gets a greater one
+  /// With what the names of its runs begin.
+  [[nodiscard]] std::string mark() const { return identity.substr(0, 16); }
 };
 
 /// A row of the table of attempts: one START of one blank.
@@ -57,7 +59,7 @@ class AttemptTable {
   std::int64_t start(const AttemptRow& row);
   /// An attempt that the database lost: it has ended, all up to `doubt_upto` in doubt.
   void bring_back(const AttemptRow& row, TimeMs now, std::int64_t doubt_upto,
-                  const std::string& remark);
+                  const std::string& remark, const std::string& end_kind = "crash");
   /// What is known while it runs, in at most three chunks, and how many bytes the device took.
   void mark(const std::string& attempt, const AttemptMarks& marks, std::uint64_t bytes_taken);
   /// The final fates; they replace what was marked.
@@ -80,6 +82,12 @@ class AttemptTable {
 
   [[nodiscard]] std::vector<AttemptRow> of_sheet(const std::string& job, int sheet);
   [[nodiscard]] std::optional<AttemptRow> find(const std::string& attempt);
+  /// The greatest blank and segment of a sheet that was started; nothing if none was.
+  struct Begun {
+    int blank{}, segment{};
+    std::int64_t first_stroke{};
+  };
+  [[nodiscard]] std::optional<Begun> last_begun(const std::string& job, int sheet);
   /// Those of this node that have not ended.
   [[nodiscard]] std::vector<AttemptRow> open();
   /// Those of a run of a node, or of its runs before, that have not ended.

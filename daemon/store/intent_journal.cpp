@@ -303,6 +303,12 @@ std::map<std::string, IntentTrail> IntentJournals::trails() const {
   return all;
 }
 
+bool IntentJournals::has(const std::string& attempt) const {
+  std::error_code ignored;
+  return fs::exists(list_of(folder_, attempt), ignored) ||
+         fs::exists(witness_of(folder_, attempt), ignored);
+}
+
 void IntentJournals::remove(const std::string& attempt) const {
   take_away(list_of(folder_, attempt), witness_of(folder_, attempt));
 }

@@ -90,6 +90,8 @@ class IntentJournals {
   [[nodiscard]] std::size_t waiting() const { return ended_.size(); }
   /// All that was committed is in the database itself: what ended is forgotten.
   void checkpointed();
+  /// Whether there is a file of the attempt.
+  [[nodiscard]] bool has(const std::string& attempt) const;
   /// The attempt sent nothing.
   void remove(const std::string& attempt) const;
 

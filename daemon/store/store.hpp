@@ -9,6 +9,7 @@
 
 #include "core/result.hpp"
 #include "daemon/store/schema.hpp"
+#include "daemon/store/shared_files.hpp"
 #include "daemon/store/sqlite_database.hpp"
 #include "daemon/store/state_folder.hpp"
 
@@ -54,6 +55,9 @@ class Store {
   [[nodiscard]] SqliteDatabase* file() { return file_; }
   [[nodiscard]] StateFolder& folder() { return *folder_; }
   [[nodiscard]] const StoreOptions& options() const { return options_; }
+  /// The files that all nodes of a fleet need; nullptr: this popcutd is alone.
+  [[nodiscard]] SharedFiles* files() { return files_.get(); }
+  void share_files(std::unique_ptr<SharedFiles> files) { files_ = std::move(files); }
   /// Says that an unclean end may leave a log that must not be missing. After the first commit.
   void mark_in_use();
   /// Notes beside the database that this event is committed. Not synced: after a kill it is there,
@@ -86,6 +90,7 @@ class Store {
   std::unique_ptr<StateFolder> folder_;
   std::unique_ptr<Database> database_;
   SqliteDatabase* file_{};
+  std::unique_ptr<SharedFiles> files_{};
   bool failed_{false};
   bool checked_{false}, in_use_{false};
   int witness_{-1};

@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <string>
 
-#include <fmt/format.h>
 #include <catch2/catch.hpp>
 
 #include "tests/support/knife_model.hpp"
@@ -14,19 +13,12 @@ namespace knife_model_test {
 using popcut::test::Exploration;
 using popcut::test::explore_knife;
 using popcut::test::Flaw;
+using popcut::test::told;
 
 namespace {
 
 constexpr int kDepth = 6;      // in the suite; POPCUT_MODEL_DEPTH asks for another
 constexpr int kFlawDepth = 8;  // the first wrong state ends the search
-
-std::string told(const Exploration& found) {
-  std::string text = fmt::format("{} states, {} steps, {} recoveries, depth {}", found.states,
-                                 found.steps, found.recoveries, found.depth);
-  if (!found.wrong.empty()) text += ": " + found.wrong;
-  for (const std::string& step : found.path) text += "\n  " + step;
-  return text;
-}
 
 }  // namespace
 

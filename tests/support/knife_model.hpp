@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <string>
-#include <vector>
+
+#include "tests/support/exploration.hpp"
 
 namespace popcut::test {
 
@@ -18,15 +17,6 @@ enum class Flaw : std::uint8_t {
   ForgetsAtTheEnd,    ///< a journal is removed when its end is committed, not when it is kept
   QueuesAgain,        ///< what was being cut is made ready again from its first stroke
   ResumesOverDoubt,   ///< `resume-from` does not ask about what may be cut already
-};
-
-struct Exploration {
-  std::size_t states{};             ///< that are different
-  std::size_t steps{};              ///< from one to the next
-  int depth{};                      ///< all that can be reached by so many steps
-  std::size_t recoveries{};         ///< starts after a crash
-  std::string wrong{};              ///< the first that breaks a promise; empty: none
-  std::vector<std::string> path{};  ///< how it was reached
 };
 
 /// Explores one job of one sheet, breadth first, to `depth` steps: what a person does, what the

@@ -224,6 +224,9 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
         fmt::format("{} holds a sheet of job {} ({})", *device, other->id, name_of(other->state))));
   if (const auto accepted = accept_warnings(row, request); !accepted)
     return tl::unexpected(accepted.error());
+  if (const auto sheet = parts_.jobs.current_sheet(row))
+    if (const auto here = parts_.plans.bring_sheet(row.plan, sheet->number); !here)
+      return tl::unexpected(here.error());
   row.device = *device;
   row.operator_name = who.name;
   parts_.jobs.take(row, Step::ToArmed, "");
@@ -351,7 +354,8 @@ Answer<void> CutDispatcher::confirm(JobRow& row, const ActionRequest& request) {
 }
 
 Answer<void> CutDispatcher::retry(JobRow& row) {
-  ++row.blank;
+  const auto begun = parts_.jobs.attempts().last_begun(row.id, row.sheet);
+  row.blank = std::max(row.blank, begun ? begun->blank : 0) + 1;
   row.segment = 1;
   row.first_stroke = 0;
   row.paths_certain = row.paths_sent = 0;
@@ -447,7 +451,7 @@ void CutDispatcher::forget_arms() {
 
 // True: it goes on.
 bool CutDispatcher::take_up_one(Cut& cut) {
-  switch (take_up(parts_.store, parts_.jobs, cut.attempt, cut.phase == SessionPhase::Held)) {
+  switch (take_up(parts_.jobs, cut.attempt, cut.phase == SessionPhase::Held)) {
     case TakeUp::Goes:
       return true;
     case TakeUp::Superseded:
@@ -475,7 +479,12 @@ void CutDispatcher::take_up_cuts() {
   }
 }
 
-void CutDispatcher::never_began(const AttemptRow& attempt) {
+void CutDispatcher::doubt_start() {
+  if (!starting_.empty() && !cuts(starting_)) doubtful_.insert(starting_);
+}
+
+bool CutDispatcher::take_back(const AttemptRow& attempt) {
+  if (!doubtful_.contains(attempt.id) || parts_.intents.has(attempt.id)) return false;
   const Answer<void> noted = parts_.store.change([&]() -> Answer<void> {
     // Waits for the transaction of that START, if it is still under way.
     (void)parts_.store.db().number("SELECT rev FROM job WHERE id=? FOR UPDATE", attempt.job);
@@ -484,11 +493,12 @@ void CutDispatcher::never_began(const AttemptRow& attempt) {
     Answer<JobRow> row = parts_.jobs.row(attempt.job);
     parts_.jobs.attempts().never_started(attempt.id, parts_.store.now());
     if (row && !is_terminal(row->state))
-      parts_.jobs.take(*row, step_of(row->state, JobEvent::CutRefused),
-                       "the database went away during the start; nothing was sent");
+      parts_.jobs.take_left(*row, step_of(row->state, JobEvent::CutRefused),
+                            "the database went away during the start; nothing was sent");
     return {};
   });
-  if (noted) parts_.intents.remove(attempt.id);
+  if (noted) doubtful_.erase(attempt.id);
+  return true;
 }
 
 void CutDispatcher::heed(const std::string& job) {

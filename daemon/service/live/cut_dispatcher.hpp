@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -67,8 +68,13 @@ class CutDispatcher : public Cutting {
   void forget_arms();
   /// Cuts that another node called lost go on, or stop if a person decided otherwise meanwhile.
   void take_up_cuts();
-  /// A START of which the answer was lost: the knife never moved.
-  void never_began(const AttemptRow& attempt);
+  /// The answer of the database to the last change is lost: if that was a START, nobody knows yet
+  /// whether it is stored.
+  void doubt_start();
+  /// Takes back a START of this run whose answer was lost: the knife never moved.
+  ///
+  /// @return false: it is none of these; its journal says what was sent
+  [[nodiscard]] bool take_back(const AttemptRow& attempt);
   /// What others ask of a job that is cut here.
   void heed(const std::string& job);
   [[nodiscard]] bool cutting() const { return !cuts_.empty(); }
@@ -134,6 +140,8 @@ class CutDispatcher : public Cutting {
   /// By job that goes on with a sheet: the session of its device in which the sheet was in place.
   std::map<std::string, std::string> placed_;
   bool stopping_{false};
+  std::string starting_{};            ///< the attempt of the last START
+  std::set<std::string> doubtful_{};  ///< of STARTs whose answer was lost
 };
 
 }  // namespace popcut::daemon

@@ -247,6 +247,7 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const Actio
   const Answer<std::shared_ptr<Cut>> cut = prepare(row);
   if (!cut) return tl::unexpected(cut.error());
   const TimeMs now = parts_.store.now();
+  starting_ = (*cut)->attempt;
   try {
     (*cut)->intents = parts_.intents.begin({.attempt = (*cut)->attempt,
                                             .job = row.id,
@@ -322,10 +323,14 @@ void CutDispatcher::hand_over(const std::shared_ptr<Cut>& cut) {
 void CutDispatcher::record_refusal(const std::shared_ptr<Cut>& cut) {
   try {
     const Answer<void> recorded = parts_.store.change([&]() -> Answer<void> {
+      // In a fleet others may have called it lost meanwhile, and a person may have acted on that.
+      const bool is_ours = !parts_.store.in_fleet() || take_up_one(*cut);
       Answer<JobRow> row = parts_.jobs.row(cut->job);
       if (!row) return tl::unexpected(row.error());
-      parts_.jobs.attempts().never_started(cut->attempt, parts_.store.now());
-      parts_.jobs.take(*row, step_of(row->state, JobEvent::CutRefused), *cut->refusal);
+      if (is_ours || cut->superseded)
+        parts_.jobs.attempts().never_started(cut->attempt, parts_.store.now());
+      if (is_ours)
+        parts_.jobs.take_left(*row, step_of(row->state, JobEvent::CutRefused), *cut->refusal);
       return {};
     });
     if (!recorded) return;

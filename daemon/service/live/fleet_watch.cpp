@@ -14,7 +14,10 @@ FleetWatch::FleetWatch(Parts parts)
               .url = parts_.options.fleet.url,
               .version = parts_.options.fleet.version,
               .lease_s = parts_.options.fleet.lease_s}) {
-  parts_.store.on_doubt = [this] { in_doubt_ = true; };
+  parts_.store.on_doubt = [this] {
+    in_doubt_ = true;
+    parts_.dispatcher.doubt_start();
+  };
   parts_.dispatcher.may_cut = [this] { return may_cut(); };
 }
 
@@ -64,12 +67,14 @@ void FleetWatch::tick() {
   try {
     if (!has_begun_) return begin_life();
     const std::int64_t now = parts_.store.monotonic();
-    if (now - beat_ms_ >= static_cast<std::int64_t>(parts_.options.fleet.beat_s * 1000)) {
+    const auto between_ms = static_cast<std::int64_t>(parts_.options.fleet.beat_s * 1000);
+    // After a doubt first of all: the database may be another one now.
+    if (in_doubt_ || now - beat_ms_ >= between_ms) {
       beat_ms_ = now;
       beat();
     }
-    if (has_begun_ && in_doubt_) settle();
     if (has_begun_) parts_.store.hear_news();
+    lease_.saw(parts_.store.heard());
   } catch (const StoreFault& fault) {
     // Another popcutd has begun in this one's name, or the database is away.
     if (fault.kind() == FaultKind::Refused) has_begun_ = false;
@@ -87,16 +92,17 @@ void FleetWatch::beat() {
   why_.clear();
   logged_.clear();
   settle();
+  if (!has_begun_) return;
   parts_.devices.load_others();
   close_lost_nodes();
 }
 
-// What the database calls open and nobody cuts here: a START whose answer was lost. Nothing of it
-// was sent, since the knife moves only after the answer.
+// What the database calls open and nobody cuts here: a START whose answer was lost is taken back,
+// since the knife moves only after the answer. Of anything else the journals know more.
 void FleetWatch::settle() {
   in_doubt_ = false;
   for (const AttemptRow& open : parts_.jobs.attempts().open())
-    if (!parts_.dispatcher.cuts(open.id)) parts_.dispatcher.never_began(open);
+    if (!parts_.dispatcher.cuts(open.id) && !parts_.dispatcher.take_back(open)) return begin_life();
 }
 
 void FleetWatch::close_lost_nodes() {

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -75,8 +76,11 @@ struct Parts {
         dispatcher(
             {store, thread, cutters, jobs, plans, programs, registry, intents, options, alive}),
         device_dispatcher({store, thread, cutters, registry, jobs, dispatcher, alive}) {
-    if (store.in_fleet())
+    if (store.in_fleet()) {
       fleet.emplace(FleetWatch::Parts{store, jobs, plans, registry, intents, dispatcher, options});
+      // So that a journal says from which machine and folder it is.
+      options.invocation = store.node().mark() + options.invocation.substr(0, 16);
+    }
     if (store.in_fleet() && options.fleet.has_database_clock) {
       options.wall_ms = [this, own = options.wall_ms] {
         const TimeMs now = own();
@@ -188,6 +192,7 @@ class AssembledService final : private PartsHolder, public Operations, public Li
   Answer<void> begin_alone();
   Answer<void> begin_in_fleet();
   void look_back();
+  void share_again();
   void heed(const Event& event);
   void prune();
   [[nodiscard]] Answer<void> may_copy(const Principal& who) const;
@@ -233,9 +238,24 @@ Answer<void> AssembledService::begin_in_fleet() {
     parts_.registry.load();
     parts_.device_dispatcher.look();
     look_back();
+    share_again();
   };
   parts_.store.on_others = [this](const Event& event) { heed(event); };
   return parts_.fleet->begin();
+}
+
+// Large assets that this node took and did not get into the database before it ended.
+void AssembledService::share_again() {
+  SharedFiles* const files = parts_.store.files();
+  if (files == nullptr) return;
+  for (const std::string& id : all_of(
+           parts_.store.db().rows("SELECT id FROM asset WHERE NOT EXISTS (SELECT 1 FROM blob WHERE "
+                                  "blob.path='assets/' || asset.id)"),
+           first_text))
+    parts_.chores.run([files, id, place = parts_.raw.folder().at("assets/" + id)] {
+      std::error_code ignored;
+      if (std::filesystem::exists(place, ignored)) (void)files->keep("assets/" + id);
+    });
 }
 
 // What another node did may concern what this one is doing.

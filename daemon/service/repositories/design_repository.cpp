@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -37,6 +38,23 @@ const std::string* file_of(const PlanningOutcome& outcome, std::string_view name
   for (const PlanningFile& file : outcome.files)
     if (file.name == name) return &file.bytes;
   return nullptr;
+}
+
+// The names of assets, whole, that stand anywhere in a file.
+std::set<std::string> digests_in(const std::string& path, std::uint64_t limit) {
+  constexpr std::string_view kBegin = "sha256-";
+  constexpr std::size_t kDigits = 64;
+  std::set<std::string> all;
+  const std::string text = read_whole(path, limit).value_or("");
+  for (std::size_t at = text.find(kBegin); at != std::string::npos;
+       at = text.find(kBegin, at + 1)) {
+    const std::string name = text.substr(at, kBegin.size() + kDigits);
+    const bool is_whole =
+        name.size() == kBegin.size() + kDigits &&
+        name.find_first_not_of("0123456789abcdef", kBegin.size()) == std::string::npos;
+    if (is_whole) all.insert(name);
+  }
+  return all;
 }
 
 // On a thread of the planner's: it is large, and is synced. It can be drawn again at any time, so
@@ -143,6 +161,10 @@ void DesignRepository::add(const Principal& who, Upload upload, std::string medi
     remove_tree(upload.path);
     return done(**before);
   }
+  // What it refers to may have been uploaded at another node.
+  if (store_.files() != nullptr && upload.bytes <= kNewSpecBytes)
+    for (const std::string& asset : digests_in(upload.path, kNewSpecBytes))
+      if (const auto here = store_.bring("assets/" + asset); !here) return give_up(here.error());
   PlanningTask task;
   task.kind = PlanningTask::Kind::Check;
   task.design_path = upload.path;
@@ -152,9 +174,14 @@ void DesignRepository::add(const Principal& who, Upload upload, std::string medi
     task.material_json = row_of_material(material_in(upload.path, kNewSpecBytes));
   const std::string preview = store_.folder().at("previews/sha256-" + upload.sha256 + ".svg");
   planner_.start(std::move(task), [this, alive = std::weak_ptr<void>(alive_), thread = &thread_,
-                                   who, upload, media_type, name, preview,
+                                   files = store_.files(), who, upload, media_type, name, preview,
                                    done = std::move(done)](Result<PlanningOutcome> outcome) {
     keep_preview(outcome, preview);
+    // Before there is a row of it: whoever sees the design can have it.
+    if (outcome && files != nullptr)
+      if (const Result<void> kept = files->keep("designs/sha256-" + upload.sha256, upload.path);
+          !kept)
+        outcome = tl::unexpected(kept.error());
     thread->post(ServiceThread::Lane::Asking,
                  [this, alive, who, upload, media_type, name, done,
                   held = std::make_shared<Result<PlanningOutcome>>(std::move(outcome))] {
@@ -237,6 +264,10 @@ Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& up
                       .created = store_.now()};
     store_.db().insert("asset(id, bytes, created, name, owner)", id, asset.bytes, asset.created,
                        asset.name, asset.owner);
+    if (store_.files() != nullptr && !store_.files()->keep_small("assets/" + id))
+      store_.after_commit([this, id] {
+        aside_.run([files = store_.files(), id] { (void)files->keep("assets/" + id); });
+      });
     store_.audit(who.name, "add-asset", id, "");
     return asset;
   });
@@ -266,8 +297,20 @@ Answer<Design> DesignRepository::find(const std::string& id) {
 }
 
 Answer<std::string> DesignRepository::content(const std::string& id) {
-  return find(id).map(
-      [&](const Design& design) { return store_.folder().at("designs/" + design.id); });
+  const Answer<Design> design = here(id);
+  if (!design) return tl::unexpected(design.error());
+  return store_.folder().at("designs/" + design->id);
+}
+
+Answer<Design> DesignRepository::here(const std::string& id) {
+  Answer<Design> design = find(id);
+  if (!design || store_.files() == nullptr) return design;
+  if (const auto brought = store_.bring("designs/" + id); !brought)
+    return tl::unexpected(brought.error());
+  for (const std::string& asset : design->assets)
+    if (const auto brought = store_.bring("assets/" + asset); !brought)
+      return tl::unexpected(brought.error());
+  return design;
 }
 
 Answer<void> DesignRepository::remove(const Principal& who, const std::string& id) {
@@ -285,6 +328,7 @@ Answer<void> DesignRepository::remove(const Principal& who, const std::string& i
           ProblemKind::StateConflict,
           fmt::format("job {} uses this design; finish or cancel the job first", used.text(0)));
     store_.db().run("DELETE FROM design WHERE id=?", id);
+    if (store_.files() != nullptr) store_.files()->forget("designs/" + id);
     store_.audit(who.name, "delete-design", id, design->name);
     if (removed) removed(id);
     store_.after_commit([this, id] {
@@ -326,7 +370,7 @@ std::string DesignRepository::row_of_material(const std::string& name) const {
 
 void DesignRepository::preview(const std::string& id,
                                std::function<void(Answer<std::string>)> done) {
-  const Answer<Design> design = find(id);
+  const Answer<Design> design = here(id);
   if (!design) return done(tl::unexpected(design.error()));
   const std::string place = store_.folder().at("previews/" + id + ".svg");
   std::error_code ignored;

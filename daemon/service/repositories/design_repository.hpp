@@ -39,6 +39,10 @@ class DesignRepository : public Designs {
   Page<Design> list(const PageRequest& request) override;
   Answer<Design> find(const std::string& id) override;
   Answer<std::string> content(const std::string& id) override;
+  /// As `find`, with its file and its assets in the state folder: of another node they are fetched.
+  ///
+  /// @retval Unavailable  they are on their way
+  [[nodiscard]] Answer<Design> here(const std::string& id);
   Answer<void> remove(const Principal& who, const std::string& id) override;
   void preview(const std::string& id, std::function<void(Answer<std::string>)> done) override;
   CallOff show_spec(const Principal& who, const PreviewRequest& request, Shown done) override;

@@ -72,7 +72,7 @@ Designs::CallOff DesignRepository::place_spec(const Principal& who, const Previe
 
 Designs::CallOff DesignRepository::lattice(const Principal& who, const std::string& id,
                                            Shown done) {
-  const Answer<Design> design = find(id);
+  const Answer<Design> design = here(id);
   if (!design) {
     done(tl::unexpected(design.error()));
     return [] {};
@@ -83,7 +83,7 @@ Designs::CallOff DesignRepository::lattice(const Principal& who, const std::stri
 
 Designs::CallOff DesignRepository::file(const Principal& who, const std::string& id,
                                         const std::string& name, int part, Shown done) {
-  const Answer<Design> design = find(id);
+  const Answer<Design> design = here(id);
   if (!design) {
     done(tl::unexpected(design.error()));
     return [] {};
@@ -96,7 +96,7 @@ Designs::CallOff DesignRepository::file(const Principal& who, const std::string&
 
 std::string DesignRepository::material_mark(const std::string& id) {
   constexpr std::size_t kDigits = 12;
-  const Answer<Design> design = find(id);
+  const Answer<Design> design = here(id);
   if (!design || design->kind != "spec") return {};
   return "-" + sha256_hex(row_of_material(own_material(*design))).substr(0, kDigits);
 }
@@ -116,7 +116,7 @@ void DesignRepository::read_aside(const std::string& place, Shown done) {
 
 void DesignRepository::picture(const Principal& who, const std::string& id, const std::string& name,
                                Shown done) {
-  const Answer<Design> design = find(id);
+  const Answer<Design> design = here(id);
   if (!design) return done(tl::unexpected(design.error()));
   const std::string place = picture_place(id, name);
   std::error_code ignored;

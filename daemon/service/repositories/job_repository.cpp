@@ -299,6 +299,15 @@ void JobRepository::take(JobRow& row, Step step, const std::string& reason) {
   save(row);
 }
 
+void JobRepository::take_left(JobRow& row, Step step, const std::string& reason) {
+  const bool is_cancelled = parts_.store.in_fleet() && row.asked == "cancel" &&
+                            (step == Step::ToInterrupted || step == Step::ToReady);
+  if (is_cancelled)
+    take(row, Step::ToCancelled, row.reason);
+  else
+    take(row, step, reason);
+}
+
 void JobRepository::save(JobRow& row) {
   jobs_.update(row);
   std::string members = fmt::format(R"("state":"{}","rev":{})", name_of(row.state), row.rev);
@@ -332,6 +341,15 @@ void JobRepository::finish_sheet(JobRow& row, const std::string& sheet_state,
     ++row.sheet;
     row.blank = row.segment = 1;
     row.first_stroke = 0;
+    // A database that went back to an earlier state may know of a start that came later.
+    if (const auto begun = attempts_.last_begun(row.id, row.sheet)) {
+      row.blank = begun->blank;
+      row.segment = begun->segment;
+      row.first_stroke = begun->first_stroke;
+      set_attention(row, "in_doubt",
+                    fmt::format("sheet {} was started before; look at it", row.sheet));
+      return take(row, Step::ToInterrupted, "crash");
+    }
     return take(row, Step::ToReady, reason);
   }
   row.low_s = row.high_s = 0;

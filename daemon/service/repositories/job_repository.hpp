@@ -76,6 +76,8 @@ class JobRepository : public Jobs {
   [[nodiscard]] Answer<JobRow> row(const std::string& id);
   /// Takes a step: state, reason, attention, the sheet's row, the event. Writes the row.
   void take(JobRow& row, Step step, const std::string& reason);
+  /// The same when the knife's end was not a person's doing: a job that was to be cancelled is.
+  void take_left(JobRow& row, Step step, const std::string& reason);
   /// Writes the row without a step, with its event.
   void save(JobRow& row);
   /// The current sheet is over ("done" or "skipped"): the next one, or the end.

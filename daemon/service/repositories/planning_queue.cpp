@@ -52,8 +52,8 @@ PlanRecord record_of(const PlanRow& row, std::vector<SheetPlan> sheets) {
 }
 
 // The files of a plan, before anyone hears of it. Runs on a thread of the planner's.
-Result<PlanningOutcome> with_files_kept(Result<PlanningOutcome> outcome,
-                                        const std::string& folder) {
+Result<PlanningOutcome> with_files_kept(Result<PlanningOutcome> outcome, const std::string& folder,
+                                        SharedFiles* shared, const std::string& plan) {
   if (!outcome) return outcome;
   std::vector<std::pair<std::string, std::string_view>> files;
   for (const PlanningFile& file : outcome->files) files.emplace_back(file.name, file.bytes);
@@ -65,6 +65,9 @@ Result<PlanningOutcome> with_files_kept(Result<PlanningOutcome> outcome,
     if (index != outcome->files.end()) sheet.index_sha256 = sha256_hex(index->bytes);
   }
   if (Result<void> kept = write_folder(folder, files); !kept) return tl::unexpected(kept.error());
+  if (shared != nullptr)
+    if (Result<void> kept = shared->keep("plans/" + plan); !kept)
+      return tl::unexpected(kept.error());
   outcome->files.clear();
   outcome->files.shrink_to_fit();
   shorten(outcome->warnings, kMostWarnings, kLongestWarning);
@@ -97,6 +100,16 @@ void add_totals(PlanRow& row, const std::vector<SheetPlan>& sheets) {
 }
 
 }  // namespace
+
+Answer<void> PlanningQueue::bring_sheet(const std::string& plan, int sheet) {
+  if (parts_.store.files() == nullptr) return {};
+  const std::string stem = fmt::format("plans/{}/sheet-{:02}.", plan, sheet);
+  return parts_.store.look([&]() -> Answer<void> {
+    for (const std::string& name : parts_.store.files()->names(stem))
+      if (const auto here = parts_.store.bring(name); !here) return here;
+    return {};
+  });
+}
 
 std::string PlanningQueue::folder_of(const std::string& plan) const {
   return parts_.store.folder().at("plans/" + plan);
@@ -334,7 +347,7 @@ bool PlanningQueue::start(const std::string& id) {
   if (plan->kind == "test") {
     task.kind = PlanningTask::Kind::TestCut;
   } else {
-    const Answer<Design> design = parts_.designs.find(plan->design);
+    const Answer<Design> design = parts_.designs.here(plan->design);
     if (!design) {
       if (design.error().kind != ProblemKind::NotFound) return false;
       fail_plan(id, "its design was deleted");
@@ -364,10 +377,11 @@ bool PlanningQueue::start(const std::string& id) {
   };
   // It may be over before its number is known, but what is posted runs only after this.
   running_[id] = parts_.planner.start(
-      std::move(task), [this, id, folder = folder_of(id), thread = &parts_.thread,
-                        alive = std::weak_ptr<void>(parts_.alive)](Result<PlanningOutcome> made) {
-        auto kept =
-            std::make_shared<Result<PlanningOutcome>>(with_files_kept(std::move(made), folder));
+      std::move(task),
+      [this, id, folder = folder_of(id), files = parts_.store.files(), thread = &parts_.thread,
+       alive = std::weak_ptr<void>(parts_.alive)](Result<PlanningOutcome> made) {
+        auto kept = std::make_shared<Result<PlanningOutcome>>(
+            with_files_kept(std::move(made), folder, files, id));
         thread->post(ServiceThread::Lane::Asking, [this, id, alive, kept] {
           if (const auto here = alive.lock()) over(id, std::move(*kept));
         });
@@ -549,6 +563,7 @@ void PlanningQueue::remove_more_of(const std::string& design) {
 
 void PlanningQueue::forget(const std::string& id) {
   parts_.store.db().run("DELETE FROM plan WHERE id=?", id);
+  if (parts_.store.files() != nullptr) parts_.store.files()->forget("plans/" + id + "/");
   parts_.store.after_commit([this, id] {
     asked_.erase(id);
     std::erase_if(hurried_, [&](const Hurried& one) { return one.plan == id; });
@@ -619,6 +634,9 @@ Answer<std::string> PlanningQueue::file(const std::string& id, const std::string
                                                     : "this plan is not finished yet");
     std::string path = folder_of(id) + "/" + name;
     std::error_code ignored;
+    if (is_plain_name(name))
+      if (const auto here = parts_.store.bring("plans/" + id + "/" + name); !here)
+        return tl::unexpected(here.error());
     if (!is_plain_name(name) || !std::filesystem::is_regular_file(path, ignored))
       return refuse(ProblemKind::NotFound, fmt::format("this plan has no file {:?}", name));
     return path;

@@ -69,6 +69,10 @@ class PlanningQueue : public Plans {
 
   [[nodiscard]] PlanTable& table() { return plans_; }
   [[nodiscard]] std::string folder_of(const std::string& plan) const;
+  /// Makes the files of a sheet be in that folder, if another node made the plan.
+  ///
+  /// @retval Unavailable  they are on their way
+  [[nodiscard]] Answer<void> bring_sheet(const std::string& plan, int sheet);
 
   /// Called when the planner has one, and when a plan is made or failed.
   std::function<void(const std::string&plan)> begun{}, ended{};

@@ -42,14 +42,16 @@ class Recovery {
         intents_(intents),
         cuts_(std::move(cuts)),
         trails_(intents.trails()) {
-    // What is cut now has no end to look for.
-    if (cuts_) std::erase_if(trails_, [&](const auto& one) { return cuts_(one.first); });
+    // What is cut now has no end to look for, unless the database forgot its start.
+    std::erase_if(trails_, [&](const auto& one) {
+      return is_cut(one.first) && jobs_.attempts().knows(one.first);
+    });
   }
 
   Answer<void> run() {
     close_attempts();
     jobs_.attempts().disarm_all();
-    for (const auto& [attempt, trail] : trails_) surface(attempt, trail);
+    for (const auto& [attempt, trail] : trails_) tell_of(attempt, trail);
     for (const JobState state :
          {JobState::Cutting, JobState::Paused, JobState::Armed, JobState::Planning})
       restart(state);
@@ -63,6 +65,33 @@ class Recovery {
   }
 
  private:
+  [[nodiscard]] bool is_cut(const std::string& attempt) const { return cuts_ && cuts_(attempt); }
+
+  // In a fleet one journal that does not fit must not keep all of them from being told of: others
+  // wait for that.
+  void tell_of(const std::string& attempt, const IntentTrail& trail) {
+    if (!store_.in_fleet()) return surface(attempt, trail);
+    try {
+      Transaction part(store_.db());
+      surface(attempt, trail);
+      store_.db().run("SET CONSTRAINTS ALL IMMEDIATE");
+      store_.db().run("SET CONSTRAINTS ALL DEFERRED");
+      part.commit();
+    } catch (const StoreFault& fault) {
+      if (fault.kind() != FaultKind::Constraint && fault.kind() != FaultKind::Refused) throw;
+      store_.log(
+          fmt::format("the journal {} does not fit the database: {}; look at the sheets in "
+                      "the cutters before you start one",
+                      attempt, fault.what()));
+      store_.emit("notice", "", fmt::format(R"("journal":"{}","state":"does not fit")", attempt));
+    }
+  }
+
+  // Of a copied state folder: the one that it was copied from may know more.
+  [[nodiscard]] bool is_foreign(const std::string& invocation) const {
+    return store_.in_fleet() && !invocation.starts_with(store_.node().mark());
+  }
+
   static IntentClaims claims_of(const IntentTrail& trail, std::int64_t first, std::int64_t strokes,
                                 std::int64_t recorded) {
     return {.first = first,
@@ -76,14 +105,15 @@ class Recovery {
   void close_attempts() {
     AttemptTable& attempts = jobs_.attempts();
     for (const AttemptRow& open : attempts.open()) {
-      if (cuts_ && cuts_(open.id)) {
+      if (is_cut(open.id)) {
         attempts.go_on(open.id);
         continue;
       }
       IntentTrail trail;
       if (const auto found = trails_.extract(open.id)) trail = found.mapped();
       const IntentVerdict verdict = verdict_of(open, trail);
-      attempts.crash(open, store_.now(), verdict.doubt_upto, verdict.loss);
+      attempts.crash(open, store_.now(), verdict.doubt_upto, verdict.loss,
+                     is_foreign(open.invocation) ? "lost" : "crash");
       ended_.push_back(open.id);
       Answer<JobRow> row = jobs_.row(open.job);
       if (!verdict.loss.empty())
@@ -101,9 +131,11 @@ class Recovery {
   // when the database answers. And a journal that was copied to another machine may know less than
   // the one that went on.
   IntentVerdict verdict_of(const AttemptRow& attempt, const IntentTrail& trail) {
-    IntentVerdict verdict = verdict_on(claims_of(trail, attempt.first_stroke, attempt.strokes,
-                                                 jobs_.attempts().last_recorded(attempt.id)));
-    if (store_.in_fleet() && attempt.identity != store_.node().identity) {
+    std::int64_t recorded = jobs_.attempts().last_recorded(attempt.id);
+    if (store_.in_fleet()) recorded = std::max(recorded, trail.journal.last);
+    IntentVerdict verdict =
+        verdict_on(claims_of(trail, attempt.first_stroke, attempt.strokes, recorded));
+    if (is_foreign(attempt.invocation)) {
       verdict.doubt_upto = attempt.strokes - 1;
       verdict.loss = "the journal of this cut is on another machine, or in another folder";
     }
@@ -143,9 +175,12 @@ class Recovery {
     IntentVerdict verdict =
         verdict_on(claims_of(trail, head.first_stroke, head.strokes, head.first_stroke - 1));
     // Nothing was sent: the start was never committed.
-    if (verdict.doubt_upto < head.first_stroke) return empty_.push_back(attempt);
+    const bool goes_on = is_cut(attempt);
+    if (!goes_on && verdict.doubt_upto < head.first_stroke) return empty_.push_back(attempt);
     const std::string lost = "the database does not know that this sheet was started";
     verdict.loss = verdict.loss.empty() ? lost : lost + "; " + verdict.loss;
+    const bool is_copy = is_foreign(head.invocation);
+    if (is_copy) verdict.doubt_upto = head.strokes - 1;
     Answer<JobRow> found = jobs_.row(head.job);
     if (!found) {
       store_.log(
@@ -157,8 +192,15 @@ class Recovery {
       return;
     }
     JobRow& row = *found;
-    const Surfacing surfacing =
+    Surfacing surfacing =
         surfacing_of(row.state, {row.sheet, row.blank}, row.sheets_total, {head.sheet, head.blank});
+    // A later part of this blank is known, or a living node cuts another one: that goes on, and
+    // what was started besides is found when it ends.
+    const bool is_earlier = row.sheet == head.sheet && row.blank == head.blank &&
+                            row.segment > std::max(1, head.segment);
+    if (store_.in_fleet() && (is_earlier || is_cut_elsewhere(row)) &&
+        surfacing != Surfacing::Blocks)
+      surfacing = Surfacing::History;
     tell(head.job, head.sheet, verdict.loss, head.first_stroke, verdict.doubt_upto);
     if (surfacing == Surfacing::Blocks) {
       blocked_[head.job] = fmt::format(
@@ -167,9 +209,13 @@ class Recovery {
           head.sheet);
       return;
     }
-    bring_back(head, verdict);
+    const bool is_history = surfacing == Surfacing::History;
+    bring_back(head, verdict,
+               goes_on   ? (surfacing == Surfacing::Interrupts ? "lost" : "superseded")
+               : is_copy ? "lost"
+                         : "crash");
     ended_.push_back(attempt);
-    if (surfacing == Surfacing::History) return;
+    if (is_history) return;
     if (surfacing == Surfacing::InterruptsBefore) {
       const auto plan = jobs_.current_sheet(row);
       IntentHead before = head;
@@ -179,9 +225,11 @@ class Recovery {
       before.segment = row.segment;
       before.first_stroke = 0;
       before.strokes = plan ? plan->paths : head.strokes;
-      bring_back(before, {before.strokes - 1,
-                          fmt::format("sheet {} was started later, so this one may have been cut",
-                                      head.sheet)});
+      bring_back(
+          before,
+          {before.strokes - 1,
+           fmt::format("sheet {} was started later, so this one may have been cut", head.sheet)},
+          "crash");
     } else {
       row.blank = head.blank;
       row.segment = std::max(1, head.segment);
@@ -192,12 +240,13 @@ class Recovery {
     count_paths(jobs_, row, row.sheet, row.blank, head.strokes);
     const std::string from(name_of(row.state));
     jobs_.set_attention(row, "in_doubt", crash_text(row.id, verdict.loss));
-    jobs_.take(row, step_of(row.state, JobEvent::IntentsSurface), "crash");
+    // "lost": its cut goes on here, and is taken up again right after this.
+    jobs_.take_left(row, step_of(row.state, JobEvent::IntentsSurface), goes_on ? "lost" : "crash");
     note_recovered(row, from);
   }
 
   // The attempt as a row, all of it that may have been sent in doubt.
-  void bring_back(const IntentHead& head, const IntentVerdict& verdict) {
+  void bring_back(const IntentHead& head, const IntentVerdict& verdict, const char* end_kind) {
     AttemptTable& attempts = jobs_.attempts();
     bool started = true;  // only one start of a blank and segment may be on record
     for (const AttemptRow& other : attempts.of_sheet(head.job, head.sheet))
@@ -222,7 +271,7 @@ class Recovery {
         .epoch = store_.node().epoch,
         .identity = store_.node().identity,
     };
-    attempts.bring_back(row, store_.now(), verdict.doubt_upto, verdict.loss);
+    attempts.bring_back(row, store_.now(), verdict.doubt_upto, verdict.loss, end_kind);
   }
 
   void tell(const std::string& job, int sheet, const std::string& loss, std::int64_t first,
@@ -283,8 +332,16 @@ class Recovery {
     if (interrupted)
       jobs_.set_attention(row, "in_doubt",
                           crash_text(row.id, loss == losses_.end() ? "" : loss->second));
-    jobs_.take(row, step, interrupted ? "crash" : "restart");
+    jobs_.take_left(row, step, interrupted ? "crash" : "restart");
     note_recovered(row, from);
+  }
+
+  // Cut now by a node that lives, or whose end was not closed yet.
+  [[nodiscard]] bool is_cut_elsewhere(const JobRow& row) {
+    return store_.db().number(
+               "SELECT EXISTS(SELECT 1 FROM attempt WHERE job=? AND node!=? AND started_at IS NOT "
+               "NULL AND ended IS NULL)",
+               row.id, store_.node().name) != 0;
   }
 
   ServiceStore& store_;
@@ -318,17 +375,12 @@ Answer<void> close_lost_node(ServiceStore& store, JobRepository& jobs, const std
       Answer<JobRow> row = jobs.row(open.job);
       if (!row || is_terminal(row->state)) continue;
       count_paths(jobs, *row, open.sheet, open.blank, open.strokes);
-      // Whoever asked for the end of it gets it; a cut that still goes on ends when it is seen.
-      if (row->asked == "cancel") {
-        jobs.take(*row, step_of(row->state, JobEvent::CutStops), row->reason);
-        continue;
-      }
       jobs.set_attention(
           *row, "in_doubt",
           fmt::format("node {} has not answered for a while, and may still be cutting this sheet; "
                       "look at {}; if it comes back, what it knows is recorded by itself",
                       node, open.device));
-      jobs.take(*row, step_of(row->state, JobEvent::CutBreaks), "lost");
+      jobs.take_left(*row, step_of(row->state, JobEvent::CutBreaks), "lost");
     }
     for (const std::string& job : attempts.armed_by(node, epoch)) {
       attempts.disarm(job);
@@ -352,11 +404,20 @@ Answer<void> close_lost_node(ServiceStore& store, JobRepository& jobs, const std
   });
 }
 
-TakeUp take_up(ServiceStore& store, JobRepository& jobs, const std::string& attempt, bool held) {
-  (void)store;
+TakeUp take_up(JobRepository& jobs, const std::string& attempt, bool held) {
   const auto known = jobs.attempts().find(attempt);
   if (!known) return TakeUp::Superseded;
-  if (!known->ended) return TakeUp::Goes;
+  // The state is what the knife does, whatever of it a database that went back forgot.
+  const auto bring_in_step = [&](JobRow& row) {
+    if (held && row.state == JobState::Cutting)
+      jobs.take(row, step_of(row.state, JobEvent::CutHeld), "");
+    else if (!held && row.state == JobState::Paused)
+      jobs.take(row, Step::ToCutting, "");
+  };
+  if (!known->ended) {
+    if (Answer<JobRow> row = jobs.row(known->job)) bring_in_step(*row);
+    return TakeUp::Goes;
+  }
   if (known->end_kind != "lost")
     return known->end_kind == "superseded" ? TakeUp::Superseded : TakeUp::Ended;
   Answer<JobRow> row = jobs.row(known->job);
@@ -368,7 +429,7 @@ TakeUp take_up(ServiceStore& store, JobRepository& jobs, const std::string& atte
   jobs.attempts().go_on(attempt);
   row->device = known->device;
   jobs.take(*row, step_of(row->state, JobEvent::CutFoundAgain), "");
-  if (held) jobs.take(*row, step_of(row->state, JobEvent::CutHeld), "");
+  bring_in_step(*row);
   return TakeUp::Goes;
 }
 

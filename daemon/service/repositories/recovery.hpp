@@ -38,7 +38,6 @@ enum class TakeUp : std::uint8_t {
   Ended,       ///< its end is recorded
 };
 /// @param held  whether its tool is up, because a person asked for a pause
-[[nodiscard]] TakeUp take_up(ServiceStore& store, JobRepository& jobs, const std::string& attempt,
-                             bool held);
+[[nodiscard]] TakeUp take_up(JobRepository& jobs, const std::string& attempt, bool held);
 
 }  // namespace popcut::daemon
