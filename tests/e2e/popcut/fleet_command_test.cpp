@@ -247,6 +247,8 @@ TEST_CASE("fleet nodes tells of each node what a person needs", "[fleet]") {
       "enabled, state, sheets_done, cut_mm, node) VALUES('usb:7', 1, 'm', 't', 0, 1, 1, 1, 'idle', "
       "0, 0, 'room-1')");
   CHECK(bench.fleet({"drain", "room-1"}).exit == 0);
+  CHECK(bench.database.run_sql("SELECT begun_ms>0, lease_until_ms FROM popcut.node_state WHERE "
+                               "name<>'room-1' ORDER BY name") == "t|0\nf|0");
   const Ran table = bench.fleet({"nodes"});
   CAPTURE(table.out, table.err);
   REQUIRE(table.exit == 0);
