@@ -299,7 +299,7 @@ std::string state_of(const daemon::NodeState& node) {
                          ? fmt::format("stopped {} ago", daemon::rough_time(node.heartbeat_s))
                          : fmt::format("silent for {}", daemon::rough_time(node.heartbeat_s));
   if (node.draining) text += ", draining";
-  if (node.alive && !node.reported) text += ", compares journals";
+  if (!node.reported) text += ", has journals to compare";
   return text;
 }
 
@@ -387,7 +387,7 @@ Result<void> run_forget(const NodeOptions& options, const Globals& globals) {
 }
 
 constexpr const char* kNodesHelp =
-    "List the machines of the fleet: since when they are alive, what they cut with, and where.\n\n"
+    "List the machines of the fleet: who is alive, with which cutters, and where.\n\n"
     "  popcut fleet nodes\n"
     "  popcut fleet nodes --json | jq '.nodes[] | select(.alive | not)'";
 constexpr const char* kDrainHelp =
@@ -493,7 +493,7 @@ void add_import(CLI::App* fleet, const Globals& globals, Run& run) {
 }
 
 constexpr const char* kHelp =
-    "Set up and look after many popcutd that share one queue in a PostgreSQL (docs/fleet.md).\n\n"
+    "Set up and look after several popcutd that share one queue (docs/fleet.md).\n\n"
     "  export POPCUT_FLEET_DATABASE=postgresql://postgres@db.lab/popcut\n"
     "  popcut fleet init                      # once: the tables and roles\n"
     "  popcut fleet join --node room-1        # for each machine: its login\n"
