@@ -40,6 +40,7 @@ void register_send(CLI::App& app, const Globals& globals, Run& run);
 void register_curvature(CLI::App& app, const Globals& globals, Run& run);
 void register_figures(CLI::App& app, const Globals& globals, Run& run);
 void register_doctor(CLI::App& app, const Globals& globals, Run& run);
+void register_fleet(CLI::App& app, const Globals& globals, Run& run);
 void register_jobs(CLI::App& app, const Globals& globals, Run& run);
 void register_job_actions(CLI::App& app, const Globals& globals, Run& run);
 void register_open(CLI::App& app, const Globals& globals, Run& run);

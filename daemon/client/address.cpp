@@ -105,6 +105,23 @@ std::string user_state_folder(const Environment& environment) {
   return {};
 }
 
+std::vector<std::string> configuration_files(const Environment& environment) {
+  const auto folder = [&](const char* name) -> std::string {
+    const char* const value = environment(name);
+    if (value == nullptr || *value != '/') return {};
+    const std::string text = value;
+    return text.substr(0, text.find(':'));  // systemd separates several with colons
+  };
+  const std::string service = folder("CONFIGURATION_DIRECTORY"), user = folder("XDG_CONFIG_HOME"),
+                    home = folder("HOME");
+  if (!service.empty()) return {service + "/popcutd.toml"};
+  std::vector<std::string> files;
+  if (!user.empty() || !home.empty())
+    files.push_back((user.empty() ? home + "/.config" : user) + "/popcut/popcutd.toml");
+  files.emplace_back("/etc/popcut/popcutd.toml");
+  return files;
+}
+
 Result<std::vector<Address>> addresses(const Environment& environment) {
   if (const char* const url = environment("POPCUT_URL"); url != nullptr && *url != '\0') {
     auto one = parse_address(url);

@@ -43,5 +43,8 @@ using Environment = std::function<const char*(const char*)>;
 
 /// $XDG_STATE_HOME/popcut, else ~/.local/state/popcut; empty if neither is set.
 [[nodiscard]] std::string user_state_folder(const Environment& environment);
+/// Where popcutd looks for its configuration; it reads the first that is there. Of a service
+/// $CONFIGURATION_DIRECTORY, else the user's own and then /etc/popcut/popcutd.toml.
+[[nodiscard]] std::vector<std::string> configuration_files(const Environment& environment);
 
 }  // namespace popcut::client

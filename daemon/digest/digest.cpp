@@ -9,6 +9,7 @@
 
 #include <openssl/crypto.h>
 #include <openssl/evp.h>
+#include <openssl/hmac.h>
 #include <sys/random.h>
 
 namespace popcut::daemon {
@@ -16,6 +17,28 @@ namespace {
 
 std::string_view text_of(const unsigned char* bytes, std::size_t count) {
   return {reinterpret_cast<const char*>(bytes), count};
+}
+
+const unsigned char* bytes_of(std::string_view text) {
+  return reinterpret_cast<const unsigned char*>(text.data());
+}
+
+// RFC 4648 section 4.
+std::string base64(std::string_view bytes) {
+  std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0');
+  text.resize(
+      static_cast<std::size_t>(EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()),
+                                               bytes_of(bytes), static_cast<int>(bytes.size()))));
+  return text;
+}
+
+std::string hmac_sha256(std::string_view key, std::string_view text) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned size = 0;
+  if (HMAC(EVP_sha256(), key.data(), static_cast<int>(key.size()), bytes_of(text), text.size(),
+           digest.data(), &size) == nullptr)
+    throw std::runtime_error("HMAC-SHA-256 is not available in this OpenSSL");
+  return std::string(text_of(digest.data(), size));
 }
 
 }  // namespace
@@ -107,6 +130,23 @@ std::string base64url(std::string_view bytes) {
   }
   if (bits > 0) text += alphabet[held << (6 - bits) & 63U];
   return text;
+}
+
+std::string scram_verifier(std::string_view password, std::string_view salt) {
+  constexpr int kRounds = 4096;
+  std::array<unsigned char, 32> salted{};
+  if (PKCS5_PBKDF2_HMAC(password.data(), static_cast<int>(password.size()), bytes_of(salt),
+                        static_cast<int>(salt.size()), kRounds, EVP_sha256(),
+                        static_cast<int>(salted.size()), salted.data()) != 1)
+    throw std::runtime_error("PBKDF2 is not available in this OpenSSL");
+  const std::string_view key = text_of(salted.data(), salted.size());
+  const std::string client = hmac_sha256(key, "Client Key");
+  std::array<unsigned char, EVP_MAX_MD_SIZE> stored{};
+  unsigned size = 0;
+  EVP_Digest(client.data(), client.size(), stored.data(), &size, EVP_sha256(), nullptr);
+  std::string text = "SCRAM-SHA-256$" + std::to_string(kRounds) + ":";
+  text += base64(salt) + "$" + base64(text_of(stored.data(), size)) + ":";
+  return text + base64(hmac_sha256(key, "Server Key"));
 }
 
 }  // namespace popcut::daemon

@@ -750,10 +750,12 @@ BEGIN
 END $$;
 
 -- Renews the lease if it lives; if not, the node begins again. So it does when the database went
--- back, also when it knows fewer events than the node has seen, to compare its journals. A beat of its own transaction may have synchronous_commit off: a
--- beat that is lost makes a lease shorter, never longer.
+-- back, also when it knows fewer events than the node has seen, to compare its journals. A beat of
+-- its own transaction may have synchronous_commit off: a beat that is lost makes a lease shorter,
+-- never longer.
 CREATE FUNCTION popcut.node_beat(p_name text, p_epoch bigint, p_lease_s double precision,
-                                 p_last_event bigint, OUT alive boolean, OUT now_ms bigint, OUT is_draining bigint)
+                                 p_last_event bigint, OUT alive boolean, OUT now_ms bigint,
+                                 OUT is_draining bigint)
 LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 DECLARE
   v_login text;
@@ -1057,7 +1059,7 @@ BEGIN
     FROM unnest(p_from, p_to, p_state) WITH ORDINALITY AS runs(f, t, s, n) WHERE t >= f;
 END $$;
 
--- As if it had never been started: not a byte was sent.
+-- As if it had never been started: not a byte was sent. One that is marked was about to send some.
 CREATE FUNCTION popcut.knife_never(p_node text, p_epoch bigint, p_id text, p_ended bigint)
 RETURNS void LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 DECLARE
@@ -1067,7 +1069,7 @@ BEGIN
   one := attempt_of(p_node, p_id, '{lost}');
   IF one.bytes_taken > 0 OR EXISTS (SELECT FROM chunk WHERE attempt = p_id) THEN
     RAISE EXCEPTION USING ERRCODE = 'PC003',
-      MESSAGE = format('attempt %s has sent strokes, so it was started', p_id);
+      MESSAGE = format('attempt %s was about to send strokes, so it was started', p_id);
   END IF;
   UPDATE attempt SET started_at = NULL, ended = p_ended, end_kind = 'refused' WHERE id = p_id;
   DELETE FROM chunk WHERE attempt = p_id;

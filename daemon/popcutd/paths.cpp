@@ -17,7 +17,6 @@ std::string folder_of(const client::Environment& environment, const char* name) 
 Result<Paths> default_paths(const client::Environment& environment, bool root) {
   Paths paths;
   const std::string service_state = folder_of(environment, "STATE_DIRECTORY");
-  const std::string home = folder_of(environment, "HOME");
   const std::string run = folder_of(environment, "XDG_RUNTIME_DIR");
   paths.state = !service_state.empty() ? service_state : client::user_state_folder(environment);
   if (paths.state.empty())
@@ -28,17 +27,7 @@ Result<Paths> default_paths(const client::Environment& environment, bool root) {
     paths.socket = "/run/popcut.sock";
   else
     paths.socket = (run.empty() ? paths.state : run) + "/popcut.sock";
-
-  const std::string service = folder_of(environment, "CONFIGURATION_DIRECTORY");
-  const std::string user = folder_of(environment, "XDG_CONFIG_HOME");
-  if (!service.empty()) {
-    paths.configurations.push_back(service + "/popcutd.toml");
-  } else {
-    if (!user.empty() || !home.empty())
-      paths.configurations.push_back((user.empty() ? home + "/.config" : user) +
-                                     "/popcut/popcutd.toml");
-    paths.configurations.emplace_back("/etc/popcut/popcutd.toml");
-  }
+  paths.configurations = client::configuration_files(environment);
   return paths;
 }
 

@@ -79,7 +79,18 @@ std::vector<Salvage::Table> bring_all(SqliteDatabase& from, SqliteDatabase& to) 
   return tables;
 }
 
-/// Run by root, what it made goes to whose folder it is: a service has a user of its own.
+tl::unexpected<Error> unreadable(const StateFolder& folder) {
+  return fail(
+      ErrorKind::Malformed, "",
+      fmt::format("{}: nothing can be read from it; put a copy from {} in its place with "
+                  "'popcut db restore COPY --state {}', or, if there is no copy, delete the "
+                  "files popcut.db, popcut.db-wal, database-state and witness to start "
+                  "with an empty queue",
+                  folder.at("popcut.db"), folder.at("backups"), folder.path()));
+}
+
+}  // namespace
+
 void give_to_owner(const std::string& folder) {
   struct stat top {};
   if (::geteuid() != 0 || ::stat(folder.c_str(), &top) != 0 || top.st_uid == 0) return;
@@ -93,18 +104,6 @@ void give_to_owner(const std::string& folder) {
       (void)!::lchown(at->path().c_str(), top.st_uid, top.st_gid);
   }
 }
-
-tl::unexpected<Error> unreadable(const StateFolder& folder) {
-  return fail(
-      ErrorKind::Malformed, "",
-      fmt::format("{}: nothing can be read from it; put a copy from {} in its place with "
-                  "'popcut db restore COPY --state {}', or, if there is no copy, delete the "
-                  "files popcut.db, popcut.db-wal, database-state and witness to start "
-                  "with an empty queue",
-                  folder.at("popcut.db"), folder.at("backups"), folder.path()));
-}
-
-}  // namespace
 
 Result<std::string> set_aside(const std::string& database, const std::string& backups) {
   std::string digests;

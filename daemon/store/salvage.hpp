@@ -38,6 +38,10 @@ struct Salvage {
 /// @retval Unwritable  the folder cannot be written
 [[nodiscard]] Result<void> put_in_place(const StateFolder& folder, const std::string& fresh);
 
+/// Run by root, gives what root made in the folder to whose folder it is: a service has a user of
+/// its own. Does nothing for others.
+void give_to_owner(const std::string& folder);
+
 /// Copies a database and its log to BACKUPS/damaged-DIGEST/, once for the same bytes; gives that
 /// folder.
 [[nodiscard]] Result<std::string> set_aside(const std::string& database,

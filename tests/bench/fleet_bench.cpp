@@ -2,6 +2,7 @@
 // A fleet of 1,000 cutters on one PostgreSQL, at ten times the rate at which people load sheets;
 // the greatest rate, beside that of a bare queue; and lists of many jobs. POPCUT_FLEET_SECONDS is
 // how long the load lasts (60), POPCUT_FLEET_JOBS the most jobs of a list (1,000,000).
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>

@@ -2,11 +2,13 @@
 #include "tests/support/fleet_load.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <queue>
 #include <thread>
 
@@ -189,7 +191,7 @@ struct FleetLoad::Parts {
 
   void beat(Desk& desk, int node) {
     const NodeMark& one = marks[static_cast<std::size_t>(node)];
-    Rows answer = desk.database.rows("SELECT alive, now_ms FROM node_beat(?, ?, ?)", one.name,
+    Rows answer = desk.database.rows("SELECT alive, now_ms FROM node_beat(?, ?, ?, 0)", one.name,
                                      one.epoch, kLeaseS);
     if (!answer.next() || answer.integer(0) == 0)
       throw StoreFault(FaultKind::Other, one.name + " is not alive");
@@ -223,7 +225,7 @@ FleetLoad::FleetLoad(FleetSql& fleet, int nodes, int connections)
                   "generate_series(0, {1}) n",
                   kLogin, nodes - 1));
   fleet(fmt::format(
-      "SELECT count(node_reported(name, epoch)), count(node_beat(name, epoch, 3600)) FROM node; "
+      "SELECT count(node_reported(name, epoch)), count(node_beat(name, epoch, 3600, 0)) FROM node; "
       "INSERT INTO device(id, rev, model, title, simulated, width_mm, length_mm, enabled, state, "
       "sheets_done, cut_mm, node) SELECT 'dev-' || n, 1, 'portrait', '', 1, 210, 297, 1, 'idle', "
       "0, 0, 'node-' || n FROM generate_series(0, {}) n",
@@ -409,7 +411,7 @@ double FleetLoad::bare_claims_s(double length_s) {
       "CREATE UNIQUE INDEX ON bare.attempt(job, k, blank, segment) WHERE started_at IS NOT NULL; "
       "CREATE UNIQUE INDEX ON bare.attempt(cutter) WHERE state='cutting'; "
       "CREATE INDEX ON bare.attempt(lease_until) WHERE state IN ('claimed', 'armed', 'cutting')");
-  constexpr double kPerSecond = 12'000;
+  constexpr double kPerSecond = 30'000;  // more than there can be
   parts.fleet(
       fmt::format("INSERT INTO bare.sheet(job, k, site, state) SELECT n, 1, 'lab', 'pending' FROM "
                   "generate_series(1, {}) n",

@@ -180,7 +180,8 @@ std::string FleetNode::begin(const std::string& identity) {
 }
 
 std::string FleetNode::beat(double lease_s) {
-  return line.tried(fmt::format("SELECT alive FROM node_beat('{}', {}, {})", name, epoch, lease_s));
+  return line.tried(
+      fmt::format("SELECT alive FROM node_beat('{}', {}, {}, 0)", name, epoch, lease_s));
 }
 
 std::string FleetNode::call_sql(const std::string& function, const std::string& values) const {

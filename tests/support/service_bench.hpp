@@ -68,6 +68,10 @@ class ServiceBench {
   /// What follows the number of a user of the unix socket.
   [[nodiscard]] static std::string machine() { return shared_database ? "@bench" : ""; }
 
+  /// Of this bench, a node of a fleet: makes its connection.
+  std::function<std::unique_ptr<daemon::Database>()> database{};
+  std::function<void(daemon::Store&)> opened_store{};
+
   daemon::ServiceOptions options;
   std::string place;        ///< its state folder; empty: one of its own, that goes with it
   bool check_later{false};  ///< all of the database: nothing is armed until `checked` is called
@@ -98,20 +102,22 @@ class ServiceBench {
 
   /// Opens the store and the service; the error as text, or nothing.
   std::string start() {
-    if (shared_database) {
+    if (shared_database && !database) {
       options.fleet.node = "bench";
       options.fleet.mark_s = 0;
       options.fleet.has_database_clock = false;  // cases put the other one forward and back
     }
-    auto opened = shared_database
-                      ? daemon::Store::over({.folder = folder(), .reserve_bytes = reserve_bytes},
-                                            shared_database(database_))
-                      : daemon::Store::open({.folder = folder(),
-                                             .reserve_bytes = reserve_bytes,
-                                             .vfs = vfs,
-                                             .check_later = check_later});
+    const auto connect = [&] { return database ? database() : shared_database(database_); };
+    auto opened =
+        database || shared_database
+            ? daemon::Store::over({.folder = folder(), .reserve_bytes = reserve_bytes}, connect())
+            : daemon::Store::open({.folder = folder(),
+                                   .reserve_bytes = reserve_bytes,
+                                   .vfs = vfs,
+                                   .check_later = check_later});
     if (!opened) return message(opened.error());
     store_ = std::move(*opened);
+    if (opened_store) opened_store(*store_);
     thread_ = std::make_unique<daemon::ServiceThread>();
     auto made = daemon::make_service(*store_, *thread_, planner, cutters, options);
     if (!made) return made.error().detail;

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,7 +16,11 @@
 #include "core/machines/machine.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/help/udev_rule.hpp"
+#include "daemon/client/address.hpp"
+#include "daemon/config/config.hpp"
 #include "daemon/files/user_tables.hpp"
+#include "daemon/fleet/fleet_health.hpp"
+#include "daemon/store/state_folder.hpp"
 #include "device/doctor.hpp"
 #include "device/port/device_id.hpp"
 #include "device/port/port_transport.hpp"
@@ -27,7 +35,7 @@ using Json = nlohmann::ordered_json;
 using Level = Finding::Level;
 
 struct Options {
-  std::string device, treat_as;
+  std::string device, treat_as, config;
   bool rule{false};
 };
 
@@ -109,6 +117,69 @@ Result<std::vector<Report>> look_at_usb(const Options& options) {
   return reports;
 }
 
+/// The file that popcutd reads; empty: there is none.
+std::string configuration_file(const Options& options) {
+  if (!options.config.empty()) return options.config;
+  for (const std::string& file :
+       client::configuration_files([](const char* name) { return std::getenv(name); }))
+    if (::access(file.c_str(), F_OK) == 0) return file;
+  return {};
+}
+
+Finding told(const daemon::FleetFinding& finding) {
+  return {finding.level == daemon::FleetFinding::Level::Fine   ? Level::Fine
+          : finding.level == daemon::FleetFinding::Level::Note ? Level::Note
+                                                               : Level::Problem,
+          finding.what, finding.remedy};
+}
+
+/// The fleet of this machine's popcutd; nothing: its configuration names none.
+std::optional<Report> look_at_fleet(const Options& options) {
+  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20, kMostSecret = 4096;
+  const std::string file = configuration_file(options);
+  if (file.empty()) return std::nullopt;
+  if (::access(file.c_str(), R_OK) != 0)
+    return Report{
+        "fleet",
+        file,
+        {{Level::Note, "the configuration of popcutd cannot be read", "sudo popcut doctor"}}};
+  const auto text = daemon::read_whole(file, kMostBytes);
+  const auto config = text ? daemon::parse_config(*text) : tl::unexpected(text.error());
+  if (!config)
+    return Report{"fleet",
+                  file,
+                  {{Level::Problem, message(config.error()),
+                    fmt::format("popcutd --config {} --check-config", file)}}};
+  const daemon::FleetConfig& fleet = config->fleet;
+  if (fleet.database.empty()) return std::nullopt;
+  daemon::FleetProbe probe{.url = fleet.database, .password = {}, .node = fleet.node};
+  if (probe.node.empty()) {
+    std::array<char, 65> name{};
+    (void)::gethostname(name.data(), name.size() - 1);
+    probe.node = name.data();
+  }
+  Report report{"fleet", "node " + probe.node, {}};
+  if (!fleet.password_file.empty()) {
+    const auto secret = daemon::read_whole(fleet.password_file, kMostSecret);
+    if (!secret) {
+      const bool is_there = ::access(fleet.password_file.c_str(), F_OK) == 0;
+      report.findings.push_back(
+          {is_there ? Level::Note : Level::Problem,
+           is_there ? fleet.password_file + " cannot be read by you, so the fleet was not asked"
+                    : fleet.password_file + ", the password_file of [fleet], does not exist",
+           is_there ? "sudo popcut doctor"
+                    : fmt::format("as who looks after the database: popcut fleet join --node {} "
+                                  "--again",
+                                  probe.node)});
+      return report;
+    }
+    probe.password = secret->substr(0, secret->find('\n'));
+  }
+  for (const daemon::FleetFinding& finding : daemon::fleet_findings(probe))
+    report.findings.push_back(told(finding));
+  return report;
+}
+
 Json to_json(const Report& report) {
   Json findings = Json::array();
   for (const Finding& finding : report.findings) {
@@ -133,15 +204,18 @@ void print(const Report& report) {
   }
 }
 
-/// Good if one cutter has no problem; else the first problem is the error.
-Result<void> verdict(const std::vector<Report>& reports) {
+/// Good if one cutter has no problem, and the fleet, if there is one; else the first problem is the
+/// error.
+Result<void> verdict(const std::vector<Report>& reports, const std::optional<Report>& fleet) {
+  const bool fleet_is_well = !fleet || fleet->first_problem() == nullptr;
   for (const Report& report : reports)
-    if (report.first_problem() == nullptr) return {};
-  const Finding& first = *reports.front().first_problem();
+    if (report.first_problem() == nullptr && fleet_is_well) return {};
+  const Report& worst = fleet_is_well ? reports.front() : *fleet;
+  const Finding& first = *worst.first_problem();
   std::string remedy = first.remedy.empty() ? "see above" : first.remedy;
   std::replace(remedy.begin(), remedy.end(), '\n', ' ');
   return fail(
-      ErrorKind::Refused, reports.front().id,
+      ErrorKind::Refused, worst.id,
       fmt::format("{}; {}", first.what,
                   first.remedy.find('\n') == std::string::npos ? remedy : "see the steps above"));
 }
@@ -169,16 +243,20 @@ Result<void> run_doctor(const Options& options, const Globals& globals) {
     reports = std::move(*found);
     if (reports.empty()) reports.push_back({"USB", "no cutter", {nothing_found(port_ids())}});
   }
+  const std::optional<Report> fleet =
+      options.device.empty() ? look_at_fleet(options) : std::nullopt;
   if (globals.json) {
     Json list = Json::array();
     for (const Report& report : reports) list.push_back(to_json(report));
-    const Json json{{"usable", verdict(reports).has_value()}, {"devices", list}};
+    Json json{{"usable", verdict(reports, fleet).has_value()}, {"devices", list}};
+    if (fleet) json["fleet"] = to_json(*fleet);
     fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
   } else if (!globals.quiet) {
     for (const Report& report : reports) print(report);
+    if (fleet) print(*fleet);
   }
   std::fflush(stdout);
-  return verdict(reports);
+  return verdict(reports, fleet);
 }
 
 constexpr const char* kHelp =
@@ -186,8 +264,9 @@ constexpr const char* kHelp =
     "  popcut doctor                              # examine everything that is plugged in\n"
     "  popcut doctor usb:1-2 --treat-as cameo4    # a model that popcut does not know\n"
     "  popcut doctor --udev-rule                  # print the rule that grants permission\n\n"
-    "It asks a known cutter for its status and name, and sends nothing else. Exit code 0 if a\n"
-    "cutter is ready, 5 if none is.";
+    "It asks a known cutter for its status and name, and sends nothing else. If the configuration\n"
+    "of popcutd names a fleet, it looks at that, too: database, login, lease, clock, other nodes.\n"
+    "Exit code 0 if a cutter is ready and the fleet is in order, 5 if not.";
 
 }  // namespace
 }  // namespace doctor_command
@@ -202,6 +281,10 @@ void register_doctor(CLI::App& app, const Globals& globals, Run& run) {
       ->add_option("--treat-as", options->treat_as,
                    "Drive an unknown cutter as if it were this machine, such as cameo4")
       ->option_text("NAME");
+  command
+      ->add_option("--config", options->config,
+                   "popcutd's configuration, for its fleet. Default: the one that popcutd reads")
+      ->option_text("FILE");
   command->add_flag("--udev-rule", options->rule, "Print popcut's udev rule and do nothing else");
   when_chosen(command, run, [options, &globals] { return run_doctor(*options, globals); });
 }

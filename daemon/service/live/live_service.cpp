@@ -269,7 +269,11 @@ void AssembledService::share_again() {
 
 // What another node did may concern what this one is doing.
 void AssembledService::heed(const Event& event) {
-  if (event.kind == "device") parts_.registry.load_others();
+  if (event.kind == "device")
+    (void)parts_.store.look([&]() -> Answer<void> {
+      parts_.registry.load_others();
+      return {};
+    });
   if (event.kind == "job") {
     parts_.dispatcher.heed(event.job);
     const bool is_over = event.data.find(R"("state":"cancelled")") != std::string::npos;

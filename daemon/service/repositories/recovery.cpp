@@ -131,7 +131,13 @@ class Recovery {
   // when the database answers. And a journal that was copied to another machine may know less than
   // the one that went on.
   IntentVerdict verdict_of(const AttemptRow& attempt, const IntentTrail& trail) {
-    std::int64_t recorded = jobs_.attempts().last_recorded(attempt.id);
+    // What others wrote when they called it lost is their doubt, and no record of an intent.
+    std::int64_t recorded = -1;
+    if (attempt.end_kind != "lost")
+      recorded = jobs_.attempts().last_recorded(attempt.id);
+    else
+      for (const FateRun& run : jobs_.attempts().fates(attempt.id))
+        if (run.fate == PathFate::Certain) recorded = std::max(recorded, run.paths.last);
     if (store_.in_fleet()) recorded = std::max(recorded, trail.witness.last_before);
     IntentVerdict verdict =
         verdict_on(claims_of(trail, attempt.first_stroke, attempt.strokes, recorded));

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The rules that a fleet's database keeps by itself, whatever a popcutd asks of it.
+#include <array>
 #include <atomic>
 #include <barrier>
 #include <chrono>
 #include <map>
 #include <set>
+#include <sstream>
 #include <thread>
 
 #include <fmt/format.h>
@@ -221,9 +223,10 @@ TEST_CASE("a lease goes by the clock of the database, and what is over stays ove
   CHECK(rooms.lapsed(rooms.one, rooms.two) == "f");
   CHECK(rooms.one.beat(0.05) == "t");
   // A transaction that began before the lease ended sees that it is over.
-  CHECK(rooms.one.line.tried(fmt::format(
-            "BEGIN; SELECT 1; SELECT pg_sleep(0.1); SELECT alive FROM node_beat('room-1', {}, 30)",
-            rooms.one.epoch)) == "f");
+  CHECK(
+      rooms.one.line.tried(fmt::format(
+          "BEGIN; SELECT 1; SELECT pg_sleep(0.1); SELECT alive FROM node_beat('room-1', {}, 30, 0)",
+          rooms.one.epoch)) == "f");
   rooms.one.line("ROLLBACK");
   CHECK_THAT(rooms.one.arm("JOB", "left"), StartsWith("PC001 the lease of node room-1 is over"));
   CHECK(rooms.lapsed(rooms.one, rooms.two) == "t");
@@ -265,7 +268,7 @@ TEST_CASE("only the node that has the cutter arms it, and not while it is draine
              StartsWith("PC001 the plan bbb"));
   rooms.fleet("SELECT node_drain('room-1', 1)");
   CHECK(rooms.one.line.tried(fmt::format("SELECT alive, is_draining FROM node_beat('room-1', {}, "
-                                         "30)",
+                                         "30, 0)",
                                          rooms.one.epoch)) == "t|1");
   CHECK_THAT(rooms.one.arm("JOB", "left"), StartsWith("PC001 node room-1 is being drained"));
   rooms.fleet("SELECT node_drain('room-1', 0)");
@@ -476,7 +479,7 @@ TEST_CASE("late truth goes over what was taken for lost", "[fleet]") {
   }
   SECTION("it was not started at all") {
     CHECK_THAT(rooms.one.call("knife_never", again + ", 9"),
-               StartsWith("PC003") && Contains("has sent strokes"));
+               StartsWith("PC003") && Contains("was about to send strokes"));
   }
 }
 
@@ -484,7 +487,6 @@ TEST_CASE("an attempt that sent nothing never was a start", "[fleet]") {
   if (skipped()) return;
   TwoRooms rooms;
   rooms.start(rooms.one, "left", "A1");
-  REQUIRE(rooms.one.mark("A1", -1, -1, 4, 0).empty());
   const std::string never = "'" + FleetSql::id("A1") + "', 9";
   CHECK_THAT(rooms.two.call("knife_never", never), StartsWith("PC003"));
   CHECK_THAT(rooms.one.call("knife_never", never), StartsWith("23514"));
@@ -496,6 +498,53 @@ TEST_CASE("an attempt that sent nothing never was a start", "[fleet]") {
   CHECK(rooms.chunks("A1").empty());
   rooms.start(rooms.one, "left", "A2");  // the same blank
   CHECK(rooms.state() == "cutting");
+  // What was about to be sent may have been.
+  REQUIRE(rooms.one.mark("A2", -1, -1, 4, 0).empty());
+  CHECK_THAT(rooms.one.call("knife_never", "'" + FleetSql::id("A2") + "', 9"),
+             StartsWith("PC003") && Contains("was about to send strokes"));
+}
+
+TEST_CASE("no function of the knife listens to an old life, or to another's login", "[fleet]") {
+  if (skipped()) return;
+  TwoRooms rooms;
+  rooms.start(rooms.one, "left", "A1");
+  const std::string attempt = "'" + FleetSql::id("A1") + "'", job = "'" + FleetSql::id("JOB") + "'";
+  const std::string plan = "'" + FleetSql::plan_sha256() + "'";
+  const std::map<std::string, std::string> values{
+      {"knife_arm", job + ", 1, 1, 'left', " + plan + ", 'olga', 5, 'run'"},
+      {"knife_start",
+       attempt + ", " + job + ", 1, 1, 1, 0, 10, 'left', 's', 'olga', " + plan + ", 'run', 6, 0"},
+      {"knife_mark", attempt + ", 0, 1, 1, 1, 1"},
+      {"knife_end", attempt + ", 9, 'done', '', 1, '{0}', '{9}', '{certain}'"},
+      {"knife_never", attempt + ", 9"},
+      {"knife_crash", crash_values("A1", "crash", 9)},
+      {"knife_again", attempt},
+      {"knife_bring_back", attempt + ", " + job + ", 1, 1, 1, 0, 10, 'left', 's', 'olga', " + plan +
+                               ", 'run', 6, 6, 40, 'folder'"},
+      {"node_end", ""},
+      {"node_reported", ""}};
+  CHECK(rooms.fleet(
+            "SELECT string_agg(proname, ' ' ORDER BY proname) FROM pg_proc WHERE "
+            "pronamespace='popcut'::regnamespace AND (proname LIKE 'knife\\_%' AND prorettype "
+            "<> 'trigger'::regtype)") ==
+        "knife_again knife_arm knife_bring_back knife_crash knife_disarm knife_end knife_mark "
+        "knife_never knife_start");
+  FleetNode thief(rooms.fleet, "room-1", "popcut_n_room_2"),
+      nobody(rooms.fleet, "room-8", "popcut_n_room_1");
+  thief.epoch = nobody.epoch = rooms.one.epoch;
+  const std::string old = rooms.one.epoch;
+  REQUIRE(rooms.one.begin().empty());
+  FleetNode before(rooms.fleet, "room-1", "popcut_n_room_1");
+  before.epoch = old;
+  thief.epoch = rooms.one.epoch;
+  for (const auto& [function, given] : values) {
+    INFO(function);
+    CHECK_THAT(before.call(function, given), StartsWith("PC001 node room-1 is in its epoch"));
+    CHECK_THAT(thief.call(function, given),
+               StartsWith("PC001 the login popcut_n_room_2 does not speak for node room-1"));
+    CHECK_THAT(nobody.call(function, given), StartsWith("PC001 there is no node room-8"));
+  }
+  CHECK(rooms.attempt("A1") == "6||");
 }
 
 TEST_CASE("a start that a restored database forgot comes back", "[fleet]") {
@@ -537,6 +586,8 @@ TEST_CASE("a database that went back starts nothing until every node has compare
   if (skipped()) return;
   TwoRooms rooms;
   rooms.fleet("UPDATE event_counter SET last=10");
+  CHECK(rooms.one.call("node_beat", "30, 10").starts_with("(t,"));
+  CHECK(rooms.one.call("node_beat", "30, 11").starts_with("(f,"));  // it begins again
   REQUIRE(rooms.one.arm("JOB", "left").empty());
   // Room 2 has seen an event that there is not: the database is an older one.
   REQUIRE(rooms.two.begin_only("room-2", rooms.two.epoch, 11).empty());
@@ -691,7 +742,7 @@ TEST_CASE("what a login creates and where it searches does not change the functi
   CHECK_THAT(line.tried("SELECT popcut.knife_arm(" + who + ", '" + FleetSql::id("JOB") +
                         "', 1, 1, 'right', '" + FleetSql::plan_sha256() + "', 'olga', 5, 'run')"),
              StartsWith("PC001 the login popcut_n_room_1 does not speak for node room-2"));
-  CHECK_THAT(line.tried("SELECT popcut.node_beat(" + who + ", 30)"), StartsWith("PC001"));
+  CHECK_THAT(line.tried("SELECT popcut.node_beat(" + who + ", 30, 0)"), StartsWith("PC001"));
   // The checks of a commit look at the real tables.
   CHECK_THAT(line.tried("UPDATE popcut.job SET state='cutting', device='left'"),
              StartsWith("23514"));
@@ -738,14 +789,19 @@ TEST_CASE("a job's state and its knife agree at every commit", "[fleet]") {
              StartsWith("23514") && Contains("but an attempt at it is open"));
   CHECK_THAT(line.tried("UPDATE job SET state='done', finished=1"), StartsWith("23514"));
   CHECK_THAT(rooms.fleet.tried("DELETE FROM attempt"), StartsWith("23514"));
-  // Each half alone is right in the eyes of its own transaction; both at once are not let through.
+  // Who ends an attempt waits for who is changing the job, and judges what that one leaves.
   FleetLine other(rooms.fleet.database().url());
   FleetLine third(rooms.fleet.database().url());
   other("BEGIN; UPDATE attempt SET ended=9, end_kind='stall'");
   third("BEGIN; UPDATE job SET note='x'");
   std::string first;
-  std::thread waits([&] { first = other.tried("COMMIT"); });
-  std::this_thread::sleep_for(20ms);
+  std::atomic<bool> over{false};
+  std::thread waits([&] {
+    first = other.tried("COMMIT");
+    over = true;
+  });
+  std::this_thread::sleep_for(30ms);
+  CHECK_FALSE(over);
   CHECK(third.tried("COMMIT").empty());
   waits.join();
   CHECK_THAT(first, StartsWith("23514"));

@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: MIT
+#include <catch2/catch.hpp>
+
+#include <fmt/format.h>
+
+#include "daemon/fleet/fleet_files.hpp"
+#include "daemon/fleet/fleet_schema.hpp"
+#include "daemon/fleet/postgres_database.hpp"
+#include "tests/support/fault_proxy.hpp"
+#include "tests/support/postgres_server.hpp"
+#include "tests/support/service_bench.hpp"
+
+namespace two_nodes_test {
+
+using namespace popcut;
+using namespace popcut::daemon;
+using popcut::test::ServiceBench;
+using popcut::testing::FaultProxy;
+using popcut::testing::FreshDatabase;
+using popcut::testing::PostgresServer;
+using popcut::testing::shared_postgres;
+
+namespace {
+
+constexpr double kLease_s = 1.2;
+
+/// A service as a node, behind a network that can be cut.
+struct Node {
+  Node(const FreshDatabase& database, const std::string& name)
+      : proxy(shared_postgres().socket()),
+        bench(std::vector<std::string>{"sim:" + name}, false),
+        url(proxy.url(database.name())) {
+    bench.planner.sheets = 1;
+    bench.options.fleet.node = name;
+    bench.options.fleet.url = "http://" + name;
+    bench.options.fleet.lease_s = kLease_s;
+    bench.options.fleet.beat_s = 0.1;
+    bench.options.fleet.mark_s = 0;
+    const PostgresDatabase::Options line{
+        .url = url, .name = name, .connect_s = 1, .answer_s = 1, .again_s = 0.02};
+    bench.database = [line] { return std::make_unique<PostgresDatabase>(line, false); };
+    bench.opened_store = [line](Store& store) {
+      store.share_files(make_fleet_files(store.database(), store.folder(), line));
+    };
+    REQUIRE(bench.start() == "");
+  }
+  [[nodiscard]] std::string device() const { return "sim:" + bench.options.fleet.node; }
+  void partition() {
+    proxy.refuse(true);
+    proxy.cut_all();
+  }
+  void heal() { proxy.refuse(false); }
+  FaultProxy proxy;
+  ServiceBench bench;
+  std::string url;
+};
+
+/// Two nodes of one fleet.
+struct Fleet {
+  Fleet()
+      : made(database.run_sql(std::string(fleet_schema()))), a(database, "a"), b(database, "b") {}
+
+  void tick() {
+    for (Node* node : {&a, &b})
+      if (node != down) node->bench.on([](LiveService& s) { s.tick(); });
+  }
+  /// Ticks both until `holds()`; false after a while.
+  bool until(const std::function<bool()>& holds) {
+    for (int i = 0; i < 600; ++i) {
+      if (holds()) return true;
+      tick();
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return false;
+  }
+  bool is(Node& node, const std::string& job, JobState state) {
+    const Answer<Job> found = node.bench.on([&](LiveService& s) { return s.jobs.find(job); });
+    return found && found->state == state;
+  }
+  /// A job of one sheet, known at both.
+  std::string ready() {
+    const Answer<Design> design = a.bench.add_design(fmt::format("{{\"card\":{}}}", ++cards));
+    const std::string id = a.bench.create(design.value().id).value().id;
+    REQUIRE(until([&] { return is(a, id, JobState::Ready) && is(b, id, JobState::Ready); }));
+    return id;
+  }
+  Answer<Job> arm(Node& node, const std::string& job, const std::string& device) {
+    return node.bench.act(job, {.action = JobAction::Arm, .device = device});
+  }
+  /// Being cut at `node`, with strokes up to `last` sent.
+  void start(Node& node, const std::string& job, std::int64_t last) {
+    for (const JobAction action : {JobAction::Arm, JobAction::Start}) {
+      const Answer<Job> done =
+          action == JobAction::Arm ? arm(node, job, node.device()) : node.bench.act(job, action);
+      INFO((done ? "" : done.error().detail));
+      REQUIRE(done);
+    }
+    REQUIRE(node.bench.cutters.intend(node.device(), last));
+  }
+  void kill(Node& node) {
+    node.bench.crash();
+    down = &node;
+  }
+  void restart(Node& node) {
+    down = nullptr;
+    REQUIRE(node.bench.start() == "");
+  }
+  std::string sql(const std::string& text) const {
+    return database.run_sql("SET search_path = popcut; " + text);
+  }
+
+  FreshDatabase database;
+  std::string made;
+  Node a, b;
+  const Node* down{nullptr};
+  int cards{0};
+};
+
+bool is_skipped() {
+  const std::string why = PostgresServer::why_not();
+  if (!why.empty()) WARN("skipped: " << why);
+  return !why.empty();
+}
+
+}  // namespace
+
+TEST_CASE("a job that is queued at one node is cut at the other", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet;
+  std::vector<std::int64_t> heard_a, heard_b;
+  for (auto [node, heard] : {std::pair{&fleet.a, &heard_a}, {&fleet.b, &heard_b}})
+    node->bench.on([heard = heard](LiveService& s) {
+      s.operations.listen([heard](const Event& event) {
+        if (event.seq > 0) heard->push_back(event.seq);
+      });
+    });
+  const std::string job = fleet.ready();
+  // Only a person at the machine arms.
+  const Answer<Job> refused = fleet.arm(fleet.a, job, fleet.b.device());
+  REQUIRE_FALSE(refused);
+  CHECK_THAT(refused.error().detail, Catch::Contains("http://b"));
+  fleet.start(fleet.b, job, 2);
+  REQUIRE(fleet.a.bench.act(job, JobAction::Pause));
+  CHECK(fleet.a.bench.act(job, JobAction::Resume).error().kind == ProblemKind::StateConflict);
+  fleet.b.bench.cutters.complete(fleet.b.device());
+  CHECK(fleet.until([&] { return fleet.is(fleet.a, job, JobState::Done); }));
+  CHECK(fleet.a.bench.cutters.cuts() == 0);
+  CHECK(fleet.b.bench.cutters.cuts() == 1);
+  // One began to listen before the other.
+  const auto is_end_of = [](const auto& all, const auto& some) {
+    return !some.empty() && all.size() >= some.size() &&
+           std::equal(some.rbegin(), some.rend(), all.rbegin());
+  };
+  CHECK(fleet.until([&] { return is_end_of(heard_a, heard_b) || is_end_of(heard_b, heard_a); }));
+  for (std::size_t i = 1; i < heard_a.size(); ++i) CHECK(heard_a[i] == heard_a[i - 1] + 1);
+}
+
+TEST_CASE("pause and cancel reach the knife from any node", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet;
+  const std::string job = fleet.ready();
+  fleet.start(fleet.b, job, 1);
+  REQUIRE(fleet.a.bench.act(job, JobAction::Pause));
+  CHECK(fleet.until([&] { return fleet.b.bench.cutters.pauses() > 0; }));
+  REQUIRE(fleet.a.bench.act(job, JobAction::Cancel));
+  CHECK(fleet.until([&] { return fleet.b.bench.cutters.cancels() == 1; }));
+  fleet.b.bench.cutters.finish(fleet.b.device(), {.cancelled = true, .certain = 1});
+  CHECK(fleet.until([&] { return fleet.is(fleet.a, job, JobState::Cancelled); }));
+}
+
+TEST_CASE("a node that dies with the knife down leaves its job interrupted", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet;
+  const std::string job = fleet.ready();
+  const std::string other = fleet.ready();
+  REQUIRE(fleet.arm(fleet.a, other, fleet.a.device()));
+  fleet.start(fleet.b, job, 2);
+  fleet.kill(fleet.b);
+  CHECK(fleet.is(fleet.a, job, JobState::Cutting));
+  REQUIRE(fleet.until([&] { return fleet.is(fleet.a, job, JobState::Interrupted); }));
+  // What was not marked as certain may have been cut, to the end of the sheet: it still may be.
+  CHECK(test::ledger(fleet.a.bench, job).not_sent.empty());
+  CHECK(fleet.is(fleet.a, other, JobState::Armed));
+  fleet.restart(fleet.b);
+  // Its journal knows better: nothing after stroke 2 was sent.
+  REQUIRE(fleet.until([&] { return test::ledger(fleet.a.bench, job).not_sent.size() == 1; }));
+  CHECK(test::ledger(fleet.a.bench, job).not_sent.front().first == 3);
+  REQUIRE(fleet.b.bench.act(job, JobAction::RetrySheet));
+  fleet.start(fleet.b, job, 4);
+  fleet.b.bench.cutters.complete(fleet.b.device());
+  CHECK(fleet.is(fleet.b, job, JobState::Done));
+  CHECK(fleet.sql("SELECT string_agg(blank || ' ' || end_kind, ', ' ORDER BY id) FROM attempt") ==
+        "1 crash, 2 done");
+}
+
+TEST_CASE("a cut goes on without the database and its end is told later", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet;
+  const std::string job = fleet.ready();
+  fleet.start(fleet.b, job, 0);
+  fleet.b.partition();
+  CHECK(fleet.b.bench.cutters.intend(fleet.b.device(), 3));
+  REQUIRE(fleet.until([&] { return fleet.is(fleet.a, job, JobState::Interrupted); }));
+  SECTION("it is still being cut when its node is back") {
+    fleet.b.heal();
+    REQUIRE(fleet.until([&] { return fleet.is(fleet.a, job, JobState::Cutting); }));
+    fleet.b.bench.cutters.complete(fleet.b.device());
+  }
+  SECTION("it ends before its node is back") {
+    fleet.b.bench.cutters.complete(fleet.b.device());
+    CHECK(fleet.is(fleet.a, job, JobState::Interrupted));
+    fleet.b.heal();
+  }
+  REQUIRE(fleet.until([&] { return fleet.is(fleet.a, job, JobState::Done); }));
+  CHECK(fleet.b.bench.cutters.cuts() == 1);
+  CHECK(fleet.b.bench.cutters.cancels() == 0);
+}
+
+TEST_CASE("what a person decided while a node was lost holds", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet;
+  const std::string job = fleet.ready();
+  fleet.start(fleet.b, job, 1);
+  fleet.b.partition();
+  REQUIRE(fleet.until([&] { return fleet.is(fleet.a, job, JobState::Interrupted); }));
+  REQUIRE(fleet.a.bench.act(job, JobAction::RetrySheet));
+  fleet.start(fleet.a, job, 4);
+  fleet.b.heal();
+  // The cut at the node that is back stops, and changes nothing but the record of its strokes.
+  REQUIRE(fleet.until([&] { return fleet.b.bench.cutters.cancels() == 1; }));
+  fleet.b.bench.cutters.finish(fleet.b.device(), {.cancelled = true, .certain = 1});
+  fleet.a.bench.cutters.complete(fleet.a.device());
+  REQUIRE(fleet.until([&] { return fleet.is(fleet.b, job, JobState::Done); }));
+  CHECK(fleet.until([&] {
+    return fleet.sql(
+               "SELECT string_agg(blank || ' ' || node || ' ' || end_kind, ', ' "
+               "ORDER BY blank) FROM attempt") == "1 b superseded, 2 a done";
+  }));
+}
+
+TEST_CASE("a start whose answer is lost moves no knife and is taken back", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet;
+  const std::string job = fleet.ready();
+  REQUIRE(fleet.arm(fleet.b, job, fleet.b.device()));
+  const bool is_stored = GENERATE(true, false);
+  fleet.b.proxy.cut_at("COMMIT", is_stored ? FaultProxy::Lost::Answer : FaultProxy::Lost::Request);
+  const Answer<Job> started = fleet.b.bench.act(job, JobAction::Start);
+  REQUIRE_FALSE(started);
+  CHECK(started.error().kind == ProblemKind::Unavailable);
+  REQUIRE(fleet.until([&] {
+    return fleet.is(fleet.a, job, JobState::Ready) || fleet.is(fleet.a, job, JobState::Armed);
+  }));
+  CHECK(fleet.b.bench.cutters.cuts() == 0);
+  CHECK(fleet.sql("SELECT count(*) FROM attempt WHERE ended IS NULL") == "0");
+  // The same blank may be started: nothing of it was cut.
+  REQUIRE(fleet.until([&] {
+    return fleet.is(fleet.b, job, JobState::Armed) ||
+           fleet.arm(fleet.b, job, fleet.b.device()).has_value();
+  }));
+  REQUIRE(fleet.until([&] { return fleet.b.bench.act(job, JobAction::Start).has_value(); }));
+  CHECK(fleet.b.bench.cutters.cuts() == 1);
+  fleet.b.bench.cutters.complete(fleet.b.device());
+}
+
+TEST_CASE("a database that went back to before a start offers nothing again", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet;
+  const std::string job = fleet.ready();
+  const std::string event = fleet.sql("SELECT last FROM event_counter");
+  // As if a copy from before the start were put in its place.
+  const auto go_back = [&] {
+    fleet.sql(
+        "DELETE FROM chunk; DELETE FROM attempt; DELETE FROM arm; "
+        "UPDATE job SET state='ready', device='', sheet=1, blank=1, segment=1, finished=NULL; "
+        "UPDATE sheet SET state='ready', started=NULL; DELETE FROM event WHERE seq>" +
+        event + "; UPDATE event_counter SET last=" + event);
+  };
+  fleet.start(fleet.b, job, 2);
+  const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(300);
+  fleet.until([&] { return std::chrono::steady_clock::now() > until; });
+  SECTION("it is still being cut: that goes on") {
+    go_back();
+    REQUIRE(fleet.until([&] { return fleet.is(fleet.a, job, JobState::Cutting); }));
+    fleet.b.bench.cutters.complete(fleet.b.device());
+    REQUIRE(fleet.until([&] { return fleet.is(fleet.a, job, JobState::Done); }));
+    CHECK(fleet.b.bench.cutters.cuts() == 1);
+  }
+  SECTION("its node is off: nobody arms anything until it has told what it knows") {
+    fleet.kill(fleet.b);
+    go_back();
+    REQUIRE(fleet.until([&] {
+      const Answer<Job> armed = fleet.arm(fleet.a, job, fleet.a.device());
+      return !armed && armed.error().detail.find("node b") != std::string::npos;
+    }));
+    fleet.restart(fleet.b);
+    REQUIRE(fleet.until([&] { return fleet.is(fleet.a, job, JobState::Interrupted); }));
+    REQUIRE(test::ledger(fleet.a.bench, job).not_sent.size() == 1);
+    CHECK(test::ledger(fleet.a.bench, job).not_sent.front().first == 3);
+  }
+}
+
+TEST_CASE("tokens and keys of requests hold at all nodes", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet;
+  const NewToken token =
+      fleet.a.bench
+          .on([&](LiveService& s) {
+            return s.access.create_token(fleet.a.bench.admin, "lab", Role::Operator, 3600);
+          })
+          .value();
+  const auto who = [&] {
+    return fleet.b.bench.on([&](LiveService& s) { return s.access.authenticate(token.text); });
+  };
+  REQUIRE(who());
+  REQUIRE(fleet.a.bench.on(
+      [&](LiveService& s) { return s.access.delete_token(fleet.a.bench.admin, token.record.id); }));
+  CHECK_FALSE(who());
+  int effects = 0;
+  for (Node* node : {&fleet.a, &fleet.b, &fleet.a})
+    CHECK(node->bench
+              .on([&](LiveService& s) {
+                return s.operations.once(
+                    node->bench.tutor, {"a-key-of-its-own", "hash"},
+                    [&]() -> Rendered { return {.status = ++effects, .body = {}}; });
+              })
+              ->status == 1);
+  CHECK(effects == 1);
+}
+
+}  // namespace two_nodes_test
