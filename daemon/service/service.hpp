@@ -215,10 +215,10 @@ struct IdempotentRequest {
 
 struct ServiceHealth {
   bool database{false};
-  bool waits{false};  ///< for the database that all nodes share; a restart would not help
   std::uint64_t disk_free_mb{};
   bool accepts_work{false};
   std::string remark;
+  bool waits{false};  ///< for the database that all nodes share; a restart would not help
 };
 
 /// What concerns the service as a whole: keys of requests, events, figures, the database. See
