@@ -211,6 +211,11 @@ void read_fleet(FieldReader& fields, FleetConfig& fleet) {
   read(fields, "password_file", fleet.password_file);
   read(fields, "node", fleet.node);
   read(fields, "url", fleet.url);
+  read(fields, "lease_s", fleet.lease_s, 1, 3600);
+  read(fields, "beat_s", fleet.beat_s, 0.1, 600);
+  if (fleet.lease_s < 3 * fleet.beat_s)
+    fields.refuse("lease_s", ErrorKind::OutOfRange,
+                  "must be at least three times beat_s, so that one lost beat costs nothing");
   if (fields.has("database") && fleet.database.rfind("postgresql://", 0) != 0 &&
       fleet.database.rfind("postgres://", 0) != 0 && fleet.database.find('=') == std::string::npos)
     fields.refuse("database", ErrorKind::OutOfRange,
@@ -220,7 +225,9 @@ void read_fleet(FieldReader& fields, FleetConfig& fleet) {
                              fleet.node.find_first_not_of(kLetters) != std::string::npos))
     fields.refuse("node", ErrorKind::OutOfRange,
                   "must have 1 to 48 letters, digits, '-', '_' and '.'");
-  if (fleet.database.empty() && (fields.has("node") || fields.has("url")))
+  const bool is_told = fields.has("node") || fields.has("url") || fields.has("lease_s") ||
+                       fields.has("beat_s") || fields.has("password_file");
+  if (fleet.database.empty() && is_told)
     fields.refuse("database", ErrorKind::Malformed,
                   "is missing; name the fleet's PostgreSQL, or remove [fleet]");
 }
@@ -263,7 +270,7 @@ std::vector<std::string> restart_keys(const Config& running, const Config& wante
                      a.memory_bytes == b.memory_bytes && a.output_bytes == b.output_bytes);
   const FleetConfig &c = running.fleet, &d = wanted.fleet;
   add("fleet", c.database == d.database && c.password_file == d.password_file && c.node == d.node &&
-                   c.url == d.url);
+                   c.url == d.url && c.lease_s == d.lease_s && c.beat_s == d.beat_s);
   add_devices(running.devices, wanted.devices, keys);
   add_devices(wanted.devices, running.devices, keys);
   return keys;

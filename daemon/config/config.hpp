@@ -54,6 +54,8 @@ struct FleetConfig {
   std::string password_file{};
   std::string node{};  ///< empty: the machine's name
   std::string url{};   ///< where people reach this node's page; empty: its first HTTP address
+  double lease_s{30};  ///< it is thought lost when it has not answered for so long
+  double beat_s{5};    ///< between renewals of the lease
 };
 
 enum class LogForm : std::uint8_t { Text, Json };

@@ -45,6 +45,7 @@ std::string one_line(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
   for (char& c : text)
     if (c == '\n' || c == '\t') c = ' ';
+  for (std::size_t at; (at = text.find("  ")) != std::string::npos;) text.erase(at, 1);
   return text;
 }
 
@@ -76,8 +77,18 @@ class Watchdog {
     {
       const std::lock_guard hold(lock_);
       socket_ = socket;
-      until_ = Clock::now() + seconds(most_s);
+      const Clock::time_point now = Clock::now();
+      until_ = now + seconds(now < hurried_until_ ? std::min(most_s, kHurriedSeconds) : most_s);
       bit_ = false;
+    }
+    changed_.notify_one();
+  }
+  /// What is waited for now, or soon, gets little time.
+  void hurry() {
+    {
+      const std::lock_guard hold(lock_);
+      hurried_until_ = Clock::now() + seconds(kHurriedSeconds);
+      until_ = std::min(until_, hurried_until_);
     }
     changed_.notify_one();
   }
@@ -105,7 +116,8 @@ class Watchdog {
   }
   std::mutex lock_;
   std::condition_variable changed_;
-  Clock::time_point until_{};
+  static constexpr double kHurriedSeconds = 1;
+  Clock::time_point until_{}, hurried_until_{};
   int socket_{-1};
   bool bit_{false}, is_over_{false};
   std::thread thread_;
@@ -204,8 +216,9 @@ std::string in_quotes(std::string_view text) {
   return all + "'";
 }
 
-// What must hold for every connection: a partition is noticed, a server that hangs too, and a
-// client that hangs keeps no lock for long.
+// What must hold for every connection: a partition is noticed, a server that hangs too. A client
+// that hangs in a transaction loses its locks before others give up waiting for them: one is that
+// of the events' counter, for which all wait.
 std::string connection_words(const PostgresDatabase::Options& options) {
   const int wait_s = std::max(1, static_cast<int>(options.connect_s));
   const int answer_ms = static_cast<int>(options.answer_s * 1000);
@@ -222,7 +235,7 @@ std::string connection_words(const PostgresDatabase::Options& options) {
                               "-c statement_timeout={} -c lock_timeout={} "
                               "-c idle_in_transaction_session_timeout={} "
                               "-c default_transaction_isolation=read\\ committed",
-                              answer_ms, answer_ms * 3 / 5, answer_ms * 2)},
+                              answer_ms, answer_ms * 3 / 5, answer_ms / 2)},
   };
   if (!options.password.empty()) own.emplace_back("password", options.password);
   std::string text = options.url;
@@ -321,6 +334,7 @@ struct PostgresDatabase::Line {
         found->refused = found->fault.find("authentication failed") != std::string::npos ||
                          found->fault.find("does not exist") != std::string::npos ||
                          found->fault.find("not permitted") != std::string::npos ||
+                         found->fault.find("no password supplied") != std::string::npos ||
                          found->fault.find("no pg_hba.conf entry") != std::string::npos ||
                          found->fault.find("invalid") != std::string::npos ||
                          found->fault.find("missing") != std::string::npos;
@@ -507,6 +521,8 @@ bool PostgresDatabase::is_there() {
 std::string PostgresDatabase::why_away() const { return line_->why; }
 
 bool PostgresDatabase::is_refused() const { return !line_->connection && line_->refused; }
+
+void PostgresDatabase::hurry() { line_->watchdog.hurry(); }
 
 void PostgresDatabase::hold(std::string_view name) {
   Rows none = rows("SELECT pg_advisory_xact_lock(hashtextextended(?, 0))", name);

@@ -46,6 +46,9 @@ class PostgresDatabase final : public Database {
   /// Whether it refused the last connection in a way that will not pass by itself: a wrong
   /// password, no such database, a URL that is none.
   [[nodiscard]] bool is_refused() const;
+  /// Gives up the connection if the statement that is under way, or one that begins in the next
+  /// second, has no answer a second later: somebody wants to stop a knife. From any thread.
+  void hurry();
   /// Waits up to `seconds` for notifications of `channel`, to which it listens from then on, and
   /// gives each one's text to `heard`. False: the server is away.
   bool listen(std::string_view channel, double seconds,

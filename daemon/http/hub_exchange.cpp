@@ -230,19 +230,31 @@ asio::awaitable<Answer<Principal>> authenticate(Hub& hub, ClientPtr client, bool
     if (!head.header("authorization")) co_return tl::unexpected<Problem>(bearer.error());
     co_return tl::unexpected<Problem>(failed_login(hub, *client, bearer.error()));
   }
-  auto found = std::make_shared<std::optional<Principal>>();
+  struct Found {
+    std::optional<Principal> who;
+    bool is_unknown{false};  ///< whether it is somebody
+  };
+  auto found = std::make_shared<Found>();
   std::function<void(Service&, Hub::Done)> work = [token = *bearer, found](Service& service,
                                                                            const Hub::Done& done) {
-    std::optional<Principal> who;
+    Found now;
     try {
-      who = service.access.authenticate(token);
-    } catch (const std::exception&) {  // no one, then
+      now.who = service.access.authenticate(token);
+    } catch (const std::exception&) {
+      now.is_unknown = true;
     }
-    done([found, who = std::move(who)] { *found = who; });
+    done([found, now = std::move(now)] { *found = now; });
   };
   const bool answered = co_await hub.ask(client, std::move(work), kAuthenticate_s, is_urgent);
   if (!answered) co_return refuse(ProblemKind::Unavailable, "popcutd is not answering");
-  if (*found) co_return **found;
+  if (found->who) co_return *found->who;
+  // A client that took this for a no would throw a good token away.
+  if (found->is_unknown) {
+    Problem later{ProblemKind::Unavailable,
+                  "popcutd cannot look your token up now; send the request again in a moment"};
+    later.retry_after_s = 2;
+    co_return tl::unexpected<Problem>(std::move(later));
+  }
   co_return tl::unexpected<Problem>(failed_login(
       hub, *client,
       Problem{ProblemKind::Unauthenticated,
@@ -526,6 +538,8 @@ asio::awaitable<bool> serve_one(Hub& hub, ClientPtr client, Exchange& exchange) 
   Response refusal;
   std::optional<Problem> problem = look_at_head(hub, *client, exchange, refusal);
   if (!problem && !exchange.route->access.is_open()) {
+    const bool is_for_knife = exchange.route->is_urgent && request.method == Method::Post;
+    if (is_for_knife && hub.options.on_knife) hub.options.on_knife();
     Answer<Principal> principal = co_await authenticate(hub, client, exchange.route->is_urgent);
     client->principal = principal ? principal->name : std::string();
     if (principal)

@@ -42,6 +42,8 @@ struct HttpOptions {
   std::function<bool(std::function<void()>)> on_service{};
   /// The same for requests that stop a knife, before all others; empty: as `on_service`.
   std::function<bool(std::function<void()>)> on_service_urgent{};
+  /// Called when a request that stops a knife goes there, so that nothing slow keeps it waiting.
+  std::function<void()> on_knife{};
   std::shared_ptr<spdlog::logger> log{};  ///< null: no log
 };
 

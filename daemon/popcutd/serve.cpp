@@ -41,6 +41,7 @@
 #include "daemon/popcutd/webhook.hpp"
 #include "daemon/previews/previewer.hpp"
 #include "daemon/service/live/live_service.hpp"
+#include "daemon/service/service_store.hpp"
 #include "daemon/store/state_folder.hpp"
 #include "protocol/encode.hpp"
 
@@ -217,6 +218,7 @@ class Daemon {
   std::shared_ptr<spdlog::logger> log_;
   std::vector<std::string> tables_{};
   PostgresDatabase::Options fleet_{};
+  PostgresDatabase* shared_{};  ///< of the store
   std::unique_ptr<Store> store_{};
   std::unique_ptr<ServiceThread> thread_{};
   std::unique_ptr<Planner> planner_{};
@@ -296,6 +298,7 @@ std::optional<StartFailure> Daemon::open_fleet() {
   } catch (const StoreFault& fault) {
     return StartFailure{kNeedsPerson, fmt::format("fleet.database: {}", fault.what())};
   }
+  shared_ = database.get();
   StoreOptions options;
   options.folder = config_.state;
   auto store = Store::over(std::move(options), std::move(database));
@@ -311,6 +314,7 @@ void Daemon::begin_listening() {
   ear_ = std::jthread([this](const std::stop_token& stop) {
     constexpr double kListenSeconds = 0.5;
     PostgresDatabase database(fleet_, false);
+    bool was_there = false;
     while (!stop.stop_requested()) {
       const bool is_there =
           database.listen("popcut", kListenSeconds, [this](const std::string& news) {
@@ -318,6 +322,13 @@ void Daemon::begin_listening() {
             thread_->post(ServiceThread::Lane::Asking,
                           [this, news] { service_->hear_fleet(news); });
           });
+      // What was said meanwhile was not heard.
+      if (is_there && !was_there)
+        thread_->post(ServiceThread::Lane::Asking, [this] {
+          service_->hear_fleet(kAccessNews);
+          service_->hear_fleet("");
+        });
+      was_there = is_there;
       if (!is_there) std::this_thread::sleep_for(std::chrono::milliseconds(200));
     }
   });
@@ -380,6 +391,8 @@ std::optional<StartFailure> Daemon::open_service() {
   options.fleet.node = config_.fleet.node;
   options.fleet.url = config_.fleet.url;
   options.fleet.version = POPCUT_VERSION;
+  options.fleet.lease_s = config_.fleet.lease_s;
+  options.fleet.beat_s = config_.fleet.beat_s;
   if (options.fleet.url.empty() && !config_.listen.empty())
     options.fleet.url = "http://" + config_.listen.front();
   options.log = [log = log_](const std::string& line) { log->info(line); };
@@ -512,6 +525,7 @@ std::optional<StartFailure> Daemon::open_http(const ServiceManager& manager) {
   options.on_service_urgent = [this](std::function<void()> work) {
     return thread_->post(ServiceThread::Lane::Urgent, std::move(work));
   };
+  if (shared_ != nullptr) options.on_knife = [this] { shared_->hurry(); };
   options.log = log_;
   http_ = std::make_unique<HttpServer>(std::move(options));
   if (auto started = http_->start(); !started)

@@ -169,6 +169,8 @@ class Cutting {
   virtual ~Cutting() = default;
   [[nodiscard]] virtual Answer<Job> act(const Principal&, const std::string& id,
                                         std::int64_t if_match, const ActionRequest&) = 0;
+  /// Pauses or cancels what this popcutd cuts of a job, when the database does not answer.
+  virtual void stop_unrecorded(const Principal&, const std::string& /*id*/, JobAction) {}
 };
 
 /// The cutters. See `Service`.
@@ -216,6 +218,7 @@ struct ServiceHealth {
   std::uint64_t disk_free_mb{};
   bool accepts_work{false};
   std::string remark;
+  bool waits{false};  ///< for the database that all nodes share; a restart would not help
 };
 
 /// What concerns the service as a whole: keys of requests, events, figures, the database. See

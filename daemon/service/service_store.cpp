@@ -87,7 +87,11 @@ Answer<void> ServiceStore::bring(const std::string& name) {
   });
 }
 
-void ServiceStore::begin_news() { told_ = db().number("SELECT last FROM event_counter"); }
+// Whoever listens misses none that others caused while the database was away.
+void ServiceStore::begin_news() {
+  const std::int64_t last = db().number("SELECT last FROM event_counter");
+  if (!std::exchange(has_news_, true) || last < told_) told_ = last;
+}
 
 void ServiceStore::hear_news() {
   constexpr int kAtOnce = 500;

@@ -110,7 +110,8 @@ class ServiceStore {
   std::function<void(const Event&)> on_others{};
   /// The last event that was told of.
   [[nodiscard]] std::int64_t heard() const { return told_; }
-  /// The events from now on are news.
+  /// The events from now on are news; after that, those since the last that was told of, unless the
+  /// database is an earlier one.
   void begin_news();
   void listen(std::function<void(const Event&)> listener) {
     listeners_.push_back(std::move(listener));
@@ -170,7 +171,7 @@ class ServiceStore {
   std::vector<Event> events_;  ///< of this transaction, numbered at its end
   NodeMark node_;
   std::int64_t told_{0};  ///< in a fleet: the last event that was told of
-  bool hears_{false};
+  bool hears_{false}, has_news_{false};
   std::set<std::int64_t> own_{};  ///< events of this node that were not told of yet
   std::vector<std::function<void(const Event&)>> listeners_;
   std::string degraded_why_;

@@ -62,6 +62,13 @@ class Tokens : public Access {
     std::optional<Principal> allowed_by{};  ///< then its code is used
     Role role{};
   };
+  /// Who was let in, and by what.
+  struct Known {
+    std::string secret_sha256;
+    Principal principal;
+    std::int64_t at_ms{};  ///< monotonic
+  };
+  [[nodiscard]] std::optional<Principal> known(std::string_view id, std::string_view secret) const;
   struct Session;
   [[nodiscard]] std::optional<Session> session(const std::string& id);
   [[nodiscard]] std::optional<Principal> root_of(const Session& session);
@@ -85,8 +92,9 @@ class Tokens : public Access {
   ServiceStore& store_;
   PrincipalTitles& titles_;
   const ServiceOptions& options_;
-  std::map<std::string, OneShot> one_shots_;  ///< by the digest of the word
-  std::vector<Pairing> pairings_{};           ///< not stored: a restart ends them
+  std::map<std::string, Known, std::less<>> known_;  ///< in a fleet: by id, those let in lately
+  std::map<std::string, OneShot> one_shots_;         ///< by the digest of the word
+  std::vector<Pairing> pairings_{};                  ///< not stored: a restart ends them
   std::vector<std::function<void()>> listeners_;
 };
 

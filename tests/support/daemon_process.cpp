@@ -21,13 +21,18 @@ void nap() { std::this_thread::sleep_for(std::chrono::milliseconds(10)); }
 
 }  // namespace
 
-DaemonProcess::DaemonProcess(std::string program, double time_scale, const std::string& more)
+std::function<std::string(std::shared_ptr<void>&)> DaemonProcess::fleet_section;
+
+DaemonProcess::DaemonProcess(std::string program, double time_scale, const std::string& more,
+                             const std::string& device)
     : program_(std::move(program)) {
-  write_file(config(),
-             "listen = [\"127.0.0.1:0\"]\nsocket = \"" + socket() + "\"\nstate = \"" + state() +
-                 "\"\n[[device]]\nid = \"sim:cameo3\"\ntime_scale = " + std::to_string(time_scale) +
-                 "\ntrace = \"" + (folder_ / "trace").string() +
-                 "\"\n[limits]\nrate_per_s = 100000\nrate_burst = 100000\n" + more);
+  const bool joins = fleet_section && more.find("[fleet]") == std::string::npos;
+  write_file(config(), "listen = [\"127.0.0.1:0\"]\nsocket = \"" + socket() + "\"\nstate = \"" +
+                           state() + "\"\n[[device]]\nid = \"" + device +
+                           "\"\nmachine = \"cameo3\"\ntime_scale = " + std::to_string(time_scale) +
+                           "\ntrace = \"" + (folder_ / "trace").string() + "\"\n" +
+                           (joins ? fleet_section(kept_) : std::string()) +
+                           "[limits]\nrate_per_s = 100000\nrate_burst = 100000\n" + more);
 }
 
 DaemonProcess::~DaemonProcess() {
@@ -52,6 +57,7 @@ bool DaemonProcess::start(const std::vector<std::string>& environment) {
     const int log = ::open(log_file.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
     if (null < 0 || log < 0 || ::dup2(null, 0) < 0 || ::dup2(log, 1) < 0 || ::dup2(log, 2) < 0)
       ::_exit(126);
+    ::close_range(3, ~0U, 0);  // what a test listens with is not for popcutd
     for (const std::string& one : environment) ::putenv(const_cast<char*>(one.c_str()));
     ::execl(program_.c_str(), program_.c_str(), "--config", file.c_str(), nullptr);
     ::_exit(127);

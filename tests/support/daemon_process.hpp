@@ -3,6 +3,8 @@
 
 #include <sys/types.h>
 
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,8 +15,10 @@ namespace popcut::testing {
 /// A popcutd in a folder of its own: a free port, a socket, a simulated cutter, its traces.
 class DaemonProcess {
  public:
-  /// Writes popcutd.toml (`more` at its end) and starts nothing yet.
-  explicit DaemonProcess(std::string program, double time_scale = 0, const std::string& more = "");
+  /// Writes popcutd.toml (`more` at its end) and starts nothing yet. The simulated cutter is a
+  /// Cameo 3, whatever its id.
+  explicit DaemonProcess(std::string program, double time_scale = 0, const std::string& more = "",
+                         const std::string& device = "sim:cameo3");
   ~DaemonProcess();  ///< kills it, if it still runs
   DaemonProcess(const DaemonProcess&) = delete;
   DaemonProcess& operator=(const DaemonProcess&) = delete;
@@ -33,7 +37,12 @@ class DaemonProcess {
   [[nodiscard]] const TempFolder& folder() const { return folder_; }
   [[nodiscard]] pid_t pid() const { return pid_; }
 
+  /// What stands before the rest of the configuration of every popcutd that names no [fleet]
+  /// itself; what it sets `kept` to lives as long as the popcutd. daemon_in_fleet.cpp sets it.
+  static std::function<std::string(std::shared_ptr<void>& kept)> fleet_section;
+
  private:
+  std::shared_ptr<void> kept_;  // gone after popcutd and its folder
   TempFolder folder_;
   std::string program_;
   pid_t pid_{-1};

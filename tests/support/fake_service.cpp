@@ -443,7 +443,7 @@ void FakeOperations::usage(std::optional<TimeMs>, std::optional<TimeMs>, const s
 
 ServiceHealth FakeOperations::health() {
   note("health");
-  return {healthy, 1024, healthy, healthy ? "" : "the disk failed"};
+  return {healthy, 1024, healthy, healthy ? "" : "the disk failed", false};
 }
 
 std::string FakeOperations::metrics() {

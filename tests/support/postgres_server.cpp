@@ -468,6 +468,20 @@ std::string PostgresServer::run_sql(const std::string& sql, const std::string& d
   return testing::run_sql(url(database), sql);
 }
 
+std::string PostgresServer::dump(const std::string& database) const {
+  const fs::path file = folder_ / "dump", log = folder_ / "dump.log";
+  run_as_account({programs() / "pg_dump", "--format=custom", "--file", file, url(database)}, log);
+  return text_of_file(file);
+}
+
+void PostgresServer::restore(const std::string& database, const std::string& dump) {
+  const fs::path file = folder_ / "dump", log = folder_ / "dump.log";
+  write_file(file, dump);
+  run_sql(fmt::format("DROP DATABASE IF EXISTS \"{}\" WITH (FORCE)", database));
+  create_database(database);
+  run_as_account({programs() / "pg_restore", "--dbname", url(database), file}, log);
+}
+
 // The postmaster tells its children when it has read the file itself, before it takes the next
 // client. The checkpointer, which tells those that commit whether to wait for a standby, has read
 // it when it has made a checkpoint.

@@ -55,6 +55,10 @@ class PostgresServer {
   std::string create_database(const std::string& name);
   /// See the function of that name; as superuser.
   std::string run_sql(const std::string& sql, const std::string& database = "postgres") const;
+  /// What pg_dump says of a database, for `restore`.
+  [[nodiscard]] std::string dump(const std::string& database) const;
+  /// Puts a database in the place of one that is there; cuts its clients off.
+  void restore(const std::string& database, const std::string& dump);
   /// Adds a line to postgresql.conf, which wins over those before, and waits until the server has
   /// read it.
   void configure(const std::string& line);

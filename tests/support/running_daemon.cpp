@@ -32,8 +32,8 @@ bool happens(const std::function<bool()>& holds, double seconds) {
   return true;
 }
 
-RunningDaemon::RunningDaemon(double time_scale, const std::string& more)
-    : daemon_(popcutd_program(), time_scale, more) {}
+RunningDaemon::RunningDaemon(double time_scale, const std::string& more, const std::string& device)
+    : daemon_(popcutd_program(), time_scale, more, device) {}
 
 void RunningDaemon::open(const std::vector<std::string>& environment) {
   if (!daemon_.start(environment)) give_up("popcutd does not serve: " + daemon_.log());
@@ -158,15 +158,19 @@ std::string wrong_in(const nlohmann::json& ledger, int lines, const std::set<int
   return {};
 }
 
+int line_at(const std::string& place, int lines) {
+  for (int line = 0; line < lines; ++line)
+    if (place == fmt::format("{} {}", 100 * left_mm(line), 100 * top_mm(line))) return line;
+  return -1;
+}
+
 namespace {
 
 std::set<int> lines_at(const std::vector<std::string>& places, int lines) {
   std::set<int> cut;
   for (const std::string& place : places) {
-    int line = 0;
-    while (line < lines && place != fmt::format("{} {}", 100 * left_mm(line), 100 * top_mm(line)))
-      ++line;
-    if (line == lines) give_up("the knife came down where no line is: " + place);
+    const int line = line_at(place, lines);
+    if (line < 0) give_up("the knife came down where no line is: " + place);
     if (!cut.insert(line).second) give_up(fmt::format("line {} was cut twice", line));
   }
   return cut;

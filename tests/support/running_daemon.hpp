@@ -25,7 +25,8 @@ class RunningDaemon {
   using Json = nlohmann::json;
 
   /// @param more  at the end of the configuration
-  explicit RunningDaemon(double time_scale = 0, const std::string& more = "");
+  explicit RunningDaemon(double time_scale = 0, const std::string& more = "",
+                         const std::string& device = "sim:cameo3");
 
   /// Starts popcutd; throws with its log if it does not serve.
   void open(const std::vector<std::string>& environment = {});
@@ -74,6 +75,9 @@ class RunningDaemon {
 /// Which of the lines of `lines_svg` the simulated cutter of this trace folder cut in its last
 /// attempt; what came twice, or was no line, throws.
 [[nodiscard]] std::set<int> lines_cut(const std::filesystem::path& trace_folder, int lines);
+
+/// Which line of `lines_svg` begins at that place (`places_cut`); -1: none.
+[[nodiscard]] int line_at(const std::string& place, int lines);
 
 /// The same of what a cutter did.
 [[nodiscard]] std::set<int> lines_of(const Trace& trace, int lines);

@@ -27,7 +27,8 @@ void page(const Request& request, Service&, const HandlerContext&, Reply reply) 
 }
 
 void healthz(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  if (!service.operations.health().database)
+  const ServiceHealth health = service.operations.health();
+  if (!health.database && !health.waits)
     return reply(problem_response(
         Problem{ProblemKind::Unavailable, "the database is not answering"}, request));
   Response response;

@@ -135,19 +135,20 @@ Answer<Job> CutDispatcher::act(const Principal& who, const std::string& id, std:
     });
     const bool unwritten = !done && (done.error().kind == ProblemKind::DiskFull ||
                                      done.error().kind == ProblemKind::Unavailable);
-    if (unwritten && to_the_knife) act_unrecorded(who, id, request.action);
+    if (unwritten && to_the_knife) stop_unrecorded(who, id, request.action);
     return done;
   } catch (const StoreFault&) {
-    if (to_the_knife) act_unrecorded(who, id, request.action);
+    if (to_the_knife) stop_unrecorded(who, id, request.action);
     throw;
   }
 }
 
 // Pausing and stopping are safe at any time, so they do not wait for the disk.
-void CutDispatcher::act_unrecorded(const Principal& who, const std::string& id, JobAction action) {
+void CutDispatcher::stop_unrecorded(const Principal& who, const std::string& id, JobAction action) {
   const auto found = cuts_.find(id);
   if (found == cuts_.end() || who.role < role_for(action, found->second->owner == who.name)) return;
   if (action == JobAction::Pause) {
+    found->second->pause_asked = true;
     parts_.cutters.pause(found->second->device);
   } else {
     found->second->cancel_asked = true;
@@ -305,7 +306,10 @@ Answer<void> CutDispatcher::resume(JobRow& row) {
     row.reason.clear();
     parts_.jobs.save(row);
   }
-  parts_.store.after_commit([this, device = row.device] { parts_.cutters.resume(device); });
+  parts_.store.after_commit([this, id = row.id, device = row.device] {
+    if (const auto cut = cuts_.find(id); cut != cuts_.end()) cut->second->pause_asked = false;
+    parts_.cutters.resume(device);
+  });
   return {};
 }
 
@@ -414,6 +418,7 @@ void CutDispatcher::tick() {
   for (const std::string& job : over) lapse(job, "arm_expired");
   tell_again();
   if (parts_.store.degraded()) return;
+  record_pauses();
   std::vector<std::shared_ptr<Cut>> refused;
   for (const auto& [job, cut] : cuts_)
     if (cut->refusal) refused.push_back(cut);
@@ -483,6 +488,13 @@ void CutDispatcher::take_up_cuts() {
                     cut->job, cut->sheet));
     parts_.cutters.cancel(cut->device);
   }
+}
+
+// What a person asked for while the database did not answer.
+void CutDispatcher::record_pauses() {
+  for (const auto& [job, cut] : cuts_)
+    if (cut->pause_asked && cut->phase == SessionPhase::Held && !cut->over)
+      progressed(*cut, SessionProgress(cut->told));
 }
 
 void CutDispatcher::doubt_start() {

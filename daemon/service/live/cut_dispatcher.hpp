@@ -43,6 +43,8 @@ class CutDispatcher : public Cutting {
 
   Answer<Job> act(const Principal& who, const std::string& id, std::int64_t if_match,
                   const ActionRequest& request) override;
+  /// What must reach the knife although nothing can be written; written when it can be.
+  void stop_unrecorded(const Principal& who, const std::string& id, JobAction action) override;
 
   [[nodiscard]] const LiveCut* live(const std::string& job) const;
   /// Whether the sheet is still where it was registered. This knowledge ends with the
@@ -114,9 +116,6 @@ class CutDispatcher : public Cutting {
   /// The member of an `arm` that accepts the warnings of a job, with a comma; empty: none is left.
   [[nodiscard]] static std::string accepting(const JobRow& row);
   [[nodiscard]] Answer<void> check_words(const JobRow& row, const ActionRequest& request) const;
-  /// What must reach the knife although nothing can be written.
-  void act_unrecorded(const Principal& who, const std::string& id, JobAction action);
-
   void lapse(const std::string& job, const std::string& reason);
   void hand_over(const std::shared_ptr<Cut>& cut);
   void record_refusal(const std::shared_ptr<Cut>& cut);
@@ -128,6 +127,7 @@ class CutDispatcher : public Cutting {
   void progressed(Cut& cut, const SessionProgress& progress);
   void tell_progress(Cut& cut, const JobRow& row);
   void tell_again();
+  void record_pauses();
   void ended(const std::shared_ptr<Cut>& cut, const SessionEnd& end);
   [[nodiscard]] Answer<void> record_end(Cut& cut, const SessionEnd& end);
 

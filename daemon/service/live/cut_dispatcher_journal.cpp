@@ -403,7 +403,8 @@ void CutDispatcher::progressed(Cut& cut, const SessionProgress& progress) {
     Answer<JobRow> row = parts_.jobs.row(cut.job);
     if (!row) return tl::unexpected(row.error());
     const bool held = progress.phase == SessionPhase::Held &&
-                      (row->asked == "pause" || progress.asks) && row->state == JobState::Cutting;
+                      (row->asked == "pause" || progress.asks || cut.pause_asked) &&
+                      row->state == JobState::Cutting;
     const std::string shown = attention_meanwhile(progress);
     if (held || shown != cut.shown) {
       const Answer<void> taken = parts_.store.change([&]() -> Answer<void> {
@@ -417,6 +418,7 @@ void CutDispatcher::progressed(Cut& cut, const SessionProgress& progress) {
         return {};
       });
       if (taken) cut.shown = shown;
+      if (taken && held) cut.pause_asked = false;
     }
     shown_row = std::move(*row);
     return {};

@@ -383,9 +383,11 @@ ServiceHealth AssembledService::health() {
         parts_.store.db().number("SELECT count(*) FROM tally") >= 0 && !parts_.store.degraded();
   } catch (const StoreFault& fault) {
     parts_.store.note(fault);
+    health.waits = parts_.store.in_fleet();
+    if (health.waits) health.remark = parts_.store.problem_of(fault).detail;
   }
   const Answer<void> work = parts_.store.accepts_work();
-  health.accepts_work = work.has_value();
+  health.accepts_work = work.has_value() && !health.waits;
   if (!work) health.remark = work.error().detail;
   return health;
 }
@@ -594,6 +596,10 @@ Result<std::unique_ptr<LiveService>> make_service(Store& store, ServiceThread& t
           std::make_unique<AssembledService>(store, thread, planner, cutters, std::move(options));
       if (const Answer<void> begun = service->begin(); begun)
         made = std::move(service);
+      else if (store.file() == nullptr)  // nothing is wrong with what is on this disk
+        made = fail(begun.error().kind == ProblemKind::StateConflict ? ErrorKind::Malformed
+                                                                     : ErrorKind::Refused,
+                    "fleet", begun.error().detail);
       else
         give_up(begun.error().kind == ProblemKind::Internal, begun.error().detail);
     } catch (const StoreFault& fault) {

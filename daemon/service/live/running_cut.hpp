@@ -26,6 +26,7 @@ struct CutDispatcher::Cut {
   AttemptMarks marks;
   LiveCut live;
   bool cancel_asked{false}, over{false};
+  bool pause_asked{false};             ///< by who could not write it down
   bool superseded{false};              ///< in a fleet: a person decided otherwise while it was lost
   std::int64_t marked_ms{-1'000'000};  ///< when its marks were last stored
   std::optional<std::string> refusal;  ///< why the cutter did not take it

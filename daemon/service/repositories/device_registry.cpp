@@ -62,7 +62,10 @@ void DeviceRegistry::load_others() {
     Entry& entry = entries_[record.id];
     // One of the same id is plugged in here.
     if (!entry.record.id.empty() && !is_remote(entry)) {
-      entry.taken_by = record.node;
+      // A node that is gone has it no more.
+      const std::string taken_by = is_away(record.state) ? std::string() : record.node;
+      if (taken_by.empty() && !entry.taken_by.empty()) unstored_ = true;
+      entry.taken_by = taken_by;
       continue;
     }
     entry = {.record = std::move(record), .machine = machine, .sessions = 0, .kept = true};
@@ -150,10 +153,14 @@ std::vector<std::string> DeviceRegistry::refresh() {
     changed.push_back(&entry);
     gone.push_back(id);
   }
-  if (changed.empty()) return gone;
+  if (!unstored_ && changed.empty()) return gone;
   for (Entry* entry : changed) ++entry->record.rev;
-  // If it cannot be stored it is known all the same.
-  (void)store_.change([&]() -> Answer<void> {
+  if (unstored_)
+    for (auto& [id, entry] : entries_)
+      if (!is_remote(entry) && std::find(changed.begin(), changed.end(), &entry) == changed.end())
+        changed.push_back(&entry);
+  // If it cannot be stored it is known all the same, and stored later.
+  const Answer<void> stored = store_.change([&]() -> Answer<void> {
     for (Entry* entry : changed) {
       keep(*entry);
       store_.emit("device", "",
@@ -162,6 +169,7 @@ std::vector<std::string> DeviceRegistry::refresh() {
     }
     return {};
   });
+  unstored_ = !stored;
   return gone;
 }
 

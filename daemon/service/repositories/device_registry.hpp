@@ -82,6 +82,7 @@ class DeviceRegistry {
   Cutters& cutters_;
   const ServiceOptions& options_;
   std::map<std::string, Entry> entries_;
+  bool unstored_{false};  ///< what changed could not be stored yet
 };
 
 }  // namespace popcut::daemon

@@ -46,6 +46,24 @@ TEST_CASE("an empty configuration means loopback and the documented limits", "[d
   CHECK(config->webhook.url.empty());
 }
 
+TEST_CASE("a node's lease is at least three beats", "[daemon][config]") {
+  const std::string fleet = "[fleet]\ndatabase = \"postgresql://db/popcut\"\n";
+  const auto usual = parse_config(fleet);
+  REQUIRE(usual);
+  CHECK(usual->fleet.lease_s == 30);
+  CHECK(usual->fleet.beat_s == 5);
+  const auto quick = parse_config(fleet + "lease_s = 2\nbeat_s = 0.5\n");
+  REQUIRE(quick);
+  CHECK(quick->fleet.lease_s == 2);
+  CHECK(quick->fleet.beat_s == 0.5);
+  CHECK(restart_keys(*usual, *quick) == std::vector<std::string>{"fleet"});
+  refused(fleet + "lease_s = 10", "3:11: fleet.lease_s", "at least three times beat_s");
+  refused(fleet + "lease_s = 0.5", "3:11: fleet.lease_s", "");
+  refused(fleet + "lease_s = 4000", "3:11: fleet.lease_s", "");
+  refused(fleet + "beat_s = 0", "3:10: fleet.beat_s", "");
+  refused("[fleet]\nlease_s = 30", "1:1: fleet.database", "is missing");
+}
+
 TEST_CASE("every key of the configuration is read", "[daemon][config]") {
   const auto config = parse_config(R"(
 listen = ["127.0.0.1:0"]

@@ -1,0 +1,561 @@
+// SPDX-License-Identifier: MIT
+// Several popcutd with a simulated cutter each on one PostgreSQL.
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <map>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+
+#include "tests/support/fleet_nodes.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/received_log.hpp"
+
+namespace fleet_test {
+
+using namespace popcut;
+using namespace popcut::testing;
+using Json = nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+#define NEEDS_POSTGRES()                                                 \
+  if (const std::string why = PostgresServer::why_not(); !why.empty()) { \
+    WARN("skipped: " << why);                                            \
+    return;                                                              \
+  }
+
+constexpr int kLines = 60;
+constexpr double kSlow = 4;  // so that a sheet of 60 lines takes some seconds
+
+double since(Clock::time_point then) {
+  return std::chrono::duration<double>(Clock::now() - then).count();
+}
+
+/// Waits until the knife has been down.
+void await_knife(RunningDaemon& node, const std::string& job) {
+  node.await(job, [](const Json& now) {
+    return now["state"] == "cutting" && now["progress"]["paths_certain"] >= 2;
+  });
+}
+
+/// Why an action is refused; empty: it is done.
+std::string refusal(RunningDaemon& node, const std::string& job, const std::string& action,
+                    const Json& body = Json::object()) {
+  const auto done = node.api().act(node.job(job), action, body);
+  return done ? std::string() : message(done.error());
+}
+
+/// Waits for a state through times in which nothing is answered.
+bool comes_to(RunningDaemon& node, const std::string& job, const std::string& state) {
+  return happens([&] {
+    const auto now = node.api().get("/v1/jobs/" + job, job);
+    return now && (*now)["state"] == state;
+  });
+}
+
+Json sheet_1() { return {{"sheet", 1}}; }
+
+/// The strokes that each attempt at a sheet cut: "BLANK" -> count of each line, over all nodes.
+std::map<int, std::map<std::string, int>> cut_by_blank(FleetNodes& fleet, const std::string& job) {
+  const auto machine = find_machine("cameo3");
+  std::map<std::string, int> blanks;
+  const std::string rows =
+      fleet.run_sql("SELECT id, blank FROM popcut.attempt WHERE job='" + job + "'");
+  std::istringstream lines(rows);
+  for (std::string line; std::getline(lines, line);)
+    blanks[line.substr(0, line.find('|'))] = std::atoi(line.substr(line.find('|') + 1).c_str());
+  std::map<int, std::map<std::string, int>> cut;
+  for (int k = 1; k <= fleet.size(); ++k)
+    for (const Received& one : received_log(fleet[k].daemon().folder() / "trace/received.log"))
+      if (const auto blank = blanks.find(one.attempt); blank != blanks.end())
+        for (const std::string& place : places_cut(one.bytes, *machine))
+          ++cut[blank->second][place];
+  return cut;
+}
+
+/// Lines that were cut more than once on one blank.
+std::size_t cut_twice(FleetNodes& fleet, const std::string& job) {
+  std::size_t count = 0;
+  for (const auto& [blank, places] : cut_by_blank(fleet, job))
+    for (const auto& [place, times] : places) count += times > 1 ? 1 : 0;
+  return count;
+}
+
+/// popcutd that will not serve: its exit code, and the one line that it said.
+struct Refusal {
+  int code{};
+  std::string said;
+};
+Refusal refusal_of(const std::string& section) {
+  TempFolder folder;
+  write_file(folder / "popcutd.toml", "listen = [\"127.0.0.1:0\"]\nsocket = \"" +
+                                          (folder / "socket").string() + "\"\nstate = \"" +
+                                          (folder / "state").string() + "\"\n" + section);
+  const Ran ran = run_program(
+      {"/usr/bin/timeout", "20", popcutd_program(), "--config", (folder / "popcutd.toml").string()},
+      folder.path());
+  std::string said;
+  std::istringstream lines(ran.err);
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind("popcutd: ", 0) == 0) said += line + "\n";
+  return {ran.exit, said};
+}
+
+}  // namespace
+
+TEST_CASE("a job queued at one node is armed, started and seen at the other", "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet;
+  fleet.open();
+  const std::string job = fleet.ready_job(1, 2, 5);
+  fleet[2].cut(job);
+  fleet[2].await_state(job, "done");
+  fleet[1].await_state(job, "done");
+  CHECK(fleet.lines_cut(2, 5).size() == 5);
+  CHECK(wrong_in(fleet[1].ledger(job), 5, {0, 1, 2, 3, 4}) == "");
+}
+
+TEST_CASE("only a person at the cutter's node arms, starts and resumes", "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet({.time_scale = kSlow});
+  fleet.open();
+  const std::string job = fleet.ready_job(1, 2, kLines);
+  CHECK(says(
+      refusal(fleet[1], job, "arm", sheet_1()),
+      "sim:room-2 is at room-2; only a person there may arm, start and resume: http://room-2.lab"));
+  fleet[2].act(job, "arm", sheet_1());
+  fleet[1].await_state(job, "armed");
+  CHECK(says(refusal(fleet[1], job, "start", sheet_1()), "sim:room-2 is at room-2"));
+  CHECK(fleet[1].job(job)["state"] == "armed");
+  fleet[2].act(job, "start", sheet_1());
+  await_knife(fleet[2], job);
+
+  const auto pressed = Clock::now();
+  fleet[1].act(job, "pause");
+  fleet[2].await_state(job, "paused");
+  CHECK(since(pressed) < 1.5);  // a stroke's end, and at most a second
+  CHECK(says(refusal(fleet[1], job, "resume"), "sim:room-2 is at room-2"));
+  fleet[2].act(job, "resume");
+  fleet[1].await_state(job, "cutting");
+
+  const auto cancelled = Clock::now();
+  fleet[1].act(job, "cancel");
+  fleet[2].await_state(job, "cancelled");
+  CHECK(since(cancelled) < 1.5);
+  CHECK(fleet.lines_cut(2, kLines).size() < kLines);
+  fleet[1].await_state(job, "cancelled");
+}
+
+TEST_CASE("a node killed with the knife down: interrupted everywhere, retried by a person there",
+          "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet({.time_scale = kSlow});
+  fleet.open();
+  const std::string job = fleet.ready_job(1, 2, kLines);
+  fleet[2].cut(job);
+  await_knife(fleet[2], job);
+  fleet.kill(2);
+  const std::set<int> cut = fleet.lines_cut(2, kLines);
+  const Json lost = fleet[1].await_state(job, "interrupted");
+  CHECK(lost["reason"] == "lost");
+  CHECK(wrong_in(fleet[1].ledger(job), kLines, cut) == "");
+
+  fleet.open(2);
+  fleet[2].await_state(job, "interrupted");
+  for (int k : {1, 2}) CHECK(wrong_in(fleet[k].ledger(job), kLines, cut) == "");
+  fleet[1].act(job, "retry-sheet", sheet_1());
+  fleet[2].cut(job);
+  fleet[1].await_state(job, "done");
+  CHECK(fleet.lines_cut(2, kLines).size() == kLines);
+  CHECK(cut_twice(fleet, job) == 0);
+}
+
+TEST_CASE("a node killed and back before anybody misses it tells what it was cutting", "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet({.time_scale = kSlow, .lease_s = 30, .beat_s = 1});
+  fleet.open();
+  const std::string job = fleet.ready_job(1, 2, kLines);
+  fleet[2].cut(job);
+  await_knife(fleet[2], job);
+  fleet.kill(2);
+  fleet.open(2);
+  fleet[1].await_state(job, "interrupted");
+  CHECK(wrong_in(fleet[1].ledger(job), kLines, fleet.lines_cut(2, kLines)) == "");
+}
+
+TEST_CASE("a node that no network reaches finishes its sheet, and the truth comes later",
+          "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet({.time_scale = kSlow, .proxies = true});
+  fleet.open();
+  const std::string job = fleet.ready_job(1, 2, kLines);
+  fleet[2].cut(job);
+  await_knife(fleet[2], job);
+  fleet.proxy(2).hold();
+  CHECK(fleet[1].await_state(job, "interrupted")["reason"] == "lost");
+  REQUIRE(happens([&] { return fleet.lines_cut(2, kLines).size() == kLines; }));
+  fleet.proxy(2).pass();
+  fleet.proxy(2).cut_all();
+  for (int k : {1, 2}) fleet[k].await_state(job, "done");
+  CHECK(cut_twice(fleet, job) == 0);
+  CHECK(fleet.run_sql("SELECT count(*) FROM popcut.attempt WHERE started_at IS NOT NULL") == "1");
+}
+
+TEST_CASE("a cut that nobody acted on is taken up again while it goes on", "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet({.time_scale = 1, .proxies = true});
+  fleet.open();
+  const std::string job = fleet.ready_job(1, 2, kLines);
+  fleet[2].cut(job);
+  await_knife(fleet[2], job);
+  fleet.proxy(2).refuse(true);
+  fleet.proxy(2).cut_all();
+  fleet[1].await_state(job, "interrupted");
+  fleet.proxy(2).refuse(false);
+  fleet[1].await_state(job, "cutting");
+  fleet[1].act(job, "cancel");
+  fleet[1].await_state(job, "cancelled");
+  CHECK(fleet.lines_cut(2, kLines).size() < kLines);
+}
+
+TEST_CASE("whoever took a new blank meanwhile is right; nothing is cut twice", "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet({.time_scale = 1, .proxies = true});
+  fleet.open();
+  const std::string design = fleet[1].design(RunningDaemon::lines_svg(kLines));
+  const std::string job = fleet[1].ready_job(design);
+  fleet[2].act(job, "arm", {{"sheet", 1}, {"device", FleetNodes::device(2)}});
+  fleet[2].act(job, "start", sheet_1());
+  await_knife(fleet[2], job);
+  fleet.proxy(2).hold();
+  fleet[1].await_state(job, "interrupted");
+  fleet[1].act(job, "retry-sheet", sheet_1());
+  fleet[1].act(job, "arm", {{"sheet", 1}, {"device", FleetNodes::device(1)}});
+  fleet[1].act(job, "start", sheet_1());
+  fleet.proxy(2).pass();
+  fleet.proxy(2).cut_all();
+  fleet[1].await_state(job, "done");
+  fleet[2].await_state(job, "done");
+  REQUIRE(happens([&] { return fleet[2].device_state(FleetNodes::device(2)) == "idle"; }));
+  CHECK(cut_twice(fleet, job) == 0);
+  CHECK(fleet.lines_cut(1, kLines).size() == kLines);
+  CHECK(happens(
+      [&] {
+        return fleet.run_sql("SELECT blank, end_kind FROM popcut.attempt ORDER BY blank") ==
+               "1|superseded\n2|done";
+      },
+      10));
+}
+
+TEST_CASE("a database killed and started during a cut costs nothing", "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet({.time_scale = kSlow});
+  fleet.open();
+  const std::string job = fleet.ready_job(1, 2, kLines);
+  fleet[2].cut(job);
+  await_knife(fleet[2], job);
+  fleet.server().kill();
+  const auto dead = Clock::now();
+  const client::HttpResponse away = fleet[2].ask("GET", "/v1/jobs/" + job);
+  CHECK(away.status == 503);
+  CHECK(says(away.body, "the database of the fleet"));
+  CHECK(since(dead) < 3);
+  fleet.server().start();
+  CHECK(comes_to(fleet[1], job, "done"));
+  CHECK(comes_to(fleet[2], job, "done"));
+  CHECK(fleet.lines_cut(2, kLines).size() == kLines);
+  CHECK(cut_twice(fleet, job) == 0);
+}
+
+TEST_CASE("a database that hangs or is gone does not keep a person from stopping the knife",
+          "[fleet]") {
+  NEEDS_POSTGRES();
+  const bool frozen = GENERATE(true, false);
+  const std::string action = frozen ? "pause" : "cancel";
+  CAPTURE(action, frozen);
+  FleetNodes fleet({.nodes = 1, .time_scale = 0.5});
+  fleet.open();
+  const std::string job = fleet.ready_job(1, 1, kLines);
+  fleet[1].cut(job);
+  await_knife(fleet[1], job);
+  const Json seen = fleet[1].job(job);
+  if (frozen)
+    fleet.server().freeze();
+  else
+    fleet.server().kill();
+  const auto pressed = Clock::now();
+  const auto answer = fleet[1].api().act(seen, action, Json::object());
+  INFO((answer ? std::string("done") : message(answer.error())));
+  INFO("the answer came after " << since(pressed) << " s");
+  std::this_thread::sleep_for(std::chrono::duration<double>(3 - std::min(3.0, since(pressed))));
+  const std::size_t cut = fleet.lines_cut(1, kLines).size();
+  CHECK(cut < kLines);
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  CHECK(fleet.lines_cut(1, kLines).size() <= cut + 1);  // one that the buffer still had
+  if (frozen)
+    fleet.server().thaw();
+  else
+    fleet.server().start();
+  CHECK(comes_to(fleet[1], job, action == "pause" ? "paused" : "cancelled"));
+}
+
+TEST_CASE("without its database a node serves what is local, and begins when it is there",
+          "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet({.nodes = 1});
+  fleet.server().stop();
+  const auto begun = Clock::now();
+  fleet[1].open();
+  CHECK(since(begun) < 5);
+  CHECK(fleet[1].ask("GET", "/healthz").status == 200);
+  CHECK(fleet[1].ask("GET", "/").status == 200);
+  const client::HttpResponse ready = fleet[1].ask("GET", "/readyz");
+  CHECK(ready.status == 503);
+  CHECK(fleet[1].device_state(FleetNodes::device(1)) == "idle");
+  const client::HttpResponse jobs = fleet[1].ask("GET", "/v1/jobs");
+  CHECK(jobs.status == 503);
+  CHECK(says(jobs.body, "the database of the fleet does not answer"));
+  CHECK(jobs.retry_after_s.has_value());
+  fleet.server().start();
+  REQUIRE(happens([&] { return fleet.is_alive(1); }, 20));
+  const std::string job = fleet.ready_job(1, 1, 3);
+  fleet[1].cut(job);
+  fleet[1].await_state(job, "done");
+}
+
+TEST_CASE("a fleet that will not do is refused with code 78 and one sentence", "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet({.nodes = 1, .tcp = true});
+  PostgresServer& server = fleet.server();
+  const auto with = [](const std::string& url) {
+    return "[fleet]\nnode = \"room-1\"\ndatabase = \"" + url + "\"\n";
+  };
+  const auto refused = [](const Refusal& refusal, const std::string& words) {
+    CAPTURE(refusal.said);
+    CHECK(refusal.code == 78);
+    CHECK(says(refusal.said, words));
+    CHECK(std::count(refusal.said.begin(), refusal.said.end(), '\n') == 1);
+    CHECK(refusal.said.rfind("popcutd: ", 0) == 0);
+    CHECK(refusal.said.find("  ") == std::string::npos);
+  };
+  refused(refusal_of(with(server.tcp_url("popcut", "popcut_n_room_1", "wrong"))),
+          "password authentication failed");
+  refused(refusal_of(with(server.url("nowhere", "popcut_n_room_1"))), "does not exist");
+  refused(refusal_of(with(server.url("popcut", "nobody_knows"))), "does not exist");
+  refused(refusal_of(with("postgresql://popcut_n_room_1@/popcut?host=" + server.folder().string() +
+                          "&port=abc")),
+          "fleet.database");
+  refused(refusal_of(with("postgresql://x/popcut?nonsense=1")), "nonsense");
+  refused(refusal_of(with("mysql://x/popcut")), "must be the address of a PostgreSQL");
+  server.create_database("bare");
+  refused(refusal_of(with(server.url("bare"))), "popcut fleet init");
+  fleet.run_sql("UPDATE popcut.popcut_schema SET version=99, least=98");
+  refused(refusal_of(with(server.url("popcut", "popcut_n_room_1"))), "later popcut");
+  fleet.run_sql("UPDATE popcut.popcut_schema SET version=1, least=1");
+  refused(refusal_of(fleet.section(1)), "no password supplied");
+  write_file(fleet[1].daemon().folder() / "secret", "not this\n");
+  refused(refusal_of(with(server.tcp_url("popcut", "popcut_n_room_1", "")) + "password_file = \"" +
+                     (fleet[1].daemon().folder() / "secret").string() + "\"\n"),
+          "password authentication failed");
+  refused(refusal_of(with(server.tcp_url("popcut", "popcut_n_room_1", "")) +
+                     "password_file = \"/no/such/file\"\n"),
+          "fleet.password_file");
+}
+
+TEST_CASE("a node with a password from a file comes by TCP", "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet({.nodes = 1, .tcp = true});
+  TempFolder folder;
+  write_file(folder / "secret", std::string(FleetNodes::kPassword) + "\n");
+  RunningDaemon node(
+      0, fleet.section(1) + "password_file = \"" + (folder / "secret").string() + "\"\n");
+  node.open();
+  CHECK(happens([&] { return fleet.is_alive(1); }, 10));
+  CHECK_FALSE(says(node.daemon().log(), FleetNodes::kPassword));
+}
+
+TEST_CASE("a node's name is for one popcutd at a time", "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet({.nodes = 1});
+  fleet.open();
+  const Refusal taken = refusal_of(fleet.section(1));
+  CAPTURE(taken.said);
+  CHECK(taken.code == 78);
+  CHECK(
+      says(taken.said, "another popcutd is node room-1 and is alive; give this one another name"));
+  CHECK_FALSE(says(taken.said, "popcut.db"));
+  CHECK(std::count(taken.said.begin(), taken.said.end(), '\n') == 1);
+  // The one that has it goes on.
+  const std::string job = fleet.ready_job(1, 1, 3);
+  fleet[1].cut(job);
+  fleet[1].await_state(job, "done");
+}
+
+TEST_CASE("two nodes with a cutter of one id: the second says so and cuts nothing with it",
+          "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet;
+  fleet.open(1);
+  RunningDaemon twin(0, fleet.section(2), FleetNodes::device(1));
+  twin.open();
+  REQUIRE(happens([&] { return fleet.is_alive(2); }, 10));
+  const std::string job = fleet.ready_job(1, 1, 3);
+  const std::string why = refusal(twin, job, "arm", sheet_1());
+  CAPTURE(why);
+  CHECK(says(why, "room-1"));
+  CHECK(says(why, "sim:room-1"));
+  fleet[1].cut(job);
+  fleet[1].await_state(job, "done");
+  // When the first is gone it is the second's.
+  fleet[1].daemon().signal(SIGTERM);
+  CHECK(fleet[1].daemon().wait() == 0);
+  CHECK(happens([&] { return twin.device_state(FleetNodes::device(1)) == "idle"; }, 10));
+}
+
+TEST_CASE("a token made at one node opens all, and one that is revoked none", "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet;
+  fleet.open();
+  const Json token =
+      Json::parse(fleet[1].ask("POST", "/v1/tokens", R"({"name":"lab","role":"viewer"})").body);
+  const std::string secret = token.at("token");
+  const auto there = client::parse_address(fleet[2].daemon().url());
+  REQUIRE(there);
+  client::HttpClient http({*there}, secret);
+  http.set_tries(0);
+  const auto status = [&] {
+    const auto answer = http.ask({.target = "/v1/jobs"});
+    return answer ? answer->status : 0;
+  };
+  CHECK(status() == 200);
+  client::EventStream stream(http, "/v1/events");
+  (void)stream.next(0.5);
+  REQUIRE(stream.connected());
+  REQUIRE(fleet[1].ask("DELETE", "/v1/tokens/" + token.at("id").get<std::string>()).status == 204);
+  const auto revoked = Clock::now();
+  CHECK(happens([&] { return status() == 401; }, 3));
+  CHECK(since(revoked) < 1.2);
+  bool ended = false;
+  while (!ended && since(revoked) < 5) ended = !stream.next(0.1) || !stream.connected();
+  CHECK(since(revoked) < 1.5);
+}
+
+TEST_CASE("events are the same at all nodes, in the same order, without a gap", "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet({.nodes = 3});
+  fleet.open();
+  std::atomic<bool> over{false};
+  std::vector<std::vector<std::string>> seen(3);
+  std::vector<std::thread> readers;
+  for (int k = 1; k <= 3; ++k)
+    readers.emplace_back([&, k] {
+      client::EventStream stream(fleet[k].api().http(), "/v1/events?after=0");
+      while (!over || true) {
+        const auto events = stream.next(0.3);
+        if (!events || (events->empty() && over)) return;
+        for (const client::SseEvent& event : *events)
+          if (!event.id.empty() && event.kind != "progress")
+            seen[static_cast<std::size_t>(k - 1)].push_back(event.data);
+      }
+    });
+  std::vector<std::thread> people;
+  for (int k = 1; k <= 3; ++k)
+    people.emplace_back([&, k] {
+      RunningDaemon& node = fleet[k];
+      const auto address = client::parse_address("unix:" + node.daemon().socket());
+      client::Api api(client::HttpClient({*address}, ""));
+      for (int round = 0; round < 8; ++round) {
+        const auto design =
+            api.upload("/v1/designs?name=lines", RunningDaemon::lines_svg(1 + round, 3 + k),
+                       "image/svg+xml", "");
+        if (design)
+          (void)api.post("/v1/jobs", {{"design", client::text_of(*design, "id")}, {"held", true}},
+                         "jobs");
+      }
+    });
+  for (std::thread& person : people) person.join();
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  over = true;
+  for (std::thread& reader : readers) reader.join();
+  REQUIRE(seen[0].size() >= 24);
+  CHECK(seen[0] == seen[1]);
+  CHECK(seen[1] == seen[2]);
+  std::int64_t last = 0;
+  for (const std::string& event : seen[0]) {
+    const std::int64_t seq = Json::parse(event).at("seq");
+    if (last > 0) CHECK(seq == last + 1);
+    last = seq;
+  }
+}
+
+TEST_CASE("a program that was changed after it was planned is not cut", "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet;
+  fleet.open();
+  const std::string job = fleet.ready_job(1, 2, 5);
+  const std::string plan = fleet[1].job(job)["plan"];
+  // In the database, and at the node that planned it.
+  const std::string name = "plans/" + plan + "/sheet-01.gpgl";
+  fleet.run_sql(
+      "UPDATE popcut.blob_part SET data=set_byte(data, 20, get_byte(data, 20) # 1) "
+      "WHERE path='" +
+      name + "'");
+  for (int k : {1, 2}) {
+    const std::string file = fleet[k].daemon().state() + "/" + name;
+    std::string program = text_of_file(file);
+    if (program.size() <= 20) continue;
+    program[20] = static_cast<char>(program[20] ^ 1);
+    write_file(file, program);
+  }
+  std::string why = refusal(fleet[2], job, "arm", sheet_1());
+  if (why.empty()) why = refusal(fleet[2], job, "start", sheet_1());
+  CAPTURE(why);
+  CHECK((says(why, "create the job again") || says(why, "its digest differs")));
+  CHECK(fleet.run_sql("SELECT count(*) FROM popcut.attempt WHERE started_at IS NOT NULL") == "0");
+}
+
+TEST_CASE("a database that was put back to before a start does not offer the blank again",
+          "[fleet]") {
+  NEEDS_POSTGRES();
+  const bool finished = GENERATE(false, true);
+  CAPTURE(finished);
+  FleetNodes fleet({.time_scale = finished ? 0 : kSlow});
+  fleet.open();
+  const std::string job = fleet.ready_job(1, 2, kLines);
+  fleet.server().run_sql("SELECT pg_switch_wal()");
+  const std::string dump = fleet.server().dump(FleetNodes::kDatabase);
+  fleet[2].cut(job);
+  if (finished)
+    fleet[1].await_state(job, "done");
+  else
+    await_knife(fleet[2], job);
+  fleet.kill(2);
+  fleet.kill(1);
+  const std::set<int> cut = fleet.lines_cut(2, kLines);
+  fleet.server().restore(FleetNodes::kDatabase, dump);
+
+  // The node without the journal comes first. It offers nothing before the other has told.
+  fleet[1].open();
+  const std::string early = refusal(fleet[1], job, "arm", sheet_1());
+  CAPTURE(early);
+  CHECK_FALSE(early.empty());
+  fleet[2].open();
+  const Json now = fleet[1].await_state(job, "interrupted");
+  CHECK(now["blank"] == 1);
+  fleet[2].await_state(job, "interrupted");
+  CHECK_FALSE(fleet[2].refused(job, "retry-sheet", sheet_1()));
+  fleet[2].cut(job);
+  fleet[1].await_state(job, "done");
+  CHECK(fleet[1].job(job)["blank"] == 2);
+  CHECK(cut_twice(fleet, job) == 0);
+}
+
+}  // namespace fleet_test
