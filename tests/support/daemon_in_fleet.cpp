@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Part of tests/support/daemon_process.hpp: with POPCUT_TEST_FLEET=1 every popcutd of a test
 // program that has this source is the node of a fleet of its own.
+#include <cstdio>
 #include <cstdlib>
 #include <string_view>
 
@@ -24,7 +25,12 @@ std::string section_of(std::shared_ptr<void>& kept) {
 
 const bool kIsSet = [] {
   const char* const asked = std::getenv("POPCUT_TEST_FLEET");
-  if (asked != nullptr && std::string_view(asked) == "1") DaemonProcess::fleet_section = section_of;
+  if (asked == nullptr || std::string_view(asked) != "1") return false;
+  if (const std::string why = PostgresServer::why_not(); !why.empty()) {
+    std::fprintf(stderr, "skipped, each popcutd is alone: %s\n", why.c_str());
+    return false;
+  }
+  DaemonProcess::fleet_section = section_of;
   return true;
 }();
 

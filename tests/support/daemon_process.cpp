@@ -21,12 +21,12 @@ void nap() { std::this_thread::sleep_for(std::chrono::milliseconds(10)); }
 
 }  // namespace
 
-std::function<std::string(std::shared_ptr<void>&)> DaemonProcess::fleet_section;
+std::string (*DaemonProcess::fleet_section)(std::shared_ptr<void>&){};
 
 DaemonProcess::DaemonProcess(std::string program, double time_scale, const std::string& more,
                              const std::string& device)
     : program_(std::move(program)) {
-  const bool joins = fleet_section && more.find("[fleet]") == std::string::npos;
+  const bool joins = fleet_section != nullptr && more.find("[fleet]") == std::string::npos;
   write_file(config(), "listen = [\"127.0.0.1:0\"]\nsocket = \"" + socket() + "\"\nstate = \"" +
                            state() + "\"\n[[device]]\nid = \"" + device +
                            "\"\nmachine = \"cameo3\"\ntime_scale = " + std::to_string(time_scale) +

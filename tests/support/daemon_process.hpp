@@ -3,7 +3,6 @@
 
 #include <sys/types.h>
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -39,7 +38,7 @@ class DaemonProcess {
 
   /// What stands before the rest of the configuration of every popcutd that names no [fleet]
   /// itself; what it sets `kept` to lives as long as the popcutd. daemon_in_fleet.cpp sets it.
-  static std::function<std::string(std::shared_ptr<void>& kept)> fleet_section;
+  static std::string (*fleet_section)(std::shared_ptr<void>& kept);
 
  private:
   std::shared_ptr<void> kept_;  // gone after popcutd and its folder

@@ -89,7 +89,7 @@ class QuickClient {
 }  // namespace
 
 TEST_CASE("a disk that fails once stops the knife after its stroke and nothing is written then",
-          "[popcutd][faults]") {
+          "[popcutd][faults][alone]") {
   constexpr int kLines = 160;
   FaultyShop faulty(8);
   RunningDaemon& popcutd = faulty.popcutd;
@@ -123,7 +123,8 @@ TEST_CASE("a disk that fails once stops the knife after its stroke and nothing i
   CHECK(wrong_in(popcutd.ledger(id), kLines, cut) == "");
 }
 
-TEST_CASE("a journal of intents that cannot be written stops the knife", "[popcutd][faults]") {
+TEST_CASE("a journal of intents that cannot be written stops the knife",
+          "[popcutd][faults][alone]") {
   constexpr int kLines = 160;
   FaultyShop faulty(8);
   RunningDaemon& popcutd = faulty.popcutd;
@@ -145,7 +146,7 @@ TEST_CASE("a journal of intents that cannot be written stops the knife", "[popcu
 }
 
 TEST_CASE("popcutd that lost the end of its log after a kill cuts no stroke twice",
-          "[popcutd][faults]") {
+          "[popcutd][faults][alone]") {
   namespace fs = std::filesystem;
   constexpr int kLines = 80;
   constexpr std::uintmax_t kFrame = 24 + 4096;
@@ -231,7 +232,7 @@ TEST_CASE("a clock that jumps by years affects no armed job and no cut and no or
 }
 
 TEST_CASE("one key makes one job even if popcutd is killed between the commit and the answer",
-          "[popcutd][faults]") {
+          "[popcutd][faults][alone]") {
   FaultyShop faulty(0, "connections = 400\n");
   RunningDaemon& popcutd = faulty.popcutd;
   faulty.open();
@@ -342,7 +343,7 @@ TEST_CASE("exactly one of 64 clients that start or stop a knife at once succeeds
   }
 }
 
-TEST_CASE("the watchdog is not fed while any thread of popcutd hangs", "[popcutd][faults]") {
+TEST_CASE("the watchdog is not fed while any thread of popcutd hangs", "[popcutd][faults][alone]") {
   const auto starve = [](Blocked where) -> std::string {
     ServiceManagerSocket manager;
     FaultyShop faulty(3);
@@ -393,7 +394,7 @@ TEST_CASE("the watchdog is not fed while any thread of popcutd hangs", "[popcutd
 }
 
 TEST_CASE("damage that is found after the start ends popcutd before anything is armed",
-          "[popcutd][faults]") {
+          "[popcutd][faults][alone]") {
   RunningDaemon popcutd;
   popcutd.open();
   (void)popcutd.design(RunningDaemon::lines_svg(2));
@@ -434,7 +435,8 @@ TEST_CASE("damage that is found after the start ends popcutd before anything is 
   CHECK(ran.exit == 78);
 }
 
-TEST_CASE("an earlier popcutd does not touch the database of a later one", "[popcutd][faults]") {
+TEST_CASE("an earlier popcutd does not touch the database of a later one",
+          "[popcutd][faults][alone]") {
   RunningDaemon popcutd;
   popcutd.open();
   (void)popcutd.design(RunningDaemon::lines_svg(2));

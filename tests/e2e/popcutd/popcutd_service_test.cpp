@@ -120,7 +120,7 @@ TEST_CASE("a second popcutd on the same state reports the first one", "[popcutd]
   CHECK(third.err.find(lab.daemon.url().substr(7)) != std::string::npos);
 }
 
-TEST_CASE("a fault that needs a person ends popcutd with exit code 78", "[popcutd][e2e]") {
+TEST_CASE("a fault that needs a person ends popcutd with exit code 78", "[popcutd][e2e][alone]") {
   DaemonWithCli lab;
   lab.open();
   lab.daemon.signal(SIGTERM);
