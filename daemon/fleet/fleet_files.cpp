@@ -11,7 +11,9 @@
 #include <set>
 #include <thread>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "daemon/digest/digest.hpp"
 
@@ -95,6 +97,15 @@ void put(Database& database, const std::string& name, const std::string& place,
   all.commit();
 }
 
+bool write_all(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(file, bytes.data(), bytes.size());
+    if (count <= 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(count));
+  }
+  return true;
+}
+
 // Reads a part at a time; only what is whole gets its name.
 Result<void> bring(Database& database, const StateFolder& folder, const std::string& name,
                    const Head& head) {
@@ -104,26 +115,30 @@ Result<void> bring(Database& database, const StateFolder& folder, const std::str
   const std::string fresh =
       fmt::format("{}.new-{}", place, sha256_hex(random_bytes(8)).substr(0, 8));
   Sha256 digest;
-  {
-    std::ofstream file(fresh, std::ios::binary);
-    for (std::int64_t seq = 0, taken = 0; file && taken < head.bytes; ++seq) {
+  const int file = ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+  bool is_written = file >= 0;
+  try {
+    for (std::int64_t seq = 0, taken = 0; is_written && taken < head.bytes; ++seq) {
       Rows part = database.rows("SELECT encode(data, 'hex') FROM blob_part WHERE path=? AND seq=?",
                                 name, seq);
-      if (!part.next()) break;
-      const std::string bytes = bytes_of(part.text(0));
+      const std::string bytes = part.next() ? bytes_of(part.text(0)) : std::string();
       if (bytes.empty()) break;
       digest.add(bytes);
-      file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+      is_written = write_all(file, bytes);
       taken += static_cast<std::int64_t>(bytes.size());
     }
-    file.close();
-    if (!file) {
-      fs::remove(fresh, failed);
-      return fail(ErrorKind::Unwritable, place, "cannot be written; is the disk full?");
-    }
+  } catch (...) {
+    if (file >= 0) ::close(file);
+    remove_tree(fresh);
+    throw;
+  }
+  if (file >= 0) ::close(file);
+  if (!is_written) {
+    remove_tree(fresh);
+    return fail(ErrorKind::Unwritable, place, "cannot be written; is the disk full?");
   }
   if (digest.hex() != head.sha256) {
-    fs::remove(fresh, failed);
+    remove_tree(fresh);
     return fail(ErrorKind::CheckFailed, name,
                 "in the fleet's database is not what was stored there: its digest differs");
   }

@@ -157,6 +157,8 @@ class Recovery {
         row->blank != lost.blank)
       return;
     count_paths(jobs_, *row, lost.sheet, lost.blank, lost.strokes);
+    jobs_.set_attention(*row, "in_doubt", crash_text(row->id, verdict.loss));
+    row->reason = "crash";
     jobs_.save(*row);
   }
 
