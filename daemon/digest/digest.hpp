@@ -42,8 +42,8 @@ class Sha256 {
 [[nodiscard]] std::string random_bytes(std::size_t count);
 /// RFC 4648 section 5, without padding: 32 bytes are 43 characters.
 [[nodiscard]] std::string base64url(std::string_view bytes);
-/// What PostgreSQL keeps of a password in place of it: SCRAM-SHA-256 (RFC 5802, RFC 7677), with 4096
-/// rounds. `salt` has 16 bytes.
+/// What PostgreSQL keeps of a password in place of it: SCRAM-SHA-256 (RFC 5802, RFC 7677), with
+/// 4096 rounds. `salt` has 16 bytes.
 [[nodiscard]] std::string scram_verifier(std::string_view password, std::string_view salt);
 
 }  // namespace popcut::daemon

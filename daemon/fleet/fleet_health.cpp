@@ -147,6 +147,11 @@ class Look {
     if (at->epoch == 0)
       return note(fmt::format("node {} has joined, and its popcutd was never started", name),
                   "start popcutd");
+    if (at->alive && !at->reported)
+      return note(
+          fmt::format("the database went back to an earlier state; node {} is alive, and "
+                      "compares its journals within seconds",
+                      name));
     if (at->alive)
       return fine(fmt::format("node {} is alive; its lease lasts {:.0f} s and is renewed", name,
                               at->lease_s));
@@ -164,7 +169,7 @@ class Look {
     for (const NodeState& node : nodes) {
       alive += node.alive ? 1 : 0;
       if (node.name == probe_.node || node.epoch == 0) continue;
-      if (!node.reported && !node.ended)
+      if (!node.reported)
         problem(
             fmt::format("no sheet can be armed: the database went back to an earlier state, and "
                         "node {} has not compared its journals with it since",

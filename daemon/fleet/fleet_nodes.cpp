@@ -103,9 +103,12 @@ std::vector<NodeState> fleet_nodes(Database& database) {
           "CASE WHEN isfinite(begun) THEN extract(epoch FROM now - begun)::bigint ELSE 0 END, "
           "CASE WHEN isfinite(heartbeat) THEN extract(epoch FROM now - heartbeat)::bigint ELSE 0 "
           "END, CASE WHEN alive THEN extract(epoch FROM lease_until - now)::float8 ELSE 0 END, "
-          "(generation = substr(pg_walfile_name(pg_current_wal_lsn()), 1, 8) || '.' || "
-          "  (SELECT went_back FROM popcut.popcut_schema))::int "
-          "FROM (SELECT *, lease_until > clock_timestamp() AS alive, clock_timestamp() AS now "
+          // As generation_check() in schema.sql.
+          "(epoch = 0 OR generation = timeline || '.' || went_back OR "
+          "  (ended = 1 AND split_part(generation, '.', 2) = went_back))::int "
+          "FROM (SELECT *, lease_until > clock_timestamp() AS alive, clock_timestamp() AS now, "
+          "  substr(pg_walfile_name(pg_current_wal_lsn()), 1, 8) AS timeline, "
+          "  (SELECT went_back FROM popcut.popcut_schema)::text AS went_back "
           "  FROM popcut.node) AS each ORDER BY name"),
       [](const Rows& row) {
         NodeState one;

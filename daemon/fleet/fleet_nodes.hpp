@@ -32,10 +32,10 @@ struct NodeState {
   std::string name, login, url, version;
   std::int64_t epoch{};               ///< 0: it has joined and was never started
   bool alive{}, draining{}, ended{};  ///< `ended`: it was stopped in order
-  bool reported{true};         ///< false: it has not compared its journals with this database
-  std::int64_t begun_s{};      ///< ago
-  std::int64_t heartbeat_s{};  ///< ago
-  double lease_s{};            ///< left; below 0: over
+  bool reported{true};     ///< false: until it compares its journals with this database nobody arms
+  std::int64_t begun_s{};  ///< ago
+  std::int64_t heartbeat_s{};          ///< ago
+  double lease_s{};                    ///< left; below 0: over
   std::vector<std::string> devices{};  ///< "usb:51053P idle"
 };
 [[nodiscard]] std::vector<NodeState> fleet_nodes(Database& database);

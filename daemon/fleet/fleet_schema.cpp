@@ -11,7 +11,7 @@ std::string schema_misfit(Database& database) {
   if (database.number("SELECT count(*) FROM pg_tables WHERE schemaname='popcut' AND "
                       "tablename='popcut_schema'") == 0)
     return "the database has no tables of popcut; make them with: popcut fleet init";
-  Rows rows = database.rows("SELECT version, least FROM popcut_schema");
+  Rows rows = database.rows("SELECT version, least FROM popcut.popcut_schema");
   if (!rows.next()) return "the database does not say which version its tables have";
   const std::int64_t version = rows.integer(0), least = rows.integer(1);
   if (least > kFleetVersion)

@@ -90,12 +90,12 @@ CREATE TABLE popcut.node(
   draining bigint NOT NULL CHECK (draining IN (0, 1))) WITH (fillfactor = 40);
 CREATE INDEX node_generation ON popcut.node(generation);
 
--- The nodes in the terms of the other tables: milliseconds, and whether the lease lives.
+-- The nodes in the terms of the other tables: milliseconds, 0 for never, and whether the lease lives.
 CREATE VIEW popcut.node_state AS
   SELECT name, login, epoch, url, version, draining, ended, generation, lease_s,
-         (extract(epoch FROM begun) * 1000)::bigint AS begun_ms,
-         (extract(epoch FROM heartbeat) * 1000)::bigint AS heartbeat_ms,
-         (extract(epoch FROM lease_until) * 1000)::bigint AS lease_until_ms,
+         (extract(epoch FROM greatest(begun, 'epoch')) * 1000)::bigint AS begun_ms,
+         (extract(epoch FROM greatest(heartbeat, 'epoch')) * 1000)::bigint AS heartbeat_ms,
+         (extract(epoch FROM greatest(lease_until, 'epoch')) * 1000)::bigint AS lease_until_ms,
          (lease_until > clock_timestamp())::int::bigint AS alive
   FROM popcut.node;
 

@@ -55,8 +55,22 @@ Result<FleetUrl> wanted_database(const std::string& given) {
   return FleetUrl::parse(text);
 }
 
+// "ERROR:  permission denied to create role (CREATE ROLE ...)": without the statement, which helps
+// nobody at a terminal.
+std::string plain_words(std::string text) {
+  constexpr std::string_view kError = "ERROR:";
+  if (text.starts_with(kError)) text.erase(0, text.find_first_not_of(' ', kError.size()));
+  for (const char* word : {"SELECT", "INSERT", "UPDATE", "CREATE", "ALTER", "GRANT", "DROP", "SET",
+                           "-- SPDX", "COMMIT"})
+    text.resize(std::min(text.find(fmt::format(" ({}", word)), text.size()));
+  return text;
+}
+
 Error trouble(const FleetUrl& url, const StoreFault& fault) {
-  std::string detail = fault.what();
+  std::string detail = plain_words(fault.what());
+  if (fault.kind() == FaultKind::Other && (detail.find("permission denied") != std::string::npos ||
+                                           detail.find("must ") != std::string::npos))
+    detail += "; give --database a role that may, such as the one of 'popcut fleet init'";
   if (fault.kind() == FaultKind::Away) detail += "; check the address and that PostgreSQL runs";
   if (fault.kind() == FaultKind::InDoubt)
     detail += "; it is not known whether it was done: type the command again";
@@ -167,7 +181,7 @@ void add_init(CLI::App* fleet, const Globals& globals, Run& run) {
 // join
 
 struct JoinOptions {
-  std::string database, node, url, folder;
+  std::string database, node, url, folder, address;
   bool again{false};
 };
 
@@ -201,6 +215,20 @@ Result<void> run_join(const JoinOptions& options, const Globals& globals) {
                     fmt::format("{}; type the command again with --again", message(kept.error())));
     url.user = joined.login;
     url.password.clear();
+    if (!options.address.empty()) {
+      url.hosts = options.address;
+      std::erase_if(url.more, [](const auto& one) {
+        return one.first == "host" || one.first == "hostaddr" || one.first == "port" ||
+               one.first == "user";
+      });
+      // What is enough on one machine is not enough in a network.
+      const std::string mode = url.value("sslmode");
+      if (url.is_remote() &&
+          (mode.empty() || mode == "disable" || mode == "allow" || mode == "prefer")) {
+        std::erase_if(url.more, [](const auto& one) { return one.first == "sslmode"; });
+        url.more.emplace_back("sslmode", "verify-full");
+      }
+    }
     const std::string section = configuration_of(options, url, file);
     if (globals.json) {
       Json json{{"node", options.node}, {"login", joined.login}, {"password_file", file}};
@@ -234,6 +262,8 @@ Result<void> run_join(const JoinOptions& options, const Globals& globals) {
 constexpr const char* kJoinHelp =
     "Let a machine into the fleet: make its login, and print what its popcutd.toml needs.\n\n"
     "  popcut fleet join --node room-1 --url https://room-1.lab\n"
+    "  sudo -u postgres popcut fleet join --database postgresql:///popcut --address db.lab \\\n"
+    "    --node room-1                              # on the machine of the database\n"
     "  popcut fleet join --node room-1 --write /etc/popcut >> /etc/popcut/popcutd.toml\n"
     "  popcut fleet join --node room-1 --again      # a new password; the old one stops working\n\n"
     "Each node has a login of its own, which can do no more than a node must.";
@@ -247,6 +277,11 @@ void add_join(CLI::App* fleet, const Globals& globals, Run& run) {
       ->option_text("NAME");
   command->add_option("--url", options->url, "Where people reach this node's page")
       ->option_text("URL");
+  command
+      ->add_option("--address", options->address,
+                   "Where the node reaches the database, as in db.lab or db1.lab,db2.lab:5433. "
+                   "Default: as in --database")
+      ->option_text("HOST[:PORT]");
   command
       ->add_option("--write", options->folder,
                    "Write the password to DIR/fleet.password (mode 0600) instead of printing it")
@@ -264,7 +299,7 @@ std::string state_of(const daemon::NodeState& node) {
                          ? fmt::format("stopped {} ago", daemon::rough_time(node.heartbeat_s))
                          : fmt::format("silent for {}", daemon::rough_time(node.heartbeat_s));
   if (node.draining) text += ", draining";
-  if (node.alive && !node.reported) text += ", compares journals";
+  if (!node.reported) text += ", has journals to compare";
   return text;
 }
 
@@ -352,7 +387,7 @@ Result<void> run_forget(const NodeOptions& options, const Globals& globals) {
 }
 
 constexpr const char* kNodesHelp =
-    "List the machines of the fleet: since when they are alive, what they cut with, and where.\n\n"
+    "List the machines of the fleet: who is alive, with which cutters, and where.\n\n"
     "  popcut fleet nodes\n"
     "  popcut fleet nodes --json | jq '.nodes[] | select(.alive | not)'";
 constexpr const char* kDrainHelp =
@@ -458,7 +493,7 @@ void add_import(CLI::App* fleet, const Globals& globals, Run& run) {
 }
 
 constexpr const char* kHelp =
-    "Set up and look after many popcutd that share one queue in a PostgreSQL (docs/fleet.md).\n\n"
+    "Set up and look after several popcutd that share one queue (docs/fleet.md).\n\n"
     "  export POPCUT_FLEET_DATABASE=postgresql://postgres@db.lab/popcut\n"
     "  popcut fleet init                      # once: the tables and roles\n"
     "  popcut fleet join --node room-1        # for each machine: its login\n"

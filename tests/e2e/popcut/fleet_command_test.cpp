@@ -230,6 +230,71 @@ TEST_CASE("a node that joins gets a login that works, and a new password ends th
   CHECK(server.run_sql("SELECT count(*) FROM pg_roles WHERE rolname='popcut_n_room_3'") == "0");
 }
 
+TEST_CASE("the address of a node's database may be another than that of who lets it in",
+          "[fleet]") {
+  if (is_skipped()) return;
+  const FleetBench bench;
+  bench.init();
+  const auto address = [&](const std::string& host) {
+    const Ran joined =
+        bench.fleet({"join", "--node", fresh_name("far-"), "--address", host, "--json"});
+    CAPTURE(joined.err);
+    REQUIRE(joined.exit == 0);
+    const std::string text = nlohmann::json::parse(joined.out)["configuration"];
+    const std::size_t from = text.find('@');
+    return text.substr(from, text.find('"', from) - from);
+  };
+  // The fixture's own address says sslmode=disable.
+  const std::string rest = "/" + bench.database.name() + "?gssencmode=disable&sslmode=verify-full";
+  CHECK(address("db.lab") == "@db.lab" + rest);
+  CHECK(address("db1.lab,db2.lab:5433") == "@db1.lab,db2.lab:5433" + rest);
+  CHECK(address("127.0.0.1") ==
+        "@127.0.0.1/" + bench.database.name() + "?sslmode=disable&gssencmode=disable");
+}
+
+TEST_CASE("who looks after a fleet need not be a superuser", "[fleet]") {
+  if (is_skipped()) return;
+  PostgresServer& server = shared_postgres();
+  const CommandBench bench;
+  const std::string maker = fresh_name("maker_"), guest = fresh_name("guest_"),
+                    warden = fresh_name("warden_"), name = fresh_name("db_"),
+                    node = fresh_name("room-");
+  (void)server.run_sql(
+      fmt::format("CREATE ROLE {} LOGIN CREATEROLE CREATEDB; CREATE ROLE {} LOGIN; "
+                  "CREATE ROLE {} LOGIN",
+                  maker, guest, warden));
+  const auto fleet = [&](const std::string& who, std::vector<std::string> words) {
+    words.insert(words.begin(), "fleet");
+    words.insert(words.end(), {"--database", server.url(name, who)});
+    return bench.popcut(std::move(words));
+  };
+  check_refused(fleet(guest, {"init"}), 5,
+                "permission denied to create database; give --database a role that may");
+  const Ran made = fleet(maker, {"init"});
+  CAPTURE(made.err);
+  CHECK(made.exit == 0);
+  CHECK(fleet(maker, {"init"}).exit == 0);
+  CHECK(fleet(maker, {"join", "--node", node}).exit == 0);
+  check_refused(fleet(guest, {"nodes"}), 5, "permission denied for ");
+  const Ran refused = fleet(guest, {"join", "--node", fresh_name("x-")});
+  CHECK(refused.exit == 5);
+  CHECK_FALSE(says(refused.err, "SCRAM"));
+  (void)server.run_sql("GRANT popcut_admin TO " + warden);
+  CHECK(fleet(warden, {"nodes"}).exit == 0);
+  CHECK(fleet(warden, {"drain", node}).exit == 0);
+  check_refused(fleet(warden, {"join", "--node", fresh_name("y-")}), 5,
+                "permission denied to create role; give --database a role that may");
+  const Ran forgotten = fleet(warden, {"forget", node});
+  CHECK(forgotten.exit == 0);
+  CHECK(says(forgotten.err, "DROP ROLE " + popcut::daemon::login_of(node)));
+  // Its login is still there: to let it in again takes a new password.
+  check_refused(fleet(maker, {"join", "--node", node}), 5,
+                fmt::format("popcut fleet join --node {} --again", node));
+  CHECK(fleet(maker, {"join", "--node", node, "--again"}).exit == 0);
+  CHECK(fleet(maker, {"forget", node}).err.empty());
+  (void)server.run_sql("DROP DATABASE " + name);
+}
+
 TEST_CASE("fleet nodes tells of each node what a person needs", "[fleet]") {
   if (is_skipped()) return;
   const FleetBench bench;
@@ -247,6 +312,8 @@ TEST_CASE("fleet nodes tells of each node what a person needs", "[fleet]") {
       "enabled, state, sheets_done, cut_mm, node) VALUES('usb:7', 1, 'm', 't', 0, 1, 1, 1, 'idle', "
       "0, 0, 'room-1')");
   CHECK(bench.fleet({"drain", "room-1"}).exit == 0);
+  CHECK(bench.database.run_sql("SELECT begun_ms>0, lease_until_ms FROM popcut.node_state WHERE "
+                               "name<>'room-1' ORDER BY name") == "t|0\nf|0");
   const Ran table = bench.fleet({"nodes"});
   CAPTURE(table.out, table.err);
   REQUIRE(table.exit == 0);
@@ -329,6 +396,14 @@ TEST_CASE("a popcutd that was alone moves into a fleet with all that it has", "[
   lab.await_state(waits, "ready");
   lab.daemon().signal(SIGTERM);
   CHECK(lab.daemon().wait() == 0);
+
+  // What breaks off near its end leaves nothing behind, and can be done again.
+  (void)bench.database.run_sql("ALTER TABLE popcut.event ADD CONSTRAINT none CHECK (seq<0)");
+  check_refused(import(), 5, "nothing was moved: ");
+  CHECK(bench.database.run_sql("SELECT (SELECT count(*) FROM popcut.job), (SELECT count(*) FROM "
+                               "popcut.blob), (SELECT count(*) FROM popcut.audit)") == "0|0|0");
+  CHECK(std::filesystem::exists(lab.daemon().state() + "/popcut.db"));
+  (void)bench.database.run_sql("ALTER TABLE popcut.event DROP CONSTRAINT none");
 
   const Ran moved = import({"--json"});
   CAPTURE(moved.err);
@@ -444,6 +519,7 @@ TEST_CASE("doctor tells of a node and its fleet in plain sentences", "[fleet]") 
   REQUIRE(bench.fleet({"drain", node}).exit == 0);
   (void)bench.database.run_sql(
       "UPDATE popcut.node SET generation='earlier.0', lease_until='-infinity' WHERE name='room-9'");
+  CHECK(says(bench.fleet({"nodes"}).out, " s, has journals to compare"));
   text = doctor();
   CHECK(says(text, fmt::format("node {} is alive; its lease lasts ", node)));
   CHECK(
@@ -454,8 +530,17 @@ TEST_CASE("doctor tells of a node and its fleet in plain sentences", "[fleet]") 
              "no sheet can be armed: the database went back to an earlier state, and node room-9 "
              "has not compared its journals with it since; start its popcutd; if it is gone for "
              "good: popcut fleet forget room-9"));
+  // One that was stopped in order missed nothing at a failover, and holds nobody up.
+  (void)bench.database.run_sql(
+      "UPDATE popcut.node SET ended=1 WHERE name='room-9'; UPDATE popcut.node "
+      "SET generation='earlier.0' WHERE name<>'room-9'");
+  text = doctor();
+  CHECK_FALSE(says(text, "room-9"));
+  CHECK(
+      says(text, fmt::format("node {} is alive, and compares its journals within seconds", node)));
   (void)bench.database.run_sql(fmt::format(
-      "UPDATE popcut.node SET generation=popcut.popcut_generation() WHERE name='room-9'; UPDATE "
+      "UPDATE popcut.node SET ended=0, generation=popcut.popcut_generation() WHERE name='room-9'; "
+      "UPDATE "
       "popcut.node SET lease_until='-infinity' WHERE name='{0}'; UPDATE popcut.node SET "
       "login='other' "
       "WHERE name='{0}'",
