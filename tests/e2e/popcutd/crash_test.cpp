@@ -176,6 +176,7 @@ class Crash {
 
   /// The database by itself, when no popcutd has it.
   void check_database() {
+    if (DaemonProcess::fleet_section != nullptr) return;  // PostgreSQL looks after its own
     const std::string copy = (daemon_.folder() / "copy.db").string();
     for (const char* ending : {"", "-wal"}) {
       const std::string from = daemon_.state() + "/popcut.db" + ending;

@@ -475,10 +475,14 @@ TEST_CASE("a fleet in which everything dies cuts nothing twice and loses no job"
     INFO(fleet[k].daemon().log());
     REQUIRE(happens([&] { return fleet.is_alive(k); }, 60));
   }
+  std::string last;
   const bool settles = happens(
       [&] {
-        for (const Json& job : fleet[1].get("/v1/jobs?limit=200&state=paused")["items"])
-          (void)fleet[1].api().act(job, "cancel", Json::object());
+        for (const Json& job : fleet[1].get("/v1/jobs?limit=200&state=paused")["items"]) {
+          const auto done = fleet[1].api().act(job, "cancel", Json::object());
+          last = done ? "cancelled " + text_of(job, "id") : message(done.error());
+          nap(0.5);
+        }
         return fleet.run_sql(
                    "SELECT count(*) FROM popcut.job WHERE state IN ('cutting', 'paused', "
                    "'planning', 'queued')") == "0";
@@ -487,6 +491,11 @@ TEST_CASE("a fleet in which everything dies cuts nothing twice and loses no job"
   INFO(
       fleet.run_sql("SELECT id, state, asked, reason, device FROM popcut.job WHERE state NOT IN "
                     "('done', 'ready', 'cancelled', 'interrupted')"));
+  INFO(last);
+  if (!settles)
+    for (int k = 1; k <= fleet.size(); ++k)
+      std::fprintf(stderr, "%s\n%s\n", FleetNodes::name(k).c_str(),
+                   fleet[k].daemon().log().c_str());
   CHECK(settles);
   CHECK(fleet.run_sql("SELECT count(*) FROM popcut.attempt WHERE ended IS NULL") == "0");
   const Account account = check_all(fleet, people);

@@ -146,8 +146,12 @@ TEST_CASE("only a person at the cutter's node arms, starts and resumes", "[fleet
   fleet[2].act(job, "resume");
   fleet[1].await_state(job, "cutting");
 
+  fleet[2].act(job, "pause");
+  fleet[1].await_state(job, "paused");
+  const Json paused = fleet[1].get("/v1/jobs?limit=200&state=paused")["items"];
+  REQUIRE(paused.size() == 1);
   const auto cancelled = Clock::now();
-  fleet[1].act(job, "cancel");
+  CHECK(refusal(fleet[1], paused[0]["id"], "cancel") == "");
   fleet[2].await_state(job, "cancelled");
   CHECK(since(cancelled) < 1.5);
   CHECK(fleet.lines_cut(2, kLines).size() < kLines);

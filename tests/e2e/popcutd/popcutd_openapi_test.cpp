@@ -88,7 +88,7 @@ std::string excuse(const ContractCaller::Pair& pair) {
 }  // namespace
 
 TEST_CASE("the daemon produces every documented answer of every route",
-          "[daemon][popcutd][openapi]") {
+          "[daemon][popcutd][openapi][alone]") {
   ContractLife life;
   life.make_design_and_plans();
   life.knock();

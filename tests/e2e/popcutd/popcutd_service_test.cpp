@@ -167,7 +167,7 @@ TEST_CASE("a fault that needs a person ends popcutd with exit code 78", "[popcut
 
 TEST_CASE(
     "an older copy that was put back by hand is refused with the command that goes back to it",
-    "[popcutd][e2e]") {
+    "[popcutd][e2e][alone]") {
   DaemonWithCli lab;
   lab.open();
   REQUIRE(lab.popcut({"cut", "-q", kUnit}).exit == 0);
