@@ -375,6 +375,15 @@ std::optional<StartFailure> Daemon::open_devices() {
   return std::nullopt;
 }
 
+/// Where people at other machines reach its page, as far as the configuration tells.
+std::string reached_at(const Config& config) {
+  for (const std::string& text : config.listen) {
+    const Result<ListenAddress> address = parse_listen(text, true);
+    if (address && address->port != 0 && !parse_listen(text, false)) return "http://" + text;
+  }
+  return {};
+}
+
 std::optional<StartFailure> Daemon::open_service() {
   thread_ = std::make_unique<ServiceThread>();
   ServiceOptions options;
@@ -393,8 +402,7 @@ std::optional<StartFailure> Daemon::open_service() {
   options.fleet.version = POPCUT_VERSION;
   options.fleet.lease_s = config_.fleet.lease_s;
   options.fleet.beat_s = config_.fleet.beat_s;
-  if (options.fleet.url.empty() && !config_.listen.empty())
-    options.fleet.url = "http://" + config_.listen.front();
+  if (options.fleet.url.empty()) options.fleet.url = reached_at(config_);
   options.log = [log = log_](const std::string& line) { log->info(line); };
   auto service = make_service(*store_, *thread_, *planner_, *cutters_, std::move(options));
   if (!service) return StartFailure{code_of(service.error()), message(service.error())};

@@ -141,10 +141,15 @@ Rendered to_rendered(const Response& response) {
   return rendered;
 }
 
-void answer_once(const Request& request, Service& service, const Reply& reply,
-                 const std::function<Response()>& effect) {
+int answer_once(const Request& request, Service& service, const Reply& reply,
+                const std::function<Response()>& effect) {
   const std::string key(request.header("idempotency-key").value_or(""));
-  if (key.empty()) return reply(effect());
+  const auto answer = [&reply](Response response) {
+    const int status = response.status;
+    reply(std::move(response));
+    return status;
+  };
+  if (key.empty()) return answer(effect());
   Sha256 hash;
   for (const std::string_view part :
        {name_of(request.method), std::string_view(request.target), std::string_view(request.body),
@@ -159,9 +164,9 @@ void answer_once(const Request& request, Service& service, const Reply& reply,
                                                     fresh = effect();
                                                     return to_rendered(*fresh);
                                                   });
-  if (!kept) return reply(problem_response(kept.error(), request));
-  if (fresh && !kept->replayed) return reply(std::move(*fresh));
-  reply(from_rendered(std::move(*kept)));
+  if (!kept) return answer(problem_response(kept.error(), request));
+  if (fresh && !kept->replayed) return answer(std::move(*fresh));
+  return answer(from_rendered(std::move(*kept)));
 }
 
 std::optional<std::string> query_text(const Request& request, std::string_view name) {

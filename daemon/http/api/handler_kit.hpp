@@ -31,9 +31,9 @@ inline constexpr int kUsualWhole = 200;
 [[nodiscard]] Response from_rendered(Rendered rendered);
 [[nodiscard]] Rendered to_rendered(const Response& response);
 
-/// Answers with `effect`, which runs once for each Idempotency-Key.
-void answer_once(const Request& request, Service& service, const Reply& reply,
-                 const std::function<Response()>& effect);
+/// Answers with `effect`, which runs once for each Idempotency-Key. The status of the answer.
+int answer_once(const Request& request, Service& service, const Reply& reply,
+                const std::function<Response()>& effect);
 
 /// The value of a query name, or nothing.
 [[nodiscard]] std::optional<std::string> query_text(const Request& request, std::string_view name);

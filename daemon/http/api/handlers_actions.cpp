@@ -91,13 +91,8 @@ void act_on_job(const Request& request, Service& service, JobAction action,
       action == JobAction::Pause || action == JobAction::Cancel || action == JobAction::Disarm;
   // A knife that moves stops whether or not anything can be looked up or stored now.
   const bool to_the_knife = action == JobAction::Pause || action == JobAction::Cancel;
-  const auto asked = std::make_shared<bool>(!to_the_knife);
-  const Reply heeded([&service, reply, asked, action, who = request.principal,
-                      id = request.params[0]](Response response) {
-    if (!*asked && response.status == 503) service.cutting.stop_unrecorded(who, id, action);
-    reply(std::move(response));
-  });
-  answer_once(request, service, heeded, [&] {
+  bool has_asked = false;
+  const int status = answer_once(request, service, reply, [&] {
     const Answer<Job> before = service.jobs.find(request.params[0]);
     if (!before) return problem_response(before.error(), request);
     if (const auto not_theirs = check_owner(request, before->owner))
@@ -105,11 +100,13 @@ void act_on_job(const Request& request, Service& service, JobAction action,
     const Answer<std::int64_t> rev =
         wanted_rev(request, any_rev ? std::optional(before->rev) : std::nullopt);
     if (!rev) return problem_response(rev.error(), request);
-    *asked = true;
+    has_asked = true;
     const Answer<Job> after = service.cutting.act(request.principal, before->id, *rev, *wanted);
     if (!after) return problem_response(after.error(), request);
     return revised(200, after->rev, job_text(*after));
   });
+  if (to_the_knife && !has_asked && status == 503)
+    service.cutting.stop_unrecorded(request.principal, request.params[0], action);
 }
 
 }  // namespace popcut::daemon::http::handle

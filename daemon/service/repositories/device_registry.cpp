@@ -54,7 +54,7 @@ void DeviceRegistry::load_others() {
     seen.insert(record.id);
     record.reasons = list_from_json(reasons);
     if (!materials.empty()) record.materials = list_from_json(materials);
-    record.node_url = url.empty() ? "node:" + record.node : url;
+    record.node_url = url;
     if (!lives && !is_away(record.state)) {
       record.state = "offline";
       record.reasons = {fmt::format("node {} does not answer", record.node)};
@@ -68,7 +68,11 @@ void DeviceRegistry::load_others() {
       entry.taken_by = taken_by;
       continue;
     }
-    entry = {.record = std::move(record), .machine = machine, .sessions = 0, .kept = true};
+    entry = {.record = std::move(record),
+             .machine = machine,
+             .sessions = 0,
+             .kept = true,
+             .remote = true};
   }
   std::erase_if(entries_, [&](const auto& one) {
     return is_remote(one.second) && !seen.contains(one.first);
@@ -83,8 +87,8 @@ bool DeviceRegistry::is_elsewhere(const std::string& id) const {
 Problem DeviceRegistry::elsewhere(const std::string& id) const {
   const DeviceRecord& record = entries_.at(id).record;
   return {ProblemKind::StateConflict,
-          fmt::format("{} is at {}; only a person there may arm, start and resume: {}", id,
-                      record.node, record.node_url)};
+          fmt::format("{} is at {}; only a person there may arm, start and resume{}{}", id,
+                      record.node, record.node_url.empty() ? "" : ": ", record.node_url)};
 }
 
 const std::vector<std::string>* DeviceRegistry::materials_of(const std::string& id) const {

@@ -70,9 +70,10 @@ class DeviceRegistry {
     std::string machine;
     int sessions{0};
     bool kept{false};        ///< there is a row of it
+    bool remote{false};      ///< of another node
     std::string taken_by{};  ///< a node that has a cutter of the same id, and had it first
   };
-  [[nodiscard]] static bool is_remote(const Entry& entry) { return !entry.record.node_url.empty(); }
+  [[nodiscard]] static bool is_remote(const Entry& entry) { return entry.remote; }
   [[nodiscard]] const std::vector<std::string>* materials_of(const std::string& id) const;
   [[nodiscard]] bool is_set_up_for(const std::string& id, const std::string& material) const;
   [[nodiscard]] DeviceRecord shown(const Entry& entry) const;

@@ -230,7 +230,7 @@ TEST_CASE("a cut that nobody acted on is taken up again while it goes on", "[fle
   CHECK(fleet.lines_cut(2, kLines).size() < kLines);
 }
 
-TEST_CASE("whoever took a new blank meanwhile is right; nothing is cut twice", "[fleet]") {
+TEST_CASE("whoever took a new blank meanwhile is right and nothing is cut twice", "[fleet]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = 1, .proxies = true});
   fleet.open();
