@@ -115,7 +115,8 @@ Result<void> bring(Database& database, const StateFolder& folder, const std::str
   const std::string fresh =
       fmt::format("{}.new-{}", place, sha256_hex(random_bytes(8)).substr(0, 8));
   Sha256 digest;
-  const int file = ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+  const int file =
+      ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
   bool is_written = file >= 0;
   try {
     for (std::int64_t seq = 0, taken = 0; is_written && taken < head.bytes; ++seq) {

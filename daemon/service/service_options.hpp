@@ -31,7 +31,7 @@ struct FleetOptions {
   std::string url{};      ///< where people reach its page
   std::string version{};  ///< of popcutd
   double lease_s{30}, beat_s{5};
-  double mark_s{1};  ///< between marks of a cut in the database
+  double mark_s{1};               ///< between marks of a cut in the database
   bool has_database_clock{true};  ///< so that all nodes go by one clock; false: this machine's
 };
 

@@ -56,7 +56,8 @@ class Pages : public ServiceBench {
     on([&](LiveService& s) { s.retune({.users = users}); });
   }
   static Principal local() {
-    return {.name = "uid:4242" + machine(), .role = Role::Operator, .user = LocalUser{kUser, {kGroup}}};
+    return {
+        .name = "uid:4242" + machine(), .role = Role::Operator, .user = LocalUser{kUser, {kGroup}}};
   }
   void tick() {
     on([](LiveService& s) { s.tick(); });

@@ -326,7 +326,8 @@ TEST_CASE("a stored program of which any byte changed is not cut", "[daemon][ser
   CHECK(bench.act(job.id, JobAction::Start));
 }
 
-TEST_CASE("a plan of an earlier popcutd is not cut and not used again", "[alone][daemon][service]") {
+TEST_CASE("a plan of an earlier popcutd is not cut and not used again",
+          "[alone][daemon][service]") {
   ServiceBench bench;
   const Job job = bench.ready_job();
   bench.stop();

@@ -58,7 +58,8 @@ class Tablets : public ServiceBench {
     skew_ms += ms;
   }
   static Principal local() {
-    return {.name = "uid:4242" + machine(), .role = Role::Operator, .user = LocalUser{kUser, {kGroup}}};
+    return {
+        .name = "uid:4242" + machine(), .role = Role::Operator, .user = LocalUser{kUser, {kGroup}}};
   }
 };
 
@@ -332,7 +333,8 @@ TEST_CASE("whatever a tablet calls itself is its name and nothing else",
   CHECK(bench.who(tablet.text));
 }
 
-TEST_CASE("the sessions of an earlier popcutd go on as they were", "[alone][daemon][service][pairing]") {
+TEST_CASE("the sessions of an earlier popcutd go on as they were",
+          "[alone][daemon][service][pairing]") {
   Tablets bench;
   const NewToken page = bench.on([&](LiveService& s) {
     return s.access.open_session(s.access.create_one_shot(Tablets::local()).value()).value();
