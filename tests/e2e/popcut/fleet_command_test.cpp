@@ -515,10 +515,10 @@ TEST_CASE("doctor tells of a node and its fleet in plain sentences", "[fleet]") 
   CHECK(says(text, "0 of 1 nodes are alive"));
 
   bench.begin(node);
-  bench.begin("room-9");
+  bench.begin("hall-9");
   REQUIRE(bench.fleet({"drain", node}).exit == 0);
   (void)bench.database.run_sql(
-      "UPDATE popcut.node SET generation='earlier.0', lease_until='-infinity' WHERE name='room-9'");
+      "UPDATE popcut.node SET generation='earlier.0', lease_until='-infinity' WHERE name='hall-9'");
   CHECK(says(bench.fleet({"nodes"}).out, " s, has journals to compare"));
   text = doctor();
   CHECK(says(text, fmt::format("node {} is alive; its lease lasts ", node)));
@@ -527,26 +527,26 @@ TEST_CASE("doctor tells of a node and its fleet in plain sentences", "[fleet]") 
                              "--undo",
                              node)));
   CHECK(says(text,
-             "no sheet can be armed: the database went back to an earlier state, and node room-9 "
+             "no sheet can be armed: the database went back to an earlier state, and node hall-9 "
              "has not compared its journals with it since; start its popcutd; if it is gone for "
-             "good: popcut fleet forget room-9"));
+             "good: popcut fleet forget hall-9"));
   // One that was stopped in order missed nothing at a failover, and holds nobody up.
   (void)bench.database.run_sql(
-      "UPDATE popcut.node SET ended=1 WHERE name='room-9'; UPDATE popcut.node "
-      "SET generation='earlier.0' WHERE name<>'room-9'");
+      "UPDATE popcut.node SET ended=1 WHERE name='hall-9'; UPDATE popcut.node "
+      "SET generation='earlier.0' WHERE name<>'hall-9'");
   text = doctor();
-  CHECK_FALSE(says(text, "room-9"));
+  CHECK_FALSE(says(text, "hall-9"));
   CHECK(
       says(text, fmt::format("node {} is alive, and compares its journals within seconds", node)));
   (void)bench.database.run_sql(fmt::format(
-      "UPDATE popcut.node SET ended=0, generation=popcut.popcut_generation() WHERE name='room-9'; "
+      "UPDATE popcut.node SET ended=0, generation=popcut.popcut_generation() WHERE name='hall-9'; "
       "UPDATE "
       "popcut.node SET lease_until='-infinity' WHERE name='{0}'; UPDATE popcut.node SET "
       "login='other' "
       "WHERE name='{0}'",
       node));
   text = doctor();
-  CHECK(says(text, "node room-9 is silent for "));
+  CHECK(says(text, "node hall-9 is silent for "));
   CHECK(says(text, fmt::format("node {} has no lease: its popcutd was last heard ", node)));
   CHECK(says(text, fmt::format("node {} has the login other, and [fleet] has popcut_n_", node)));
   (void)bench.database.run_sql("UPDATE popcut.popcut_schema SET version=9, least=9");
