@@ -93,7 +93,7 @@ class People {
     Person me{node, std::mt19937(seed), client::Api(std::move(http))};
     while (!over_) {
       nap(0.02 + 0.0005 * static_cast<double>(me.pick(200)));
-      const auto jobs = me.api.list("/v1/jobs", "jobs", 400);
+      const auto jobs = me.api.list("/v1/jobs?order=desc", "jobs", 200);
       if (!jobs) {
         ++unanswered;
         nap(0.2);
