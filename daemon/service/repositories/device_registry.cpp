@@ -60,8 +60,10 @@ void DeviceRegistry::load_others() {
       record.reasons = {fmt::format("node {} does not answer", record.node)};
     }
     Entry& entry = entries_[record.id];
-    // One of the same id is plugged in here.
-    if (!entry.record.id.empty() && !is_remote(entry)) {
+    // One of the same id is plugged in here. What is not was carried to the other node.
+    const bool is_here =
+        !entry.record.id.empty() && !is_remote(entry) && entry.record.state != "absent";
+    if (is_here) {
       // A node that is gone has it no more.
       const std::string taken_by = is_away(record.state) ? std::string() : record.node;
       if (taken_by.empty() && !entry.taken_by.empty()) unstored_ = true;

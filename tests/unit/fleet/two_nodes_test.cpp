@@ -155,6 +155,26 @@ TEST_CASE("a job that is queued at one node is cut at the other", "[fleet]") {
   for (std::size_t i = 1; i < heard_a.size(); ++i) CHECK(heard_a[i] == heard_a[i - 1] + 1);
 }
 
+TEST_CASE("a cutter that is carried to another node is that node's", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet;
+  const std::string device = fleet.a.device();
+  const auto at = [&](Node& node) {
+    return node.bench.on([&](LiveService& s) { return s.devices.find(device); });
+  };
+  REQUIRE(fleet.until([&] { return at(fleet.b).has_value(); }));
+  fleet.a.bench.cutters.unplug(device);
+  REQUIRE(fleet.until([&] { return at(fleet.b)->state == "absent"; }));
+  fleet.b.bench.cutters.plug(device);
+  REQUIRE(fleet.until([&] { return at(fleet.b)->state == "idle" && at(fleet.b)->node == "b"; }));
+  REQUIRE(fleet.until([&] { return at(fleet.a)->state == "idle"; }));
+  CHECK(at(fleet.a)->node == "b");
+  CHECK(at(fleet.a)->node_url == "http://b");
+  const std::string job = fleet.ready();
+  CHECK_THAT(fleet.arm(fleet.a, job, device).error().detail, Catch::Contains("http://b"));
+  CHECK(fleet.arm(fleet.b, job, device));
+}
+
 TEST_CASE("pause and cancel reach the knife from any node", "[fleet]") {
   if (is_skipped()) return;
   Fleet fleet;
