@@ -1051,7 +1051,8 @@ BEGIN
   PERFORM node_speaks(p_node, p_epoch);
   PERFORM attempt_of(p_node, p_id, '{lost,superseded}');
   UPDATE attempt SET ended = p_ended,
-      end_kind = CASE WHEN end_kind = 'superseded' THEN end_kind ELSE p_end_kind END, last_status = p_last_status,
+      end_kind = CASE WHEN end_kind = 'superseded' THEN end_kind ELSE p_end_kind END,
+      last_status = p_last_status,
       bytes_taken = greatest(bytes_taken, p_bytes) WHERE id = p_id;
   DELETE FROM chunk WHERE attempt = p_id;
   INSERT INTO chunk(attempt, seq, path_from, path_to, state)

@@ -95,7 +95,7 @@ void ServiceStore::begin_news() {
 
 void ServiceStore::hear_news() {
   constexpr int kAtOnce = 500;
-  // Who hears of an event may cause the next one: it is told after those that are under way.
+  // A listener may cause another event. The loop below comes to that one in its turn.
   if (db().in_transaction() || hears_) return;
   struct Hearing {
     bool& hears;

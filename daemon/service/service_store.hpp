@@ -40,7 +40,7 @@ class ServiceStore {
   ///
   /// @retval Unavailable  it is large and on its way: ask again
   [[nodiscard]] Answer<void> bring(const std::string& name);
-  /// Who this is among them; changed by `FleetNode`.
+  /// Who this is among them; changed by `NodeLease`.
   [[nodiscard]] const NodeMark& node() const { return node_; }
   [[nodiscard]] NodeMark& node() { return node_; }
   /// Takes note of the fence of a START.

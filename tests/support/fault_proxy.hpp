@@ -34,7 +34,8 @@ class FaultProxy {
 
   /// From now on bytes arrive that much later, also the end of a connection.
   void delay(Way way, std::chrono::milliseconds by);
-  /// A black hole: takes bytes, and ends of connections, and passes nothing; neither side is told.
+  /// A black hole: it accepts bytes and ends of connections, and passes nothing on. Neither side
+  /// notices.
   void hold(Way way);
   /// Passes what was held, and all that comes.
   void pass(Way way);

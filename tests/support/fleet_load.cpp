@@ -255,7 +255,7 @@ struct Due {
   bool operator>(const Due& other) const { return when > other.when; }
 };
 
-/// What is to be done, in the order in which it is due. For many threads.
+/// Work with a time for each piece, the earliest first. For many threads.
 class Agenda {
  public:
   void add(Due one) {
@@ -265,7 +265,7 @@ class Agenda {
     }
     changed_.notify_one();
   }
-  /// Waits until the first is due; nothing when all is done.
+  /// Waits for the time of the earliest piece, and gives it; nothing when no work is left.
   std::optional<Due> take() {
     std::unique_lock hold(lock_);
     for (;;) {

@@ -478,15 +478,10 @@ Answer<void> CutDispatcher::record_end(Cut& cut, const SessionEnd& end) {
     // The record of its strokes is true all the same. A database that went back so far that it does
     // not know the job has no place for it; the journal stays.
     if (!cut.superseded) return {};
-    if (parts_.jobs.attempts().knows(cut.attempt)) {
-      const std::uint64_t bytes = [&] {
-        const std::lock_guard lock(cut.mutex);
-        return cut.settled_bytes;
-      }();
+    if (parts_.jobs.attempts().knows(cut.attempt))
       parts_.jobs.attempts().finish(cut.attempt, parts_.store.now(), "superseded",
-                                    end.error ? message(*end.error) : "", bytes,
+                                    end.error ? message(*end.error) : "", cut.bytes_taken(),
                                     fate_runs(end.fates, cut.dots, cut.first, cut.strokes));
-    }
     parts_.store.emit("notice", cut.job,
                       fmt::format(R"("sheet":{},"state":"superseded")", cut.sheet));
     return {};
@@ -501,11 +496,7 @@ Answer<void> CutDispatcher::record_end(Cut& cut, const SessionEnd& end) {
   const TimeMs now = parts_.store.now();
   std::string status = end.error ? message(*end.error) : end.confirmed ? "ready" : "";
   for (const std::string& remark : end.remarks) status += (status.empty() ? "" : "; ") + remark;
-  const std::uint64_t bytes = [&] {
-    const std::lock_guard lock(cut.mutex);
-    return cut.settled_bytes;
-  }();
-  attempts.finish(cut.attempt, now, verdict.kind, status, bytes, runs);
+  attempts.finish(cut.attempt, now, verdict.kind, status, cut.bytes_taken(), runs);
   std::int64_t certain = 0;
   for (const FateRun& run : runs)
     if (run.fate == PathFate::Certain) certain += run.paths.last - run.paths.first + 1;

@@ -130,13 +130,7 @@ void FleetWatch::close_lost_nodes() {
                       "what it was planning is planned by others",
                       node.name));
   }
-  // Plans that were stored just before their node ended.
-  for (const std::string& plan :
-       all_of(parts_.store.db().rows("SELECT DISTINCT job.plan FROM job JOIN plan ON "
-                                     "plan.id=job.plan WHERE job.state='queued' AND "
-                                     "plan.state!='pending'"),
-              first_text))
-    parts_.jobs.plan_ended(plan);
+  parts_.jobs.plans_ended_before();
   parts_.store.db().run("SELECT node_tidy()");
 }
 
@@ -149,9 +143,8 @@ std::string FleetWatch::metrics() {
   const std::string node = metric_label(lease_.options().name);
   const bool holds = has_begun_ && lease_.holds();
   std::string text = fmt::format(
-      "# TYPE popcut_fleet_lease gauge\n# HELP popcut_fleet_lease Whether this node has a lease "
-      "and "
-      "may arm and start.\npopcut_fleet_lease{{node=\"{}\"}} {}\n"
+      "# TYPE popcut_fleet_lease gauge\n# HELP popcut_fleet_lease Whether this node may arm and "
+      "start.\npopcut_fleet_lease{{node=\"{}\"}} {}\n"
       "# TYPE popcut_fleet_epoch gauge\npopcut_fleet_epoch{{node=\"{}\"}} {}\n",
       node, holds ? 1 : 0, node, parts_.store.node().epoch);
   try {

@@ -18,7 +18,6 @@ class FleetWatch {
   struct Parts {
     ServiceStore& store;
     JobRepository& jobs;
-    PlanningQueue& plans;
     DeviceRegistry& devices;
     IntentJournals& intents;
     CutDispatcher& dispatcher;
@@ -32,7 +31,7 @@ class FleetWatch {
   ///
   /// @retval StateConflict  another popcutd has this node's name
   [[nodiscard]] Answer<void> begin();
-  /// Once a second, and when others tell that there is news.
+  /// Begins if it has not, beats, and hears what others did. About once a second.
   void tick();
   /// The node ends in order.
   void end();

@@ -77,7 +77,7 @@ struct Parts {
             {store, thread, cutters, jobs, plans, programs, registry, intents, options, alive}),
         device_dispatcher({store, thread, cutters, registry, jobs, dispatcher, alive}) {
     if (store.in_fleet()) {
-      fleet.emplace(FleetWatch::Parts{store, jobs, plans, registry, intents, dispatcher, options});
+      fleet.emplace(FleetWatch::Parts{store, jobs, registry, intents, dispatcher, options});
       // So that a journal says from which machine and folder it is.
       options.invocation = store.node().mark() + options.invocation.substr(0, 16);
     }
@@ -200,7 +200,6 @@ class AssembledService final : private PartsHolder, public Operations, public Li
  private:
   Answer<void> begin_alone();
   Answer<void> begin_in_fleet();
-  void look_back();
   void share_again();
   void heed(const Event& event);
   void prune();
@@ -222,22 +221,14 @@ Answer<void> AssembledService::begin() {
     });
   });
   parts_.device_dispatcher.look();
-  if (!parts_.fleet) look_back();
+  if (!parts_.fleet) {
+    parts_.jobs.plans_ended_before();
+    parts_.plans.pump();
+  }
   parts_.thread.every(1000, [this, alive] {
     if (const auto here = alive.lock()) tick();
   });
   return {};
-}
-
-// Plans that were stored just before the last run ended.
-void AssembledService::look_back() {
-  for (const std::string& plan :
-       all_of(parts_.store.db().rows("SELECT DISTINCT job.plan FROM job JOIN plan ON "
-                                     "plan.id=job.plan WHERE job.state='queued' "
-                                     "AND plan.state != 'pending'"),
-              first_text))
-    parts_.jobs.plan_ended(plan);
-  parts_.plans.pump();
 }
 
 // Without the database it begins, too: to show the cutters, and to finish what they cut.
@@ -246,7 +237,8 @@ Answer<void> AssembledService::begin_in_fleet() {
     parts_.tokens.users_changed();
     parts_.registry.load();
     parts_.device_dispatcher.look();
-    look_back();
+    parts_.jobs.plans_ended_before();
+    parts_.plans.pump();
     share_again();
   };
   parts_.store.on_others = [this](const Event& event) { heed(event); };

@@ -41,6 +41,11 @@ struct CutDispatcher::Cut {
   std::uint64_t settled_bytes{};
   bool settled{false};
   std::optional<SessionProgress> progress;
+
+  [[nodiscard]] std::uint64_t bytes_taken() {
+    const std::lock_guard lock(mutex);
+    return settled_bytes;
+  }
 };
 
 }  // namespace popcut::daemon

@@ -188,6 +188,15 @@ void JobRepository::plan_is_at(const std::string& plan, const PlanningPhase& pha
   });
 }
 
+void JobRepository::plans_ended_before() {
+  for (const std::string& plan :
+       all_of(parts_.store.db().rows("SELECT DISTINCT job.plan FROM job JOIN plan ON "
+                                     "plan.id=job.plan WHERE job.state='queued' AND "
+                                     "plan.state!='pending'"),
+              first_text))
+    plan_ended(plan);
+}
+
 void JobRepository::plan_ended(const std::string& plan) { plan_ended_some(plan); }
 
 void JobRepository::plan_ended_some(const std::string& id) {

@@ -67,6 +67,9 @@ class JobRepository : public Jobs {
   /// Tells those who listen what the plan of a job is at; nothing is stored.
   void plan_is_at(const std::string& plan, const PlanningPhase& phase);
   void plan_ended(const std::string& plan);
+  /// The same for all plans whose end was stored and whose jobs were not updated, because popcutd,
+  /// or in a fleet the node that made them, ended in between.
+  void plans_ended_before();
   /// Repeats updates that could not be stored.
   void catch_up();
 

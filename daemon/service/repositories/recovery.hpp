@@ -25,18 +25,22 @@ namespace popcut::daemon {
     ServiceStore& store, JobRepository& jobs, IntentJournals& intents,
     const std::function<bool(const std::string& attempt)>& cuts = {});
 
-/// In a fleet, what a node that does not answer leaves, in one transaction: its cuts are lost, all
-/// of them that is not certain in doubt; its arms have lapsed; its plans are free.
+/// Closes what a node of a fleet leaves that does not answer, in one transaction: its attempts end
+/// as "lost", with every stroke in doubt that is not certain; its armed jobs are ready; others may
+/// make its plans.
 ///
+/// @param epoch  of the life that is over; nothing of a later one is touched
 [[nodiscard]] Answer<void> close_lost_node(ServiceStore& store, JobRepository& jobs,
                                            const std::string& node, std::int64_t epoch);
 
-/// In a fleet, what is known of a cut of this node that another one called lost, in a transaction.
+/// What becomes of a cut of this node that another node of the fleet called lost.
 enum class TakeUp : std::uint8_t {
   Goes,        ///< nobody did anything since: it goes on, and the job is cutting again
   Superseded,  ///< a person decided otherwise meanwhile: its end changes nothing but its record
   Ended,       ///< its end is recorded
 };
+/// Brings the job in step with such a cut, in a transaction.
+///
 /// @param held  whether its tool is up, because a person asked for a pause
 [[nodiscard]] TakeUp take_up(JobRepository& jobs, const std::string& attempt, bool held);
 
