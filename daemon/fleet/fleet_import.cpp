@@ -101,7 +101,7 @@ class Import {
     files();
     for (const std::string_view table : table_names())
       if (table != "event") move_table(std::string(table));
-    // Last, because from here to the commit nobody else can record an event.
+    // Last, because from here to the commit nobody else's event gets a number.
     move_events();
     (void)to_.run("SELECT popcut.node_tidy()");
     (void)to_.number("SELECT pg_notify('popcut', ?)", request_.node);
@@ -221,8 +221,8 @@ class Import {
 
   void move_events() {
     tell("event");
-    const std::int64_t last =
-        to_.number("UPDATE popcut.event_counter SET last=last RETURNING last");
+    to_.hold("popcut.event_counter");  // as event_number() does
+    const std::int64_t last = to_.number("SELECT last FROM popcut.event_counter");
     const std::vector<std::string> columns{"seq", "time", "kind", "job", "data"};
     Batch batch(to_, "event", columns, "");
     Rows rows = from_.rows("SELECT seq, time, kind, job, data FROM event ORDER BY seq");

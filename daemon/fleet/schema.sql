@@ -109,11 +109,17 @@ CREATE TABLE popcut.blob_part(
   data bytea NOT NULL CHECK (octet_length(data) BETWEEN 1 AND 1048576),
   PRIMARY KEY (path, seq));
 
--- The last number of an event. Its row is locked from when a transaction numbers its events to its
--- commit, so that numbers have no gaps, and who reads them in their order misses none.
+-- The last number of an event. Numbers have no gaps, and who reads them in their order misses none.
 CREATE TABLE popcut.event_counter(
   one bigint PRIMARY KEY CHECK (one = 1), last bigint NOT NULL);
 INSERT INTO popcut.event_counter(one, last) VALUES (1, 0);
+
+-- Events without a number, of transactions that are committed since. A transaction that took its
+-- numbers itself would keep all others waiting until it is on the disk; event_number() gives many
+-- their numbers at once. `data` is the JSON object after its member "seq".
+CREATE TABLE popcut.event_new(
+  id bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY, time bigint NOT NULL,
+  kind text COLLATE "C" NOT NULL, job text COLLATE "C" NOT NULL, data text COLLATE "C" NOT NULL);
 
 -- ---------------------------------------------------------------------------------------------
 -- The tables that SQLite has too
@@ -371,6 +377,8 @@ ALTER TABLE popcut.end_tally
   SET (autovacuum_vacuum_scale_factor = 0, autovacuum_vacuum_threshold = 500);
 ALTER TABLE popcut.arm SET (autovacuum_vacuum_scale_factor = 0, autovacuum_vacuum_threshold = 500);
 ALTER TABLE popcut.event_counter
+  SET (autovacuum_vacuum_scale_factor = 0, autovacuum_vacuum_threshold = 500);
+ALTER TABLE popcut.event_new
   SET (autovacuum_vacuum_scale_factor = 0, autovacuum_vacuum_threshold = 500);
 ALTER TABLE popcut.job SET (autovacuum_vacuum_scale_factor = 0.01);
 ALTER TABLE popcut.attempt SET (autovacuum_vacuum_scale_factor = 0.01);
@@ -882,6 +890,43 @@ BEGIN
 END $$;
 
 -- ---------------------------------------------------------------------------------------------
+-- Events
+
+-- Gives numbers to events that are committed, and wakes who waits for some. One caller at a time
+-- does it; the others need not wait. Call it again until it returns 0: then all events that were
+-- committed before the first call have a number, or another caller is about to give it. That one
+-- began before a 0 was returned here, so it calls again and finds them. Events of a job keep their
+-- order: a transaction takes its ids when it has the job's row.
+CREATE FUNCTION popcut.event_number() RETURNS bigint LANGUAGE plpgsql
+SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
+DECLARE
+  c_at_once CONSTANT bigint := 1000;
+  v_last bigint;
+  v_count bigint;
+BEGIN
+  -- Who finds nothing takes no lock, so that nobody is turned away because of it.
+  PERFORM FROM event_new ORDER BY id LIMIT 1;
+  IF NOT FOUND THEN RETURN 0; END IF;
+  IF NOT pg_try_advisory_xact_lock(hashtextextended('popcut.event_counter', 0)) THEN
+    RETURN 0;
+  END IF;
+  SELECT last INTO v_last FROM event_counter FOR UPDATE;
+  WITH first AS (SELECT id FROM event_new ORDER BY id LIMIT c_at_once),
+    gone AS (DELETE FROM event_new USING first WHERE event_new.id = first.id
+             RETURNING event_new.id, time, kind, job, data),
+    numbered AS (SELECT v_last + row_number() OVER (ORDER BY id) AS seq, time, kind, job, data
+                 FROM gone)
+    INSERT INTO event(seq, time, kind, job, data)
+    SELECT seq, time, kind, job, '{"seq":' || seq || ',' || data FROM numbered;
+  GET DIAGNOSTICS v_count = ROW_COUNT;
+  IF v_count > 0 THEN
+    UPDATE event_counter SET last = v_last + v_count;
+    PERFORM pg_notify('popcut', 'event');
+  END IF;
+  RETURN greatest(v_count, 1);  -- 1 too if others were faster: this call may have turned some away
+END $$;
+
+-- ---------------------------------------------------------------------------------------------
 -- The knife
 
 CREATE FUNCTION popcut.knife_arm(p_node text, p_epoch bigint, p_job text, p_sheet bigint,
@@ -1168,13 +1213,13 @@ GRANT SELECT ON ALL TABLES IN SCHEMA popcut TO popcut_node;
 GRANT SELECT ON ALL SEQUENCES IN SCHEMA popcut TO popcut_node;
 GRANT INSERT, UPDATE, DELETE ON popcut.blob, popcut.blob_part, popcut.event_counter, popcut.asset,
   popcut.design, popcut.asset_use, popcut.plan, popcut.plan_sheet, popcut.plan_asker, popcut.job,
-  popcut.tally, popcut.sheet, popcut.event, popcut.idem, popcut.audit, popcut.token,
+  popcut.tally, popcut.sheet, popcut.event, popcut.event_new, popcut.idem, popcut.audit, popcut.token,
   popcut.session, popcut.material, popcut.device, popcut.usage, popcut.calendar, popcut.end_tally
   TO popcut_node;
 GRANT EXECUTE ON FUNCTION popcut.clock_ms(), popcut.popcut_generation(),
   popcut.node_begin(text, text, text, text, bigint, bigint), popcut.node_reported(text, bigint),
   popcut.node_beat(text, bigint, double precision, bigint), popcut.node_lapse(text, bigint),
-  popcut.node_end(text, bigint), popcut.node_tidy(),
+  popcut.node_end(text, bigint), popcut.node_tidy(), popcut.event_number(),
   popcut.knife_arm(text, bigint, text, bigint, bigint, text, text, text, bigint, text),
   popcut.knife_disarm(text),
   popcut.knife_start(text, bigint, text, text, bigint, bigint, bigint, bigint, bigint, text, text,

@@ -42,7 +42,7 @@ void ServiceStore::follow_up() {
   if (!events.empty()) try_to([&] { store_.bear_witness(events.back().seq); });
   if (in_fleet())
     try_to([&] {
-      for (const Event& event : events) own_.insert(event.seq);
+      for (const Event& event : events) own_.insert(event.data);
       hear_news();
     });
   else
@@ -59,21 +59,28 @@ void ServiceStore::emit(const std::string& kind, const std::string& job,
   events_.push_back({0, kind, now(), job, std::move(data)});
 }
 
-// In a fleet the counter's row is held from here to the commit, so that numbers come in the order
-// of the commits, and nobody who reads them in that order misses one.
 void ServiceStore::store_events() {
   if (events_.empty()) return;
-  const auto count = static_cast<std::int64_t>(events_.size());
-  std::int64_t seq =
-      in_fleet() ? db().number("UPDATE event_counter SET last=last+? RETURNING last", count) - count
-                 : db().number("SELECT max(seq) FROM event");
+  if (in_fleet()) {
+    for (const Event& event : events_)
+      db().insert("event_new(time, kind, job, data)", event.time, event.kind, event.job,
+                  event.data);
+    return;
+  }
+  std::int64_t seq = db().number("SELECT max(seq) FROM event");
   for (Event& event : events_) {
     event.seq = ++seq;
     event.data = fmt::format(R"({{"seq":{},{})", seq, event.data);
     db().insert("event(seq, time, kind, job, data)", seq, event.time, event.kind, event.job,
                 event.data);
   }
-  if (in_fleet()) (void)db().number("SELECT pg_notify('popcut', ?)", node_.name);
+}
+
+void ServiceStore::number_events() {
+  // Others may add some all the time; the next turn goes on.
+  constexpr int kMostTimes = 10;
+  for (int times = 0; times < kMostTimes; ++times)
+    if (db().number("SELECT event_number()") == 0) return;
 }
 
 Answer<void> ServiceStore::bring(const std::string& name) {
@@ -102,6 +109,7 @@ void ServiceStore::hear_news() {
     explicit Hearing(bool& flag) : hears(flag) { hears = true; }
     ~Hearing() { hears = false; }
   } const hearing(hears_);
+  number_events();
   for (int count = 1; count > 0;) {
     std::vector<Event> news = all_of(
         db().rows("SELECT seq, kind, time, job, data FROM event WHERE seq>? ORDER BY seq LIMIT ?",
@@ -115,7 +123,11 @@ void ServiceStore::hear_news() {
     for (const Event& event : news) {
       told_ = event.seq;
       tell(event);
-      if (own_.erase(event.seq) == 0 && on_others) on_others(event);
+      const auto own = own_.find(event.data.substr(event.data.find(',') + 1));
+      if (own != own_.end())
+        own_.erase(own);
+      else if (on_others)
+        on_others(event);
     }
   }
 }

@@ -159,6 +159,7 @@ class ServiceStore {
   static constexpr int kMostTries = 5;
   [[nodiscard]] bool was_overtaken(const StoreFault& fault) const;
   void store_events();
+  void number_events();
   void follow_up();
   void degrade(const std::string& why);
   [[nodiscard]] Problem degraded_problem() const;
@@ -168,11 +169,12 @@ class ServiceStore {
   const ServiceOptions& options_;
   UlidSource ulids_;
   std::vector<std::function<void()>> after_;
-  std::vector<Event> events_;  ///< of this transaction, numbered at its end
+  std::vector<Event> events_;  ///< of this transaction; in a fleet numbered after its commit
   NodeMark node_;
   std::int64_t told_{0};  ///< in a fleet: the last event that was told of
   bool hears_{false}, has_news_{false};
-  std::set<std::int64_t> own_{};  ///< events of this node that were not told of yet
+  /// What events of this node say after their number that were not told of yet.
+  std::multiset<std::string> own_{};
   std::vector<std::function<void(const Event&)>> listeners_;
   std::string degraded_why_;
   bool degraded_{false};

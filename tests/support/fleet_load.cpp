@@ -48,22 +48,23 @@ struct Desk {
   void emit(Events events, const std::string& job, const std::string& state) {
     if (events == Events::None) return;
     const std::string data = fmt::format(R"("kind":"job","job":"{}","state":"{}")", job, state);
-    const std::int64_t seq =
-        database.number("UPDATE event_counter SET last=last+? RETURNING last", 1);
-    database.insert("event(seq, time, kind, job, data)", seq, 1, "job", job,
-                    fmt::format(R"({{"seq":{},{}}})", seq, data));
-    (void)database.number("SELECT pg_notify('popcut', ?)", mark.name);
+    database.insert("event_new(time, kind, job, data)", 1, "job", job, data + "}");
+  }
+  void number(Events events) {
+    if (events == Events::None) return;
+    while (database.number("SELECT event_number()") != 0) continue;
   }
   void audit(const std::string& action, const std::string& job) {
     database.insert("audit(time, principal, action, subject, detail)", 1, "olga", action, job, "");
   }
-  /// A transaction; again if it was overtaken.
-  void change(std::atomic<std::size_t>& again, const std::function<void()>& work) {
+  /// A transaction; again if it was overtaken. Then its events get their numbers.
+  void change(std::atomic<std::size_t>& again, Events events, const std::function<void()>& work) {
     for (;;) {
       try {
         Transaction all(database);
         work();
         all.commit();
+        number(events);
         return;
       } catch (const StoreFault& fault) {
         if (fault.kind() != FaultKind::Again) throw;
@@ -113,7 +114,7 @@ struct FleetLoad::Parts {
   void arm(Desk& desk, Events events, std::int64_t number, int node) {
     desk.mark = marks[static_cast<std::size_t>(node)];
     const std::string device = fmt::format("dev-{}", node);
-    desk.change(again, [&] {
+    desk.change(again, events, [&] {
       JobRow row = desk.jobs.find(job_id(number)).value();
       row.state = JobState::Armed;
       row.device = device;
@@ -135,7 +136,7 @@ struct FleetLoad::Parts {
 
   void start(Desk& desk, Events events, std::int64_t number, int node) {
     desk.mark = marks[static_cast<std::size_t>(node)];
-    desk.change(again, [&] {
+    desk.change(again, events, [&] {
       JobRow row = desk.jobs.find(job_id(number)).value();
       (void)desk.attempts.armed(row.id);
       (void)desk.attempts.start({.id = attempt_id(number),
@@ -170,7 +171,7 @@ struct FleetLoad::Parts {
 
   void end(Desk& desk, Events events, std::int64_t number, int node) {
     desk.mark = marks[static_cast<std::size_t>(node)];
-    desk.change(again, [&] {
+    desk.change(again, events, [&] {
       desk.attempts.finish(attempt_id(number), 2, "done", "", 1000,
                            {{{0, kStrokes - 1}, PathFate::Certain}});
       JobRow row = desk.jobs.find(job_id(number)).value();

@@ -17,7 +17,7 @@ struct CallTimes {
 };
 [[nodiscard]] CallTimes call_times(std::vector<double> times_ms);
 
-/// Whether a transaction stores its event, with a number: all that do commit one after the other.
+/// Whether a transaction stores its event, and gives it a number after the commit.
 enum class Events { None, Stored };
 
 /// Many nodes with a cutter each, as clients of a fleet's database: what a popcutd sends for an

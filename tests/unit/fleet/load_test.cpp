@@ -33,6 +33,14 @@ TEST_CASE("forty sheets by fifty nodes, and not one stroke twice", "[fleet]") {
         "120|1|120|120");
   CHECK(load.most_sheets_s(0.2, Events::None) > 0);
   CHECK(load.most_calls_s(0.2) > 0);
+  // Also when all connections give numbers at once: none is forgotten, and those of a job are in
+  // the order of its changes.
+  CHECK(load.most_sheets_s(0.5, Events::Stored) > 0);
+  CHECK(fleet("SELECT count(*) FROM event_new") == "0");
+  CHECK(fleet("SELECT min(seq), max(seq) = count(*), max(seq) = (SELECT last FROM event_counter), "
+              "bool_and((data::json->>'seq')::bigint = seq) FROM event") == "1|t|t|t");
+  CHECK(fleet("SELECT DISTINCT string_agg(data::json->>'state', ' ' ORDER BY seq) FROM event "
+              "GROUP BY job") == "armed cutting done");
   CHECK(load.bare_claims_s(0.2) > 0);
   CHECK(fleet("SELECT count(*) FROM attempt WHERE ended IS NULL") == "0");
 }
