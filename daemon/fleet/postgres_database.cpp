@@ -189,6 +189,7 @@ std::optional<std::string> text_of(const Bound& value) {
 }
 
 bool ends_transaction(std::string_view sql) { return sql == "COMMIT" || sql == "ROLLBACK"; }
+constexpr std::string_view kBegin = "BEGIN; ";
 bool is_control(std::string_view sql) {
   return ends_transaction(sql) || sql.starts_with("BEGIN") || sql.starts_with("SAVEPOINT") ||
          sql.starts_with("RELEASE") || sql.starts_with("ROLLBACK") || sql.starts_with("SET ");
@@ -365,9 +366,21 @@ struct PostgresDatabase::Line {
     return connection != nullptr;
   }
 
-  /// Runs a statement, or several that are not kept, and keeps the books on the transaction.
+  /// Runs a statement, or several that are not prepared, and keeps the books on the transaction.
   pqxx::result ask(std::string_view sql, std::span<const Bound> values, bool is_script = false);
   pqxx::result send(std::string_view sql, std::span<const Bound> values);
+  /// Keeps a statement until the next one is sent.
+  void keep(std::string_view sql, std::span<const Bound> values);
+  /// The name under which the server knows the statement.
+  const std::string& prepare(std::string_view sql);
+  /// As text for a statement that the server knows.
+  std::string execution(std::string_view sql, std::span<const Bound> values);
+  /// Runs `work`, which talks to the server, and says what its faults mean.
+  template <typename Work>
+  pqxx::result watched(std::string_view sql, const Work& work);
+  /// Throws if the statement cannot be sent now.
+  void look(std::string_view sql);
+  void roll_back();
   [[nodiscard]] StoreFault failed(FaultKind kind, const std::string& what, std::string_view sql);
   void lose(const std::string& because) {
     why = because;
@@ -375,6 +388,7 @@ struct PostgresDatabase::Line {
     standby.reset();
     connection.reset();
     prepared.clear();
+    kept.clear();
     again = Clock::now();
     dead = open;
   }
@@ -384,6 +398,7 @@ struct PostgresDatabase::Line {
   std::unique_ptr<pqxx::connection> connection;
   std::unique_ptr<StandbyEar> standby;
   std::unordered_map<std::string, std::string> prepared;  ///< names by text
+  std::string kept;  ///< statements that go with the next one, each with its semicolon
   std::unordered_map<std::string, std::unique_ptr<pqxx::notification_receiver>> listens;
   std::shared_ptr<Found> found;
   std::thread seeker;
@@ -396,22 +411,45 @@ struct PostgresDatabase::Line {
   bool aborted{false};  ///< a statement of it failed
 };
 
-pqxx::result PostgresDatabase::Line::send(std::string_view sql, std::span<const Bound> values) {
-  pqxx::nontransaction work(*connection);
+const std::string& PostgresDatabase::Line::prepare(std::string_view sql) {
   const std::string text(sql);
   auto known = prepared.find(text);
   if (known == prepared.end()) {
     std::string name = fmt::format("s{}", prepared.size());
     connection->prepare(name, with_dollars(sql));
+    connection->prepare_now(name);
     known = prepared.emplace(text, std::move(name)).first;
   }
+  return known->second;
+}
+
+std::string PostgresDatabase::Line::execution(std::string_view sql, std::span<const Bound> values) {
+  std::string text = "EXECUTE " + connection->quote_name(prepare(sql));
+  const char* before = "(";
+  for (const Bound& value : values) {
+    const std::optional<std::string> one = text_of(value);
+    text += before;
+    text += one ? connection->quote(*one) : "NULL";
+    before = ", ";
+  }
+  return values.empty() ? text : text + ")";
+}
+
+pqxx::result PostgresDatabase::Line::send(std::string_view sql, std::span<const Bound> values) {
+  pqxx::nontransaction work(*connection);
+  if (!kept.empty()) {
+    const std::string all = kept + execution(sql, values);
+    kept.clear();
+    return work.exec(all);
+  }
+  const std::string& name = prepare(sql);
   std::vector<std::optional<std::string>> texts;
   texts.reserve(values.size());
   for (const Bound& value : values) texts.push_back(text_of(value));
   std::vector<const char*> given;
   given.reserve(values.size());
   for (const auto& one : texts) given.push_back(one ? one->c_str() : nullptr);
-  return work.exec_prepared(known->second, pqxx::prepare::make_dynamic_params(given));
+  return work.exec_prepared(name, pqxx::prepare::make_dynamic_params(given));
 }
 
 StoreFault PostgresDatabase::Line::failed(FaultKind kind, const std::string& what,
@@ -420,7 +458,7 @@ StoreFault PostgresDatabase::Line::failed(FaultKind kind, const std::string& wha
   const std::string said = one_line(what);
   if (kind != FaultKind::Away && connection->is_open()) {
     aborted = open;
-    if (commits) open = aborted = false;  // it has rolled back
+    if (commits) roll_back();
     if (kind == FaultKind::Refused) return {kind, sentence_of(what)};
     return {kind, fmt::format("{} ({})", said, sql.substr(0, 200))};
   }
@@ -430,34 +468,29 @@ StoreFault PostgresDatabase::Line::failed(FaultKind kind, const std::string& wha
   return {FaultKind::InDoubt, said};
 }
 
-pqxx::result PostgresDatabase::Line::ask(std::string_view sql, std::span<const Bound> values,
-                                         bool is_script) {
-  if (dead) {
-    if (sql != "ROLLBACK") throw StoreFault(FaultKind::Away, why);
-    open = dead = aborted = false;
-    return {};
-  }
-  if (!take()) throw StoreFault(FaultKind::Away, why);
-  // PostgreSQL would answer it with a ROLLBACK that looks like success.
-  if (sql == "COMMIT" && aborted)
-    throw StoreFault(FaultKind::Other, "a statement of this transaction failed");
+// What failed may be a statement that went with the COMMIT: then nothing was rolled back yet.
+void PostgresDatabase::Line::roll_back() {
+  open = aborted = false;
   watchdog.begin(connection->sock(), options.answer_s + 1);
   try {
-    pqxx::result rows;
-    if (is_script || is_control(sql)) {
-      pqxx::nontransaction work(*connection);
-      rows = work.exec(std::string(sql));
-    } else {
-      rows = send(sql, values);
-    }
+    pqxx::nontransaction(*connection).exec("ROLLBACK");
+    watchdog.end();
+  } catch (const std::exception& fault) {
+    watchdog.end();
+    lose(one_line(fault.what()));
+  }
+}
+
+template <typename Work>
+pqxx::result PostgresDatabase::Line::watched(std::string_view sql, const Work& work) {
+  watchdog.begin(connection->sock(), options.answer_s + 1);
+  try {
+    pqxx::result rows = work();
     watchdog.end();
     if (standby && std::exchange(standby->gave_up, false)) {
       open = aborted = false;
       throw StoreFault(FaultKind::InDoubt, "no standby confirmed the commit");
     }
-    if (sql == "BEGIN") open = true;
-    if (sql.starts_with("ROLLBACK TO")) aborted = false;
-    if (ends_transaction(sql)) open = aborted = false;
     return rows;
   } catch (const pqxx::broken_connection& fault) {
     // What libpqxx says of a connection that broke during a statement is of no use to anybody.
@@ -485,6 +518,52 @@ pqxx::result PostgresDatabase::Line::ask(std::string_view sql, std::span<const B
     throw failed(is_late || !connection->is_open() ? FaultKind::Away : FaultKind::Other,
                  fault.what(), sql);
   }
+}
+
+void PostgresDatabase::Line::look(std::string_view sql) {
+  if (dead || !take()) throw StoreFault(FaultKind::Away, why);
+  // Of a statement after it PostgreSQL would say less, and answer a COMMIT with a ROLLBACK that
+  // looks like success.
+  if (aborted && !sql.starts_with("ROLLBACK"))
+    throw StoreFault(FaultKind::Other, "a statement of this transaction failed");
+}
+
+pqxx::result PostgresDatabase::Line::ask(std::string_view sql, std::span<const Bound> values,
+                                         bool is_script) {
+  if (dead && sql == "ROLLBACK") {
+    open = dead = aborted = false;
+    return {};
+  }
+  look(sql);
+  if (sql == "BEGIN") {
+    kept = kBegin;
+    open = true;
+    return {};
+  }
+  if (kept == kBegin && ends_transaction(sql)) {
+    kept.clear();
+    open = aborted = false;
+    return {};
+  }
+  if (sql.starts_with("ROLLBACK")) kept.clear();
+  pqxx::result rows = watched(sql, [&] {
+    if (!is_script && !is_control(sql)) return send(sql, values);
+    const std::string all = std::exchange(kept, {}) + std::string(sql);
+    return pqxx::nontransaction(*connection).exec(all);
+  });
+  if (sql.starts_with("ROLLBACK TO")) aborted = false;
+  if (ends_transaction(sql)) open = aborted = false;
+  return rows;
+}
+
+void PostgresDatabase::Line::keep(std::string_view sql, std::span<const Bound> values) {
+  constexpr std::size_t kMostBytes = 1 << 18;
+  look(sql);
+  watched(sql, [&]() -> pqxx::result {
+    kept += execution(sql, values) + "; ";
+    if (kept.size() < kMostBytes) return {};
+    return pqxx::nontransaction(*connection).exec(std::exchange(kept, {}));
+  });
 }
 
 namespace {
@@ -535,6 +614,13 @@ Rows PostgresDatabase::rows_list(std::string_view sql, std::span<const Bound> va
 
 int PostgresDatabase::run_list(std::string_view sql, std::span<const Bound> values) {
   return static_cast<int>(line_->ask(sql, values).affected_rows());
+}
+
+void PostgresDatabase::later_list(std::string_view sql, std::span<const Bound> values) {
+  if (line_->open)
+    line_->keep(sql, values);
+  else
+    line_->ask(sql, values);
 }
 
 void PostgresDatabase::script(const std::string& sql) { line_->ask(sql, {}, true); }

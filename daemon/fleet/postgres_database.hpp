@@ -14,6 +14,9 @@ namespace popcut::daemon {
 /// A statement waits at most `answer_s` for its answer; then the connection is given up (Away, or
 /// InDoubt if it was a COMMIT). Until there is a new one, which another thread looks for, every
 /// statement fails at once: a server that is gone holds nobody up twice.
+///
+/// A BEGIN, and what is for `later`, goes with the next statement that needs an answer: each way to
+/// the server and back costs more than most statements.
 class PostgresDatabase final : public Database {
  public:
   struct Options {
@@ -34,6 +37,7 @@ class PostgresDatabase final : public Database {
 
   void hold(std::string_view name) override;
   int run_list(std::string_view sql, std::span<const Bound> values) override;
+  void later_list(std::string_view sql, std::span<const Bound> values) override;
   [[nodiscard]] Rows rows_list(std::string_view sql, std::span<const Bound> values) override;
   void script(const std::string& sql) override;
   [[nodiscard]] bool in_transaction() const override;

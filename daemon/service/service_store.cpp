@@ -63,8 +63,8 @@ void ServiceStore::store_events() {
   if (events_.empty()) return;
   if (in_fleet()) {
     for (const Event& event : events_)
-      db().insert("event_new(time, kind, job, data)", event.time, event.kind, event.job,
-                  event.data);
+      db().insert_later("event_new(time, kind, job, data)", event.time, event.kind, event.job,
+                        event.data);
     return;
   }
   std::int64_t seq = db().number("SELECT max(seq) FROM event");
@@ -143,8 +143,8 @@ void ServiceStore::tell(const Event& event) {
 
 void ServiceStore::audit(const std::string& principal, std::string_view action,
                          const std::string& subject, const std::string& detail) {
-  db().insert("audit(time, principal, action, subject, detail)", now(), principal, action, subject,
-              detail);
+  db().insert_later("audit(time, principal, action, subject, detail)", now(), principal, action,
+                    subject, detail);
 }
 
 void ServiceStore::log(const std::string& line) const {

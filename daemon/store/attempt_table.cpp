@@ -97,9 +97,9 @@ void AttemptTable::finish(const std::string& attempt, TimeMs ended, const std::s
       to += comma + std::to_string(run.paths.last);
       states += std::string(comma) + (run.fate == PathFate::Certain ? "certain" : "doubt");
     }
-    db_.run("SELECT knife_end(?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", node_.name, node_.epoch, attempt,
-            ended, end_kind, last_status, bytes_taken, "{" + from + "}", "{" + to + "}",
-            "{" + states + "}");
+    db_.later("SELECT knife_end(?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", node_.name, node_.epoch, attempt,
+              ended, end_kind, last_status, bytes_taken, "{" + from + "}", "{" + to + "}",
+              "{" + states + "}");
     return;
   }
   db_.run("UPDATE attempt SET ended=?, end_kind=?, last_status=? WHERE id=?", ended, end_kind,
@@ -199,7 +199,7 @@ std::vector<FateRun> AttemptTable::fates(const std::string& attempt) {
 void AttemptTable::put_sheet(const std::string& job, int sheet, int blank, int segment,
                              std::string_view state, std::optional<TimeMs> started,
                              std::optional<TimeMs> finished) {
-  db_.run(
+  db_.later(
       "INSERT INTO sheet(job, k, blank, segment, state, started, finished) "
       "VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7) ON CONFLICT(job, k) DO UPDATE SET blank=?3, "
       "segment=?4, state=?5, started=coalesce(?6, sheet.started), finished=?7",
@@ -223,16 +223,16 @@ std::optional<AttemptTable::SheetRow> AttemptTable::sheet(const std::string& job
 
 void AttemptTable::arm(const ArmRow& row) {
   if (db_.is_shared())
-    db_.run("SELECT knife_arm(?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", node_.name, node_.epoch, row.job,
-            row.sheet, row.blank, row.device, row.plan_sha256, row.operator_name, row.armed,
-            row.invocation);
+    db_.later("SELECT knife_arm(?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", node_.name, node_.epoch, row.job,
+              row.sheet, row.blank, row.device, row.plan_sha256, row.operator_name, row.armed,
+              row.invocation);
   else
     db_.put("arm(" POPCUT_ARM_COLUMNS ")", "job", row.job, row.sheet, row.blank, row.device,
             row.plan_sha256, row.operator_name, row.armed, row.invocation, node_.name, node_.epoch);
 }
 
 void AttemptTable::disarm(const std::string& job) {
-  db_.run(db_.is_shared() ? "SELECT knife_disarm(?)" : "DELETE FROM arm WHERE job=?", job);
+  db_.later(db_.is_shared() ? "SELECT knife_disarm(?)" : "DELETE FROM arm WHERE job=?", job);
 }
 
 void AttemptTable::disarm_all() {

@@ -9,12 +9,6 @@
 namespace popcut::daemon {
 namespace {
 
-std::string insertion(std::string_view into, std::size_t values) {
-  std::string sql = fmt::format("INSERT INTO {} VALUES(?", into);
-  for (std::size_t at = 1; at < values; ++at) sql += ", ?";
-  return sql + ")";
-}
-
 // The names between the brackets of "table(one, two)", or of "one, two".
 std::vector<std::string_view> names_in(std::string_view list) {
   const std::size_t open = list.find('(');
@@ -31,6 +25,12 @@ std::vector<std::string_view> names_in(std::string_view list) {
 }
 
 }  // namespace
+
+std::string Database::insertion(std::string_view into, std::size_t values) {
+  std::string sql = fmt::format("INSERT INTO {} VALUES(?", into);
+  for (std::size_t at = 1; at < values; ++at) sql += ", ?";
+  return sql + ")";
+}
 
 int Database::insert_list(std::string_view into, std::span<const Bound> values) {
   return run_list(insertion(into, values.size()), values);

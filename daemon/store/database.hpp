@@ -156,6 +156,19 @@ class Database {
   int run(std::string_view sql, const Values&... values) {
     return run_list(sql, std::array<Bound, sizeof...(Values)>{Bound(values)...});
   }
+  /// As `run`, in a transaction, for a statement whose outcome decides nothing there: it may run as
+  /// late as the next one that is not for later, or the commit, which then throws its fault. A
+  /// shared database is further away than a file: what goes there together costs one way.
+  template <typename... Values>
+  void later(std::string_view sql, const Values&... values) {
+    later_list(sql, std::array<Bound, sizeof...(Values)>{Bound(values)...});
+  }
+  /// As `insert`, like `later`.
+  template <typename... Values>
+  void insert_later(std::string_view into, const Values&... values) {
+    const std::array<Bound, sizeof...(Values)> all{Bound(values)...};
+    later_list(insertion(into, all.size()), all);
+  }
   template <typename... Values>
   [[nodiscard]] Rows rows(std::string_view sql, const Values&... values) {
     return rows_list(sql, std::array<Bound, sizeof...(Values)>{Bound(values)...});
@@ -182,6 +195,9 @@ class Database {
   /// database that is not shared there is nobody to wait for.
   virtual void hold(std::string_view name) = 0;
   virtual int run_list(std::string_view sql, std::span<const Bound> values) = 0;
+  virtual void later_list(std::string_view sql, std::span<const Bound> values) {
+    run_list(sql, values);
+  }
   [[nodiscard]] virtual Rows rows_list(std::string_view sql, std::span<const Bound> values) = 0;
   int insert_list(std::string_view into, std::span<const Bound> values);
   int put_list(std::string_view into, std::string_view keys, std::span<const Bound> values);
@@ -201,6 +217,7 @@ class Database {
 
  private:
   friend class Transaction;
+  [[nodiscard]] static std::string insertion(std::string_view into, std::size_t values);
   /// How a transaction that will write begins.
   [[nodiscard]] virtual std::string_view begin_words() const = 0;
 };

@@ -47,11 +47,13 @@ double median(std::vector<double> values) {
 
 void print(const char* title, const FleetLoad::Figures& figures) {
   std::printf("%s: %zu sheets, %zu transactions ran again\n", title, figures.sheets, figures.again);
-  std::printf("  call     calls   p50 ms   p99 ms  most ms\n");
-  for (const char* call : {"beat", "arm", "start", "mark", "end"}) {
+  std::printf("  call         calls   p50 ms   p99 ms  most ms    p50  p99 of a bare claim's\n");
+  const CallTimes& peer = figures.calls.at("bare claim");
+  for (const char* call : {"bare claim", "beat", "arm", "start", "mark", "end"}) {
     const CallTimes& times = figures.calls.at(call);
-    std::printf("  %-6s %7zu %8.1f %8.1f %8.1f\n", call, times.count, times.p50_ms, times.p99_ms,
-                times.most_ms);
+    std::printf("  %-10s %7zu %8.1f %8.1f %8.1f %6.2f %4.2f\n", call, times.count, times.p50_ms,
+                times.p99_ms, times.most_ms, times.p50_ms / peer.p50_ms,
+                times.p99_ms / peer.p99_ms);
   }
   std::fflush(stdout);
 }

@@ -48,14 +48,15 @@ struct Desk {
   void emit(Events events, const std::string& job, const std::string& state) {
     if (events == Events::None) return;
     const std::string data = fmt::format(R"("kind":"job","job":"{}","state":"{}")", job, state);
-    database.insert("event_new(time, kind, job, data)", 1, "job", job, data + "}");
+    database.insert_later("event_new(time, kind, job, data)", 1, "job", job, data + "}");
   }
   void number(Events events) {
     if (events == Events::None) return;
     while (database.number("SELECT event_number()") != 0) continue;
   }
   void audit(const std::string& action, const std::string& job) {
-    database.insert("audit(time, principal, action, subject, detail)", 1, "olga", action, job, "");
+    database.insert_later("audit(time, principal, action, subject, detail)", 1, "olga", action, job,
+                          "");
   }
   /// A transaction; again if it was overtaken. Then its events get their numbers.
   void change(std::atomic<std::size_t>& again, Events events, const std::function<void()>& work) {
@@ -181,11 +182,11 @@ struct FleetLoad::Parts {
       row.paths_certain = row.paths_sent = kStrokes;
       desk.attempts.put_sheet(row.id, row.sheet, row.blank, row.segment, "done", {}, 2);
       desk.jobs.update(row);
-      desk.database.insert(
+      desk.database.insert_later(
           "usage(time, owner, operator, device, material, job, k, seconds, cut_mm, sheets)", 2,
           row.owner, "olga", row.device, row.material, row.id, 1, 60.0, 100.0, 1);
-      desk.database.run("UPDATE device SET sheets_done=sheets_done+?, cut_mm=cut_mm+? WHERE id=?",
-                        1, 100.0, row.device);
+      desk.database.later("UPDATE device SET sheets_done=sheets_done+?, cut_mm=cut_mm+? WHERE id=?",
+                          1, 100.0, row.device);
       desk.emit(events, row.id, "done");
     });
   }
@@ -196,6 +197,46 @@ struct FleetLoad::Parts {
                                      one.epoch, kLeaseS);
     if (!answer.next() || answer.integer(0) == 0)
       throw StoreFault(FaultKind::Other, one.name + " is not alive");
+  }
+
+  // The tables of a queue that knows no knife: 3 215 claims/s were measured with it.
+  void make_bare_queue(std::int64_t sheets) {
+    fleet(
+        "DROP SCHEMA IF EXISTS bare CASCADE; CREATE SCHEMA bare; "
+        "CREATE SEQUENCE bare.fence; "
+        "CREATE TABLE bare.sheet(job bigint, k int, blank int DEFAULT 1, segment int DEFAULT 1, "
+        "site text, prio int DEFAULT 0, state text, PRIMARY KEY(job, k)) WITH (fillfactor=70); "
+        "CREATE INDEX ON bare.sheet(site, prio DESC, job, k) WHERE state='pending'; "
+        "CREATE TABLE bare.attempt(id bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY, job bigint, "
+        "k int, blank int, segment int, cutter text, epoch bigint, fence bigint UNIQUE DEFAULT "
+        "nextval('bare.fence'), state text, claimed_at timestamptz DEFAULT now(), lease_until "
+        "timestamptz NOT NULL, started_at timestamptz) WITH (fillfactor=70); "
+        "CREATE UNIQUE INDEX ON bare.attempt(job, k) WHERE state IN ('claimed', 'armed', "
+        "'cutting'); "
+        "CREATE UNIQUE INDEX ON bare.attempt(job, k, blank, segment) WHERE started_at IS NOT NULL; "
+        "CREATE UNIQUE INDEX ON bare.attempt(cutter) WHERE state='cutting'; "
+        "CREATE INDEX ON bare.attempt(lease_until) WHERE state IN ('claimed', 'armed', 'cutting')");
+    fleet(
+        fmt::format("INSERT INTO bare.sheet(job, k, site, state) SELECT n, 1, 'lab', 'pending' "
+                    "FROM generate_series(1, {}) n",
+                    sheets));
+    fleet(
+        fmt::format("ANALYZE bare.sheet; GRANT USAGE ON SCHEMA bare TO {0}; GRANT ALL ON ALL "
+                    "TABLES IN SCHEMA bare TO {0}; GRANT ALL ON ALL SEQUENCES IN SCHEMA bare "
+                    "TO {0}",
+                    kLogin));
+  }
+
+  void bare_claim(Desk& desk, const std::string& cutter) {
+    const std::string got = desk.line.prepared(
+        "WITH c AS (SELECT job, k, blank, segment FROM bare.sheet WHERE site=$1 AND "
+        "state='pending' ORDER BY prio DESC, job, k LIMIT 1 FOR UPDATE SKIP LOCKED), u AS "
+        "(UPDATE bare.sheet s SET state='claimed' FROM c WHERE (s.job, s.k)=(c.job, c.k) "
+        "RETURNING 1) INSERT INTO bare.attempt(job, k, blank, segment, cutter, epoch, state, "
+        "lease_until) SELECT job, k, blank, segment, $2, 1, 'claimed', now() + '60 s' FROM c "
+        "RETURNING id, fence",
+        {"lab", cutter});
+    if (got.empty()) throw std::runtime_error("there are no more sheets");
   }
 
   /// `work(desk, its number)` on a thread for each connection; the first fault.
@@ -244,8 +285,9 @@ FleetLoad::~FleetLoad() = default;
 
 namespace {
 
-enum class Call { Beat, Arm, Start, Mark, End };
-constexpr std::array<const char*, 5> kCallNames{"beat", "arm", "start", "mark", "end"};
+enum class Call { Beat, Arm, Start, Mark, End, Bare };
+constexpr std::array<const char*, 6> kCallNames{"beat", "arm", "start",
+                                                "mark", "end", "bare claim"};
 
 struct Due {
   Clock::time_point when;
@@ -307,13 +349,17 @@ FleetLoad::Figures FleetLoad::paced(const Pace& pace) {
   parts.again = 0;
   const auto sheets = static_cast<std::int64_t>(pace.seconds * pace.sheets_s);
   const std::int64_t first = parts.add_jobs(sheets);
+  parts.make_bare_queue(sheets);
   Agenda agenda;
   const Clock::time_point begun = Clock::now() + std::chrono::milliseconds(200);
   const auto at = [&](double s) { return begun + seconds(s); };
   for (std::int64_t k = 0; k < sheets; ++k)
     agenda.add({at(static_cast<double>(k) / pace.sheets_s), Call::Arm, first + k,
                 static_cast<int>(k % parts.nodes), 0});
-  agenda.expect(static_cast<std::size_t>(sheets) * static_cast<std::size_t>(3 + pace.marks));
+  for (std::int64_t k = 0; k < sheets; ++k)
+    agenda.add({at((static_cast<double>(k) + 0.5) / pace.sheets_s), Call::Bare, 0,
+                static_cast<int>(k % parts.nodes), 0});
+  agenda.expect(static_cast<std::size_t>(sheets) * static_cast<std::size_t>(4 + pace.marks));
   for (int n = 0; n < parts.nodes; ++n)
     for (double s = pace.beat_s * n / parts.nodes; s < pace.seconds; s += pace.beat_s) {
       agenda.add({at(s), Call::Beat, 0, n, 0});
@@ -346,13 +392,16 @@ FleetLoad::Figures FleetLoad::paced(const Pace& pace) {
             parts.end(desk, pace.events, due->job, due->node);
             ++cut;
             break;
+          case Call::Bare:
+            parts.bare_claim(desk, fmt::format("dev-{}", due->node));
+            break;
         }
         const double took_ms = ms_since(due->when);
         {
           const std::lock_guard hold(lock);
           times[static_cast<std::size_t>(due->call)].push_back(took_ms);
         }
-        if (due->call == Call::Beat || due->call == Call::End) continue;
+        if (due->call == Call::Beat || due->call == Call::End || due->call == Call::Bare) continue;
         next.when = Clock::now() + std::chrono::milliseconds(300);
         agenda.add(next);
       }
@@ -397,45 +446,14 @@ double FleetLoad::most_sheets_s(double length_s, Events events) {
 
 double FleetLoad::bare_claims_s(double length_s) {
   Parts& parts = *parts_;
-  // The tables of a queue that knows no knife: 3 215 claims/s were measured with it.
-  parts.fleet(
-      "DROP SCHEMA IF EXISTS bare CASCADE; CREATE SCHEMA bare; "
-      "CREATE SEQUENCE bare.fence; "
-      "CREATE TABLE bare.sheet(job bigint, k int, blank int DEFAULT 1, segment int DEFAULT 1, site "
-      "text, prio int DEFAULT 0, state text, PRIMARY KEY(job, k)) WITH (fillfactor=70); "
-      "CREATE INDEX ON bare.sheet(site, prio DESC, job, k) WHERE state='pending'; "
-      "CREATE TABLE bare.attempt(id bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY, job bigint, k "
-      "int, blank int, segment int, cutter text, epoch bigint, fence bigint UNIQUE DEFAULT "
-      "nextval('bare.fence'), state text, claimed_at timestamptz DEFAULT now(), lease_until "
-      "timestamptz NOT NULL, started_at timestamptz) WITH (fillfactor=70); "
-      "CREATE UNIQUE INDEX ON bare.attempt(job, k) WHERE state IN ('claimed', 'armed', 'cutting'); "
-      "CREATE UNIQUE INDEX ON bare.attempt(job, k, blank, segment) WHERE started_at IS NOT NULL; "
-      "CREATE UNIQUE INDEX ON bare.attempt(cutter) WHERE state='cutting'; "
-      "CREATE INDEX ON bare.attempt(lease_until) WHERE state IN ('claimed', 'armed', 'cutting')");
   constexpr double kPerSecond = 30'000;  // more than there can be
-  parts.fleet(
-      fmt::format("INSERT INTO bare.sheet(job, k, site, state) SELECT n, 1, 'lab', 'pending' FROM "
-                  "generate_series(1, {}) n",
-                  static_cast<std::int64_t>(length_s * kPerSecond)));
-  parts.fleet(
-      fmt::format("ANALYZE bare.sheet; GRANT USAGE ON SCHEMA bare TO {0}; GRANT ALL ON ALL "
-                  "TABLES IN SCHEMA bare TO {0}; GRANT ALL ON ALL SEQUENCES IN SCHEMA bare "
-                  "TO {0}",
-                  kLogin));
+  parts.make_bare_queue(static_cast<std::int64_t>(length_s * kPerSecond));
   std::atomic<std::int64_t> done{0};
   const Clock::time_point begun = Clock::now(), until = begun + seconds(length_s);
   const std::string fault = parts.on_all([&](Desk& desk, int which) {
     const std::string cutter = fmt::format("dev-{}", which);
     while (Clock::now() < until) {
-      const std::string got = desk.line.prepared(
-          "WITH c AS (SELECT job, k, blank, segment FROM bare.sheet WHERE site=$1 AND "
-          "state='pending' ORDER BY prio DESC, job, k LIMIT 1 FOR UPDATE SKIP LOCKED), u AS "
-          "(UPDATE bare.sheet s SET state='claimed' FROM c WHERE (s.job, s.k)=(c.job, c.k) "
-          "RETURNING 1) INSERT INTO bare.attempt(job, k, blank, segment, cutter, epoch, state, "
-          "lease_until) SELECT job, k, blank, segment, $2, 1, 'claimed', now() + '60 s' FROM c "
-          "RETURNING id, fence",
-          {"lab", cutter});
-      if (got.empty()) throw std::runtime_error("there are no more sheets");
+      parts.bare_claim(desk, cutter);
       ++done;
     }
   });

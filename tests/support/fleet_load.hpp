@@ -42,7 +42,8 @@ class FleetLoad {
     std::size_t sheets{}, again{};           ///< cut; transactions that ran a second time
     std::string fault{};                     ///< the first; empty: none
   };
-  /// Calls come when they are due, whether or not those before are done.
+  /// Calls come when they are due, whether or not those before are done. Between the arms as many
+  /// claims of a bare queue, "bare claim", for comparison.
   [[nodiscard]] Figures paced(const Pace& pace);
   /// As fast as all connections together can: arm, start, end. How many sheets in a second.
   [[nodiscard]] double most_sheets_s(double seconds, Events events);

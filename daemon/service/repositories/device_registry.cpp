@@ -344,8 +344,8 @@ void DeviceRegistry::set_enabled(const std::string& id, bool enabled) {
 void DeviceRegistry::count_sheet(const std::string& id, double cut_mm, bool done) {
   const auto found = entries_.find(id);
   if (found == entries_.end()) return;
-  store_.db().run("UPDATE device SET sheets_done=sheets_done+?, cut_mm=cut_mm+? WHERE id=?", done,
-                  cut_mm, id);
+  store_.db().later("UPDATE device SET sheets_done=sheets_done+?, cut_mm=cut_mm+? WHERE id=?", done,
+                    cut_mm, id);
   store_.after_commit([this, id, cut_mm, done] {
     entries_.at(id).record.sheets_done += done ? 1 : 0;
     entries_.at(id).record.cut_mm += cut_mm;

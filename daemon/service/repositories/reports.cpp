@@ -63,7 +63,7 @@ std::vector<UsageRow> UsageSum::rows() const {
 }
 
 void record_usage(ServiceStore& store, const JobRow& job, const SheetUse& use) {
-  store.db().insert(
+  store.db().insert_later(
       "usage(time, owner, operator, device, material, job, k, seconds, cut_mm, sheets)",
       store.now(), job.owner, use.operator_name, use.device, job.material, job.id, use.sheet,
       use.seconds, use.cut_mm, use.sheets);

@@ -149,8 +149,8 @@ TEST_CASE("every table and column of SQLite is in a fleet's database", "[fleet]"
   }
   CHECK(small.size() > 20);
   // Numbers of rows are counted by the database in both.
-  const std::set<std::string> only_there{"node", "blob", "blob_part", "event_counter",
-                                         "event_new", "popcut_schema"};
+  const std::set<std::string> only_there{"node",          "blob",      "blob_part",
+                                         "event_counter", "event_new", "popcut_schema"};
   for (const auto& [table, its] : small) {
     INFO(table);
     REQUIRE(shared.contains(table));
