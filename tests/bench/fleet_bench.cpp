@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // A fleet of 1,000 cutters on one PostgreSQL, at ten times the rate at which people load sheets;
-// the greatest rate, beside that of a bare queue; and lists of many jobs. POPCUT_FLEET_SECONDS is
-// how long the load lasts (60), POPCUT_FLEET_JOBS the most jobs of a list (1,000,000).
+// the greatest rate, beside that of a bare queue; lists of many jobs; and planning by several
+// popcutd. POPCUT_FLEET_SECONDS is how long the load lasts (60), POPCUT_FLEET_JOBS the most jobs of
+// a list (1,000,000), POPCUT_FLEET_DESIGNS how many are planned (200).
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -9,11 +10,13 @@
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "daemon/fleet/postgres_database.hpp"
 #include "daemon/jobs/rules.hpp"
 #include "daemon/store/job_table.hpp"
 #include "tests/support/fleet_load.hpp"
+#include "tests/support/fleet_nodes.hpp"
 #include "tests/support/timing.hpp"
 
 namespace fleet_bench {
@@ -136,6 +139,60 @@ TEST_CASE("lists of many jobs", "[fleet]") {
     });
     std::printf("\n");
     std::fflush(stdout);
+  }
+}
+
+TEST_CASE("planning by several nodes", "[fleet]") {
+  using Json = nlohmann::json;
+  // One worker each, as if each node were a machine of one core.
+  const std::string one_worker = "[planner]\nprocesses = 1\n";
+  const int designs = static_cast<int>(setting("POPCUT_FLEET_DESIGNS", 200));
+  // From the first job that is queued until the last is ready.
+  const auto plan_all = [&](RunningDaemon& at, const std::string& device) {
+    std::vector<std::string> ids;
+    for (int k = 0; k < designs; ++k) {
+      const Json spec{{"popcut", 1},
+                      {"name", fmt::format("sphere-{}", k)},
+                      {"surface",
+                       {{"type", "revolution"},
+                        {"radius", fmt::format("sqrt({}^2 - (y - 45)^2)", 70 + 0.01 * k)}}},
+                      {"units_per_slice", 12},
+                      {"slices", 22},
+                      {"widths_mm", 4.5},
+                      {"min_panel_mm", 1.5}};
+      const auto made =
+          at.api().upload("/v1/designs?name=sphere", spec.dump(), "application/json", "design");
+      if (!made) FAIL(popcut::message(made.error()));
+      ids.push_back(made->at("id").get<std::string>());
+    }
+    return seconds_of([&] {
+      std::vector<std::string> jobs;
+      for (const std::string& id : ids) {
+        const auto made =
+            at.api().post("/v1/jobs", Json{{"design", id}, {"device", device}}, "jobs");
+        if (!made) FAIL(popcut::message(made.error()));
+        jobs.push_back(made->at("id").get<std::string>());
+      }
+      for (const std::string& job : jobs) (void)at.await_state(job, "ready");
+    });
+  };
+  std::printf("%d designs, one worker a node\n  nodes   seconds   speed-up\n", designs);
+  double alone_s = 0;
+  {
+    RunningDaemon alone(0, one_worker, "sim:alone");
+    alone.open();
+    alone_s = plan_all(alone, "sim:alone");
+    std::printf("  alone (SQLite) %6.1f  1.00\n", alone_s);
+    std::fflush(stdout);
+  }
+  for (const int nodes : {1, 2, 4}) {
+    FleetNodes fleet({.nodes = nodes, .lease_s = 10, .beat_s = 2, .more = one_worker});
+    fleet.open();
+    const double took_s = plan_all(fleet[1], FleetNodes::device(1));
+    std::printf("  %5d   %7.1f   %7.2f\n", nodes, took_s, alone_s / took_s);
+    std::fflush(stdout);
+    CHECK(fleet.run_sql("SELECT count(*) FROM popcut.plan WHERE state='planned'") ==
+          std::to_string(designs));
   }
 }
 

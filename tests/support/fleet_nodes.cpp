@@ -31,7 +31,8 @@ FleetNodes::FleetNodes(Options options) : options_(options), server_({.tcp = opt
   for (int k = 1; k <= options_.nodes; ++k) {
     join_fleet(server_, kDatabase, name(k), kPassword);
     if (options_.proxies) proxies_.push_back(std::make_unique<FaultProxy>(server_.socket()));
-    nodes_.push_back(std::make_unique<RunningDaemon>(options_.time_scale, section(k), device(k)));
+    nodes_.push_back(std::make_unique<RunningDaemon>(options_.time_scale,
+                                                     section(k) + options_.more, device(k)));
   }
 }
 

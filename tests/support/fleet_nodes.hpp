@@ -21,6 +21,7 @@ class FleetNodes {
     double lease_s{2}, beat_s{0.4};
     bool proxies{false};  ///< a FaultProxy between each node and the database
     bool tcp{false};      ///< the nodes come by 127.0.0.1, with the password `password`
+    std::string more{};   ///< at the end of each node's configuration
   };
   static constexpr const char* kPassword = "four word pass phrase";
   static constexpr const char* kDatabase = "popcut";
