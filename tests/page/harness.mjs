@@ -48,7 +48,7 @@ export const unitSpec = {
 
 /** A popcutd of its own: state, socket and port are new. */
 export class Server {
-  static async start({ devices = [{ id: 'sim:cameo3', time_scale: 20 }], config = '', limits = {} } = {}) {
+  static async start({ devices = [{ id: 'sim:cameo3', time_scale: 20 }], config = '', limits = {}, address = '127.0.0.1:0' } = {}) {
     const server = new Server();
     server.folder = mkdtempSync(join(tmpdir(), 'popcut-page-'));
     server.config = join(server.folder, 'popcutd.toml');
@@ -63,7 +63,7 @@ export class Server {
     server.settings = `${config}\n${tables.join('\n')}\n`;
     server.limits = { rate_per_s: 1000, rate_burst: 1000, failed_logins_per_minute: 1000, ...limits };
     server.configure({});
-    await server.run('127.0.0.1:0');
+    await server.run(address);
     return server;
   }
 

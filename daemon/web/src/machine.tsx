@@ -5,11 +5,11 @@ import { HoldButton } from './hold';
 import { Interrupted } from './interrupted';
 import { fatesOf } from './ledger';
 import type { Device, Job, Warning } from './model';
-import { fits, remaining, shareCut } from './now';
+import { fits, isElsewhere, remaining, shareCut } from './now';
 import { Button, Choice, Dialog, LinkButton, Loading, Meter, Note, Tick, Trouble } from './parts';
 import { PauseButton, PauseNews } from './pause';
 import { beside } from './preferences';
-import { glueOf, sheetsOf } from './route';
+import { atDevice, glueOf, sheetsOf } from './route';
 import { act, isProblem, read, type ServerProblem } from './server';
 import { SheetPicture, useLedger, useSheet, type SheetOfJob } from './sheet_picture';
 import type { Fates } from './sheet_view';
@@ -168,8 +168,8 @@ interface Preparation { ticks: boolean[]; accepted: ReadonlySet<string> }
 const nothingPrepared: Preparation = { ticks: [false, false, false], accepted: new Set() };
 
 /** Ready: load, tick three times, arm. The ticks are forgotten when the sheet, its blank or the job changes. */
-function Ready({ job, acts, prepared, onPrepare, material }: {
-  job: Job; acts: Acts; prepared: Preparation; onPrepare: (next: Preparation) => void; material: MaterialValues | null;
+function Ready({ job, acts, device, prepared, onPrepare, material }: {
+  job: Job; acts: Acts; device: Device; prepared: Preparation; onPrepare: (next: Preparation) => void; material: MaterialValues | null;
 }) {
   const texts = tickTexts(job, material);
   const stays = job.segment > 1;
@@ -186,7 +186,7 @@ function Ready({ job, acts, prepared, onPrepare, material }: {
         else accepted.delete(code);
         onPrepare({ ...prepared, accepted });
       }} />
-      {mine ? (
+      {isElsewhere(device) ? null : mine ? (
         <div class="ticks">
           {texts.map((text, at) => (
             <Tick key={at} big checked={prepared.ticks[at]!} disabled={acts.off} onChange={(on) => {
@@ -208,7 +208,7 @@ function ArmButton({ job, acts, prepared, device }: { job: Job; acts: Acts; prep
     sheet: job.sheet, blank: job.blank, device: device.id,
     ...(job.unaccepted_warnings.length > 0 ? { accept_warnings: [...new Set(job.unaccepted_warnings)] } : {}),
   });
-  if (!may('operator')) return null;
+  if (!may('operator') || isElsewhere(device)) return null;
   const fault = device.state === 'fault' || device.state === 'absent' || device.state === 'offline' || !device.enabled;
   const off = acts.off || !ticked || !warned || fault;
   return (
@@ -239,7 +239,7 @@ function Armed({ job, acts, device }: { job: Job; acts: Acts; device: Device }) 
       <p class="act-next">{say.armedWhat}</p>
       <p>{say.armedBy(operatorOf(job) ?? words.nobody)}</p>
       <Lapse job={job} />
-      {may('operator') ? (
+      {isElsewhere(device) ? null : may('operator') ? (
         <div class="act-right">
           <HoldButton key={job.rev} disabled={acts.off} onHeld={() => acts.run('start', { sheet: job.sheet })}
             question={{ title: say.startSure, text: say.startSureWhat(job.sheet ?? 1, job.sheets_total, device.title), yes: say.startGo }}>
@@ -281,7 +281,7 @@ function Paused({ job, acts, device }: { job: Job; acts: Acts; device: Device })
       <p class="act-next">{say.pausedWhat}</p>
       <Meter share={share} label={nameOf(job)} />
       <p class="figure">{percent(share)} · {say.left(timeRange(remaining(job)))}</p>
-      {may('operator') ? (
+      {isElsewhere(device) ? null : may('operator') ? (
         <div class="act-right">
           <HoldButton key={job.rev} disabled={acts.off} onHeld={() => acts.run('resume', {})}
             question={{ title: say.goOnSure, text: say.goOnSureWhat(device.title), yes: say.goOnGo }}>
@@ -367,6 +367,21 @@ function TestCut({ device, material }: { device: Device; material: string | null
   );
 }
 
+/** Where a cutter of another popcutd is, and the way there: an address of another node may be anything. */
+function Elsewhere({ device }: { device: Device }) {
+  if (!isElsewhere(device)) return null;
+  const node = device.node ?? '';
+  return (
+    <Note>
+      <p><strong>{say.elsewhere(device.title, node)}</strong></p>
+      <p>{say.elsewhereWhat}</p>
+      {/^https?:\/\//i.test(device.node_url ?? '') && (
+        <LinkButton href={`${device.node_url!.replace(/\/+$/, '')}/${atDevice(device.id)}`}>{say.goThere(node)}</LinkButton>
+      )}
+    </Note>
+  );
+}
+
 /** A cutter that needs a person at its panel. */
 function Fault({ device }: { device: Device }) {
   const [problem, setProblem] = useState<ServerProblem | null>(null);
@@ -447,6 +462,7 @@ function AtJob({ job, device, others, onChoose }: {
   );
   const news = (
     <>
+      <Elsewhere device={device} />
       <Fault device={device} />
       {acts.problem && (acts.problem.status === 412 || acts.problem.status === 409
         ? <Changed job={job} shown={acts.shown} problem={acts.problem} onClose={acts.clear} />
@@ -475,7 +491,7 @@ function AtJob({ job, device, others, onChoose }: {
       </section>
       <section class="machine-act" aria-live="polite">
         {news}
-        {job.state === 'ready' && <Ready job={job} acts={acts} prepared={prepared} onPrepare={setPrepared} material={material} />}
+        {job.state === 'ready' && <Ready job={job} acts={acts} device={device} prepared={prepared} onPrepare={setPrepared} material={material} />}
         {job.state === 'armed' && <Armed job={job} acts={acts} device={device} />}
         {job.state === 'cutting' && <Cutting job={job} />}
         {job.state === 'paused' && <Paused job={job} acts={acts} device={device} />}
@@ -494,6 +510,7 @@ function Nothing({ device, children }: { device: Device; children?: ComponentChi
         <h1>{device.title}</h1>
       </header>
       <section class="machine-act">
+        <Elsewhere device={device} />
         <Fault device={device} />
         {children}
         <p class="act-next">{say.nothing(device.title)}</p>

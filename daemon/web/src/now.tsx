@@ -71,6 +71,9 @@ export function machineOf(job: Job): string | null {
   return (fitting.find((device) => device.state === 'idle') ?? fitting[0])?.id ?? null;
 }
 
+/** Whether the cutter is at another popcutd of the fleet: its knife moves only for people who ask there. */
+export const isElsewhere = (device: Device): boolean => !!device.node_url;
+
 function Cutter({ device }: { device: Device }) {
   const job = device.job ? jobs.value.get(device.job) : undefined;
   const state = words.deviceStates[device.state] ?? device.state;
@@ -81,6 +84,7 @@ function Cutter({ device }: { device: Device }) {
     <a class={`cutter cutter-${device.enabled ? device.state : 'offline'}`} href={atDevice(device.id)}>
       <strong>{device.title}</strong>
       <span>{said}{device.simulated ? ` (${words.now.simulated})` : ''}</span>
+      {isElsewhere(device) && <span>{words.now.atNode(device.node ?? '')}</span>}
       {device.reasons.length > 0 && <span class="server-words">{device.reasons.join(' ')}</span>}
     </a>
   );

@@ -201,12 +201,16 @@ export const words = localized({
     failedWhy: 'Planning failed',
     disabled: 'switched off in popcutd',
     simulated: 'simulated',
+    atNode: (node: string) => `at ${node}`,
     testCut: 'test cut',
     more: (n: number) => `and ${n} more`,
   },
 
   machine: {
     noDevice: 'There is no such cutter.',
+    elsewhere: (device: string, node: string) => `${device} is at ${node}, another popcutd.`,
+    elsewhereWhat: 'Arm, start and go on there. You can pause it from here.',
+    goThere: (node: string) => `Go to ${node}`,
     nothing: (device: string) => `Nothing waits for ${device}.`,
     nothingWhat: 'Queue a design, or let the cutter make a test cut.',
     testCut: 'Test cut',
