@@ -896,8 +896,9 @@ END $$;
 -- does it; the others need not wait. Call it again until it returns 0: then all events that were
 -- committed before the first call have a number, or another caller is about to give it. That one
 -- began before a 0 was returned here, so it calls again and finds them. Events of a job keep their
--- order: a transaction takes its ids when it has the job's row.
-CREATE FUNCTION popcut.event_number() RETURNS bigint LANGUAGE plpgsql
+-- order: a transaction takes its ids when it has the job's row. `p_node` looks for itself and is not
+-- woken.
+CREATE FUNCTION popcut.event_number(p_node text) RETURNS bigint LANGUAGE plpgsql
 SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 DECLARE
   c_at_once CONSTANT bigint := 1000;
@@ -921,7 +922,7 @@ BEGIN
   GET DIAGNOSTICS v_count = ROW_COUNT;
   IF v_count > 0 THEN
     UPDATE event_counter SET last = v_last + v_count;
-    PERFORM pg_notify('popcut', 'event');
+    PERFORM pg_notify('popcut', p_node);
   END IF;
   RETURN greatest(v_count, 1);  -- 1 too if others were faster: this call may have turned some away
 END $$;
@@ -1219,7 +1220,7 @@ GRANT INSERT, UPDATE, DELETE ON popcut.blob, popcut.blob_part, popcut.event_coun
 GRANT EXECUTE ON FUNCTION popcut.clock_ms(), popcut.popcut_generation(),
   popcut.node_begin(text, text, text, text, bigint, bigint), popcut.node_reported(text, bigint),
   popcut.node_beat(text, bigint, double precision, bigint), popcut.node_lapse(text, bigint),
-  popcut.node_end(text, bigint), popcut.node_tidy(), popcut.event_number(),
+  popcut.node_end(text, bigint), popcut.node_tidy(), popcut.event_number(text),
   popcut.knife_arm(text, bigint, text, bigint, bigint, text, text, text, bigint, text),
   popcut.knife_disarm(text),
   popcut.knife_start(text, bigint, text, text, bigint, bigint, bigint, bigint, bigint, text, text,

@@ -80,7 +80,7 @@ void ServiceStore::number_events() {
   // Others may add some all the time; the next turn goes on.
   constexpr int kMostTimes = 10;
   for (int times = 0; times < kMostTimes; ++times)
-    if (db().number("SELECT event_number()") == 0) return;
+    if (db().number("SELECT event_number(?)", node_.name) == 0) return;
 }
 
 Answer<void> ServiceStore::bring(const std::string& name) {

@@ -51,6 +51,7 @@ class Recovery {
   Answer<void> run() {
     close_attempts();
     jobs_.attempts().disarm_all();
+    settle_known();
     for (const auto& [attempt, trail] : trails_) tell_of(attempt, trail);
     for (const JobState state :
          {JobState::Cutting, JobState::Paused, JobState::Armed, JobState::Planning})
@@ -74,8 +75,7 @@ class Recovery {
     try {
       Transaction part(store_.db());
       surface(attempt, trail);
-      store_.db().run("SET CONSTRAINTS ALL IMMEDIATE");
-      store_.db().run("SET CONSTRAINTS ALL DEFERRED");
+      store_.db().script("SET CONSTRAINTS ALL IMMEDIATE; SET CONSTRAINTS ALL DEFERRED");
       part.commit();
     } catch (const StoreFault& fault) {
       if (fault.kind() != FaultKind::Constraint && fault.kind() != FaultKind::Refused) throw;
@@ -162,14 +162,28 @@ class Recovery {
     jobs_.save(*row);
   }
 
+  // In a fleet journals are kept for a month, and the database is a network away: those of which it
+  // knows all are not asked for one by one.
+  void settle_known() {
+    if (!store_.in_fleet()) return;
+    std::vector<std::string> ids;
+    for (const auto& [attempt, trail] : trails_) ids.push_back(attempt);
+    for (const auto& [id, created] : jobs_.attempts().told(ids)) {
+      note_ended(id, created);
+      trails_.erase(id);
+    }
+  }
+
+  void note_ended(const std::string& attempt, TimeMs created) {
+    ended_.push_back(attempt);
+    if (store_.in_fleet() && created < store_.now() - kJournals_ms) outlived_.push_back(attempt);
+  }
+
   // An attempt that is not open: it has ended, or the database does not know it.
   void surface(const std::string& attempt, const IntentTrail& trail) {
     if (const auto known = jobs_.attempts().find(attempt)) {
       if (known->end_kind == "lost") narrow(*known, trail);
-      ended_.push_back(attempt);
-      if (store_.in_fleet() && known->created < store_.now() - kJournals_ms)
-        outlived_.push_back(attempt);
-      return;
+      return note_ended(attempt, known->created);
     }
     if (!trail.head) {
       store_.log(

@@ -4,6 +4,8 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <filesystem>
+#include <iterator>
 #include <map>
 #include <sstream>
 #include <string>
@@ -498,6 +500,37 @@ TEST_CASE("events are the same at all nodes, in the same order, without a gap", 
     if (last > 0) CHECK(seq == last + 1);
     last = seq;
   }
+}
+
+TEST_CASE("a node that begins asks for all journals at once, however many it keeps", "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet({.nodes = 1, .proxies = true});
+  fleet.open();
+  constexpr int kCuts = 6;
+  for (int k = 0; k < kCuts; ++k) {
+    const std::string job = fleet.ready_job(1, 1, 3 + k);
+    fleet[1].cut(job);
+    (void)fleet[1].await_state(job, "done");
+  }
+  fleet[1].daemon().signal(SIGTERM);
+  (void)fleet[1].daemon().wait();
+  fleet.proxy(1).record(true);
+  fleet.open(1);
+  std::string said;
+  for (std::size_t k = 0; k < fleet.proxy(1).recordings(); ++k) said += fleet.proxy(1).recorded(k);
+  const auto times = [&](const std::string& word) {
+    int count = 0;
+    for (std::size_t at = 0; (at = said.find(word, at)) != std::string::npos; ++at) ++count;
+    return count;
+  };
+  CHECK(times("node_reported") >= 1);
+  CHECK(times("string_to_array") == 1);
+  CHECK(times("SAVEPOINT") == 0);  // one for each journal that is looked at alone
+  // They are kept, for a database that is put back to before them.
+  const std::filesystem::path journals = fleet[1].daemon().folder() / "state" / "intents";
+  INFO(journals);
+  CHECK(std::distance(std::filesystem::directory_iterator(journals),
+                      std::filesystem::directory_iterator()) >= kCuts);
 }
 
 TEST_CASE("a program that was changed after it was planned is not cut", "[fleet]") {
