@@ -613,6 +613,13 @@ void PostgresServer::thaw() {
   frozen_ = false;
 }
 
+void PostgresServer::stop_following() {
+  run_sql("ALTER SYSTEM SET primary_conninfo = ''");
+  run_sql("SELECT pg_reload_conf()");
+  const auto stands = [&] { return run_sql("SELECT count(*) FROM pg_stat_wal_receiver") == "0"; };
+  if (!comes_true(stands)) throw std::runtime_error("the standby still follows:\n" + log());
+}
+
 void PostgresServer::promote() {
   if (run_sql("SELECT pg_promote(true, 60)") != "t")
     throw std::runtime_error("the standby is not promoted:\n" + log());

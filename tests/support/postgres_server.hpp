@@ -73,6 +73,8 @@ class PostgresServer {
   /// SIGSTOP to all its processes: its clients wait and are told nothing.
   void freeze();
   void thaw();  ///< SIGCONT
+  /// A standby gets nothing more from its primary from now on.
+  void stop_following();
   /// Makes a standby a primary, and waits for that.
   void promote();
   [[nodiscard]] bool running() const { return warden_ > 0; }
