@@ -64,22 +64,25 @@ void NodeLease::begin() {
 
 void NodeLease::begin_after(std::int64_t epoch) {
   Transaction beginning(database_);
-  std::int64_t fence = 0;
+  std::int64_t fence = 0, clock_ms = 0;
   std::string generation;
   {
-    Rows begun = database_.rows("SELECT epoch, fence, generation FROM node_begin(?, ?, ?, ?, ?, ?)",
-                                options_.name, mark_.identity, options_.url, options_.version,
-                                epoch == 0 ? std::nullopt : std::optional(epoch), last_event_);
+    Rows begun =
+        database_.rows("SELECT epoch, fence, generation, now_ms FROM node_begin(?, ?, ?, ?, ?, ?)",
+                       options_.name, mark_.identity, options_.url, options_.version,
+                       epoch == 0 ? std::nullopt : std::optional(epoch), last_event_);
     if (!begun.next()) throw StoreFault(FaultKind::Other, "node_begin gave no row");
     next_epoch_ = begun.integer(0);
     fence = begun.integer(1);
     generation = begun.text(2);
+    clock_ms = begun.integer(3);
   }
   keep();
   beginning.commit();
   mark_.epoch = last_epoch_ = std::exchange(next_epoch_, 0);
   mark_.fence = std::max(mark_.fence, fence);
   last_event_ = 0;  // of the database as it is now
+  read_clock(clock_ms);
   generation_before_ = std::exchange(generation_, generation);
   keep();
 }
@@ -105,11 +108,15 @@ bool NodeLease::beat() {
     holds_until_ms_ = 0;
     return false;
   }
-  clock_ms_ = answer.integer(1);
-  clock_at_ms_ = options_.elapsed_ms();
+  read_clock(answer.integer(1));
   holds_until_ms_ = sent_ms + static_cast<std::int64_t>(options_.lease_s * kSpared * 1000);
   keep();
   return true;
+}
+
+void NodeLease::read_clock(std::int64_t ms) {
+  clock_ms_ = ms;
+  clock_at_ms_ = options_.elapsed_ms();
 }
 
 void NodeLease::end() {

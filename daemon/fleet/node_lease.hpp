@@ -56,6 +56,7 @@ class NodeLease {
 
  private:
   void begin_after(std::int64_t epoch);
+  void read_clock(std::int64_t ms);
   void keep();
   Database& database_;
   const StateFolder& folder_;

@@ -27,7 +27,10 @@ std::string join_fleet(const PostgresServer& server, const std::string& database
   return login;
 }
 
-FleetNodes::FleetNodes(Options options) : options_(options), server_({.tcp = options.tcp}) {
+FleetNodes::FleetNodes(Options options)
+    : options_(options),
+      server_(
+          {.tcp = options.tcp, .more = options.database_more, .place = options.database_place}) {
   server_.create_database(kDatabase);
   run_sql(std::string(daemon::fleet_schema()));
   for (int k = 1; k <= options_.nodes; ++k) join_fleet(server_, kDatabase, name(k), kPassword);
@@ -71,8 +74,8 @@ void FleetNodes::open() {
   for (int k = 1; k <= size(); ++k) open(k);
 }
 
-void FleetNodes::open(int node) {
-  (*this)[node].open();
+void FleetNodes::open(int node, const std::vector<std::string>& environment) {
+  (*this)[node].open(environment);
   if (!happens([&] { return is_alive(node); }, 20))
     throw std::runtime_error(name(node) + " gets no lease: " + (*this)[node].daemon().log());
 }

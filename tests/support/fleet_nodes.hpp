@@ -21,6 +21,8 @@ class FleetNodes {
     double lease_s{2}, beat_s{0.4};
     bool proxies{false};  ///< a FaultProxy between each node and the database
     bool tcp{false};      ///< the nodes come by 127.0.0.1, with the password `password`
+    std::filesystem::path database_place{};  ///< where the database has its folder
+    std::string database_more{};             ///< lines of its postgresql.conf
     enum class Standby { None, Asynchronous, Synchronous };
     Standby standby{Standby::None};  ///< a second database, which nodes find by the same address
   };
@@ -34,7 +36,7 @@ class FleetNodes {
   /// Starts all nodes and waits until each has its lease.
   void open();
   /// Starts one, and waits until it has its lease.
-  void open(int node);
+  void open(int node, const std::vector<std::string>& environment = {});
   [[nodiscard]] RunningDaemon& operator[](int node) { return *nodes_.at(index(node)); }
   [[nodiscard]] FaultProxy& proxy(int node) { return *proxies_.at(index(node)); }
   /// Between a node and the standby; with `proxies`.

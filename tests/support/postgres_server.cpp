@@ -114,6 +114,7 @@ fs::path new_folder(const fs::path& where) {
 
 /// In memory if much is free there: a killed process does not harm what it holds.
 fs::path place_for(const PostgresOptions& options) {
+  if (!options.place.empty()) return options.place;
   const fs::path memory = "/dev/shm";
   struct statvfs space {};
   const bool roomy = ::access(memory.c_str(), W_OK | X_OK) == 0 &&

@@ -83,4 +83,11 @@ inline std::size_t cut_twice(FleetNodes& fleet, const std::string& job) {
   return count;
 }
 
+/// STARTs as the database knows them: "1|room-2|done", by blanks.
+inline std::string attempts_of(FleetNodes& fleet) {
+  return fleet.run_sql(
+      "SELECT blank, node, end_kind FROM popcut.attempt WHERE started_at IS NOT NULL ORDER BY "
+      "blank, segment, id");
+}
+
 }  // namespace fleet_cuts

@@ -50,12 +50,6 @@ std::size_t unknown_strokes(FleetNodes& fleet) {
   return count;
 }
 
-std::string attempts(FleetNodes& fleet) {
-  return fleet.run_sql(
-      "SELECT blank, node, end_kind FROM popcut.attempt WHERE started_at IS NOT NULL ORDER BY "
-      "blank, segment, id");
-}
-
 void arm(FleetNodes& fleet, int node, const std::string& job) {
   fleet[node].act(job, "arm", {{"sheet", 1}, {"device", FleetNodes::device(node)}});
 }
@@ -96,7 +90,7 @@ TEST_CASE("a synchronous standby takes over while the knife is down and nothing 
   for (int k : {1, 2}) CHECK(comes_to(fleet[k], job, "done"));
   await_nodes(fleet);
   CHECK(fleet.lines_cut(2, kLines).size() == kLines);
-  CHECK(attempts(fleet) == "1|room-2|done");
+  CHECK(attempts_of(fleet) == "1|room-2|done");
   CHECK(unknown_strokes(fleet) == 0);
   std::set<int> all;
   for (int k = 0; k < kLines; ++k) all.insert(k);
@@ -135,7 +129,7 @@ TEST_CASE("a standby takes over just as a cut ends, which is recorded once", "[f
   for (int k : {1, 2}) CHECK(comes_to(fleet[k], job, "done"));
   await_nodes(fleet);
   CHECK(fleet.lines_cut(2, kLines).size() == kLines);
-  CHECK(attempts(fleet) == "1|room-2|done");
+  CHECK(attempts_of(fleet) == "1|room-2|done");
   CHECK(cut_twice(fleet, job) == 0);
 }
 
@@ -164,7 +158,7 @@ TEST_CASE("a START that no standby confirmed moves no knife", "[fleet][failover]
     return now && ((*now)["state"] == "ready" || (*now)["state"] == "armed");
   }));
   CHECK(fleet.lines_cut(2, 5).empty());
-  CHECK(attempts(fleet).empty());
+  CHECK(attempts_of(fleet).empty());
   CHECK(fleet[1].job(job)["blank"] == 1);
   // The same blank, by a person.
   REQUIRE(happens([&] {
@@ -173,7 +167,7 @@ TEST_CASE("a START that no standby confirmed moves no knife", "[fleet][failover]
     return refusal(fleet[2], job, "start", sheet_1()).empty();
   }));
   fleet[1].await_state(job, "done");
-  CHECK(attempts(fleet) == "1|room-2|done");
+  CHECK(attempts_of(fleet) == "1|room-2|done");
   CHECK(cut_twice(fleet, job) == 0);
   CHECK(unknown_strokes(fleet) == 0);
 }
@@ -207,7 +201,7 @@ TEST_CASE("a standby that never got the START takes over while the knife is down
   for (int k : {1, 2}) CHECK(comes_to(fleet[k], job, "done"));
   await_nodes(fleet);
   CHECK(fleet.lines_cut(2, kLines).size() == kLines);
-  CHECK(attempts(fleet) == "1|room-2|done");
+  CHECK(attempts_of(fleet) == "1|room-2|done");
   CHECK(cut_twice(fleet, job) == 0);
   CHECK(unknown_strokes(fleet) == 0);
 }
@@ -354,7 +348,7 @@ TEST_CASE("two databases take writes: only where all nodes are is a sheet armed"
   await_nodes(fleet);
   CHECK_FALSE(says_two_write(fleet));
   for (int k : {1, 2}) CHECK(comes_to(fleet[k], other, "done"));
-  CHECK(attempts(fleet) == "1|room-1|crash\n1|room-2|done");
+  CHECK(attempts_of(fleet) == "1|room-1|crash\n1|room-2|done");
   CHECK(cut_twice(fleet, job) + cut_twice(fleet, other) == 0);
   CHECK(unknown_strokes(fleet) == 0);
 }
