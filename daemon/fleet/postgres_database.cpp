@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/fleet/postgres_database.hpp"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <chrono>
 #include <condition_variable>
@@ -14,6 +16,8 @@
 #include <sys/socket.h>
 
 #include <pqxx/pqxx>
+
+#include "daemon/fleet/fleet_url.hpp"
 
 namespace popcut::daemon {
 namespace {
@@ -220,10 +224,10 @@ std::string in_quotes(std::string_view text) {
 // What must hold for every connection: a partition is noticed, a server that hangs too. A client
 // that hangs in a transaction loses its locks before others give up waiting for them: one is that
 // of the events' counter, for which all wait.
-std::string connection_words(const PostgresDatabase::Options& options) {
+std::string connection_words(const PostgresDatabase::Options& options, const std::string& url) {
   const int wait_s = std::max(1, static_cast<int>(options.connect_s));
   const int answer_ms = static_cast<int>(options.answer_s * 1000);
-  const bool is_url = options.url.starts_with("postgres");
+  const bool is_url = url.starts_with("postgres");
   std::vector<std::pair<std::string, std::string>> own{
       {"connect_timeout", std::to_string(wait_s)},
       {"application_name", options.name},
@@ -239,10 +243,10 @@ std::string connection_words(const PostgresDatabase::Options& options) {
                               answer_ms, answer_ms * 3 / 5, answer_ms / 2)},
   };
   if (!options.password.empty()) own.emplace_back("password", options.password);
-  std::string text = options.url;
+  std::string text = url;
   // What the URL says itself goes before.
   for (const auto& [key, value] : own) {
-    if (options.url.find(key + "=") != std::string::npos) continue;
+    if (url.find(key + "=") != std::string::npos) continue;
     if (is_url)
       text += fmt::format("{}{}={}", text.find('?') == std::string::npos ? '?' : '&', key,
                           percent_encoded(value));
@@ -250,6 +254,26 @@ std::string connection_words(const PostgresDatabase::Options& options) {
       text += fmt::format(" {}={}", key, in_quotes(value));
   }
   return text;
+}
+
+// Of each host that the URL lists. libpq gives up at the first one that accepts a connection and
+// ends it, as a proxy before a dead server does, or that refuses the login.
+std::vector<std::string> words_of_hosts(const PostgresDatabase::Options& options) {
+  const std::vector<FleetUrl> each = FleetUrl::parse(options.url).each_host();
+  if (each.size() == 1) return {connection_words(options, options.url)};
+  std::vector<std::string> all;
+  for (const FleetUrl& one : each) all.push_back(connection_words(options, one.text()));
+  return all;
+}
+
+// Wrong words will not be right the next time; a server that is not there may be.
+bool will_not_pass(const std::string& fault) {
+  constexpr std::array<std::string_view, 7> kWords{
+      "authentication failed", "does not exist", "not permitted", "no password supplied",
+      "no pg_hba.conf entry",  "invalid",        "missing"};
+  return std::any_of(kWords.begin(), kWords.end(), [&](std::string_view words) {
+    return fault.find(words) != std::string::npos;
+  });
 }
 
 }  // namespace
@@ -303,7 +327,7 @@ std::string clean_text(std::string_view text) {
 }
 
 struct PostgresDatabase::Line {
-  explicit Line(Options given) : options(std::move(given)), words(connection_words(options)) {}
+  explicit Line(Options given) : options(std::move(given)), hosts(words_of_hosts(options)) {}
   ~Line() {
     if (seeker.joinable()) seeker.join();
   }
@@ -322,25 +346,25 @@ struct PostgresDatabase::Line {
   void seek() {
     if (seeker.joinable()) seeker.join();
     found = std::make_shared<Found>();
-    seeker = std::thread([words = words, found = found] {
-      try {
-        auto made = std::make_unique<pqxx::connection>(words);
-        const std::lock_guard hold(found->lock);
-        found->connection = std::move(made);
-        found->is_over = true;
-      } catch (const std::exception& fault) {
-        const std::lock_guard hold(found->lock);
-        found->fault = one_line(fault.what());
-        // Wrong words will not be right the next time; a server that is not there may be.
-        found->refused = found->fault.find("authentication failed") != std::string::npos ||
-                         found->fault.find("does not exist") != std::string::npos ||
-                         found->fault.find("not permitted") != std::string::npos ||
-                         found->fault.find("no password supplied") != std::string::npos ||
-                         found->fault.find("no pg_hba.conf entry") != std::string::npos ||
-                         found->fault.find("invalid") != std::string::npos ||
-                         found->fault.find("missing") != std::string::npos;
-        found->is_over = true;
+    seeker = std::thread([hosts = hosts, found = found] {
+      std::unique_ptr<pqxx::connection> made;
+      std::string faults;
+      bool by_all = true;
+      for (const std::string& words : hosts) {
+        try {
+          made = std::make_unique<pqxx::connection>(words);
+          break;
+        } catch (const std::exception& fault) {
+          const std::string said = one_line(fault.what());
+          by_all = by_all && will_not_pass(said);
+          faults += (faults.empty() ? "" : "; ") + said;
+        }
       }
+      const std::lock_guard hold(found->lock);
+      found->connection = std::move(made);
+      found->fault = std::move(faults);
+      found->refused = !found->connection && by_all;
+      found->is_over = true;
     });
   }
 
@@ -394,7 +418,7 @@ struct PostgresDatabase::Line {
   }
 
   Options options;
-  std::string words;
+  std::vector<std::string> hosts;  ///< how to reach each
   std::unique_ptr<pqxx::connection> connection;
   std::unique_ptr<StandbyEar> standby;
   std::unordered_map<std::string, std::string> prepared;  ///< names by text

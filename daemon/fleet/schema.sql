@@ -735,7 +735,10 @@ BEGIN
       MESSAGE = format('another popcutd is node %s and is alive; give this one another name',
                        p_name);
   END IF;
-  IF p_last_event > (SELECT last FROM event_counter) THEN
+  -- It does not know of the node's last life, either: that was in another database, as of two that
+  -- take writes at once.
+  IF p_last_event > (SELECT last FROM event_counter) OR
+     (one.epoch > 0 AND p_epoch_before > one.epoch) THEN
     UPDATE popcut_schema SET went_back = greatest(went_back + 1, clock_ms());
   END IF;
   now_ms := clock_ms();

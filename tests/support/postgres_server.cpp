@@ -114,6 +114,7 @@ fs::path new_folder(const fs::path& where) {
 
 /// In memory if much is free there: a killed process does not harm what it holds.
 fs::path place_for(const PostgresOptions& options) {
+  if (!options.place.empty()) return options.place;
   const fs::path memory = "/dev/shm";
   struct statvfs space {};
   const bool roomy = ::access(memory.c_str(), W_OK | X_OK) == 0 &&
@@ -611,6 +612,13 @@ void PostgresServer::thaw() {
   signal_children(postmaster_, SIGCONT);
   ::kill(postmaster_, SIGCONT);
   frozen_ = false;
+}
+
+void PostgresServer::stop_following() {
+  run_sql("ALTER SYSTEM SET primary_conninfo = ''");
+  run_sql("SELECT pg_reload_conf()");
+  const auto stands = [&] { return run_sql("SELECT count(*) FROM pg_stat_wal_receiver") == "0"; };
+  if (!comes_true(stands)) throw std::runtime_error("the standby still follows:\n" + log());
 }
 
 void PostgresServer::promote() {

@@ -44,7 +44,9 @@ class FleetWatch {
   std::function<void()> on_begun{};
 
  private:
+  [[nodiscard]] bool has_own_life() const;
   void begin_life();
+  void tell_generation() const;
   void settle();
   void beat();
   void close_lost_nodes();

@@ -20,6 +20,15 @@ std::string crash_text(const std::string& job, const std::string& loss) {
       loss.empty() ? loss : fmt::format(" ({})", loss));
 }
 
+// That a database which does not know the sheet does not know its paths either is no news.
+std::string forgotten_text(const std::string& job, const std::string& loss) {
+  return fmt::format(
+      "the database went back to before this sheet was started; look at the sheet: 'popcut jobs "
+      "{}' "
+      "shows which paths may have been cut{}",
+      job, loss.empty() || loss.starts_with("the database") ? "" : fmt::format(" ({})", loss));
+}
+
 // How many strokes of the blank are certain, and how many may have been cut.
 void count_paths(JobRepository& jobs, JobRow& row, int sheet, int blank, std::int64_t strokes) {
   std::vector<std::vector<FateRun>> fates;
@@ -199,7 +208,8 @@ class Recovery {
     // Nothing was sent: the start was never committed.
     const bool goes_on = is_cut(attempt);
     if (!goes_on && verdict.doubt_upto < head.first_stroke) return empty_.push_back(attempt);
-    const std::string lost = "the database does not know that this sheet was started";
+    const std::string lost = "the database does not know that this sheet was started",
+                      beside = verdict.loss;
     verdict.loss = verdict.loss.empty() ? lost : lost + "; " + verdict.loss;
     const bool is_copy = is_foreign(head.invocation);
     if (is_copy) verdict.doubt_upto = head.strokes - 1;
@@ -261,7 +271,7 @@ class Recovery {
     row.operator_name = head.operator_name;
     count_paths(jobs_, row, row.sheet, row.blank, head.strokes);
     const std::string from(name_of(row.state));
-    jobs_.set_attention(row, "in_doubt", crash_text(row.id, verdict.loss));
+    jobs_.set_attention(row, "in_doubt", forgotten_text(row.id, beside));
     // "lost": its cut goes on here, and is taken up again right after this.
     jobs_.take_left(row, step_of(row.state, JobEvent::IntentsSurface), goes_on ? "lost" : "crash");
     note_recovered(row, from);

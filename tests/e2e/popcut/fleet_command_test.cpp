@@ -90,6 +90,19 @@ TEST_CASE("addresses of databases are read and written", "[fleet]") {
   CHECK_FALSE(FleetUrl::parse("postgresql:///pop?host=/run/postgresql").is_remote());
   CHECK_FALSE(FleetUrl::parse("postgresql://[::1]:5432/pop").is_remote());
   CHECK(FleetUrl::parse("postgresql://a,b/pop").is_remote());
+  const auto each = [](const std::string& text) {
+    std::string all;
+    for (const FleetUrl& one : FleetUrl::parse(text).each_host()) all += one.text() + " ";
+    return all;
+  };
+  CHECK(each("postgresql://a:1,[::1]:2/pop?x=y") ==
+        "postgresql://a:1/pop?x=y postgresql://[::1]:2/pop?x=y ");
+  CHECK(each("postgresql://ann@/pop?host=/a,%2Fb&port=1,2") ==
+        "postgresql://ann@/pop?host=/a&port=1 postgresql://ann@/pop?host=/b&port=2 ");
+  CHECK(each("host=a,b port=5433 dbname=pop") ==
+        "postgresql:///pop?host=a&port=5433 postgresql:///pop?host=b&port=5433 ");
+  CHECK(each("postgresql:///pop") == "postgresql:///pop ");
+  CHECK(each("host=a,b,c port=1,2") == FleetUrl::parse("host=a,b,c port=1,2").text() + " ");
   CHECK(FleetUrl::parse("postgresql://db?sslmode=x").value("sslmode") == "x");
   const FleetUrl words =
       FleetUrl::parse("host=/tmp/a dbname = pop user='an n' password='it\\'s' port=5433");

@@ -6,7 +6,6 @@
 #include <csignal>
 #include <filesystem>
 #include <iterator>
-#include <map>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -15,81 +14,19 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "tests/support/fleet_nodes.hpp"
+#include "tests/e2e/popcutd/fleet_cuts.hpp"
 #include "tests/support/paths.hpp"
-#include "tests/support/received_log.hpp"
 
 namespace fleet_test {
 
 using namespace popcut;
 using namespace popcut::testing;
-using Json = nlohmann::json;
-using Clock = std::chrono::steady_clock;
+using namespace fleet_cuts;
 
 namespace {
 
-#define NEEDS_POSTGRES()                                                 \
-  if (const std::string why = PostgresServer::why_not(); !why.empty()) { \
-    WARN("skipped: " << why);                                            \
-    return;                                                              \
-  }
-
 constexpr int kLines = 60;
 constexpr double kSlow = 4;  // so that a sheet of 60 lines takes some seconds
-
-double since(Clock::time_point then) {
-  return std::chrono::duration<double>(Clock::now() - then).count();
-}
-
-/// Waits until the knife has been down.
-void await_knife(RunningDaemon& node, const std::string& job) {
-  node.await(job, [](const Json& now) {
-    return now["state"] == "cutting" && now["progress"]["paths_certain"] >= 2;
-  });
-}
-
-/// Why an action is refused; empty: it is done.
-std::string refusal(RunningDaemon& node, const std::string& job, const std::string& action,
-                    const Json& body = Json::object()) {
-  const auto done = node.api().act(node.job(job), action, body);
-  return done ? std::string() : message(done.error());
-}
-
-/// Waits for a state through times in which nothing is answered.
-bool comes_to(RunningDaemon& node, const std::string& job, const std::string& state) {
-  return happens([&] {
-    const auto now = node.api().get("/v1/jobs/" + job, job);
-    return now && (*now)["state"] == state;
-  });
-}
-
-Json sheet_1() { return {{"sheet", 1}}; }
-
-/// The strokes that each attempt at a sheet cut: "BLANK" -> count of each line, over all nodes.
-std::map<int, std::map<std::string, int>> cut_by_blank(FleetNodes& fleet, const std::string& job) {
-  const auto machine = find_machine("cameo3");
-  std::map<std::string, int> blanks;
-  const std::string rows =
-      fleet.run_sql("SELECT id, blank FROM popcut.attempt WHERE job='" + job + "'");
-  std::istringstream lines(rows);
-  for (std::string line; std::getline(lines, line);)
-    blanks[line.substr(0, line.find('|'))] = std::atoi(line.substr(line.find('|') + 1).c_str());
-  std::map<int, std::map<std::string, int>> cut;
-  for (int k = 1; k <= fleet.size(); ++k)
-    for (const Received& one : received_log(fleet[k].daemon().folder() / "trace/received.log"))
-      if (const auto blank = blanks.find(one.attempt); blank != blanks.end())
-        for (const std::string& place : places_cut(one.bytes, *machine))
-          ++cut[blank->second][place];
-  return cut;
-}
-
-/// Lines that were cut more than once on one blank.
-std::size_t cut_twice(FleetNodes& fleet, const std::string& job) {
-  std::size_t count = 0;
-  for (const auto& [blank, places] : cut_by_blank(fleet, job))
-    for (const auto& [place, times] : places) count += times > 1 ? 1 : 0;
-  return count;
-}
 
 /// popcutd that will not serve: its exit code, and the one line that it said.
 struct Refusal {

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
+#include <filesystem>
+
 #include <catch2/catch.hpp>
 
 #include <fmt/format.h>
 
 #include "daemon/fleet/fleet_files.hpp"
 #include "daemon/fleet/fleet_schema.hpp"
+#include "daemon/fleet/node_lease.hpp"
 #include "daemon/fleet/postgres_database.hpp"
 #include "tests/support/fault_proxy.hpp"
 #include "tests/support/postgres_server.hpp"
+#include "tests/support/process.hpp"
 #include "tests/support/service_bench.hpp"
 
 namespace two_nodes_test {
@@ -346,6 +350,47 @@ TEST_CASE("tokens and keys of requests hold at all nodes", "[fleet]") {
               })
               ->status == 1);
   CHECK(effects == 1);
+}
+
+TEST_CASE("a node that dies just as its life is committed begins again at once", "[fleet]") {
+  if (is_skipped()) return;
+  FreshDatabase database;
+  database.run_sql(std::string(fleet_schema()));
+  FaultProxy proxy(shared_postgres().socket());
+  popcut::testing::TempFolder place;
+  const auto folder = StateFolder::open((place / "state").string());
+  REQUIRE(folder);
+  const auto begin = [&] {
+    PostgresDatabase line({.url = proxy.url(database.name()), .connect_s = 1, .again_s = 0.02});
+    NodeMark mark;
+    NodeLease lease(line, **folder, mark, {.name = "a"});
+    lease.begin();
+    return mark.epoch;
+  };
+  const std::int64_t first = begin();
+  const bool is_stored = GENERATE(true, false);
+  proxy.cut_at("COMMIT", is_stored ? FaultProxy::Lost::Answer : FaultProxy::Lost::Request);
+  CHECK_THROWS_AS(begin(), StoreFault);
+  REQUIRE_FALSE(proxy.cut_to_come());
+  const std::int64_t known = std::stoll(database.run_sql("SELECT epoch FROM popcut.node"));
+  CHECK((known > first) == is_stored);
+  CHECK(begin() > known);
+  // Nothing of this looks as if the database had gone back.
+  CHECK(database.run_sql("SELECT went_back FROM popcut.popcut_schema") == "0");
+}
+
+TEST_CASE("a node whose note of its last life is lost waits for the end of that lease", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet;
+  const std::string note = fleet.a.bench.folder() + "/node";
+  fleet.kill(fleet.a);
+  std::filesystem::remove(note);
+  fleet.restart(fleet.a);  // a service that did not begin would say why
+  CHECK(fleet.until([&] {
+    return fleet.sql("SELECT lease_until>clock_timestamp() AND epoch>" +
+                     fleet.sql("SELECT epoch FROM node WHERE name='b'") +
+                     " FROM node WHERE name='a'") == "t";
+  }));
 }
 
 }  // namespace two_nodes_test
