@@ -221,6 +221,10 @@ void read_fleet(FieldReader& fields, FleetConfig& fleet) {
     fields.refuse("database", ErrorKind::OutOfRange,
                   "must be the address of a PostgreSQL, as in "
                   "\"postgresql://popcut@db.lab/popcut\"");
+  if (!fleet.url.empty() && fleet.url.rfind("http://", 0) != 0 &&
+      fleet.url.rfind("https://", 0) != 0)
+    fields.refuse("url", ErrorKind::OutOfRange,
+                  "must be the address of this node's page, as in \"https://room-1.lab\"");
   if (fields.has("node") && (fleet.node.empty() || fleet.node.size() > kLongestName ||
                              fleet.node.find_first_not_of(kLetters) != std::string::npos))
     fields.refuse("node", ErrorKind::OutOfRange,

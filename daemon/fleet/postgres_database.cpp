@@ -33,6 +33,9 @@ FaultKind kind_of(std::string_view state) {
   const std::string_view of_class = state.substr(0, std::min<std::size_t>(2, state.size()));
   if (of_class == "23") return FaultKind::Constraint;
   if (state == "40001" || state == "40P01" || state == "55P03") return FaultKind::Again;
+  // A table has other columns than when a statement was prepared: a new connection prepares it
+  // anew.
+  if (state == "0A000") return FaultKind::Away;
   if (state == "53100") return FaultKind::Full;
   // It is ending, full of others, or a standby that takes no writes.
   if (of_class == "08" || of_class == "57" || of_class == "53" || state == "25006" ||
@@ -232,6 +235,7 @@ std::string connection_words(const PostgresDatabase::Options& options, const std
       {"connect_timeout", std::to_string(wait_s)},
       {"application_name", options.name},
       {"target_session_attrs", "read-write"},
+      {"client_encoding", "UTF8"},
       {"keepalives_idle", "5"},
       {"keepalives_interval", "2"},
       {"keepalives_count", "3"},
@@ -240,7 +244,7 @@ std::string connection_words(const PostgresDatabase::Options& options, const std
                               "-c statement_timeout={} -c lock_timeout={} "
                               "-c idle_in_transaction_session_timeout={} "
                               "-c default_transaction_isolation=read\\ committed",
-                              answer_ms, answer_ms * 3 / 5, answer_ms / 2)},
+                              answer_ms, answer_ms / 5, answer_ms / 2)},
   };
   if (!options.password.empty()) own.emplace_back("password", options.password);
   std::string text = url;
@@ -422,6 +426,7 @@ struct PostgresDatabase::Line {
   std::unique_ptr<pqxx::connection> connection;
   std::unique_ptr<StandbyEar> standby;
   std::unordered_map<std::string, std::string> prepared;  ///< names by text
+  int next_name{0};
   std::string kept;  ///< statements that go with the next one, each with its semicolon
   std::unordered_map<std::string, std::unique_ptr<pqxx::notification_receiver>> listens;
   std::shared_ptr<Found> found;
@@ -439,7 +444,8 @@ const std::string& PostgresDatabase::Line::prepare(std::string_view sql) {
   const std::string text(sql);
   auto known = prepared.find(text);
   if (known == prepared.end()) {
-    std::string name = fmt::format("s{}", prepared.size());
+    // A number is not used again: libpqxx keeps the name of one that could not be prepared.
+    std::string name = fmt::format("s{}", next_name++);
     connection->prepare(name, with_dollars(sql));
     connection->prepare_now(name);
     known = prepared.emplace(text, std::move(name)).first;

@@ -119,7 +119,8 @@ INSERT INTO popcut.event_counter(one, last) VALUES (1, 0);
 -- their numbers at once. `data` is the JSON object after its member "seq".
 CREATE TABLE popcut.event_new(
   id bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY, time bigint NOT NULL,
-  kind text COLLATE "C" NOT NULL, job text COLLATE "C" NOT NULL, data text COLLATE "C" NOT NULL);
+  kind text COLLATE "C" NOT NULL CHECK (kind IN ('job', 'sheet', 'device', 'queue', 'notice')),
+  job text COLLATE "C" NOT NULL, data text COLLATE "C" NOT NULL);
 
 -- ---------------------------------------------------------------------------------------------
 -- The tables that SQLite has too
@@ -978,7 +979,13 @@ END $$;
 -- The fences given from now on are above `p_least`. Not undone if the transaction is: that is
 -- what makes the next try succeed.
 CREATE FUNCTION popcut.fence_above(p_least bigint) RETURNS void LANGUAGE plpgsql AS $$
+DECLARE
+  c_most_at_once CONSTANT bigint := 1000000000;  -- no backup is so old; and the numbers never end
 BEGIN
+  IF p_least > (SELECT last_value FROM fence_seq) + c_most_at_once THEN
+    RAISE EXCEPTION USING ERRCODE = 'PC001',
+      MESSAGE = format('the fence %s is no number that this database can have given', p_least);
+  END IF;
   PERFORM pg_advisory_xact_lock(hashtextextended('popcut.fence_seq', 0));
   IF (SELECT last_value < p_least OR (last_value = p_least AND NOT is_called) FROM fence_seq) THEN
     PERFORM setval('fence_seq', p_least);
@@ -1215,7 +1222,7 @@ GRANT USAGE ON SCHEMA popcut TO popcut_node, popcut_admin;
 
 GRANT SELECT ON ALL TABLES IN SCHEMA popcut TO popcut_node;
 GRANT SELECT ON ALL SEQUENCES IN SCHEMA popcut TO popcut_node;
-GRANT INSERT, UPDATE, DELETE ON popcut.blob, popcut.blob_part, popcut.event_counter, popcut.asset,
+GRANT INSERT, UPDATE, DELETE ON popcut.blob, popcut.blob_part, popcut.asset,
   popcut.design, popcut.asset_use, popcut.plan, popcut.plan_sheet, popcut.plan_asker, popcut.job,
   popcut.tally, popcut.sheet, popcut.event, popcut.event_new, popcut.idem, popcut.audit, popcut.token,
   popcut.session, popcut.material, popcut.device, popcut.usage, popcut.calendar, popcut.end_tally

@@ -228,6 +228,14 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
   if (const auto sheet = parts_.jobs.current_sheet(row))
     if (const auto here = parts_.plans.bring_sheet(row.plan, sheet->number); !here)
       return tl::unexpected(here.error());
+  if (const auto asked = asked_from_.find(row.id); asked != asked_from_.end() &&
+                                                   asked->second.segment == row.segment &&
+                                                   asked->second.first_stroke != row.first_stroke)
+    return tl::unexpected(JobRepository::conflict(
+        row,
+        fmt::format("this sheet would go on from path {}, but a person asked here for path {}; "
+                    "use a new blank with retry-sheet",
+                    row.first_stroke, asked->second.first_stroke)));
   row.device = *device;
   row.operator_name = who.name;
   parts_.jobs.take(row, Step::ToArmed, "");
@@ -240,9 +248,10 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
                               .armed = parts_.store.now(),
                               .invocation = parts_.store.invocation()});
   const std::int64_t until = parts_.store.monotonic() + parts_.options.arm_s * 1000;
-  parts_.store.after_commit([this, id = row.id, until, folder = parts_.plans.folder_of(row.plan),
+  parts_.store.after_commit([this, id = row.id, until, segment = row.segment,
+                             first = row.first_stroke, folder = parts_.plans.folder_of(row.plan),
                              sheet = parts_.jobs.current_sheet(row)] {
-    armed_until_[id] = until;
+    armed_here_[id] = {until, segment, first};
     if (sheet) parts_.programs.want(id, folder, sheet->number);
   });
   return {};
@@ -389,6 +398,9 @@ Answer<void> CutDispatcher::resume_from(JobRow& row, const ActionRequest& reques
   row.first_stroke = *request.from_path;
   row.requested_device = last->device;
   placed_[row.id] = parts_.devices.session_of(last->device);
+  parts_.store.after_commit([this, id = row.id, from = AskedFrom{row.segment, row.first_stroke}] {
+    asked_from_[id] = from;
+  });
   parts_.jobs.take(row, Step::ToReady, "resume");
   return {};
 }
@@ -406,15 +418,15 @@ void CutDispatcher::lapse(const std::string& job, const std::string& reason) {
   });
   // What could not be written is tried again; until then `start` looks at the time itself.
   if (!done) return;
-  armed_until_.erase(job);
+  armed_here_.erase(job);
   parts_.programs.forget(job);
 }
 
 void CutDispatcher::tick() {
   const std::int64_t now = parts_.store.monotonic();
   std::vector<std::string> over;
-  for (const auto& [job, until] : armed_until_)
-    if (until <= now) over.push_back(job);
+  for (const auto& [job, arm] : armed_here_)
+    if (arm.until_ms <= now) over.push_back(job);
   for (const std::string& job : over) lapse(job, "arm_expired");
   tell_again();
   if (parts_.store.degraded()) return;
@@ -423,6 +435,9 @@ void CutDispatcher::tick() {
   for (const auto& [job, cut] : cuts_)
     if (cut->refusal) refused.push_back(cut);
   for (const auto& cut : refused) record_refusal(cut);
+  // A cut that is held, or that the database missed, has no progress that would tell it.
+  for (const auto& [job, cut] : cuts_)
+    if (cut->unmarked) (void)intended(*cut, cut->marks.intended);
   if (late_.empty()) return;
   const std::vector<LateEnd> late = std::exchange(late_, {});
   for (const LateEnd& one : late) ended(one.cut, one.end);
@@ -456,8 +471,8 @@ std::string CutDispatcher::job_on(const std::string& device) const {
 }
 
 void CutDispatcher::forget_arms() {
-  for (const auto& [job, until] : armed_until_) parts_.programs.forget(job);
-  armed_until_.clear();
+  for (const auto& [job, arm] : armed_here_) parts_.programs.forget(job);
+  armed_here_.clear();
 }
 
 // True: it goes on.
