@@ -308,8 +308,7 @@ constexpr const char* kReleaseHelp =
     "Release a held job.\n\n"
     "  popcut release 01JDX7";
 constexpr const char* kChangeHelp =
-    "Change the priority, name, note, cutter or site of a job that is queued, planning or "
-    "ready.\n\n"
+    "Change a queued, planning or ready job: its priority, name, note, cutter or site.\n\n"
     "  popcut change 01JDX7 --priority 5\n"
     "  popcut change 01JDX7 --device usb:51053P\n"
     "  popcut change 01JDX7 --device ''         # any cutter that fits\n"
