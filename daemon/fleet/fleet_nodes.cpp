@@ -119,13 +119,14 @@ std::vector<NodeState> fleet_nodes(Database& database) {
         return one;
       });
   Rows devices =
-      database.rows("SELECT node, id, state FROM popcut.device WHERE node<>'' ORDER BY id");
+      database.rows("SELECT node, id, state, site FROM popcut.device WHERE node<>'' ORDER BY id");
   while (devices.next()) {
     const std::string name = devices.text(0);
     const auto at = std::find_if(nodes.begin(), nodes.end(),
                                  [&](const NodeState& node) { return node.name == name; });
-    if (at != nodes.end())
-      at->devices.push_back(fmt::format("{} {}", devices.text(1), devices.text(2)));
+    if (at == nodes.end()) continue;
+    at->devices.push_back(fmt::format("{} {}", devices.text(1), devices.text(2)));
+    at->site = devices.text(3);  // all of a node's stand there
   }
   return nodes;
 }

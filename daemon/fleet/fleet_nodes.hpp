@@ -37,6 +37,7 @@ struct NodeState {
   std::int64_t heartbeat_s{};          ///< ago
   double lease_s{};                    ///< left; below 0: over
   std::vector<std::string> devices{};  ///< "usb:51053P idle"
+  std::string site{};                  ///< where they stand; empty: nobody said, or it has none
 };
 [[nodiscard]] std::vector<NodeState> fleet_nodes(Database& database);
 

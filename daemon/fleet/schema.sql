@@ -218,7 +218,7 @@ CREATE TABLE popcut.job(
   attention_since bigint NOT NULL,
   deleted bigint NOT NULL DEFAULT 0 CHECK (deleted IN (0, 1)),
   load text COLLATE "C" NOT NULL DEFAULT '', warnings text COLLATE "C" NOT NULL DEFAULT '[]',
-  unaccepted text COLLATE "C" NOT NULL DEFAULT '',
+  unaccepted text COLLATE "C" NOT NULL DEFAULT '', site text COLLATE "C" NOT NULL DEFAULT '',
   CHECK (state NOT IN ('armed', 'cutting', 'paused') OR (device <> '' AND sheet > 0)),
   CHECK (state NOT IN ('ready', 'interrupted') OR sheet > 0),
   CHECK ((state IN ('done', 'failed', 'cancelled')) = (finished IS NOT NULL)))
@@ -352,7 +352,8 @@ CREATE TABLE popcut.device(
   state text COLLATE "C" NOT NULL, sheets_done bigint NOT NULL, cut_mm double precision NOT NULL,
   node text COLLATE "C" NOT NULL DEFAULT '', machine text COLLATE "C" NOT NULL DEFAULT '',
   materials text COLLATE "C" NOT NULL DEFAULT '', reasons text COLLATE "C" NOT NULL DEFAULT '[]',
-  firmware text COLLATE "C" NOT NULL DEFAULT '') WITH (fillfactor = 60);
+  firmware text COLLATE "C" NOT NULL DEFAULT '',
+  site text COLLATE "C" NOT NULL DEFAULT '') WITH (fillfactor = 60);
 CREATE INDEX device_node ON popcut.device(node) WHERE node <> '';
 
 CREATE TABLE popcut.usage(
@@ -941,6 +942,8 @@ RETURNS void LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, pop
 DECLARE
   one node;
   v_at text;
+  v_here text;
+  v_site text;
 BEGIN
   one := node_lives(p_node, p_epoch);
   PERFORM generation_check();
@@ -948,17 +951,23 @@ BEGIN
     RAISE EXCEPTION USING ERRCODE = 'PC001',
       MESSAGE = format('node %s is being drained and arms nothing more', p_node);
   END IF;
-  SELECT node INTO v_at FROM device WHERE id = p_device;
+  SELECT node, site INTO v_at, v_here FROM device WHERE id = p_device;
   IF v_at IS DISTINCT FROM p_node THEN
     RAISE EXCEPTION USING ERRCODE = 'PC001', MESSAGE =
       CASE WHEN coalesce(v_at, '') = ''
         THEN format('device %s is at no node; plug it in at node %s', p_device, p_node)
         ELSE format('device %s is at node %s; arm it there', p_device, v_at) END;
   END IF;
-  IF NOT EXISTS (SELECT FROM job JOIN plan ON plan.id = job.plan
-                 WHERE job.id = p_job AND plan.sha256 = p_plan_sha256) THEN
+  SELECT job.site INTO v_site FROM job JOIN plan ON plan.id = job.plan
+    WHERE job.id = p_job AND plan.sha256 = p_plan_sha256;
+  IF NOT FOUND THEN
     RAISE EXCEPTION USING ERRCODE = 'PC001',
       MESSAGE = format('the plan %s is not that of job %s', p_plan_sha256, p_job);
+  END IF;
+  IF v_site <> '' AND v_site <> v_here THEN
+    RAISE EXCEPTION USING ERRCODE = 'PC001', MESSAGE =
+      format('device %s is at %s; job %s is for site %s', p_device,
+             CASE WHEN v_here = '' THEN 'no site' ELSE 'site ' || v_here END, p_job, v_site);
   END IF;
   INSERT INTO arm(job, sheet, blank, device, plan_sha256, operator, armed, invocation, node, epoch)
     VALUES (p_job, p_sheet, p_blank, p_device, p_plan_sha256, p_operator, p_armed, p_invocation,

@@ -405,6 +405,7 @@ std::optional<StartFailure> Daemon::open_service() {
   options.previewer = previewer_;
   options.fleet.node = config_.fleet.node;
   options.fleet.url = config_.fleet.url;
+  options.fleet.site = config_.fleet.site;
   options.fleet.version = POPCUT_VERSION;
   options.fleet.lease_s = config_.fleet.lease_s;
   options.fleet.beat_s = config_.fleet.beat_s;

@@ -35,12 +35,12 @@ std::string audit_detail(const ActionRequest& request, const JobRow& row) {
 }
 
 // Why those that are there cannot cut a plan: " (sim:a: it is set up for ...)"; empty: none is.
-std::string why_none(const DeviceRegistry& devices, const PlanRow& plan) {
+std::string why_none(const DeviceRegistry& devices, const PlanRow& plan, const std::string& site) {
   constexpr std::size_t kMost = 3;
   std::vector<std::string> reasons;
   for (const DeviceRecord& device : devices.list())
     if (reasons.size() < kMost && devices.usable(device.id))
-      reasons.push_back(fmt::format("{}: {}", device.id, devices.misfit(device.id, plan)));
+      reasons.push_back(fmt::format("{}: {}", device.id, devices.misfit(device.id, plan, site)));
   return reasons.empty() ? std::string() : fmt::format(" ({})", fmt::join(reasons, "; "));
 }
 
@@ -169,17 +169,20 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
   if (!device.empty()) {
     if (!devices.find(device)) return tl::unexpected(devices.unknown(device, "/device"));
     if (const auto fine = devices.usable(device); !fine) return tl::unexpected(fine.error());
-    if (const std::string why = devices.misfit(device, plan); !why.empty())
+    if (const std::string why = devices.wrong_site(device, row.site); !why.empty())
+      return tl::unexpected(
+          JobRepository::conflict(row, fmt::format("{} {}; change its site first", device, why)));
+    if (const std::string why = devices.misfit(device, plan, row.site); !why.empty())
       return tl::unexpected(
           JobRepository::conflict(row, fmt::format("{} cannot cut this: {}", device, why)));
     return device;
   }
-  std::vector<std::string> fitting = devices.fitting(plan);
+  std::vector<std::string> fitting = devices.fitting(plan, row.site);
   if (fitting.empty())
     return refuse(
         ProblemKind::DeviceAbsent,
         fmt::format("no {} is available that can cut this; plug one in and switch it on{}",
-                    plan.machine, why_none(devices, plan)));
+                    plan.machine, why_none(devices, plan, row.site)));
   if (fitting.size() > 1)
     std::erase_if(fitting, [&](const std::string& id) {
       return parts_.jobs.table().on_device(id).has_value();

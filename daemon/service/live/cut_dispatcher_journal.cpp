@@ -236,7 +236,7 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const Actio
         row, "the armed sheet is not the one that would be cut; disarm and arm again"));
   if (const auto fine = parts_.devices.usable(row.device); !fine)
     return tl::unexpected(fine.error());
-  if (const std::string why = parts_.devices.misfit(row.device, *plan); !why.empty())
+  if (const std::string why = parts_.devices.misfit(row.device, *plan, row.site); !why.empty())
     return tl::unexpected(JobRepository::conflict(
         row, fmt::format("{} can no longer cut this: {}", row.device, why)));
   if (const auto known = check_place(row, row.device); !known) return tl::unexpected(known.error());

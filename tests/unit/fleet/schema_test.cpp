@@ -266,6 +266,13 @@ TEST_CASE("only the node that has the cutter arms it, and not while it is draine
   CHECK_THAT(rooms.one.call("knife_arm", "'" + FleetSql::id("JOB") + "', 1, 1, 'left', '" +
                                              std::string(64, 'b') + "', 'olga', 5, 'run'"),
              StartsWith("PC001 the plan bbb"));
+  rooms.fleet("UPDATE job SET site='upstairs'");
+  CHECK_THAT(rooms.one.arm("JOB", "left"), StartsWith("PC001 device left is at no site; job "));
+  rooms.fleet("UPDATE device SET site='cellar' WHERE id='left'");
+  CHECK_THAT(rooms.one.arm("JOB", "left"),
+             StartsWith("PC001 device left is at site cellar; job ") && Contains("site upstairs"));
+  CHECK(rooms.fleet("SELECT count(*) FROM arm") == "0");
+  rooms.fleet("UPDATE device SET site='upstairs' WHERE id='left'");
   rooms.fleet("SELECT node_drain('room-1', 1)");
   CHECK(rooms.one.line.tried(fmt::format("SELECT alive, is_draining FROM node_beat('room-1', {}, "
                                          "30, 0)",

@@ -30,13 +30,14 @@ constexpr double kLease_s = 1.2;
 
 /// A service as a node, behind a network that can be cut.
 struct Node {
-  Node(const FreshDatabase& database, const std::string& name)
+  Node(const FreshDatabase& database, const std::string& name, const std::string& site)
       : proxy(shared_postgres().socket()),
         bench(std::vector<std::string>{"sim:" + name}, false),
         url(proxy.url(database.name())) {
     bench.planner.sheets = 1;
     bench.options.fleet.node = name;
     bench.options.fleet.url = "http://" + name;
+    bench.options.fleet.site = site;
     bench.options.fleet.lease_s = kLease_s;
     bench.options.fleet.beat_s = 0.1;
     bench.options.fleet.mark_s = 0;
@@ -61,8 +62,10 @@ struct Node {
 
 /// Two nodes of one fleet.
 struct Fleet {
-  Fleet()
-      : made(database.run_sql(std::string(fleet_schema()))), a(database, "a"), b(database, "b") {}
+  explicit Fleet(const std::string& site_a = "", const std::string& site_b = "")
+      : made(database.run_sql(std::string(fleet_schema()))),
+        a(database, "a", site_a),
+        b(database, "b", site_b) {}
 
   void tick() {
     for (Node* node : {&a, &b})
@@ -157,6 +160,85 @@ TEST_CASE("a job that is queued at one node is cut at the other", "[fleet]") {
   };
   CHECK(fleet.until([&] { return is_end_of(heard_a, heard_b) || is_end_of(heard_b, heard_a); }));
   for (std::size_t i = 1; i < heard_a.size(); ++i) CHECK(heard_a[i] == heard_a[i - 1] + 1);
+}
+
+TEST_CASE("a job for a site is cut there, and not at the other nodes", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet("ground floor", "upstairs");
+  const auto site_at = [&](Node& node) {
+    const auto found = node.bench.on([&](LiveService& s) { return s.devices.find("sim:b"); });
+    return found ? found->site : "";
+  };
+  REQUIRE(fleet.until([&] { return site_at(fleet.a) == "upstairs"; }));
+  const std::string job = fleet.ready();
+  const auto patched = [&](const JobPatch& patch) {
+    return fleet.a.bench.on([&](LiveService& s) {
+      return s.jobs.patch(fleet.a.bench.tutor, job, s.jobs.find(job)->rev, patch);
+    });
+  };
+  REQUIRE(patched({.site = "upstairs"}));
+  CHECK(fleet.a.bench.job(job).warnings == "[]");
+  // A device of that site may be named from anywhere, and no other.
+  CHECK(patched({.device = fleet.b.device()}));
+  const Answer<Job> other = patched({.device = fleet.a.device()});
+  REQUIRE_FALSE(other);
+  CHECK(other.error().errors.at(0).pointer == "/device");
+  CHECK(patched({.device = ""}));
+  const auto queued_for = [&](const std::string& device) {
+    return fleet.a.bench.on(
+        [&](LiveService& s) { return s.jobs.queue(device, PageRequest{})->items.size(); });
+  };
+  CHECK(queued_for(fleet.a.device()) == 0);
+  CHECK(queued_for(fleet.b.device()) == 1);
+  // Until: a slow machine may have to get its lease again first.
+  const auto is_refused = [&](Node& node, const std::string& device, const std::string& why) {
+    return fleet.until([&] {
+      const Answer<Job> armed = fleet.arm(node, job, device);
+      return !armed && armed.error().kind == ProblemKind::StateConflict &&
+             armed.error().detail.find(why) != std::string::npos;
+    });
+  };
+  CHECK(is_refused(
+      fleet.a, fleet.a.device(),
+      "sim:a is at site ground floor; the job is for site upstairs; change its site first"));
+  // What this node believes of its own place does not matter to the database.
+  fleet.sql("UPDATE device SET site='attic' WHERE id='sim:b'");
+  CHECK(is_refused(fleet.b, "", "device sim:b is at site attic; job "));
+  CHECK(fleet.is(fleet.b, job, JobState::Ready));
+  fleet.sql("UPDATE device SET site='upstairs' WHERE id='sim:b'");
+  fleet.tick();
+  fleet.start(fleet.b, job, 2);
+  CHECK_FALSE(patched({.site = ""}));
+  fleet.b.bench.cutters.complete(fleet.b.device());
+  CHECK(fleet.until([&] { return fleet.is(fleet.a, job, JobState::Done); }));
+  CHECK(fleet.a.bench.cutters.cuts() == 0);
+}
+
+TEST_CASE("a job for a site is planned for the cutters that stand there", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet("ground floor", "upstairs");
+  fleet.b.bench.cutters.unplug("sim:b");
+  fleet.b.bench.cutters.plug("sim:b4", "idle", "cameo4");
+  REQUIRE(fleet.until([&] {
+    return fleet.a.bench.on([](LiveService& s) {
+      const auto gone = s.devices.find("sim:b"), there = s.devices.find("sim:b4");
+      return gone && gone->state == "absent" && there && there->state == "idle";
+    });
+  }));
+  const std::string design = fleet.a.bench.add_design("{\"card\":1}").value().id;
+  const auto machine_for = [&](const std::string& site) {
+    JobCreate request;
+    request.design = design;
+    request.site = site;
+    const Answer<Job> job = fleet.a.bench.on(
+        [&](LiveService& s) { return s.jobs.create(fleet.a.bench.student, request); });
+    REQUIRE(job);
+    CHECK(fleet.until([&] { return fleet.is(fleet.a, job->id, JobState::Ready); }));
+    return fleet.sql("SELECT machine FROM plan WHERE id='" + job->plan + "'");
+  };
+  CHECK(machine_for("") == "cameo3");
+  CHECK(machine_for("ground floor") == "cameo3");
+  CHECK(machine_for("upstairs") == "cameo4");
 }
 
 TEST_CASE("a cutter that is carried to another node is that node's", "[fleet]") {
