@@ -406,4 +406,14 @@ TEST_CASE("a node whose note of its last life is lost waits for the end of that 
   }));
 }
 
+TEST_CASE("a node that has left in order does not begin again while its process ends", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet;
+  fleet.b.bench.on([](LiveService& s) {
+    s.leave_fleet();
+    s.tick();
+  });
+  CHECK(fleet.sql("SELECT ended, lease_until FROM node WHERE name='b'") == "1|-infinity");
+}
+
 }  // namespace two_nodes_test
