@@ -13,6 +13,8 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <libpq-fe.h>
+#include <poll.h>
 #include <sys/socket.h>
 
 #include <pqxx/pqxx>
@@ -130,18 +132,17 @@ class Watchdog {
   std::thread thread_;
 };
 
-/// Hears that a COMMIT was given up waiting for a standby: it is done here, and lost if that
-/// standby takes over now.
+/// Hears whether the server warns. A commit gives no other warning than that its wait for a standby
+/// was given up: it is done here, and lost if that standby takes over now. The warning is in the
+/// server's language, and has no code of its own.
 class StandbyEar final : public pqxx::errorhandler {
  public:
   explicit StandbyEar(pqxx::connection& connection) : pqxx::errorhandler(connection) {}
-  bool operator()(const char words[]) noexcept override {
-    if (std::string_view(words).find("canceling wait for synchronous replication") !=
-        std::string_view::npos)
-      gave_up = true;
+  bool operator()(const char[]) noexcept override {
+    has_warned = true;
     return false;  // nobody else hears of it
   }
-  bool gave_up{false};
+  bool has_warned{false};
 };
 
 /// The rows of an answer, all of which is here.
@@ -270,14 +271,43 @@ std::vector<std::string> words_of_hosts(const PostgresDatabase::Options& options
   return all;
 }
 
-// Wrong words will not be right the next time; a server that is not there may be.
-bool will_not_pass(const std::string& fault) {
-  constexpr std::array<std::string_view, 7> kWords{
-      "authentication failed", "does not exist", "not permitted", "no password supplied",
-      "no pg_hba.conf entry",  "invalid",        "missing"};
-  return std::any_of(kWords.begin(), kWords.end(), [&](std::string_view words) {
-    return fault.find(words) != std::string::npos;
-  });
+// The code of the server's refusal, which has no language: "28P01"; empty: it does not refuse, or
+// nobody is there. libpq tells it only to whoever asks before it has connected.
+std::string code_of_refusal(const std::string& words, double patience_s) {
+  const std::unique_ptr<PGconn, decltype(&PQfinish)> line(PQconnectStart(words.c_str()), PQfinish);
+  if (!line || PQstatus(line.get()) == CONNECTION_BAD) return {};
+  PQsetErrorVerbosity(line.get(), PQERRORS_SQLSTATE);
+  const Clock::time_point until = Clock::now() + seconds(patience_s);
+  PostgresPollingStatusType next = PGRES_POLLING_WRITING;
+  while (next == PGRES_POLLING_READING || next == PGRES_POLLING_WRITING) {
+    pollfd wait{PQsocket(line.get()),
+                static_cast<short>(next == PGRES_POLLING_READING ? POLLIN : POLLOUT), 0};
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
+    if (left <= 0 || ::poll(&wait, 1, static_cast<int>(left)) <= 0) return {};
+    next = PQconnectPoll(line.get());
+  }
+  // "...: FATAL:  28P01"
+  std::string_view said = PQerrorMessage(line.get());
+  while (!said.empty() && said.back() == '\n') said.remove_suffix(1);
+  const std::size_t space = said.rfind(' ');
+  return next == PGRES_POLLING_FAILED && space != said.npos && said.size() == space + 6
+             ? std::string(said.substr(space + 1))
+             : std::string();
+}
+
+// Wrong words will not be right the next time; a server that is not there may be. What libpq says
+// itself is English in popcutd, which sets no locale.
+bool will_not_pass(const std::string& words, const std::string& fault, double patience_s) {
+  constexpr std::array<std::string_view, 3> kOfLibpq{"no password supplied", "invalid", "missing"};
+  if (std::any_of(kOfLibpq.begin(), kOfLibpq.end(),
+                  [&](std::string_view said) { return fault.find(said) != std::string::npos; }))
+    return true;
+  // Nobody but a server has a severity and two spaces in front of what it says.
+  if (fault.find(":  ") == std::string::npos) return false;
+  const std::string code = code_of_refusal(words, patience_s);
+  // Class 28: login or pg_hba.conf. No such database. Not allowed to connect.
+  return code.starts_with("28") || code == "3D000" || code == "42501";
 }
 
 }  // namespace
@@ -350,7 +380,7 @@ struct PostgresDatabase::Line {
   void seek() {
     if (seeker.joinable()) seeker.join();
     found = std::make_shared<Found>();
-    seeker = std::thread([hosts = hosts, found = found] {
+    seeker = std::thread([hosts = hosts, found = found, patience_s = options.connect_s] {
       std::unique_ptr<pqxx::connection> made;
       std::string faults;
       bool by_all = true;
@@ -359,9 +389,8 @@ struct PostgresDatabase::Line {
           made = std::make_unique<pqxx::connection>(words);
           break;
         } catch (const std::exception& fault) {
-          const std::string said = one_line(fault.what());
-          by_all = by_all && will_not_pass(said);
-          faults += (faults.empty() ? "" : "; ") + said;
+          by_all = by_all && will_not_pass(words, fault.what(), patience_s);
+          faults += (faults.empty() ? "" : "; ") + one_line(fault.what());
         }
       }
       const std::lock_guard hold(found->lock);
@@ -403,9 +432,10 @@ struct PostgresDatabase::Line {
   const std::string& prepare(std::string_view sql);
   /// As text for a statement that the server knows.
   std::string execution(std::string_view sql, std::span<const Bound> values);
-  /// Runs `work`, which talks to the server, and says what its faults mean.
+  /// Runs `work`, which talks to the server, and says what its faults mean. `commits`: what it did
+  /// is stored when it returns.
   template <typename Work>
-  pqxx::result watched(std::string_view sql, const Work& work);
+  pqxx::result watched(std::string_view sql, bool commits, const Work& work);
   /// Throws if the statement cannot be sent now.
   void look(std::string_view sql);
   void roll_back();
@@ -512,12 +542,13 @@ void PostgresDatabase::Line::roll_back() {
 }
 
 template <typename Work>
-pqxx::result PostgresDatabase::Line::watched(std::string_view sql, const Work& work) {
+pqxx::result PostgresDatabase::Line::watched(std::string_view sql, bool commits, const Work& work) {
+  if (standby) standby->has_warned = false;
   watchdog.begin(connection->sock(), options.answer_s + 1);
   try {
     pqxx::result rows = work();
     watchdog.end();
-    if (standby && std::exchange(standby->gave_up, false)) {
+    if (commits && standby && standby->has_warned) {
       open = aborted = false;
       throw StoreFault(FaultKind::InDoubt, "no standby confirmed the commit");
     }
@@ -576,7 +607,8 @@ pqxx::result PostgresDatabase::Line::ask(std::string_view sql, std::span<const B
     return {};
   }
   if (sql.starts_with("ROLLBACK")) kept.clear();
-  pqxx::result rows = watched(sql, [&] {
+  const bool commits = sql == "COMMIT" || (!open && !is_script && !is_control(sql));
+  pqxx::result rows = watched(sql, commits, [&] {
     if (!is_script && !is_control(sql)) return send(sql, values);
     const std::string all = std::exchange(kept, {}) + std::string(sql);
     return pqxx::nontransaction(*connection).exec(all);
@@ -589,7 +621,7 @@ pqxx::result PostgresDatabase::Line::ask(std::string_view sql, std::span<const B
 void PostgresDatabase::Line::keep(std::string_view sql, std::span<const Bound> values) {
   constexpr std::size_t kMostBytes = 1 << 18;
   look(sql);
-  watched(sql, [&]() -> pqxx::result {
+  watched(sql, false, [&]() -> pqxx::result {
     kept += execution(sql, values) + "; ";
     if (kept.size() < kMostBytes) return {};
     return pqxx::nontransaction(*connection).exec(std::exchange(kept, {}));

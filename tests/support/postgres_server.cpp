@@ -129,7 +129,9 @@ fs::path place_for(const PostgresOptions& options) {
 /// A program, its arguments, and no more of this process' environment than it needs.
 class Command {
  public:
-  explicit Command(std::vector<std::string> words) : words_(std::move(words)) {
+  explicit Command(std::vector<std::string> words, const std::vector<std::string>& more = {})
+      : words_(std::move(words)) {
+    variables_.insert(variables_.end(), more.begin(), more.end());
     for (std::string& word : words_) arguments_.push_back(word.data());
     for (std::string& one : variables_) environment_.push_back(one.data());
     arguments_.push_back(nullptr);
@@ -544,7 +546,8 @@ void PostgresServer::start() {
 void PostgresServer::launch() {
   Command server({programs() / "postgres", "-D", data(), "-c",
                   "config_file=" + (folder_ / "configuration").string(), "-c",
-                  "hba_file=" + (folder_ / "access").string()});
+                  "hba_file=" + (folder_ / "access").string()},
+                 options_.environment);
   Command removal({"/bin/rm", "-rf", folder_});
   const std::string log = folder_ / "log";
   const Account as = account();

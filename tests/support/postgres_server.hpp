@@ -16,6 +16,8 @@ struct PostgresOptions {
   bool tcp{false};     ///< also on 127.0.0.1, with passwords (scram)
   bool disk{false};    ///< not in memory (/dev/shm), even if there is much; to measure
   std::string more{};  ///< lines of postgresql.conf, which win over those of this class
+  std::vector<std::string>
+      environment{};              ///< of its processes, besides what they need: "NAME=VALUE"
   std::filesystem::path place{};  ///< where its folder is made; empty: where there is room
 };
 

@@ -96,6 +96,7 @@ void FleetWatch::note(const StoreFault& fault) {
 }
 
 void FleetWatch::tick() {
+  if (has_left_) return;  // what was ended in order must not begin again before the process ends
   try {
     lease_.saw(parts_.store.heard());
     if (!has_begun_) return begin_life();
@@ -167,6 +168,7 @@ void FleetWatch::close_lost_nodes() {
 }
 
 void FleetWatch::end() {
+  has_left_ = true;
   if (has_begun_) lease_.end();
   has_begun_ = false;
 }
