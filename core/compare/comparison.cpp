@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace popcut::compare {
+namespace popcut::likeness {
 namespace {
 
 constexpr double kSide = 1.25;   ///< of an image, in diagonals of the target
@@ -39,7 +39,7 @@ Target::Target(Triangles triangles, const Scene& scene)
     if (scene_.corner) draw(frame(k), *scene_.corner, seen.backdrop);
     draw_view(k, triangles, seen.image);
     for (std::size_t p = 0; p < seen.image.depth.size(); ++p)
-      seen.pixels += is_hit(seen.image, k, p) ? 1 : 0;
+      seen.pixels += seen.image.depth[p] != kNothing ? 1 : 0;
     find_contours(seen.image, static_cast<float>(kWithin * diagonal_mm_), seen.contours);
     seen.distances.measure(scene_.pixels, seen.contours);
     seen_pixels_ += seen.pixels;
@@ -54,19 +54,14 @@ void Target::draw_view(std::size_t k, Triangles structure, DepthImage& image) co
   draw(frame(k), structure, image);
   const DepthImage& backdrop = seen_[k].backdrop;
   if (backdrop.depth.empty()) return;
-  // What lies on the corner, or behind it, is the corner.
+  // What lies on the corner, or behind it, is no more than the corner.
   const auto touch = static_cast<float>(kTouch * diagonal_mm_);
   for (std::size_t p = 0; p < image.depth.size(); ++p)
-    if (!(image.depth[p] > backdrop.depth[p] + touch)) image.depth[p] = backdrop.depth[p];
-}
-
-bool Target::is_hit(const DepthImage& image, std::size_t k, std::size_t pixel) const {
-  const DepthImage& backdrop = seen_[k].backdrop;
-  return image.depth[pixel] > (backdrop.depth.empty() ? kNothing : backdrop.depth[pixel]);
+    if (!(image.depth[p] > backdrop.depth[p] + touch)) image.depth[p] = kNothing;
 }
 
 ViewFigures Target::measure_view(std::size_t k, Triangles structure, Buffers& buffers,
-                                 std::size_t& covered) const {
+                                 std::size_t& covered, std::size_t& beyond) const {
   const Seen& seen = seen_[k];
   ViewFigures out;
   out.toward = scene_.views[k].toward;
@@ -74,26 +69,31 @@ ViewFigures Target::measure_view(std::size_t k, Triangles structure, Buffers& bu
   draw_view(k, structure, buffers.image);
   const float* const target = seen.image.depth.data();
   const float* const own = buffers.image.depth.data();
-  const float* const behind = seen.backdrop.depth.empty() ? nullptr : seen.backdrop.depth.data();
   const auto within = static_cast<float>(kWithin * diagonal_mm_);
   buffers.of_view.clear();
   double sum = 0.0;
-  std::size_t near = 0;
+  std::size_t near = 0, alone = 0;
   for (std::size_t p = 0; p < seen.image.depth.size(); ++p) {
-    const float back = behind != nullptr ? behind[p] : kNothing;
-    if (!(target[p] > back) || !(own[p] > back)) continue;
+    if (own[p] == kNothing) continue;
+    if (target[p] == kNothing) {
+      ++alone;
+      continue;
+    }
     const float off = std::abs(target[p] - own[p]);
     buffers.of_view.push_back(off);
     sum += static_cast<double>(off);
     near += off <= within ? 1 : 0;
   }
-  covered += near;
+  covered += near, beyond += alone;
   out.common_pixels = buffers.of_view.size();
   buffers.differences.insert(buffers.differences.end(), buffers.of_view.begin(),
                              buffers.of_view.end());
   if (out.common_pixels > 0) out.mean_mm = sum / static_cast<double>(out.common_pixels);
   out.p95_mm = p95_of(buffers.of_view);
-  if (seen.pixels > 0) out.cover = static_cast<double>(near) / static_cast<double>(seen.pixels);
+  if (seen.pixels > 0) {
+    out.cover = static_cast<double>(near) / static_cast<double>(seen.pixels);
+    out.excess = static_cast<double>(alone) / static_cast<double>(seen.pixels);
+  }
 
   find_contours(buffers.image, within, buffers.contours);
   const double pitch = frame(k).pitch_mm(), most = diagonal_mm_ / pitch;
@@ -113,13 +113,15 @@ Figures Target::measure(Triangles structure, Buffers& buffers) const {
   Figures out;
   out.diagonal_mm = diagonal_mm_;
   buffers.differences.clear();
-  std::size_t covered = 0;
+  std::size_t covered = 0, beyond = 0;
   for (std::size_t k = 0; k < seen_.size(); ++k)
-    out.views.push_back(measure_view(k, structure, buffers, covered));
+    out.views.push_back(measure_view(k, structure, buffers, covered, beyond));
   for (const ViewFigures& view : out.views)
     out.contour_mm += view.contour_mm / static_cast<double>(out.views.size());
-  if (seen_pixels_ > 0)
+  if (seen_pixels_ > 0) {
     out.cover = static_cast<double>(covered) / static_cast<double>(seen_pixels_);
+    out.excess = static_cast<double>(beyond) / static_cast<double>(seen_pixels_);
+  }
   if (buffers.differences.empty()) {
     out.mean_mm = out.p95_mm = diagonal_mm_;
     return out;
@@ -149,4 +151,4 @@ std::vector<float> without_card(Triangles triangles, const Corner& corner, doubl
   return out;
 }
 
-}  // namespace popcut::compare
+}  // namespace popcut::likeness

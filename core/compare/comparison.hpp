@@ -8,7 +8,7 @@
 #include "core/compare/depth_image.hpp"
 #include "core/compare/view.hpp"
 
-namespace popcut::compare {
+namespace popcut::likeness {
 
 /// A pixel of the target counts as covered within this share of the target's diagonal, and depth
 /// jumps by this much at a contour.
@@ -29,6 +29,7 @@ struct ViewFigures {
   double mean_mm{}, p95_mm{};  ///< of the depth difference, where both are seen
   double contour_mm{};         ///< mean distance of the contours, both ways
   double cover{};              ///< share of the target's pixels, 0 to 1
+  double excess{};             ///< pixels that only the structure covers, over the target's
   std::size_t target_pixels{}, common_pixels{};
 };
 
@@ -38,6 +39,7 @@ struct Figures {
   double mean_mm{}, p95_mm{};
   double contour_mm{};
   double cover{};
+  double excess{};
   std::vector<ViewFigures> views;
 
   /// Shares of the diagonal.
@@ -62,9 +64,12 @@ struct Buffers {
 /// structure: figures of several structures can be ranked. What lies outside of them is not seen.
 ///
 ///     surface  |depth difference| where both are seen in front of the corner: mean and 95 %
-///     contour  mean distance of the contours of one from the nearest of the other, both ways;
-///              a diagonal at most, and where only one of both has any
+///     contour  outlines against the corner or nothing, and where depth jumps by `kWithin`: mean
+///              distance of those of one from the nearest of the other, both ways; a diagonal at
+///              most, and where only one of both has any
 ///     cover    share of the target's pixels at which the structure is seen within `kWithin`
+///     excess   pixels at which only the structure is seen, over the target's pixels: no part of
+///              the error, which it enters by its contours alone
 ///
 /// Depth differences and cover are taken over all pixels of all views, the contour is the mean of
 /// the views. Where no pixel shows both, the surface is a whole diagonal off.
@@ -85,14 +90,11 @@ class Target {
     return measure(structure, buffers);
   }
 
-  /// What is compared in view `k`: depths in front of the corner, the corner behind them.
+  /// What is compared in view `k`: depths in front of the corner, elsewhere `kNothing`.
   [[nodiscard]] const DepthImage& image(std::size_t k) const { return seen_[k].image; }
-  [[nodiscard]] const DepthImage& backdrop(std::size_t k) const { return seen_[k].backdrop; }
   [[nodiscard]] Frame frame(std::size_t k) const;
   /// The same image of a structure.
   void draw_view(std::size_t k, Triangles structure, DepthImage& image) const;
-  /// Whether a pixel shows something in front of the corner.
-  [[nodiscard]] bool is_hit(const DepthImage& image, std::size_t k, std::size_t pixel) const;
 
  private:
   struct Seen {
@@ -102,7 +104,7 @@ class Target {
     std::size_t pixels{};
   };
   [[nodiscard]] ViewFigures measure_view(std::size_t k, Triangles structure, Buffers& buffers,
-                                         std::size_t& covered) const;
+                                         std::size_t& covered, std::size_t& beyond) const;
 
   Scene scene_;
   Box box_;
@@ -116,4 +118,4 @@ class Target {
 [[nodiscard]] std::vector<float> without_card(Triangles triangles, const Corner& corner,
                                               double touch_mm);
 
-}  // namespace popcut::compare
+}  // namespace popcut::likeness

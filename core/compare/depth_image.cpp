@@ -7,7 +7,7 @@
 
 #include "core/compare/raster.hpp"
 
-namespace popcut::compare {
+namespace popcut::likeness {
 namespace {
 
 std::size_t count_of(int pixels) {
@@ -149,4 +149,4 @@ void DistanceImage::measure(int pixels, const ContourPixels& contours) {
   }
 }
 
-}  // namespace popcut::compare
+}  // namespace popcut::likeness

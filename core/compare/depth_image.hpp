@@ -8,7 +8,7 @@
 
 #include "core/compare/view.hpp"
 
-namespace popcut::compare {
+namespace popcut::likeness {
 
 /// The depth of a pixel that shows nothing.
 inline constexpr float kNothing = -std::numeric_limits<float>::infinity();
@@ -65,4 +65,4 @@ class DistanceImage {
   bool empty_{true};
 };
 
-}  // namespace popcut::compare
+}  // namespace popcut::likeness

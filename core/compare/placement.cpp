@@ -9,11 +9,15 @@
 
 #include "core/compare/comparison.hpp"
 
-namespace popcut::compare {
+namespace popcut::likeness {
 namespace {
 
 constexpr int kPixels = 72;
 constexpr double kFar = 0.08;  ///< of the diagonal: depths that differ by more do not agree at all
+
+/// What a pixel counts that only the structure covers. Cards fill what lies behind and below the
+/// model, so it is less than that of a pixel which only the model covers.
+constexpr double kOnlyCard = 0.75;
 
 /// Fewer triangles of about the same shape: corners are moved to the cells of a grid.
 std::vector<float> coarse(Triangles triangles, double cell_mm) {
@@ -34,27 +38,28 @@ std::vector<float> coarse(Triangles triangles, double cell_mm) {
 }
 
 /// How much a placed model looks like a structure.
-class Likeness {
+class Resemblance {
  public:
-  Likeness(Triangles structure, const Corner& corner)
+  Resemblance(Triangles structure, const Corner& corner)
       : target_(structure, {few_views(corner), kPixels, corner}),
         diagonal_mm_(target_.box().diagonal()) {}
 
   [[nodiscard]] bool is_blind() const { return target_.is_unseen(); }
 
-  /// Mean over the pixels that show either: the depth difference as a share of `kFar`, at most 1.
+  /// Mean over the pixels that show either: the depth difference as a share of `kFar`, at most 1;
+  /// `kOnlyCard` where only the structure is.
   [[nodiscard]] double misfit(Triangles model, const ModelPlacement& placement) {
     moved_ = placed(model, placement);
     const auto far = static_cast<float>(kFar * diagonal_mm_);
     double sum = 0.0, count = 0.0;
     for (std::size_t k = 0; k < target_.scene().views.size(); ++k) {
       target_.draw_view(k, moved_, image_);
-      const DepthImage &own = target_.image(k), &behind = target_.backdrop(k);
+      const DepthImage& own = target_.image(k);
       for (std::size_t p = 0; p < own.depth.size(); ++p) {
-        const bool a = own.depth[p] > behind.depth[p], b = image_.depth[p] > behind.depth[p];
+        const bool a = own.depth[p] != kNothing, b = image_.depth[p] != kNothing;
         if (!a && !b) continue;
         const float off = std::abs(own.depth[p] - image_.depth[p]);
-        sum += a && b ? static_cast<double>(std::min(1.0f, off / far)) : 1.0;
+        sum += a && b ? static_cast<double>(std::min(1.0f, off / far)) : b ? 1.0 : kOnlyCard;
         count += 1.0;
       }
     }
@@ -95,7 +100,7 @@ ModelPlacement changed(const ModelPlacement& from, int which, double step, const
 }
 
 /// Improves a placement by steps along `which`, from `step` down to `least`.
-void improve(Likeness& likeness, Triangles model, FoundPlacement& found, std::span<const int> which,
+void improve(Resemblance& seen, Triangles model, FoundPlacement& found, std::span<const int> which,
              double step, double least, double diagonal_mm) {
   const Vec3 middle = box_of(model).centre();
   while (step > least) {
@@ -104,7 +109,7 @@ void improve(Likeness& likeness, Triangles model, FoundPlacement& found, std::sp
       for (const double sign : {1.0, -1.0}) {
         const ModelPlacement tried =
             changed(found.placement, one, sign * step, middle, diagonal_mm);
-        const double misfit = likeness.misfit(model, tried);
+        const double misfit = seen.misfit(model, tried);
         if (misfit >= found.misfit) continue;
         found = {tried, misfit};
         better = true;
@@ -134,10 +139,11 @@ std::vector<Eigen::Matrix3d> right_turns() {
   return out;
 }
 
-/// A start: the model turned, its box as large as the structure's, in the corner or with its middle
-/// on the spine.
+/// A start: the model turned, its box as large as the structure's along the axis where that makes
+/// it the smallest (`rank` 0), the middle one or the largest, in the corner or with its middle on
+/// the spine.
 ModelPlacement start_of(const Eigen::Matrix3d& turn, Triangles model, const Box& structure,
-                        bool on_spine) {
+                        std::size_t rank, bool on_spine) {
   ModelPlacement out;
   out.turn = turn;
   const Box own = box_of(placed(model, out));
@@ -147,7 +153,7 @@ ModelPlacement start_of(const Eigen::Matrix3d& turn, Triangles model, const Box&
     ratio[static_cast<std::size_t>(k)] =
         due[k] / std::max(size[k], 1e-9) * (on_spine && k != 1 ? 2.0 : 1.0);
   std::sort(ratio.begin(), ratio.end());
-  out.scale_mm = std::clamp(ratio[1], 1e-9, 1e9);
+  out.scale_mm = std::clamp(ratio.at(rank), 1e-9, 1e9);
   const Vec3 low = out.scale_mm * own.low, middle = out.scale_mm * own.centre();
   const double v = structure.centre().y() - middle.y();
   out.shift_mm = on_spine ? Vec3(-middle.x(), v, -middle.z()) : Vec3(-low.x(), v, -low.z());
@@ -170,10 +176,11 @@ Eigen::Matrix3d ModelPlacement::turn_of(const std::array<double, 3>& degrees) {
 std::array<double, 3> ModelPlacement::degrees() const {
   constexpr double kDegree = 180.0 / std::numbers::pi;
   const double y = std::asin(std::clamp(-turn(2, 0), -1.0, 1.0));
-  if (std::abs(turn(2, 0)) > 1.0 - 1e-12)  // x and z turn about the same axis
-    return {0.0, y * kDegree, std::atan2(-turn(0, 1), turn(1, 1)) * kDegree};
-  return {std::atan2(turn(2, 1), turn(2, 2)) * kDegree, y * kDegree,
-          std::atan2(turn(1, 0), turn(0, 0)) * kDegree};
+  const bool is_upright = std::abs(turn(2, 0)) > 1.0 - 1e-12;  // x and z turn about one axis
+  const double x = is_upright ? 0.0 : std::atan2(turn(2, 1), turn(2, 2));
+  const double z =
+      is_upright ? std::atan2(-turn(0, 1), turn(1, 1)) : std::atan2(turn(1, 0), turn(0, 0));
+  return {x * kDegree + 0.0, y * kDegree + 0.0, z * kDegree + 0.0};  // never -0
 }
 
 std::vector<float> placed(Triangles model, const ModelPlacement& placement) {
@@ -193,27 +200,27 @@ std::vector<float> placed(Triangles model, const ModelPlacement& placement) {
 }
 
 FoundPlacement find_placement(Triangles model, Triangles structure, const Corner& corner) {
-  constexpr std::size_t kKept = 4;
+  constexpr std::size_t kKept = 16;
   constexpr std::array<int, 7> kAll{0, 1, 2, 3, 4, 5, 6};
   const std::vector<float> stands = standing(structure, corner);
   const Box box = box_of(stands);
   const std::vector<float> rough = coarse(model, box_of(model).diagonal() / 64.0);
   const Triangles few = rough.empty() ? model : Triangles(rough);
-  Likeness likeness(stands, corner);
-  if (likeness.is_blind() || few.empty()) return {{}, 1.0};
+  Resemblance seen(stands, corner);
+  if (seen.is_blind() || few.empty()) return {{}, 1.0};
   std::vector<FoundPlacement> starts;
   for (const Eigen::Matrix3d& turn : right_turns())
-    for (const bool on_spine : {false, true}) {
-      const ModelPlacement start = start_of(turn, few, box, on_spine);
-      starts.push_back({start, likeness.misfit(few, start)});
-    }
+    for (const bool on_spine : {false, true})
+      for (const std::size_t rank : {0U, 1U, 2U}) {
+        const ModelPlacement start = start_of(turn, few, box, rank, on_spine);
+        starts.push_back({start, seen.misfit(few, start)});
+      }
   const auto by_misfit = [](const auto& a, const auto& b) { return a.misfit < b.misfit; };
   std::stable_sort(starts.begin(), starts.end(), by_misfit);
   starts.resize(std::min(starts.size(), kKept));
-  for (FoundPlacement& start : starts)
-    improve(likeness, few, start, kAll, 0.08, 0.015, box.diagonal());
+  for (FoundPlacement& start : starts) improve(seen, few, start, kAll, 0.08, 0.015, box.diagonal());
   FoundPlacement best = *std::min_element(starts.begin(), starts.end(), by_misfit);
-  improve(likeness, few, best, kAll, 0.015, 0.0005, box.diagonal());
+  improve(seen, few, best, kAll, 0.015, 0.0005, box.diagonal());
   return best;
 }
 
@@ -223,20 +230,19 @@ FoundPlacement find_shift_along_spine(Triangles model, const ModelPlacement& pla
   constexpr int kSteps = 40;
   const std::vector<float> stands = standing(structure, corner);
   const Box box = box_of(stands), own = box_of(placed(model, placement));
-  Likeness likeness(stands, corner);
-  if (likeness.is_blind() || own.empty()) return {placement, 1.0};
+  Resemblance seen(stands, corner);
+  if (seen.is_blind() || own.empty()) return {placement, 1.0};
   // From where the model's end touches the structure's beginning to the other way round.
   const double from = box.low.y() - own.high.y(), to = box.high.y() - own.low.y();
   FoundPlacement best{placement, 2.0};
   for (int k = 0; k <= kSteps; ++k) {
     ModelPlacement tried = placement;
     tried.shift_mm.y() += from + (to - from) * k / kSteps;
-    const double misfit = likeness.misfit(model, tried);
+    const double misfit = seen.misfit(model, tried);
     if (misfit < best.misfit) best = {tried, misfit};
   }
-  improve(likeness, model, best, kAlong, (to - from) / kSteps / box.diagonal(), 1e-4,
-          box.diagonal());
+  improve(seen, model, best, kAlong, (to - from) / kSteps / box.diagonal(), 1e-4, box.diagonal());
   return best;
 }
 
-}  // namespace popcut::compare
+}  // namespace popcut::likeness

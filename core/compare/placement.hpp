@@ -9,7 +9,7 @@
 #include "core/compare/depth_image.hpp"
 #include "core/compare/view.hpp"
 
-namespace popcut::compare {
+namespace popcut::likeness {
 
 /// How a model stands among what it is compared with: its point q is at
 /// `turn (scale q) + shift_mm`.
@@ -47,4 +47,4 @@ struct FoundPlacement {
                                                     const ModelPlacement& placement,
                                                     Triangles structure, const Corner& corner);
 
-}  // namespace popcut::compare
+}  // namespace popcut::likeness

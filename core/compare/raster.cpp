@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/compare/raster.hpp"
 
-namespace popcut::compare {
+namespace popcut::likeness {
 
 Raster::Raster(const Frame& frame) : pixels_(frame.pixels) {
   const double scale = 1.0 / frame.pitch_mm(), middle = 0.5 * frame.pixels;
@@ -51,4 +51,4 @@ int Raster::clipped(std::array<Corner, 8>& polygon, double low, double high) {
   return count;
 }
 
-}  // namespace popcut::compare
+}  // namespace popcut::likeness

@@ -8,7 +8,7 @@
 
 #include "core/compare/view.hpp"
 
-namespace popcut::compare {
+namespace popcut::likeness {
 
 /// Which pixels triangles cover, row by row.
 ///
@@ -151,4 +151,4 @@ void Raster::triangle(Corner a, Corner b, Corner c, Span&& span) const {
   }
 }
 
-}  // namespace popcut::compare
+}  // namespace popcut::likeness

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace popcut::compare {
+namespace popcut::likeness {
 
 View view_from(const Vec3& toward) {
   View view;
@@ -63,4 +63,4 @@ Box box_of(Triangles triangles) {
 
 Box joined(const Box& a, const Box& b) { return {a.low.cwiseMin(b.low), a.high.cwiseMax(b.high)}; }
 
-}  // namespace popcut::compare
+}  // namespace popcut::likeness

@@ -8,7 +8,7 @@
 
 #include "core/geometry/vec.hpp"
 
-namespace popcut::compare {
+namespace popcut::likeness {
 
 /// Triangles as flat numbers, mm: nine each, the corners (x, v, z) one after the other. x is the
 /// distance from the wall along the ground, v runs along the spine, z is the height.
@@ -56,4 +56,4 @@ struct Frame {
 
 inline constexpr int kLeastPixels = 16, kMostPixels = 4096;
 
-}  // namespace popcut::compare
+}  // namespace popcut::likeness

@@ -11,7 +11,7 @@
 
 #include "core/compare/raster.hpp"
 
-namespace popcut::compare {
+namespace popcut::likeness {
 namespace {
 
 constexpr std::size_t kMostCrossings = 64'000'000;  ///< of rays and triangles: half a gigabyte
@@ -163,4 +163,4 @@ double volume_before(Triangles surface, const Corner& corner, int pixels) {
   return sum * frame.pitch_mm() * frame.pitch_mm();
 }
 
-}  // namespace popcut::compare
+}  // namespace popcut::likeness

@@ -6,7 +6,7 @@
 #include "core/compare/depth_image.hpp"
 #include "core/compare/view.hpp"
 
-namespace popcut::compare {
+namespace popcut::likeness {
 
 /// A volume, or why there is none.
 struct Volume {
@@ -33,4 +33,4 @@ struct Volume {
 /// is behind the nearest triangle counts as filled.
 [[nodiscard]] double volume_before(Triangles surface, const Corner& corner, int pixels);
 
-}  // namespace popcut::compare
+}  // namespace popcut::likeness

@@ -13,7 +13,7 @@
 namespace compare_property_test {
 
 using namespace popcut;
-using namespace popcut::compare;
+using namespace popcut::likeness;
 using namespace popcut::testing;
 using namespace popcut::tests;
 using Catch::WithinAbs;

@@ -13,7 +13,7 @@
 namespace comparison_test {
 
 using namespace popcut;
-using namespace popcut::compare;
+using namespace popcut::likeness;
 using namespace popcut::tests;
 using Catch::WithinAbs;
 using Catch::WithinRel;

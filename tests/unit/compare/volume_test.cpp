@@ -12,7 +12,7 @@
 namespace volume_test {
 
 using namespace popcut;
-using namespace popcut::compare;
+using namespace popcut::likeness;
 using namespace popcut::tests;
 using Catch::WithinAbs;
 using Catch::WithinRel;
