@@ -40,7 +40,7 @@ std::vector<float> coarse(Triangles triangles, double cell_mm) {
 /// How much a placed model looks like a structure.
 class Resemblance {
  public:
-  Resemblance(Triangles structure, const Corner& corner)
+  Resemblance(Triangles structure, const std::optional<Corner>& corner)
       : target_(structure, {few_views(corner), kPixels, corner}),
         diagonal_mm_(target_.box().diagonal()) {}
 
@@ -67,8 +67,8 @@ class Resemblance {
   }
 
  private:
-  static std::vector<View> few_views(const Corner& corner) {
-    const auto all = cone_views(corner.opening_rad);
+  static std::vector<View> few_views(const std::optional<Corner>& corner) {
+    const auto all = cone_views(corner.value_or(Corner{}).opening_rad);
     return {all[0], all[1], all[3], all[5], all[7]};
   }
   Target target_;
@@ -120,9 +120,10 @@ void improve(Resemblance& seen, Triangles model, FoundPlacement& found, std::spa
 }
 
 /// What of the structure stands in the corner, or all of it where nothing does.
-std::vector<float> standing(Triangles structure, const Corner& corner) {
+std::vector<float> standing(Triangles structure, const std::optional<Corner>& corner) {
   const double touch = 1e-4 * box_of(structure).diagonal();
-  std::vector<float> out = without_card(structure, corner, touch);
+  std::vector<float> out;
+  if (corner) out = without_card(structure, *corner, touch);
   if (out.empty()) out.assign(structure.begin(), structure.end());
   return out;
 }
@@ -199,7 +200,8 @@ std::vector<float> placed(Triangles model, const ModelPlacement& placement) {
   return out;
 }
 
-FoundPlacement find_placement(Triangles model, Triangles structure, const Corner& corner) {
+FoundPlacement find_placement(Triangles model, Triangles structure,
+                              const std::optional<Corner>& corner) {
   constexpr std::size_t kKept = 16;
   constexpr std::array<int, 7> kAll{0, 1, 2, 3, 4, 5, 6};
   const std::vector<float> stands = standing(structure, corner);
@@ -225,7 +227,7 @@ FoundPlacement find_placement(Triangles model, Triangles structure, const Corner
 }
 
 FoundPlacement find_shift_along_spine(Triangles model, const ModelPlacement& placement,
-                                      Triangles structure, const Corner& corner) {
+                                      Triangles structure, const std::optional<Corner>& corner) {
   constexpr std::array<int, 1> kAlong{1};
   constexpr int kSteps = 40;
   const std::vector<float> stands = standing(structure, corner);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -39,12 +40,13 @@ struct FoundPlacement {
 ///
 /// A shape that looks alike from several sides fits in several ways; the first is taken.
 [[nodiscard]] FoundPlacement find_placement(Triangles model, Triangles structure,
-                                            const Corner& corner);
+                                            const std::optional<Corner>& corner);
 
 /// The same for a model whose place is known but for its shift along the spine: only that is
 /// changed.
 [[nodiscard]] FoundPlacement find_shift_along_spine(Triangles model,
                                                     const ModelPlacement& placement,
-                                                    Triangles structure, const Corner& corner);
+                                                    Triangles structure,
+                                                    const std::optional<Corner>& corner);
 
 }  // namespace popcut::likeness

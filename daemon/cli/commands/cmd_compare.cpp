@@ -99,13 +99,17 @@ void add_volumes(const Options& options, const ComparedStructure& structure,
     report.model.why = "a volume belongs to one corner, and --around looks at all sides";
     return;
   }
+  if (!structure.corner) {
+    report.model.why = "the pattern does not stand in a corner of wall and ground";
+    return;
+  }
+  const likeness::Corner& corner = *structure.corner;
   const auto before = [&](likeness::Triangles surface) {
-    const double mm3 = likeness::volume_before(surface, structure.corner, options.pixels);
+    const double mm3 = likeness::volume_before(surface, corner, options.pixels);
     return likeness::Volume{mm3 > 0.0, mm3, mm3 > 0.0 ? "" : "nothing stands in the corner", false};
   };
-  report.model = target.is_solid
-                     ? likeness::solid_volume(target.triangles, structure.corner, options.pixels)
-                     : before(target.triangles);
+  report.model = target.is_solid ? likeness::solid_volume(target.triangles, corner, options.pixels)
+                                 : before(target.triangles);
   report.card = before(structure.triangles);
 }
 
@@ -137,8 +141,8 @@ Result<void> run_compare(const Options& options, const Globals& globals) {
   work->now("comparing");
   likeness::Scene scene;
   scene.pixels = options.pixels;
-  scene.views = options.around ? likeness::round_views()
-                               : likeness::cone_views(structure->corner.opening_rad);
+  const likeness::Corner corner = structure->corner.value_or(likeness::Corner{});
+  scene.views = options.around ? likeness::round_views() : likeness::cone_views(corner.opening_rad);
   if (!options.around) scene.corner = structure->corner;
   const likeness::Target aim(target->triangles, scene);
   if (aim.is_unseen())
@@ -152,11 +156,11 @@ Result<void> run_compare(const Options& options, const Globals& globals) {
   report.placed_by = target->placed_by;
   report.placement = target->placement, report.misfit = target->misfit;
   report.notes = structure->notes;
-  const std::vector<float> standing =
-      options.around ? likeness::without_card(structure->triangles, structure->corner,
-                                              1e-4 * aim.box().diagonal())
-                     : std::vector<float>();
-  report.figures = aim.measure(options.around ? standing : structure->triangles);
+  std::vector<float> standing;
+  const bool around_card = options.around && structure->corner;
+  if (around_card)
+    standing = likeness::without_card(structure->triangles, corner, 1e-4 * aim.box().diagonal());
+  report.figures = aim.measure(around_card ? standing : structure->triangles);
   add_volumes(options, *structure, *target, report);
   work.reset();
   report.cost = cost_of(options, *structure, globals);

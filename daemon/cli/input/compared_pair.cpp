@@ -10,7 +10,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/compare/comparison.hpp"
+#include "core/formats/fold/fold_reader.hpp"
+#include "core/geometry/triangulate.hpp"
+#include "core/geometry/vec.hpp"
 #include "core/text/words.hpp"
+#include "core/verify/sheet/check.hpp"
 #include "core/verify/target/target.hpp"
 #include "core/verify/verify.hpp"
 #include "daemon/cli/input/drawn_pattern.hpp"
@@ -40,6 +45,63 @@ Result<std::vector<float>> mesh_triangles(const std::string& file, const std::st
 
 bool has_size(const std::vector<float>& triangles) {
   return likeness::box_of(triangles).diagonal() > 0.0;
+}
+
+/// Settles whether the structure is a card in the corner.
+Result<void> find_corner(const std::string& file, const likeness::Corner& corner,
+                         ComparedStructure& out) {
+  const double touch = 1e-3 * likeness::box_of(out.triangles).diagonal();
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < out.triangles.size(); k += 3)
+    least = std::min(least, corner.clearance(Vec3(static_cast<double>(out.triangles[k]),
+                                                  static_cast<double>(out.triangles[k + 1]),
+                                                  static_cast<double>(out.triangles[k + 2]))));
+  if (least < -touch) {
+    out.notes.emplace_back(
+        "it does not stand in a corner of wall and ground, so all of it is compared, and nothing "
+        "is behind it");
+    return {};
+  }
+  out.corner = corner;
+  if (!likeness::without_card(out.triangles, corner, 0.1 * touch).empty()) return {};
+  return fail(ErrorKind::OutOfRange, file,
+              "all of its panels lie in wall and ground when it is open, so there is nothing to "
+              "compare; give a card that pops up");
+}
+
+/// The triangles of a folded form that comes without its flat sheet; none of other files.
+Result<std::vector<float>> folded_form(const std::string& text) {
+  const auto file = read_fold(text);
+  if (!file) return tl::unexpected(file.error());
+  std::vector<float> out;
+  for (const FoldFrame& frame : file->frames)
+    if (!frame.folded_form && !frame.vertices.empty()) return out;
+  for (const FoldFrame& frame : file->frames) {
+    if (!frame.folded_form || frame.faces.empty()) continue;
+    const double unit_mm = std::max(fold_unit_mm(frame.unit), 1e-9);
+    const auto at = [&](std::uint32_t v) { return Vec3(unit_mm * vec3(frame.vertices[v])); };
+    for (std::size_t f = 0; f < frame.faces.size(); ++f) {
+      const auto& face = frame.faces[f];
+      Vec3 normal;  // of the polygon, by Newell's sum
+      for (std::size_t k = 0; k < face.size(); ++k)
+        normal += cross(at(face[k]), at(face[(k + 1) % face.size()]));
+      const likeness::View seen = likeness::view_from(normal);
+      std::vector<Vec2> flat;
+      std::vector<std::uint32_t> round;
+      for (const std::uint32_t v : face) {
+        round.push_back(static_cast<std::uint32_t>(flat.size()));
+        flat.emplace_back(dot(seen.right, at(v)), dot(seen.up, at(v)));
+      }
+      std::vector<Triangle> triangles;
+      if (!triangulate(flat, round, triangles))
+        return fail(ErrorKind::OutOfRange, face_place(f), "is not a simple polygon");
+      for (const Triangle& triangle : triangles)
+        for (const std::uint32_t corner : triangle)
+          for (const double value : at(face[corner])) out.push_back(static_cast<float>(value));
+    }
+    return out;
+  }
+  return out;
 }
 
 /// The surface of a spec, not yet shifted to where its slices lie on the sheet.
@@ -138,10 +200,11 @@ Result<ComparedStructure> read_structure(const std::string& file, std::optional<
     if (!triangles) return tl::unexpected(std::move(triangles.error()));
     out.triangles = std::move(*triangles);
     out.is_mesh = true;
-    if (psi_rad) out.corner.opening_rad = *psi_rad;
     out.psi_rad = psi_rad;
     if (!has_size(out.triangles))
       return fail(ErrorKind::OutOfRange, file, "the mesh has no size; give another one");
+    const likeness::Corner corner{psi_rad.value_or(likeness::Corner{}.opening_rad)};
+    if (auto done = find_corner(file, corner, out); !done) return tl::unexpected(done.error());
     return out;
   }
   if (is_drawing(*text, file)) {
@@ -150,15 +213,24 @@ Result<ComparedStructure> read_structure(const std::string& file, std::optional<
   }
   auto card = planning::open_card(*text, psi_rad, progress);
   if (!card && is_design_spec(*text)) return tl::unexpected(not_yet_designed(file, "compare"));
+  if (!card && !psi_rad)
+    if (auto folded = folded_form(*text); folded && has_size(*folded)) {
+      out.triangles = std::move(*folded);
+      out.is_mesh = true;
+      out.notes.emplace_back(
+          "the file has no flat sheet: its folded form is compared as it stands");
+      if (auto done = find_corner(file, {}, out); !done) return tl::unexpected(done.error());
+      return out;
+    }
   if (!card) return tl::unexpected(within(file, card.error()));
   out.triangles = std::move(card->triangles);
-  out.corner = card->corner;
   out.psi_rad = card->psi_rad;
   out.model = card->model;
   out.folds = card->folds, out.smallest_joint_mm = card->smallest_joint_mm;
   out.pieces = card->pieces;
   out.notes.insert(out.notes.end(), card->notes.begin(), card->notes.end());
   out.fold_text = std::move(*text);
+  if (auto done = find_corner(file, card->corner, out); !done) return tl::unexpected(done.error());
   return out;
 }
 
@@ -167,7 +239,7 @@ Result<ComparedTarget> read_compared_target(const std::string& file,
                                             const GivenPlacement& given, const Progress& progress) {
   using namespace compared_pair;
   tell(progress, "reading the model", kUnknownPart);
-  const auto bytes = read_file(file);
+  auto bytes = read_file(file);
   if (!bytes) return tl::unexpected(bytes.error());
   if (!is_mesh(file) && is_pattern(*bytes))
     return fail(ErrorKind::OutOfRange, file,
@@ -181,6 +253,7 @@ Result<ComparedTarget> read_compared_target(const std::string& file,
   }
   auto model = mesh_triangles(file, *bytes);
   if (!model) return tl::unexpected(std::move(model.error()));
+  *bytes = {};  // large
   if (!has_size(*model))
     return fail(ErrorKind::OutOfRange, file, "the mesh has no size; give another one");
   ComparedTarget out;

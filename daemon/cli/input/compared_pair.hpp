@@ -16,8 +16,9 @@ namespace popcut::cli {
 /// What stands opened: a pattern, or the mesh of one.
 struct ComparedStructure {
   std::vector<float> triangles;  ///< nine numbers each, (x, v, z) in mm
-  likeness::Corner corner;
-  bool is_mesh{};  ///< then the figures of the paper are 0
+  /// None: parts of it lie behind it, so it is no card in a corner of wall and ground.
+  std::optional<likeness::Corner> corner;
+  bool is_mesh{};  ///< or poses without a flat sheet; then the figures of the paper are 0
   std::optional<double> psi_rad;
   std::optional<likeness::ModelPlacement> model;  ///< where the pattern says that it stands
   std::size_t folds{};
@@ -27,10 +28,13 @@ struct ComparedStructure {
   std::string fold_text;  ///< the FOLD file; of a drawing, its lines as one; of a mesh, empty
 };
 
-/// Reads a pattern (FOLD, SVG, DXF) and opens it, or a mesh (STL, OBJ) of an opened one.
+/// Reads a pattern (FOLD, SVG, DXF) and opens it, or a mesh (STL, OBJ) of an opened one. A FOLD
+/// file that has no flat sheet is taken as its folded form stands.
 ///
 /// @param psi_rad  opening angle; none: the one it is designed for
-/// @retval Malformed, OutOfRange  it cannot be read or opened; with the file's name
+/// @retval Malformed, OutOfRange  it cannot be read or opened, or all of it lies in wall and
+/// ground;
+///                                with the file's name
 [[nodiscard]] Result<ComparedStructure> read_structure(const std::string& file,
                                                        std::optional<double> psi_rad,
                                                        const Progress& progress);

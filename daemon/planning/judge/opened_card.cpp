@@ -100,9 +100,9 @@ Result<FoldModel> opened_model(std::string_view text, double psi_rad, const Prog
 }
 
 /// Carries a pose of its own axes to where a card stands: spine along v, ground in z = 0.
-Result<void> stand_up(FoldModel& model, const Sheet& sheet) {
+void stand_up(FoldModel& model, const Sheet& sheet) {
   const auto hinge_at = verify::driving_hinge(model, sheet);
-  if (!hinge_at) return {};
+  if (!hinge_at) return;
   const verify::Hinge& hinge = sheet.hinges[*hinge_at];
   Pose& pose = model.poses.front();
   const auto motion = verify::measure(model, sheet, verify::make_panels(model, sheet), pose);
@@ -121,7 +121,6 @@ Result<void> stand_up(FoldModel& model, const Sheet& sheet) {
   }
   for (Vec3& p : pose.at) p.y() -= least;
   pose.psi_rad = std::numbers::pi - std::abs(angle_deg) / kDegrees;
-  return {};
 }
 
 Result<void> add_triangles(OpenedCard& card) {
@@ -181,10 +180,9 @@ Result<OpenedCard> open_card(std::string_view fold_text, std::optional<double> p
     card.notes.push_back(fmt::format("opened to {:.1f} degrees: the file has no such pose",
                                      psi_rad.value_or(design_rad) * kDegrees));
   }
-  const auto sheet = sheet_of(card.file);
-  if (!sheet) return tl::unexpected(sheet.error());
-  if (as_it_stands && !has_angles)
-    if (auto done = stand_up(card.file, *sheet); !done) return tl::unexpected(done.error());
+  VerifyCheck known;  // what is wrong with the file's own faces was said when its pose was chosen
+  const Sheet sheet = verify::make_sheet(card.file, known);
+  if (as_it_stands && !has_angles) stand_up(card.file, sheet);
   card.psi_rad = card.file.poses.front().psi_rad.value_or(std::numbers::pi / 2);
   card.corner.opening_rad = card.psi_rad;
   if (placement && std::abs(card.psi_rad - design_rad) <= kSameAngleRad)
@@ -193,7 +191,7 @@ Result<OpenedCard> open_card(std::string_view fold_text, std::optional<double> p
         likeness::ModelPlacement::turn_of({(*placement)[1], (*placement)[2], (*placement)[3]}),
         Vec3((*placement)[4], (*placement)[5], (*placement)[6])};
   if (auto done = add_triangles(card); !done) return tl::unexpected(done.error());
-  if (card.folds == 0) add_joints(card.file, *sheet, card);
+  if (card.folds == 0) add_joints(card.file, sheet, card);
   return card;
 }
 

@@ -141,6 +141,25 @@ TEST_CASE("a card against its own opened surface has no error", "[cli][e2e][comp
   write_file(bench.temp / "other.fold", other.dump());
   CHECK_THAT(bench.error_of({"other.fold", "poses/psi_001.stl", "--scale", "1"}),
              WithinAbs(0.0, 0.01));
+  // A folded form without any flat sheet stands as it is, and what reaches behind wall or ground is
+  // no card.
+  const auto folded = [&](double lower_mm) {
+    json form{{"frame_classes", {"foldedForm"}}, {"frame_unit", "mm"}};
+    for (const char* list : {"edges_vertices", "faces_vertices", "edges_assignment"})
+      form[list] = fold[list];
+    for (const json& one : fold["file_frames"])
+      if (std::abs(one["frame_popcut:psi_rad"].get<double>() - M_PI / 2) < 1e-9)
+        form["vertices_coords"] = one["vertices_coords"];
+    for (json& p : form["vertices_coords"]) p[2] = p[2].get<double>() - lower_mm;
+    return form.dump();
+  };
+  write_file(bench.temp / "folded.fold", folded(0.0));
+  write_file(bench.temp / "lower.fold", folded(30.0));
+  CHECK_THAT(bench.error_of({"folded.fold", "poses/psi_001.stl"}), WithinAbs(0.0, 1e-6));
+  const json lower = bench.compared({"lower.fold", "poses/psi_001.stl", "--move", "0,0,-30"});
+  CHECK_THAT(lower["error"].get<double>(), WithinAbs(0.0, 1e-6));
+  CHECK(lower["volume"]["ran"] == false);
+  CHECK(says(lower["notes"].dump(), "does not stand in a corner"));
 }
 
 TEST_CASE("a formula is as far from its card as the design says", "[cli][e2e][compare]") {
@@ -226,6 +245,11 @@ TEST_CASE("compare refuses bad input in one line", "[cli][e2e][compare]") {
   odd["popcut:model_placement"] = {1, 2, 3};
   write_file(bench.temp / "odd.fold", odd.dump());
   refused({"odd.fold", "ball.stl"}, 3, "/popcut:model_placement");
+  write_file(bench.temp / "plain.svg",
+             "<svg xmlns='http://www.w3.org/2000/svg' width='100mm' height='80mm' viewBox='0 0 100 "
+             "80'><path d='M0 0H100V80H0Z' stroke='black' fill='none'/>"
+             "<path d='M0 40H100' stroke='blue' fill='none' id='valley'/></svg>");
+  refused({"plain.svg", "ball.stl"}, 3, "plain.svg");
   refused({"ball/pattern.fold", "ball.stl", "--move", "-900,0,-900"}, 3, "in front of the card");
   refused({"ball/pattern.fold", "ball.stl", "--move", "1,2"}, 2, "three numbers");
   refused({"ball/pattern.fold", "ball.stl", "--pixels", "5"}, 2, "--pixels");
