@@ -44,7 +44,6 @@ constexpr const char* kPurpose =
     "  popcut design --example sphere > sphere.json  # a design to start from\n"
     "  popcut design sphere.json -o sphere           # pattern, drawings and report in ./sphere\n"
     "  popcut verify sphere/pattern.fold             # check that the card opens and closes\n"
-    "  popcut compare sphere/pattern.fold sphere.json  # how much it looks like your shape\n"
     "  popcut deploy sphere/pattern.fold -o poses    # 3D models of the card as it opens\n"
     "  popcut plan sphere.json -o sheets             # sheets, and programs for your cutter\n"
     "  popcut cut sphere.json --direct               # cut now (simulated unless you add "
