@@ -569,9 +569,23 @@ class Designer {
         else
           r.warnings.push_back({.code = "flattened_by_card", .message = std::move(said)});
       }
+    out.pattern.model_placement = model_placement(r);
     out.edges = std::move(sliced_.edges);
     out.target = sliced_.pieces;
     return out;
+  }
+
+  /// The spec's own, shifted along the spine as the slices lie on the sheet.
+  [[nodiscard]] std::optional<std::array<double, 7>> model_placement(const DesignReport& r) const {
+    if (spec_.is_patch || !spec_.surface || asset_of(*spec_.surface).empty() || r.slices.empty())
+      return std::nullopt;
+    double shift_mm = 0.0;
+    for (const SliceReport& slice : r.slices)
+      shift_mm += (slice.v_mm - slice.s_mm) / static_cast<double>(r.slices.size());
+    const TargetPlacement& p = spec_.placement;
+    return std::array{p.scale_mm,       p.rotate_deg[0],   p.rotate_deg[1],
+                      p.rotate_deg[2],  p.translate_mm[0], p.translate_mm[1] + shift_mm,
+                      p.translate_mm[2]};
   }
 
   /// What became of the places where N changes, and of other plain cuts.
