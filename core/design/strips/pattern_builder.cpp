@@ -55,7 +55,7 @@ class PatternBuilder {
   Result<BuiltPattern> run() {
     for (std::size_t line = 0; line <= strips_.size(); ++line) walk_line(line);
     for (std::uint32_t panel = 0; panel < panels_; ++panel)
-      if (out_.panel_face[panel] < 0 && !trace(panel))
+      if (!strips_.is_cut(panel) && out_.panel_face[panel] < 0 && !trace(panel))
         return fail(ErrorKind::Internal, "", "the strips do not make simple faces");
     if (!joints_are_inside_faces())
       return fail(ErrorKind::Internal, "", "a face of the strips has a hole");
@@ -86,7 +86,7 @@ class PatternBuilder {
     const std::uint32_t p_end = strips_.first_panel[a + 1], q_end = strips_.first_panel[b + 1];
     while (p < p_end && q < q_end) {
       const std::size_t i = p + a, j = q + b;  // first points of the panels
-      if (strips_.plane[p] == strips_.plane[q]) {
+      if (strips_.plane[p] == strips_.plane[q] && !strips_.is_cut(p)) {
         // In one plane the exact coordinate along it decides, never the sum u.
         const bool upright = strips_.x[i] == strips_.x[i + 1];
         Joint joint{p, q, strips_.x[i], strips_.z[i], strips_.x[i + 1], strips_.z[i + 1]};
@@ -106,8 +106,23 @@ class PatternBuilder {
     }
   }
 
+  /// Whether both panels of a joint that reaches to (x, z) end there at cuts across their strips.
+  [[nodiscard]] bool both_cut(std::uint32_t left, std::uint32_t right, double x, double z,
+                              bool at_end) const {
+    const auto cut_at = [&](std::uint32_t panel) {
+      const std::size_t s = strip_of_[panel];
+      if (at_end ? panel + 1 == strips_.first_panel[s + 1] : panel == strips_.first_panel[s])
+        return false;
+      const std::size_t point = panel + s + (at_end ? 1 : 0);
+      return strips_.is_cut(at_end ? panel + 1 : panel - 1) && strips_.x[point] == x &&
+             strips_.z[point] == z;
+    };
+    return cut_at(left) && cut_at(right);
+  }
+
   /// Gives the ends of the joints their vertices. Where one joint follows another at a point, a
-  /// fold passes through, and where both strips begin or end, the outline does.
+  /// fold passes through; where both strips begin or end, the outline does, and where both are cut
+  /// across, the cut does.
   void place_joint_vertices(std::size_t a, std::size_t b, double v) {
     const auto is_point = [&](double x, double z, std::size_t point) {
       return strips_.x[point] == x && strips_.z[point] == z;
@@ -119,12 +134,14 @@ class PatternBuilder {
         passed_[joint.start_vertex] = 1;
       } else {
         joint.start_vertex = add_vertex(joint.x0, joint.z0, v);
-        passed_.back() = is_point(joint.x0, joint.z0, strips_.first_point(a)) &&
-                         is_point(joint.x0, joint.z0, strips_.first_point(b));
+        passed_.back() = (is_point(joint.x0, joint.z0, strips_.first_point(a)) &&
+                          is_point(joint.x0, joint.z0, strips_.first_point(b))) ||
+                         both_cut(joint.left_panel, joint.right_panel, joint.x0, joint.z0, false);
       }
       joint.end_vertex = add_vertex(joint.x1, joint.z1, v);
-      passed_.back() = is_point(joint.x1, joint.z1, strips_.first_panel[a + 1] + a) &&
-                       is_point(joint.x1, joint.z1, strips_.first_panel[b + 1] + b);
+      passed_.back() = (is_point(joint.x1, joint.z1, strips_.first_panel[a + 1] + a) &&
+                        is_point(joint.x1, joint.z1, strips_.first_panel[b + 1] + b)) ||
+                       both_cut(joint.left_panel, joint.right_panel, joint.x1, joint.z1, true);
     }
   }
 
@@ -187,7 +204,7 @@ class PatternBuilder {
   void add_lines(std::size_t line, double v) {
     std::vector<SheetLine>& lines = out_.pattern.lines;
     const auto add = [&](double u0, double u1, EdgeRole role) {
-      if (u1 > u0) lines.push_back({u0, v, u1, v, role});
+      if (u1 - u0 > kSamePlace_mm) lines.push_back({u0, v, u1, v, role});
     };
     const auto range = [&](std::size_t s) {
       return std::pair{u_of(strips_.first_point(s)), u_of(strips_.first_panel[s + 1] + s)};
@@ -291,7 +308,12 @@ class PatternBuilder {
       return;
     }
     const std::uint32_t far = beyond(h);
-    if (far == kNone) {
+    if (far != kNone && strips_.is_cut(far)) {
+      add_edge(from, to, face, EdgeRole::Slit, kNone);
+      if (h.kind == HalfEdgeKind::End)  // each cut has one such side
+        out_.pattern.lines.push_back(
+            {out_.pattern.u(a), a.v, out_.pattern.u(b), b.v, EdgeRole::Slit});
+    } else if (far == kNone) {
       add_edge(from, to, face, EdgeRole::Outline, kNone);
       out_.pattern.lines.push_back(
           {out_.pattern.u(a), a.v, out_.pattern.u(b), b.v, EdgeRole::Outline});
