@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -60,15 +61,23 @@ void check_strips(const Strips& strips, double narrowest_mm, std::vector<Warning
   narrow.say("strip_narrow", "strip is", "strips are", warnings);
 }
 
-/// Slits, and the paper between those on one line along u; facets have others too.
+/// Slits, and the paper between those on one line along u; facets have others too. Pieces of one
+/// cut that turns are judged by no length of theirs.
 void check_slits(const Pattern& pattern, double narrowest_mm, std::vector<Warning>& warnings) {
   struct Slit {
     double v{}, from{}, to{};
   };
   std::vector<Slit> slits;
   Narrow narrow{narrowest_mm}, necks{narrowest_mm};
+  std::map<std::pair<long, long>, int> ends;  // how many slits end there
+  const auto spot = [](double u, double v) {
+    return std::pair(std::lround(u / kRounding_mm), std::lround(v / kRounding_mm));
+  };
+  for (const SheetLine& line : pattern.lines)
+    if (line.role == EdgeRole::Slit) ++ends[spot(line.u0, line.v0)], ++ends[spot(line.u1, line.v1)];
   for (const SheetLine& line : pattern.lines) {
     if (line.role != EdgeRole::Slit) continue;
+    if (ends[spot(line.u0, line.v0)] > 1 || ends[spot(line.u1, line.v1)] > 1) continue;
     if (line.v0 == line.v1)
       slits.push_back({line.v0, std::min(line.u0, line.u1), std::max(line.u0, line.u1)});
     else

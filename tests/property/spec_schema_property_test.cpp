@@ -108,7 +108,11 @@ bool is_rule_between_fields(const Error& error) {
                             "ends before the wall",
                             "as the first station",
                             "where the station before it",
-                            "must be a radius of 0"})
+                            "must be a radius of 0",
+                            "facets hang on wall and ground",
+                            "facets are made for 90 degrees",
+                            "facets have none, so give another surface",
+                            "a formula does not say where it ends"})
     if (error.detail.find(words) != std::string::npos) return true;
   return false;
 }

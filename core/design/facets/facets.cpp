@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "core/design/facets/contour.hpp"
+
 namespace popcut {
 namespace {
 
@@ -82,6 +84,7 @@ class FacetMaker {
     FacetCard out{labels.grid,          planes, std::move(labels), card, std::move(*pattern),
                   std::move(*repaired), {}};
     measure(image, labelling, least, out);
+    follow_contours(out.pattern, out.labels, out.planes, image, options_.min_panel_mm);
     return out;
   }
 

@@ -410,22 +410,11 @@ json design_forms() {
   return json::array({one, several});
 }
 
-/// The form of facets: a formula needs a length.
+/// The form of facets.
 json facet_form() {
   json form{{"required", {"style", "surface"}}, {"additionalProperties", true}};
   for (const char* other : kOfLattices) form["properties"][other] = false;
   form["properties"]["style"] = {{"const", "facets"}};
-  form["properties"]["card"]["anyOf"] = {json{{"type", "object"}}, json{{"const", true}}};
-  form["properties"]["design_angle_deg"] = {{"const", 90}};
-  const auto of_types = [](std::initializer_list<const char*> types) {
-    json surface;
-    surface["properties"]["surface"]["properties"]["type"] = {{"enum", types}};
-    return surface;
-  };
-  json formula = of_types({"revolution", "profile", "implicit", "loft"});
-  formula["required"] = {"facets"};
-  formula["properties"]["facets"]["required"] = {"length_mm"};
-  form["anyOf"] = {of_types({"mesh", "grid"}), formula};
   return form;
 }
 

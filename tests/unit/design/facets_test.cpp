@@ -283,6 +283,49 @@ TEST_CASE("facets keep inside a card that is asked for, shut as well", "[facets]
     if (p.x > 0 && p.z > 0) CHECK(p.x + p.z <= 55 + 1e-9);
 }
 
+TEST_CASE("cuts follow the contour of a disc, and the sheet stays whole", "[facets]") {
+  // A disc that stands on a post, 30 before the wall: below its middle its contour is cut.
+  const double x = 30, r = 20, middle_v = 30, middle_z = 40;
+  TriangleSoup disc;
+  for (int k = 0; k < 360; ++k) {
+    const auto at = [&](int degrees) {
+      const double a = degrees * 3.14159265358979 / 180;
+      return Vec3(x, middle_v + r * std::cos(a), middle_z + r * std::sin(a));
+    };
+    disc.add(Vec3(x, middle_v, middle_z), at(k), at(k + 1));
+  }
+  add_box(disc, {0, 26, 0}, {x, 34, 40});
+  const auto made = facet_card(disc, coarse(60));
+  if (!made) FAIL(message(made.error()));
+  const Pattern& pattern = made->pattern.built.pattern;
+  double area = 0.0;
+  int slanted = 0;
+  for (std::size_t f = 0; f < pattern.faces(); ++f) {
+    const auto face = pattern.face(f);
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const PatternVertex &a = pattern.vertices[face[k]],
+                          &b = pattern.vertices[face[(k + 1) % face.size()]];
+      area += 0.5 * (pattern.u(a) * b.v - pattern.u(b) * a.v);
+      if (std::abs(a.v - b.v) > 1e-9 && std::abs(pattern.u(a) - pattern.u(b)) > 1e-9) ++slanted;
+    }
+  }
+  CHECK(area == Approx((pattern.wall_mm + pattern.ground_mm) * pattern.width_mm));
+  CHECK(slanted >= 16);
+  // Each slanted cut is drawn once and lies on the circle, which the disc's plane shows
+  // undistorted.
+  int on_circle = 0;
+  for (const SheetLine& line : pattern.lines) {
+    if (line.u0 == line.u1 || line.v0 == line.v1) continue;
+    CHECK(line.role == EdgeRole::Slit);
+    for (const auto& [u, v] : {std::pair(line.u0, line.v0), std::pair(line.u1, line.v1)}) {
+      const double z = x - (u - pattern.wall_mm);
+      const double off = std::hypot(z - middle_z, v - 15 - middle_v) - r;
+      if (std::abs(off) < 0.5) ++on_circle;
+    }
+  }
+  CHECK(on_circle >= slanted / 2);
+}
+
 TEST_CASE("nothing in the corner is an error that says so", "[facets]") {
   TriangleSoup away;
   add_box(away, {-20, 0, -20}, {-10, 10, -10});
