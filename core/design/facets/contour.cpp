@@ -67,7 +67,8 @@ class ContourFollower {
     for (std::size_t i = 1; i < a.size(); ++i)
       for (std::size_t j = 1; j < b.size(); ++j) {
         const int first = std::min(a[i].begin, b[j].begin), last = std::max(a[i].begin, b[j].begin);
-        if (a[i].folds_on || b[j].folds_on || first == last || a[i].label != b[j].label ||
+        if (a[i].label == kNoLabel || a[i - 1].label == kNoLabel || a[i].folds_on ||
+            b[j].folds_on || first == last || a[i].label != b[j].label ||
             a[i - 1].label != b[j - 1].label)
           continue;
         // Both planes go on across the line, on their own sides of the cut.
@@ -86,16 +87,32 @@ class ContourFollower {
     return static_cast<int>(std::ceil(min_panel_mm_ / grid().step_mm - 1e-9));
   }
 
+  /// The run of a strip that begins at a column, or none: as many as there are.
+  [[nodiscard]] std::size_t run_at(int s, int column) const {
+    const std::vector<LabelRun>& runs = runs_[static_cast<std::size_t>(s)];
+    std::size_t r = 1;
+    while (r < runs.size() && runs[r].begin != column) ++r;
+    return r;
+  }
+  /// Whether a window ends the run: on the line where that begins, a slit opens it as far as here.
+  [[nodiscard]] bool ends_at_window(int s, int column) const {
+    const std::vector<LabelRun>& runs = runs_[static_cast<std::size_t>(s)];
+    const std::size_t r = run_at(s, column);
+    return r + 1 < runs.size() && runs[r + 1].label == kNoLabel;
+  }
+
   /// Where the cut goes straight on through more strips, it will slant through
   /// all of them: whether both planes are wide enough there.
   [[nodiscard]] bool has_room(int s, int way, const Step& step, int column, int reach) const {
     for (int k = s + way; k >= 0 && k < grid().strips; k += way) {
       const std::vector<LabelRun>& runs = runs_[static_cast<std::size_t>(k)];
-      std::size_t r = 1;
-      while (r < runs.size() && runs[r].begin != column) ++r;
-      if (r == runs.size() || runs[r].folds_on || runs[r - 1].label != step.before ||
-          runs[r].label != step.after)
-        return true;
+      const std::size_t r = run_at(k, column);
+      if (r == runs.size() || runs[r].folds_on) return true;
+      const bool same_before = runs[r - 1].label == step.before,
+                 same_after = runs[r].label == step.after;
+      if (!same_before && !same_after) return true;
+      if (same_before != same_after) return false;  // one side goes on straight, the other does not
+      if (ends_at_window(k, column) != ends_at_window(k - way, column)) return false;
       const int room = std::min(runs[r - 1].end - runs[r - 1].begin, runs[r].end - runs[r].begin);
       if (room < reach + least_run()) return false;
     }

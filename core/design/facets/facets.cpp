@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/design/facets/contour.hpp"
+#include "core/design/facets/windows.hpp"
 
 namespace popcut {
 namespace {
@@ -18,6 +19,7 @@ constexpr double kCardMargin_mm = 15.0;             ///< of wall and ground beyo
 constexpr int kPointsAcross = 2, kPointsAlong = 4;  ///< of the picture in a cell
 constexpr double kMostPoints = 64e6;
 constexpr int kSweeps = 12;
+constexpr double kLeastDeeper_mm = 2.0;  ///< of what a window shows
 
 int steps_up(double mm, double step_mm) { return static_cast<int>(std::ceil(mm / step_mm - 1e-9)); }
 
@@ -81,9 +83,11 @@ class FacetMaker {
     for (FacetStrut& strut : repaired->struts) strut.without = moved(strut.without, labels.grid);
     auto pattern = pattern_of(labels, planes, card, options_.min_panel_mm);
     if (!pattern) return tl::unexpected(pattern.error());
-    FacetCard out{labels.grid,          planes, std::move(labels), card, std::move(*pattern),
-                  std::move(*repaired), {}};
+    FacetCard out{
+        labels.grid, planes, std::move(labels), card, std::move(*pattern), std::move(*repaired),
+        {},          0};
     measure(image, labelling, least, out);
+    open_windows(image, out);
     follow_contours(out.pattern, out.labels, out.planes, image, options_.min_panel_mm);
     return out;
   }
@@ -206,6 +210,21 @@ class FacetMaker {
                                              : strip[static_cast<std::size_t>(from)];
     }
     return out;
+  }
+
+  /// Windows, where the card with them is as sound as without.
+  void open_windows(const DepthImage& image, FacetCard& out) const {
+    LabelImage labels = out.labels;
+    const double deeper = std::max(options_.pitch_mm, kLeastDeeper_mm);
+    out.windows = cut_windows(labels, out.planes, image, deeper, options_.min_panel_mm);
+    if (out.windows == 0) return;
+    auto pattern = pattern_of(labels, out.planes, out.card, options_.min_panel_mm);
+    if (pattern && pattern->motion.degrees_of_freedom == 1 && pattern->motion.pieces == 1) {
+      out.labels = std::move(labels);
+      out.pattern = std::move(*pattern);
+    } else {
+      out.windows = 0;
+    }
   }
 
   void measure(const DepthImage& image, const Labelling& labelling, double least,

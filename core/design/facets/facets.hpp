@@ -37,6 +37,7 @@ struct FacetCard {
   LabelPattern pattern;
   FacetRepair repaired;
   FacetFigures figures;
+  std::size_t windows{};  ///< cut out, where a patch would hide what is farther back
 };
 
 /// A target as origamic architecture: each point of the sheet gets one plane, parallel to the wall

@@ -35,6 +35,7 @@ void write_strip(StripWriter& writer, const std::vector<LabelRun>& runs, const F
   int level = 0;
   for (std::size_t r = 0; r < runs.size(); ++r) {
     const LabelRun& run = runs[r];
+    if (run.label == kNoLabel) continue;  // the cut before the next run is as long as this
     const FacetPlane& plane = planes[run.label];
     const bool is_last = r + 1 == runs.size();
     if (r > 0 && !run.folds_on) {
@@ -46,6 +47,14 @@ void write_strip(StripWriter& writer, const std::vector<LabelRun>& runs, const F
     writer.panel_to(is_last ? card.ground_mm : mm(end.x), is_last ? 0.0 : mm(end.z),
                     plane_id(run.label), is_card ? -1 : level++ / 2);
   }
+}
+
+/// Whether a window has nothing of itself in the strip before: it is opened there, upwards.
+bool begins_window(const LabelImage& image, int s, const LabelRun& run) {
+  if (s == 0) return true;
+  const auto before = image.strip(s - 1);
+  return std::find(before.begin() + run.begin, before.begin() + run.end, kNoLabel) ==
+         before.begin() + run.end;
 }
 
 /// Graph of patches, to find those that lie inside of others: patch k is node k + 1, node 0 is
@@ -136,12 +145,22 @@ LabelStrips strips_of(const LabelImage& image, const FacetPlanes& planes,
   };
   margin();
   std::int32_t group = 0;
+  std::uint32_t panel = card.margin_mm > 0.0 ? 2 : 0;
   for (int s = 0, end = 0; s < grid.strips; s = end, ++group) {
     end = s + 1;
     const auto labels = image.strip(s);
+    const std::vector<LabelRun> runs = runs_of(labels, planes, grid);
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+      if (runs[r].label == kNoLabel) continue;
+      if (r > 0 && !runs[r].folds_on) ++panel;  // the cut before it
+      if (r + 1 < runs.size() && runs[r + 1].label == kNoLabel &&
+          begins_window(image, s, runs[r + 1]))
+        out.parted.push_back(panel);
+      ++panel;
+    }
     while (end < grid.strips && std::equal(labels.begin(), labels.end(), image.strip(end).begin()))
       ++end;
-    write_strip(writer, runs_of(labels, planes, grid), planes, grid, card);
+    write_strip(writer, runs, planes, grid, card);
     writer.close(StripKind::Slice, group, (end - s) * grid.strip_mm);
     out.strip_of.insert(out.strip_of.end(), static_cast<std::size_t>(end - s), written++);
   }
@@ -164,7 +183,7 @@ Result<LabelPattern> pattern_of(const LabelImage& image, const FacetPlanes& plan
   LabelPattern out;
   out.strips = strips_of(image, planes, card);
   auto built = build_pattern(out.strips.strips, card.wall_mm, card.ground_mm, card.margin_mm > 0.0,
-                             min_panel_mm);
+                             min_panel_mm, out.strips.parted);
   if (!built) return tl::unexpected(built.error());
   out.built = std::move(*built);
   out.motion = mobility(out.built);

@@ -23,6 +23,8 @@ struct FacetCardSize {
 /// one. `strip_of[s]` is where strip s of the labels went.
 struct LabelStrips {
   Strips strips;
+  /// Panels that are cut from the strip before theirs, so that what is around a window is open.
+  std::vector<std::uint32_t> parted;
   std::vector<std::uint32_t> strip_of;
 };
 [[nodiscard]] LabelStrips strips_of(const LabelImage& image, const FacetPlanes& planes,

@@ -63,7 +63,8 @@ std::vector<LabelRun> runs_of(std::span<const Label> strip, const FacetPlanes& p
       out.back().end = i + 1;
       continue;
     }
-    const bool folds = !out.empty() && planes.partner(out.back().label, grid.across(i)) == label;
+    const bool folds = !out.empty() && out.back().label != kNoLabel && label != kNoLabel &&
+                       planes.partner(out.back().label, grid.across(i)) == label;
     out.push_back({i, i + 1, label, folds});
   }
   return out;

@@ -20,7 +20,7 @@ struct FacetPlane {
 
 /// An index into `FacetPlanes`.
 using Label = std::int16_t;
-inline constexpr Label kNoLabel = -1;
+inline constexpr Label kNoLabel = -1;  ///< also a window: no paper
 inline constexpr Label kWallLabel = 0;
 inline constexpr Label kGroundLabel = 1;
 inline constexpr int kMostLabels = 2000;

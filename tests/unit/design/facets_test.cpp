@@ -326,6 +326,56 @@ TEST_CASE("cuts follow the contour of a disc, and the sheet stays whole", "[face
   CHECK(on_circle >= slanted / 2);
 }
 
+TEST_CASE("the inside of a letter is a window, and the letter stays one face", "[facets]") {
+  TriangleSoup letter;  // a P: its bowl has an inside of 12 x 14
+  add_box(letter, {0, 10, 0}, {20, 20, 60});
+  add_box(letter, {0, 20, 50}, {20, 42, 60});
+  add_box(letter, {0, 20, 26}, {20, 42, 36});
+  add_box(letter, {0, 32, 36}, {20, 42, 50});
+  const auto made = facet_card(letter, coarse(50));
+  if (!made) FAIL(message(made.error()));
+  CHECK(made->windows == 1);
+  CHECK(made->pattern.motion.degrees_of_freedom == 1);
+  CHECK(made->pattern.motion.pieces == 1);
+  const Pattern& pattern = made->pattern.built.pattern;
+  double area = 0.0;
+  for (std::size_t f = 0; f < pattern.faces(); ++f) {
+    const auto face = pattern.face(f);
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const PatternVertex &a = pattern.vertices[face[k]],
+                          &b = pattern.vertices[face[(k + 1) % face.size()]];
+      area += 0.5 * (pattern.u(a) * b.v - pattern.u(b) * a.v);
+    }
+  }
+  const double window = (pattern.wall_mm + pattern.ground_mm) * pattern.width_mm - area;
+  CHECK(window > 0.5 * 12 * 14);
+  CHECK(window < 12 * 14);
+  // Its sides are drawn once each, and a slit opens it: one face has no hole.
+  double drawn = 0.0;
+  for (const SheetLine& line : pattern.lines)
+    if (line.role == EdgeRole::Slit) drawn += std::hypot(line.u1 - line.u0, line.v1 - line.v0);
+  double sides = 0.0;
+  for (const PatternEdge& edge : pattern.edges)
+    if (edge.role == EdgeRole::Slit) {
+      const PatternVertex &a = pattern.vertices[edge.from], &b = pattern.vertices[edge.to];
+      sides += std::hypot(pattern.u(a) - pattern.u(b), a.v - b.v);
+    }
+  // All cuts have two sides of paper but those around the window.
+  double around = 0.0;
+  for (int s = 0; s < made->labels.grid.strips; ++s)
+    for (int i = 0; i < made->labels.grid.columns; ++i) {
+      const auto label = [&](int strip, int column) {
+        return made->labels.strip(strip)[static_cast<std::size_t>(column)];
+      };
+      if (label(s, i) != kNoLabel) continue;
+      for (const int way : {-1, 1}) {
+        if (label(s + way, i) != kNoLabel) around += made->labels.grid.step_mm;
+        if (label(s, i + way) != kNoLabel) around += made->labels.grid.strip_mm;
+      }
+    }
+  CHECK(sides == Approx(2 * drawn - around));
+}
+
 TEST_CASE("nothing in the corner is an error that says so", "[facets]") {
   TriangleSoup away;
   add_box(away, {-20, 0, -20}, {-10, 10, -10});
