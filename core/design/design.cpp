@@ -13,6 +13,7 @@
 #include "core/design/chain/augmented_slices.hpp"
 #include "core/design/chain/slicing.hpp"
 #include "core/design/design_report.hpp"
+#include "core/design/facet_design.hpp"
 #include "core/design/lattice/lattice.hpp"
 #include "core/design/lattice_choice.hpp"
 #include "core/design/run_layout.hpp"
@@ -664,6 +665,7 @@ class Designer {
 
 Result<Design> design(const DesignSpec& spec, const SurfaceAssets& assets,
                       const Progress& progress) {
+  if (spec.style == DesignStyle::Facets) return facet_design(spec, assets, progress);
   return Designer(spec, assets, progress).run();
 }
 
