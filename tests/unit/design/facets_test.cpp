@@ -8,6 +8,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/design/design.hpp"
 #include "core/design/facets/depth_image.hpp"
 #include "core/design/facets/facets.hpp"
 #include "core/design/facets/label_holding.hpp"
@@ -15,6 +16,8 @@
 #include "core/design/facets/labelling.hpp"
 #include "core/design/facets/labels.hpp"
 #include "core/design/facets/strip_chain.hpp"
+#include "core/design/shape_fit.hpp"
+#include "core/formats/lattice/lattice_blob.hpp"
 #include "tests/support/random_numbers.hpp"
 #include "tests/support/rounds.hpp"
 
@@ -374,6 +377,24 @@ TEST_CASE("the inside of a letter is a window, and the letter stays one face", "
       }
     }
   CHECK(sides == Approx(2 * drawn - around));
+}
+
+TEST_CASE("the page shows facets as other designs", "[facets]") {
+  const auto spec = parse_design_spec(
+      R"j({"popcut": 1, "style": "facets", "surface": {"type": "implicit",
+           "f": "max(max(x - 30, abs(y - 30) - 20), z - 30)"}, "facets": {"length_mm": 60}})j");
+  if (!spec) FAIL(message(spec.error()));
+  const auto made = design(*spec);
+  if (!made) FAIL(message(made.error()));
+  CHECK(made->report.facets);
+  CHECK(made->report.degrees_of_freedom == 1);
+  REQUIRE(surface_fit(*made));
+  CHECK(surface_fit(*made)->to_target.mean_mm < 1.0);
+  LatticeBlobOptions options;
+  options.error = true;
+  const auto blob = lattice_blob(*made, options);
+  if (!blob) FAIL(message(blob.error()));
+  CHECK(blob->size() > 1000);
 }
 
 TEST_CASE("nothing in the corner is an error that says so", "[facets]") {
