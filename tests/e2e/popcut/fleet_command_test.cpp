@@ -459,7 +459,10 @@ TEST_CASE("a popcutd that was alone moves into a fleet with all that it has", "[
   CHECK(bench.database.run_sql("SELECT count(*) FROM popcut.job") == "2");
   // Without a fleet it does not begin with an empty queue.
   CHECK_FALSE(lab.daemon().start());
-  CHECK(says(lab.daemon().log(), "popcut.db: the database is missing, but it existed before"));
+  CHECK(says(lab.daemon().log(), "popcut.db: the jobs of this popcutd have moved to a fleet"));
+  check_refused(bench.popcut({"db", "restore", original, "--state", lab.daemon().state()}), 5,
+                "have moved to a fleet, and may be cut there");
+  CHECK_FALSE(std::filesystem::exists(lab.daemon().state() + "/popcut.db"));
 
   write_file(lab.daemon().config(),
              text_of_file(lab.daemon().config()) + joined.out + "site = \"hall\"\n");

@@ -250,6 +250,82 @@ TEST_CASE("a database that hangs or is gone does not keep a person from stopping
   CHECK(comes_to(fleet[1], job, action == "pause" ? "paused" : "cancelled"));
 }
 
+TEST_CASE("a database that answers with errors does not keep a person from stopping the knife",
+          "[fleet]") {
+  NEEDS_POSTGRES();
+  const std::string breaks =
+      GENERATE("REVOKE popcut_node FROM popcut_n_room_1", "ALTER TABLE popcut.idem RENAME TO gone",
+               "ALTER TABLE popcut.job RENAME segment TO gone");
+  const std::string action = breaks.starts_with("REVOKE") ? "pause" : "cancel";
+  CAPTURE(breaks, action);
+  FleetNodes fleet({.nodes = 1, .time_scale = 0.5});
+  fleet.open();
+  const std::string job = fleet.ready_job(1, 1, kLines);
+  fleet[1].cut(job);
+  await_knife(fleet[1], job);
+  const Json seen = fleet[1].job(job);
+  fleet.run_sql(breaks);
+  const auto answer = fleet[1].api().act(seen, action, Json::object());
+  CHECK_FALSE(answer);
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  const std::size_t cut = fleet.lines_cut(1, kLines).size();
+  CHECK(cut < kLines);
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  CHECK(fleet.lines_cut(1, kLines).size() <= cut + 1);
+}
+
+TEST_CASE("nobody changes where an armed sheet begins, nor where a person let it go on",
+          "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet({.nodes = 1, .time_scale = kSlow});
+  fleet.open();
+  const std::string job = fleet.ready_job(1, 1, kLines);
+  REQUIRE(refusal(fleet[1], job, "arm", sheet_1()).empty());
+  fleet.run_sql("UPDATE popcut.job SET first_stroke=5");
+  CHECK_THAT(refusal(fleet[1], job, "start"), Catch::Contains("the armed sheet is not the one"));
+  fleet.run_sql("UPDATE popcut.job SET first_stroke=0");
+  REQUIRE(refusal(fleet[1], job, "start").empty());
+  await_knife(fleet[1], job);
+  fleet.kill(1);
+  fleet.open(1);
+  (void)fleet[1].await_state(job, "interrupted");
+  const Json doubt = fleet[1].ledger(job)["in_doubt"];
+  REQUIRE_FALSE(doubt.empty());
+  const std::int64_t from = doubt.back()[1].get<std::int64_t>() + 1;
+  REQUIRE(refusal(fleet[1], job, "resume-from",
+                  {{"from_path", from}, {"registration", "re-registered"}, {"skip_in_doubt", true}})
+              .empty());
+  fleet.run_sql("UPDATE popcut.job SET first_stroke=0");
+  CHECK_THAT(refusal(fleet[1], job, "arm", sheet_1()),
+             Catch::Contains(fmt::format("a person asked here for path {}", from)));
+  fleet.run_sql(fmt::format("UPDATE popcut.job SET first_stroke={}", from));
+  CHECK(refusal(fleet[1], job, "arm", sheet_1()).empty());
+}
+
+TEST_CASE("a cut that is held while the database is away is told of when it is back", "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet({.nodes = 1, .time_scale = kSlow});
+  fleet.open();
+  const std::string job = fleet.ready_job(1, 1, kLines);
+  fleet[1].cut(job);
+  await_knife(fleet[1], job);
+  const Json seen = fleet[1].job(job);
+  fleet.server().kill();
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  (void)fleet[1].api().act(seen, "pause", Json::object());
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  fleet.server().start();
+  REQUIRE(comes_to(fleet[1], job, "paused"));
+  CHECK(happens(
+      [&] {
+        const Json ledger = fleet[1].ledger(job);
+        const auto certain = fleet[1].job(job)["progress"]["paths_certain"].get<std::int64_t>();
+        return certain > 2 && !ledger["certain"].empty() &&
+               ledger["certain"].back()[1].get<std::int64_t>() + 1 == certain;
+      },
+      20));
+}
+
 TEST_CASE("without its database a node serves what is local, and begins when it is there",
           "[fleet]") {
   NEEDS_POSTGRES();
