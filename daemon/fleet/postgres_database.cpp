@@ -363,6 +363,7 @@ std::string clean_text(std::string_view text) {
 struct PostgresDatabase::Line {
   explicit Line(Options given) : options(std::move(given)), hosts(words_of_hosts(options)) {}
   ~Line() {
+    forget_listens();
     if (seeker.joinable()) seeker.join();
   }
   Line(const Line&) = delete;
@@ -440,9 +441,17 @@ struct PostgresDatabase::Line {
   void look(std::string_view sql);
   void roll_back();
   [[nodiscard]] StoreFault failed(FaultKind kind, const std::string& what, std::string_view sql);
+  // Each says UNLISTEN, and waits for the answer.
+  void forget_listens() {
+    constexpr double kMostSeconds = 1;
+    if (listens.empty()) return;
+    if (connection && connection->is_open()) watchdog.begin(connection->sock(), kMostSeconds);
+    listens.clear();
+    watchdog.end();
+  }
   void lose(const std::string& because) {
     why = because;
-    listens.clear();
+    forget_listens();
     standby.reset();
     connection.reset();
     prepared.clear();
@@ -693,7 +702,11 @@ bool PostgresDatabase::listen(std::string_view channel, double wait_s,
   if (!is_there()) return false;
   try {
     auto& one = line.listens[std::string(channel)];
-    if (!one) one = std::make_unique<Heard>(*line.connection, std::string(channel));
+    if (!one) {
+      line.watchdog.begin(line.connection->sock(), line.options.answer_s + 1);
+      one = std::make_unique<Heard>(*line.connection, std::string(channel));
+      line.watchdog.end();
+    }
     auto& ear = static_cast<Heard&>(*one);
     ear.tell = &heard;
     const auto whole = static_cast<long>(wait_s);
@@ -702,7 +715,7 @@ bool PostgresDatabase::listen(std::string_view channel, double wait_s,
     ear.tell = nullptr;
     return true;
   } catch (const std::exception& fault) {
-    line.listens.clear();
+    line.watchdog.end();
     line.lose(one_line(fault.what()));
     return false;
   }

@@ -2,6 +2,7 @@
 // What popcutd's own connection to a fleet's database promises its callers.
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <string>
 #include <thread>
 
@@ -229,6 +230,18 @@ TEST_CASE("text is UTF-8 whatever the database gives to others", "[fleet]") {
   REQUIRE(rows.next());
   CHECK(rows.text(0) == "Süß ✂");
   CHECK(rows.integer(1) == 5);
+}
+
+TEST_CASE("a connection that listens to a database that hangs still ends", "[fleet]") {
+  if (skipped()) return;
+  Bench bench;
+  auto ear =
+      std::make_unique<PostgresDatabase>(PostgresDatabase::Options{.url = bench.proxy.url()});
+  REQUIRE(ear->listen("popcut", 0.01, [](const std::string&) {}));
+  bench.proxy.hold();
+  ear.reset();  // it once waited for as long as the database hung
+  bench.proxy.pass();
+  CHECK(bench.stored() == 0);
 }
 
 TEST_CASE("a connection that is lost says whether a commit is in doubt", "[fleet]") {
