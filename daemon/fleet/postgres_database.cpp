@@ -35,8 +35,7 @@ FaultKind kind_of(std::string_view state) {
   const std::string_view of_class = state.substr(0, std::min<std::size_t>(2, state.size()));
   if (of_class == "23") return FaultKind::Constraint;
   if (state == "40001" || state == "40P01" || state == "55P03") return FaultKind::Again;
-  // A table has other columns than when a statement was prepared: a new connection prepares it
-  // anew.
+  // A table has other columns than when a statement was prepared. A new connection prepares again.
   if (state == "0A000") return FaultKind::Away;
   if (state == "53100") return FaultKind::Full;
   // It is ending, full of others, or a standby that takes no writes.
@@ -225,9 +224,9 @@ std::string in_quotes(std::string_view text) {
   return all + "'";
 }
 
-// What must hold for every connection: a partition is noticed, a server that hangs too. A client
-// that hangs in a transaction loses its locks before others give up waiting for them: one is that
-// of the events' counter, for which all wait.
+// What must hold for every connection. It notices a network that is cut and a server that hangs. It
+// waits for a lock only briefly: the service's thread has cuts to look after. A client that hangs
+// in a transaction soon loses its locks.
 std::string connection_words(const PostgresDatabase::Options& options, const std::string& url) {
   const int wait_s = std::max(1, static_cast<int>(options.connect_s));
   const int answer_ms = static_cast<int>(options.answer_s * 1000);

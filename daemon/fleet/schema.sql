@@ -897,12 +897,10 @@ END $$;
 -- ---------------------------------------------------------------------------------------------
 -- Events
 
--- Gives numbers to events that are committed, and wakes who waits for some. One caller at a time
--- does it; the others need not wait. Call it again until it returns 0: then all events that were
--- committed before the first call have a number, or another caller is about to give it. That one
--- began before a 0 was returned here, so it calls again and finds them. Events of a job keep their
--- order: a transaction takes its ids when it has the job's row. `p_node` looks for itself and is not
--- woken.
+-- Gives numbers to committed events, and wakes the nodes that listen, but for `p_node`, which calls.
+-- One caller at a time does the work; others get 0 at once. Whoever does it must call again until
+-- the answer is 0, and so also numbers the events of those who were turned away meanwhile.
+-- Events of one job keep their order: a transaction takes their ids while it holds the job's row.
 CREATE FUNCTION popcut.event_number(p_node text) RETURNS bigint LANGUAGE plpgsql
 SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 DECLARE

@@ -27,7 +27,8 @@ struct FacetRepair {
 /// Changes labels until the card has exactly one freedom and is one piece, by the moves that cost
 /// least of: two panels of a strip are left out, so that those before and after them meet in a
 /// fold (a strut); a strip does without cuts across it (a strut); a loose patch gives its label up.
-/// Whatever is done, `mobility` has the last word. It ends: the bare card is lawful.
+/// `mobility` then checks the result. The repair always ends: at worst with the bare card, which
+/// has one freedom.
 ///
 /// @param jumps  strips may be cut across
 ///

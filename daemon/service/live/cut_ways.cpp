@@ -49,9 +49,9 @@ std::optional<ResumeState> CutDispatcher::resume_state(const JobRow& row) {
 
 bool CutDispatcher::arm_lives(const std::string& job) {
   const auto armed = parts_.jobs.attempts().armed(job);
-  const auto until = armed_here_.find(job);
-  return armed && armed->invocation == parts_.store.invocation() && until != armed_here_.end() &&
-         until->second.until_ms > parts_.store.monotonic();
+  const auto here = armed_here_.find(job);
+  return armed && armed->invocation == parts_.store.invocation() && here != armed_here_.end() &&
+         here->second.until_ms > parts_.store.monotonic();
 }
 
 // Arms as they pass now; else what makes a device ready for it.

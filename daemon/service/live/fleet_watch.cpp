@@ -82,8 +82,8 @@ void FleetWatch::tell_generation() const {
   };
   const std::size_t dot = before.find('.');
   parts_.store.log(fmt::format(
-      "{}{}; what it has forgotten of cuts is told again from this node's journals, and nobody "
-      "arms a sheet before all nodes have done so",
+      "{}{}; this node now tells it of the cuts in its journals; nobody can arm a sheet until all "
+      "nodes have done so",
       same(dot, before.npos) ? "the database is another one now"
                              : "the database went back to an earlier state",
       same(0, dot) ? "" : ": a standby took over, or a backup was restored"));

@@ -28,6 +28,22 @@ namespace {
 constexpr int kLines = 60;
 constexpr double kSlow = 4;  // so that a sheet of 60 lines takes some seconds
 
+/// A job that the cutter of the first node cuts, its knife down.
+std::string begin_cut(FleetNodes& fleet) {
+  std::string job = fleet.ready_job(1, 1, kLines);
+  fleet[1].cut(job);
+  await_knife(fleet[1], job);
+  return job;
+}
+
+/// That the knife of the first node has stopped before its last line, but for what its buffer had.
+void check_knife_stands(FleetNodes& fleet) {
+  const std::size_t cut = fleet.lines_cut(1, kLines).size();
+  CHECK(cut < kLines);
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  CHECK(fleet.lines_cut(1, kLines).size() <= cut + 1);
+}
+
 /// popcutd that will not serve: its exit code, and the one line that it said.
 struct Refusal {
   int code{};
@@ -226,9 +242,7 @@ TEST_CASE("a database that hangs or is gone does not keep a person from stopping
   CAPTURE(action, frozen);
   FleetNodes fleet({.nodes = 1, .time_scale = 0.5});
   fleet.open();
-  const std::string job = fleet.ready_job(1, 1, kLines);
-  fleet[1].cut(job);
-  await_knife(fleet[1], job);
+  const std::string job = begin_cut(fleet);
   const Json seen = fleet[1].job(job);
   if (frozen)
     fleet.server().freeze();
@@ -239,10 +253,7 @@ TEST_CASE("a database that hangs or is gone does not keep a person from stopping
   INFO((answer ? std::string("done") : message(answer.error())));
   INFO("the answer came after " << since(pressed) << " s");
   std::this_thread::sleep_for(std::chrono::duration<double>(3 - std::min(3.0, since(pressed))));
-  const std::size_t cut = fleet.lines_cut(1, kLines).size();
-  CHECK(cut < kLines);
-  std::this_thread::sleep_for(std::chrono::seconds(2));
-  CHECK(fleet.lines_cut(1, kLines).size() <= cut + 1);  // one that the buffer still had
+  check_knife_stands(fleet);
   if (frozen)
     fleet.server().thaw();
   else
@@ -260,18 +271,13 @@ TEST_CASE("a database that answers with errors does not keep a person from stopp
   CAPTURE(breaks, action);
   FleetNodes fleet({.nodes = 1, .time_scale = 0.5});
   fleet.open();
-  const std::string job = fleet.ready_job(1, 1, kLines);
-  fleet[1].cut(job);
-  await_knife(fleet[1], job);
+  const std::string job = begin_cut(fleet);
   const Json seen = fleet[1].job(job);
   fleet.run_sql(breaks);
   const auto answer = fleet[1].api().act(seen, action, Json::object());
   CHECK_FALSE(answer);
   std::this_thread::sleep_for(std::chrono::seconds(3));
-  const std::size_t cut = fleet.lines_cut(1, kLines).size();
-  CHECK(cut < kLines);
-  std::this_thread::sleep_for(std::chrono::seconds(2));
-  CHECK(fleet.lines_cut(1, kLines).size() <= cut + 1);
+  check_knife_stands(fleet);
 }
 
 TEST_CASE("nobody changes where an armed sheet begins, nor where a person let it go on",
@@ -302,13 +308,11 @@ TEST_CASE("nobody changes where an armed sheet begins, nor where a person let it
   CHECK(refusal(fleet[1], job, "arm", sheet_1()).empty());
 }
 
-TEST_CASE("a cut that is held while the database is away is told of when it is back", "[fleet]") {
+TEST_CASE("marks of a cut that was paused without the database reach it later", "[fleet]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 1, .time_scale = kSlow});
   fleet.open();
-  const std::string job = fleet.ready_job(1, 1, kLines);
-  fleet[1].cut(job);
-  await_knife(fleet[1], job);
+  const std::string job = begin_cut(fleet);
   const Json seen = fleet[1].job(job);
   fleet.server().kill();
   std::this_thread::sleep_for(std::chrono::milliseconds(500));

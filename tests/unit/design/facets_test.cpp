@@ -37,6 +37,21 @@ void add_box(TriangleSoup& soup, const Vec3& low, const Vec3& high) {
   soup.add(at(0, 1, 0), at(0, 1, 1), at(1, 1, 1), at(1, 1, 0));
 }
 
+// Calls `side` with both ends of every side of every face, in its turn around it.
+template <typename Side>
+void for_each_side(const Pattern& pattern, const Side& side) {
+  for (std::size_t f = 0; f < pattern.faces(); ++f) {
+    const auto face = pattern.face(f);
+    for (std::size_t k = 0; k < face.size(); ++k)
+      side(pattern.vertices[face[k]], pattern.vertices[face[(k + 1) % face.size()]]);
+  }
+}
+
+// What a side adds to the area of its face, mm2: the shoelace formula.
+double area_beside(const Pattern& pattern, const PatternVertex& a, const PatternVertex& b) {
+  return 0.5 * (pattern.u(a) * b.v - pattern.u(b) * a.v);
+}
+
 TEST_CASE("the picture of a box shows its top, its front and the card around it", "[facets]") {
   TriangleSoup box;
   add_box(box, {0, 10, 0}, {20, 30, 15});
@@ -303,15 +318,10 @@ TEST_CASE("cuts follow the contour of a disc, and the sheet stays whole", "[face
   const Pattern& pattern = made->pattern.built.pattern;
   double area = 0.0;
   int slanted = 0;
-  for (std::size_t f = 0; f < pattern.faces(); ++f) {
-    const auto face = pattern.face(f);
-    for (std::size_t k = 0; k < face.size(); ++k) {
-      const PatternVertex &a = pattern.vertices[face[k]],
-                          &b = pattern.vertices[face[(k + 1) % face.size()]];
-      area += 0.5 * (pattern.u(a) * b.v - pattern.u(b) * a.v);
-      if (std::abs(a.v - b.v) > 1e-9 && std::abs(pattern.u(a) - pattern.u(b)) > 1e-9) ++slanted;
-    }
-  }
+  for_each_side(pattern, [&](const PatternVertex& a, const PatternVertex& b) {
+    area += area_beside(pattern, a, b);
+    if (std::abs(a.v - b.v) > 1e-9 && std::abs(pattern.u(a) - pattern.u(b)) > 1e-9) ++slanted;
+  });
   CHECK(area == Approx((pattern.wall_mm + pattern.ground_mm) * pattern.width_mm));
   CHECK(slanted >= 16);
   // Each slanted cut is drawn once and lies on the circle, which the disc's plane shows
@@ -342,14 +352,9 @@ TEST_CASE("the inside of a letter is a window, and the letter stays one face", "
   CHECK(made->pattern.motion.pieces == 1);
   const Pattern& pattern = made->pattern.built.pattern;
   double area = 0.0;
-  for (std::size_t f = 0; f < pattern.faces(); ++f) {
-    const auto face = pattern.face(f);
-    for (std::size_t k = 0; k < face.size(); ++k) {
-      const PatternVertex &a = pattern.vertices[face[k]],
-                          &b = pattern.vertices[face[(k + 1) % face.size()]];
-      area += 0.5 * (pattern.u(a) * b.v - pattern.u(b) * a.v);
-    }
-  }
+  for_each_side(pattern, [&](const PatternVertex& a, const PatternVertex& b) {
+    area += area_beside(pattern, a, b);
+  });
   const double window = (pattern.wall_mm + pattern.ground_mm) * pattern.width_mm - area;
   CHECK(window > 0.5 * 12 * 14);
   CHECK(window < 12 * 14);

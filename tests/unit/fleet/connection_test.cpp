@@ -40,6 +40,13 @@ struct German {
   bool is_there{false};
 };
 
+bool is_skipped(const German& german, bool in_german) {
+  std::string why = PostgresServer::why_not();
+  if (why.empty() && in_german && !german.is_there) why = "no German locale can be made here";
+  if (!why.empty()) WARN("skipped: " << why);
+  return !why.empty();
+}
+
 bool is_refused(const std::string& url) {
   PostgresDatabase database({.url = url, .connect_s = 1}, false);
   INFO(url << ": " << database.why_away());
@@ -51,17 +58,10 @@ bool is_refused(const std::string& url) {
 
 TEST_CASE("what will not pass by itself is told from a server that is away, in any language",
           "[fleet]") {
-  if (const std::string why = PostgresServer::why_not(); !why.empty()) {
-    WARN("skipped: " << why);
-    return;
-  }
   const German german;
   const bool in_german = GENERATE(false, true);
-  if (in_german && !german.is_there) {
-    WARN("skipped: no German locale can be made here");
-    return;
-  }
   CAPTURE(in_german);
+  if (is_skipped(german, in_german)) return;
   PostgresServer server(in_german ? german.options()
                                   : popcut::testing::PostgresOptions{.tcp = true});
   server.run_sql("CREATE ROLE anna LOGIN PASSWORD 'right'");
@@ -87,17 +87,10 @@ TEST_CASE("what will not pass by itself is told from a server that is away, in a
 
 TEST_CASE("a commit whose wait for the standby was given up is in doubt, in any language",
           "[fleet]") {
-  if (const std::string why = PostgresServer::why_not(); !why.empty()) {
-    WARN("skipped: " << why);
-    return;
-  }
   const German german;
   const bool in_german = GENERATE(false, true);
-  if (in_german && !german.is_there) {
-    WARN("skipped: no German locale can be made here");
-    return;
-  }
   CAPTURE(in_german);
+  if (is_skipped(german, in_german)) return;
   PostgresServer primary(in_german ? german.options() : popcut::testing::PostgresOptions{});
   PostgresServer standby =
       PostgresServer::standby_of(primary, PostgresServer::Commits::Synchronous);
