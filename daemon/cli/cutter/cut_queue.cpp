@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/cli/commands/cut_queue.hpp"
+#include "daemon/cli/cutter/cut_queue.hpp"
 
 #include <chrono>
 #include <cstdio>
