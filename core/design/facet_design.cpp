@@ -55,7 +55,7 @@ struct FacetTarget {
 Result<FacetTarget> target_of(const DesignSpec& spec, const Surface& surface) {
   const FacetSpec& asked = spec.facets;
   FacetTarget out{{}, asked.from_mm, asked.from_mm + asked.length_mm.value_or(0.0)};
-  if (asset_of(spec.surface).empty()) {
+  if (!solid_word(*spec.surface)) {
     auto soup = triangles_in(surface, out.from_mm, out.to_mm, kFacetChord * asked.pitch_mm);
     if (!soup) return tl::unexpected(soup.error());
     out.soup = std::move(*soup);
@@ -70,7 +70,7 @@ Result<FacetTarget> target_of(const DesignSpec& spec, const Surface& surface) {
   if (!(out.to_mm > out.from_mm))
     return fail(ErrorKind::OutOfRange, "/facets/from_mm",
                 fmt::format("is {:g}; must be less than {:g}, where the {} ends", out.from_mm, high,
-                            std::holds_alternative<MeshSpec>(*spec.surface) ? "mesh" : "grid"));
+                            solid_word(*spec.surface)));
   return out;
 }
 
