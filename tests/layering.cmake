@@ -21,6 +21,7 @@ set(walls
   "core/formats : core/(deploy|figures|layout|plan)/ : files are read and written, not planned"
   "core/layout : core/(curvature|deploy|design|figures|formats|plan|verify)/ : a sheet is laid out from lines"
   "core/plan : core/(curvature|deploy|design|figures|formats|pattern|verify)/ : a plan is made from lines"
+  "core/artwork : core/(curvature|deploy|figures|formats|machines|print|verify)/ : pictures are laid on a plan or a pattern"
   "core/print : core/(curvature|deploy|design|figures|formats|verify)/ : pages are made from a plan or a pattern"
   "core/verify : core/(curvature|deploy|design|drawing|figures|formats|layout|machines|pattern|plan)/ : it judges a pattern from its file and shares only core/geometry and core/text with what makes patterns"
   "core : core/verify/ : nothing in core rests on what judges it"
@@ -52,11 +53,12 @@ set(libraries
   "boost/beast.* : daemon/(client|http)"
   "spdlog/.* : daemon/(http|popcutd)"
   "CLI/.* : daemon/(cli|popcut|popcutd)"
-  "tiny_gltf[.]h : core/deploy"
+  "tiny_gltf[.]h : core/(artwork|deploy)"
   "librsvg/.* : daemon/pictures"
   "cairo.* : daemon/pictures"
   "fontconfig/.* : daemon/pictures"
   "png[.]h : daemon/pictures"
+  "jpeglib[.]h : daemon/pictures"
   "zlib[.]h : daemon/http"
   "toml.* : daemon/config")
 set(most_files 32)  # sources and headers of a folder
