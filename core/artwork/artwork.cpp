@@ -30,9 +30,10 @@ struct NearCut {
   std::uint32_t cut{};
 };
 
-/// The pixels within `reach_mm` of a cut, each with its nearest one, in order.
+/// The pixels within `reach_mm` of a cut, each with its nearest one, in order; beside a cut, and
+/// `beyond_mm` past its ends.
 std::vector<NearCut> near_cuts(std::span<const CutLine> cuts, const PixelFrame& frame,
-                               double reach_mm) {
+                               double reach_mm, double beyond_mm) {
   std::vector<NearCut> out;
   for (std::size_t k = 0; k < cuts.size(); ++k) {
     const auto& [from, to] = cuts[k];
@@ -42,8 +43,10 @@ std::vector<NearCut> near_cuts(std::span<const CutLine> cuts, const PixelFrame& 
     const auto corner = [&](const PagePoint& p, double side) {
       return PagePoint{p.x - side * ey, p.y + side * ex};
     };
-    const std::array<PagePoint, 4> band{corner(from, reach_mm), corner(to, reach_mm),
-                                        corner(to, -reach_mm), corner(from, -reach_mm)};
+    const PagePoint a{from.x - beyond_mm * ex, from.y - beyond_mm * ey};
+    const PagePoint b{to.x + beyond_mm * ex, to.y + beyond_mm * ey};
+    const std::array<PagePoint, 4> band{corner(a, reach_mm), corner(b, reach_mm),
+                                        corner(b, -reach_mm), corner(a, -reach_mm)};
     const auto visit = [&](std::size_t i, std::size_t j, const std::array<double, 3>&) {
       const PagePoint p = frame.middle(i, j);
       const double off = std::abs((p.y - from.y) * ex - (p.x - from.x) * ey);
@@ -197,23 +200,32 @@ std::vector<std::uint8_t> faces_of_card(const Pattern& pattern) {
 }
 
 void trap(ColourImage& image, std::span<const std::uint32_t> face, std::span<const CutLine> cuts,
-          const PixelFrame& frame, const Trapping& how, bool blends) {
+          std::span<const CutLine> borders, const PixelFrame& frame, const Trapping& how,
+          bool blends) {
   for (std::size_t pixel = 0; pixel < face.size(); ++pixel)
     if (face[pixel] == kNoFace) std::memset(&image.rgba[4 * pixel], 0, 4);
   std::vector<std::uint8_t> state(face.size(), 2);
   if (how.trap_mm > 0) {
-    if (blends) blend(image, face, cuts, near_cuts(cuts, frame, how.trap_mm), frame, how.trap_mm);
+    if (blends) blend(image, face, cuts, near_cuts(cuts, frame, how.trap_mm, 0), frame, how.trap_mm);
     // Ink into what is bare beside a cut.
     const double reach = how.trap_mm + frame.pixel_mm;
     for (std::size_t pixel = 0; pixel < face.size(); ++pixel)
       if (image.rgba[4 * pixel + 3] > 0) state[pixel] = 1;
-    for (const NearCut& near : near_cuts(cuts, frame, reach))
-      if (face[near.pixel] != kNoFace && state[near.pixel] == 2) state[near.pixel] = 0;
+    for (const auto lines : {cuts, borders})
+      for (const NearCut& near : near_cuts(lines, frame, reach, reach))
+        if (face[near.pixel] != kNoFace && state[near.pixel] == 2) state[near.pixel] = 0;
     spread(image, state, steps_for(reach, frame.pixel_mm));
   }
   for (std::size_t pixel = 0; pixel < face.size(); ++pixel)
     state[pixel] = face[pixel] == kNoFace ? 0 : 1;
   spread(image, state, steps_for(std::max(how.bleed_mm, how.trap_mm), frame.pixel_mm));
+}
+
+void grow(ColourImage& image, std::size_t pixels) {
+  std::vector<std::uint8_t> state(image.rgba.size() / 4);
+  for (std::size_t pixel = 0; pixel < state.size(); ++pixel)
+    state[pixel] = image.rgba[4 * pixel + 3] > 0 ? 1 : 0;
+  spread(image, state, pixels);
 }
 
 }  // namespace popcut

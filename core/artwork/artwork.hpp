@@ -56,8 +56,14 @@ struct Trapping {
 ///
 /// Ink off the paper is taken away first.
 ///
-/// @param face  of each pixel, see `face_pixels`
+/// @param face     of each pixel, see `face_pixels`
+/// @param borders  further lines that ink goes over into what is bare, as it does over cuts
 void trap(ColourImage& image, std::span<const std::uint32_t> face, std::span<const CutLine> cuts,
-          const PixelFrame& frame, const Trapping& how, bool blends);
+          std::span<const CutLine> borders, const PixelFrame& frame, const Trapping& how,
+          bool blends);
+
+/// Lets ink go on for a few pixels into what has none, so that a picture does not fade to white
+/// within its own outline when it is looked at between pixels.
+void grow(ColourImage& image, std::size_t pixels);
 
 }  // namespace popcut

@@ -118,8 +118,12 @@ Result<Artwork> design_artwork(std::span<const Pattern* const> parts,
     tell(options.progress, "drawing the artwork");
     ColourImage drawn = part.drawn(*surface, models.empty() ? nullptr : &models[k], image, whole);
     const auto face = face_pixels(*surface, part.frame());
-    trap(drawn, face, cut_lines(*parts[k]), part.frame(), options.trapping,
-         options.mode == PrintMode::Surface);
+    const bool is_surface = options.mode == PrintMode::Surface;
+    if (options.mode == PrintMode::View) grow(drawn, 2);
+    // Where ink ends at a fold, a sheet that lies a little off shows it as a cut does.
+    const auto borders =
+        is_surface && options.bare_card ? fold_lines_on_page(*parts[k]) : std::vector<CutLine>{};
+    trap(drawn, face, cut_lines(*parts[k]), borders, part.frame(), options.trapping, is_surface);
     for (std::size_t pixel = 0; pixel < face.size(); ++pixel) {
       // A part's own paper comes before what another one lets flow around itself.
       if (face[pixel] == kNoFace && (out.on_paper[pixel] != 0 || drawn.rgba[4 * pixel + 3] == 0))

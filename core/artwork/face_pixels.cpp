@@ -47,10 +47,13 @@ std::vector<std::uint32_t> face_pixels(const FaceSurface& surface, const PixelFr
   return face;
 }
 
-std::vector<CutLine> cut_lines(const Pattern& pattern) {
+namespace {
+
+std::vector<CutLine> lines_on_page(const Pattern& pattern, bool folds) {
   std::vector<std::array<PagePoint, 2>> ends;
   for (const PatternEdge& edge : pattern.edges) {
-    if (edge.role != EdgeRole::Slit && edge.role != EdgeRole::Outline) continue;
+    const bool is_fold = edge.role == EdgeRole::Mountain || edge.role == EdgeRole::Valley;
+    if (is_fold != folds) continue;
     const PatternVertex &a = pattern.vertices[edge.from], &b = pattern.vertices[edge.to];
     PagePoint p{a.v, pattern.u(a)}, q{b.v, pattern.u(b)};
     if (q < p) std::swap(p, q);
@@ -61,6 +64,14 @@ std::vector<CutLine> cut_lines(const Pattern& pattern) {
   std::vector<CutLine> out;
   for (const auto& [from, to] : ends) out.push_back({from, to});
   return out;
+}
+
+}  // namespace
+
+std::vector<CutLine> cut_lines(const Pattern& pattern) { return lines_on_page(pattern, false); }
+
+std::vector<CutLine> fold_lines_on_page(const Pattern& pattern) {
+  return lines_on_page(pattern, true);
 }
 
 }  // namespace popcut

@@ -36,5 +36,7 @@ struct CutLine {
   PagePoint from, to;
 };
 [[nodiscard]] std::vector<CutLine> cut_lines(const Pattern& pattern);
+/// Its folds, in the same form.
+[[nodiscard]] std::vector<CutLine> fold_lines_on_page(const Pattern& pattern);
 
 }  // namespace popcut
