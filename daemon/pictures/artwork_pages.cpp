@@ -70,8 +70,8 @@ void add_bar(ArtworkPage& page, const SheetRaster& raster, const std::array<doub
   constexpr double kFromEdge = 10, kHigh = 8;
   const double left = area[0] / 2 - 50, top = area[1] - kFromEdge - 3;
   const Box box{left - 2, top, left + 102, top + kHigh};
-  const Box work = bounds(plan.sheets[sheet].lines.value_or(LineWork{}));
-  if (left < 32 || !is_free(raster, box) || (!work.empty() && work.y1 > box.y0)) return;
+  const Box work = bounds(plan.sheets[sheet].path.points);
+  if (left < 32 || !is_free(raster, box) || work.y1 > box.y0) return;
   page.bar = {left, area[1] - kFromEdge};
   page.bar_across_mm = 100;
   page.words = fmt::format("100 mm: sheet {}", sheet + 1);

@@ -106,6 +106,8 @@ Result<PrintMode> mode_of(const Options& options) {
                 "flat prints a picture of your own; give it with --image FILE");
   if (mode != PrintMode::Flat && !options.image.empty())
     return fail(ErrorKind::Usage, "--image", "is for --mode flat; add it, or leave --image out");
+  if (mode == PrintMode::Lines && options.back)
+    return fail(ErrorKind::Usage, "--back", "prints pictures; leave it out with --mode lines");
   return mode;
 }
 
