@@ -97,6 +97,17 @@ void blend(ColourImage& image, std::span<const std::uint32_t> face, std::span<co
     image.set(near[n].pixel % frame.width, near[n].pixel / frame.width, mixes[n]);
 }
 
+/// Whether the place mirrored at the pixel's cut has ink.
+bool has_ink_across(const ColourImage& image, const NearCut& near, std::span<const CutLine> cuts,
+                    const PixelFrame& frame) {
+  const PagePoint p = frame.middle(near.pixel % frame.width, near.pixel / frame.width);
+  const PagePoint other = frame.in_pixels(mirrored(p, cuts[near.cut]));
+  const double x = std::round(other.x), y = std::round(other.y);
+  return x >= 0 && y >= 0 && x < static_cast<double>(frame.width) &&
+         y < static_cast<double>(frame.height) &&
+         image.at(static_cast<std::size_t>(x), static_cast<std::size_t>(y))[3] > 0;
+}
+
 /// Lets colours go on from pixels of state 1 into those of state 0 beside them, `steps` pixels far.
 /// Pixels of state 2 neither give nor take.
 void spread(ColourImage& image, std::vector<std::uint8_t>& state, std::size_t steps) {
@@ -206,14 +217,18 @@ void trap(ColourImage& image, std::span<const std::uint32_t> face, std::span<con
     if (face[pixel] == kNoFace) std::memset(&image.rgba[4 * pixel], 0, 4);
   std::vector<std::uint8_t> state(face.size(), 2);
   if (how.trap_mm > 0) {
-    if (blends) blend(image, face, cuts, near_cuts(cuts, frame, how.trap_mm, 0), frame, how.trap_mm);
+    if (blends)
+      blend(image, face, cuts, near_cuts(cuts, frame, how.trap_mm, 0), frame, how.trap_mm);
     // Ink into what is bare beside a cut.
     const double reach = how.trap_mm + frame.pixel_mm;
     for (std::size_t pixel = 0; pixel < face.size(); ++pixel)
       if (image.rgba[4 * pixel + 3] > 0) state[pixel] = 1;
     for (const auto lines : {cuts, borders})
-      for (const NearCut& near : near_cuts(lines, frame, reach, reach))
-        if (face[near.pixel] != kNoFace && state[near.pixel] == 2) state[near.pixel] = 0;
+      for (const NearCut& near : near_cuts(lines, frame, reach, blends ? reach : 0)) {
+        if (face[near.pixel] == kNoFace || state[near.pixel] != 2) continue;
+        // Where a picture's outline crosses a cut, its ink stays within the outline.
+        if (blends || has_ink_across(image, near, lines, frame)) state[near.pixel] = 0;
+      }
     spread(image, state, steps_for(reach, frame.pixel_mm));
   }
   for (std::size_t pixel = 0; pixel < face.size(); ++pixel)

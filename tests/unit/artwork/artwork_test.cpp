@@ -318,6 +318,26 @@ TEST_CASE("a cut that is 0.3 mm off leaves no white on any face", "[artwork]") {
   }
 }
 
+TEST_CASE("a picture's outline has no hairs where it crosses cuts", "[artwork]") {
+  const Painted card = painted(painted_shells()[0]);
+  ArtworkOptions options;
+  options.pixel_mm = 0.1;
+  const Artwork trapped = artwork_of(card, options);
+  options.trapping.trap_mm = 0;  // the bleed stays, so that both have the same frame
+  const Artwork plain = artwork_of(card, options);
+  REQUIRE(plain.frame.width == trapped.frame.width);
+  REQUIRE(plain.frame.height == trapped.frame.height);
+  std::size_t ink = 0, more = 0;
+  for (std::size_t k = 0; k < trapped.on_paper.size(); ++k) {
+    if (trapped.on_paper[k] == 0) continue;
+    ink += plain.image.rgba[4 * k + 3] > 0 ? 1 : 0;
+    more += plain.image.rgba[4 * k + 3] == 0 && trapped.image.rgba[4 * k + 3] > 0 ? 1 : 0;
+  }
+  REQUIRE(ink > 100'000);
+  // A stretch of the outline may run along a cut; hairs at each cut would be some 50 pixels each.
+  CHECK(more < 200);
+}
+
 Plan planned(const Painted& card, const std::string& mat, bool marks) {
   const auto machine = find_machine("cameo3");
   const auto material = find_material("paper-220");
