@@ -163,6 +163,27 @@ TEST_CASE("popcut print writes pages, programs and a preview, and the same again
   CHECK(text_of_file(bench.temp / "pages/sheet-01.pdf") == pdf);
 }
 
+TEST_CASE("a printed design that is split is cut by the same programs as it is planned",
+          "[cli][e2e][artwork]") {
+  const ShellBench bench;
+  REQUIRE(bench
+              .popcut({"print", "shell.json", "--machine", "cameo3", "--mat", "100x120", "--dpi",
+                       "72", "-o", "pages", "-q"})
+              .exit == 0);
+  REQUIRE(bench
+              .popcut({"plan", "shell.json", "--machine", "cameo3", "--mat", "100x120", "--marks",
+                       "-o", "plan", "-q"})
+              .exit == 0);
+  const std::size_t sheets = bench.read_json("pages/plan.json")["sheets"].size();
+  REQUIRE(sheets >= 2);
+  for (std::size_t k = 1; k <= sheets; ++k) {
+    const std::string program = fmt::format("sheet-{:02}.gpgl", k);
+    CHECK(text_of_file(bench.temp / ("pages/" + program)) ==
+          text_of_file(bench.temp / ("plan/" + program)));
+    CHECK(std::filesystem::exists(bench.temp / fmt::format("pages/sheet-{:02}.pdf", k)));
+  }
+}
+
 TEST_CASE("what popcut print cannot print is one line", "[cli][e2e][artwork]") {
   const ShellBench bench;
   const auto refused = [&](std::vector<std::string> more, int exit, const std::string& words) {
