@@ -181,6 +181,7 @@ Result<SheetMesh> surface_mesh(const Pattern& pattern, const Strips& strips) {
     const double v0 = strips.v_begin[s], v1 = strips.v_begin[s + 1];
     const std::size_t slab = slabs.index(0.5 * (v0 + v1));
     for (std::size_t p = strips.first_panel[s]; p < strips.first_panel[s + 1]; ++p) {
+      if (strips.is_cut(p)) continue;
       const std::size_t q = p + s;
       const double u0 = strips.x[q] - strips.z[q], u1 = strips.x[q + 1] - strips.z[q + 1];
       const double middle = 0.5 * (u0 + u1);

@@ -50,6 +50,7 @@ ShutStack shut_stack(const Strips& strips, double thickness_mm) {
   for (std::size_t s = 0; s < strips.size(); ++s) {
     events.clear();
     for (std::size_t p = strips.first_panel[s]; p < strips.first_panel[s + 1]; ++p) {
+      if (strips.is_cut(p)) continue;
       const std::size_t q = p + s;
       const double from = strips.x[q] + strips.z[q], to = strips.x[q + 1] + strips.z[q + 1];
       events.push_back({std::min(from, to), 1});

@@ -13,6 +13,7 @@
 #include "core/design/chain/augmented_slices.hpp"
 #include "core/design/chain/slicing.hpp"
 #include "core/design/design_report.hpp"
+#include "core/design/facet_design.hpp"
 #include "core/design/lattice/lattice.hpp"
 #include "core/design/lattice_choice.hpp"
 #include "core/design/run_layout.hpp"
@@ -569,9 +570,23 @@ class Designer {
         else
           r.warnings.push_back({.code = "flattened_by_card", .message = std::move(said)});
       }
+    out.pattern.model_placement = model_placement(r);
     out.edges = std::move(sliced_.edges);
     out.target = sliced_.pieces;
     return out;
+  }
+
+  /// The spec's own, shifted along the spine as the slices lie on the sheet.
+  [[nodiscard]] std::optional<std::array<double, 7>> model_placement(const DesignReport& r) const {
+    if (spec_.is_patch || !spec_.surface || asset_of(*spec_.surface).empty() || r.slices.empty())
+      return std::nullopt;
+    double shift_mm = 0.0;
+    for (const SliceReport& slice : r.slices)
+      shift_mm += (slice.v_mm - slice.s_mm) / static_cast<double>(r.slices.size());
+    const TargetPlacement& p = spec_.placement;
+    return std::array{p.scale_mm,       p.rotate_deg[0],   p.rotate_deg[1],
+                      p.rotate_deg[2],  p.translate_mm[0], p.translate_mm[1] + shift_mm,
+                      p.translate_mm[2]};
   }
 
   /// What became of the places where N changes, and of other plain cuts.
@@ -650,6 +665,7 @@ class Designer {
 
 Result<Design> design(const DesignSpec& spec, const SurfaceAssets& assets,
                       const Progress& progress) {
+  if (spec.style == DesignStyle::Facets) return facet_design(spec, assets, progress);
   return Designer(spec, assets, progress).run();
 }
 

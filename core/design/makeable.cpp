@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -60,19 +61,30 @@ void check_strips(const Strips& strips, double narrowest_mm, std::vector<Warning
   narrow.say("strip_narrow", "strip is", "strips are", warnings);
 }
 
-/// Slits, and the paper between those on one line. All slits run along u.
+/// Slits, and the paper between those on one line along u; facets have others too. Pieces of one
+/// cut that turns are judged by no length of theirs.
 void check_slits(const Pattern& pattern, double narrowest_mm, std::vector<Warning>& warnings) {
   struct Slit {
     double v{}, from{}, to{};
   };
   std::vector<Slit> slits;
+  Narrow narrow{narrowest_mm}, necks{narrowest_mm};
+  std::map<std::pair<long, long>, int> ends;  // how many slits end there
+  const auto spot = [](double u, double v) {
+    return std::pair(std::lround(u / kRounding_mm), std::lround(v / kRounding_mm));
+  };
   for (const SheetLine& line : pattern.lines)
-    if (line.role == EdgeRole::Slit)
-      slits.push_back(
-          {0.5 * (line.v0 + line.v1), std::min(line.u0, line.u1), std::max(line.u0, line.u1)});
+    if (line.role == EdgeRole::Slit) ++ends[spot(line.u0, line.v0)], ++ends[spot(line.u1, line.v1)];
+  for (const SheetLine& line : pattern.lines) {
+    if (line.role != EdgeRole::Slit) continue;
+    if (ends[spot(line.u0, line.v0)] > 1 || ends[spot(line.u1, line.v1)] > 1) continue;
+    if (line.v0 == line.v1)
+      slits.push_back({line.v0, std::min(line.u0, line.u1), std::max(line.u0, line.u1)});
+    else
+      narrow.look(length(line), 0.5 * (line.u0 + line.u1), 0.5 * (line.v0 + line.v1));
+  }
   std::sort(slits.begin(), slits.end(),
             [](const Slit& a, const Slit& b) { return a.v != b.v ? a.v < b.v : a.from < b.from; });
-  Narrow narrow{narrowest_mm}, necks{narrowest_mm};
   for (std::size_t i = 0; i < slits.size(); ++i) {
     const Slit& slit = slits[i];
     narrow.look(slit.to - slit.from, 0.5 * (slit.from + slit.to), slit.v);

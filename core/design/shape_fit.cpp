@@ -19,7 +19,10 @@ namespace {
 /// panels themselves are off.
 constexpr double kChord = 0.003;
 
-bool is_card(PlaneId plane) { return plane == kWallPlane || plane == kGroundPlane; }
+/// Whether a panel is part of the card itself, or a cut.
+bool is_card(PlaneId plane) {
+  return plane == kWallPlane || plane == kGroundPlane || plane == kNoPlane;
+}
 
 /// Triangles of a soup whose middles lie in a stretch of the spine.
 void keep_between(double from_mm, double to_mm, TriangleSoup& soup) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -85,6 +86,9 @@ struct Pattern {
   std::vector<VFold> v_folds;
   std::vector<Seam> seams;  ///< empty if the pattern is the whole
   PatternPlace place;
+  /// Where a model from a file stands in the designed pose, at (x, v, z): a point q of it is at
+  /// `R_z R_y R_x (scale q) + shift`. Scale in mm, three turns in degrees, shift in mm.
+  std::optional<std::array<double, 7>> model_placement;
   std::vector<SheetLine> lines;  ///< folds, slits and the outline, each once and not split
 
   [[nodiscard]] std::size_t faces() const { return face_first.empty() ? 0 : face_first.size() - 1; }

@@ -32,7 +32,8 @@ enum class Form {
   Parent,
   Psi,
   DesignPsi,
-  Inherit
+  Inherit,
+  Numbers
 };
 
 /// A member of a frame that popcut reads.
@@ -56,6 +57,7 @@ constexpr std::array kMembers{
     Member{"frame_parent", Form::Parent},
     Member{"frame_popcut:psi_rad", Form::Psi},
     Member{"popcut:design_psi_rad", Form::DesignPsi, nullptr, true},
+    Member{"popcut:model_placement", Form::Numbers, &FrameText::model_placement, true},
     Member{"frame_inherit", Form::Inherit},
     Member{"file_frames", Form::Frames, nullptr, true}};
 
@@ -106,7 +108,8 @@ class FoldSax : public nlohmann::json_sax<Json> {
   FrameText& frame() { return frames_[owner_]; }
   [[nodiscard]] int level() const { return depth_ - value_depth_; }
   [[nodiscard]] bool is_column() const {
-    return form_ == Form::Rows || form_ == Form::Angles || form_ == Form::Letters;
+    return form_ == Form::Rows || form_ == Form::Angles || form_ == Form::Letters ||
+           form_ == Form::Numbers;
   }
   /// Counts a number or a row.
   bool count() {
@@ -156,7 +159,7 @@ bool FoldSax::wrong(const char* found) {
   if (form_ == Form::Skip)
     return depth_ > 0 || stop(ErrorKind::Malformed, "/", "a FOLD file must be an object");
   // What must stand at a member, in its list, and in the lists of that.
-  constexpr std::array<std::array<const char*, 3>, 12> kRight{{
+  constexpr std::array<std::array<const char*, 3>, 13> kRight{{
       {},
       {"a list of frames", "a frame (an object)"},
       {"a list of lists", "a list", "a number"},
@@ -169,6 +172,7 @@ bool FoldSax::wrong(const char* found) {
       {"an angle in radians", "an angle in radians", "an angle in radians"},
       {"an angle in radians", "an angle in radians", "an angle in radians"},
       {"true or false", "true or false", "true or false"},
+      {"a list of numbers", "a number", "a number"},
   }};
   const int at = form_ == Form::Frames ? int{depth_ > 1} : std::clamp(level(), 0, 2);
   return stop(
@@ -187,6 +191,10 @@ bool FoldSax::scalar(double value, const char* found) {
       return count();
     case Form::Angles:
       if (level() != 1) return wrong(found);
+      column_->number.push_back(value);
+      return count();
+    case Form::Numbers:
+      if (level() != 1 || std::isnan(value)) return wrong(found);
       column_->number.push_back(value);
       return count();
     case Form::Letters:
@@ -299,6 +307,7 @@ bool FoldSax::start_array(std::size_t) {
       return level() < 2 ? open() : wrong("a list");
     case Form::Angles:
     case Form::Letters:
+    case Form::Numbers:
       column_->present = true;
       [[fallthrough]];
     case Form::Classes:

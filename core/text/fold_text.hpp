@@ -33,6 +33,7 @@ struct FrameText {
   FoldColumn edges_assignment;
   FoldColumn edges_fold_angle;  ///< `edges_foldAngle`, or `edges_foldAngles` of FOLD 1.0
   FoldColumn faces_vertices;
+  FoldColumn model_placement;  ///< `popcut:model_placement`, of the key frame only
   std::vector<std::string> classes;
   std::string unit;
   std::string title;                     ///< `frame_title`

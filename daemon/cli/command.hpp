@@ -32,6 +32,7 @@ void when_chosen(App* command, Run& run, Work work) {
 void register_design(CLI::App& app, const Globals& globals, Run& run);
 void register_deploy(CLI::App& app, const Globals& globals, Run& run);
 void register_verify(CLI::App& app, const Globals& globals, Run& run);
+void register_compare(CLI::App& app, const Globals& globals, Run& run);
 void register_plan(CLI::App& app, const Globals& globals, Run& run);
 void register_print(CLI::App& app, const Globals& globals, Run& run);
 void register_simulate(CLI::App& app, const Globals& globals, Run& run);

@@ -14,7 +14,7 @@ namespace {
 
 using Words = std::pair<std::string_view, std::string_view>;
 
-constexpr std::array<Words, 28> kOptions{{
+constexpr std::array<Words, 29> kOptions{{
     {"/before", "--before"},
     {"/blank", "--blank"},
     {"/copies", "--copies"},
@@ -35,6 +35,7 @@ constexpr std::array<Words, 28> kOptions{{
     {"/registration", "--registration"},
     {"/role", "--role"},
     {"/sheet", "SHEET"},
+    {"/site", "--site"},
     {"/skip_in_doubt", "--skip-in-doubt"},
     {"?after", "--after"},
     {"?by", "--by"},
@@ -120,6 +121,7 @@ std::string command_line_for(const nlohmann::json& way, const std::string& asked
   if (body.contains("good")) line += body.value("good", false) ? " good" : " bad";
   if (number("blank") > 1) line += fmt::format(" --blank {}", number("blank"));
   if (body.contains("device")) line += " --device " + quoted(body.value("device", ""));
+  if (body.contains("site")) line += " --site " + quoted(body.value("site", ""));
   if (body.contains("from_path")) line += fmt::format(" --from {}", number("from_path"));
   if (body.value("registration", "") == "re-registered") line += " --registration re-registered";
   if (body.value("skip_in_doubt", false)) line += " --skip-in-doubt";

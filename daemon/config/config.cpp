@@ -206,11 +206,12 @@ void read_webhook(FieldReader& fields, WebhookConfig& webhook) {
 void read_fleet(FieldReader& fields, FleetConfig& fleet) {
   constexpr std::string_view kLetters =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
-  constexpr std::size_t kLongestName = 48;
+  constexpr std::size_t kLongestName = 48, kLongestSite = 64;
   read(fields, "database", fleet.database);
   read(fields, "password_file", fleet.password_file);
   read(fields, "node", fleet.node);
   read(fields, "url", fleet.url);
+  fleet.site = fields.text("site", "", {1, kLongestSite, TextRule::Controls::None});
   read(fields, "lease_s", fleet.lease_s, 1, 3600);
   read(fields, "beat_s", fleet.beat_s, 0.1, 600);
   if (fleet.lease_s < 3 * fleet.beat_s)
@@ -221,12 +222,16 @@ void read_fleet(FieldReader& fields, FleetConfig& fleet) {
     fields.refuse("database", ErrorKind::OutOfRange,
                   "must be the address of a PostgreSQL, as in "
                   "\"postgresql://popcut@db.lab/popcut\"");
+  if (!fleet.url.empty() && fleet.url.rfind("http://", 0) != 0 &&
+      fleet.url.rfind("https://", 0) != 0)
+    fields.refuse("url", ErrorKind::OutOfRange,
+                  "must be the address of this node's page, as in \"https://room-1.lab\"");
   if (fields.has("node") && (fleet.node.empty() || fleet.node.size() > kLongestName ||
                              fleet.node.find_first_not_of(kLetters) != std::string::npos))
     fields.refuse("node", ErrorKind::OutOfRange,
                   "must have 1 to 48 letters, digits, '-', '_' and '.'");
-  const bool is_told = fields.has("node") || fields.has("url") || fields.has("lease_s") ||
-                       fields.has("beat_s") || fields.has("password_file");
+  const bool is_told = fields.has("node") || fields.has("url") || fields.has("site") ||
+                       fields.has("lease_s") || fields.has("beat_s") || fields.has("password_file");
   if (fleet.database.empty() && is_told)
     fields.refuse("database", ErrorKind::Malformed,
                   "is missing; name the fleet's PostgreSQL, or remove [fleet]");
@@ -270,7 +275,8 @@ std::vector<std::string> restart_keys(const Config& running, const Config& wante
                      a.memory_bytes == b.memory_bytes && a.output_bytes == b.output_bytes);
   const FleetConfig &c = running.fleet, &d = wanted.fleet;
   add("fleet", c.database == d.database && c.password_file == d.password_file && c.node == d.node &&
-                   c.url == d.url && c.lease_s == d.lease_s && c.beat_s == d.beat_s);
+                   c.url == d.url && c.site == d.site && c.lease_s == d.lease_s &&
+                   c.beat_s == d.beat_s);
   add_devices(running.devices, wanted.devices, keys);
   add_devices(wanted.devices, running.devices, keys);
   return keys;

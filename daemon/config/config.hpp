@@ -54,6 +54,7 @@ struct FleetConfig {
   std::string password_file{};
   std::string node{};  ///< empty: the machine's name
   std::string url{};   ///< where people reach this node's page; empty: its first HTTP address
+  std::string site{};  ///< where its cutters stand: "ground floor"
   double lease_s{30};  ///< it is thought lost when it has not answered for so long
   double beat_s{5};    ///< between renewals of the lease
 };

@@ -40,6 +40,8 @@ class Sha256 {
 [[nodiscard]] bool equal_in_constant_time(std::string_view a, std::string_view b);
 /// `count` bytes from the system's generator.
 [[nodiscard]] std::string random_bytes(std::size_t count);
+/// RFC 4648 section 4, with padding.
+[[nodiscard]] std::string base64(std::string_view bytes);
 /// RFC 4648 section 5, without padding: 32 bytes are 43 characters.
 [[nodiscard]] std::string base64url(std::string_view bytes);
 /// What PostgreSQL keeps of a password in place of it: SCRAM-SHA-256 (RFC 5802, RFC 7677), with

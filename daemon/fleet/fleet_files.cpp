@@ -228,7 +228,11 @@ class FleetFiles final : public SharedFiles {
       return {};
     } catch (const StoreFault& fault) {
       return fail(ErrorKind::Unwritable, name,
-                  fmt::format("cannot be stored in the fleet's database: {}", fault.what()));
+                  fmt::format("cannot be stored in the fleet's database: {}",
+                              fault.kind() == FaultKind::Full
+                                  ? "its disk is full; tell who runs it, and try again when it has "
+                                    "space"
+                                  : fault.what()));
     }
   }
 

@@ -40,6 +40,7 @@ class Look {
         this_node(nodes);
         other_nodes(nodes);
         failover(database);
+        primaries();
       }
       transport();
     } catch (const StoreFault& fault) {
@@ -228,6 +229,23 @@ class Look {
           "synchronous_commit = remote_write: a START is lost if both database machines lose power",
           "set synchronous_commit = on in postgresql.conf");
     fine("each START is on the disk of a standby before the knife moves: a failover loses none");
+  }
+
+  // Each goes its own way from the moment that the second one takes writes.
+  void primaries() {
+    const std::vector<FleetUrl> each = url_.each_host();
+    std::vector<std::string> write;
+    for (const FleetUrl& one : each) {
+      if (each.size() == 1) return;
+      PostgresDatabase database(
+          {.url = one.text(), .password = probe_.password, .name = "popcut doctor"}, false);
+      if (database.is_there()) write.push_back(one.shown());
+    }
+    if (write.size() > 1)
+      problem(fmt::format("{} databases of this address take writes: {}", write.size(),
+                          fmt::join(write, " and ")),
+              "stop the old one at once, and make it a standby of the other before it starts again "
+              "(docs/fleet.md#failover)");
   }
 
   void transport() {

@@ -221,7 +221,7 @@ class Import {
 
   void move_events() {
     tell("event");
-    to_.hold("popcut.event_counter");  // as event_number() does
+    to_.hold("popcut.event_counter");  // as event_number does
     const std::int64_t last = to_.number("SELECT last FROM popcut.event_counter");
     const std::vector<std::string> columns{"seq", "time", "kind", "job", "data"};
     Batch batch(to_, "event", columns, "");

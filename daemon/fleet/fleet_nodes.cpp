@@ -12,6 +12,7 @@ namespace popcut::daemon {
 namespace {
 
 constexpr std::string_view kLogin = "popcut_n_";
+constexpr std::size_t kLongestName = 48;  // as popcutd takes them
 constexpr std::size_t kLongestRole = 63;  // PostgreSQL cuts off the rest
 constexpr std::size_t kSecretBytes = 24;
 
@@ -38,7 +39,7 @@ void check_schema(Database& database) {
 bool is_node_name(const std::string& name) {
   constexpr std::string_view kFirst =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-";
-  return !name.empty() && name.size() <= 63 &&
+  return !name.empty() && name.size() <= kLongestName &&
          name.find_first_not_of(kFirst) == std::string::npos && name.find_first_of("._-") != 0;
 }
 
@@ -58,7 +59,7 @@ JoinedNode join_node(Database& database, const std::string& node, bool again) {
   if (!is_node_name(node))
     refuse(
         fmt::format("\"{}\" is no name for a node; use letters, digits, '.', '_' and '-', at "
-                    "most 63, as in room-1",
+                    "most 48, as in room-1",
                     node));
   JoinedNode joined{.login = login_of(node), .password = base64url(random_bytes(kSecretBytes))};
   Transaction all(database);
@@ -118,13 +119,14 @@ std::vector<NodeState> fleet_nodes(Database& database) {
         return one;
       });
   Rows devices =
-      database.rows("SELECT node, id, state FROM popcut.device WHERE node<>'' ORDER BY id");
+      database.rows("SELECT node, id, state, site FROM popcut.device WHERE node<>'' ORDER BY id");
   while (devices.next()) {
     const std::string name = devices.text(0);
     const auto at = std::find_if(nodes.begin(), nodes.end(),
                                  [&](const NodeState& node) { return node.name == name; });
-    if (at != nodes.end())
-      at->devices.push_back(fmt::format("{} {}", devices.text(1), devices.text(2)));
+    if (at == nodes.end()) continue;
+    at->devices.push_back(fmt::format("{} {}", devices.text(1), devices.text(2)));
+    at->site = devices.text(3);  // all of a node's stand there
   }
   return nodes;
 }

@@ -14,7 +14,7 @@ namespace popcut::daemon {
 
 /// The login role of a node: "popcut_n_room_1" for "room-1".
 [[nodiscard]] std::string login_of(const std::string& node);
-/// Whether a node may have this name: a letter or digit, then letters, digits and "._-", 63 at
+/// Whether a node may have this name: a letter or digit, then letters, digits and "._-", 48 at
 /// most.
 [[nodiscard]] bool is_node_name(const std::string& name);
 
@@ -37,6 +37,7 @@ struct NodeState {
   std::int64_t heartbeat_s{};          ///< ago
   double lease_s{};                    ///< left; below 0: over
   std::vector<std::string> devices{};  ///< "usb:51053P idle"
+  std::string site{};                  ///< where they stand; empty: nobody said, or it has none
 };
 [[nodiscard]] std::vector<NodeState> fleet_nodes(Database& database);
 

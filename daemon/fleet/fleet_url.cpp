@@ -2,6 +2,7 @@
 #include "daemon/fleet/fleet_url.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 
 #include <fmt/format.h>
@@ -136,6 +137,35 @@ std::string FleetUrl::value(std::string_view key) const {
   for (const auto& [name, value] : more)
     if (name == key) return value;
   return {};
+}
+
+// Lists are those of the URL's place, or of `host`, `hostaddr` and `port`; one port is that of all
+// hosts. What libpq would not accept is left to it as it is.
+std::vector<FleetUrl> FleetUrl::each_host() const {
+  const auto parts = [](std::string_view list) {
+    std::vector<std::string> all;
+    do all.emplace_back(cut(list, ","));
+    while (!list.empty());
+    return all;
+  };
+  constexpr std::array<std::string_view, 3> kLists{"host", "hostaddr", "port"};
+  std::size_t count = hosts.empty() ? 1 : parts(hosts).size();
+  for (const std::string_view key : kLists)
+    if (hosts.empty() || key == "hostaddr") count = std::max(count, parts(value(key)).size());
+  std::vector<FleetUrl> each(count, *this);
+  if (count == 1) return each;
+  const std::vector<std::string> places = parts(hosts);
+  if (!hosts.empty() && places.size() != count) return {*this};
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!hosts.empty()) each[i].hosts = places[i];
+    for (auto& [key, list] : each[i].more) {
+      if (std::find(kLists.begin(), kLists.end(), key) == kLists.end()) continue;
+      const std::vector<std::string> values = parts(list);
+      if (values.size() != 1 && values.size() != count) return {*this};
+      list = values.size() == 1 ? values[0] : values[i];
+    }
+  }
+  return each;
 }
 
 bool FleetUrl::is_remote() const {

@@ -22,6 +22,8 @@ struct FleetUrl {
   [[nodiscard]] std::string shown() const;
   /// A key of `more`; empty: it is not there.
   [[nodiscard]] std::string value(std::string_view key) const;
+  /// One for each host that it lists, in that order.
+  [[nodiscard]] std::vector<FleetUrl> each_host() const;
   /// Whether the connection goes through the network to another machine.
   [[nodiscard]] bool is_remote() const;
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <ctime>
 #include <sstream>
+#include <utility>
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -39,11 +40,12 @@ NodeLease::NodeLease(Database& database, const StateFolder& folder, NodeMark& ma
   mark_.identity = identity_of(folder);
   kept_ = read_whole(folder_.at("node"), 200).value_or("");
   std::istringstream words(kept_);
-  words >> last_epoch_ >> last_event_ >> mark_.fence;
+  words >> last_epoch_ >> last_event_ >> mark_.fence >> next_epoch_ >> generation_;
 }
 
 void NodeLease::keep() {
-  std::string text = fmt::format("{} {} {}\n", last_epoch_, last_event_, mark_.fence);
+  std::string text = fmt::format("{} {} {} {} {}\n", last_epoch_, last_event_, mark_.fence,
+                                 next_epoch_, generation_);
   if (text == kept_) return;
   // Best effort: without it an older database is noticed by the journals only.
   if (write_file(folder_.at("node"), text)) kept_ = std::move(text);
@@ -51,18 +53,46 @@ void NodeLease::keep() {
 
 void NodeLease::begin() {
   holds_until_ms_ = 0;
+  try {
+    return begin_after(last_epoch_);
+  } catch (const StoreFault& fault) {
+    // The last time it may have died, or lost the answer, just when its epoch was committed.
+    if (fault.kind() != FaultKind::Refused || next_epoch_ == 0) throw;
+  }
+  begin_after(next_epoch_);
+}
+
+void NodeLease::begin_after(std::int64_t epoch) {
+  Transaction beginning(database_);
+  std::int64_t fence = 0, clock_ms = 0;
+  std::string generation;
   {
     Rows begun =
-        database_.rows("SELECT epoch, fence FROM node_begin(?, ?, ?, ?, ?, ?)", options_.name,
-                       mark_.identity, options_.url, options_.version,
-                       last_epoch_ == 0 ? std::nullopt : std::optional(last_epoch_), last_event_);
+        database_.rows("SELECT epoch, fence, generation, now_ms FROM node_begin(?, ?, ?, ?, ?, ?)",
+                       options_.name, mark_.identity, options_.url, options_.version,
+                       epoch == 0 ? std::nullopt : std::optional(epoch), last_event_);
     if (!begun.next()) throw StoreFault(FaultKind::Other, "node_begin gave no row");
-    mark_.epoch = begun.integer(0);
-    mark_.fence = std::max(mark_.fence, begun.integer(1));
+    next_epoch_ = begun.integer(0);
+    fence = begun.integer(1);
+    generation = begun.text(2);
+    clock_ms = begun.integer(3);
   }
-  last_epoch_ = mark_.epoch;
-  last_event_ = 0;  // of the database as it is now
   keep();
+  beginning.commit();
+  mark_.epoch = last_epoch_ = std::exchange(next_epoch_, 0);
+  mark_.fence = std::max(mark_.fence, fence);
+  last_event_ = 0;  // of the database as it is now
+  read_clock(clock_ms);
+  generation_before_ = std::exchange(generation_, generation);
+  keep();
+}
+
+bool NodeLease::is_own_life() const {
+  return first_of(
+             database_.rows("SELECT identity FROM node WHERE name=? AND login=session_user AND "
+                            "lease_until>clock_timestamp()",
+                            options_.name),
+             first_text) == mark_.identity;
 }
 
 void NodeLease::reported() {
@@ -78,11 +108,15 @@ bool NodeLease::beat() {
     holds_until_ms_ = 0;
     return false;
   }
-  clock_ms_ = answer.integer(1);
-  clock_at_ms_ = options_.elapsed_ms();
+  read_clock(answer.integer(1));
   holds_until_ms_ = sent_ms + static_cast<std::int64_t>(options_.lease_s * kSpared * 1000);
   keep();
   return true;
+}
+
+void NodeLease::read_clock(std::int64_t ms) {
+  clock_ms_ = ms;
+  clock_at_ms_ = options_.elapsed_ms();
 }
 
 void NodeLease::end() {

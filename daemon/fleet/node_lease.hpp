@@ -15,7 +15,8 @@ namespace popcut::daemon {
 /// which it may arm and start nothing. The clock of leases is the database's.
 ///
 /// What it must know after a restart is in STATE/node: its last epoch, the last event that it knew
-/// of, and the greatest fence. An older database is noticed by them.
+/// of, the greatest fence, an epoch that may not have been committed, and the database's
+/// generation. An older database is noticed by them.
 class NodeLease {
  public:
   struct Options {
@@ -32,6 +33,12 @@ class NodeLease {
   ///
   /// @throws StoreFault  Refused: another popcutd has this name; Away
   void begin();
+  /// Whether what has this name was begun from this folder: the last life of this node, which ends
+  /// with its lease.
+  [[nodiscard]] bool is_own_life() const;
+  /// Of the database in which this life began, and the one before it; empty: not known.
+  [[nodiscard]] const std::string& generation() const { return generation_; }
+  [[nodiscard]] const std::string& generation_before() const { return generation_before_; }
   /// The journals were compared with the database: others need not wait for it.
   void reported();
   /// Renews the lease. False: it is over, or the database went back: begin again.
@@ -48,15 +55,17 @@ class NodeLease {
   [[nodiscard]] const Options& options() const { return options_; }
 
  private:
+  void begin_after(std::int64_t epoch);
+  void read_clock(std::int64_t ms);
   void keep();
   Database& database_;
   const StateFolder& folder_;
   NodeMark& mark_;
   Options options_;
-  std::int64_t last_epoch_{0}, last_event_{0};
+  std::int64_t last_epoch_{0}, last_event_{0}, next_epoch_{0};
   std::int64_t holds_until_ms_{0};
   std::int64_t clock_at_ms_{0}, clock_ms_{0};  ///< the database's clock, and when it was read
-  std::string kept_;
+  std::string generation_, generation_before_, kept_;
 };
 
 /// Of a machine and a folder on it: a copy of either is another one. 32 hexadecimal digits.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/fleet/postgres_database.hpp"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <chrono>
 #include <condition_variable>
@@ -11,9 +13,13 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <libpq-fe.h>
+#include <poll.h>
 #include <sys/socket.h>
 
 #include <pqxx/pqxx>
+
+#include "daemon/fleet/fleet_url.hpp"
 
 namespace popcut::daemon {
 namespace {
@@ -29,6 +35,8 @@ FaultKind kind_of(std::string_view state) {
   const std::string_view of_class = state.substr(0, std::min<std::size_t>(2, state.size()));
   if (of_class == "23") return FaultKind::Constraint;
   if (state == "40001" || state == "40P01" || state == "55P03") return FaultKind::Again;
+  // A table has other columns than when a statement was prepared. A new connection prepares again.
+  if (state == "0A000") return FaultKind::Away;
   if (state == "53100") return FaultKind::Full;
   // It is ending, full of others, or a standby that takes no writes.
   if (of_class == "08" || of_class == "57" || of_class == "53" || state == "25006" ||
@@ -123,18 +131,17 @@ class Watchdog {
   std::thread thread_;
 };
 
-/// Hears that a COMMIT was given up waiting for a standby: it is done here, and lost if that
-/// standby takes over now.
+/// Hears whether the server warns. A commit gives no other warning than that its wait for a standby
+/// was given up: it is done here, and lost if that standby takes over now. The warning is in the
+/// server's language, and has no code of its own.
 class StandbyEar final : public pqxx::errorhandler {
  public:
   explicit StandbyEar(pqxx::connection& connection) : pqxx::errorhandler(connection) {}
-  bool operator()(const char words[]) noexcept override {
-    if (std::string_view(words).find("canceling wait for synchronous replication") !=
-        std::string_view::npos)
-      gave_up = true;
+  bool operator()(const char[]) noexcept override {
+    has_warned = true;
     return false;  // nobody else hears of it
   }
-  bool gave_up{false};
+  bool has_warned{false};
 };
 
 /// The rows of an answer, all of which is here.
@@ -217,17 +224,18 @@ std::string in_quotes(std::string_view text) {
   return all + "'";
 }
 
-// What must hold for every connection: a partition is noticed, a server that hangs too. A client
-// that hangs in a transaction loses its locks before others give up waiting for them: one is that
-// of the events' counter, for which all wait.
-std::string connection_words(const PostgresDatabase::Options& options) {
+// What must hold for every connection. It notices a network that is cut and a server that hangs. It
+// waits for a lock only briefly: the service's thread has cuts to look after. A client that hangs
+// in a transaction soon loses its locks.
+std::string connection_words(const PostgresDatabase::Options& options, const std::string& url) {
   const int wait_s = std::max(1, static_cast<int>(options.connect_s));
   const int answer_ms = static_cast<int>(options.answer_s * 1000);
-  const bool is_url = options.url.starts_with("postgres");
+  const bool is_url = url.starts_with("postgres");
   std::vector<std::pair<std::string, std::string>> own{
       {"connect_timeout", std::to_string(wait_s)},
       {"application_name", options.name},
       {"target_session_attrs", "read-write"},
+      {"client_encoding", "UTF8"},
       {"keepalives_idle", "5"},
       {"keepalives_interval", "2"},
       {"keepalives_count", "3"},
@@ -236,13 +244,13 @@ std::string connection_words(const PostgresDatabase::Options& options) {
                               "-c statement_timeout={} -c lock_timeout={} "
                               "-c idle_in_transaction_session_timeout={} "
                               "-c default_transaction_isolation=read\\ committed",
-                              answer_ms, answer_ms * 3 / 5, answer_ms / 2)},
+                              answer_ms, answer_ms / 5, answer_ms / 2)},
   };
   if (!options.password.empty()) own.emplace_back("password", options.password);
-  std::string text = options.url;
+  std::string text = url;
   // What the URL says itself goes before.
   for (const auto& [key, value] : own) {
-    if (options.url.find(key + "=") != std::string::npos) continue;
+    if (url.find(key + "=") != std::string::npos) continue;
     if (is_url)
       text += fmt::format("{}{}={}", text.find('?') == std::string::npos ? '?' : '&', key,
                           percent_encoded(value));
@@ -250,6 +258,55 @@ std::string connection_words(const PostgresDatabase::Options& options) {
       text += fmt::format(" {}={}", key, in_quotes(value));
   }
   return text;
+}
+
+// Of each host that the URL lists. libpq gives up at the first one that accepts a connection and
+// ends it, as a proxy before a dead server does, or that refuses the login.
+std::vector<std::string> words_of_hosts(const PostgresDatabase::Options& options) {
+  const std::vector<FleetUrl> each = FleetUrl::parse(options.url).each_host();
+  if (each.size() == 1) return {connection_words(options, options.url)};
+  std::vector<std::string> all;
+  for (const FleetUrl& one : each) all.push_back(connection_words(options, one.text()));
+  return all;
+}
+
+// The code of the server's refusal, which has no language: "28P01"; empty: it does not refuse, or
+// nobody is there. libpq tells it only to whoever asks before it has connected.
+std::string code_of_refusal(const std::string& words, double patience_s) {
+  const std::unique_ptr<PGconn, decltype(&PQfinish)> line(PQconnectStart(words.c_str()), PQfinish);
+  if (!line || PQstatus(line.get()) == CONNECTION_BAD) return {};
+  PQsetErrorVerbosity(line.get(), PQERRORS_SQLSTATE);
+  const Clock::time_point until = Clock::now() + seconds(patience_s);
+  PostgresPollingStatusType next = PGRES_POLLING_WRITING;
+  while (next == PGRES_POLLING_READING || next == PGRES_POLLING_WRITING) {
+    pollfd wait{PQsocket(line.get()),
+                static_cast<short>(next == PGRES_POLLING_READING ? POLLIN : POLLOUT), 0};
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
+    if (left <= 0 || ::poll(&wait, 1, static_cast<int>(left)) <= 0) return {};
+    next = PQconnectPoll(line.get());
+  }
+  // "...: FATAL:  28P01"
+  std::string_view said = PQerrorMessage(line.get());
+  while (!said.empty() && said.back() == '\n') said.remove_suffix(1);
+  const std::size_t space = said.rfind(' ');
+  return next == PGRES_POLLING_FAILED && space != said.npos && said.size() == space + 6
+             ? std::string(said.substr(space + 1))
+             : std::string();
+}
+
+// Wrong words will not be right the next time; a server that is not there may be. What libpq says
+// itself is English in popcutd, which sets no locale.
+bool will_not_pass(const std::string& words, const std::string& fault, double patience_s) {
+  constexpr std::array<std::string_view, 3> kOfLibpq{"no password supplied", "invalid", "missing"};
+  if (std::any_of(kOfLibpq.begin(), kOfLibpq.end(),
+                  [&](std::string_view said) { return fault.find(said) != std::string::npos; }))
+    return true;
+  // Nobody but a server has a severity and two spaces in front of what it says.
+  if (fault.find(":  ") == std::string::npos) return false;
+  const std::string code = code_of_refusal(words, patience_s);
+  // Class 28: login or pg_hba.conf. No such database. Not allowed to connect.
+  return code.starts_with("28") || code == "3D000" || code == "42501";
 }
 
 }  // namespace
@@ -303,8 +360,9 @@ std::string clean_text(std::string_view text) {
 }
 
 struct PostgresDatabase::Line {
-  explicit Line(Options given) : options(std::move(given)), words(connection_words(options)) {}
+  explicit Line(Options given) : options(std::move(given)), hosts(words_of_hosts(options)) {}
   ~Line() {
+    forget_listens();
     if (seeker.joinable()) seeker.join();
   }
   Line(const Line&) = delete;
@@ -322,25 +380,24 @@ struct PostgresDatabase::Line {
   void seek() {
     if (seeker.joinable()) seeker.join();
     found = std::make_shared<Found>();
-    seeker = std::thread([words = words, found = found] {
-      try {
-        auto made = std::make_unique<pqxx::connection>(words);
-        const std::lock_guard hold(found->lock);
-        found->connection = std::move(made);
-        found->is_over = true;
-      } catch (const std::exception& fault) {
-        const std::lock_guard hold(found->lock);
-        found->fault = one_line(fault.what());
-        // Wrong words will not be right the next time; a server that is not there may be.
-        found->refused = found->fault.find("authentication failed") != std::string::npos ||
-                         found->fault.find("does not exist") != std::string::npos ||
-                         found->fault.find("not permitted") != std::string::npos ||
-                         found->fault.find("no password supplied") != std::string::npos ||
-                         found->fault.find("no pg_hba.conf entry") != std::string::npos ||
-                         found->fault.find("invalid") != std::string::npos ||
-                         found->fault.find("missing") != std::string::npos;
-        found->is_over = true;
+    seeker = std::thread([hosts = hosts, found = found, patience_s = options.connect_s] {
+      std::unique_ptr<pqxx::connection> made;
+      std::string faults;
+      bool by_all = true;
+      for (const std::string& words : hosts) {
+        try {
+          made = std::make_unique<pqxx::connection>(words);
+          break;
+        } catch (const std::exception& fault) {
+          by_all = by_all && will_not_pass(words, fault.what(), patience_s);
+          faults += (faults.empty() ? "" : "; ") + one_line(fault.what());
+        }
       }
+      const std::lock_guard hold(found->lock);
+      found->connection = std::move(made);
+      found->fault = std::move(faults);
+      found->refused = !found->connection && by_all;
+      found->is_over = true;
     });
   }
 
@@ -375,16 +432,25 @@ struct PostgresDatabase::Line {
   const std::string& prepare(std::string_view sql);
   /// As text for a statement that the server knows.
   std::string execution(std::string_view sql, std::span<const Bound> values);
-  /// Runs `work`, which talks to the server, and says what its faults mean.
+  /// Runs `work`, which talks to the server, and says what its faults mean. `commits`: what it did
+  /// is stored when it returns.
   template <typename Work>
-  pqxx::result watched(std::string_view sql, const Work& work);
+  pqxx::result watched(std::string_view sql, bool commits, const Work& work);
   /// Throws if the statement cannot be sent now.
   void look(std::string_view sql);
   void roll_back();
   [[nodiscard]] StoreFault failed(FaultKind kind, const std::string& what, std::string_view sql);
+  // Each says UNLISTEN, and waits for the answer.
+  void forget_listens() {
+    constexpr double kMostSeconds = 1;
+    if (listens.empty()) return;
+    if (connection && connection->is_open()) watchdog.begin(connection->sock(), kMostSeconds);
+    listens.clear();
+    watchdog.end();
+  }
   void lose(const std::string& because) {
     why = because;
-    listens.clear();
+    forget_listens();
     standby.reset();
     connection.reset();
     prepared.clear();
@@ -394,10 +460,11 @@ struct PostgresDatabase::Line {
   }
 
   Options options;
-  std::string words;
+  std::vector<std::string> hosts;  ///< how to reach each
   std::unique_ptr<pqxx::connection> connection;
   std::unique_ptr<StandbyEar> standby;
   std::unordered_map<std::string, std::string> prepared;  ///< names by text
+  int next_name{0};
   std::string kept;  ///< statements that go with the next one, each with its semicolon
   std::unordered_map<std::string, std::unique_ptr<pqxx::notification_receiver>> listens;
   std::shared_ptr<Found> found;
@@ -415,7 +482,8 @@ const std::string& PostgresDatabase::Line::prepare(std::string_view sql) {
   const std::string text(sql);
   auto known = prepared.find(text);
   if (known == prepared.end()) {
-    std::string name = fmt::format("s{}", prepared.size());
+    // A number is not used again: libpqxx keeps the name of one that could not be prepared.
+    std::string name = fmt::format("s{}", next_name++);
     connection->prepare(name, with_dollars(sql));
     connection->prepare_now(name);
     known = prepared.emplace(text, std::move(name)).first;
@@ -482,12 +550,13 @@ void PostgresDatabase::Line::roll_back() {
 }
 
 template <typename Work>
-pqxx::result PostgresDatabase::Line::watched(std::string_view sql, const Work& work) {
+pqxx::result PostgresDatabase::Line::watched(std::string_view sql, bool commits, const Work& work) {
+  if (standby) standby->has_warned = false;
   watchdog.begin(connection->sock(), options.answer_s + 1);
   try {
     pqxx::result rows = work();
     watchdog.end();
-    if (standby && std::exchange(standby->gave_up, false)) {
+    if (commits && standby && standby->has_warned) {
       open = aborted = false;
       throw StoreFault(FaultKind::InDoubt, "no standby confirmed the commit");
     }
@@ -546,7 +615,8 @@ pqxx::result PostgresDatabase::Line::ask(std::string_view sql, std::span<const B
     return {};
   }
   if (sql.starts_with("ROLLBACK")) kept.clear();
-  pqxx::result rows = watched(sql, [&] {
+  const bool commits = sql == "COMMIT" || (!open && !is_script && !is_control(sql));
+  pqxx::result rows = watched(sql, commits, [&] {
     if (!is_script && !is_control(sql)) return send(sql, values);
     const std::string all = std::exchange(kept, {}) + std::string(sql);
     return pqxx::nontransaction(*connection).exec(all);
@@ -559,7 +629,7 @@ pqxx::result PostgresDatabase::Line::ask(std::string_view sql, std::span<const B
 void PostgresDatabase::Line::keep(std::string_view sql, std::span<const Bound> values) {
   constexpr std::size_t kMostBytes = 1 << 18;
   look(sql);
-  watched(sql, [&]() -> pqxx::result {
+  watched(sql, false, [&]() -> pqxx::result {
     kept += execution(sql, values) + "; ";
     if (kept.size() < kMostBytes) return {};
     return pqxx::nontransaction(*connection).exec(std::exchange(kept, {}));
@@ -631,7 +701,11 @@ bool PostgresDatabase::listen(std::string_view channel, double wait_s,
   if (!is_there()) return false;
   try {
     auto& one = line.listens[std::string(channel)];
-    if (!one) one = std::make_unique<Heard>(*line.connection, std::string(channel));
+    if (!one) {
+      line.watchdog.begin(line.connection->sock(), line.options.answer_s + 1);
+      one = std::make_unique<Heard>(*line.connection, std::string(channel));
+      line.watchdog.end();
+    }
     auto& ear = static_cast<Heard&>(*one);
     ear.tell = &heard;
     const auto whole = static_cast<long>(wait_s);
@@ -640,7 +714,7 @@ bool PostgresDatabase::listen(std::string_view channel, double wait_s,
     ear.tell = nullptr;
     return true;
   } catch (const std::exception& fault) {
-    line.listens.clear();
+    line.watchdog.end();
     line.lose(one_line(fault.what()));
     return false;
   }

@@ -119,7 +119,8 @@ INSERT INTO popcut.event_counter(one, last) VALUES (1, 0);
 -- their numbers at once. `data` is the JSON object after its member "seq".
 CREATE TABLE popcut.event_new(
   id bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY, time bigint NOT NULL,
-  kind text COLLATE "C" NOT NULL, job text COLLATE "C" NOT NULL, data text COLLATE "C" NOT NULL);
+  kind text COLLATE "C" NOT NULL CHECK (kind IN ('job', 'sheet', 'device', 'queue', 'notice')),
+  job text COLLATE "C" NOT NULL, data text COLLATE "C" NOT NULL);
 
 -- ---------------------------------------------------------------------------------------------
 -- The tables that SQLite has too
@@ -217,7 +218,7 @@ CREATE TABLE popcut.job(
   attention_since bigint NOT NULL,
   deleted bigint NOT NULL DEFAULT 0 CHECK (deleted IN (0, 1)),
   load text COLLATE "C" NOT NULL DEFAULT '', warnings text COLLATE "C" NOT NULL DEFAULT '[]',
-  unaccepted text COLLATE "C" NOT NULL DEFAULT '',
+  unaccepted text COLLATE "C" NOT NULL DEFAULT '', site text COLLATE "C" NOT NULL DEFAULT '',
   CHECK (state NOT IN ('armed', 'cutting', 'paused') OR (device <> '' AND sheet > 0)),
   CHECK (state NOT IN ('ready', 'interrupted') OR sheet > 0),
   CHECK ((state IN ('done', 'failed', 'cancelled')) = (finished IS NOT NULL)))
@@ -351,7 +352,8 @@ CREATE TABLE popcut.device(
   state text COLLATE "C" NOT NULL, sheets_done bigint NOT NULL, cut_mm double precision NOT NULL,
   node text COLLATE "C" NOT NULL DEFAULT '', machine text COLLATE "C" NOT NULL DEFAULT '',
   materials text COLLATE "C" NOT NULL DEFAULT '', reasons text COLLATE "C" NOT NULL DEFAULT '[]',
-  firmware text COLLATE "C" NOT NULL DEFAULT '') WITH (fillfactor = 60);
+  firmware text COLLATE "C" NOT NULL DEFAULT '',
+  site text COLLATE "C" NOT NULL DEFAULT '') WITH (fillfactor = 60);
 CREATE INDEX device_node ON popcut.device(node) WHERE node <> '';
 
 CREATE TABLE popcut.usage(
@@ -735,7 +737,10 @@ BEGIN
       MESSAGE = format('another popcutd is node %s and is alive; give this one another name',
                        p_name);
   END IF;
-  IF p_last_event > (SELECT last FROM event_counter) THEN
+  -- It does not know of the node's last life, either: that was in another database, as of two that
+  -- take writes at once.
+  IF p_last_event > (SELECT last FROM event_counter) OR
+     (one.epoch > 0 AND p_epoch_before > one.epoch) THEN
     UPDATE popcut_schema SET went_back = greatest(went_back + 1, clock_ms());
   END IF;
   now_ms := clock_ms();
@@ -892,12 +897,11 @@ END $$;
 -- ---------------------------------------------------------------------------------------------
 -- Events
 
--- Gives numbers to events that are committed, and wakes who waits for some. One caller at a time
--- does it; the others need not wait. Call it again until it returns 0: then all events that were
--- committed before the first call have a number, or another caller is about to give it. That one
--- began before a 0 was returned here, so it calls again and finds them. Events of a job keep their
--- order: a transaction takes its ids when it has the job's row.
-CREATE FUNCTION popcut.event_number() RETURNS bigint LANGUAGE plpgsql
+-- Gives numbers to committed events, and wakes the nodes that listen, but for `p_node`, which calls.
+-- One caller at a time does the work; others get 0 at once. Whoever does it must call again until
+-- the answer is 0, and so also numbers the events of those who were turned away meanwhile.
+-- Events of one job keep their order: a transaction takes their ids while it holds the job's row.
+CREATE FUNCTION popcut.event_number(p_node text) RETURNS bigint LANGUAGE plpgsql
 SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 DECLARE
   c_at_once CONSTANT bigint := 1000;
@@ -921,7 +925,7 @@ BEGIN
   GET DIAGNOSTICS v_count = ROW_COUNT;
   IF v_count > 0 THEN
     UPDATE event_counter SET last = v_last + v_count;
-    PERFORM pg_notify('popcut', 'event');
+    PERFORM pg_notify('popcut', p_node);
   END IF;
   RETURN greatest(v_count, 1);  -- 1 too if others were faster: this call may have turned some away
 END $$;
@@ -936,6 +940,8 @@ RETURNS void LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, pop
 DECLARE
   one node;
   v_at text;
+  v_here text;
+  v_site text;
 BEGIN
   one := node_lives(p_node, p_epoch);
   PERFORM generation_check();
@@ -943,17 +949,23 @@ BEGIN
     RAISE EXCEPTION USING ERRCODE = 'PC001',
       MESSAGE = format('node %s is being drained and arms nothing more', p_node);
   END IF;
-  SELECT node INTO v_at FROM device WHERE id = p_device;
+  SELECT node, site INTO v_at, v_here FROM device WHERE id = p_device;
   IF v_at IS DISTINCT FROM p_node THEN
     RAISE EXCEPTION USING ERRCODE = 'PC001', MESSAGE =
       CASE WHEN coalesce(v_at, '') = ''
         THEN format('device %s is at no node; plug it in at node %s', p_device, p_node)
         ELSE format('device %s is at node %s; arm it there', p_device, v_at) END;
   END IF;
-  IF NOT EXISTS (SELECT FROM job JOIN plan ON plan.id = job.plan
-                 WHERE job.id = p_job AND plan.sha256 = p_plan_sha256) THEN
+  SELECT job.site INTO v_site FROM job JOIN plan ON plan.id = job.plan
+    WHERE job.id = p_job AND plan.sha256 = p_plan_sha256;
+  IF NOT FOUND THEN
     RAISE EXCEPTION USING ERRCODE = 'PC001',
       MESSAGE = format('the plan %s is not that of job %s', p_plan_sha256, p_job);
+  END IF;
+  IF v_site <> '' AND v_site <> v_here THEN
+    RAISE EXCEPTION USING ERRCODE = 'PC001', MESSAGE =
+      format('device %s is at %s; job %s is for site %s', p_device,
+             CASE WHEN v_here = '' THEN 'no site' ELSE 'site ' || v_here END, p_job, v_site);
   END IF;
   INSERT INTO arm(job, sheet, blank, device, plan_sha256, operator, armed, invocation, node, epoch)
     VALUES (p_job, p_sheet, p_blank, p_device, p_plan_sha256, p_operator, p_armed, p_invocation,
@@ -974,7 +986,13 @@ END $$;
 -- The fences given from now on are above `p_least`. Not undone if the transaction is: that is
 -- what makes the next try succeed.
 CREATE FUNCTION popcut.fence_above(p_least bigint) RETURNS void LANGUAGE plpgsql AS $$
+DECLARE
+  c_most_at_once CONSTANT bigint := 1000000000;  -- no backup is so old; and the numbers never end
 BEGIN
+  IF p_least > (SELECT last_value FROM fence_seq) + c_most_at_once THEN
+    RAISE EXCEPTION USING ERRCODE = 'PC001',
+      MESSAGE = format('the fence %s is no number that this database can have given', p_least);
+  END IF;
   PERFORM pg_advisory_xact_lock(hashtextextended('popcut.fence_seq', 0));
   IF (SELECT last_value < p_least OR (last_value = p_least AND NOT is_called) FROM fence_seq) THEN
     PERFORM setval('fence_seq', p_least);
@@ -1211,7 +1229,7 @@ GRANT USAGE ON SCHEMA popcut TO popcut_node, popcut_admin;
 
 GRANT SELECT ON ALL TABLES IN SCHEMA popcut TO popcut_node;
 GRANT SELECT ON ALL SEQUENCES IN SCHEMA popcut TO popcut_node;
-GRANT INSERT, UPDATE, DELETE ON popcut.blob, popcut.blob_part, popcut.event_counter, popcut.asset,
+GRANT INSERT, UPDATE, DELETE ON popcut.blob, popcut.blob_part, popcut.asset,
   popcut.design, popcut.asset_use, popcut.plan, popcut.plan_sheet, popcut.plan_asker, popcut.job,
   popcut.tally, popcut.sheet, popcut.event, popcut.event_new, popcut.idem, popcut.audit, popcut.token,
   popcut.session, popcut.material, popcut.device, popcut.usage, popcut.calendar, popcut.end_tally
@@ -1219,7 +1237,7 @@ GRANT INSERT, UPDATE, DELETE ON popcut.blob, popcut.blob_part, popcut.event_coun
 GRANT EXECUTE ON FUNCTION popcut.clock_ms(), popcut.popcut_generation(),
   popcut.node_begin(text, text, text, text, bigint, bigint), popcut.node_reported(text, bigint),
   popcut.node_beat(text, bigint, double precision, bigint), popcut.node_lapse(text, bigint),
-  popcut.node_end(text, bigint), popcut.node_tidy(), popcut.event_number(),
+  popcut.node_end(text, bigint), popcut.node_tidy(), popcut.event_number(text),
   popcut.knife_arm(text, bigint, text, bigint, bigint, text, text, text, bigint, text),
   popcut.knife_disarm(text),
   popcut.knife_start(text, bigint, text, text, bigint, bigint, bigint, bigint, bigint, text, text,

@@ -130,7 +130,8 @@ struct PlanRequest {
   std::string device;    ///< empty: any; the machine is the device's
   std::string machine;   ///< empty: that of the device, else of the first device
   std::map<std::string, std::string>
-      options{};  ///< "mat", "order", "at", "split", ... without dashes
+      options{};       ///< "mat", "order", "at", "split", ... without dashes
+  std::string site{};  ///< without a device: where the cutter is to stand; empty: anywhere
 };
 
 /// What keeps a worker from doing anything but plan, by its name.
@@ -206,6 +207,7 @@ struct Job {
   std::string owner_title{}, operator_title{};  ///< what people call these principals
   bool is_test{false};                          ///< a test cut
   std::string device{};                         ///< empty: none chosen yet
+  std::string site{};                           ///< only cutters there cut it; empty: any
   std::string design, plan, material;
   int priority{}, copies{1};
   bool held{false};
@@ -229,7 +231,7 @@ struct Job {
 
 struct JobCreate {
   std::string design, plan;  ///< one of the two
-  std::string material{}, device{};
+  std::string material{}, device{}, site{};
   std::map<std::string, std::string> options{};
   int copies{1}, priority{0};
   std::string name{}, note{};
@@ -238,14 +240,14 @@ struct JobCreate {
 
 struct JobPatch {
   std::optional<int> priority{};
-  std::optional<std::string> name{}, note{}, device{};
+  std::optional<std::string> name{}, note{}, device{}, site{};
   std::optional<std::string> material{};  ///< needs `plan_again`
   bool plan_again{false};                 ///< for the device and the material; before a cut only
 };
 
 struct JobFilter {
   std::vector<JobState> states{};
-  std::string owner{}, device{};
+  std::string owner{}, device{}, site{};
   std::optional<TimeMs> since{};
   bool newest_first{false};  ///< else in the order of their ids, the oldest first
 };
@@ -321,6 +323,7 @@ struct DeviceRecord {
   std::string test_job{};                ///< in the answer to test-cut: the job that was made
   std::string node{};                    ///< of a fleet: whose cutter it is
   std::string node_url{};                ///< where that node's page is; empty: it is this node
+  std::string site{};                    ///< where it stands; empty: nobody said
 };
 
 /// What a person asks of a device.

@@ -54,7 +54,7 @@ std::string lines_on_sheet(const std::string& lines, const Plan& plan, std::size
 }
 
 /// Whether nothing is printed in a part of the sheet.
-bool is_free(const SheetRaster& raster, const Box& box) {
+bool is_free(const PrintedSheet& raster, const Box& box) {
   for (std::size_t j = 0; j < raster.frame.height; ++j)
     for (std::size_t i = 0; i < raster.frame.width; ++i) {
       const PagePoint p = raster.frame.middle(i, j);
@@ -65,7 +65,7 @@ bool is_free(const SheetRaster& raster, const Box& box) {
 }
 
 /// A bar along the lower edge of the sheet, below where marks may be, if nothing else is there.
-void add_bar(ArtworkPage& page, const SheetRaster& raster, const std::array<double, 2>& area,
+void add_bar(ArtworkPage& page, const PrintedSheet& raster, const std::array<double, 2>& area,
              const Plan& plan, std::size_t sheet) {
   constexpr double kFromEdge = 10, kHigh = 8;
   const double left = area[0] / 2 - 50, top = area[1] - kFromEdge - 3;
@@ -87,7 +87,7 @@ Result<std::string> artwork_sheet_pdf(const Artwork& artwork, const std::string&
   page.size_mm = options.page_mm.value_or(planned.area_mm);
   if (auto fits = check_page(page.size_mm, planned.area_mm); !fits)
     return tl::unexpected(fits.error());
-  const auto raster = sheet_raster(artwork, plan, sheet, options.pixel_mm, options.trapping);
+  const auto raster = printed_sheet(artwork, plan, sheet, options.pixel_mm, options.trapping);
   if (!raster) return tl::unexpected(raster.error());
   page.stretch = stretch_of(options);
   page.image = lines.empty() ? &raster->image : nullptr;

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/artwork/artwork.hpp"
-#include "core/artwork/sheet_raster.hpp"
+#include "core/artwork/printed_sheet.hpp"
 #include "core/plan/plan.hpp"
 #include "core/result.hpp"
 

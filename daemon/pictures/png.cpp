@@ -16,7 +16,7 @@ namespace {
 
 using namespace pictures;
 
-/// Compressed quickly: drawings are small anyway, and a design should not wait for its pictures.
+/// What cairo has drawn, as a PNG.
 Result<std::string> packed(cairo_surface_t* surface, int width, int height) {
   cairo_surface_flush(surface);
   const unsigned char* const pixels = cairo_image_surface_get_data(surface);
@@ -34,6 +34,13 @@ Result<std::string> packed(cairo_surface_t* surface, int width, int height) {
       to[2] = static_cast<unsigned char>(pixel);
     }
   }
+  return png_of_pixels(rgb, width, height);
+}
+
+}  // namespace
+
+/// Compressed quickly: drawings are small anyway, and a design should not wait for its pictures.
+Result<std::string> png_of_pixels(std::span<const std::uint8_t> rgb, int width, int height) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   image.width = static_cast<png_uint_32>(width), image.height = static_cast<png_uint_32>(height);
@@ -46,8 +53,6 @@ Result<std::string> packed(cairo_surface_t* surface, int width, int height) {
   png.resize(size);
   return png;
 }
-
-}  // namespace
 
 Result<std::string> png_of_svg(std::string_view svg, int largest_px) {
   const auto drawing = read_drawing(svg);

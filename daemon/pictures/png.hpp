@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -15,5 +17,11 @@ namespace popcut {
 /// @param svg  as popcut writes it: with a viewBox
 /// @retval Internal  they cannot draw it; the detail is theirs
 [[nodiscard]] Result<std::string> png_of_svg(std::string_view svg, int largest_px);
+
+/// Pixels as a PNG: `rgb` has three bytes for each, row by row from above.
+///
+/// @retval Internal  libpng cannot write it; the detail is its own
+[[nodiscard]] Result<std::string> png_of_pixels(std::span<const std::uint8_t> rgb, int width,
+                                                int height);
 
 }  // namespace popcut

@@ -315,12 +315,18 @@ void Daemon::begin_listening() {
     constexpr double kListenSeconds = 0.5;
     PostgresDatabase database(fleet_, false);
     bool was_there = false;
+    // All events that are there are heard in one turn: over a slow network turns would pile up.
+    const auto is_called = std::make_shared<std::atomic<bool>>(false);
     while (!stop.stop_requested()) {
       const bool is_there =
-          database.listen("popcut", kListenSeconds, [this](const std::string& news) {
+          database.listen("popcut", kListenSeconds, [this, is_called](const std::string& news) {
             if (news == config_.fleet.node) return;
-            thread_->post(ServiceThread::Lane::Asking,
-                          [this, news] { service_->hear_fleet(news); });
+            const bool is_event = news != kAccessNews;
+            if (is_event && is_called->exchange(true)) return;
+            thread_->post(ServiceThread::Lane::Asking, [this, news, is_event, is_called] {
+              if (is_event) is_called->store(false);
+              service_->hear_fleet(news);
+            });
           });
       // What was said meanwhile was not heard.
       if (is_there && !was_there)
@@ -399,6 +405,7 @@ std::optional<StartFailure> Daemon::open_service() {
   options.previewer = previewer_;
   options.fleet.node = config_.fleet.node;
   options.fleet.url = config_.fleet.url;
+  options.fleet.site = config_.fleet.site;
   options.fleet.version = POPCUT_VERSION;
   options.fleet.lease_s = config_.fleet.lease_s;
   options.fleet.beat_s = config_.fleet.beat_s;

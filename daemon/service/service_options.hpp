@@ -29,6 +29,7 @@ struct StoredProgram {
 struct FleetOptions {
   std::string node{};     ///< its name
   std::string url{};      ///< where people reach its page
+  std::string site{};     ///< where its cutters stand
   std::string version{};  ///< of popcutd
   double lease_s{30}, beat_s{5};
   double mark_s{1};               ///< between marks of a cut in the database

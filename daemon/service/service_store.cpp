@@ -80,7 +80,7 @@ void ServiceStore::number_events() {
   // Others may add some all the time; the next turn goes on.
   constexpr int kMostTimes = 10;
   for (int times = 0; times < kMostTimes; ++times)
-    if (db().number("SELECT event_number()") == 0) return;
+    if (db().number("SELECT event_number(?)", node_.name) == 0) return;
 }
 
 Answer<void> ServiceStore::bring(const std::string& name) {
@@ -110,6 +110,7 @@ void ServiceStore::hear_news() {
     ~Hearing() { hears = false; }
   } const hearing(hears_);
   number_events();
+  bool from_others = false;
   for (int count = 1; count > 0;) {
     std::vector<Event> news = all_of(
         db().rows("SELECT seq, kind, time, job, data FROM event WHERE seq>? ORDER BY seq LIMIT ?",
@@ -126,10 +127,13 @@ void ServiceStore::hear_news() {
       const auto own = own_.find(event.data.substr(event.data.find(',') + 1));
       if (own != own_.end())
         own_.erase(own);
-      else if (on_others)
+      else if (on_others) {
         on_others(event);
+        from_others = true;
+      }
     }
   }
+  if (from_others && on_others_heard) on_others_heard();
 }
 
 bool ServiceStore::was_overtaken(const StoreFault& fault) const {

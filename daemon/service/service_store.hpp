@@ -58,6 +58,7 @@ class ServiceStore {
   auto change(const Effect& effect) -> decltype(effect()) {
     const bool nested = db().in_transaction();
     if (degraded_) return tl::unexpected(degraded_problem());
+    const std::int64_t begun = monotonic();
     for (int tries = 0;; ++tries) {
       const Marks marks = this->marks();
       try {
@@ -76,7 +77,10 @@ class ServiceStore {
         if (nested) throw;
         note(fault);
         if (tries == 0 && fault.kind() == FaultKind::Full && folder().free_reserve()) continue;
-        if (tries < kMostTries && was_overtaken(fault)) continue;
+        // A row that others hold for seconds is not waited for again: a cutter may need this
+        // thread.
+        const bool is_early = monotonic() - begun < kMostTrying_ms;
+        if (tries < kMostTries && is_early && was_overtaken(fault)) continue;
         return tl::unexpected(problem_of(fault));
       } catch (...) {
         // Out of memory, say: what would have followed must not follow the next commit.
@@ -108,6 +112,8 @@ class ServiceStore {
   void hear_news();
   /// Called too for those that other nodes caused.
   std::function<void(const Event&)> on_others{};
+  /// After some of them, once for all.
+  std::function<void()> on_others_heard{};
   /// The last event that was told of.
   [[nodiscard]] std::int64_t heard() const { return told_; }
   /// The events from now on are news; after that, those since the last that was told of, unless the
@@ -157,6 +163,7 @@ class ServiceStore {
   [[nodiscard]] Marks marks() const { return {after_.size(), events_.size()}; }
   void forget_after(const Marks& marks);
   static constexpr int kMostTries = 5;
+  static constexpr std::int64_t kMostTrying_ms = 1000;
   [[nodiscard]] bool was_overtaken(const StoreFault& fault) const;
   void store_events();
   void number_events();

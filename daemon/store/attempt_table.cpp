@@ -150,6 +150,22 @@ bool AttemptTable::knows(const std::string& attempt) {
   return db_.number("SELECT EXISTS(SELECT 1 FROM attempt WHERE id=?)", attempt) != 0;
 }
 
+std::vector<std::pair<std::string, TimeMs>> AttemptTable::told(std::span<const std::string> ids) {
+  constexpr std::size_t kAtOnce = 1000;
+  std::vector<std::pair<std::string, TimeMs>> all;
+  for (; !ids.empty(); ids = ids.subspan(std::min(kAtOnce, ids.size()))) {
+    std::string list;
+    for (const std::string& id : ids.first(std::min(kAtOnce, ids.size())))
+      list += (list.empty() ? "" : ",") + id;
+    Rows rows = db_.rows(
+        "SELECT id, created FROM attempt WHERE id = ANY(string_to_array(?, ',')) AND "
+        "end_kind<>'lost'",
+        list);
+    while (rows.next()) all.emplace_back(rows.text(0), rows.integer(1));
+  }
+  return all;
+}
+
 std::vector<AttemptRow> AttemptTable::of_sheet(const std::string& job, int sheet) {
   return all_of(
       db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS " FROM attempt WHERE job=? AND k=? ORDER BY id",

@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "daemon/jobs/resume.hpp"
@@ -93,6 +95,9 @@ class AttemptTable {
   /// Those of a run of a node, or of its runs before, that have not ended.
   [[nodiscard]] std::vector<AttemptRow> open_of(const std::string& node, std::int64_t epoch);
   [[nodiscard]] bool knows(const std::string& attempt);
+  /// In a fleet: those of `ids` that the database knows and nobody took for lost, each with the
+  /// time of its creation.
+  [[nodiscard]] std::vector<std::pair<std::string, TimeMs>> told(std::span<const std::string> ids);
   [[nodiscard]] std::vector<FateRun> fates(const std::string& attempt);
 
   void put_sheet(const std::string& job, int sheet, int blank, int segment, std::string_view state,

@@ -17,14 +17,15 @@ namespace {
   "material, priority, position, copies, held, sheets_total, sheet, blank, segment, "          \
   "first_stroke, paths_certain, paths_sent, paths_total, done_paths, done_mm, low_s, high_s, " \
   "created, started, finished, outcome, tags, attention, attention_text, attention_since, "    \
-  "load, warnings, unaccepted"
+  "load, warnings, unaccepted, site"
 
 constexpr std::string_view kUpdate =
     "UPDATE job SET rev=?, state=?, reason=?, asked=?, name=?, note=?, operator=?, wish=?, "
     "device=?, priority=?, position=?, held=?, sheets_total=?, sheet=?, blank=?, segment=?, "
     "first_stroke=?, paths_certain=?, paths_sent=?, paths_total=?, done_paths=?, done_mm=?, "
     "low_s=?, high_s=?, started=?, finished=?, outcome=?, attention=?, attention_text=?, "
-    "attention_since=?, plan=?, material=?, load=?, warnings=?, unaccepted=? WHERE id=? AND rev=?";
+    "attention_since=?, plan=?, material=?, load=?, warnings=?, unaccepted=?, site=? WHERE id=? "
+    "AND rev=?";
 constexpr std::string_view kFind =
     "SELECT " POPCUT_JOB_COLUMNS " FROM job WHERE id=? AND deleted=0";
 constexpr std::string_view kQueue =
@@ -34,7 +35,7 @@ constexpr std::string_view kQueue =
     "ORDER BY priority DESC, position, id LIMIT ?1";
 // Where they stand among the columns.
 constexpr int kIdColumn = 1, kOwnerColumn = 7, kWishColumn = 9, kDeviceColumn = 10;
-constexpr int kPriorityColumn = 13, kPositionColumn = 14, kDeletedColumn = 41;
+constexpr int kPriorityColumn = 13, kPositionColumn = 14, kSiteColumn = 41, kDeletedColumn = 42;
 // Rows that one request looks at, whether or not they are in its answer.
 constexpr int kMostLooked = 2000;
 constexpr std::int64_t kPositionStep = std::int64_t{1} << 20;
@@ -59,7 +60,7 @@ auto job_values(Row& row) {
                   row.paths_sent, row.paths_total, row.done_paths, row.done_mm, row.low_s,
                   row.high_s, row.created, row.started, row.finished, row.outcome, row.tags,
                   row.attention, row.attention_text, row.attention_since, row.load, row.warnings,
-                  row.unaccepted);
+                  row.unaccepted, row.site);
 }
 
 JobRow row_of(const Rows& rows) {
@@ -84,7 +85,7 @@ void JobTable::update(JobRow& row) {
               row.paths_certain, row.paths_sent, row.paths_total, row.done_paths, row.done_mm,
               row.low_s, row.high_s, row.started, row.finished, row.outcome, row.attention,
               row.attention_text, row.attention_since, row.plan, row.material, row.load,
-              row.warnings, row.unaccepted, row.id, row.rev);
+              row.warnings, row.unaccepted, row.site, row.id, row.rev);
   if (changed != 1)
     throw StoreFault(FaultKind::Again, "job " + row.id + " has changed in the meantime");
   ++row.rev;
@@ -127,7 +128,8 @@ std::vector<JobRow> JobTable::list(const JobFilter& filter, const std::string& a
   const auto fits = [&](const Rows& rows) {
     return rows.integer(kDeletedColumn) == 0 &&
            (filter.owner.empty() || rows.text(kOwnerColumn) == filter.owner) &&
-           (filter.device.empty() || rows.text(kDeviceColumn) == filter.device);
+           (filter.device.empty() || rows.text(kDeviceColumn) == filter.device) &&
+           (filter.site.empty() || rows.text(kSiteColumn) == filter.site);
   };
   std::vector<JobRow> all;
   looked_to.clear();

@@ -39,6 +39,7 @@ struct JobRow {
   std::string warnings{"[]"};  ///< of its plan, as JSON (`warnings_json`)
   std::string load{};          ///< what the current sheet needs, as JSON; empty: not known
   std::string unaccepted{};    ///< codes of those that `arm` must accept, with blanks between
+  std::string site{};          ///< only cutters there cut it; empty: any
 };
 
 /// Where a job stands in the queue, for the next page.

@@ -71,6 +71,10 @@ Result<Restored> restore(const std::string& path, const std::string& copy, bool 
   auto folder = StateFolder::open(path);
   if (!folder) return tl::unexpected(folder.error());
   const std::string original = (*folder)->at("popcut.db");
+  if (!older && !fs::exists(original, error) && (*folder)->has_moved_to_fleet())
+    return fail(ErrorKind::Refused, original,
+                "the jobs of this folder have moved to a fleet, and may be cut there; a copy knows "
+                "nothing of that ('popcut db restore COPY --older' restores it all the same)");
   const std::string scratch = (*folder)->at("incoming/looked-at");
   Restored done;
   try {

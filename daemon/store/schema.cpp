@@ -294,12 +294,18 @@ ALTER TABLE plan ADD COLUMN planner TEXT NOT NULL DEFAULT '';
 ALTER TABLE plan ADD COLUMN planner_epoch INTEGER NOT NULL DEFAULT 0;
 )sql";
 
+// Where cutters stand, and where a job is to be cut.
+constexpr std::string_view kVersion8 = R"sql(
+ALTER TABLE device ADD COLUMN site TEXT NOT NULL DEFAULT '';
+ALTER TABLE job ADD COLUMN site TEXT NOT NULL DEFAULT '';
+)sql";
+
 }  // namespace
 
 const std::vector<Migration>& migrations() {
   static const std::vector<Migration> all{{1, kVersion1}, {2, kVersion2}, {3, kVersion3},
                                           {4, kVersion4}, {5, kVersion5}, {6, kVersion6},
-                                          {7, kVersion7}};
+                                          {7, kVersion7}, {8, kVersion8}};
   return all;
 }
 

@@ -175,6 +175,13 @@ StateFolder::~StateFolder() {
   if (lock_ >= 0) close(lock_);
 }
 
+bool StateFolder::has_moved_to_fleet() const {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(at("backups"), error))
+    if (entry.path().filename().string().starts_with("moved-to-fleet-")) return true;
+  return false;
+}
+
 std::string StateFolder::at(std::string_view inside) const {
   return fmt::format("{}/{}", path_, inside);
 }

@@ -43,6 +43,9 @@ class StateFolder {
   /// Gives the reserve back to the disk. True if there was one.
   bool free_reserve();
   [[nodiscard]] bool has_reserve() const { return reserved_; }
+  /// Whether 'popcut fleet import' has moved the jobs of this folder: the copy that it leaves is in
+  /// `backups`.
+  [[nodiscard]] bool has_moved_to_fleet() const;
 
  private:
   StateFolder(std::string path, int lock) : path_(std::move(path)), lock_(lock) {}

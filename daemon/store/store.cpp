@@ -80,6 +80,13 @@ Result<std::unique_ptr<Store>> Store::open(StoreOptions options) {
   try {
     std::error_code ignored;
     if (!fs::exists(path, ignored)) {
+      if (store->folder_->has_moved_to_fleet())
+        return fail(
+            ErrorKind::Refused, "",
+            fmt::format("{}: the jobs of this popcutd have moved to a fleet; give its "
+                        "configuration the [fleet] that it had, or a new state folder to begin "
+                        "with an empty queue ('popcut fleet import' made the copy in {})",
+                        path, store->folder_->at("backups")));
       if (!mark.empty() || fs::exists(path + "-wal", ignored))
         return fail(
             ErrorKind::Malformed, "",

@@ -1,7 +1,10 @@
 // PAUSE when popcutd does not answer.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { closeBrowser, expectComplaints, ladder, machineHash, Server, unreachable, until, visit, wait } from './harness.mjs';
+import { closeBrowser, expectComplaints, ladder, machineHash, refused, Server, unreachable, until, visit, wait } from './harness.mjs';
+
+// What popcutd held while it was stopped it may refuse when it goes on: 'popcutd is not answering'.
+const stopped = [unreachable, refused(503)];
 
 let server;
 
@@ -12,7 +15,7 @@ test('a PAUSE that does not arrive says NOT SENT, repeats, arrives once, and say
   const job = await server.queue(ladder(300), { name: 'stopped server' });
   await server.cut(job.id);
   const { page, acts, complaints, close } = await visit(server, { hash: machineHash() });
-  expectComplaints(page, unreachable);
+  expectComplaints(page, ...stopped);
   await page.locator('.pause-bar .pause-button').waitFor();
   const before = await server.attempts(job.id);
   server.program.kill('SIGSTOP');
@@ -46,7 +49,7 @@ test('a PAUSE gives up after ten seconds, still says NOT SENT, and can be presse
   const job = await server.queue(ladder(300), { name: 'no server' });
   await server.cut(job.id);
   const { page, acts, complaints, close } = await visit(server, {});
-  expectComplaints(page, unreachable);
+  expectComplaints(page, ...stopped);
   await page.locator('.pause-bar .pause-button').waitFor();
   server.program.kill('SIGSTOP');
   try {
@@ -71,7 +74,7 @@ test('PAUSE works while what is shown is old, and all other acts are off', async
   const { items: [job] } = await server.must('GET', '/v1/jobs?state=paused');
   await server.act(job.id, 'resume');
   const { page, acts, complaints, close } = await visit(server, { hash: machineHash() });
-  expectComplaints(page, unreachable);
+  expectComplaints(page, ...stopped);
   await page.locator('.pause-bar .pause-button').waitFor();
   await page.route('**/v1/events', (route) => route.abort());
   server.program.kill('SIGSTOP');

@@ -37,10 +37,11 @@ class FakeCutters final : public daemon::Cutters {
     for (std::thread& thread : threads_) thread.join();
   }
 
-  void plug(const std::string& id, const std::string& state = "idle") {
+  void plug(const std::string& id, const std::string& state = "idle",
+            const std::string& model = "cameo3") {
     daemon::DeviceRecord record;
     record.id = id;
-    record.model = "cameo3";
+    record.model = model;
     record.title = "Silhouette Cameo 3";
     record.state = state;
     record.simulated = true;

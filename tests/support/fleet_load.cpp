@@ -52,7 +52,7 @@ struct Desk {
   }
   void number(Events events) {
     if (events == Events::None) return;
-    while (database.number("SELECT event_number()") != 0) continue;
+    while (database.number("SELECT event_number(?)", mark.name) != 0) continue;
   }
   void audit(const std::string& action, const std::string& job) {
     database.insert_later("audit(time, principal, action, subject, detail)", 1, "olga", action, job,

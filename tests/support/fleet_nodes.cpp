@@ -11,6 +11,8 @@
 
 namespace popcut::testing {
 
+namespace fs = std::filesystem;
+
 std::string join_fleet(const PostgresServer& server, const std::string& database,
                        const std::string& node, const std::string& password) {
   std::string login = "popcut_n_" + node;
@@ -25,23 +27,41 @@ std::string join_fleet(const PostgresServer& server, const std::string& database
   return login;
 }
 
-FleetNodes::FleetNodes(Options options) : options_(options), server_({.tcp = options.tcp}) {
+FleetNodes::FleetNodes(Options options)
+    : options_(options),
+      server_(
+          {.tcp = options.tcp, .more = options.database_more, .place = options.database_place}) {
   server_.create_database(kDatabase);
   run_sql(std::string(daemon::fleet_schema()));
+  for (int k = 1; k <= options_.nodes; ++k) join_fleet(server_, kDatabase, name(k), kPassword);
+  if (options_.standby != Options::Standby::None)
+    standby_.reset(new PostgresServer(
+        PostgresServer::standby_of(server_, options_.standby == Options::Standby::Synchronous
+                                                ? PostgresServer::Commits::Synchronous
+                                                : PostgresServer::Commits::Asynchronous)));
   for (int k = 1; k <= options_.nodes; ++k) {
-    join_fleet(server_, kDatabase, name(k), kPassword);
     if (options_.proxies) proxies_.push_back(std::make_unique<FaultProxy>(server_.socket()));
+    if (options_.proxies && standby_)
+      standby_proxies_.push_back(std::make_unique<FaultProxy>(standby_->socket()));
     nodes_.push_back(std::make_unique<RunningDaemon>(options_.time_scale,
                                                      section(k) + options_.more, device(k)));
   }
 }
 
-std::string FleetNodes::url(int node) const {
+std::string FleetNodes::url(int node, bool by_proxy) const {
   std::string login = "popcut_n_" + name(node);
   std::replace(login.begin(), login.end(), '-', '_');
-  if (options_.proxies) return proxies_.at(index(node))->url(kDatabase, login);
-  if (options_.tcp) return server_.tcp_url(kDatabase, login, "");
-  return server_.url(kDatabase, login);
+  const std::size_t k = index(node);
+  if (!standby_) {
+    if (by_proxy) return proxies_.at(k)->url(kDatabase, login);
+    return options_.tcp ? server_.tcp_url(kDatabase, login, "") : server_.url(kDatabase, login);
+  }
+  // FOLDER/.s.PGSQL.PORT
+  const fs::path first = by_proxy ? proxies_.at(k)->socket() : server_.socket();
+  const fs::path second = by_proxy ? standby_proxies_.at(k)->socket() : standby_->socket();
+  return fmt::format("postgresql://{}@/{}?host={},{}&port={},{}&target_session_attrs=read-write",
+                     login, kDatabase, first.parent_path().string(), second.parent_path().string(),
+                     first.extension().string().substr(1), second.extension().string().substr(1));
 }
 
 std::string FleetNodes::section(int node) const {
@@ -55,11 +75,18 @@ void FleetNodes::open() {
   for (int k = 1; k <= size(); ++k) open(k);
 }
 
-void FleetNodes::open(int node) {
-  (*this)[node].open();
+void FleetNodes::open(int node, const std::vector<std::string>& environment) {
+  (*this)[node].open(environment);
   if (!happens([&] { return is_alive(node); }, 20))
     throw std::runtime_error(name(node) + " gets no lease: " + (*this)[node].daemon().log());
 }
+
+void FleetNodes::promote() {
+  standby_->promote();
+  ask_standby();
+}
+
+void FleetNodes::ask_standby() { primary_ = standby_.get(); }
 
 void FleetNodes::kill(int node) {
   (*this)[node].daemon().signal(SIGKILL);

@@ -22,6 +22,10 @@ class FleetNodes {
     bool proxies{false};  ///< a FaultProxy between each node and the database
     bool tcp{false};      ///< the nodes come by 127.0.0.1, with the password `password`
     std::string more{};   ///< at the end of each node's configuration
+    std::filesystem::path database_place{};  ///< where the database has its folder
+    std::string database_more{};             ///< lines of its postgresql.conf
+    enum class Standby { None, Asynchronous, Synchronous };
+    Standby standby{Standby::None};  ///< a second database, which nodes find by the same address
   };
   static constexpr const char* kPassword = "four word pass phrase";
   static constexpr const char* kDatabase = "popcut";
@@ -33,10 +37,18 @@ class FleetNodes {
   /// Starts all nodes and waits until each has its lease.
   void open();
   /// Starts one, and waits until it has its lease.
-  void open(int node);
+  void open(int node, const std::vector<std::string>& environment = {});
   [[nodiscard]] RunningDaemon& operator[](int node) { return *nodes_.at(index(node)); }
   [[nodiscard]] FaultProxy& proxy(int node) { return *proxies_.at(index(node)); }
+  /// Between a node and the standby; with `proxies`.
+  [[nodiscard]] FaultProxy& proxy_to_standby(int node) { return *standby_proxies_.at(index(node)); }
+  /// The first primary, also when it is one no more.
   [[nodiscard]] PostgresServer& server() { return server_; }
+  [[nodiscard]] PostgresServer& standby() { return *standby_; }
+  /// The standby takes over, and is asked.
+  void promote();
+  /// What is asked of the database from now on is asked of the standby.
+  void ask_standby();
   [[nodiscard]] int size() const { return static_cast<int>(nodes_.size()); }
   [[nodiscard]] const Options& options() const { return options_; }
 
@@ -45,11 +57,13 @@ class FleetNodes {
   /// The [fleet] of a node, to which a test may add.
   [[nodiscard]] std::string section(int node) const;
   /// Where the node finds the database: through its proxy, if it has one.
-  [[nodiscard]] std::string url(int node) const;
+  [[nodiscard]] std::string url(int node) const { return url(node, options_.proxies); }
+  /// The same past its proxies.
+  [[nodiscard]] std::string direct_url(int node) const { return url(node, false); }
   /// SIGKILL, and waits for its end.
   void kill(int node);
   /// As superuser, in the fleet's database.
-  std::string run_sql(const std::string& sql) const { return server_.run_sql(sql, kDatabase); }
+  std::string run_sql(const std::string& sql) const { return primary_->run_sql(sql, kDatabase); }
   /// Whether a node's lease lives.
   [[nodiscard]] bool is_alive(int node) const;
 
@@ -60,10 +74,13 @@ class FleetNodes {
   [[nodiscard]] std::set<int> lines_cut(int node, int lines);
 
  private:
+  [[nodiscard]] std::string url(int node, bool by_proxy) const;
   [[nodiscard]] std::size_t index(int node) const { return static_cast<std::size_t>(node - 1); }
   Options options_;
   PostgresServer server_;
-  std::vector<std::unique_ptr<FaultProxy>> proxies_;
+  std::unique_ptr<PostgresServer> standby_;
+  PostgresServer* primary_{&server_};
+  std::vector<std::unique_ptr<FaultProxy>> proxies_, standby_proxies_;
   std::vector<std::unique_ptr<RunningDaemon>> nodes_;
 };
 

@@ -114,6 +114,7 @@ fs::path new_folder(const fs::path& where) {
 
 /// In memory if much is free there: a killed process does not harm what it holds.
 fs::path place_for(const PostgresOptions& options) {
+  if (!options.place.empty()) return options.place;
   const fs::path memory = "/dev/shm";
   struct statvfs space {};
   const bool roomy = ::access(memory.c_str(), W_OK | X_OK) == 0 &&
@@ -128,7 +129,9 @@ fs::path place_for(const PostgresOptions& options) {
 /// A program, its arguments, and no more of this process' environment than it needs.
 class Command {
  public:
-  explicit Command(std::vector<std::string> words) : words_(std::move(words)) {
+  explicit Command(std::vector<std::string> words, const std::vector<std::string>& more = {})
+      : words_(std::move(words)) {
+    variables_.insert(variables_.end(), more.begin(), more.end());
     for (std::string& word : words_) arguments_.push_back(word.data());
     for (std::string& one : variables_) environment_.push_back(one.data());
     arguments_.push_back(nullptr);
@@ -543,7 +546,8 @@ void PostgresServer::start() {
 void PostgresServer::launch() {
   Command server({programs() / "postgres", "-D", data(), "-c",
                   "config_file=" + (folder_ / "configuration").string(), "-c",
-                  "hba_file=" + (folder_ / "access").string()});
+                  "hba_file=" + (folder_ / "access").string()},
+                 options_.environment);
   Command removal({"/bin/rm", "-rf", folder_});
   const std::string log = folder_ / "log";
   const Account as = account();
@@ -611,6 +615,13 @@ void PostgresServer::thaw() {
   signal_children(postmaster_, SIGCONT);
   ::kill(postmaster_, SIGCONT);
   frozen_ = false;
+}
+
+void PostgresServer::stop_following() {
+  run_sql("ALTER SYSTEM SET primary_conninfo = ''");
+  run_sql("SELECT pg_reload_conf()");
+  const auto stands = [&] { return run_sql("SELECT count(*) FROM pg_stat_wal_receiver") == "0"; };
+  if (!comes_true(stands)) throw std::runtime_error("the standby still follows:\n" + log());
 }
 
 void PostgresServer::promote() {

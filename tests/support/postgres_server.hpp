@@ -16,6 +16,9 @@ struct PostgresOptions {
   bool tcp{false};     ///< also on 127.0.0.1, with passwords (scram)
   bool disk{false};    ///< not in memory (/dev/shm), even if there is much; to measure
   std::string more{};  ///< lines of postgresql.conf, which win over those of this class
+  std::vector<std::string>
+      environment{};              ///< of its processes, besides what they need: "NAME=VALUE"
+  std::filesystem::path place{};  ///< where its folder is made; empty: where there is room
 };
 
 /// A PostgreSQL of its own in a temporary folder, reached by a unix socket there. Its superuser
@@ -73,6 +76,8 @@ class PostgresServer {
   /// SIGSTOP to all its processes: its clients wait and are told nothing.
   void freeze();
   void thaw();  ///< SIGCONT
+  /// A standby gets nothing more from its primary from now on.
+  void stop_following();
   /// Makes a standby a primary, and waits for that.
   void promote();
   [[nodiscard]] bool running() const { return warden_ > 0; }

@@ -103,6 +103,17 @@ struct LatticeTrial {
   std::string reason;         ///< why it was not to be taken, else empty
 };
 
+/// How near the facets come to the target. Distances are along the direction of sight (1, 0, 1), at
+/// points of the sheet where the target is seen or something stands.
+struct FacetFigures {
+  double depth_mean_mm{}, depth_p95_mm{};
+  std::size_t patches{};   ///< connected pieces of one plane
+  double over_least{1.0};  ///< the distance over the least one of any strips of these planes
+  int planes{};            ///< that were tried
+  int loose_before{}, dropped{};
+  std::size_t struts{};
+};
+
 /// What a design is, in figures (`report.json`).
 struct DesignReport : LatticeFigures {
   std::string name;
@@ -122,6 +133,7 @@ struct DesignReport : LatticeFigures {
   double sticks_out_mm{};  ///< how far the structure reaches out of the shut card
   std::vector<MergedPlace> merged;
   std::vector<BridgeReport> bridges;
+  std::optional<FacetFigures> facets;        ///< of that style: the lattice's figures say nothing
   std::optional<CurvatureReport> curvature;  ///< where the spec asks for some
   std::vector<std::string> notes;            ///< plain cuts, halved slices, spread of minima
   std::vector<Warning> warnings;             ///< what makes it hard to cut, fold or shut, and where

@@ -27,6 +27,7 @@ class Design {
 
   bool complete() {
     set_min_panel();
+    if (spec_.style == DesignStyle::Facets) return set_facet_surface() && set_facets();
     return set_regions() && set_widths() && check_units() && set_surface() && check_placement() &&
            set_splay() && set_rest();
   }
@@ -111,6 +112,43 @@ class Design {
     return wrong("surface", ErrorKind::Malformed,
                  fmt::format("contradicts {}, which all have a radius; leave one of them out",
                              fields_.pointer("regions")));
+  }
+
+  bool set_facet_surface() {
+    if (!spec_.surface_field)
+      return wrong("surface", ErrorKind::Malformed,
+                   "is missing; give a surface such as {\"type\": \"mesh\", \"file\": ...}");
+    if (std::holds_alternative<CompositeSpec>(*spec_.surface_field))
+      return wrong("surface/type", ErrorKind::OutOfRange,
+                   "is composite, which has regions; facets have none, so give another surface");
+    std::visit(
+        [&](auto&& surface) {
+          if constexpr (!std::is_same_v<std::decay_t<decltype(surface)>, CompositeSpec>)
+            spec_.surface = surface;
+        },
+        *spec_.surface_field);
+    return true;
+  }
+
+  bool set_facets() {
+    const FacetFields given = spec_.facet_fields.value_or(FacetFields{});
+    spec_.facets = given;
+    spec_.facets.from_given = given.given_from_mm.has_value();
+    spec_.facets.from_mm = given.given_from_mm.value_or(0.0);
+    spec_.fit = FitMode::Nearest;
+    if (!spec_.card)
+      return wrong("card", ErrorKind::Malformed,
+                   "is false; facets hang on wall and ground, so leave it out");
+    if (spec_.placement.design_angle_deg != 90.0)
+      return wrong("design_angle_deg", ErrorKind::OutOfRange,
+                   fmt::format("is {:g}; facets are made for 90 degrees only",
+                               spec_.placement.design_angle_deg));
+    if (!spec_.facets.length_mm && asset_of(spec_.surface).empty())
+      return wrong("facets/length_mm", ErrorKind::Malformed,
+                   fmt::format("is missing; must be a number above 0 and at most {:g}, since a "
+                               "formula does not say where it ends",
+                               kMaxLength));
+    return true;
   }
 
   /// Without a surface each region needs a radius.
@@ -201,6 +239,30 @@ void check_regions(FieldReader& fields) {
                                        fields.pointer("regions")));
 }
 
+bool is_of_facets(FieldReader& fields) {
+  const json* const style = fields.value("style");
+  return style != nullptr && *style == "facets";
+}
+
+constexpr const char* kOfLattices[] = {
+    "units_per_slice", "slices", "widths_mm", "regions",   "lattice",
+    "solver",          "fit",    "splay",     "curvature", "max_step_over_mean"};
+
+/// What only one of the styles has.
+void check_style(FieldReader& fields) {
+  if (!is_of_facets(fields)) {
+    if (fields.has("facets"))
+      fields.refuse("facets", ErrorKind::Malformed,
+                    "holds for facets only; give \"style\": \"facets\" too, or leave it out");
+    return;
+  }
+  for (const char* one : kOfLattices)
+    if (fields.has(one))
+      return fields.refuse(one, ErrorKind::Malformed,
+                           fmt::format("contradicts {}, which is \"facets\"; leave it out",
+                                       fields.pointer("style")));
+}
+
 /// What a design without regions needs.
 void need_one_region(FieldReader& fields) {
   if (fields.has("regions")) return;
@@ -224,8 +286,9 @@ bool read_design(FieldReader& fields, std::initializer_list<const SpecTable*> ta
                  SpecFields& spec) {
   const std::size_t before = fields.faults().size();
   check_regions(fields);
+  check_style(fields);
   for (const SpecTable* table : tables) table->read(fields, spec);
-  need_one_region(fields);
+  if (!is_of_facets(fields)) need_one_region(fields);
   static_cast<void>(fields.finish());
   return fields.faults().size() == before && Design(fields, spec).complete() &&
          check_curvature(fields, "curvature", spec);
@@ -279,6 +342,11 @@ bool read_patch(FieldReader& fields, std::size_t k, const json& root, SpecFields
   const SpecTables& tables = spec_tables();
   SpecFields spec;
   if (!read_design(inner, {&tables.name, &tables.shared, &tables.design}, spec)) return false;
+  if (spec.style == DesignStyle::Facets) {
+    fields.refuse(below + "/style", ErrorKind::OutOfRange,
+                  "is facets, which are a sheet of their own; design them by themselves");
+    return false;
+  }
   if (!spec.card) {
     fields.refuse(given.contains("card") ? below + "/card" : "card", ErrorKind::Malformed,
                   "is false; each patch needs its card, since patches are joined at wall and "
@@ -328,14 +396,26 @@ void forbid(json& form, const SpecTable& table) {
   for (const auto& row : table.rows) form["properties"][row.name] = false;
 }
 
-/// The forms of one design: one region, or several.
+/// The forms of one lattice: one region, or several.
 json design_forms() {
   json one{{"required", {"surface", "units_per_slice", "slices", "widths_mm"}},
            {"additionalProperties", true}};
   one["properties"]["regions"] = false;
   json several{{"required", {"regions"}}, {"additionalProperties", true}};
   for (const char* single : kOneRegion) several["properties"][single] = false;
+  for (json* lattice : {&one, &several}) {
+    (*lattice)["properties"]["style"] = {{"const", "lattice"}};
+    (*lattice)["properties"]["facets"] = false;
+  }
   return json::array({one, several});
+}
+
+/// The form of facets.
+json facet_form() {
+  json form{{"required", {"style", "surface"}}, {"additionalProperties", true}};
+  for (const char* other : kOfLattices) form["properties"][other] = false;
+  form["properties"]["style"] = {{"const", "facets"}};
+  return form;
 }
 
 /// A patch: its fields are those of the whole.
@@ -385,6 +465,9 @@ std::string design_spec_schema() {
   json patches{{"required", {"patches"}}, {"additionalProperties", true}};
   forbid(patches, tables.design);
   forms.push_back(patches);
+  json facets = facet_form();
+  forbid(facets, tables.patches);
+  forms.push_back(facets);
   schema["oneOf"] = std::move(forms);
   return schema.dump(2) + "\n";
 }

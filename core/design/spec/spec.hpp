@@ -56,6 +56,23 @@ struct AugmentedSpec {
   double weight_K{}, weight_H{}, weight_first{}, weight_second{};  ///< 0 where not asked for
 };
 
+/// What a structure is made of.
+enum class DesignStyle {
+  Lattice,  ///< slices of falling staircases, paired level by level
+  Facets    ///< origamic architecture: each point of the sheet lies in a plane of its own choice
+};
+
+/// How a target is made of facets (`"facets"` of a spec, docs/facets.md).
+struct FacetSpec {
+  double pitch_mm{2.0};               ///< between the planes that are tried
+  double strip_mm{2.0};               ///< width of a strip along the spine
+  double from_mm{0.0};                ///< where it begins along the spine
+  bool from_given{false};             ///< the spec gives it
+  std::optional<double> length_mm{};  ///< along the spine; none: all of a mesh or a grid
+  double fold_cost_mm2{1.0}, jump_cost_mm2{4.0}, cut_cost_mm2{1.0};  ///< of a line, by length
+  bool inward{false};  ///< parts behind wall and ground are made too
+};
+
 /// `Auto`: the one of the others that comes nearest to the target.
 enum class LatticeMethod { Branching, Slices, Conformal, Levels, Direct, Auto };
 enum class SolverMethod { Newton, Slsqp };
@@ -93,7 +110,9 @@ struct DesignSpec {
   std::optional<SurfaceSpec> surface;  ///< none where each region has a radius of its own
   TargetPlacement placement;
   FitMode fit{FitMode::Exact};
-  std::vector<RegionSpec> regions;  ///< one where the spec has none: the whole
+  DesignStyle style{DesignStyle::Lattice};
+  FacetSpec facets;                 ///< of that style only
+  std::vector<RegionSpec> regions;  ///< one where the spec has none: the whole; none of facets
   std::vector<double> widths_mm;    ///< one a slice; empty with `adaptive`
   std::optional<AdaptiveWidths> adaptive;
   LatticeMethod lattice{LatticeMethod::Auto};

@@ -453,6 +453,35 @@ Shape<CurvatureFields> curvature() {
   return shape::object(table, "an object");
 }
 
+// ---- facets
+
+Shape<FacetFields> facets() {
+  using Row = FacetFields;
+  const auto cost = shape::number(from(0.0, kMostWeight), "mm^2");
+  const FieldTable<Row> table{{
+      field<Row>("pitch_mm", &Row::pitch_mm, shape::number(from(0.1, kMaxLength), "mm"),
+                 "distance between the planes that are tried; planes in which much of the target "
+                 "lies are tried too"),
+      field<Row>("strip_mm", &Row::strip_mm, shape::number(from(0.1, kMaxLength), "mm"),
+                 "width of a strip: contours are that fine along the spine"),
+      field<Row>("from_mm", &Row::given_from_mm, shape::number(from(-kMaxLength, kMaxLength), "mm"),
+                 "where it begins along the spine; if left out where a mesh or a grid does, else "
+                 "at 0"),
+      field<Row>("length_mm", &Row::length_mm, length(),
+                 "length along the spine; if left out all of a mesh or a grid"),
+      field<Row>("fold_cost_mm2", &Row::fold_cost_mm2, cost,
+                 "what a fold costs for each mm of its length: as much as this area 1 mm off the "
+                 "target. More makes fewer folds"),
+      field<Row>("jump_cost_mm2", &Row::jump_cost_mm2, cost, "the same of a cut along the spine"),
+      field<Row>("cut_cost_mm2", &Row::cut_cost_mm2, cost,
+                 "the same of a cut across the spine. More makes larger patches"),
+      field<Row>("inward", &Row::inward, shape::boolean(),
+                 "true: parts of the target behind wall and ground are made too, where nothing is "
+                 "in front of them"),
+  }};
+  return shape::object(table, "an object");
+}
+
 // ---- what is shared, and the patches
 
 Shape<std::optional<CardSpec>> card() {
@@ -571,6 +600,12 @@ SpecTables make_tables() {
                  "largest step of a conformal lattice over the mean one; null: no limit"),
   };
   all.design.rows = {
+      field<Row>("style", &Row::style, shape::word<DesignStyle>({"lattice", "facets"}),
+                 "what it is made of: lattice, slices of falling staircases; facets, origamic "
+                 "architecture: patches parallel to wall and ground, with cuts along contours"),
+      field<Row>("facets", &Row::facet_fields, facets(),
+                 "in place of units_per_slice, slices, widths_mm and regions, beside \"style\": "
+                 "\"facets\""),
       field<Row>("surface", &Row::surface_field, surface(), "the target"),
       field<Row>(
           "scale_mm", [](auto& row) -> auto& { return row.placement.scale_mm; }, length(),

@@ -50,6 +50,10 @@ struct CurvatureFields : AugmentedSpec {
   std::optional<WeightFields> weights;
 };
 
+struct FacetFields : FacetSpec {
+  std::optional<double> given_from_mm;
+};
+
 /// A spec as it is written: what `DesignSpec` holds in another form stands here.
 struct SpecFields : DesignSpec {
   int version{1};
@@ -60,6 +64,7 @@ struct SpecFields : DesignSpec {
   std::optional<WidthsField> widths_field;
   std::optional<SplayFields> splay_fields;
   std::optional<CurvatureFields> curvature_fields;
+  std::optional<FacetFields> facet_fields;
   std::vector<nlohmann::json> patch_fields;
   JoinField join_field{PatchJoin::Auto};
 };

@@ -38,8 +38,12 @@ struct HalfEdge {
 class PatternBuilder {
  public:
   PatternBuilder(const Strips& strips, double wall_mm, double ground_mm, bool card,
-                 double min_panel_mm)
-      : strips_(strips), panels_(strips.panels()), min_panel_mm_(min_panel_mm) {
+                 double min_panel_mm, std::span<const std::uint32_t> parted)
+      : strips_(strips),
+        panels_(strips.panels()),
+        min_panel_mm_(min_panel_mm),
+        parted_(strips.panels(), 0) {
+    for (const std::uint32_t panel : parted) parted_[panel] = 1;
     Pattern& p = out_.pattern;
     p.wall_mm = wall_mm;
     p.ground_mm = ground_mm;
@@ -55,7 +59,7 @@ class PatternBuilder {
   Result<BuiltPattern> run() {
     for (std::size_t line = 0; line <= strips_.size(); ++line) walk_line(line);
     for (std::uint32_t panel = 0; panel < panels_; ++panel)
-      if (out_.panel_face[panel] < 0 && !trace(panel))
+      if (!strips_.is_cut(panel) && out_.panel_face[panel] < 0 && !trace(panel))
         return fail(ErrorKind::Internal, "", "the strips do not make simple faces");
     if (!joints_are_inside_faces())
       return fail(ErrorKind::Internal, "", "a face of the strips has a hole");
@@ -86,7 +90,7 @@ class PatternBuilder {
     const std::uint32_t p_end = strips_.first_panel[a + 1], q_end = strips_.first_panel[b + 1];
     while (p < p_end && q < q_end) {
       const std::size_t i = p + a, j = q + b;  // first points of the panels
-      if (strips_.plane[p] == strips_.plane[q]) {
+      if (strips_.plane[p] == strips_.plane[q] && !strips_.is_cut(p) && parted_[q] == 0) {
         // In one plane the exact coordinate along it decides, never the sum u.
         const bool upright = strips_.x[i] == strips_.x[i + 1];
         Joint joint{p, q, strips_.x[i], strips_.z[i], strips_.x[i + 1], strips_.z[i + 1]};
@@ -106,8 +110,30 @@ class PatternBuilder {
     }
   }
 
+  /// Whether a cut across a strip is a window: it has a length.
+  [[nodiscard]] bool is_window(std::uint32_t panel) const {
+    const std::size_t point = point_of(panel);
+    return strips_.is_cut(panel) && u_of(point + 1) - u_of(point) > kSamePlace_mm;
+  }
+
+  /// Whether both panels of a joint that reaches to (x, z) end there at cuts across their strips.
+  [[nodiscard]] bool both_cut(std::uint32_t left, std::uint32_t right, double x, double z,
+                              bool at_end) const {
+    const auto cut_at = [&](std::uint32_t panel) {
+      const std::size_t s = strip_of_[panel];
+      if (at_end ? panel + 1 == strips_.first_panel[s + 1] : panel == strips_.first_panel[s])
+        return false;
+      const std::size_t point = panel + s + (at_end ? 1 : 0);
+      return strips_.is_cut(at_end ? panel + 1 : panel - 1) && strips_.x[point] == x &&
+             strips_.z[point] == z;
+    };
+    const auto beyond = [&](std::uint32_t panel) { return at_end ? panel + 1 : panel - 1; };
+    return cut_at(left) && cut_at(right) && is_window(beyond(left)) == is_window(beyond(right));
+  }
+
   /// Gives the ends of the joints their vertices. Where one joint follows another at a point, a
-  /// fold passes through, and where both strips begin or end, the outline does.
+  /// fold passes through; where both strips begin or end, the outline does, and where both are cut
+  /// across, the cut does.
   void place_joint_vertices(std::size_t a, std::size_t b, double v) {
     const auto is_point = [&](double x, double z, std::size_t point) {
       return strips_.x[point] == x && strips_.z[point] == z;
@@ -119,12 +145,14 @@ class PatternBuilder {
         passed_[joint.start_vertex] = 1;
       } else {
         joint.start_vertex = add_vertex(joint.x0, joint.z0, v);
-        passed_.back() = is_point(joint.x0, joint.z0, strips_.first_point(a)) &&
-                         is_point(joint.x0, joint.z0, strips_.first_point(b));
+        passed_.back() = (is_point(joint.x0, joint.z0, strips_.first_point(a)) &&
+                          is_point(joint.x0, joint.z0, strips_.first_point(b))) ||
+                         both_cut(joint.left_panel, joint.right_panel, joint.x0, joint.z0, false);
       }
       joint.end_vertex = add_vertex(joint.x1, joint.z1, v);
-      passed_.back() = is_point(joint.x1, joint.z1, strips_.first_panel[a + 1] + a) &&
-                       is_point(joint.x1, joint.z1, strips_.first_panel[b + 1] + b);
+      passed_.back() = (is_point(joint.x1, joint.z1, strips_.first_panel[a + 1] + a) &&
+                        is_point(joint.x1, joint.z1, strips_.first_panel[b + 1] + b)) ||
+                       both_cut(joint.left_panel, joint.right_panel, joint.x1, joint.z1, true);
     }
   }
 
@@ -183,11 +211,25 @@ class PatternBuilder {
     add_lines(line, v);
   }
 
+  /// Where there is no paper on either side of a line between two strips: stretches of u.
+  [[nodiscard]] std::vector<std::pair<double, double>> common_windows(std::size_t line) const {
+    std::vector<std::pair<double, double>> out;
+    for (std::uint32_t p = strips_.first_panel[line - 1]; p < strips_.first_panel[line]; ++p)
+      for (std::uint32_t q = strips_.first_panel[line];
+           is_window(p) && q < strips_.first_panel[line + 1]; ++q) {
+        if (!is_window(q)) continue;
+        const double begin = std::max(u_of(point_of(p)), u_of(point_of(q))),
+                     end = std::min(u_of(point_of(p) + 1), u_of(point_of(q) + 1));
+        if (end > begin) out.emplace_back(begin, end);
+      }
+    return out;
+  }
+
   /// The cuts of a line, each once, and its stretches that belong to the outline.
   void add_lines(std::size_t line, double v) {
     std::vector<SheetLine>& lines = out_.pattern.lines;
     const auto add = [&](double u0, double u1, EdgeRole role) {
-      if (u1 > u0) lines.push_back({u0, v, u1, v, role});
+      if (u1 - u0 > kSamePlace_mm) lines.push_back({u0, v, u1, v, role});
     };
     const auto range = [&](std::size_t s) {
       return std::pair{u_of(strips_.first_point(s)), u_of(strips_.first_panel[s + 1] + s)};
@@ -201,11 +243,19 @@ class PatternBuilder {
     const auto [b0, b1] = range(line);
     add(std::min(a0, b0), std::min({std::max(a0, b0), a1, b1}), EdgeRole::Outline);
     double done = std::max(a0, b0);
+    const auto slit = [&](double from, double to) {
+      for (const auto& [begin, end] : common_windows(line)) {
+        if (!(end > from) || !(begin < to)) continue;
+        add(from, begin, EdgeRole::Slit);
+        from = end;
+      }
+      add(from, to, EdgeRole::Slit);
+    };
     for (const Joint& joint : joints_) {
-      add(done, u(joint.x0, joint.z0), EdgeRole::Slit);
+      slit(done, u(joint.x0, joint.z0));
       done = u(joint.x1, joint.z1);
     }
-    add(done, std::min(a1, b1), EdgeRole::Slit);
+    slit(done, std::min(a1, b1));
     add(std::max({std::min(a1, b1), a0, b0}), std::max(a1, b1), EdgeRole::Outline);
   }
 
@@ -291,7 +341,12 @@ class PatternBuilder {
       return;
     }
     const std::uint32_t far = beyond(h);
-    if (far == kNone) {
+    if (far != kNone && strips_.is_cut(far)) {
+      add_edge(from, to, face, EdgeRole::Slit, kNone);
+      if (h.kind == HalfEdgeKind::End || is_window(far))  // each cut has one such side
+        out_.pattern.lines.push_back(
+            {out_.pattern.u(a), a.v, out_.pattern.u(b), b.v, EdgeRole::Slit});
+    } else if (far == kNone) {
       add_edge(from, to, face, EdgeRole::Outline, kNone);
       out_.pattern.lines.push_back(
           {out_.pattern.u(a), a.v, out_.pattern.u(b), b.v, EdgeRole::Outline});
@@ -360,6 +415,7 @@ class PatternBuilder {
   const Strips& strips_;
   std::size_t panels_;
   double min_panel_mm_;
+  std::vector<std::uint8_t> parted_;  ///< one a panel
   BuiltPattern out_;
   std::vector<std::uint32_t> strip_of_;
   std::vector<std::uint8_t>
@@ -374,8 +430,9 @@ class PatternBuilder {
 }  // namespace
 
 Result<BuiltPattern> build_pattern(const Strips& strips, double wall_mm, double ground_mm,
-                                   bool card, double min_panel_mm) {
-  return PatternBuilder(strips, wall_mm, ground_mm, card, min_panel_mm).run();
+                                   bool card, double min_panel_mm,
+                                   std::span<const std::uint32_t> parted) {
+  return PatternBuilder(strips, wall_mm, ground_mm, card, min_panel_mm, parted).run();
 }
 
 }  // namespace popcut

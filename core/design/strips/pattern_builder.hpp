@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/design/strips/strips.hpp"
@@ -28,11 +30,16 @@ struct BuiltPattern {
 /// strips in the same plane are joined where they overlap, and cut along the rest of their edge.
 /// O(panels).
 ///
+/// A panel of `kNoPlane` that has a length is a window: no paper. A face around it must be open
+/// somewhere, since faces have no holes: `parted` sees to that.
+///
 /// @param min_panel_mm  overlaps that are shorter are cut too (`is_joint`)
+/// @param parted        panels that are cut from the strip before theirs, though in one plane
 ///
 /// @retval Internal  the strips do not make simple faces (a fault of the strips' builder)
 [[nodiscard]] Result<BuiltPattern> build_pattern(const Strips& strips, double wall_mm,
                                                  double ground_mm, bool card,
-                                                 double min_panel_mm = 0.0);
+                                                 double min_panel_mm = 0.0,
+                                                 std::span<const std::uint32_t> parted = {});
 
 }  // namespace popcut

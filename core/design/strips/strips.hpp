@@ -12,6 +12,9 @@ namespace popcut {
 using PlaneId = std::int32_t;
 inline constexpr PlaneId kWallPlane = 0;    ///< x = 0
 inline constexpr PlaneId kGroundPlane = 1;  ///< z = 0
+/// No plane: a cut across the strip, where it goes on in another plane. Such a panel has no length
+/// on the sheet (its ends have the same u) and no paper.
+inline constexpr PlaneId kNoPlane = -1;
 
 /// Whether a stretch of `length_mm` that two panels of one plane have in common joins them: paper
 /// narrower than the smallest panel would tear, so it is cut.
@@ -24,7 +27,8 @@ inline constexpr PlaneId kGroundPlane = 1;  ///< z = 0
 /// blank is a slice without structure, wall and ground alone.
 enum class StripKind : std::uint8_t { Margin, Slice, Connector, Box, Bridge, Blank };
 
-/// A row of strips along v, each a monotone staircase of panels from the wall to the ground.
+/// A row of strips along v, each a staircase of panels from the wall to the ground: monotone, but
+/// where a cut across the strip (`kNoPlane`) parts it.
 ///
 /// Strip `s` occupies `v_begin[s] .. v_begin[s + 1]` and has the panels
 /// `first_panel[s] .. first_panel[s + 1]`. Panel `p` lies in plane `plane[p]`, from the point
@@ -41,6 +45,8 @@ struct Strips {
 
   [[nodiscard]] std::size_t size() const { return kind.size(); }
   [[nodiscard]] std::size_t panels() const { return plane.size(); }
+  /// Whether `panel` is no panel but a cut across its strip.
+  [[nodiscard]] bool is_cut(std::size_t panel) const { return plane[panel] == kNoPlane; }
   /// First staircase point of strip `s`.
   [[nodiscard]] std::size_t first_point(std::size_t s) const { return first_panel[s] + s; }
 };

@@ -218,6 +218,12 @@ Result<void> write_fold(const Pattern& pattern, const FoldOptions& options, std:
        ",\n\"frame_unit\": \"mm\"");
   if (pattern.design_psi_rad != std::numbers::pi / 2)
     text(",\n\"popcut:design_psi_rad\": ", pattern.design_psi_rad);
+  if (pattern.model_placement) {
+    text.put(",\n\"popcut:model_placement\": [");
+    for (std::size_t k = 0; k < pattern.model_placement->size(); ++k)
+      text(k > 0 ? "," : "", (*pattern.model_placement)[k]);
+    text.put("]");
+  }
   put_seams(text, pattern);
   if (!options.split_cuts) {
     if (auto done = put_single_cuts(text, pattern); !done) return done;

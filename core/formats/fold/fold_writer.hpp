@@ -33,6 +33,9 @@ struct FoldOptions {
 ///
 /// `popcut:design_psi_rad` is the pattern's design angle, where that is not pi/2.
 ///
+/// `popcut:model_placement` is where the model stands that a file gave
+/// (`Pattern::model_placement`).
+///
 /// A pattern with seams lists them in `popcut:seams` (id, the other part's number, v_mm, u_mm from
 /// and to) and gives its corner in the whole in `popcut:place_mm`.
 ///

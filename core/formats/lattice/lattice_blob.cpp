@@ -172,6 +172,7 @@ class LatticeWriter {
             strips.kind[s] == StripKind::Slice || strips.kind[s] == StripKind::Box;
         if (is_slice != of_slices) continue;
         for (std::uint32_t p = strips.first_panel[s]; p < strips.first_panel[s + 1]; ++p) {
+          if (strips.is_cut(p)) continue;
           const std::size_t f = face_at(design.panel_face[p]);
           if (strips.plane[p] == kWallPlane) arrays_.face_kind[f] = kWall;
           if (strips.plane[p] == kGroundPlane) arrays_.face_kind[f] = kGround;

@@ -67,6 +67,16 @@ Json slices(const DesignReport& report) {
   });
 }
 
+/// Of facets: strips of the same labels are one.
+Json strips(const DesignReport& report) {
+  return json_list(report.slices, [](const SliceReport& slice) {
+    return Json{{"s_mm", slice.s_mm},
+                {"v_mm", slice.v_mm},
+                {"width_mm", slice.width_mm},
+                {"ends_mm", {slice.wall_mm, slice.ground_mm}}};
+  });
+}
+
 Json merged(const DesignReport& report) {
   return json_list(report.merged, [](const MergedPlace& place) {
     return Json{{"where", place.where},
@@ -110,14 +120,33 @@ Json lattices(const DesignReport& report) {
   });
 }
 
+Json facets(const FacetFigures& f) {
+  return {{"about",
+           "depth: distance of the structure from the target along the direction of sight, at "
+           "points where the target is seen or something stands; over_least: the distance over "
+           "that of the best strips of the same planes, with cuts and folds free and nothing held"},
+          {"depth_mm", {{"mean", f.depth_mean_mm}, {"p95", f.depth_p95_mm}}},
+          {"patches", f.patches},
+          {"over_least", f.over_least},
+          {"planes", f.planes},
+          {"loose_before_repair", f.loose_before},
+          {"struts", f.struts},
+          {"dropped", f.dropped}};
+}
+
 Json report_object(const DesignReport& report) {
   Json json;
   json["name"] = report.name;
-  json["units_per_slice"] = report.units_per_slice.size() == 1
-                                ? Json(report.units_per_slice.front())
-                                : Json(report.units_per_slice);
-  json["lattice"] = report.lattice;
-  json["lattice_asked"] = report.lattice_asked;
+  if (report.facets) {
+    json["style"] = "facets";
+    json["facets"] = facets(*report.facets);
+  } else {
+    json["units_per_slice"] = report.units_per_slice.size() == 1
+                                  ? Json(report.units_per_slice.front())
+                                  : Json(report.units_per_slice);
+    json["lattice"] = report.lattice;
+    json["lattice_asked"] = report.lattice_asked;
+  }
   if (!report.lattice_note.empty()) json["lattice_note"] = report.lattice_note;
   if (!report.lattices.empty()) json["lattices"] = lattices(report);
   if (report.design_angle_deg != 90.0) json["design_angle_deg"] = report.design_angle_deg;
@@ -132,15 +161,18 @@ Json report_object(const DesignReport& report) {
   json["pieces"] = report.pieces;
   json["sheet_mm"] = {report.sheet_u_mm, report.sheet_v_mm};
   json["sticks_out_mm"] = report.sticks_out_mm;
-  json["inner_error_mm"] = figures(report.inner_error);
-  json["end_error_mm"] = figures(report.end_error);
-  json["step_over_mean"] = {{"min", report.step_over_mean_min}, {"max", report.step_over_mean_max}};
-  json["gap_mm"] = report.gap_mm;
+  if (!report.facets) {
+    json["inner_error_mm"] = figures(report.inner_error);
+    json["end_error_mm"] = figures(report.end_error);
+    json["step_over_mean"] = {{"min", report.step_over_mean_min},
+                              {"max", report.step_over_mean_max}};
+    json["gap_mm"] = report.gap_mm;
+  }
   json["fit"] = surface_fit(report);
-  json["inner_vertices"] = inner_vertices(report);
+  if (!report.facets) json["inner_vertices"] = inner_vertices(report);
   if (report.curvature) json["curvature"] = curvature(*report.curvature);
   json["seconds"] = report.seconds;
-  json["merged"] = merged(report);
+  if (!report.facets) json["merged"] = merged(report);
   for (const BridgeReport& bridge : report.bridges)
     json["bridges"].push_back({{"slice", bridge.slice},
                                {"off_mm", bridge.off_mm},
@@ -148,7 +180,10 @@ Json report_object(const DesignReport& report) {
                                {"right_planes", bridge.right_planes}});
   json["notes"] = report.notes;
   json["warnings"] = messages_of(report.warnings);
-  json["slices"] = slices(report);
+  if (report.facets)
+    json["strips"] = strips(report);
+  else
+    json["slices"] = slices(report);
   return json;
 }
 

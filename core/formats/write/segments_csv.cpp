@@ -23,6 +23,7 @@ void write_segments_csv(const Strips& strips, std::ostream& out) {
     const StripKind kind = strips.kind[s];
     const bool between_branches = kind == StripKind::Connector && strips.slice[s] % 2 == 1;
     for (std::size_t p = strips.first_panel[s]; p < strips.first_panel[s + 1]; ++p) {
+      if (strips.is_cut(p)) continue;
       const std::size_t q = p + s;
       const double length =
           std::hypot(strips.x[q + 1] - strips.x[q], strips.z[q + 1] - strips.z[q]);

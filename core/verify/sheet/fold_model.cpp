@@ -261,6 +261,25 @@ Result<std::vector<Pose>> read_poses(const Frames& frames, double scale, FoldMod
   return poses;
 }
 
+Result<void> read_model_placement(const FrameText& key, FoldModel& file) {
+  const FoldColumn& column = key.model_placement;
+  if (!column.present) return {};
+  std::array<double, 7> numbers{};
+  if (column.number.size() != numbers.size())
+    return fail(ErrorKind::OutOfRange, "/popcut:model_placement",
+                fmt::format("has {} numbers; give 7: the scale, three turns in degrees and the "
+                            "shift in mm",
+                            column.number.size()));
+  std::copy(column.number.begin(), column.number.end(), numbers.begin());
+  for (std::size_t k = 0; k < numbers.size(); ++k)
+    if (!(std::abs(numbers[k]) <= kMaxCoordinate_mm) || (k == 0 && !(numbers[0] > 0.0)))
+      return fail(ErrorKind::OutOfRange, fmt::format("/popcut:model_placement/{}", k),
+                  fmt::format("{} is not {}", numbers[k],
+                              k == 0 ? "a scale above 0" : "a turn or a shift up to 1e7"));
+  file.model_placement = numbers;
+  return {};
+}
+
 /// Moves the pose that is the flat sheet from `poses` to `file.flat`.
 Result<void> choose_flat(const Frames& frames, std::vector<Pose> poses, FoldModel& file) {
   std::size_t chosen = kNone;
@@ -321,6 +340,8 @@ Result<FoldModel> read_fold_model(std::string_view text) {
   if (file.faces_given) {
     if (auto read = read_faces(key, file); !read) return tl::unexpected(read.error());
   }
+  file.design_psi_rad = key.design_psi_rad;
+  if (auto read = read_model_placement(key, file); !read) return tl::unexpected(read.error());
   auto poses = read_poses(frames, *scale, file);
   if (!poses) return tl::unexpected(poses.error());
   if (auto chosen = choose_flat(frames, std::move(*poses), file); !chosen)

@@ -45,7 +45,12 @@ struct FoldModel {
   std::vector<std::uint32_t> face_vertices;
   bool faces_given{true};  ///< false: the file has none (`trace_faces` makes them)
   std::vector<Pose> poses;
-  bool from_popcut{false};         ///< a frame has `popcut:psi_rad`
+  bool from_popcut{false};               ///< a frame has `popcut:psi_rad`
+  std::optional<double> design_psi_rad;  ///< `popcut:design_psi_rad`
+  /// `popcut:model_placement`: how the model stands in the poses that the pattern was made from.
+  /// Scale in mm, turns about x, y and z in degrees, shift in mm; a spec's scale_mm, rotate_deg
+  /// and translate_mm.
+  std::optional<std::array<double, 7>> model_placement;
   bool assigned{false};            ///< the file says which edges are folds and borders
   bool drawn{false};               ///< made from a drawing's lines: indices differ from the file's
   double moved_mm{};               ///< how far points of the drawing moved to meet

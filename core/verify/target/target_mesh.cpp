@@ -135,6 +135,13 @@ class Mesh : public TargetSurface {
     return ends;
   }
 
+  void add_triangles(const TargetReach&, TargetTriangles& out) const override {
+    out.corners.reserve(out.corners.size() + triangles_.corners.size());
+    for (std::size_t t = 0; t < triangles_.size(); ++t)
+      for (std::size_t k = 0; k < 3; ++k)
+        for (const double value : corner(t, k)) out.corners.push_back(static_cast<float>(value));
+  }
+
  private:
   [[nodiscard]] std::array<double, 3> corner(std::size_t triangle, std::size_t k) const {
     const float* const p = triangles_.corners.data() + 9 * triangle + 3 * k;

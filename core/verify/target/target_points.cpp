@@ -86,6 +86,11 @@ class DrawnCurve {
 
   [[nodiscard]] double h() const { return h_; }
   [[nodiscard]] double d() const { return d_; }
+  /// The point at a share of the length, 0 to 1.
+  [[nodiscard]] std::array<double, 2> at(double share) const {
+    const double place = share * x_.arcs().back().to;
+    return {x_(place), z_(place)};
+  }
 
   /// Distance of a point: the nearest of many on each arc, then narrowed.
   [[nodiscard]] double distance(double x, double z) const {
@@ -212,6 +217,21 @@ class Lofted : public TargetSurface {
     const auto& section = sections_.at(y_of(s_mm));
     if (!section) return {-1.0, -1.0};
     return {placement_.scale_mm * section->h(), placement_.scale_mm * section->d()};
+  }
+  void add_triangles(const TargetReach& reach, TargetTriangles& out) const override {
+    constexpr int kSteps = 96;
+    add_sections(
+        reach,
+        [&](double s_mm) {
+          TargetPoints points;
+          const auto& section = sections_.at(y_of(s_mm));
+          for (int k = 0; section && k <= kSteps; ++k) {
+            const auto [x, z] = section->at(static_cast<double>(k) / kSteps);
+            points.push_back({placement_.scale_mm * x, placement_.scale_mm * z});
+          }
+          return points;
+        },
+        out);
   }
 
  private:

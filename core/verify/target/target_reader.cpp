@@ -422,6 +422,10 @@ Result<Target> read_patches(const Json& spec, const TargetFiles& files) {
 Result<Target> read_target(std::string_view spec_json, const TargetFiles& files) {
   const auto spec = parse_spec(spec_json);
   if (!spec) return tl::unexpected(spec.error());
+  if (spec->contains("style") && (*spec)["style"] == "facets")
+    return wrong("/style",
+                 "is facets, which have no fold vertices on the shape; leave --target out, and see "
+                 "facets in report.json for the distance");
   return spec->contains("patches") ? read_patches(*spec, files) : read_one(*spec, files);
 }
 

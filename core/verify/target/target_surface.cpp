@@ -13,6 +13,8 @@
 namespace popcut::verify {
 namespace {
 
+constexpr int kSectionSteps = 96;
+
 /// An expression of x, y, z and perhaps L.
 class Expression {
  public:
@@ -67,6 +69,20 @@ class Revolution : public TargetSurface {
     const double r_mm = radius_mm(s_mm);
     return {r_mm, r_mm};
   }
+  void add_triangles(const TargetReach& reach, TargetTriangles& out) const override {
+    const double opening = std::atan2(placement_.wall.sine, placement_.wall.cosine);
+    const auto section = [&](double s_mm) {
+      TargetPoints points;
+      const double r_mm = radius_mm(s_mm);
+      if (!(r_mm > 0.0)) return points;
+      for (int k = 0; k <= kSectionSteps; ++k) {
+        const double angle = opening * (1.0 - static_cast<double>(k) / kSectionSteps);
+        points.push_back({r_mm * std::cos(angle), r_mm * std::sin(angle)});
+      }
+      return points;
+    };
+    add_sections(reach, section, out);
+  }
 
  private:
   [[nodiscard]] double radius_mm(double s_mm) const {
@@ -111,6 +127,23 @@ class Profile : public TargetSurface {
   [[nodiscard]] CurveEnds ends_mm(double s_mm) const override {
     const double y = upright_y(placement_, s_mm);
     return {scale_ * z_(0.0, y, 0.0), scale_ * ground_end(y)};
+  }
+  void add_triangles(const TargetReach& reach, TargetTriangles& out) const override {
+    const auto section = [&](double s_mm) {
+      TargetPoints points;
+      const double y = upright_y(placement_, s_mm), end = ground_end(y);
+      if (!(end > 0.0)) return points;
+      for (int k = 0; k <= kSectionSteps; ++k) {
+        // Denser towards both ends, where the curve can be steep.
+        const double x =
+            end * 0.5 * (1.0 - std::cos(std::numbers::pi * k / static_cast<double>(kSectionSteps)));
+        const double z = k == kSectionSteps ? 0.0 : z_(x, y, 0.0);
+        if (!std::isfinite(z)) return TargetPoints();
+        points.push_back({scale_ * x, scale_ * z});
+      }
+      return points;
+    };
+    add_sections(reach, section, out);
   }
 
  private:
@@ -179,6 +212,20 @@ class Stretched : public TargetSurface {
   [[nodiscard]] CurveEnds ends_mm(double s_mm) const override {
     const TargetStretch& here = at(s_mm);
     return here.surface->ends_mm(s_mm - here.origin_mm);
+  }
+  void add_triangles(const TargetReach& reach, TargetTriangles& out) const override {
+    for (std::size_t k = 0; k < stretches_.size(); ++k) {
+      TargetReach own = reach;
+      if (k > 0) own.begin_mm = std::max(reach.begin_mm, stretches_[k].begin_mm);
+      if (k + 1 < stretches_.size())
+        own.end_mm = std::min(reach.end_mm, stretches_[k + 1].begin_mm);
+      if (!(own.end_mm > own.begin_mm)) continue;
+      own.begin_mm -= stretches_[k].origin_mm, own.end_mm -= stretches_[k].origin_mm;
+      const std::size_t first = out.corners.size();
+      stretches_[k].surface->add_triangles(own, out);
+      for (std::size_t i = first + 1; i < out.corners.size(); i += 3)
+        out.corners[i] += static_cast<float>(stretches_[k].origin_mm);
+    }
   }
 
  private:
@@ -282,6 +329,50 @@ std::unique_ptr<TargetSurface> profile_target(TargetFormula z, const TargetPlace
   return solid_target(
       [z = std::move(z)](double x, double y, double height) { return height - z(x, y, 0.0); },
       placement);
+}
+
+void add_sections(const TargetReach& reach, const SectionPoints& section, TargetTriangles& out) {
+  constexpr int kSections = 160, kHalvings = 40;
+  struct Station {
+    double s_mm{};
+    TargetPoints points;
+  };
+  const auto between = [&](const Station& there, double s_mm) {  // the last place with a section
+    Station found = there;
+    double in = there.s_mm, outside = s_mm;
+    for (int k = 0; k < kHalvings; ++k) {
+      const double middle = 0.5 * (in + outside);
+      TargetPoints points = section(middle);
+      if (points.empty())
+        outside = middle;
+      else
+        in = middle, found = {middle, std::move(points)};
+    }
+    return found;
+  };
+  const auto join = [&](const Station& a, const Station& b) {
+    const auto add = [&](const Station& at, std::size_t k) {
+      out.corners.insert(out.corners.end(),
+                         {static_cast<float>(at.points[k][0]), static_cast<float>(at.s_mm),
+                          static_cast<float>(at.points[k][1])});
+    };
+    for (std::size_t k = 0; k + 1 < a.points.size(); ++k) {
+      add(a, k), add(a, k + 1), add(b, k + 1);
+      add(a, k), add(b, k + 1), add(b, k);
+    }
+  };
+  Station last{reach.begin_mm, section(reach.begin_mm)};
+  for (int k = 1; k <= kSections; ++k) {
+    const double s_mm = reach.begin_mm + (reach.end_mm - reach.begin_mm) * k / kSections;
+    Station next{s_mm, section(s_mm)};
+    if (!last.points.empty() && !next.points.empty())
+      join(last, next);
+    else if (!last.points.empty())
+      join(last, between(last, s_mm));
+    else if (!next.points.empty())
+      join(between(next, last.s_mm), next);
+    last = std::move(next);
+  }
 }
 
 std::unique_ptr<TargetSurface> stretched_target(std::vector<TargetStretch> stretches) {

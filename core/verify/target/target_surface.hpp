@@ -29,6 +29,19 @@ struct TargetWall {
   [[nodiscard]] double ahead(double x, double z) const { return x - z * cosine / sine; }
 };
 
+/// Triangles: nine coordinates each.
+struct TargetTriangles {
+  std::vector<float> corners;
+  [[nodiscard]] std::size_t size() const { return corners.size() / 9; }
+};
+
+/// Where triangles of a surface are asked for: a stretch of the spine, and how far from wall and
+/// ground a solid is looked for at least. In mm.
+struct TargetReach {
+  double begin_mm{}, end_mm{};
+  double x_mm{}, z_mm{};
+};
+
 /// A target surface, cut by the planes y = const. All in mm.
 class TargetSurface {
  public:
@@ -37,7 +50,18 @@ class TargetSurface {
   /// target has no curve there.
   [[nodiscard]] virtual double distance_mm(double s_mm, double x_mm, double z_mm) const = 0;
   [[nodiscard]] virtual CurveEnds ends_mm(double s_mm) const = 0;
+  /// Appends the surface as triangles, in corner coordinates: (x, s, z). Formulas and drawn curves
+  /// over the stretch of the spine that is asked for, as far as they are there; the triangles of a
+  /// file all. Wall, ground and the ends of the stretch are no part of the surface.
+  virtual void add_triangles(const TargetReach& reach, TargetTriangles& out) const = 0;
 };
+
+/// Points of a section from wall to ground, equally many at each place along the spine; none where
+/// there is no section.
+using SectionPoints = std::function<std::vector<std::array<double, 2>>(double s_mm)>;
+/// Appends the surface through sections of the stretch: 160 of them, and one more where they begin
+/// or end within it.
+void add_sections(const TargetReach& reach, const SectionPoints& section, TargetTriangles& out);
 
 /// How a surface is placed in the corner: its point q is at `R_z R_y R_x (scale_mm q) +
 /// translate_mm`.
@@ -99,12 +123,6 @@ struct DrawnStation {
 /// circles for the nearest place where the sign changes, then narrows along and across.
 [[nodiscard]] std::unique_ptr<TargetSurface> solid_target(TargetFormula f,
                                                           const TargetPlacement& placement);
-
-/// Triangles of a file: nine coordinates each.
-struct TargetTriangles {
-  std::vector<float> corners;
-  [[nodiscard]] std::size_t size() const { return corners.size() / 9; }
-};
 
 /// Reads binary and text STL, and OBJ (decided by `name`).
 ///

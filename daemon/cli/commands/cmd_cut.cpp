@@ -17,9 +17,9 @@
 #include "core/plan/plan_options.hpp"
 #include "core/text/utf8.hpp"
 #include "daemon/cli/command.hpp"
-#include "daemon/cli/commands/cut_device.hpp"
-#include "daemon/cli/commands/cut_queue.hpp"
-#include "daemon/cli/commands/cut_session.hpp"
+#include "daemon/cli/cutter/cut_device.hpp"
+#include "daemon/cli/cutter/cut_queue.hpp"
+#include "daemon/cli/cutter/cut_session.hpp"
 #include "daemon/cli/input/expectation.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/options/plan_arguments.hpp"
@@ -37,7 +37,7 @@ struct Options {
   std::string device, treat_as, folder, faults;
   bool direct{false}, yes{false}, test{false}, frame{false};
   int copies{1}, priority{0};
-  std::string name;
+  std::string name, site;
   bool wait{false};
 };
 
@@ -289,13 +289,15 @@ Result<void> check_words(const Options& options) {
   const auto wrong = [](const char* option, const char* why) {
     return fail(ErrorKind::Usage, option, why);
   };
-  if (options.direct && (options.wait || options.copies != 1 || options.priority != 0))
+  if (options.direct &&
+      (options.wait || options.copies != 1 || options.priority != 0 || !options.site.empty()))
     return wrong("--direct",
-                 "cuts at once, without popcutd; --wait, --copies and --priority are for "
+                 "cuts at once, without popcutd; --wait, --copies, --priority and --site are for "
                  "popcutd's queue");
   if (options.direct) return {};
-  if (options.test && (options.copies != 1 || options.priority != 0 ||
-                       !options.plan.options.empty() || !options.name.empty()))
+  if (options.test &&
+      (options.copies != 1 || options.priority != 0 || !options.plan.options.empty() ||
+       !options.name.empty() || !options.site.empty()))
     return wrong("--test",
                  "accepts only --device, --material and --wait, because popcutd plans the shape; "
                  "add --direct for other options");
@@ -327,7 +329,7 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
   if (!options.direct) {
     const QueueRequest request{options.plan.input, options.device,       options.plan.material,
                                options.name,       options.plan.options, options.copies,
-                               options.priority,   options.wait};
+                               options.priority,   options.wait,         options.site};
     return options.test ? queue_test_cut(request, globals) : queue_cut(request, globals);
   }
   const bool simulated = options.device.empty() || options.device.rfind("sim:", 0) == 0;
@@ -442,6 +444,10 @@ void register_cut(CLI::App& app, const Globals& globals, Run& run) {
                                    "Priority in popcutd's queue; higher goes first"),
                -10, 10)
       ->option_text("-10..10 [0]");
+  command
+      ->add_option("--site", options->site,
+                   "Let only popcutd's cutters of this site cut it; 'popcut devices' shows sites")
+      ->option_text("TEXT");
   command->add_option("--name", options->name, "Name of the job; default: the name of the input")
       ->option_text("TEXT");
   command->add_flag("--wait", options->wait,

@@ -218,8 +218,13 @@ void say_figures(const DesignReport& report) {
   };
   fmt::print(stderr, "{}: {}\n", shown_text(report.name),
              report.surface_fit ? fit_in_words(*report.surface_fit) : "nothing stands up");
-  fmt::print(stderr, "  made of  {}, {} lattice, {}\n", count(report.slices.size(), "slice"),
-             report.lattice, count(report.degrees_of_freedom, "independent movement"));
+  const std::string moves = count(report.degrees_of_freedom, "independent movement");
+  if (report.facets)
+    fmt::print(stderr, "  made of  {}, {}; seen along the diagonal {:.2g} mm off on average\n",
+               count(report.facets->patches, "facet"), moves, report.facets->depth_mean_mm);
+  else
+    fmt::print(stderr, "  made of  {}, {} lattice, {}\n", count(report.slices.size(), "slice"),
+               report.lattice, moves);
   if (report.design_angle_deg != 90.0)
     fmt::print(stderr, "  shape    right when the card is open to {:g} degrees\n",
                report.design_angle_deg);
@@ -279,7 +284,10 @@ Result<void> list_examples(const Globals& globals) {
     std::vector<std::string> sizes;
     for (const RegionSpec& region : spec->regions)
       sizes.push_back(fmt::format("{} x {}", region.slices, region.units_per_slice));
-    const std::string what = fmt::format("{}, {} units", target, fmt::join(sizes, " + "));
+    const std::string what =
+        spec->style == DesignStyle::Facets
+            ? fmt::format("facets of {:g} mm, {}", spec->facets.strip_mm, target)
+            : fmt::format("{}, {} units", target, fmt::join(sizes, " + "));
     if (globals.json)
       list.push_back({{"name", example.name}, {"what", what}});
     else

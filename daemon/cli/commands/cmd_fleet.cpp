@@ -304,10 +304,10 @@ std::string state_of(const daemon::NodeState& node) {
 }
 
 Json to_json(const daemon::NodeState& node) {
-  Json json{{"name", node.name},      {"alive", node.alive},       {"draining", node.draining},
-            {"stopped", node.ended},  {"reported", node.reported}, {"epoch", node.epoch},
-            {"login", node.login},    {"url", node.url},           {"version", node.version},
-            {"devices", node.devices}};
+  Json json{{"name", node.name},       {"alive", node.alive},       {"draining", node.draining},
+            {"stopped", node.ended},   {"reported", node.reported}, {"epoch", node.epoch},
+            {"login", node.login},     {"url", node.url},           {"version", node.version},
+            {"devices", node.devices}, {"site", node.site}};
   if (node.epoch > 0) {
     json["begun_s_ago"] = node.begun_s;
     json["heartbeat_s_ago"] = node.heartbeat_s;
@@ -340,6 +340,7 @@ Result<void> run_nodes(const std::string& given, const Globals& globals) {
                state_width, "LEASE", "EPOCH", "VERSION", "CUTTERS AND PAGE");
     for (const auto& node : nodes) {
       std::string last = fmt::format("{}", fmt::join(node.devices, ", "));
+      if (!node.site.empty()) last += " at " + node.site;
       if (!node.url.empty()) last += (last.empty() ? "" : "  ") + node.url;
       fmt::print("{:<{}}  {:<{}}  {:>8}  {:<13}  {:<10}  {}\n", node.name, name_width,
                  state_of(node), state_width,

@@ -30,7 +30,7 @@ constexpr std::int64_t kMostPath = std::int64_t{1} << 40;
 
 struct Options {
   std::string job, result, reason, before, device, registration{"kept"};
-  std::optional<std::string> name{}, note{}, new_device{}, material{};
+  std::optional<std::string> name{}, note{}, new_device{}, site{}, material{};
   std::optional<int> priority{};
   std::optional<int> sheet{}, blank{};
   std::optional<std::int64_t> from{};
@@ -89,11 +89,13 @@ Result<Json> change(Api& api, const Options& options) {
   if (options.name) members["name"] = *options.name;
   if (options.note) members["note"] = *options.note;
   if (options.new_device) members["device"] = *options.new_device;
+  if (options.site) members["site"] = *options.site;
   if (options.material) members["material"] = *options.material;
   if (options.plan_again) members["plan_again"] = true;
   if (members.empty())
-    return fail(ErrorKind::Usage, "command line",
-                "nothing to change; give --priority, --name, --note, --device or --plan-again");
+    return fail(
+        ErrorKind::Usage, "command line",
+        "nothing to change; give --priority, --name, --note, --device, --site or --plan-again");
   const auto job = api.find_job(options.job);
   if (!job) return job;
   return api.patch(*job, members);
@@ -306,10 +308,11 @@ constexpr const char* kReleaseHelp =
     "Release a held job.\n\n"
     "  popcut release 01JDX7";
 constexpr const char* kChangeHelp =
-    "Change the priority, name, note or cutter of a job that is queued, planning or ready.\n\n"
+    "Change a queued, planning or ready job: its priority, name, note, cutter or site.\n\n"
     "  popcut change 01JDX7 --priority 5\n"
     "  popcut change 01JDX7 --device usb:51053P\n"
     "  popcut change 01JDX7 --device ''         # any cutter that fits\n"
+    "  popcut change 01JDX7 --site upstairs     # only a cutter there\n"
     "  popcut change 01JDX7 --device sim:cameo4 --plan-again\n\n"
     "A plan is for one model of cutter. --plan-again makes a new one for the cutter and the "
     "material\n"
@@ -354,6 +357,10 @@ void add_change(CLI::App& app, const Globals& globals, Run& run) {
       ->option_text("TEXT");
   command->add_option("--device", options->new_device, "Cutter to use; empty: any that fits")
       ->option_text("ID");
+  command
+      ->add_option("--site", options->site,
+                   "Site of the cutters that may cut it, as 'popcut devices' shows it; empty: any")
+      ->option_text("TEXT");
   command->add_option("--material", options->material, "Material to use; needs --plan-again")
       ->option_text("NAME");
   command->add_flag("--plan-again", options->plan_again,

@@ -14,7 +14,7 @@
 
 #include "core/text/utf8.hpp"
 #include "daemon/cli/command.hpp"
-#include "daemon/cli/commands/cut_session.hpp"
+#include "daemon/cli/cutter/cut_session.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "device/sim/simulate.hpp"
 #include "protocol/decode.hpp"

@@ -11,7 +11,7 @@
 
 #include "core/text/utf8.hpp"
 #include "daemon/cli/command.hpp"
-#include "daemon/cli/commands/simulate_pty.hpp"
+#include "daemon/cli/cutter/simulate_pty.hpp"
 #include "daemon/cli/input/expectation.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/view/long_work.hpp"

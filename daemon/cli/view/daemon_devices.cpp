@@ -38,6 +38,7 @@ std::string state_of(const Json& device) {
 
 std::string figures_of(const Json& device) {
   std::string text;
+  if (const std::string site = text_of(device, "site"); !site.empty()) text += ", at " + site;
   if (number_of(device, "width_mm") > 0)
     text += fmt::format("; {:.0f} x {:.0f} mm", number_of(device, "width_mm"),
                         number_of(device, "length_mm"));

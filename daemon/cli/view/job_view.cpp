@@ -203,6 +203,7 @@ std::vector<std::string> view_line(const Json& job, std::size_t width) {
   std::string far, rest;
   if (part >= 0) far = fmt::format("{:3.0f} %  {} left", 100 * part, clock_text(seconds_left(job)));
   if (!shown_of(job, "device").empty()) rest += "  on " + shown_of(job, "device");
+  if (!has_ended(job) && !shown_of(job, "site").empty()) rest += "  at " + shown_of(job, "site");
   if (const std::int64_t priority = whole_of(job, "priority"); priority != 0 && !has_ended(job))
     rest += fmt::format("  priority {}", priority);
   if (is_held(job)) rest += "  held";
@@ -296,6 +297,7 @@ std::string job_summary(const Json& job) {
   if (!has_ended(job)) add(sheet_text(job));
   if (part_done(job) >= 0) add(path_text(job));
   if (!has_ended(job) && !shown_of(job, "device").empty()) add("on " + shown_of(job, "device"));
+  if (!has_ended(job) && !shown_of(job, "site").empty()) add("at " + shown_of(job, "site"));
   return line;
 }
 
@@ -346,7 +348,8 @@ std::vector<std::string> waiting_for(const Json& job) {
   const std::int64_t sheet = whole_of(job, "sheet"), total = whole_of(job, "sheets_total");
   const Json& attention = part_of(job, "attention");
   const std::string kind = shown_of(attention, "kind"), text = shown_of(attention, "text");
-  const std::string device = shown_of(job, "device");
+  const std::string device = shown_of(job, "device"), site = shown_of(job, "site");
+  const std::string into = !device.empty() ? " into " + device : !site.empty() ? " at " + site : "";
   if (is(job, "interrupted")) {
     interrupted_ways(job, lines);
   } else if (is(job, "armed")) {
@@ -371,8 +374,7 @@ std::vector<std::string> waiting_for(const Json& job) {
     if (whole_of(job, "segment") > 1 && kind == "load_sheet")
       lines.push_back(fmt::format("{}: popcut arm {} {}", text, id, sheet));
     else
-      lines.push_back(fmt::format("load sheet {} of {}{}{}{}: popcut arm {} {}", sheet, total,
-                                  device.empty() ? "" : " into ", device,
+      lines.push_back(fmt::format("load sheet {} of {}{}{}: popcut arm {} {}", sheet, total, into,
                                   blank > 1 ? fmt::format(", blank {}", blank) : "", id, sheet));
     const std::string load = load_text(job);
     if (!load.empty() && whole_of(job, "segment") <= 1) lines.push_back("  " + load);
@@ -423,6 +425,7 @@ std::vector<std::string> job_details(const Json& job, const std::vector<Json>& s
   add("name", shown_of(job, "name"));
   add("state", job_summary(job));
   add("material", shown_of(job, "material"));
+  add("site", shown_of(job, "site"));
   if (!has_ended(job)) add("sheet", load_text(job));
   if (const std::int64_t priority = whole_of(job, "priority"); priority != 0)
     add("priority", fmt::format("{}", priority));

@@ -91,7 +91,6 @@ void act_on_job(const Request& request, Service& service, JobAction action,
       action == JobAction::Pause || action == JobAction::Cancel || action == JobAction::Disarm;
   // A knife that moves stops whether or not anything can be looked up or stored now.
   const bool to_the_knife = action == JobAction::Pause || action == JobAction::Cancel;
-  bool has_asked = false;
   const int status = answer_once(request, service, reply, [&] {
     const Answer<Job> before = service.jobs.find(request.params[0]);
     if (!before) return problem_response(before.error(), request);
@@ -100,12 +99,11 @@ void act_on_job(const Request& request, Service& service, JobAction action,
     const Answer<std::int64_t> rev =
         wanted_rev(request, any_rev ? std::optional(before->rev) : std::nullopt);
     if (!rev) return problem_response(rev.error(), request);
-    has_asked = true;
     const Answer<Job> after = service.cutting.act(request.principal, before->id, *rev, *wanted);
     if (!after) return problem_response(after.error(), request);
     return revised(200, after->rev, job_text(*after));
   });
-  if (to_the_knife && !has_asked && status == 503)
+  if (to_the_knife && status >= 500)
     service.cutting.stop_unrecorded(request.principal, request.params[0], action);
 }
 

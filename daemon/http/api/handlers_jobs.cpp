@@ -20,6 +20,7 @@ JobCreate read_job(FieldReader& fields) {
                   "must be the only one: give a design or a plan", "one_of");
   wanted.material = fields.text("material", "", line(64));
   wanted.device = fields.text("device", "", line(64));
+  wanted.site = fields.text("site", "", line_or_empty(64));
   wanted.options = read_options(fields, "options");
   wanted.copies = fields.integer("copies", 1, 1, 1000);
   wanted.priority = fields.integer("priority", 0, -10, 10);
@@ -38,6 +39,7 @@ JobPatch read_patch(FieldReader& fields) {
   patch.name = fields.optional_text("name", line_or_empty(120));
   patch.note = fields.optional_text("note", lines_or_empty(2000));
   patch.device = fields.optional_text("device", line_or_empty(64));
+  patch.site = fields.optional_text("site", line_or_empty(64));
   patch.material = fields.optional_text("material", line(64));
   patch.plan_again = fields.boolean("plan_again", false);
   return patch;
@@ -47,6 +49,7 @@ JobFilter read_filter(const Request& request, std::vector<RequestFault>& faults)
   JobFilter filter;
   filter.owner = query_text(request, "owner").value_or("");
   filter.device = query_text(request, "device").value_or("");
+  filter.site = query_text(request, "site").value_or("");
   filter.since = query_time(request, "since", faults);
   const std::string order = query_text(request, "order").value_or("asc");
   filter.newest_first = order == "desc";
@@ -141,11 +144,11 @@ void patch_job(const Request& request, Service& service, const HandlerContext& c
                Reply reply) {
   const auto patch = read_body_as<JobPatch>(request, context.limits.json_depth, read_patch);
   if (!patch) return reply(problem_response(patch.error(), request));
-  if (!patch->priority && !patch->name && !patch->note && !patch->device && !patch->material &&
-      !patch->plan_again)
+  if (!patch->priority && !patch->name && !patch->note && !patch->device && !patch->site &&
+      !patch->material && !patch->plan_again)
     return reply(problem_response(
         validation({{"", "empty",
-                     "must contain at least one of priority, name, note, device, material, "
+                     "must contain at least one of priority, name, note, device, site, material, "
                      "plan_again"}}),
         request));
   const Answer<std::int64_t> rev = wanted_rev(request, std::nullopt);

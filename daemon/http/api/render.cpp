@@ -254,6 +254,7 @@ std::string job_text(const Job& job) {
   out.text_or_null("operator_title",
                    job.operator_title.empty() ? job.operator_name : job.operator_title);
   out.text_or_null("device", job.device);
+  out.text_or_null("site", job.site);
   out.text_or_null("design", job.design);
   out.text_or_null("plan", job.plan);
   out.text_or_null("material", job.material);
@@ -341,6 +342,7 @@ ordered_json to_json(const DeviceRecord& device) {
   if (!device.test_job.empty()) out["test_job"] = device.test_job;
   if (!device.node.empty()) out["node"] = device.node;
   if (!device.node_url.empty()) out["node_url"] = device.node_url;
+  if (!device.site.empty()) out["site"] = device.site;
   return out;
 }
 

@@ -150,7 +150,7 @@ constexpr auto kTable = std::to_array<Route>({
 
     post("/v1/jobs", kSubmitter, handle::create_job, {.body = kJson, .key = kKeyed}),
     get("/v1/jobs", kViewer, handle::list_jobs,
-        {.query = "limit cursor state order owner device since"}),
+        {.query = "limit cursor state order owner device site since"}),
     get("/v1/jobs/{id}", kViewer, handle::get_job, {.is_urgent = true}),
     route(Method::Patch, "/v1/jobs/{id}", kSubmitter, handle::patch_job,
           {.body = kJson, .key = KeyRule::Allowed, .match = MatchRule::Required}),

@@ -35,12 +35,12 @@ std::string audit_detail(const ActionRequest& request, const JobRow& row) {
 }
 
 // Why those that are there cannot cut a plan: " (sim:a: it is set up for ...)"; empty: none is.
-std::string why_none(const DeviceRegistry& devices, const PlanRow& plan) {
+std::string why_none(const DeviceRegistry& devices, const PlanRow& plan, const std::string& site) {
   constexpr std::size_t kMost = 3;
   std::vector<std::string> reasons;
   for (const DeviceRecord& device : devices.list())
     if (reasons.size() < kMost && devices.usable(device.id))
-      reasons.push_back(fmt::format("{}: {}", device.id, devices.misfit(device.id, plan)));
+      reasons.push_back(fmt::format("{}: {}", device.id, devices.misfit(device.id, plan, site)));
   return reasons.empty() ? std::string() : fmt::format(" ({})", fmt::join(reasons, "; "));
 }
 
@@ -169,17 +169,20 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
   if (!device.empty()) {
     if (!devices.find(device)) return tl::unexpected(devices.unknown(device, "/device"));
     if (const auto fine = devices.usable(device); !fine) return tl::unexpected(fine.error());
-    if (const std::string why = devices.misfit(device, plan); !why.empty())
+    if (const std::string why = devices.wrong_site(device, row.site); !why.empty())
+      return tl::unexpected(
+          JobRepository::conflict(row, fmt::format("{} {}; change its site first", device, why)));
+    if (const std::string why = devices.misfit(device, plan, row.site); !why.empty())
       return tl::unexpected(
           JobRepository::conflict(row, fmt::format("{} cannot cut this: {}", device, why)));
     return device;
   }
-  std::vector<std::string> fitting = devices.fitting(plan);
+  std::vector<std::string> fitting = devices.fitting(plan, row.site);
   if (fitting.empty())
     return refuse(
         ProblemKind::DeviceAbsent,
         fmt::format("no {} is available that can cut this; plug one in and switch it on{}",
-                    plan.machine, why_none(devices, plan)));
+                    plan.machine, why_none(devices, plan, row.site)));
   if (fitting.size() > 1)
     std::erase_if(fitting, [&](const std::string& id) {
       return parts_.jobs.table().on_device(id).has_value();
@@ -228,6 +231,14 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
   if (const auto sheet = parts_.jobs.current_sheet(row))
     if (const auto here = parts_.plans.bring_sheet(row.plan, sheet->number); !here)
       return tl::unexpected(here.error());
+  if (const auto asked = asked_from_.find(row.id); asked != asked_from_.end() &&
+                                                   asked->second.segment == row.segment &&
+                                                   asked->second.first_stroke != row.first_stroke)
+    return tl::unexpected(JobRepository::conflict(
+        row,
+        fmt::format("this sheet would go on from path {}, but a person asked here for path {}; "
+                    "use a new blank with retry-sheet",
+                    row.first_stroke, asked->second.first_stroke)));
   row.device = *device;
   row.operator_name = who.name;
   parts_.jobs.take(row, Step::ToArmed, "");
@@ -240,9 +251,10 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
                               .armed = parts_.store.now(),
                               .invocation = parts_.store.invocation()});
   const std::int64_t until = parts_.store.monotonic() + parts_.options.arm_s * 1000;
-  parts_.store.after_commit([this, id = row.id, until, folder = parts_.plans.folder_of(row.plan),
+  parts_.store.after_commit([this, id = row.id, until, segment = row.segment,
+                             first = row.first_stroke, folder = parts_.plans.folder_of(row.plan),
                              sheet = parts_.jobs.current_sheet(row)] {
-    armed_until_[id] = until;
+    armed_here_[id] = {until, segment, first};
     if (sheet) parts_.programs.want(id, folder, sheet->number);
   });
   return {};
@@ -389,6 +401,9 @@ Answer<void> CutDispatcher::resume_from(JobRow& row, const ActionRequest& reques
   row.first_stroke = *request.from_path;
   row.requested_device = last->device;
   placed_[row.id] = parts_.devices.session_of(last->device);
+  parts_.store.after_commit([this, id = row.id, from = AskedFrom{row.segment, row.first_stroke}] {
+    asked_from_[id] = from;
+  });
   parts_.jobs.take(row, Step::ToReady, "resume");
   return {};
 }
@@ -406,15 +421,15 @@ void CutDispatcher::lapse(const std::string& job, const std::string& reason) {
   });
   // What could not be written is tried again; until then `start` looks at the time itself.
   if (!done) return;
-  armed_until_.erase(job);
+  armed_here_.erase(job);
   parts_.programs.forget(job);
 }
 
 void CutDispatcher::tick() {
   const std::int64_t now = parts_.store.monotonic();
   std::vector<std::string> over;
-  for (const auto& [job, until] : armed_until_)
-    if (until <= now) over.push_back(job);
+  for (const auto& [job, arm] : armed_here_)
+    if (arm.until_ms <= now) over.push_back(job);
   for (const std::string& job : over) lapse(job, "arm_expired");
   tell_again();
   if (parts_.store.degraded()) return;
@@ -423,6 +438,9 @@ void CutDispatcher::tick() {
   for (const auto& [job, cut] : cuts_)
     if (cut->refusal) refused.push_back(cut);
   for (const auto& cut : refused) record_refusal(cut);
+  // A cut that is held, or that the database missed, has no progress that would tell it.
+  for (const auto& [job, cut] : cuts_)
+    if (cut->unmarked) (void)intended(*cut, cut->marks.intended);
   if (late_.empty()) return;
   const std::vector<LateEnd> late = std::exchange(late_, {});
   for (const LateEnd& one : late) ended(one.cut, one.end);
@@ -456,8 +474,8 @@ std::string CutDispatcher::job_on(const std::string& device) const {
 }
 
 void CutDispatcher::forget_arms() {
-  for (const auto& [job, until] : armed_until_) parts_.programs.forget(job);
-  armed_until_.clear();
+  for (const auto& [job, arm] : armed_here_) parts_.programs.forget(job);
+  armed_here_.clear();
 }
 
 // True: it goes on.

@@ -137,8 +137,20 @@ class CutDispatcher : public Cutting {
     std::shared_ptr<Cut> cut;
     SessionEnd end;
   };
-  std::vector<LateEnd> late_;                        ///< ends that could not be written yet
-  std::map<std::string, std::int64_t> armed_until_;  ///< by job; monotonic
+  std::vector<LateEnd> late_;  ///< ends that could not be written yet
+  /// What was armed here, by job: nobody else changes where its cut begins.
+  struct ArmedHere {
+    std::int64_t until_ms{};  ///< monotonic
+    int segment{};
+    std::int64_t first_stroke{};
+  };
+  std::map<std::string, ArmedHere> armed_here_;
+  /// What a person said last with resume-from, by job.
+  struct AskedFrom {
+    int segment{};
+    std::int64_t first_stroke{};
+  };
+  std::map<std::string, AskedFrom> asked_from_;
   /// By job that goes on with a sheet: the session of its device in which the sheet was in place.
   std::map<std::string, std::string> placed_;
   bool stopping_{false};

@@ -228,13 +228,15 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const Actio
   if (!armed || !arm_lives(row.id))
     return tl::unexpected(JobRepository::conflict(row, "arming has expired; disarm and arm again"));
   const auto plan = parts_.plans.table().find(row.plan);
+  const ArmedHere& here = armed_here_.at(row.id);
   if (!plan || armed->sheet != row.sheet || armed->blank != row.blank ||
+      here.segment != row.segment || here.first_stroke != row.first_stroke ||
       armed->device != row.device || armed->plan_sha256 != plan->sha256)
     return tl::unexpected(JobRepository::conflict(
         row, "the armed sheet is not the one that would be cut; disarm and arm again"));
   if (const auto fine = parts_.devices.usable(row.device); !fine)
     return tl::unexpected(fine.error());
-  if (const std::string why = parts_.devices.misfit(row.device, *plan); !why.empty())
+  if (const std::string why = parts_.devices.misfit(row.device, *plan, row.site); !why.empty())
     return tl::unexpected(JobRepository::conflict(
         row, fmt::format("{} can no longer cut this: {}", row.device, why)));
   if (const auto known = check_place(row, row.device); !known) return tl::unexpected(known.error());
@@ -291,8 +293,9 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const Actio
   parts_.store.after_commit([this, cut = *cut, mine] {
     cut->intents->keep();
     starting_.clear();
-    armed_until_.erase(cut->job);
+    armed_here_.erase(cut->job);
     placed_.erase(cut->job);
+    asked_from_.erase(cut->job);
     parts_.programs.forget(cut->job);
     cuts_.merge(*mine);
     hand_over(cut);
@@ -369,6 +372,7 @@ Result<void> CutDispatcher::intended(Cut& cut, std::int64_t last) {
   if (parts_.store.in_fleet()) {
     // The journal knows it. The database hears of it now and then, if it is there.
     noted();
+    cut.unmarked = true;
     const std::int64_t now = parts_.store.monotonic();
     const auto between_ms = static_cast<std::int64_t>(parts_.options.fleet.mark_s * 1000);
     if (now - cut.marked_ms < between_ms || (may_cut && !may_cut())) return {};
@@ -379,6 +383,7 @@ Result<void> CutDispatcher::intended(Cut& cut, std::int64_t last) {
     return {};
   });
   if (!done && !parts_.store.in_fleet()) return tl::unexpected(given_up(done.error().detail));
+  if (done) cut.unmarked = false;
   noted();
   return {};
 }

@@ -49,9 +49,9 @@ std::optional<ResumeState> CutDispatcher::resume_state(const JobRow& row) {
 
 bool CutDispatcher::arm_lives(const std::string& job) {
   const auto armed = parts_.jobs.attempts().armed(job);
-  const auto until = armed_until_.find(job);
-  return armed && armed->invocation == parts_.store.invocation() && until != armed_until_.end() &&
-         until->second > parts_.store.monotonic();
+  const auto here = armed_here_.find(job);
+  return armed && armed->invocation == parts_.store.invocation() && here != armed_here_.end() &&
+         here->second.until_ms > parts_.store.monotonic();
 }
 
 // Arms as they pass now; else what makes a device ready for it.
@@ -66,18 +66,17 @@ std::vector<Way> CutDispatcher::ways_to_arm(const JobRow& row, const ActionReque
   std::vector<std::string> free, busy;
   for (const DeviceRecord& device : devices.list()) {
     const bool usable = devices.usable(device.id).has_value();
-    if (!devices.misfit(device.id, *plan).empty()) {
-      const bool is_wanted = wanted != nullptr && wanted->device == device.id;
+    const bool is_wanted = wanted != nullptr && wanted->device == device.id;
+    if (!devices.misfit(device.id, *plan, "").empty()) {
       if (auto way = usable ? parts_.jobs.way_to_plan_again(row, device.id, *plan) : std::nullopt)
         (is_wanted ? as_wanted : others).push_back(std::move(*way));
       continue;
     }
     const bool taken = parts_.jobs.table().on_device(device.id).has_value();
-    if (!row.requested_device.empty() && row.requested_device != device.id) {
-      if (!usable || taken || row.segment > 1) continue;
-      const bool is_wanted = wanted != nullptr && wanted->device == device.id;
-      (is_wanted ? as_wanted : others)
-          .push_back({"change", fmt::format(R"({{"device":{}}})", json_text(device.id))});
+    const bool is_for_other = !row.requested_device.empty() && row.requested_device != device.id;
+    if (is_for_other || !devices.wrong_site(device.id, row.site).empty()) {
+      if (!usable || taken || (row.segment > 1 && is_for_other)) continue;
+      (is_wanted ? as_wanted : others).push_back(parts_.jobs.way_to_change(row, device.id));
     } else if (usable) {
       (taken ? busy : free).push_back(device.id);
     } else {
@@ -109,7 +108,8 @@ std::vector<Way> CutDispatcher::ways_of_armed(const JobRow& row) {
   const Way disarm{std::string(name_of(JobAction::Disarm)), "{}"};
   const auto plan = parts_.plans.table().find(row.plan);
   const bool may = arm_lives(row.id) && plan && parts_.devices.usable(row.device) &&
-                   parts_.devices.misfit(row.device, *plan).empty() && knows_place(row, row.device);
+                   parts_.devices.misfit(row.device, *plan, row.site).empty() &&
+                   knows_place(row, row.device);
   if (may && !row.held)
     return {{std::string(name_of(JobAction::Start)), fmt::format("{{\"sheet\":{}}}", row.sheet)},
             disarm};

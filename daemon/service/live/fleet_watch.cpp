@@ -26,19 +26,34 @@ Answer<void> FleetWatch::begin() {
   try {
     begin_life();
   } catch (const StoreFault& fault) {
-    if (fault.kind() == FaultKind::Refused) return refuse(ProblemKind::StateConflict, fault.what());
-    if (fault.kind() != FaultKind::Away && fault.kind() != FaultKind::InDoubt)
+    if (fault.kind() == FaultKind::Refused && !has_own_life())
+      return refuse(ProblemKind::StateConflict, fault.what());
+    if (fault.kind() != FaultKind::Away && fault.kind() != FaultKind::InDoubt &&
+        fault.kind() != FaultKind::Refused)
       return refuse(ProblemKind::Unavailable, fault.what());
     note(fault);
   }
   return {};
 }
 
+// Then it waits for the end of that lease; whoever started this popcutd need do nothing.
+bool FleetWatch::has_own_life() const {
+  try {
+    return lease_.is_own_life();
+  } catch (const StoreFault&) {
+    return false;
+  }
+}
+
 // The epoch is committed before anything is read: no start of the one before is still under way.
 void FleetWatch::begin_life() {
   has_begun_ = false;
   lease_.begin();
+  tell_generation();
   parts_.store.begin_news();
+  // A START that had no answer before another database took over.
+  for (const AttemptRow& open : parts_.jobs.attempts().open())
+    if (!parts_.dispatcher.cuts(open.id)) (void)parts_.dispatcher.take_back(open);
   if (const Answer<void> recovered =
           recover(parts_.store, parts_.jobs, parts_.intents,
                   [this](const std::string& attempt) { return parts_.dispatcher.cuts(attempt); });
@@ -58,6 +73,22 @@ void FleetWatch::begin_life() {
   parts_.devices.load_others();
 }
 
+// A timeline, and when a node last saw that the database is an earlier one.
+void FleetWatch::tell_generation() const {
+  const std::string &before = lease_.generation_before(), &now = lease_.generation();
+  if (before.empty() || before == now) return;
+  const auto same = [&](std::size_t from, std::size_t to) {
+    return before.substr(from, to) == now.substr(from, to);
+  };
+  const std::size_t dot = before.find('.');
+  parts_.store.log(fmt::format(
+      "{}{}; this node now tells it of the cuts in its journals; nobody can arm a sheet until all "
+      "nodes have done so",
+      same(dot, before.npos) ? "the database is another one now"
+                             : "the database went back to an earlier state",
+      same(0, dot) ? "" : ": a standby took over, or a backup was restored"));
+}
+
 void FleetWatch::note(const StoreFault& fault) {
   why_ = fault.what();
   if (std::exchange(logged_, why_) != why_)
@@ -65,7 +96,9 @@ void FleetWatch::note(const StoreFault& fault) {
 }
 
 void FleetWatch::tick() {
+  if (has_left_) return;  // what was ended in order must not begin again before the process ends
   try {
+    lease_.saw(parts_.store.heard());
     if (!has_begun_) return begin_life();
     const std::int64_t now = parts_.store.monotonic();
     const auto between_ms = static_cast<std::int64_t>(parts_.options.fleet.beat_s * 1000);
@@ -86,8 +119,8 @@ void FleetWatch::tick() {
 void FleetWatch::beat() {
   if (!lease_.beat()) {
     parts_.store.log(
-        "the lease of this node was over, or the database is an earlier one; it begins "
-        "again and compares its journals");
+        "the lease of this node was over, or the database is another one now; it begins again and "
+        "compares its journals");
     return begin_life();
   }
   why_.clear();
@@ -135,6 +168,7 @@ void FleetWatch::close_lost_nodes() {
 }
 
 void FleetWatch::end() {
+  has_left_ = true;
   if (has_begun_) lease_.end();
   has_begun_ = false;
 }

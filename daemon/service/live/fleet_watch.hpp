@@ -44,7 +44,9 @@ class FleetWatch {
   std::function<void()> on_begun{};
 
  private:
+  [[nodiscard]] bool has_own_life() const;
   void begin_life();
+  void tell_generation() const;
   void settle();
   void beat();
   void close_lost_nodes();
@@ -52,7 +54,7 @@ class FleetWatch {
 
   Parts parts_;
   NodeLease lease_;
-  bool has_begun_{false}, was_begun_{false};
+  bool has_begun_{false}, was_begun_{false}, has_left_{false};
   bool in_doubt_{false};
   std::int64_t beat_ms_{0};
   std::string why_{"it has not begun yet"}, logged_;

@@ -202,6 +202,7 @@ class AssembledService final : private PartsHolder, public Operations, public Li
   Answer<void> begin_in_fleet();
   void share_again();
   void heed(const Event& event);
+  void heed_rest();
   void prune();
   [[nodiscard]] Answer<void> may_copy(const Principal& who) const;
   void in_slices(const char* name, std::function<Answer<bool>()> step,
@@ -209,6 +210,7 @@ class AssembledService final : private PartsHolder, public Operations, public Li
   void copy(const std::string& path, std::function<Answer<std::string>()> finish,
             std::function<void(Answer<std::string>)> done);
   bool copying_{false};
+  bool others_changed_{false}, others_queued_{false};  ///< in the news that is heard now
 };
 
 Answer<void> AssembledService::begin() {
@@ -242,6 +244,7 @@ Answer<void> AssembledService::begin_in_fleet() {
     share_again();
   };
   parts_.store.on_others = [this](const Event& event) { heed(event); };
+  parts_.store.on_others_heard = [this] { heed_rest(); };
   return parts_.fleet->begin();
 }
 
@@ -261,22 +264,26 @@ void AssembledService::share_again() {
 
 // What another node did may concern what this one is doing.
 void AssembledService::heed(const Event& event) {
-  if (event.kind == "device")
-    (void)parts_.store.look([&]() -> Answer<void> {
-      parts_.registry.load_others();
-      return {};
-    });
+  if (event.kind == "device") others_changed_ = true;
   if (event.kind == "job") {
     parts_.dispatcher.heed(event.job);
     const bool is_over = event.data.find(R"("state":"cancelled")") != std::string::npos;
-    const bool is_new = event.data.find(R"("state":"queued")") != std::string::npos;
+    if (event.data.find(R"("state":"queued")") != std::string::npos) others_queued_ = true;
     if (is_over)
       (void)parts_.store.look([&]() -> Answer<void> {
         if (const Answer<JobRow> row = parts_.jobs.row(event.job)) parts_.plans.abandon(row->plan);
         return {};
       });
-    if (is_new) parts_.plans.pump();
   }
+}
+
+void AssembledService::heed_rest() {
+  if (std::exchange(others_changed_, false))
+    (void)parts_.store.look([&]() -> Answer<void> {
+      parts_.registry.load_others();
+      return {};
+    });
+  if (std::exchange(others_queued_, false)) parts_.plans.pump();
 }
 
 void AssembledService::hear_fleet(const std::string& news) {

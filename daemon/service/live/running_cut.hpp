@@ -29,6 +29,7 @@ struct CutDispatcher::Cut {
   bool pause_asked{false};             ///< by who could not write it down
   bool superseded{false};              ///< in a fleet: a person decided otherwise while it was lost
   std::int64_t marked_ms{-1'000'000};  ///< when its marks were last stored
+  bool unmarked{false};                ///< in a fleet: the database does not have the last ones yet
   std::optional<std::string> refusal;  ///< why the cutter did not take it
   std::string shown;                   ///< kind of the attention that is shown meanwhile
   SessionPhase phase{SessionPhase::Connecting};

@@ -21,14 +21,16 @@ bool is_away(const std::string& state) { return state == "absent" || state == "o
 void DeviceRegistry::load() {
   Rows rows = store_.db().rows(
       "SELECT id, rev, model, title, simulated, width_mm, length_mm, enabled, sheets_done, cut_mm, "
-      "node FROM device WHERE node=? ORDER BY id",
+      "node, site FROM device WHERE node=? ORDER BY id",
       store_.node().name);
   while (rows.next()) {
     DeviceRecord record;
     rows.read(0, std::tie(record.id, record.rev, record.model, record.title, record.simulated,
                           record.width_mm, record.length_mm, record.enabled, record.sheets_done,
-                          record.cut_mm, record.node));
+                          record.cut_mm, record.node, record.site));
     record.state = "absent";
+    // The others and the database go by what is stored.
+    if (record.site != options_.fleet.site) unstored_ = true, ++record.rev;
     entries_[record.id] = {.record = record, .machine = {}, .sessions = 0, .kept = true};
   }
 }
@@ -38,7 +40,7 @@ void DeviceRegistry::load_others() {
   std::set<std::string> seen;
   Rows rows = store_.db().rows(
       "SELECT device.id, rev, model, title, simulated, width_mm, length_mm, enabled, sheets_done, "
-      "cut_mm, node, state, reasons, firmware, machine, materials, node.url, "
+      "cut_mm, node, state, reasons, firmware, machine, materials, site, node.url, "
       "node.lease_until>clock_timestamp() FROM device LEFT JOIN node ON node.name=device.node "
       "WHERE "
       "device.node!=? ORDER BY device.id",
@@ -50,7 +52,7 @@ void DeviceRegistry::load_others() {
     rows.read(0, std::tie(record.id, record.rev, record.model, record.title, record.simulated,
                           record.width_mm, record.length_mm, record.enabled, record.sheets_done,
                           record.cut_mm, record.node, record.state, reasons, record.firmware,
-                          machine, materials, url, lives));
+                          machine, materials, record.site, url, lives));
     seen.insert(record.id);
     record.reasons = list_from_json(reasons);
     if (!materials.empty()) record.materials = list_from_json(materials);
@@ -91,6 +93,23 @@ Problem DeviceRegistry::elsewhere(const std::string& id) const {
   return {ProblemKind::StateConflict,
           fmt::format("{} is at {}; only a person there may arm, start and resume{}{}", id,
                       record.node, record.node_url.empty() ? "" : ": ", record.node_url)};
+}
+
+const std::string& DeviceRegistry::site_of(const Entry& entry) const {
+  return is_remote(entry) ? entry.record.site : options_.fleet.site;
+}
+
+bool DeviceRegistry::has_site(const std::string& site) const {
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [&](const auto& one) { return site_of(one.second) == site; });
+}
+
+std::string DeviceRegistry::wrong_site(const std::string& id, const std::string& site) const {
+  const auto found = entries_.find(id);
+  if (site.empty() || found == entries_.end() || site_of(found->second) == site) return {};
+  const std::string& here = site_of(found->second);
+  return fmt::format("is at {}{}; the job is for site {}", here.empty() ? "no site" : "site ", here,
+                     site);
 }
 
 const std::vector<std::string>* DeviceRegistry::materials_of(const std::string& id) const {
@@ -185,17 +204,18 @@ void DeviceRegistry::keep(const Entry& entry) {
   const auto* const materials = materials_of(record.id);
   store_.db().put(
       "device(id, rev, model, title, simulated, width_mm, length_mm, enabled, state, sheets_done, "
-      "cut_mm, node, machine, materials, reasons, firmware)",
+      "cut_mm, node, machine, materials, reasons, firmware, site)",
       "id", record.id, record.rev, record.model, record.title, record.simulated, record.width_mm,
       record.length_mm, record.enabled, record.state, record.sheets_done, record.cut_mm,
       store_.node().name, entry.machine, materials == nullptr ? "" : json_list(*materials),
-      json_list(record.reasons), record.firmware);
+      json_list(record.reasons), record.firmware, options_.fleet.site);
 }
 
 DeviceRecord DeviceRegistry::shown(const Entry& entry) const {
   DeviceRecord record = entry.record;
   record.machine = entry.machine;
   if (!is_remote(entry)) record.node = store_.node().name;
+  record.site = site_of(entry);
   if (const auto* const materials = materials_of(record.id)) record.materials = *materials;
   if (!entry.taken_by.empty()) {
     record.state = "fault";
@@ -235,22 +255,23 @@ bool DeviceRegistry::is_set_up_for(const std::string& id, const std::string& mat
   return set_up != nullptr && std::find(set_up->begin(), set_up->end(), material) != set_up->end();
 }
 
-DeviceRegistry::MachineChoice DeviceRegistry::machine_for(const std::string& material) const {
+DeviceRegistry::MachineChoice DeviceRegistry::machine_for(const std::string& material,
+                                                          const std::string& site) const {
   constexpr int kForOthers = 2;
   const auto rank = [&](const std::string& id, const Entry& entry) {
     const int set_up = is_set_up_for(id, material)   ? 0
                        : materials_of(id) != nullptr ? kForOthers
                                                      : 1;
-    return std::pair(set_up, is_away(entry.record.state));
+    return std::tuple(!wrong_site(id, site).empty(), set_up, is_away(entry.record.state));
   };
   MachineChoice choice;
-  std::pair<int, bool> best{kForOthers + 1, true};
+  std::tuple<bool, int, bool> best{true, kForOthers + 1, true};
   for (const auto& [id, entry] : entries_) {
     if (entry.machine.empty()) continue;
     if (const auto here = rank(id, entry); here < best)
       best = here, choice = {.device = id, .machine = entry.machine};
   }
-  choice.is_set_up = best.first != kForOthers;
+  choice.is_set_up = std::get<1>(best) != kForOthers;
   for (const auto& [id, entry] : entries_)
     if (!entry.machine.empty() && entry.machine != choice.machine && rank(id, entry) == best)
       choice.others.push_back(id);
@@ -270,9 +291,11 @@ std::string DeviceRegistry::session_of(const std::string& id) const {
                      found == entries_.end() ? 0 : found->second.sessions);
 }
 
-std::string DeviceRegistry::misfit(const std::string& id, const PlanRow& plan) const {
+std::string DeviceRegistry::misfit(const std::string& id, const PlanRow& plan,
+                                   const std::string& site) const {
   const auto found = entries_.find(id);
   if (found == entries_.end()) return "it is unknown";
+  if (const std::string why = wrong_site(id, site); !why.empty()) return "it " + why;
   const Entry& entry = found->second;
   if (!entry.machine.empty() && entry.machine != plan.machine)
     return fmt::format("the sheets are planned for a {}, it is a {}", plan.machine, entry.machine);
@@ -286,10 +309,11 @@ std::string DeviceRegistry::misfit(const std::string& id, const PlanRow& plan) c
   return fmt::format("it is set up for {}, not for {}", fmt::join(*set_up, ", "), plan.material);
 }
 
-std::vector<std::string> DeviceRegistry::fitting(const PlanRow& plan) const {
+std::vector<std::string> DeviceRegistry::fitting(const PlanRow& plan,
+                                                 const std::string& site) const {
   std::vector<std::string> ids;
   for (const auto& [id, entry] : entries_)
-    if (usable(id) && misfit(id, plan).empty()) ids.push_back(id);
+    if (usable(id) && misfit(id, plan, site).empty()) ids.push_back(id);
   return ids;
 }
 

@@ -43,17 +43,25 @@ class DeviceRegistry {
     std::vector<std::string> others{};  ///< devices of other models that would do as well
   };
   /// A device that is set up for the material, else one that is set up for nothing special; among
-  /// them one that is connected, the first by its id.
-  [[nodiscard]] MachineChoice machine_for(const std::string& material) const;
+  /// them one that is connected, the first by its id. Those at `site` before all others.
+  [[nodiscard]] MachineChoice machine_for(const std::string& material,
+                                          const std::string& site) const;
+  /// Whether any device stands there.
+  [[nodiscard]] bool has_site(const std::string& site) const;
+  /// Why a device does not stand where a job is to be cut: "is at site a; the job is for site b";
+  /// empty: it does, or the job may be cut anywhere.
+  [[nodiscard]] std::string wrong_site(const std::string& id, const std::string& site) const;
   /// Changes whenever the device has been away: what was in it may have moved.
   [[nodiscard]] std::string session_of(const std::string& id) const;
 
   /// Whether a plan for this device would cure why that one cannot be cut on it.
   [[nodiscard]] bool wants_own_plan(const std::string& id, const PlanRow& plan) const;
-  /// Why a plan cannot be cut on a device; empty: it can.
-  [[nodiscard]] std::string misfit(const std::string& id, const PlanRow& plan) const;
+  /// Why a plan cannot be cut on a device for a job of that site (empty: any); empty: it can.
+  [[nodiscard]] std::string misfit(const std::string& id, const PlanRow& plan,
+                                   const std::string& site) const;
   /// Devices that are connected, enabled and suitable.
-  [[nodiscard]] std::vector<std::string> fitting(const PlanRow& plan) const;
+  [[nodiscard]] std::vector<std::string> fitting(const PlanRow& plan,
+                                                 const std::string& site) const;
   /// Whether a sheet may be loaded there; if not, the problem.
   [[nodiscard]] Answer<void> usable(const std::string& id) const;
   /// What makes a device usable again, as far as popcutd can: empty if it is usable, or if a person
@@ -74,6 +82,7 @@ class DeviceRegistry {
     std::string taken_by{};  ///< a node that has a cutter of the same id, and had it first
   };
   [[nodiscard]] static bool is_remote(const Entry& entry) { return entry.remote; }
+  [[nodiscard]] const std::string& site_of(const Entry& entry) const;
   [[nodiscard]] const std::vector<std::string>* materials_of(const std::string& id) const;
   [[nodiscard]] bool is_set_up_for(const std::string& id, const std::string& material) const;
   [[nodiscard]] DeviceRecord shown(const Entry& entry) const;

@@ -13,6 +13,7 @@ namespace {
 constexpr int kAtOnce = 200;  // jobs of one plan that change in one transaction
 constexpr std::int64_t kPositionStep = std::int64_t{1} << 20;
 constexpr std::size_t kMostTags = 20;
+constexpr std::size_t kMostSiteBytes = 256;
 // In each job of a list; its plan has all of them.
 constexpr std::size_t kWarningsOfJob = 10, kWarningOfJob = 300;  // how many, and their bytes
 
@@ -36,12 +37,16 @@ Answer<void> JobRepository::check(const JobCreate& request) const {
   if (request.priority < -10 || request.priority > 10) add("/priority", "range", "must be -10..10");
   add_text(check_text(request.name, 480, "/name"));
   add_text(check_text(request.note, 8000, "/note", true));
+  add_text(check_text(request.site, kMostSiteBytes, "/site"));
   if (request.tags.size() > kMostTags)
     add("/tags", "range", fmt::format("must be at most {}", kMostTags));
   for (std::size_t i = 0; i < std::min(request.tags.size(), kMostTags); ++i)
     add_text(check_text(request.tags[i], 160, fmt::format("/tags/{}", i)));
   if (!request.device.empty() && !parts_.devices.find(request.device))
     all.errors.push_back(parts_.devices.unknown(request.device, "/device").errors.front());
+  if (const std::string why = parts_.devices.wrong_site(request.device, request.site); !why.empty())
+    add("/site", "value",
+        fmt::format("{} {}; give its site or none, or another device", request.device, why));
   if (all.errors.empty()) return {};
   return tl::unexpected(std::move(all));
 }
@@ -57,7 +62,8 @@ Answer<Job> JobRepository::create(const Principal& who, const JobCreate& request
                                                                .material = request.material,
                                                                .device = request.device,
                                                                .machine = {},
-                                                               .options = request.options});
+                                                               .options = request.options,
+                                                               .site = request.site});
       if (!plan) return tl::unexpected(plan.error());
       return add(who, request, *plan);
     }
@@ -111,6 +117,7 @@ Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
   row.note = request.note;
   row.owner = who.name;
   row.requested_device = request.device;
+  row.site = request.site;
   row.design = plan.design;
   row.plan = plan.id;
   row.material = plan.material;
@@ -127,10 +134,10 @@ Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
                                   sheets, parts_.options.sheets_per_job)));
   // A plan that waits to be made has its machine and material, and no area yet.
   if (!request.device.empty())
-    if (const std::string why = parts_.devices.misfit(request.device, plan); !why.empty())
+    if (const std::string why = parts_.devices.misfit(request.device, plan, row.site); !why.empty())
       return tl::unexpected(invalid_value("/device", "value", why));
   if (request.device.empty() && request.plan.empty())
-    row.warnings = warnings_json(choice_warnings(plan.material));
+    row.warnings = warnings_json(choice_warnings(plan.material, row.site));
   jobs_.insert(row);
   store.audit(who.name, "create-job", row.id, row.name);
   if (plan.state == PlanState::Planned) {
@@ -377,6 +384,25 @@ std::optional<SheetPlan> JobRepository::current_sheet(const JobRow& row) {
   return parts_.plans.table().sheet(row.plan, plan_sheet(row, row.sheet, plan_sheets));
 }
 
+// Of a change that names a device or a site: the job's device stands at the job's site.
+Answer<void> JobRepository::check_site(const JobRow& row, const JobPatch& request) const {
+  if (!request.site && !request.device) return {};
+  const std::string device = request.device.value_or(row.requested_device);
+  const std::string why = parts_.devices.wrong_site(device, request.site.value_or(row.site));
+  if (why.empty()) return {};
+  Problem problem =
+      invalid_value(request.site ? "/site" : "/device", "value", fmt::format("{} {}", device, why));
+  JobRow there = row;
+  there.requested_device = device;
+  if (!request.site)
+    problem.ways = {way_to_change(there, device, request.plan_again)};
+  else if (row.segment == 1)
+    problem.ways = {
+        {"change", fmt::format(R"({{"device":"","site":{}{}}})", json_text(*request.site),
+                               request.plan_again ? R"(,"plan_again":true)" : "")}};
+  return tl::unexpected(std::move(problem));
+}
+
 Answer<Job> JobRepository::patch(const Principal& who, const std::string& id, std::int64_t if_match,
                                  const JobPatch& request) {
   return parts_.store.change([&]() -> Answer<Job> {
@@ -397,6 +423,9 @@ Answer<Job> JobRepository::patch(const Principal& who, const std::string& id, st
     if (request.note)
       if (const auto fine = check_text(*request.note, 8000, "/note", true); !fine)
         return tl::unexpected(fine.error());
+    if (request.site)
+      if (const auto fine = check_text(*request.site, kMostSiteBytes, "/site"); !fine)
+        return tl::unexpected(fine.error());
     if (request.material && !request.plan_again)
       return tl::unexpected(invalid_value("/material", "value",
                                           "needs plan_again: true, because another material needs "
@@ -412,7 +441,7 @@ Answer<Job> JobRepository::patch(const Principal& who, const std::string& id, st
       if (row->segment > 1 && *request.device != row->requested_device)
         return refused(*row, conflict(*row, "this sheet is in " + row->requested_device));
       if (const std::string why =
-              plan && !request.plan_again ? parts_.devices.misfit(*request.device, *plan) : "";
+              plan && !request.plan_again ? parts_.devices.misfit(*request.device, *plan, "") : "";
           !why.empty()) {
         Problem problem = invalid_value("/device", "value", why);
         problem.ways = other_devices(*row);
@@ -421,6 +450,9 @@ Answer<Job> JobRepository::patch(const Principal& who, const std::string& id, st
         return tl::unexpected(std::move(problem));
       }
     }
+    if (const auto agrees = check_site(*row, request); !agrees)
+      return tl::unexpected(agrees.error());
+    row->site = request.site.value_or(row->site);
     row->priority = request.priority.value_or(row->priority);
     row->name = request.name.value_or(row->name);
     row->note = request.note.value_or(row->note);

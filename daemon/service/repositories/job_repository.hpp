@@ -57,6 +57,9 @@ class JobRepository : public Jobs {
   /// The request that plans a job for a device; nothing if the device or the job does not need it.
   [[nodiscard]] std::optional<Way> way_to_plan_again(const JobRow& row, const std::string& device,
                                                      const PlanRow& plan);
+  /// The request that makes a job one for that device, where it stands.
+  [[nodiscard]] Way way_to_change(const JobRow& row, const std::string& device,
+                                  bool plan_again = false) const;
   Answer<void> remove(const Principal& who, const std::string& id) override;
   Answer<Page<Job>> queue(const std::string& device, const PageRequest& request) override;
   Answer<Job> hold(const Principal& who, const std::string& id, bool held) override;
@@ -100,7 +103,8 @@ class JobRepository : public Jobs {
   }
   [[nodiscard]] std::optional<SheetPlan> current_sheet(const JobRow& row);
   /// Why a job that names no device is planned for the one that it is planned for.
-  [[nodiscard]] std::vector<Warning> choice_warnings(const std::string& material) const;
+  [[nodiscard]] std::vector<Warning> choice_warnings(const std::string& material,
+                                                     const std::string& site) const;
   /// Whether nothing of it was cut.
   [[nodiscard]] bool may_plan_again(const JobRow& row);
   [[nodiscard]] Answer<void> plan_again(const Principal& who, JobRow& row, const JobPatch& request);
@@ -123,10 +127,12 @@ class JobRepository : public Jobs {
   /// The devices that a job could change to.
   [[nodiscard]] std::vector<Way> other_devices(const JobRow& row) const;
   [[nodiscard]] bool lost_its_place(const JobRow& row) const;
+  [[nodiscard]] std::string warnings_of(const JobRow& row) const;
   [[nodiscard]] std::vector<std::string> actions_of(const JobRow& row) const;
   [[nodiscard]] Answer<Job> add(const Principal& who, const JobCreate& request,
                                 const PlanRow& plan);
   [[nodiscard]] Answer<void> check(const JobCreate& request) const;
+  [[nodiscard]] Answer<void> check_site(const JobRow& row, const JobPatch& request) const;
   void apply_plan(JobRow& row, const PlanRow& plan);
   void plan_ended_some(const std::string& plan);
   std::set<std::string> left_over_{};  ///< plans whose jobs could not be updated

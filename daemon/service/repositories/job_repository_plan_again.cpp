@@ -8,8 +8,9 @@
 
 namespace popcut::daemon {
 
-std::vector<Warning> JobRepository::choice_warnings(const std::string& material) const {
-  const DeviceRegistry::MachineChoice choice = parts_.devices.machine_for(material);
+std::vector<Warning> JobRepository::choice_warnings(const std::string& material,
+                                                    const std::string& site) const {
+  const DeviceRegistry::MachineChoice choice = parts_.devices.machine_for(material, site);
   if (!choice.is_set_up)
     return {{.code = "no_cutter_for_material",
              .message = fmt::format("no cutter is set up for {}; see the materials of the cutters "
@@ -25,7 +26,18 @@ std::vector<Warning> JobRepository::choice_warnings(const std::string& material)
 std::optional<Way> JobRepository::way_to_plan_again(const JobRow& row, const std::string& device,
                                                     const PlanRow& plan) {
   if (!parts_.devices.wants_own_plan(device, plan) || !may_plan_again(row)) return std::nullopt;
-  return Way{"change", fmt::format(R"({{"device":{},"plan_again":true}})", json_text(device))};
+  return way_to_change(row, device, true);
+}
+
+Way JobRepository::way_to_change(const JobRow& row, const std::string& device,
+                                 bool plan_again) const {
+  const bool is_there = parts_.devices.wrong_site(device, row.site).empty();
+  std::string members;
+  if (is_there || plan_again || !row.requested_device.empty())
+    members += R"(,"device":)" + json_text(device);
+  if (!is_there) members += R"(,"site":)" + json_text(parts_.devices.find(device)->site);
+  if (plan_again) members += R"(,"plan_again":true)";
+  return {"change", fmt::format("{{{}}}", members.substr(1))};
 }
 
 // Of a sheet that was cut the rest must come from the same plan.
@@ -43,9 +55,9 @@ Answer<void> JobRepository::plan_again(const Principal& who, JobRow& row, const 
         "other cutter"));
   const std::string device = request.device.value_or(row.requested_device);
   const Answer<PlanRow> plan =
-      parts_.plans.plan_again(who, *before, device, request.material.value_or(""));
+      parts_.plans.plan_again(who, *before, device, request.material.value_or(""), row.site);
   if (!plan) return tl::unexpected(plan.error());
-  if (const std::string why = device.empty() ? "" : parts_.devices.misfit(device, *plan);
+  if (const std::string why = device.empty() ? "" : parts_.devices.misfit(device, *plan, row.site);
       !why.empty())
     return tl::unexpected(invalid_value("/device", "value", why));
   row.plan = plan->id;
@@ -56,8 +68,8 @@ Answer<void> JobRepository::plan_again(const Principal& who, JobRow& row, const 
   row.low_s = row.high_s = 0;
   row.load.clear();
   row.unaccepted.clear();
-  row.warnings =
-      warnings_json(device.empty() ? choice_warnings(plan->material) : std::vector<Warning>());
+  row.warnings = warnings_json(device.empty() ? choice_warnings(plan->material, row.site)
+                                              : std::vector<Warning>());
   set_attention(row, "", "");
   take(row, step_of(row.state, JobEvent::PlansAgain), "");
   if (plan->state == PlanState::Planned)

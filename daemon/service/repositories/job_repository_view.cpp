@@ -47,7 +47,7 @@ std::vector<Way> JobRepository::other_devices(const JobRow& row) const {
   std::vector<Way> all;
   const auto plan = const_cast<JobRepository*>(this)->parts_.plans.table().find(row.plan);
   if (!plan || row.segment > 1) return all;
-  for (const std::string& id : parts_.devices.fitting(*plan))
+  for (const std::string& id : parts_.devices.fitting(*plan, row.site))
     if (id != row.requested_device && all.size() < kMost)
       all.push_back({.action = "change", .body = fmt::format(R"({{"device":{}}})", json_text(id))});
   return all;
@@ -96,6 +96,18 @@ std::optional<TimeMs> JobRepository::armed_until(const JobRow& row) const {
   return arm->armed + parts_.options.arm_s * 1000;
 }
 
+// The stored ones, and what may be otherwise by now.
+std::string JobRepository::warnings_of(const JobRow& row) const {
+  if (row.site.empty() || is_terminal(row.state) || parts_.devices.has_site(row.site))
+    return row.warnings;
+  std::vector<Warning> all = warnings_from_json(row.warnings);
+  all.insert(all.begin(), {.code = "no_cutter_at_site",
+                           .message = fmt::format("no cutter is at site {}; the job waits for one, "
+                                                  "or until you change its site",
+                                                  row.site)});
+  return warnings_json(all);
+}
+
 Job JobRepository::shown(const JobRow& row) const {
   Job job;
   job.id = row.id;
@@ -110,6 +122,7 @@ Job JobRepository::shown(const JobRow& row) const {
   job.operator_title = parts_.titles.of(row.operator_name);
   job.is_test = row.design.empty();
   job.device = row.device.empty() ? row.requested_device : row.device;
+  job.site = row.site;
   job.design = row.design;
   job.plan = row.plan;
   job.material = row.material;
@@ -145,7 +158,7 @@ Job JobRepository::shown(const JobRow& row) const {
   job.outcome = row.outcome;
   job.tags = list_from_json(row.tags);
   job.load = row.load;
-  job.warnings = row.warnings;
+  job.warnings = warnings_of(row);
   job.unaccepted = codes_of(row.unaccepted);
   job.attention = attention_of(row);
   job.armed_until = armed_until(row);
@@ -197,11 +210,13 @@ Answer<Page<Job>> JobRepository::queue(const std::string& device, const PageRequ
     Page<Job> page;
     std::map<std::string, bool> fits;  // by plan: many jobs share one
     const auto fitting = [&](const JobRow& row) {
-      if (device.empty() || !row.device.empty() || row.sheets_total == 0) return true;
+      if (device.empty() || !row.device.empty()) return true;
+      if (!parts_.devices.wrong_site(device, row.site).empty()) return false;
+      if (row.sheets_total == 0) return true;
       const auto [known, is_new] = fits.try_emplace(row.plan, true);
       if (is_new) {
         const auto plan = parts_.plans.table().find(row.plan);
-        known->second = !plan || parts_.devices.misfit(device, *plan).empty();
+        known->second = !plan || parts_.devices.misfit(device, *plan, "").empty();
       }
       return known->second;
     };

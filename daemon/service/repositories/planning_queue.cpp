@@ -117,7 +117,8 @@ std::string PlanningQueue::folder_of(const std::string& plan) const {
 
 Answer<PlanningQueue::Machine> PlanningQueue::machine_for(const std::string& device,
                                                           const std::string& machine,
-                                                          const std::string& material) {
+                                                          const std::string& material,
+                                                          const std::string& site) {
   std::string name = machine;
   if (!device.empty()) {
     if (!parts_.devices.find(device))
@@ -129,7 +130,7 @@ Answer<PlanningQueue::Machine> PlanningQueue::machine_for(const std::string& dev
                                           "device and machine do not match"));
     if (name.empty()) name = of_device;
   }
-  if (name.empty()) name = parts_.devices.machine_for(material).machine;
+  if (name.empty()) name = parts_.devices.machine_for(material, site).machine;
   if (name.empty()) name = kUsualMachine;
   return parts_.materials.machine_row(name).map([&](const std::string& json) {
     return Machine{name, json};
@@ -177,7 +178,8 @@ Answer<PlanRow> PlanningQueue::plan_for(const Principal& who, const PlanRequest&
   if (material.empty()) material = kUsualMaterial;
   const Answer<MaterialRecord> row = material_named(material);
   if (!row) return tl::unexpected(row.error());
-  const Answer<Machine> machine = machine_for(request.device, request.machine, material);
+  const Answer<Machine> machine =
+      machine_for(request.device, request.machine, material, request.site);
   if (!machine) return tl::unexpected(machine.error());
   std::map<std::string, std::string> options = request.options;
   if (options.contains(kProfileRow))
@@ -202,23 +204,25 @@ Answer<PlanRow> PlanningQueue::plan_for(const Principal& who, const PlanRequest&
 }
 
 Answer<PlanRow> PlanningQueue::plan_again(const Principal& who, const PlanRow& before,
-                                          const std::string& device, const std::string& material) {
+                                          const std::string& device, const std::string& material,
+                                          const std::string& site) {
   const std::string& wanted = material.empty() ? before.material : material;
-  if (before.kind == "test") return test_plan_for(who, device, wanted);
+  if (before.kind == "test") return test_plan_for(who, device, wanted, site);
   std::map<std::string, std::string> options = words_of(before.options);
   options.erase(kProfileRow);
   return plan_for(who, {.design = before.design,
                         .material = wanted,
                         .device = device,
                         .machine = {},
-                        .options = std::move(options)});
+                        .options = std::move(options),
+                        .site = site});
 }
 
 Answer<PlanRow> PlanningQueue::test_plan_for(const Principal& who, const std::string& device,
-                                             const std::string& material) {
+                                             const std::string& material, const std::string& site) {
   const Answer<MaterialRecord> row = material_named(material.empty() ? kUsualMaterial : material);
   if (!row) return tl::unexpected(row.error());
-  const Answer<Machine> machine = machine_for(device, "", row->id);
+  const Answer<Machine> machine = machine_for(device, "", row->id, site);
   if (!machine) return tl::unexpected(machine.error());
   return find_or_add(who, {.id = {},
                            .key = {},

@@ -47,12 +47,14 @@ class PlanningQueue : public Plans {
   /// @retval QueueFull  too many wait, or too many of theirs
   [[nodiscard]] Answer<PlanRow> plan_for(const Principal& who, const PlanRequest& request);
   /// A plan with the design and the options of an earlier one; an empty material is its material,
-  /// an empty device the one that suits it.
+  /// an empty device the one that suits it and stands at `site`.
   [[nodiscard]] Answer<PlanRow> plan_again(const Principal& who, const PlanRow& before,
-                                           const std::string& device, const std::string& material);
+                                           const std::string& device, const std::string& material,
+                                           const std::string& site);
   /// That of a small test shape.
   [[nodiscard]] Answer<PlanRow> test_plan_for(const Principal& who, const std::string& device,
-                                              const std::string& material);
+                                              const std::string& material,
+                                              const std::string& site = {});
   /// Notes that `who` waits for a plan, if it is not made yet; in a transaction.
   ///
   /// @retval QueueFull  they wait for too many
@@ -84,7 +86,7 @@ class PlanningQueue : public Plans {
     std::string name, json;
   };
   [[nodiscard]] Answer<Machine> machine_for(const std::string& device, const std::string& machine,
-                                            const std::string& material);
+                                            const std::string& material, const std::string& site);
   /// @retval Validation  there is no such material
   [[nodiscard]] Answer<MaterialRecord> material_named(const std::string& name);
   struct Hurried {

@@ -20,6 +20,15 @@ std::string crash_text(const std::string& job, const std::string& loss) {
       loss.empty() ? loss : fmt::format(" ({})", loss));
 }
 
+// That a database which does not know the sheet does not know its paths either is no news.
+std::string forgotten_text(const std::string& job, const std::string& loss) {
+  return fmt::format(
+      "the database went back to before this sheet was started; look at the sheet: 'popcut jobs "
+      "{}' "
+      "shows which paths may have been cut{}",
+      job, loss.empty() || loss.starts_with("the database") ? "" : fmt::format(" ({})", loss));
+}
+
 // How many strokes of the blank are certain, and how many may have been cut.
 void count_paths(JobRepository& jobs, JobRow& row, int sheet, int blank, std::int64_t strokes) {
   std::vector<std::vector<FateRun>> fates;
@@ -51,6 +60,7 @@ class Recovery {
   Answer<void> run() {
     close_attempts();
     jobs_.attempts().disarm_all();
+    settle_known();
     for (const auto& [attempt, trail] : trails_) tell_of(attempt, trail);
     for (const JobState state :
          {JobState::Cutting, JobState::Paused, JobState::Armed, JobState::Planning})
@@ -74,8 +84,7 @@ class Recovery {
     try {
       Transaction part(store_.db());
       surface(attempt, trail);
-      store_.db().run("SET CONSTRAINTS ALL IMMEDIATE");
-      store_.db().run("SET CONSTRAINTS ALL DEFERRED");
+      store_.db().script("SET CONSTRAINTS ALL IMMEDIATE; SET CONSTRAINTS ALL DEFERRED");
       part.commit();
     } catch (const StoreFault& fault) {
       if (fault.kind() != FaultKind::Constraint && fault.kind() != FaultKind::Refused) throw;
@@ -162,14 +171,28 @@ class Recovery {
     jobs_.save(*row);
   }
 
+  // In a fleet journals are kept for a month, and the database is a network away: those of which it
+  // knows all are not asked for one by one.
+  void settle_known() {
+    if (!store_.in_fleet()) return;
+    std::vector<std::string> ids;
+    for (const auto& [attempt, trail] : trails_) ids.push_back(attempt);
+    for (const auto& [id, created] : jobs_.attempts().told(ids)) {
+      note_ended(id, created);
+      trails_.erase(id);
+    }
+  }
+
+  void note_ended(const std::string& attempt, TimeMs created) {
+    ended_.push_back(attempt);
+    if (store_.in_fleet() && created < store_.now() - kJournals_ms) outlived_.push_back(attempt);
+  }
+
   // An attempt that is not open: it has ended, or the database does not know it.
   void surface(const std::string& attempt, const IntentTrail& trail) {
     if (const auto known = jobs_.attempts().find(attempt)) {
       if (known->end_kind == "lost") narrow(*known, trail);
-      ended_.push_back(attempt);
-      if (store_.in_fleet() && known->created < store_.now() - kJournals_ms)
-        outlived_.push_back(attempt);
-      return;
+      return note_ended(attempt, known->created);
     }
     if (!trail.head) {
       store_.log(
@@ -185,7 +208,8 @@ class Recovery {
     // Nothing was sent: the start was never committed.
     const bool goes_on = is_cut(attempt);
     if (!goes_on && verdict.doubt_upto < head.first_stroke) return empty_.push_back(attempt);
-    const std::string lost = "the database does not know that this sheet was started";
+    const std::string lost = "the database does not know that this sheet was started",
+                      beside = verdict.loss;
     verdict.loss = verdict.loss.empty() ? lost : lost + "; " + verdict.loss;
     const bool is_copy = is_foreign(head.invocation);
     if (is_copy) verdict.doubt_upto = head.strokes - 1;
@@ -247,7 +271,7 @@ class Recovery {
     row.operator_name = head.operator_name;
     count_paths(jobs_, row, row.sheet, row.blank, head.strokes);
     const std::string from(name_of(row.state));
-    jobs_.set_attention(row, "in_doubt", crash_text(row.id, verdict.loss));
+    jobs_.set_attention(row, "in_doubt", forgotten_text(row.id, beside));
     // "lost": its cut goes on here, and is taken up again right after this.
     jobs_.take_left(row, step_of(row.state, JobEvent::IntentsSurface), goes_on ? "lost" : "crash");
     note_recovered(row, from);

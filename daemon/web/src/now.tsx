@@ -59,9 +59,10 @@ export function waitSentence(job: Job): string | null {
   return say[kind](device);
 }
 
-/** Whether `job` can be cut at `device`: it is its cutter, or the job names none and is planned for this model. */
+/** Whether `job` can be cut at `device`: it is its cutter, or the job names none, is planned for this model and not for another site. */
 export function fits(job: Job, device: Device): boolean {
   if (job.device !== null) return job.device === device.id;
+  if (job.site && job.site !== device.site) return false;
   return job.load !== null && (device.machine === job.load.machine || device.model === job.load.machine);
 }
 
@@ -77,6 +78,7 @@ export const isElsewhere = (device: Device): boolean => !!device.node_url;
 function Cutter({ device }: { device: Device }) {
   const job = device.job ? jobs.value.get(device.job) : undefined;
   const state = words.deviceStates[device.state] ?? device.state;
+  const place = [isElsewhere(device) && device.node, device.site].filter(Boolean).join(', ');
   const busy = job && (job.state === 'cutting' || job.state === 'paused');
   const said = !device.enabled ? words.now.disabled
     : busy ? words.now.busyName(words.states[job.state] ?? '', nameOf(job), job.sheet ?? 1, job.sheets_total) : state;
@@ -84,7 +86,7 @@ function Cutter({ device }: { device: Device }) {
     <a class={`cutter cutter-${device.enabled ? device.state : 'offline'}`} href={atDevice(device.id)}>
       <strong>{device.title}</strong>
       <span>{said}{device.simulated ? ` (${words.now.simulated})` : ''}</span>
-      {isElsewhere(device) && <span>{words.now.atNode(device.node ?? '')}</span>}
+      {place && <span>{words.now.atNode(place)}</span>}
       {device.reasons.length > 0 && <span class="server-words">{device.reasons.join(' ')}</span>}
     </a>
   );

@@ -90,6 +90,19 @@ TEST_CASE("addresses of databases are read and written", "[fleet]") {
   CHECK_FALSE(FleetUrl::parse("postgresql:///pop?host=/run/postgresql").is_remote());
   CHECK_FALSE(FleetUrl::parse("postgresql://[::1]:5432/pop").is_remote());
   CHECK(FleetUrl::parse("postgresql://a,b/pop").is_remote());
+  const auto each = [](const std::string& text) {
+    std::string all;
+    for (const FleetUrl& one : FleetUrl::parse(text).each_host()) all += one.text() + " ";
+    return all;
+  };
+  CHECK(each("postgresql://a:1,[::1]:2/pop?x=y") ==
+        "postgresql://a:1/pop?x=y postgresql://[::1]:2/pop?x=y ");
+  CHECK(each("postgresql://ann@/pop?host=/a,%2Fb&port=1,2") ==
+        "postgresql://ann@/pop?host=/a&port=1 postgresql://ann@/pop?host=/b&port=2 ");
+  CHECK(each("host=a,b port=5433 dbname=pop") ==
+        "postgresql:///pop?host=a&port=5433 postgresql:///pop?host=b&port=5433 ");
+  CHECK(each("postgresql:///pop") == "postgresql:///pop ");
+  CHECK(each("host=a,b,c port=1,2") == FleetUrl::parse("host=a,b,c port=1,2").text() + " ");
   CHECK(FleetUrl::parse("postgresql://db?sslmode=x").value("sslmode") == "x");
   const FleetUrl words =
       FleetUrl::parse("host=/tmp/a dbname = pop user='an n' password='it\\'s' port=5433");
@@ -309,8 +322,8 @@ TEST_CASE("fleet nodes tells of each node what a person needs", "[fleet]") {
   (void)bench.database.run_sql(
       "SET search_path=popcut; SELECT node_end('room-2', (SELECT epoch FROM node WHERE "
       "name='room-2')); INSERT INTO device(id, rev, model, title, simulated, width_mm, length_mm, "
-      "enabled, state, sheets_done, cut_mm, node) VALUES('usb:7', 1, 'm', 't', 0, 1, 1, 1, 'idle', "
-      "0, 0, 'room-1')");
+      "enabled, state, sheets_done, cut_mm, node, site) VALUES('usb:7', 1, 'm', 't', 0, 1, 1, 1, "
+      "'idle', 0, 0, 'room-1', 'ground floor')");
   CHECK(bench.fleet({"drain", "room-1"}).exit == 0);
   CHECK(bench.database.run_sql("SELECT begun_ms>0, lease_until_ms FROM popcut.node_state WHERE "
                                "name<>'room-1' ORDER BY name") == "t|0\nf|0");
@@ -318,7 +331,7 @@ TEST_CASE("fleet nodes tells of each node what a person needs", "[fleet]") {
   CAPTURE(table.out, table.err);
   REQUIRE(table.exit == 0);
   CHECK(says(table.out, "alive for 0 s, draining") != says(table.out, "alive for 1 s, draining"));
-  CHECK(says(table.out, "usb:7 idle  http://room-1.lab"));
+  CHECK(says(table.out, "usb:7 idle at ground floor  http://room-1.lab"));
   CHECK(says(table.out, "stopped 0 s ago") != says(table.out, "stopped 1 s ago"));
   CHECK(says(table.out, "never started"));
   CHECK(bench.fleet({"drain", "room-1", "--undo"}).exit == 0);
@@ -330,6 +343,8 @@ TEST_CASE("fleet nodes tells of each node what a person needs", "[fleet]") {
   CHECK(nodes[0]["reported"] == true);
   CHECK(nodes[0]["lease_s"] > 20);
   CHECK(nodes[0]["devices"] == nlohmann::json({"usb:7 idle"}));
+  CHECK(nodes[0]["site"] == "ground floor");
+  CHECK(nodes[1]["site"] == "");
   CHECK(nodes[1]["alive"] == false);
   CHECK(nodes[1]["stopped"] == true);
   CHECK(nodes[2]["name"] == waiting);
@@ -394,6 +409,9 @@ TEST_CASE("a popcutd that was alone moves into a fleet with all that it has", "[
   check_refused(import(), 5, fmt::format("job {} is armed; start popcutd with this folder", waits));
   lab.open();
   lab.await_state(waits, "ready");
+  const auto for_hall = lab.api().patch(lab.job(waits), {{"site", "hall"}});
+  REQUIRE(for_hall);
+  CHECK(says((*for_hall)["warnings"].dump(), "no cutter is at site hall"));
   lab.daemon().signal(SIGTERM);
   CHECK(lab.daemon().wait() == 0);
 
@@ -412,6 +430,8 @@ TEST_CASE("a popcutd that was alone moves into a fleet with all that it has", "[
   CHECK(done["missing"].empty());
   CHECK(done["files"] > 3);
   CHECK(bench.database.run_sql("SELECT count(*) FROM popcut.job") == "2");
+  CHECK(bench.database.run_sql(fmt::format("SELECT site FROM popcut.job WHERE id='{}'", waits)) ==
+        "hall");
   CHECK(bench.database.run_sql("SELECT DISTINCT owner FROM popcut.job") == who + "@" + node);
   CHECK(bench.database.run_sql("SELECT count(*) FROM popcut.audit WHERE principal='" + who + "'") ==
         "0");
@@ -439,9 +459,13 @@ TEST_CASE("a popcutd that was alone moves into a fleet with all that it has", "[
   CHECK(bench.database.run_sql("SELECT count(*) FROM popcut.job") == "2");
   // Without a fleet it does not begin with an empty queue.
   CHECK_FALSE(lab.daemon().start());
-  CHECK(says(lab.daemon().log(), "popcut.db: the database is missing, but it existed before"));
+  CHECK(says(lab.daemon().log(), "popcut.db: the jobs of this popcutd have moved to a fleet"));
+  check_refused(bench.popcut({"db", "restore", original, "--state", lab.daemon().state()}), 5,
+                "have moved to a fleet, and may be cut there");
+  CHECK_FALSE(std::filesystem::exists(lab.daemon().state() + "/popcut.db"));
 
-  write_file(lab.daemon().config(), text_of_file(lab.daemon().config()) + joined.out);
+  write_file(lab.daemon().config(),
+             text_of_file(lab.daemon().config()) + joined.out + "site = \"hall\"\n");
   lab.open();
   auto after = lab.job(cut);
   CHECK(after["owner"] == who + "@" + node);

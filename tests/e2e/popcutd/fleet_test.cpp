@@ -4,7 +4,8 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
-#include <map>
+#include <filesystem>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -13,80 +14,34 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "tests/support/fleet_nodes.hpp"
+#include "tests/e2e/popcutd/fleet_cuts.hpp"
 #include "tests/support/paths.hpp"
-#include "tests/support/received_log.hpp"
 
 namespace fleet_test {
 
 using namespace popcut;
 using namespace popcut::testing;
-using Json = nlohmann::json;
-using Clock = std::chrono::steady_clock;
+using namespace fleet_cuts;
 
 namespace {
-
-#define NEEDS_POSTGRES()                                                 \
-  if (const std::string why = PostgresServer::why_not(); !why.empty()) { \
-    WARN("skipped: " << why);                                            \
-    return;                                                              \
-  }
 
 constexpr int kLines = 60;
 constexpr double kSlow = 4;  // so that a sheet of 60 lines takes some seconds
 
-double since(Clock::time_point then) {
-  return std::chrono::duration<double>(Clock::now() - then).count();
+/// A job that the cutter of the first node cuts, its knife down.
+std::string begin_cut(FleetNodes& fleet) {
+  std::string job = fleet.ready_job(1, 1, kLines);
+  fleet[1].cut(job);
+  await_knife(fleet[1], job);
+  return job;
 }
 
-/// Waits until the knife has been down.
-void await_knife(RunningDaemon& node, const std::string& job) {
-  node.await(job, [](const Json& now) {
-    return now["state"] == "cutting" && now["progress"]["paths_certain"] >= 2;
-  });
-}
-
-/// Why an action is refused; empty: it is done.
-std::string refusal(RunningDaemon& node, const std::string& job, const std::string& action,
-                    const Json& body = Json::object()) {
-  const auto done = node.api().act(node.job(job), action, body);
-  return done ? std::string() : message(done.error());
-}
-
-/// Waits for a state through times in which nothing is answered.
-bool comes_to(RunningDaemon& node, const std::string& job, const std::string& state) {
-  return happens([&] {
-    const auto now = node.api().get("/v1/jobs/" + job, job);
-    return now && (*now)["state"] == state;
-  });
-}
-
-Json sheet_1() { return {{"sheet", 1}}; }
-
-/// The strokes that each attempt at a sheet cut: "BLANK" -> count of each line, over all nodes.
-std::map<int, std::map<std::string, int>> cut_by_blank(FleetNodes& fleet, const std::string& job) {
-  const auto machine = find_machine("cameo3");
-  std::map<std::string, int> blanks;
-  const std::string rows =
-      fleet.run_sql("SELECT id, blank FROM popcut.attempt WHERE job='" + job + "'");
-  std::istringstream lines(rows);
-  for (std::string line; std::getline(lines, line);)
-    blanks[line.substr(0, line.find('|'))] = std::atoi(line.substr(line.find('|') + 1).c_str());
-  std::map<int, std::map<std::string, int>> cut;
-  for (int k = 1; k <= fleet.size(); ++k)
-    for (const Received& one : received_log(fleet[k].daemon().folder() / "trace/received.log"))
-      if (const auto blank = blanks.find(one.attempt); blank != blanks.end())
-        for (const std::string& place : places_cut(one.bytes, *machine))
-          ++cut[blank->second][place];
-  return cut;
-}
-
-/// Lines that were cut more than once on one blank.
-std::size_t cut_twice(FleetNodes& fleet, const std::string& job) {
-  std::size_t count = 0;
-  for (const auto& [blank, places] : cut_by_blank(fleet, job))
-    for (const auto& [place, times] : places) count += times > 1 ? 1 : 0;
-  return count;
+/// That the knife of the first node has stopped before its last line, but for what its buffer had.
+void check_knife_stands(FleetNodes& fleet) {
+  const std::size_t cut = fleet.lines_cut(1, kLines).size();
+  CHECK(cut < kLines);
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  CHECK(fleet.lines_cut(1, kLines).size() <= cut + 1);
 }
 
 /// popcutd that will not serve: its exit code, and the one line that it said.
@@ -287,9 +242,7 @@ TEST_CASE("a database that hangs or is gone does not keep a person from stopping
   CAPTURE(action, frozen);
   FleetNodes fleet({.nodes = 1, .time_scale = 0.5});
   fleet.open();
-  const std::string job = fleet.ready_job(1, 1, kLines);
-  fleet[1].cut(job);
-  await_knife(fleet[1], job);
+  const std::string job = begin_cut(fleet);
   const Json seen = fleet[1].job(job);
   if (frozen)
     fleet.server().freeze();
@@ -300,15 +253,81 @@ TEST_CASE("a database that hangs or is gone does not keep a person from stopping
   INFO((answer ? std::string("done") : message(answer.error())));
   INFO("the answer came after " << since(pressed) << " s");
   std::this_thread::sleep_for(std::chrono::duration<double>(3 - std::min(3.0, since(pressed))));
-  const std::size_t cut = fleet.lines_cut(1, kLines).size();
-  CHECK(cut < kLines);
-  std::this_thread::sleep_for(std::chrono::seconds(2));
-  CHECK(fleet.lines_cut(1, kLines).size() <= cut + 1);  // one that the buffer still had
+  check_knife_stands(fleet);
   if (frozen)
     fleet.server().thaw();
   else
     fleet.server().start();
   CHECK(comes_to(fleet[1], job, action == "pause" ? "paused" : "cancelled"));
+}
+
+TEST_CASE("a database that answers with errors does not keep a person from stopping the knife",
+          "[fleet]") {
+  NEEDS_POSTGRES();
+  const std::string breaks =
+      GENERATE("REVOKE popcut_node FROM popcut_n_room_1", "ALTER TABLE popcut.idem RENAME TO gone",
+               "ALTER TABLE popcut.job RENAME segment TO gone");
+  const std::string action = breaks.starts_with("REVOKE") ? "pause" : "cancel";
+  CAPTURE(breaks, action);
+  FleetNodes fleet({.nodes = 1, .time_scale = 0.5});
+  fleet.open();
+  const std::string job = begin_cut(fleet);
+  const Json seen = fleet[1].job(job);
+  fleet.run_sql(breaks);
+  const auto answer = fleet[1].api().act(seen, action, Json::object());
+  CHECK_FALSE(answer);
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  check_knife_stands(fleet);
+}
+
+TEST_CASE("nobody changes where an armed sheet begins, nor where a person let it go on",
+          "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet({.nodes = 1, .time_scale = kSlow});
+  fleet.open();
+  const std::string job = fleet.ready_job(1, 1, kLines);
+  REQUIRE(refusal(fleet[1], job, "arm", sheet_1()).empty());
+  fleet.run_sql("UPDATE popcut.job SET first_stroke=5");
+  CHECK_THAT(refusal(fleet[1], job, "start"), Catch::Contains("the armed sheet is not the one"));
+  fleet.run_sql("UPDATE popcut.job SET first_stroke=0");
+  REQUIRE(refusal(fleet[1], job, "start").empty());
+  await_knife(fleet[1], job);
+  fleet.kill(1);
+  fleet.open(1);
+  (void)fleet[1].await_state(job, "interrupted");
+  const Json doubt = fleet[1].ledger(job)["in_doubt"];
+  REQUIRE_FALSE(doubt.empty());
+  const std::int64_t from = doubt.back()[1].get<std::int64_t>() + 1;
+  REQUIRE(refusal(fleet[1], job, "resume-from",
+                  {{"from_path", from}, {"registration", "re-registered"}, {"skip_in_doubt", true}})
+              .empty());
+  fleet.run_sql("UPDATE popcut.job SET first_stroke=0");
+  CHECK_THAT(refusal(fleet[1], job, "arm", sheet_1()),
+             Catch::Contains(fmt::format("a person asked here for path {}", from)));
+  fleet.run_sql(fmt::format("UPDATE popcut.job SET first_stroke={}", from));
+  CHECK(refusal(fleet[1], job, "arm", sheet_1()).empty());
+}
+
+TEST_CASE("marks of a cut that was paused without the database reach it later", "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet({.nodes = 1, .time_scale = kSlow});
+  fleet.open();
+  const std::string job = begin_cut(fleet);
+  const Json seen = fleet[1].job(job);
+  fleet.server().kill();
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  (void)fleet[1].api().act(seen, "pause", Json::object());
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  fleet.server().start();
+  REQUIRE(comes_to(fleet[1], job, "paused"));
+  CHECK(happens(
+      [&] {
+        const Json ledger = fleet[1].ledger(job);
+        const auto certain = fleet[1].job(job)["progress"]["paths_certain"].get<std::int64_t>();
+        return certain > 2 && !ledger["certain"].empty() &&
+               ledger["certain"].back()[1].get<std::int64_t>() + 1 == certain;
+      },
+      20));
 }
 
 TEST_CASE("without its database a node serves what is local, and begins when it is there",
@@ -498,6 +517,37 @@ TEST_CASE("events are the same at all nodes, in the same order, without a gap", 
     if (last > 0) CHECK(seq == last + 1);
     last = seq;
   }
+}
+
+TEST_CASE("a node that begins asks for all journals at once, however many it keeps", "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet({.nodes = 1, .proxies = true});
+  fleet.open();
+  constexpr int kCuts = 6;
+  for (int k = 0; k < kCuts; ++k) {
+    const std::string job = fleet.ready_job(1, 1, 3 + k);
+    fleet[1].cut(job);
+    (void)fleet[1].await_state(job, "done");
+  }
+  fleet[1].daemon().signal(SIGTERM);
+  (void)fleet[1].daemon().wait();
+  fleet.proxy(1).record(true);
+  fleet.open(1);
+  std::string said;
+  for (std::size_t k = 0; k < fleet.proxy(1).recordings(); ++k) said += fleet.proxy(1).recorded(k);
+  const auto times = [&](const std::string& word) {
+    int count = 0;
+    for (std::size_t at = 0; (at = said.find(word, at)) != std::string::npos; ++at) ++count;
+    return count;
+  };
+  CHECK(times("node_reported") >= 1);
+  CHECK(times("string_to_array") == 1);
+  CHECK(times("SAVEPOINT") == 0);  // one for each journal that is looked at alone
+  // They are kept, for a database that is put back to before them.
+  const std::filesystem::path journals = fleet[1].daemon().folder() / "state" / "intents";
+  INFO(journals);
+  CHECK(std::distance(std::filesystem::directory_iterator(journals),
+                      std::filesystem::directory_iterator()) >= kCuts);
 }
 
 TEST_CASE("a program that was changed after it was planned is not cut", "[fleet]") {

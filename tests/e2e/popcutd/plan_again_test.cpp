@@ -115,6 +115,29 @@ TEST_CASE("another cutter or material is refused with the command that plans aga
   CHECK(desk.job(id)["load"]["material"] == "pp-150");
 }
 
+TEST_CASE("a job for a site waits until a cutter stands there or it is for any site",
+          "[popcutd][cli][plan-again]") {
+  const Desk desk;
+  const std::string id = desk.ready({"--site", "top floor"});
+  CHECK(desk.job(id)["site"] == "top floor");
+  CHECK(warns(desk.job(id), "no_cutter_at_site"));
+  CHECK(says(desk.popcut({"jobs", id}).out, "no cutter is at site top floor"));
+  const Ran refused = desk.popcut({"arm", id});
+  CHECK(refused.exit == 5);
+  CHECK(says(refused.err, "sim:cameo3: it is at no site; the job is for site top floor"));
+  CHECK(says(refused.err, fmt::format("popcut change {} --site ''", id)));
+  const Ran contrary =
+      desk.popcut({"cut", "-q", kUnit, "--site", "top floor", "--device", "sim:cameo3"});
+  CHECK(contrary.exit == 2);
+  CHECK(says(contrary.err, "--site: is \"top floor\"; sim:cameo3 is at no site"));
+  const Ran direct = desk.popcut({"cut", "--direct", kUnit, "--site", "top floor"});
+  CHECK(direct.exit == 2);
+  CHECK(desk.popcut({"change", id, "--site", ""}).exit == 0);
+  CHECK(desk.job(id)["site"].is_null());
+  CHECK_FALSE(warns(desk.job(id), "no_cutter_at_site"));
+  CHECK(desk.popcut({"arm", id}).exit == 0);
+}
+
 TEST_CASE("a job of which something was cut keeps its plan", "[popcutd][cli][plan-again]") {
   const Desk desk;
   const std::string id = desk.ready({"--copies", "2"});

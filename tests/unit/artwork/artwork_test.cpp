@@ -9,7 +9,7 @@
 
 #include "core/artwork/colour_mesh_reader.hpp"
 #include "core/artwork/design_artwork.hpp"
-#include "core/artwork/sheet_raster.hpp"
+#include "core/artwork/printed_sheet.hpp"
 #include "core/deploy/glb.hpp"
 #include "core/deploy/pose_table.hpp"
 #include "core/design/patches.hpp"
@@ -362,7 +362,7 @@ TEST_CASE("a glue tab carries what its partner has there", "[artwork]") {
   REQUIRE(plan.layout);
   REQUIRE(plan.layout->tabs.size() > 2);
   for (std::size_t s = 0; s < plan.sheets.size(); ++s) {
-    const auto raster = sheet_raster(artwork, plan, s, 0.1, {});
+    const auto raster = printed_sheet(artwork, plan, s, 0.1, {});
     REQUIRE(raster);
     for (const Tab& tab : plan.layout->tabs) {
       if (plan.layout->pieces[tab.on].sheet != s) continue;
@@ -392,11 +392,11 @@ TEST_CASE("artwork that comes too near to a registration mark is refused with th
   const auto marks = marks_for(plan.sheets[0].area_mm);
   REQUIRE(marks);
   plan.sheets[0].registration = *marks;
-  CHECK(sheet_raster(artwork, plan, 0, 0.2, {}));
+  CHECK(printed_sheet(artwork, plan, 0, 0.2, {}));
   // The paper's corner is at (16, 16), the square's at (15, 15); 0.7 mm nearer in both directions
   // it is 0.3 sqrt(2) mm away.
   plan.sheets[0].registration->left_mm += 0.7, plan.sheets[0].registration->top_mm += 0.7;
-  const auto refused = sheet_raster(artwork, plan, 0, 0.05, {});
+  const auto refused = printed_sheet(artwork, plan, 0, 0.05, {});
   REQUIRE(!refused);
   CHECK(refused.error().kind == ErrorKind::Infeasible);
   CHECK_THAT(refused.error().detail, Catch::Contains("comes within 0.4"));

@@ -136,6 +136,7 @@ TEST_CASE("a problem of popcutd becomes one line that says what would be right",
           {"action":"retry-sheet","body":{"sheet":2}},
           {"action":"confirm-result","body":{"sheet":2,"good":true}},
           {"action":"arm","body":{"sheet":2,"blank":3,"device":"sim:a"}},
+          {"action":"change","body":{"site":"ground floor"}},
           {"action":"release","body":{"job":"01JD"}},{"action":"start","body":{"sheet":2}}]})";
   CHECK(message(error_from(whole, "job 01J")) ==
         "job 01J: no; it is interrupted; possible now: "
@@ -143,6 +144,7 @@ TEST_CASE("a problem of popcutd becomes one line that says what would be right",
         "(skips what is in doubt), or popcut resume 01JD --from 4 --accept-double-cut "
         "(cuts again what may be cut already), or popcut retry 01JD 2, or "
         "popcut confirm 01JD 2 good, or popcut arm 01JD 2 --blank 3 --device sim:a, or "
+        "popcut change 01JD --site 'ground floor', or "
         "popcut release 01JD, or popcut start 01JD");
 }
 

@@ -64,6 +64,21 @@ TEST_CASE("a node's lease is at least three beats", "[daemon][config]") {
   refused("[fleet]\nlease_s = 30", "1:1: fleet.database", "is missing");
 }
 
+TEST_CASE("the site of a node's cutters is one line", "[daemon][config]") {
+  const std::string fleet = "[fleet]\ndatabase = \"postgresql://db/popcut\"\n";
+  const auto there = parse_config(fleet + "site = \"ground floor\"");
+  REQUIRE(there);
+  CHECK(there->fleet.site == "ground floor");
+  CHECK(parse_config(fleet)->fleet.site.empty());
+  CHECK(restart_keys(*parse_config(fleet), *there) == std::vector<std::string>{"fleet"});
+  CHECK(parse_config(fleet + "site = \"" + std::string(64, 'x') + "\""));
+  refused(fleet + "site = \"" + std::string(65, 'x') + "\"", "3:8: fleet.site", "64");
+  refused(fleet + "site = \"\"", "3:8: fleet.site", "");
+  refused(fleet + "site = \"a\\nb\"", "3:8: fleet.site", "");
+  refused(fleet + "site = 3", "3:8: fleet.site", "text");
+  refused("[fleet]\nsite = \"a\"", "1:1: fleet.database", "is missing");
+}
+
 TEST_CASE("every key of the configuration is read", "[daemon][config]") {
   const auto config = parse_config(R"(
 listen = ["127.0.0.1:0"]

@@ -154,7 +154,7 @@ TEST_CASE("meta names who asks and whether a session does", "[daemon][http][hand
 TEST_CASE("every member of a job request reaches the service", "[daemon][http][handlers]") {
   FakeService fake;
   const Asked asked = ask(fake, Method::Post, "/v1/jobs", keyed(), R"({
-    "plan": "01JD", "material": "paper-220", "device": "sim:cameo3", "copies": 3, "priority": -2,
+    "plan": "01JD", "material": "paper-220", "device": "sim:cameo3", "site": "hall", "copies": 3, "priority": -2,
     "name": "Karte \u00e4", "note": "a\nb", "tags": ["x", "y"], "on_sheet_done": "wait",
     "options": {"order": "best", "effort": 2}})",
                           kSubmitter);
@@ -164,6 +164,7 @@ TEST_CASE("every member of a job request reaches the service", "[daemon][http][h
   CHECK(request.design.empty());
   CHECK(request.material == "paper-220");
   CHECK(request.device == "sim:cameo3");
+  CHECK(request.site == "hall");
   CHECK(request.copies == 3);
   CHECK(request.priority == -2);
   CHECK(request.name == "Karte \xC3\xA4");

@@ -50,6 +50,11 @@ TEST_CASE("each thing that waits for a person comes with the command to type", "
         "load sheet 2 of 3 into sim:cameo3: popcut arm 01JDX7KQ4M8Z 2\n");
   ready["blank"] = 2;
   CHECK(joined(waiting_for(ready)).find("blank 2") != std::string::npos);
+  Json elsewhere = ready;
+  elsewhere["device"] = nullptr;
+  elsewhere["site"] = "upstairs";
+  CHECK(joined(waiting_for(elsewhere)).find("load sheet 2 of 3 at upstairs, ") == 0);
+  CHECK(job_summary(elsewhere) == "ready, sheet 2 of 3, at upstairs");
   CHECK(joined(waiting_for(job("armed"))).find("popcut start 01JDX7KQ4M8Z") != std::string::npos);
   CHECK(waiting_for(job("paused")).empty());  // its cancel is under way
   Json paused = job("paused");

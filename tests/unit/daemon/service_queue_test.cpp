@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/support/earlier_schema.hpp"
 #include "tests/support/service_bench.hpp"
 
 namespace service_queue_test {
@@ -314,6 +315,127 @@ TEST_CASE("a device configured for some materials takes no others", "[daemon][se
     return true;
   });
   CHECK(bench.act(paper.id, JobAction::Arm)->device == "sim:a");
+}
+
+TEST_CASE("a job for a site is cut only by cutters that stand there", "[daemon][service]") {
+  ServiceBench bench({"sim:a", "sim:b"}, false);
+  bench.options.fleet.site = "ground floor";
+  REQUIRE(bench.start() == "");
+  CHECK(bench.on([&](LiveService& s) { return s.devices.find("sim:a")->site; }) == "ground floor");
+  const Job anywhere = bench.ready_job();
+  JobCreate request;
+  request.design = anywhere.design;
+  request.site = "upstairs";
+  const Job job = create(bench, request).value();
+  CHECK(job.site == "upstairs");
+  // The cutter may come later; until then everybody is told.
+  CHECK_THAT(job.warnings, Catch::Contains("no cutter is at site upstairs"));
+  CHECK(job.unaccepted.empty());
+  CHECK(queue(bench, "sim:a") == std::vector<std::string>{anywhere.id});
+  CHECK(queue(bench).size() == 2);
+  const Problem none = bench.act(job.id, JobAction::Arm).error();
+  CHECK(none.kind == ProblemKind::DeviceAbsent);
+  CHECK_THAT(none.detail,
+             Catch::Contains("sim:a: it is at site ground floor; the job is for site upstairs"));
+  const Problem refused = bench.act(job.id, {.action = JobAction::Arm, .device = "sim:b"}).error();
+  CHECK(refused.kind == ProblemKind::StateConflict);
+  CHECK(refused.detail ==
+        "sim:b is at site ground floor; the job is for site upstairs; change its site first");
+  REQUIRE_FALSE(refused.ways.empty());
+  CHECK(refused.ways.front().action == "change");
+  CHECK(refused.ways.front().body == R"({"site":"ground floor"})");
+
+  const auto patch = [&](const JobPatch& wanted) {
+    return bench.on([&](LiveService& s) {
+      return s.jobs.patch(bench.student, job.id, s.jobs.find(job.id)->rev, wanted);
+    });
+  };
+  const Problem at_device = patch({.device = "sim:a"}).error();
+  CHECK(at_device.errors.at(0).pointer == "/device");
+  REQUIRE(at_device.ways.size() == 1);
+  CHECK(at_device.ways.front().body == R"({"device":"sim:a","site":"ground floor"})");
+  CHECK(patch({.site = std::string(257, 'x')}).error().errors.at(0).pointer == "/site");
+  CHECK(patch({.site = "a\nb"}).error().errors.at(0).pointer == "/site");
+  const auto list = [&](const std::string& site) {
+    return bench.on([&](LiveService& s) {
+      return s.jobs.list({.site = site}, {200, ""})->items.size();
+    });
+  };
+  CHECK(list("upstairs") == 1);
+  CHECK(list("ground floor") == 0);
+  REQUIRE(patch({.device = "sim:a", .site = "ground floor"}));
+  CHECK(list("ground floor") == 1);
+  CHECK(bench.job(job.id).warnings == "[]");
+  const Problem at_site = patch({.site = "upstairs"}).error();
+  CHECK(at_site.errors.at(0).pointer == "/site");
+  REQUIRE(at_site.ways.size() == 1);
+  CHECK(at_site.ways.front().body == R"({"device":"","site":"upstairs"})");
+  CHECK(queue(bench, "sim:a").size() == 2);
+  CHECK(bench.act(job.id, JobAction::Arm)->device == "sim:a");
+  CHECK(patch({.site = ""}).error().kind == ProblemKind::StateConflict);
+
+  request.device = "sim:b";
+  const Problem contrary = create(bench, request).error();
+  CHECK(contrary.kind == ProblemKind::Validation);
+  REQUIRE(contrary.errors.size() == 1);
+  CHECK(contrary.errors.front().pointer == "/site");
+  CHECK_THAT(contrary.errors.front().detail, Catch::Contains("sim:b is at site ground floor"));
+}
+
+TEST_CASE("cutters and jobs keep their sites, and cutters that are off move with their node",
+          "[daemon][service]") {
+  ServiceBench bench(false);
+  bench.options.fleet.site = "hall";
+  REQUIRE(bench.start() == "");
+  const Job made = bench.ready_job();
+  const auto patched = bench.on([&](LiveService& s) {
+    return s.jobs.patch(bench.student, made.id, made.rev, {.site = "hall"});
+  });
+  REQUIRE(patched);
+  const auto stored = [&] {
+    return bench.on([&](LiveService&) {
+      return first_of(bench.store().database().rows("SELECT site FROM device"), first_text);
+    });
+  };
+  CHECK(stored() == "hall");
+  bench.stop();
+  bench.cutters.unplug(bench.device);
+  bench.options.fleet.site = "cellar";
+  REQUIRE(bench.start() == "");
+  CHECK(stored() == "cellar");
+  CHECK(bench.job(made.id).site == "hall");
+  bench.cutters.plug(bench.device);
+  bench.on([](LiveService& s) { s.tick(); });
+  const Problem refused = bench.act(made.id, JobAction::Arm).error();
+  CHECK_THAT(refused.detail, Catch::Contains("it is at site cellar; the job is for site hall"));
+}
+
+TEST_CASE("jobs of an earlier popcutd are for any site", "[alone][daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  bench.on([&](LiveService&) { bench.store().database().script(popcut::test::back_to(7)); });
+  bench.stop();
+  REQUIRE(bench.start().empty());
+  CHECK(bench.job(ready.id).site.empty());
+  CHECK(bench.act(ready.id, JobAction::Arm));
+}
+
+TEST_CASE("a job for a site without cutters is planned for those that there are",
+          "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  CHECK(ready.warnings == "[]");
+  JobCreate request;
+  request.design = ready.design;
+  request.site = "upstairs";
+  const Job job = create(bench, request).value();
+  CHECK(job.plan == ready.plan);
+  // A way to plan again leads to where that cutter stands.
+  bench.cutters.plug("sim:z", "idle", "cameo4");
+  bench.on([](LiveService& s) { s.tick(); });
+  const Problem refused = bench.act(job.id, {.action = JobAction::Arm, .device = "sim:z"}).error();
+  REQUIRE_FALSE(refused.ways.empty());
+  CHECK(refused.ways.front().body == R"({"device":"sim:z","site":"","plan_again":true})");
 }
 
 TEST_CASE("a test cut is armed by a person like any other job", "[daemon][service]") {

@@ -2,6 +2,7 @@
 // What popcutd's own connection to a fleet's database promises its callers.
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <string>
 #include <thread>
 
@@ -183,6 +184,64 @@ TEST_CASE("more than one message holds goes before the commit", "[fleet]") {
   for (int n = 0; n < 20; ++n) bench.database.insert_later("one(n, t)", n, much);
   all.commit();
   CHECK(bench.watcher.number("SELECT sum(length(t)) FROM one") == 2'000'000);
+}
+
+TEST_CASE("a statement that could not be prepared leaves its name to no other", "[fleet]") {
+  if (skipped()) return;
+  Bench bench;
+  bench.put(1);
+  PostgresDatabase holder({.url = bench.server.url()});
+  {
+    const Transaction all(holder);
+    holder.script("LOCK TABLE popcut.one");
+    CHECK(bench.fault_of([&] { (void)bench.database.number("SELECT count(*) FROM one"); }) ==
+          FaultKind::Again);
+    CHECK(bench.fault_of([&] { (void)bench.database.number("SELECT max(n) FROM one"); }) ==
+          FaultKind::Again);
+  }
+  CHECK(bench.database.number("SELECT sum(n) FROM one") == 1);
+  CHECK(bench.database.number("SELECT count(*) FROM one") == 1);
+  CHECK(bench.database.number("SELECT max(n) FROM one") == 1);
+}
+
+TEST_CASE("a column of another type is no end of all statements", "[fleet]") {
+  if (skipped()) return;
+  Bench bench;
+  bench.put(1);
+  const auto text = [&] {
+    Rows rows = bench.database.rows("SELECT t FROM one WHERE n=?", 1);
+    REQUIRE(rows.next());
+    return rows.text(0);
+  };
+  const std::string before = text();
+  bench.watcher.script("ALTER TABLE popcut.one ALTER t TYPE varchar(50)");
+  CHECK(bench.fault_of([&] { (void)text(); }) == FaultKind::Away);
+  while (!bench.database.is_there()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  CHECK(text() == before);
+}
+
+TEST_CASE("text is UTF-8 whatever the database gives to others", "[fleet]") {
+  if (skipped()) return;
+  Bench bench;
+  bench.watcher.script("ALTER DATABASE postgres SET client_encoding='LATIN1'");
+  PostgresDatabase later({.url = bench.server.url()});
+  later.insert("one(n, t)", 1, "Süß ✂");
+  Rows rows = later.rows("SELECT t, length(t) FROM one");
+  REQUIRE(rows.next());
+  CHECK(rows.text(0) == "Süß ✂");
+  CHECK(rows.integer(1) == 5);
+}
+
+TEST_CASE("a connection that listens to a database that hangs still ends", "[fleet]") {
+  if (skipped()) return;
+  Bench bench;
+  auto ear =
+      std::make_unique<PostgresDatabase>(PostgresDatabase::Options{.url = bench.proxy.url()});
+  REQUIRE(ear->listen("popcut", 0.01, [](const std::string&) {}));
+  bench.proxy.hold();
+  ear.reset();  // it once waited for as long as the database hung
+  bench.proxy.pass();
+  CHECK(bench.stored() == 0);
 }
 
 TEST_CASE("a connection that is lost says whether a commit is in doubt", "[fleet]") {

@@ -266,6 +266,13 @@ TEST_CASE("only the node that has the cutter arms it, and not while it is draine
   CHECK_THAT(rooms.one.call("knife_arm", "'" + FleetSql::id("JOB") + "', 1, 1, 'left', '" +
                                              std::string(64, 'b') + "', 'olga', 5, 'run'"),
              StartsWith("PC001 the plan bbb"));
+  rooms.fleet("UPDATE job SET site='upstairs'");
+  CHECK_THAT(rooms.one.arm("JOB", "left"), StartsWith("PC001 device left is at no site; job "));
+  rooms.fleet("UPDATE device SET site='cellar' WHERE id='left'");
+  CHECK_THAT(rooms.one.arm("JOB", "left"),
+             StartsWith("PC001 device left is at site cellar; job ") && Contains("site upstairs"));
+  CHECK(rooms.fleet("SELECT count(*) FROM arm") == "0");
+  rooms.fleet("UPDATE device SET site='upstairs' WHERE id='left'");
   rooms.fleet("SELECT node_drain('room-1', 1)");
   CHECK(rooms.one.line.tried(fmt::format("SELECT alive, is_draining FROM node_beat('room-1', {}, "
                                          "30, 0)",
@@ -579,6 +586,22 @@ TEST_CASE("a start that a restored database forgot comes back", "[fleet]") {
   CHECK_THAT(rooms.one.line.tried(back(rooms.one, "A4", "JOB", "6", "40")), StartsWith("23505"));
   CHECK(rooms.one.line.tried(back(rooms.one, "A4", "JOB", "NULL", "40")).empty());
   CHECK(rooms.fleet("SELECT count(DISTINCT fence), count(*) FROM attempt") == "3|3");
+  // No journal ends the numbers of all.
+  CHECK_THAT(rooms.one.line.tried(back(rooms.one, "A5", "JOB", "NULL", "9223372036854775807")),
+             StartsWith("PC001 the fence 9223372036854775807 is no number"));
+}
+
+TEST_CASE("an event of no kind stops no other", "[fleet]") {
+  if (skipped()) return;
+  TwoRooms rooms;
+  const auto put = [&](const std::string& kind) {
+    return rooms.one.line.tried("INSERT INTO event_new(time, kind, job, data) VALUES(1, '" + kind +
+                                "', '', '\"kind\":\"" + kind + "\"}')");
+  };
+  CHECK_THAT(put("evil"), StartsWith("23514"));
+  CHECK(put("notice").empty());
+  CHECK(rooms.two.line("SELECT event_number('room-2'), event_number('room-2')") == "1|0");
+  CHECK(rooms.fleet("SELECT seq, data FROM event") == R"(1|{"seq":1,"kind":"notice"})");
 }
 
 TEST_CASE("a database that went back starts nothing until every node has compared its journals",
@@ -689,6 +712,7 @@ TEST_CASE("a node's login writes to nodes, arms and attempts by functions only",
         "SET SESSION AUTHORIZATION postgres",
         "SELECT setval('fence_seq', 1)",
         "SELECT nextval('fence_seq')",
+        "UPDATE event_counter SET last=3",
         "SELECT node_drain('room-1', 1)",
         "SELECT node_forget('room-2')",
         "SELECT node_join('x', 'popcut_n_room_1')",

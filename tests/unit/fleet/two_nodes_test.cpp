@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
+#include <filesystem>
+
 #include <catch2/catch.hpp>
 
 #include <fmt/format.h>
 
 #include "daemon/fleet/fleet_files.hpp"
 #include "daemon/fleet/fleet_schema.hpp"
+#include "daemon/fleet/node_lease.hpp"
 #include "daemon/fleet/postgres_database.hpp"
 #include "tests/support/fault_proxy.hpp"
 #include "tests/support/postgres_server.hpp"
+#include "tests/support/process.hpp"
 #include "tests/support/service_bench.hpp"
 
 namespace two_nodes_test {
@@ -26,13 +30,14 @@ constexpr double kLease_s = 1.2;
 
 /// A service as a node, behind a network that can be cut.
 struct Node {
-  Node(const FreshDatabase& database, const std::string& name)
+  Node(const FreshDatabase& database, const std::string& name, const std::string& site)
       : proxy(shared_postgres().socket()),
         bench(std::vector<std::string>{"sim:" + name}, false),
         url(proxy.url(database.name())) {
     bench.planner.sheets = 1;
     bench.options.fleet.node = name;
     bench.options.fleet.url = "http://" + name;
+    bench.options.fleet.site = site;
     bench.options.fleet.lease_s = kLease_s;
     bench.options.fleet.beat_s = 0.1;
     bench.options.fleet.mark_s = 0;
@@ -57,8 +62,10 @@ struct Node {
 
 /// Two nodes of one fleet.
 struct Fleet {
-  Fleet()
-      : made(database.run_sql(std::string(fleet_schema()))), a(database, "a"), b(database, "b") {}
+  explicit Fleet(const std::string& site_a = "", const std::string& site_b = "")
+      : made(database.run_sql(std::string(fleet_schema()))),
+        a(database, "a", site_a),
+        b(database, "b", site_b) {}
 
   void tick() {
     for (Node* node : {&a, &b})
@@ -84,14 +91,27 @@ struct Fleet {
     REQUIRE(until([&] { return is(a, id, JobState::Ready) && is(b, id, JobState::Ready); }));
     return id;
   }
+  /// On a busy computer nodes tick late, and lose their leases.
+  Answer<Job> with_lease(const std::function<Answer<Job>()>& act) {
+    Answer<Job> done = act();
+    for (int i = 0; i < 100 && !done && done.error().detail.starts_with("this node has no lease");
+         ++i) {
+      tick();
+      done = act();
+    }
+    return done;
+  }
   Answer<Job> arm(Node& node, const std::string& job, const std::string& device) {
-    return node.bench.act(job, {.action = JobAction::Arm, .device = device});
+    return with_lease(
+        [&] { return node.bench.act(job, {.action = JobAction::Arm, .device = device}); });
   }
   /// Being cut at `node`, with strokes up to `last` sent.
   void start(Node& node, const std::string& job, std::int64_t last) {
     for (const JobAction action : {JobAction::Arm, JobAction::Start}) {
       const Answer<Job> done =
-          action == JobAction::Arm ? arm(node, job, node.device()) : node.bench.act(job, action);
+          action == JobAction::Arm
+              ? arm(node, job, node.device())
+              : with_lease([&] { return node.bench.act(job, JobAction::Start); });
       INFO((done ? "" : done.error().detail));
       REQUIRE(done);
     }
@@ -153,6 +173,85 @@ TEST_CASE("a job that is queued at one node is cut at the other", "[fleet]") {
   };
   CHECK(fleet.until([&] { return is_end_of(heard_a, heard_b) || is_end_of(heard_b, heard_a); }));
   for (std::size_t i = 1; i < heard_a.size(); ++i) CHECK(heard_a[i] == heard_a[i - 1] + 1);
+}
+
+TEST_CASE("a job for a site is cut there, and not at the other nodes", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet("ground floor", "upstairs");
+  const auto site_at = [&](Node& node) {
+    const auto found = node.bench.on([&](LiveService& s) { return s.devices.find("sim:b"); });
+    return found ? found->site : "";
+  };
+  REQUIRE(fleet.until([&] { return site_at(fleet.a) == "upstairs"; }));
+  const std::string job = fleet.ready();
+  const auto patched = [&](const JobPatch& patch) {
+    return fleet.a.bench.on([&](LiveService& s) {
+      return s.jobs.patch(fleet.a.bench.tutor, job, s.jobs.find(job)->rev, patch);
+    });
+  };
+  REQUIRE(patched({.site = "upstairs"}));
+  CHECK(fleet.a.bench.job(job).warnings == "[]");
+  // A device of that site may be named from anywhere, and no other.
+  CHECK(patched({.device = fleet.b.device()}));
+  const Answer<Job> other = patched({.device = fleet.a.device()});
+  REQUIRE_FALSE(other);
+  CHECK(other.error().errors.at(0).pointer == "/device");
+  CHECK(patched({.device = ""}));
+  const auto queued_for = [&](const std::string& device) {
+    return fleet.a.bench.on(
+        [&](LiveService& s) { return s.jobs.queue(device, PageRequest{})->items.size(); });
+  };
+  CHECK(queued_for(fleet.a.device()) == 0);
+  CHECK(queued_for(fleet.b.device()) == 1);
+  // Until: a slow machine may have to get its lease again first.
+  const auto is_refused = [&](Node& node, const std::string& device, const std::string& why) {
+    return fleet.until([&] {
+      const Answer<Job> armed = fleet.arm(node, job, device);
+      return !armed && armed.error().kind == ProblemKind::StateConflict &&
+             armed.error().detail.find(why) != std::string::npos;
+    });
+  };
+  CHECK(is_refused(
+      fleet.a, fleet.a.device(),
+      "sim:a is at site ground floor; the job is for site upstairs; change its site first"));
+  // What this node believes of its own place does not matter to the database.
+  fleet.sql("UPDATE device SET site='attic' WHERE id='sim:b'");
+  CHECK(is_refused(fleet.b, "", "device sim:b is at site attic; job "));
+  CHECK(fleet.is(fleet.b, job, JobState::Ready));
+  fleet.sql("UPDATE device SET site='upstairs' WHERE id='sim:b'");
+  fleet.tick();
+  fleet.start(fleet.b, job, 2);
+  CHECK_FALSE(patched({.site = ""}));
+  fleet.b.bench.cutters.complete(fleet.b.device());
+  CHECK(fleet.until([&] { return fleet.is(fleet.a, job, JobState::Done); }));
+  CHECK(fleet.a.bench.cutters.cuts() == 0);
+}
+
+TEST_CASE("a job for a site is planned for the cutters that stand there", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet("ground floor", "upstairs");
+  fleet.b.bench.cutters.unplug("sim:b");
+  fleet.b.bench.cutters.plug("sim:b4", "idle", "cameo4");
+  REQUIRE(fleet.until([&] {
+    return fleet.a.bench.on([](LiveService& s) {
+      const auto gone = s.devices.find("sim:b"), there = s.devices.find("sim:b4");
+      return gone && gone->state == "absent" && there && there->state == "idle";
+    });
+  }));
+  const std::string design = fleet.a.bench.add_design("{\"card\":1}").value().id;
+  const auto machine_for = [&](const std::string& site) {
+    JobCreate request;
+    request.design = design;
+    request.site = site;
+    const Answer<Job> job = fleet.a.bench.on(
+        [&](LiveService& s) { return s.jobs.create(fleet.a.bench.student, request); });
+    REQUIRE(job);
+    CHECK(fleet.until([&] { return fleet.is(fleet.a, job->id, JobState::Ready); }));
+    return fleet.sql("SELECT machine FROM plan WHERE id='" + job->plan + "'");
+  };
+  CHECK(machine_for("") == "cameo3");
+  CHECK(machine_for("ground floor") == "cameo3");
+  CHECK(machine_for("upstairs") == "cameo4");
 }
 
 TEST_CASE("a cutter that is carried to another node is that node's", "[fleet]") {
@@ -346,6 +445,57 @@ TEST_CASE("tokens and keys of requests hold at all nodes", "[fleet]") {
               })
               ->status == 1);
   CHECK(effects == 1);
+}
+
+TEST_CASE("a node that dies just as its life is committed begins again at once", "[fleet]") {
+  if (is_skipped()) return;
+  FreshDatabase database;
+  database.run_sql(std::string(fleet_schema()));
+  FaultProxy proxy(shared_postgres().socket());
+  popcut::testing::TempFolder place;
+  const auto folder = StateFolder::open((place / "state").string());
+  REQUIRE(folder);
+  const auto begin = [&] {
+    PostgresDatabase line({.url = proxy.url(database.name()), .connect_s = 1, .again_s = 0.02});
+    NodeMark mark;
+    NodeLease lease(line, **folder, mark, {.name = "a"});
+    lease.begin();
+    return mark.epoch;
+  };
+  const std::int64_t first = begin();
+  const bool is_stored = GENERATE(true, false);
+  proxy.cut_at("COMMIT", is_stored ? FaultProxy::Lost::Answer : FaultProxy::Lost::Request);
+  CHECK_THROWS_AS(begin(), StoreFault);
+  REQUIRE_FALSE(proxy.cut_to_come());
+  const std::int64_t known = std::stoll(database.run_sql("SELECT epoch FROM popcut.node"));
+  CHECK((known > first) == is_stored);
+  CHECK(begin() > known);
+  // Nothing of this looks as if the database had gone back.
+  CHECK(database.run_sql("SELECT went_back FROM popcut.popcut_schema") == "0");
+}
+
+TEST_CASE("a node whose note of its last life is lost waits for the end of that lease", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet;
+  const std::string note = fleet.a.bench.folder() + "/node";
+  fleet.kill(fleet.a);
+  std::filesystem::remove(note);
+  fleet.restart(fleet.a);  // a service that did not begin would say why
+  CHECK(fleet.until([&] {
+    return fleet.sql("SELECT lease_until>clock_timestamp() AND epoch>" +
+                     fleet.sql("SELECT epoch FROM node WHERE name='b'") +
+                     " FROM node WHERE name='a'") == "t";
+  }));
+}
+
+TEST_CASE("a node that has left in order does not begin again while its process ends", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet;
+  fleet.b.bench.on([](LiveService& s) {
+    s.leave_fleet();
+    s.tick();
+  });
+  CHECK(fleet.sql("SELECT ended, lease_until FROM node WHERE name='b'") == "1|-infinity");
 }
 
 }  // namespace two_nodes_test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/cli/commands/cut_queue.hpp"
+#include "daemon/cli/cutter/cut_queue.hpp"
 
 #include <chrono>
 #include <cstdio>
@@ -117,6 +117,7 @@ Result<nlohmann::json> queue(Api& api, const QueueRequest& request, const Global
   if (request.priority != 0) body["priority"] = request.priority;
   if (!request.material.empty()) body["material"] = request.material;
   if (!request.device.empty()) body["device"] = request.device;
+  if (!request.site.empty()) body["site"] = request.site;
   if (!request.options.empty()) body["options"] = request.options;
   return api.post("/v1/jobs", body, request.input);
 }

@@ -45,6 +45,10 @@ std::vector<json> sound_specs() {
             "curvature": {"K_area": [0.1, -0.1], "H": 0.01, "first": [[1, 0, 1], [2, 0, 2]],
                           "second": [1, 0, 1], "weights": {"K": 2, "H": 0, "first": 1,
                           "second": 1}}})",
+        R"({"popcut": 1, "style": "facets", "surface": {"type": "mesh", "file": "a.obj"},
+            "facets": {"pitch_mm": 1, "strip_mm": 3, "from_mm": -2, "length_mm": 9,
+                       "fold_cost_mm2": 0, "jump_cost_mm2": 1, "cut_cost_mm2": 2, "inward": true},
+            "card": {"margin_mm": 9}})",
         R"({"popcut": 1, "units_per_slice": 3, "slices": 4, "widths_mm": 5,
             "surface": {"type": "profile", "z": "1 - x"},
             "splay": {"targets": [{"psi_rad": 1, "K": 0.2}, {"psi_rad": 2, "sign": "-",
@@ -104,7 +108,11 @@ bool is_rule_between_fields(const Error& error) {
                             "ends before the wall",
                             "as the first station",
                             "where the station before it",
-                            "must be a radius of 0"})
+                            "must be a radius of 0",
+                            "facets hang on wall and ground",
+                            "facets are made for 90 degrees",
+                            "facets have none, so give another surface",
+                            "a formula does not say where it ends"})
     if (error.detail.find(words) != std::string::npos) return true;
   return false;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/cli/commands/cut_device.hpp"
+#include "daemon/cli/cutter/cut_device.hpp"
 
 #include <unistd.h>
 

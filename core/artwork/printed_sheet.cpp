@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/artwork/sheet_raster.hpp"
+#include "core/artwork/printed_sheet.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -159,7 +159,7 @@ class Printing {
                             where.x, where.y, nearest, quiet_mm));
   }
 
-  SheetRaster taken() { return std::move(out_); }
+  PrintedSheet taken() { return std::move(out_); }
 
  private:
   void add_pixel(std::size_t i, std::size_t j, const PagePoint& at, bool inside) {
@@ -175,7 +175,7 @@ class Printing {
 
   const Artwork& artwork_;
   const Trapping& how_;
-  SheetRaster out_;
+  PrintedSheet out_;
   std::vector<std::uint8_t> kept_;  ///< one a pixel: the knife keeps the paper there
 };
 
@@ -207,8 +207,8 @@ std::vector<PieceMap> pieces_on_sheet(const Plan& plan, std::size_t sheet) {
   return out;
 }
 
-Result<SheetRaster> sheet_raster(const Artwork& artwork, const Plan& plan, std::size_t sheet,
-                                 double pixel_mm, const Trapping& how, double quiet_mm) {
+Result<PrintedSheet> printed_sheet(const Artwork& artwork, const Plan& plan, std::size_t sheet,
+                                   double pixel_mm, const Trapping& how, double quiet_mm) {
   const PlannedSheet& planned = plan.sheets[sheet];
   const PixelFrame frame =
       frame_around({0, 0, planned.area_mm[0], planned.area_mm[1]}, 0, pixel_mm);

@@ -14,7 +14,7 @@ namespace popcut {
 
 /// What is printed on one planned sheet, in mm from its upper left corner: with the same placement
 /// as the strokes of the sheet's program.
-struct SheetRaster {
+struct PrintedSheet {
   PixelFrame frame;
   ColourImage image;
 };
@@ -34,9 +34,9 @@ struct PieceMap {
 ///                  come that near
 /// @retval Infeasible  a piece comes too near to a mark; the detail says how near and where
 /// @retval OutOfRange  more than `kMaxPixels`
-[[nodiscard]] Result<SheetRaster> sheet_raster(const Artwork& artwork, const Plan& plan,
-                                               std::size_t sheet, double pixel_mm,
-                                               const Trapping& how, double quiet_mm = 1.0);
+[[nodiscard]] Result<PrintedSheet> printed_sheet(const Artwork& artwork, const Plan& plan,
+                                                 std::size_t sheet, double pixel_mm,
+                                                 const Trapping& how, double quiet_mm = 1.0);
 
 /// Its mirror image, left and right exchanged: for the other side of the sheet.
 [[nodiscard]] ColourImage mirrored(const ColourImage& image);

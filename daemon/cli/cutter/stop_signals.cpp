@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/cli/commands/stop_signals.hpp"
+#include "daemon/cli/cutter/stop_signals.hpp"
 
 namespace popcut::cli {
 

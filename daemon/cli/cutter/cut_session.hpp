@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/result.hpp"
-#include "daemon/cli/commands/cut_device.hpp"
+#include "daemon/cli/cutter/cut_device.hpp"
 #include "device/session/session.hpp"
 #include "device/sim/trace.hpp"
 

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "daemon/cli/commands/simulate_pty.hpp"
+#include "daemon/cli/cutter/simulate_pty.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "device/sim/sim_pty.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/cli/commands/cut_session.hpp"
+#include "daemon/cli/cutter/cut_session.hpp"
 
 #include <unistd.h>
 
@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "daemon/cli/commands/stop_signals.hpp"
+#include "daemon/cli/cutter/stop_signals.hpp"
 #include "daemon/cli/view/pause_key.hpp"
 #include "daemon/cli/view/progress_bar.hpp"
 

@@ -15,6 +15,7 @@ struct QueueRequest {
   std::map<std::string, std::string> options{};  ///< of the plan, as typed, without dashes
   int copies{1}, priority{0};
   bool wait{false};
+  std::string site{};
 };
 
 /// `popcut cut` without --direct: uploads what the input needs and the input, queues the job,

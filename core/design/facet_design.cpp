@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+#include "core/design/facet_design.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/design/design_report.hpp"
+#include "core/design/facets/facets.hpp"
+#include "core/fit/triangle_soup.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr double kFacetChord = 0.1;  ///< of the pitch: chords of formulas stray no farther
+
+/// The whole of a mesh or a grid; a formula's part in the corner over a stretch. Its sections tell
+/// how far it reaches.
+Result<TriangleSoup> triangles_in(const Surface& surface, double from_mm, double to_mm,
+                                  double finest_mm) {
+  constexpr int kPlaces = 16;
+  TargetStretch stretch{from_mm, to_mm, 0.0, 0.0, finest_mm};
+  std::optional<Error> refused;
+  for (int k = 0; k <= kPlaces; ++k) {
+    const auto curve = surface.slice(from_mm + (to_mm - from_mm) * k / kPlaces);
+    if (!curve) {
+      if (!refused) refused = curve.error();
+      continue;
+    }
+    stretch.reach_x_mm = std::max(stretch.reach_x_mm, curve->d());
+    stretch.reach_z_mm = std::max(stretch.reach_z_mm, curve->h());
+  }
+  if (!(stretch.reach_x_mm > 0.0) || !(stretch.reach_z_mm > 0.0))
+    return tl::unexpected(refused.value_or(
+        Error{ErrorKind::Infeasible, "/surface", "no part of it stands in the corner", {}}));
+  return surface.triangles(stretch);
+}
+
+/// Where a soup begins and ends along the spine.
+std::pair<double, double> extent_of(const TriangleSoup& soup) {
+  double low = soup.corners[1], high = low;
+  for (std::size_t k = 1; k < soup.corners.size(); k += 3)
+    low = std::min(low, soup.corners[k]), high = std::max(high, soup.corners[k]);
+  return {low, high};
+}
+
+/// The stretch of the spine, and the target over it.
+struct FacetTarget {
+  TriangleSoup soup;
+  double from_mm{}, to_mm{};
+};
+
+Result<FacetTarget> target_of(const DesignSpec& spec, const Surface& surface) {
+  const FacetSpec& asked = spec.facets;
+  FacetTarget out{{}, asked.from_mm, asked.from_mm + asked.length_mm.value_or(0.0)};
+  if (asset_of(spec.surface).empty()) {
+    auto soup = triangles_in(surface, out.from_mm, out.to_mm, kFacetChord * asked.pitch_mm);
+    if (!soup) return tl::unexpected(soup.error());
+    out.soup = std::move(*soup);
+    return out;
+  }
+  out.soup = surface.triangles({});
+  if (out.soup.size() == 0)
+    return fail(ErrorKind::Infeasible, "/surface", "all of it lies in wall or ground");
+  const auto [low, high] = extent_of(out.soup);
+  if (!asked.from_given) out.from_mm = low;
+  out.to_mm = asked.length_mm ? out.from_mm + *asked.length_mm : high;
+  if (!(out.to_mm > out.from_mm))
+    return fail(ErrorKind::OutOfRange, "/facets/from_mm",
+                fmt::format("is {:g}; must be less than {:g}, where the {} ends", out.from_mm, high,
+                            std::holds_alternative<MeshSpec>(*spec.surface) ? "mesh" : "grid"));
+  return out;
+}
+
+FacetOptions options_of(const DesignSpec& spec, const FacetTarget& target) {
+  FacetOptions out;
+  out.pitch_mm = std::max(spec.facets.pitch_mm, spec.min_panel_mm);
+  out.strip_mm = std::max(spec.facets.strip_mm, spec.min_panel_mm);
+  out.min_panel_mm = spec.min_panel_mm;
+  out.margin_mm = spec.card->margin_mm;
+  out.from_mm = target.from_mm, out.to_mm = target.to_mm;
+  out.wall_mm = spec.card->wall_mm, out.ground_mm = spec.card->ground_mm;
+  out.shut_inside = spec.card->shut == CardShut::Inside;
+  out.inward = spec.facets.inward;
+  out.weights = {spec.facets.fold_cost_mm2, spec.facets.jump_cost_mm2, spec.facets.cut_cost_mm2};
+  return out;
+}
+
+/// The strips as the slices of the report.
+void add_strips(const FacetCard& card, DesignReport& report) {
+  const Strips& strips = card.pattern.strips.strips;
+  std::size_t most = 0;
+  for (std::size_t s = 0; s < strips.size(); ++s) {
+    if (strips.kind[s] != StripKind::Slice) continue;
+    SliceReport slice;
+    slice.width_mm = strips.v_begin[s + 1] - strips.v_begin[s];
+    slice.v_mm = 0.5 * (strips.v_begin[s] + strips.v_begin[s + 1]);
+    slice.s_mm = card.grid.v_from_mm + slice.v_mm - card.card.margin_mm;
+    const std::size_t first = strips.first_point(s) + 1, last = strips.first_panel[s + 1] + s - 1;
+    slice.wall_mm = strips.z[first], slice.ground_mm = strips.x[last];
+    slice.blank = first == last;
+    report.slices.push_back(slice);
+    most = std::max<std::size_t>(most, (strips.first_panel[s + 1] - strips.first_panel[s]) / 2);
+  }
+  report.units_per_slice.push_back(static_cast<int>(most));
+}
+
+}  // namespace
+
+Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
+                            const Progress& progress) {
+  tell(progress, "reading the shape");
+  auto surface = Surface::make(*spec.surface, spec.placement, FitMode::Nearest, assets);
+  if (!surface) return tl::unexpected(surface.error());
+  const auto target = target_of(spec, *surface);
+  if (!target) return tl::unexpected(target.error());
+  auto made = facet_card(target->soup, options_of(spec, *target), progress);
+  if (!made) return tl::unexpected(made.error());
+  Design out;
+  DesignReport& r = out.report;
+  add_strips(*made, r);
+  if (std::all_of(r.slices.begin(), r.slices.end(), [](const SliceReport& s) { return s.blank; }))
+    return fail(ErrorKind::Infeasible, "/facets",
+                "nothing stands up: no patch of the target holds; use a smaller strip_mm and "
+                "pitch_mm, a larger scale_mm or a smaller fold_cost_mm2");
+  out.strips = std::move(made->pattern.strips.strips);
+  out.pattern = std::move(made->pattern.built.pattern);
+  out.panel_face = std::move(made->pattern.built.panel_face);
+  out.pattern.name = r.name = spec.name;
+  r.lattice = r.lattice_asked = "facets";
+  r.facets = made->figures;
+  count_pattern(out.pattern, r);
+  r.panels =
+      static_cast<std::size_t>(std::count_if(out.strips.plane.begin(), out.strips.plane.end(),
+                                             [](PlaneId plane) { return plane != kNoPlane; }));
+  r.degrees_of_freedom = made->pattern.motion.degrees_of_freedom;
+  r.pieces = made->pattern.motion.pieces;
+  r.fit_nearest = true;
+  add_closing(out.pattern, spec.card->shut, r);
+  out.target.push_back({std::move(*surface)});
+  return out;
+}
+
+}  // namespace popcut

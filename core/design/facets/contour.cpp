@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: MIT
+#include "core/design/facets/contour.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace popcut {
+namespace {
+
+/// A place on the sheet, rounded so that places that differ by rounding only
+/// are one.
+using Spot = std::pair<long, long>;
+Spot spot(double across_mm, double v_mm) {
+  constexpr double kPerMm = 1e7;
+  return {std::lround(across_mm * kPerMm), std::lround(v_mm * kPerMm)};
+}
+
+/// A cut from one plane to another in two strips beside each other, at
+/// different columns.
+struct Step {
+  Label before{}, after{};
+  int left{}, right{};  ///< columns of the cut in the two strips
+};
+
+class ContourFollower {
+ public:
+  ContourFollower(LabelPattern& pattern, const LabelImage& labels, const FacetPlanes& planes,
+                  const DepthImage& target, double min_panel_mm)
+      : pattern_(pattern.built.pattern),
+        strips_(pattern.strips),
+        labels_(labels),
+        planes_(planes),
+        target_(target),
+        min_panel_mm_(min_panel_mm) {}
+
+  std::size_t run() {
+    for (int s = 0; s < grid().strips; ++s)
+      runs_.push_back(runs_of(labels_.strip(s), planes_, grid()));
+    place_.resize(pattern_.vertices.size());
+    for (std::uint32_t k = 0; k < place_.size(); ++k) {
+      place_[k] = k;
+      const PatternVertex& p = pattern_.vertices[k];
+      at_[spot(p.x - p.z, p.v)].push_back(k);
+    }
+    std::size_t moved = 0;
+    for (int s = 0; s + 1 < labels_.grid.strips; ++s) moved += follow(s) ? taken_ : 0;
+    if (moved == 0) return 0;
+    merge_vertices();
+    draw_cuts();
+    return moved;
+  }
+
+ private:
+  [[nodiscard]] const FacetGrid& grid() const { return labels_.grid; }
+  [[nodiscard]] double mm(int column) const { return grid().across(column) * grid().step_mm; }
+
+  /// The cuts between strips s and s + 1 that go from plane to plane in both.
+  [[nodiscard]] std::vector<Step> steps(int s) const {
+    const std::vector<LabelRun>&a = runs_[static_cast<std::size_t>(s)],
+          &b = runs_[static_cast<std::size_t>(s) + 1];
+    const int least = least_run();
+    std::vector<Step> out;
+    for (std::size_t i = 1; i < a.size(); ++i)
+      for (std::size_t j = 1; j < b.size(); ++j) {
+        const int first = std::min(a[i].begin, b[j].begin), last = std::max(a[i].begin, b[j].begin);
+        if (a[i].label == kNoLabel || a[i - 1].label == kNoLabel || a[i].folds_on ||
+            b[j].folds_on || first == last || a[i].label != b[j].label ||
+            a[i - 1].label != b[j - 1].label)
+          continue;
+        // Both planes go on across the line, on their own sides of the cut.
+        if (std::max(a[i - 1].begin, b[j - 1].begin) > first - least ||
+            std::min(a[i].end, b[j].end) < last + least)
+          continue;
+        const Step step{a[i - 1].label, a[i].label, a[i].begin, b[j].begin};
+        if (has_room(s, -1, step, step.left, last - first) &&
+            has_room(s + 1, 1, step, step.right, last - first))
+          out.push_back(step);
+      }
+    return out;
+  }
+
+  [[nodiscard]] int least_run() const {
+    return static_cast<int>(std::ceil(min_panel_mm_ / grid().step_mm - 1e-9));
+  }
+
+  /// The run of a strip that begins at a column, or none: as many as there are.
+  [[nodiscard]] std::size_t run_at(int s, int column) const {
+    const std::vector<LabelRun>& runs = runs_[static_cast<std::size_t>(s)];
+    std::size_t r = 1;
+    while (r < runs.size() && runs[r].begin != column) ++r;
+    return r;
+  }
+  /// Whether a window ends the run: on the line where that begins, a slit opens it as far as here.
+  [[nodiscard]] bool ends_at_window(int s, int column) const {
+    const std::vector<LabelRun>& runs = runs_[static_cast<std::size_t>(s)];
+    const std::size_t r = run_at(s, column);
+    return r + 1 < runs.size() && runs[r + 1].label == kNoLabel;
+  }
+
+  /// Where the cut goes straight on through more strips, it will slant through
+  /// all of them: whether both planes are wide enough there.
+  [[nodiscard]] bool has_room(int s, int way, const Step& step, int column, int reach) const {
+    for (int k = s + way; k >= 0 && k < grid().strips; k += way) {
+      const std::vector<LabelRun>& runs = runs_[static_cast<std::size_t>(k)];
+      const std::size_t r = run_at(k, column);
+      if (r == runs.size() || runs[r].folds_on) return true;
+      const bool same_before = runs[r - 1].label == step.before,
+                 same_after = runs[r].label == step.after;
+      if (!same_before && !same_after) return true;
+      if (same_before != same_after) return false;  // one side goes on straight, the other does not
+      if (ends_at_window(k, column) != ends_at_window(k - way, column)) return false;
+      const int room = std::min(runs[r - 1].end - runs[r - 1].begin, runs[r].end - runs[r].begin);
+      if (room < reach + least_run()) return false;
+    }
+    return true;
+  }
+
+  /// Where a row of the picture goes over from one plane to the other between
+  /// two places: the split with the least distance.
+  [[nodiscard]] double split_of(std::size_t row, const Step& step, double first_mm,
+                                double last_mm) const {
+    const SheetRaster& raster = target_.raster;
+    const auto column = [&](double across_mm) {
+      return static_cast<long>(std::lround((across_mm - raster.from_mm) / raster.column_mm));
+    };
+    const long begin = std::clamp(column(first_mm), 0L, static_cast<long>(raster.columns)),
+               end = std::clamp(column(last_mm), 0L, static_cast<long>(raster.columns));
+    const auto off = [&](Label label, long c) {
+      const FacetPlane& p = planes_[label];
+      const auto at = static_cast<std::size_t>(c);
+      return std::abs(p.offset * grid().step_mm -
+                      (p.upright ? target_.x_mm(row, at) : target_.z_mm(row, at)));
+    };
+    double cost = 0.0, least = 0.0;
+    long best = begin;
+    for (long c = begin; c < end; ++c) {
+      cost += off(step.before, c) - off(step.after, c);
+      if (cost < least) least = cost, best = c + 1;
+    }
+    return raster.from_mm + static_cast<double>(best) * raster.column_mm;
+  }
+
+  /// The vertices of both planes at a corner of the cut, if there are just
+  /// these two.
+  [[nodiscard]] std::optional<std::pair<std::uint32_t, std::uint32_t>> sides_at(const Step& step,
+                                                                                double across_mm,
+                                                                                double v_mm) const {
+    const auto found = at_.find(spot(across_mm, v_mm));
+    if (found == at_.end() || found->second.size() != 2) return std::nullopt;
+    std::optional<std::uint32_t> before, after;
+    for (const std::uint32_t k : found->second) {
+      if (lies_in(pattern_.vertices[k], step.before)) before = k;
+      if (lies_in(pattern_.vertices[k], step.after)) after = k;
+    }
+    if (!before || !after || *before == *after) return std::nullopt;
+    return std::pair{*before, *after};
+  }
+  [[nodiscard]] bool lies_in(const PatternVertex& p, Label label) const {
+    const FacetPlane& plane = planes_[label];
+    return std::abs((plane.upright ? p.x : p.z) - plane.offset * grid().step_mm) <= kSamePlace_mm;
+  }
+  void move(std::uint32_t vertex, Label label, double across_mm) {
+    const FacetPlane& plane = planes_[label];
+    const double offset = plane.offset * grid().step_mm;
+    PatternVertex& p = pattern_.vertices[vertex];
+    p.x = plane.upright ? offset : offset + across_mm;
+    p.z = plane.upright ? offset - across_mm : offset;
+  }
+
+  /// All steps on the line after strip s.
+  bool follow(int s) {
+    taken_ = 0;
+    if (strips_.strip_of[static_cast<std::size_t>(s)] ==
+        strips_.strip_of[static_cast<std::size_t>(s) + 1])
+      return false;
+    const double v = strips_.strips.v_begin[strips_.strip_of[static_cast<std::size_t>(s) + 1]];
+    const std::size_t along = target_.raster.rows / static_cast<std::size_t>(grid().strips);
+    const std::size_t row = (static_cast<std::size_t>(s) + 1) * along;  // the first after the line
+    for (const Step& step : steps(s)) {
+      const double first = mm(std::min(step.left, step.right)),
+                   last = mm(std::max(step.left, step.right));
+      if (last - first > kSteepest * grid().strip_mm) continue;
+      const double a = split_of(row - 1, step, first, last), b = split_of(row, step, first, last);
+      if (std::abs(a - b) > kOneContour * (last - first)) continue;  // it does go along the line
+      const auto left = sides_at(step, mm(step.left), v), right = sides_at(step, mm(step.right), v);
+      if (!left || !right) continue;
+      const double across = std::clamp(0.5 * (a + b), first, last);
+      move(left->first, step.before, across);
+      move(left->second, step.after, across);
+      place_[right->first] = left->first;
+      place_[right->second] = left->second;
+      at_.erase(spot(mm(step.left), v));
+      at_.erase(spot(mm(step.right), v));
+      taken_ += 2;
+    }
+    return taken_ > 0;
+  }
+
+  /// Corners that became one are one vertex, and edges between them are gone.
+  void merge_vertices() {
+    Pattern& p = pattern_;
+    std::vector<std::uint32_t> number(p.vertices.size());
+    std::uint32_t kept = 0;
+    for (std::uint32_t k = 0; k < number.size(); ++k)
+      if (place_[k] == k) number[k] = kept, p.vertices[kept++] = p.vertices[k];
+    p.vertices.resize(kept);
+    const auto now = [&](std::uint32_t vertex) { return number[place_[vertex]]; };
+    for (PatternEdge& e : p.edges) e.from = now(e.from), e.to = now(e.to);
+    std::erase_if(p.edges, [](const PatternEdge& e) { return e.from == e.to; });
+    std::vector<std::uint32_t> first{0}, corners;
+    for (std::size_t f = 0; f < p.faces(); ++f) {
+      const std::size_t begin = corners.size();
+      for (const std::uint32_t vertex : p.face(f))
+        if (corners.size() == begin || corners.back() != now(vertex))
+          corners.push_back(now(vertex));
+      if (corners.size() > begin + 1 && corners.back() == corners[begin]) corners.pop_back();
+      first.push_back(static_cast<std::uint32_t>(corners.size()));
+    }
+    p.face_first = std::move(first);
+    p.face_vertices = std::move(corners);
+  }
+
+  /// Cuts as the edges are: those along and across the strips joined to
+  /// stretches, others once.
+  void draw_cuts() {
+    Pattern& p = pattern_;
+    std::erase_if(p.lines, [](const SheetLine& line) { return line.role == EdgeRole::Slit; });
+    std::map<std::pair<bool, long>, std::vector<std::pair<double, double>>> straight;
+    std::map<std::pair<Spot, Spot>, SheetLine> slanted;
+    for (const PatternEdge& e : p.edges) {
+      if (e.role != EdgeRole::Slit) continue;
+      const PatternVertex &a = p.vertices[e.from], &b = p.vertices[e.to];
+      const double ua = p.u(a), ub = p.u(b);
+      const Spot from = spot(ua, a.v), to = spot(ub, b.v);
+      if (from.second == to.second)
+        straight[{true, from.second}].emplace_back(std::min(ua, ub), std::max(ua, ub));
+      else if (from.first == to.first)
+        straight[{false, from.first}].emplace_back(std::min(a.v, b.v), std::max(a.v, b.v));
+      else
+        slanted[std::minmax(from, to)] = {ua, a.v, ub, b.v, EdgeRole::Slit};
+    }
+    for (auto& [line, stretches] : straight) {
+      std::sort(stretches.begin(), stretches.end());
+      const double at = static_cast<double>(line.second) / 1e7;
+      for (std::size_t k = 0; k < stretches.size();) {
+        const double begin = stretches[k].first;
+        double end = stretches[k].second;
+        for (; k < stretches.size() && stretches[k].first <= end + kSamePlace_mm; ++k)
+          end = std::max(end, stretches[k].second);
+        if (line.first)
+          p.lines.push_back({begin, at, end, at, EdgeRole::Slit});
+        else
+          p.lines.push_back({at, begin, at, end, EdgeRole::Slit});
+      }
+    }
+    for (const auto& [ends, line] : slanted) p.lines.push_back(line);
+  }
+
+  static constexpr double kSteepest = 2.0;    ///< of a strip's width: what is steeper is a side
+  static constexpr double kOneContour = 0.7;  ///< of a step: more is two contours
+
+  Pattern& pattern_;
+  const LabelStrips& strips_;
+  const LabelImage& labels_;
+  const FacetPlanes& planes_;
+  const DepthImage& target_;
+  double min_panel_mm_;
+  StripRuns runs_;  ///< without the card's
+  std::map<Spot, std::vector<std::uint32_t>> at_;
+  std::vector<std::uint32_t> place_;  ///< the vertex that each one became
+  std::size_t taken_{};
+};
+
+}  // namespace
+
+std::size_t follow_contours(LabelPattern& pattern, const LabelImage& labels,
+                            const FacetPlanes& planes, const DepthImage& target,
+                            double min_panel_mm) {
+  return ContourFollower(pattern, labels, planes, target, min_panel_mm).run();
+}
+
+}  // namespace popcut

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/design/facets/depth_image.hpp"
+#include "core/design/facets/label_pattern.hpp"
+
+namespace popcut {
+
+/// Lets cuts follow the contours of the target. Where a cut between two planes
+/// goes in steps, along a strip and then across it, from strip to strip, its
+/// two corners on the line between the strips become one, at the place where
+/// the target goes over from the one plane to the other. Both sides of the cut
+/// move alike. Nothing gets narrower than it was on either side of that line,
+/// and folds stay where they are. O(runs + vertices log vertices).
+///
+/// @return how many corners were taken away
+std::size_t follow_contours(LabelPattern& pattern, const LabelImage& labels,
+                            const FacetPlanes& planes, const DepthImage& target,
+                            double min_panel_mm);
+
+}  // namespace popcut

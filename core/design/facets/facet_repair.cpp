@@ -1,0 +1,470 @@
+// SPDX-License-Identifier: MIT
+#include "core/design/facets/facet_repair.hpp"
+
+#include <algorithm>
+#include <map>
+#include <span>
+#include <utility>
+
+#include "core/design/facets/label_holding.hpp"
+
+namespace popcut {
+namespace {
+
+/// New labels for some strips, and what they cost more.
+struct Move {
+  enum class Kind { Strut, Drop } kind{};
+  std::vector<std::pair<int, std::vector<Label>>> strips;
+  double cost{};
+};
+
+class Repairer {
+ public:
+  Repairer(Labelling& labelling, const FacetCardSize& card, double min_panel_mm, bool jumps,
+           const Progress& progress)
+      : labelling_(labelling),
+        card_(card),
+        min_panel_mm_(min_panel_mm),
+        progress_(progress),
+        jumps_(jumps) {}
+
+  Result<FacetRepair> run() {
+    LabelImage whole = labelling_.image();
+    settle(whole);
+    take(whole);
+    const auto first = pattern_of(whole, planes(), card_, min_panel_mm_);
+    if (!first) return tl::unexpected(first.error());
+    out_.loose_before = first->motion.degrees_of_freedom - 1;
+    tries_.assign(static_cast<std::size_t>(grid().strips), 0);
+    const int most = 100 + 4 * grid().strips;
+    for (int round = 0; state_.open > 0; ++round) {
+      tell(progress_, "making loose panels hold");
+      if (round > most)
+        clear_loose();
+      else if (!improve())
+        give_up_smallest();
+    }
+    polish();
+    keep_real_struts();
+    return std::move(out_);
+  }
+
+ private:
+  [[nodiscard]] const FacetPlanes& planes() const { return labelling_.planes(); }
+  [[nodiscard]] const FacetGrid& grid() const { return labelling_.image().grid; }
+  [[nodiscard]] int least_run() const { return labelling_.limits().least_run; }
+  [[nodiscard]] LabelHolding holding(const LabelImage& image) const {
+    return holding_of(image, planes(), min_panel_mm_);
+  }
+
+  /// Sets the labels, and with them what is loose.
+  void take(const LabelImage& image) {
+    for (int s = 0; s < grid().strips; ++s) {
+      const auto strip = image.strip(s);
+      labelling_.set(s, {strip.begin(), strip.end()});
+    }
+    runs_ = strip_runs(image, planes());
+    state_ = holding_of(runs_, planes(), grid(), min_panel_mm_);
+  }
+  void settle(LabelImage& image) const { fill_enclosed(image, planes(), min_panel_mm_); }
+
+  /// The runs of a strip, and whether each is loose.
+  [[nodiscard]] std::span<const LabelRun> runs(int s) const {
+    const auto at = static_cast<std::size_t>(s) + 1;
+    return std::span(state_.patches.runs)
+        .subspan(state_.patches.first_run[at],
+                 state_.patches.first_run[at + 1] - state_.patches.first_run[at]);
+  }
+  [[nodiscard]] std::uint32_t patch_of(int s, std::size_t run) const {
+    return state_.patches.patch[state_.patches.first_run[static_cast<std::size_t>(s) + 1] + run];
+  }
+  [[nodiscard]] bool is_loose(int s, std::size_t run) const {
+    return state_.loose[patch_of(s, run)] != 0;
+  }
+
+  /// What a move costs more than what is there, cuts to strips beside it included.
+  double extra_cost(const Move& move) {
+    double sum = 0.0;
+    std::vector<std::pair<int, std::vector<Label>>> before;
+    for (const auto& [strip, labels] : move.strips) {
+      const auto old = labelling_.image().strip(strip);
+      before.emplace_back(strip, std::vector<Label>(old.begin(), old.end()));
+      sum += labelling_.cost(strip, labels) - labelling_.cost(strip, old);
+      labelling_.set(strip, labels);
+    }
+    for (const auto& [strip, labels] : before) labelling_.set(strip, labels);
+    return sum;
+  }
+
+  [[nodiscard]] std::vector<Label> labels_of(int s) const {
+    const auto strip = labelling_.image().strip(s);
+    return {strip.begin(), strip.end()};
+  }
+  static void paint(std::vector<Label>& labels, int begin, int end, Label label) {
+    std::fill(labels.begin() + begin, labels.begin() + end, label);
+  }
+
+  /// The line where an upright and a level plane meet.
+  [[nodiscard]] int fold_of(const FacetPlane& p, const FacetPlane& q) const {
+    return grid().wall + (p.upright ? p.offset - q.offset : q.offset - p.offset);
+  }
+
+  /// Of a strip, from run a on to run b: all between them go, and they meet in one fold.
+  void add_meeting(int s, std::size_t a, std::size_t b, std::vector<Move>& moves) {
+    const LabelRun &before = runs(s)[a], &after = runs(s)[b];
+    const FacetPlane &p = planes()[before.label], &q = planes()[after.label];
+    int fold = before.end;
+    if (before.label != after.label) {
+      if (p.upright == q.upright) return;
+      fold = fold_of(p, q);
+      if (fold < before.begin + least_run() || fold > after.end - least_run()) return;
+    }
+    std::vector<Label> labels = labels_of(s);
+    paint(labels, before.begin, fold, before.label);
+    paint(labels, fold, after.end, after.label);
+    add({Move::Kind::Strut, {{s, std::move(labels)}}}, moves);
+  }
+
+  /// Where two runs meet in a cut: a panel between them that meets both in folds.
+  void add_ledge(int s, std::size_t r, std::vector<Move>& moves) {
+    const LabelRun &before = runs(s)[r - 1], &after = runs(s)[r];
+    const FacetPlane &p = planes()[before.label], &q = planes()[after.label];
+    if (p.upright != q.upright) return;
+    const int length = p.upright ? q.offset - p.offset : p.offset - q.offset;
+    if (length < least_run()) return;
+    // Before the cut and after it; planes are tried a pitch apart, so that one near it is there.
+    for (const int from : {before.end - length, before.end})
+      for (int off = 0; off <= kLedgeReach; ++off)
+        if (add_ledge_at(s, r, from + off, moves) || add_ledge_at(s, r, from - off, moves)) break;
+  }
+
+  bool add_ledge_at(int s, std::size_t r, int line, std::vector<Move>& moves) {
+    const LabelRun &before = runs(s)[r - 1], &after = runs(s)[r];
+    const FacetPlane &p = planes()[before.label], &q = planes()[after.label];
+    const int across = grid().across(line);
+    const FacetPlane ledge{!p.upright, p.upright ? p.offset - across : p.offset + across};
+    const Label label = planes().find(ledge);
+    if (label == kNoLabel) return false;
+    const int end = fold_of(ledge, q);
+    if (line < before.begin + least_run() || end < line + least_run() ||
+        end > after.end - least_run())
+      return false;
+    std::vector<Label> labels = labels_of(s);
+    paint(labels, before.begin, line, before.label);
+    paint(labels, line, end, label);
+    paint(labels, end, after.end, after.label);
+    add({Move::Kind::Strut, {{s, std::move(labels)}}}, moves);
+    return true;
+  }
+
+  /// Struts in the strips of loose runs.
+  void add_struts(std::vector<Move>& moves) {
+    for (int s = 0; s < grid().strips; ++s) {
+      const std::span<const LabelRun> here = runs(s);
+      const auto any_loose = [&](std::size_t from, std::size_t to) {
+        for (std::size_t r = from; r <= to; ++r)
+          if (is_loose(s, r)) return true;
+        return false;
+      };
+      if (is_worn(s) || !any_loose(0, here.size() - 1)) continue;
+      bool cuts = false;
+      for (std::size_t r = 1; r < here.size(); ++r) {
+        if (!here[r].folds_on) {
+          cuts = true;
+          if (any_loose(r - 1, r)) {
+            add_meeting(s, r - 1, r, moves);
+            add_ledge(s, r, moves);
+          }
+        }
+        if (r + 1 < here.size() && any_loose(r - 1, r + 1)) add_meeting(s, r - 1, r + 1, moves);
+        if (r + 2 < here.size() && any_loose(r - 1, r + 2)) add_meeting(s, r - 1, r + 2, moves);
+      }
+      if (cuts) add({Move::Kind::Strut, {{s, labelling_.best(s, false)}}}, moves);
+    }
+  }
+
+  void add(Move move, std::vector<Move>& moves) {
+    move.cost = extra_cost(move);
+    moves.push_back(std::move(move));
+  }
+
+  struct LoosePatch {
+    double area{};
+    std::vector<LabelBan> cells;
+  };
+  /// The loose patches, smallest first.
+  [[nodiscard]] std::vector<LoosePatch> loose_patches() const {
+    std::map<std::uint32_t, LoosePatch> by_patch;
+    for (int s = 0; s < grid().strips; ++s)
+      for (std::size_t r = 0; r < runs(s).size(); ++r) {
+        if (!is_loose(s, r)) continue;
+        const LabelRun& run = runs(s)[r];
+        LoosePatch& patch = by_patch[patch_of(s, r)];
+        patch.area += run.end - run.begin;
+        patch.cells.push_back({s, run.begin, run.end, run.label});
+      }
+    std::vector<LoosePatch> out;
+    for (auto& [number, patch] : by_patch) out.push_back(std::move(patch));
+    std::stable_sort(out.begin(), out.end(),
+                     [](const LoosePatch& a, const LoosePatch& b) { return a.area < b.area; });
+    return out;
+  }
+
+  /// The strips of a patch with other labels just there: those of the runs before and after it, up
+  /// to where these meet if that is inside, or those of a strip beside it; whichever costs least.
+  [[nodiscard]] Move painted_over(const LoosePatch& patch, bool beside) {
+    Move move{Move::Kind::Drop, {}};
+    std::vector<std::pair<int, std::vector<Label>>> before;
+    for (std::size_t k = 0; k < patch.cells.size();) {
+      const int s = patch.cells[k].strip;
+      std::vector<Label> labels = labels_of(s);
+      before.emplace_back(s, labels);
+      for (; k < patch.cells.size() && patch.cells[k].strip == s; ++k)
+        paint_over(s, patch.cells[k], beside, labels);
+      labelling_.set(s, labels);
+      move.strips.emplace_back(s, std::move(labels));
+    }
+    for (const auto& [s, labels] : before) labelling_.set(s, labels);
+    return move;
+  }
+
+  void paint_over(int s, const LabelBan& cell, bool take_beside, std::vector<Label>& labels) {
+    const auto at = [&](int column) { return labels[static_cast<std::size_t>(column)]; };
+    const Label first = cell.begin > 0 ? at(cell.begin - 1) : kWallLabel,
+                last = cell.end < grid().columns ? at(cell.end) : kGroundLabel;
+    std::vector<Label> best;
+    double least = 0.0;
+    const auto look = [&](std::vector<Label> other) {
+      const double cost = labelling_.cost(s, other);
+      if (best.empty() || cost < least) least = cost, best = std::move(other);
+    };
+    const auto split_at = [&](int line) {
+      std::vector<Label> other = labels;
+      paint(other, cell.begin, line, first);
+      paint(other, line, cell.end, last);
+      look(std::move(other));
+    };
+    if (last != cell.label) split_at(cell.begin);
+    if (first != cell.label) split_at(cell.end);
+    const FacetPlane &p = planes()[first], &q = planes()[last];
+    if (p.upright != q.upright) {
+      const int fold = fold_of(p, q);
+      if (fold > cell.begin && fold < cell.end) split_at(fold);
+    }
+    for (const int beside : {s - 1, s + 1}) {
+      if (!take_beside || beside < 0 || beside >= grid().strips) continue;
+      std::vector<Label> other = labels;
+      const auto strip = labelling_.image().strip(beside);
+      std::copy(strip.begin() + cell.begin, strip.begin() + cell.end, other.begin() + cell.begin);
+      if (std::find(other.begin() + cell.begin, other.begin() + cell.end, cell.label) ==
+              other.begin() + cell.end &&
+          is_wide(other))
+        look(std::move(other));
+    }
+    if (!best.empty()) labels = std::move(best);
+  }
+
+  /// Whether all runs are long enough.
+  [[nodiscard]] bool is_wide(const std::vector<Label>& labels) const {
+    int run = 0;
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      if (i > 0 && labels[i] != labels[i - 1]) {
+        if (run < least_run()) return false;
+        run = 0;
+      }
+      ++run;
+    }
+    return run >= least_run();
+  }
+
+  /// The strips of a patch without its label there, each beside the new ones before it.
+  [[nodiscard]] Move dropped(const LoosePatch& patch) {
+    Move move{Move::Kind::Drop, {}};
+    std::vector<std::pair<int, std::vector<Label>>> before;
+    const std::size_t bans = labelling_.bans();
+    for (const LabelBan& ban : patch.cells) labelling_.ban(ban);
+    for (std::size_t k = 0; k < patch.cells.size(); ++k) {
+      const int s = patch.cells[k].strip;
+      if (k > 0 && patch.cells[k - 1].strip == s) continue;
+      before.emplace_back(s, labels_of(s));
+      move.strips.emplace_back(s, labelling_.best(s, jumps_));
+      labelling_.set(s, move.strips.back().second);
+    }
+    labelling_.forget_bans(bans);
+    for (const auto& [s, labels] : before) labelling_.set(s, labels);
+    return move;
+  }
+
+  [[nodiscard]] LabelImage after(const Move& move) const {
+    LabelImage image = labelling_.image();
+    for (const auto& [s, labels] : move.strips)
+      std::copy(labels.begin(), labels.end(), image.strip(s).begin());
+    settle(image);
+    return image;
+  }
+
+  /// How loose labels are: the pins that would hold them, and a little for all that these move.
+  static double looseness(const LabelHolding& holding) {
+    constexpr double kOpen = 0.03;
+    return holding.pins + kOpen * static_cast<double>(holding.open);
+  }
+
+  /// Looseness after a move, before it is settled: done in place, since there are many.
+  [[nodiscard]] double looseness_after(const Move& move) {
+    std::vector<std::pair<std::size_t, std::vector<LabelRun>>> before;
+    for (const auto& [s, labels] : move.strips) {
+      const auto at = static_cast<std::size_t>(s) + 1;
+      before.emplace_back(at, std::move(runs_[at]));
+      runs_[at] = runs_of(labels, planes(), grid());
+    }
+    const double loose = looseness(holding_of(runs_, planes(), grid(), min_panel_mm_));
+    for (auto& [at, runs] : before) runs_[at] = std::move(runs);
+    return loose;
+  }
+
+  /// Makes the moves that cost least for what they hold. Whether any was made.
+  bool improve() {
+    std::vector<Move> moves;
+    add_struts(moves);
+    const std::vector<LoosePatch> loose = loose_patches();
+    for (std::size_t k = 0; k < loose.size() && k < kMostPaintings; ++k) {
+      if (jumps_) add(painted_over(loose[k], true), moves);
+      if (k < kMostDrops && !is_worn(loose[k].cells.front().strip)) add(dropped(loose[k]), moves);
+    }
+    std::sort(moves.begin(), moves.end(),
+              [](const Move& a, const Move& b) { return a.cost < b.cost; });
+    if (moves.size() > kMostTried) moves.resize(kMostTried);
+    std::vector<std::pair<double, const Move*>> good;
+    for (const Move& move : moves) {
+      const double held = looseness(state_) - looseness_after(move);
+      if (held > kLeastHeld) good.emplace_back(std::max(0.0, move.cost) / held, &move);
+    }
+    if (good.empty()) return false;
+    std::stable_sort(good.begin(), good.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    const double dearest = kDearer * good.front().first + 1e-6;
+    bool any = false;
+    std::vector<std::uint8_t> touched(static_cast<std::size_t>(grid().strips), 0);
+    for (const auto& [price, move] : good) {
+      if (price > dearest || state_.open == 0) break;
+      if (std::any_of(move->strips.begin(), move->strips.end(), [&](const auto& one) {
+            return touched[static_cast<std::size_t>(one.first)] != 0;
+          }))
+        continue;
+      if (!accept(*move, dearest)) continue;
+      any = true;
+      for (const auto& one : move->strips) touched[static_cast<std::size_t>(one.first)] = 1;
+    }
+    return any;
+  }
+
+  /// Makes a move if it still holds enough for what it costs.
+  bool accept(const Move& move, double dearest) {
+    const LabelImage image = after(move);
+    const LabelHolding then = holding(image);
+    const double held = looseness(state_) - looseness(then);
+    if (held <= kLeastHeld || extra_cost(move) > dearest * held) return false;
+    if (move.kind == Move::Kind::Strut)
+      for (const auto& one : move.strips) out_.struts.push_back({one.first, labels_of(one.first)});
+    else
+      ++out_.dropped;
+    for (const auto& one : move.strips) ++tries_[static_cast<std::size_t>(one.first)];
+    take(image);
+    return true;
+  }
+
+  /// Whether a strip was changed so often that it is not to be again, but for giving patches up.
+  [[nodiscard]] bool is_worn(int s) const {
+    return tries_[static_cast<std::size_t>(s)] > kMostTries;
+  }
+
+  /// The smallest loose patch goes: the runs before or after it take its place, so that there are
+  /// fewer runs each time. Without jumps its label is not taken again.
+  void give_up_smallest() {
+    const std::vector<LoosePatch> loose = loose_patches();
+    if (loose.empty()) return clear_loose();
+    if (jumps_) {
+      take(after(painted_over(loose.front(), false)));
+    } else {
+      for (const LabelBan& ban : loose.front().cells)
+        if (ban.label != kWallLabel && ban.label != kGroundLabel) labelling_.ban(ban);
+      take(after(dropped(loose.front())));
+    }
+    ++out_.dropped;
+  }
+
+  /// Plain card in the strips that have anything loose; in all of them where none has.
+  void clear_loose() {
+    LabelImage image = labelling_.image();
+    bool any = false;
+    for (const bool all : {false, true}) {
+      for (int s = 0; s < grid().strips; ++s) {
+        bool loose = all;
+        for (std::size_t r = 0; r < runs(s).size() && !loose; ++r) loose = is_loose(s, r);
+        if (!loose || runs(s).size() == 2) continue;
+        any = true;
+        const auto strip = image.strip(s);
+        std::fill(strip.begin(), strip.begin() + grid().wall, kWallLabel);
+        std::fill(strip.begin() + grid().wall, strip.end(), kGroundLabel);
+      }
+      if (any) break;
+    }
+    ++out_.dropped;
+    settle(image);
+    take(image);
+  }
+
+  /// Strips that can come nearer to the target without loosening anything.
+  void polish() {
+    constexpr int kRounds = 3;
+    for (int round = 0; round < kRounds; ++round) {
+      bool any = false;
+      for (int s = 0; s < grid().strips; ++s)
+        for (const bool jumps : {true, false}) {
+          if (jumps && !jumps_) continue;
+          Move move{Move::Kind::Drop, {{s, labelling_.best(s, jumps)}}};
+          if (extra_cost(move) >= -1e-6) continue;
+          const LabelImage image = after(move);
+          if (holding(image).open > 0) continue;
+          take(image);
+          any = true;
+          break;
+        }
+      if (!any) break;
+    }
+  }
+
+  /// Of the struts those without which the card would be loose, as it now is.
+  void keep_real_struts() {
+    std::erase_if(out_.struts, [&](const FacetStrut& strut) {
+      LabelImage image = labelling_.image();
+      std::copy(strut.without.begin(), strut.without.end(), image.strip(strut.strip).begin());
+      const auto made = pattern_of(image, planes(), card_, min_panel_mm_);
+      return !made || made->motion.degrees_of_freedom == 1;
+    });
+  }
+
+  static constexpr std::size_t kMostDrops = 8, kMostPaintings = 60, kMostTried = 600;
+  static constexpr int kMostTries = 8, kLedgeReach = 8;
+  static constexpr double kLeastHeld = 0.05;  ///< less is rounding
+  static constexpr double kDearer = 2.0;      ///< than the best move of a round
+
+  Labelling& labelling_;
+  FacetCardSize card_;
+  double min_panel_mm_;
+  const Progress& progress_;
+  StripRuns runs_;  ///< with a strip of card before and after
+  LabelHolding state_;
+  FacetRepair out_;
+  std::vector<int> tries_;  ///< changes of each strip
+  bool jumps_;
+};
+
+}  // namespace
+
+Result<FacetRepair> repair(Labelling& labelling, const FacetCardSize& card, double min_panel_mm,
+                           bool jumps, const Progress& progress) {
+  return Repairer(labelling, card, min_panel_mm, jumps, progress).run();
+}
+
+}  // namespace popcut

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "core/design/facets/label_pattern.hpp"
+#include "core/design/facets/labelling.hpp"
+#include "core/progress.hpp"
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// A strip whose labels were changed so that it holds others: without it the card moves in more
+/// ways than one.
+struct FacetStrut {
+  int strip{};
+  std::vector<Label> without;  ///< its labels if it did not hold anything
+};
+
+/// What repairing did.
+struct FacetRepair {
+  int loose_before{};  ///< freedoms of the labels as they came, beyond the one
+  int dropped{};       ///< patches that were given up
+  std::vector<FacetStrut> struts;
+};
+
+/// Changes labels until the card has exactly one freedom and is one piece, by the moves that cost
+/// least of: two panels of a strip are left out, so that those before and after them meet in a
+/// fold (a strut); a strip does without cuts across it (a strut); a loose patch gives its label up.
+/// `mobility` then checks the result. The repair always ends: at worst with the bare card, which
+/// has one freedom.
+///
+/// @param jumps  strips may be cut across
+///
+/// @retval Internal  no pattern comes of the labels (a fault of the labels)
+[[nodiscard]] Result<FacetRepair> repair(Labelling& labelling, const FacetCardSize& card,
+                                         double min_panel_mm, bool jumps,
+                                         const Progress& progress = {});
+
+}  // namespace popcut

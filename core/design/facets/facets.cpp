@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: MIT
+#include "core/design/facets/facets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/design/facets/contour.hpp"
+#include "core/design/facets/windows.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr double kFinestStep_mm = 0.5;
+constexpr double kCardMargin_mm = 15.0;             ///< of wall and ground beyond the last fold
+constexpr int kPointsAcross = 2, kPointsAlong = 4;  ///< of the picture in a cell
+constexpr double kMostPoints = 64e6;
+constexpr int kSweeps = 12;
+constexpr double kLeastDeeper_mm = 2.0;  ///< of what a window shows
+
+int steps_up(double mm, double step_mm) { return static_cast<int>(std::ceil(mm / step_mm - 1e-9)); }
+
+/// What of the target can be seen: its reach from the spine on the sheet, and its highest offsets.
+struct TargetReach {
+  double x_mm{}, z_mm{};
+  bool any{};
+};
+
+TargetReach reach_of(const TriangleSoup& target, double from_mm, double to_mm) {
+  TargetReach out;
+  for (std::size_t t = 0; t < target.size(); ++t) {
+    double low = target.corner(t, 0)[1], high = low;
+    for (std::size_t k = 1; k < 3; ++k) {
+      low = std::min(low, target.corner(t, k)[1]);
+      high = std::max(high, target.corner(t, k)[1]);
+    }
+    if (high < from_mm || low > to_mm) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 p = target.corner(t, k);
+      if (!(p[0] > 0.0) && !(p[2] > 0.0)) continue;
+      out.x_mm = std::max(out.x_mm, p[0]), out.z_mm = std::max(out.z_mm, p[2]);
+      out.any = true;
+    }
+  }
+  return out;
+}
+
+class FacetMaker {
+ public:
+  FacetMaker(const TriangleSoup& target, const FacetOptions& options, const Progress& progress)
+      : target_(target), options_(options), progress_(progress) {}
+
+  Result<FacetCard> run() {
+    if (auto done = set_grid(); !done) return tl::unexpected(done.error());
+    tell(progress_, "looking at the shape along the diagonal");
+    const DepthImage image = depth_image(target_, raster(), options_.inward);
+    if (std::all_of(image.facing.begin(), image.facing.end(),
+                    [](Facing facing) { return facing == Facing::Card; }))
+      return nothing_there();
+    const int most_x = most_offset(options_.ground_mm, reach_.x_mm),
+              most_z = most_offset(options_.wall_mm, reach_.z_mm);
+    const int pitch = std::max(1, static_cast<int>(std::lround(options_.pitch_mm / step_mm_)));
+    const FacetPlanes planes = planes_for(image, grid_, pitch, most_x, most_z, options_.inward);
+    tell(progress_, "giving each point of the sheet a plane");
+    // Strips that are cut across come nearer, but are looser; some shapes are better off without.
+    FacetCardSize card{grid_.wall * step_mm_, (grid_.columns - grid_.wall) * step_mm_,
+                       options_.margin_mm};
+    Labelling labelling(image, planes, grid_, options_.weights, limits());
+    const double least = labelling.least_distance();
+    Labelling uncut = labelling;
+    auto repaired = label(labelling, card, true);
+    if (!repaired) return tl::unexpected(repaired.error());
+    auto repaired_uncut = label(uncut, card, false);
+    if (!repaired_uncut) return tl::unexpected(repaired_uncut.error());
+    if (uncut.whole_cost() < labelling.whole_cost()) {
+      labelling = std::move(uncut);
+      repaired = std::move(repaired_uncut);
+    }
+    LabelImage labels = fit_card(labelling.image(), planes, card);
+    for (FacetStrut& strut : repaired->struts) strut.without = moved(strut.without, labels.grid);
+    auto pattern = pattern_of(labels, planes, card, options_.min_panel_mm);
+    if (!pattern) return tl::unexpected(pattern.error());
+    FacetCard out{
+        labels.grid, planes, std::move(labels), card, std::move(*pattern), std::move(*repaired),
+        {},          0};
+    measure(image, labelling, least, out);
+    open_windows(image, out);
+    follow_contours(out.pattern, out.labels, out.planes, image, options_.min_panel_mm);
+    return out;
+  }
+
+ private:
+  [[nodiscard]] Result<FacetRepair> label(Labelling& labelling, const FacetCardSize& card,
+                                          bool jumps) const {
+    labelling.sweep(kSweeps, jumps);
+    return repair(labelling, card, options_.min_panel_mm, jumps, progress_);
+  }
+
+  Result<void> set_grid() {
+    reach_ = reach_of(target_, options_.from_mm, options_.to_mm);
+    if (!reach_.any) return nothing_there();
+    const int parts = std::max(1, steps_up(options_.pitch_mm, kFinestStep_mm));
+    step_mm_ = options_.pitch_mm / parts;
+    const double pad = std::max(kCardMargin_mm, options_.min_panel_mm);
+    const double wall = options_.wall_mm.value_or(reach_.z_mm + pad),
+                 ground = options_.ground_mm.value_or(reach_.x_mm + pad);
+    const double columns = wall / step_mm_ + ground / step_mm_,
+                 strips = (options_.to_mm - options_.from_mm) / options_.strip_mm;
+    if (!(columns * strips * kPointsAcross * kPointsAlong <= kMostPoints))
+      return fail(ErrorKind::OutOfRange, "/facets/strip_mm",
+                  fmt::format("makes {:.3g} cells with pitch_mm = {:g}; must make at most {:.3g}: "
+                              "use wider strips or a larger pitch_mm",
+                              columns * strips, options_.pitch_mm,
+                              kMostPoints / kPointsAcross / kPointsAlong));
+    grid_.step_mm = step_mm_;
+    grid_.wall = steps_down(wall);
+    grid_.columns = grid_.wall + steps_down(ground);
+    grid_.strip_mm = options_.strip_mm;
+    grid_.strips = std::max(1, steps_up(options_.to_mm - options_.from_mm, options_.strip_mm));
+    grid_.v_from_mm = options_.from_mm;
+    for (const auto& [asked, steps, field] :
+         {std::tuple{options_.wall_mm, grid_.wall, "wall_mm"},
+          std::tuple{options_.ground_mm, grid_.columns - grid_.wall, "ground_mm"}})
+      if (steps < 2 * least_run())
+        return fail(ErrorKind::OutOfRange, fmt::format("/card/{}", field),
+                    fmt::format("is {:g} mm; at least {:g} mm is needed", asked.value_or(0.0),
+                                2 * least_run() * step_mm_));
+    return {};
+  }
+  [[nodiscard]] int steps_down(double mm) const {
+    return static_cast<int>(std::floor(mm / step_mm_ + 1e-9));
+  }
+  [[nodiscard]] int least_run() const {
+    return std::max(1, steps_up(options_.min_panel_mm, step_mm_));
+  }
+
+  [[nodiscard]] tl::unexpected<Error> nothing_there() const {
+    return fail(ErrorKind::Infeasible, "/surface",
+                fmt::format("nothing of it stands in the corner x > 0, z > 0 between {:g} and {:g} "
+                            "mm along the spine; move it with translate_mm, or set "
+                            "/facets/from_mm and length_mm",
+                            options_.from_mm, options_.to_mm));
+  }
+
+  [[nodiscard]] SheetRaster raster() const {
+    return {-grid_.wall * step_mm_,
+            step_mm_ / kPointsAcross,
+            grid_.v_from_mm,
+            grid_.strip_mm / kPointsAlong,
+            static_cast<std::size_t>(grid_.columns * kPointsAcross),
+            static_cast<std::size_t>(grid_.strips * kPointsAlong)};
+  }
+
+  /// The largest offset that leaves the least panel of a wall or ground that was asked for.
+  [[nodiscard]] int most_offset(const std::optional<double>& asked, double reach_mm) const {
+    return asked ? steps_down(*asked) - least_run() : steps_up(reach_mm, step_mm_);
+  }
+
+  [[nodiscard]] FacetLimits limits() const {
+    FacetLimits out;
+    out.least_run = least_run();
+    const double side = std::min(options_.wall_mm.value_or(out.most_reach_mm),
+                                 options_.ground_mm.value_or(out.most_reach_mm));
+    if (options_.shut_inside) out.most_reach_mm = side;
+    return out;
+  }
+
+  /// Wall and ground as large as the labels need; the same labels in the new columns.
+  [[nodiscard]] LabelImage fit_card(const LabelImage& image, const FacetPlanes& planes,
+                                    FacetCardSize& card) const {
+    int up = 0, far = 0, shut = 0;
+    for (int s = 0; s < grid_.strips; ++s) {
+      const std::vector<LabelRun> runs = runs_of(image.strip(s), planes, grid_);
+      up = std::max(up, grid_.wall - runs.front().end);
+      far = std::max(far, runs.back().begin - grid_.wall);
+      for (const LabelRun& run : runs) {
+        const FacetPlane& p = planes[run.label];
+        if (p.offset == 0) continue;
+        const int across = p.upright ? -grid_.across(run.begin) : grid_.across(run.end);
+        shut = std::max(shut, 2 * p.offset + across);
+      }
+    }
+    const double pad = std::max(kCardMargin_mm, options_.min_panel_mm);
+    const double least_shut = options_.shut_inside ? shut * step_mm_ + options_.margin_mm : 0.0;
+    card.wall_mm = options_.wall_mm.value_or(std::max(up * step_mm_ + pad, least_shut));
+    card.ground_mm = options_.ground_mm.value_or(std::max(far * step_mm_ + pad, least_shut));
+    FacetGrid grid = image.grid;
+    grid.wall = steps_down(card.wall_mm);
+    grid.columns = grid.wall + steps_down(card.ground_mm);
+    LabelImage out{grid, {}};
+    for (int s = 0; s < grid.strips; ++s) {
+      const std::vector<Label> strip = moved(image.strip(s), grid);
+      out.label.insert(out.label.end(), strip.begin(), strip.end());
+    }
+    return out;
+  }
+
+  /// The labels of a strip in the columns of another card.
+  [[nodiscard]] std::vector<Label> moved(std::span<const Label> strip,
+                                         const FacetGrid& grid) const {
+    std::vector<Label> out(static_cast<std::size_t>(grid.columns));
+    for (int i = 0; i < grid.columns; ++i) {
+      const int from = i - grid.wall + grid_.wall;
+      out[static_cast<std::size_t>(i)] = from < 0 ? kWallLabel
+                                         : from >= grid_.columns
+                                             ? kGroundLabel
+                                             : strip[static_cast<std::size_t>(from)];
+    }
+    return out;
+  }
+
+  /// Windows, where the card with them is as sound as without.
+  void open_windows(const DepthImage& image, FacetCard& out) const {
+    LabelImage labels = out.labels;
+    const double deeper = std::max(options_.pitch_mm, kLeastDeeper_mm);
+    out.windows = cut_windows(labels, out.planes, image, deeper, options_.min_panel_mm);
+    if (out.windows == 0) return;
+    auto pattern = pattern_of(labels, out.planes, out.card, options_.min_panel_mm);
+    if (pattern && pattern->motion.degrees_of_freedom == 1 && pattern->motion.pieces == 1) {
+      out.labels = std::move(labels);
+      out.pattern = std::move(*pattern);
+    } else {
+      out.windows = 0;
+    }
+  }
+
+  void measure(const DepthImage& image, const Labelling& labelling, double least,
+               FacetCard& out) const {
+    std::vector<double> off;
+    double sum = 0.0, whole = 0.0;
+    const double root = std::sqrt(2.0);
+    for (int s = 0; s < grid_.strips; ++s) {
+      const auto strip = labelling.image().strip(s);
+      whole += labelling.distance(s, strip);
+      for (int k = 0; k < kPointsAlong; ++k)
+        for (std::size_t c = 0; c < image.raster.columns; ++c) {
+          const std::size_t row = static_cast<std::size_t>(s * kPointsAlong + k);
+          const Label label = strip[c / kPointsAcross];
+          const bool is_card =
+              label == (c / kPointsAcross < static_cast<std::size_t>(grid_.wall) ? kWallLabel
+                                                                                 : kGroundLabel);
+          if (is_card && image.facing[row * image.raster.columns + c] == Facing::Card) continue;
+          const FacetPlane& plane = out.planes[label];
+          const double far =
+              root * std::abs(plane.offset * step_mm_ -
+                              (plane.upright ? image.x_mm(row, c) : image.z_mm(row, c)));
+          off.push_back(far), sum += far;
+        }
+    }
+    FacetFigures& f = out.figures;
+    if (!off.empty()) {
+      f.depth_mean_mm = sum / static_cast<double>(off.size());
+      const auto at = static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(off.size() - 1));
+      std::nth_element(off.begin(), off.begin() + at, off.end());
+      f.depth_p95_mm = off[static_cast<std::size_t>(at)];
+    }
+    f.patches = patches_of(out.labels, out.planes, options_.min_panel_mm).count;
+    constexpr double kRounding = 1e-9;
+    f.over_least = least > kRounding ? whole / least : 1.0;
+    f.planes = static_cast<int>(out.planes.size());
+    f.loose_before = out.repaired.loose_before;
+    f.dropped = out.repaired.dropped;
+    f.struts = out.repaired.struts.size();
+  }
+
+  const TriangleSoup& target_;
+  const FacetOptions& options_;
+  const Progress& progress_;
+  TargetReach reach_;
+  FacetGrid grid_;
+  double step_mm_{};
+};
+
+}  // namespace
+
+Result<FacetCard> facet_card(const TriangleSoup& target, const FacetOptions& options,
+                             const Progress& progress) {
+  return FacetMaker(target, options, progress).run();
+}
+
+}  // namespace popcut

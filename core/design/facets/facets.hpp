@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "core/design/facets/facet_repair.hpp"
+#include "core/design/facets/label_pattern.hpp"
+#include "core/design/facets/labelling.hpp"
+#include "core/design/spec/report.hpp"
+#include "core/fit/triangle_soup.hpp"
+#include "core/progress.hpp"
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// How a card of facets is made.
+struct FacetOptions {
+  double pitch_mm{2.0};  ///< between the planes that are tried
+  double strip_mm{2.0};  ///< width of a strip
+  double min_panel_mm{0.5};
+  double margin_mm{15.0};
+  double from_mm{}, to_mm{};  ///< the stretch of the target along the spine
+  std::optional<double> wall_mm, ground_mm;
+  bool shut_inside{true};  ///< the shut structure lies inside the card
+  bool inward{};           ///< planes behind wall and ground may be taken
+  FacetWeights weights;
+};
+
+/// A card of facets.
+struct FacetCard {
+  FacetGrid grid;
+  FacetPlanes planes;
+  LabelImage labels;
+  FacetCardSize card;
+  LabelPattern pattern;
+  FacetRepair repaired;
+  FacetFigures figures;
+  std::size_t windows{};  ///< cut out, where a patch would hide what is farther back
+};
+
+/// A target as origamic architecture: each point of the sheet gets one plane, parallel to the wall
+/// or to the ground. What is reported has exactly one freedom (`mobility`) and is one piece.
+///
+/// @retval OutOfRange  the card that was asked for is too small, or there are too many cells;
+/// `place`
+///                     names the field
+/// @retval Infeasible  nothing of the target stands in the corner
+[[nodiscard]] Result<FacetCard> facet_card(const TriangleSoup& target, const FacetOptions& options,
+                                           const Progress& progress = {});
+
+}  // namespace popcut

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+#include "core/design/facets/labelling.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace popcut {
+namespace {
+
+constexpr std::size_t kMostKept = 40'000'000;  ///< costs that are kept, of four bytes
+
+}  // namespace
+
+Labelling::Labelling(const DepthImage& target, const FacetPlanes& planes, const FacetGrid& grid,
+                     const FacetWeights& weights, const FacetLimits& limits)
+    : target_(&target), planes_(&planes), grid_(grid), weights_(weights), limits_(limits) {
+  const auto columns = static_cast<std::size_t>(grid.columns);
+  image_.grid = grid;
+  image_.label.assign(columns * static_cast<std::size_t>(grid.strips), kGroundLabel);
+  for (int s = 0; s < grid.strips; ++s) std::fill_n(image_.strip(s).begin(), grid.wall, kWallLabel);
+  cost_.resize(columns * planes.size());
+  if (image_.label.size() * planes.size() <= kMostKept)
+    kept_.resize(static_cast<std::size_t>(grid.strips));
+}
+
+/// The cost of each label in each column: the sum over the points of the target's picture there of
+/// how far the plane would have to be moved along its normal to go through what is seen.
+void Labelling::compute(int strip, double* cost) const {
+  const SheetRaster& raster = target_->raster;
+  const std::size_t across = raster.columns / static_cast<std::size_t>(grid_.columns);
+  const std::size_t along = raster.rows / static_cast<std::size_t>(grid_.strips);
+  const double area = raster.column_mm * raster.row_mm, step = grid_.step_mm;
+  const std::size_t labels = planes_->size();
+  std::fill_n(cost, labels * static_cast<std::size_t>(grid_.columns), 0.0);
+  std::vector<double> offset(labels);
+  std::size_t first_level = labels;
+  for (std::size_t l = 2; l < labels && first_level == labels; ++l)
+    if (!(*planes_)[static_cast<Label>(l)].upright) first_level = l;
+  for (std::size_t l = 0; l < labels; ++l)
+    offset[l] = step * (*planes_)[static_cast<Label>(l)].offset;
+  for (std::size_t column = 0; column < static_cast<std::size_t>(grid_.columns); ++column) {
+    double* const out = cost + column * labels;
+    for (std::size_t r = 0; r < along; ++r)
+      for (std::size_t c = 0; c < across; ++c) {
+        const std::size_t row = static_cast<std::size_t>(strip) * along + r,
+                          at = column * across + c;
+        const double x = target_->x_mm(row, at), z = target_->z_mm(row, at);
+        out[kWallLabel] += std::abs(x), out[kGroundLabel] += std::abs(z);
+        for (std::size_t l = 2; l < first_level; ++l) out[l] += std::abs(offset[l] - x);
+        for (std::size_t l = first_level; l < labels; ++l) out[l] += std::abs(offset[l] - z);
+      }
+    const int begin = grid_.across(static_cast<int>(column));
+    for (std::size_t l = 0; l < labels; ++l) {
+      out[l] *= area;
+      const FacetPlane& plane = (*planes_)[static_cast<Label>(l)];
+      const int reach = plane.upright ? 2 * plane.offset - begin : 2 * plane.offset + begin + 1;
+      if (step * reach > limits_.most_reach_mm && plane.offset != 0) out[l] += kForbidden;
+    }
+  }
+}
+
+/// Into `cost_`.
+void Labelling::load_costs(int strip) {
+  if (kept_.empty()) return compute(strip, cost_.data());
+  std::vector<float>& kept = kept_[static_cast<std::size_t>(strip)];
+  if (kept.empty()) {
+    compute(strip, cost_.data());
+    kept.assign(cost_.begin(), cost_.end());
+  } else {
+    std::copy(kept.begin(), kept.end(), cost_.begin());
+  }
+}
+
+std::vector<Label> Labelling::solve(int strip, bool jumps, double coupling) {
+  const std::size_t labels = planes_->size();
+  load_costs(strip);
+  problem_ = cost_;
+  for (const int other : {strip - 1, strip + 1}) {
+    const bool is_margin = other < 0 || other >= grid_.strips;
+    for (int i = 0; i < grid_.columns; ++i) {
+      const Label beside = !is_margin       ? image_.strip(other)[static_cast<std::size_t>(i)]
+                           : i < grid_.wall ? kWallLabel
+                                            : kGroundLabel;
+      problem_[static_cast<std::size_t>(i) * labels + static_cast<std::size_t>(beside)] -=
+          coupling * weights_.cut_mm2 * grid_.step_mm;
+    }
+  }
+  for (const LabelBan& ban : bans_)
+    if (ban.strip == strip)
+      for (int i = ban.begin; i < ban.end; ++i)
+        problem_[static_cast<std::size_t>(i) * labels + static_cast<std::size_t>(ban.label)] +=
+            kForbidden;
+  const double width = grid_.strip_mm;
+  return solver_
+      .solve({*planes_, grid_, problem_, limits_.least_run, weights_.fold_mm2 * width,
+              jumps ? std::max(weights_.jump_mm2, weights_.fold_mm2) * width : kForbidden})
+      .label;
+}
+
+void Labelling::sweep(int sweeps, bool jumps) {
+  std::vector<std::uint8_t> stale(static_cast<std::size_t>(grid_.strips), 1);
+  const int ramp = sweeps / 2;
+  for (int k = 0; k < sweeps; ++k) {
+    const double coupling = k >= ramp ? 1.0 : static_cast<double>(k) / ramp;
+    if (k <= ramp) std::fill(stale.begin(), stale.end(), std::uint8_t{1});
+    bool changed = false;
+    for (const int parity : {0, 1})
+      for (int s = parity; s < grid_.strips; s += 2) {
+        const auto at = static_cast<std::size_t>(s);
+        if (!stale[at]) continue;
+        stale[at] = 0;
+        std::vector<Label> labels = solve(s, jumps, coupling);
+        if (std::equal(labels.begin(), labels.end(), image_.strip(s).begin())) continue;
+        changed = true;
+        set(s, labels);
+        if (s > 0) stale[at - 1] = 1;
+        if (at + 1 < stale.size()) stale[at + 1] = 1;
+      }
+    if (!changed && k > ramp) break;
+  }
+}
+
+std::vector<Label> Labelling::best(int strip, bool jumps) { return solve(strip, jumps, 1.0); }
+
+void Labelling::set(int strip, const std::vector<Label>& labels) {
+  std::copy(labels.begin(), labels.end(), image_.strip(strip).begin());
+}
+
+double Labelling::distance(int strip, std::span<const Label> labels) const {
+  const SheetRaster& raster = target_->raster;
+  const std::size_t across = raster.columns / static_cast<std::size_t>(grid_.columns);
+  const std::size_t along = raster.rows / static_cast<std::size_t>(grid_.strips);
+  double sum = 0.0;
+  for (std::size_t column = 0; column < labels.size(); ++column) {
+    const FacetPlane& plane = (*planes_)[labels[column]];
+    const double offset = grid_.step_mm * plane.offset;
+    for (std::size_t r = 0; r < along; ++r)
+      for (std::size_t c = 0; c < across; ++c) {
+        const std::size_t row = static_cast<std::size_t>(strip) * along + r,
+                          at = column * across + c;
+        sum += std::abs(offset - (plane.upright ? target_->x_mm(row, at) : target_->z_mm(row, at)));
+      }
+  }
+  return sum * raster.column_mm * raster.row_mm;
+}
+
+double Labelling::cost(int strip, std::span<const Label> labels) const {
+  double sum = 0.0;
+  const auto at_strip = static_cast<std::size_t>(strip);
+  if (!kept_.empty() && !kept_[at_strip].empty()) {
+    const float* cost = kept_[at_strip].data();
+    for (const Label label : labels) {
+      sum += static_cast<double>(cost[label]);
+      cost += planes_->size();
+    }
+  } else {
+    sum = distance(strip, labels);
+  }
+  for (std::size_t i = 1; i < labels.size(); ++i)
+    if (labels[i] != labels[i - 1])
+      sum += grid_.strip_mm *
+             (planes_->partner(labels[i - 1], grid_.across(static_cast<int>(i))) == labels[i]
+                  ? weights_.fold_mm2
+                  : weights_.jump_mm2);
+  int cut = 0;
+  for (const int other : {strip - 1, strip + 1}) {
+    const bool is_margin = other < 0 || other >= grid_.strips;
+    for (int i = 0; i < grid_.columns; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const Label beside = !is_margin       ? image_.strip(other)[at]
+                           : i < grid_.wall ? kWallLabel
+                                            : kGroundLabel;
+      cut += labels[at] != beside ? 1 : 0;
+    }
+  }
+  return sum + weights_.cut_mm2 * grid_.step_mm * cut;
+}
+
+double Labelling::whole_cost() const {
+  double sum = 0.0;
+  for (int s = 0; s < grid_.strips; ++s) sum += cost(s, image_.strip(s));
+  return sum;
+}
+
+double Labelling::least_distance() {
+  double sum = 0.0;
+  for (int s = 0; s < grid_.strips; ++s) {
+    load_costs(s);
+    sum += solver_.solve({*planes_, grid_, cost_, limits_.least_run, 0.0, 0.0}).cost;
+  }
+  return sum;
+}
+
+}  // namespace popcut

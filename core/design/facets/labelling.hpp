@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "core/design/facets/depth_image.hpp"
+#include "core/design/facets/labels.hpp"
+#include "core/design/facets/strip_chain.hpp"
+
+namespace popcut {
+
+/// What a card of facets pays for beside its distance from the target, which is in mm of a plane's
+/// own offset times mm^2 of sheet: a line of 1 mm costs as much as this area 1 mm off, mm^2.
+struct FacetWeights {
+  double fold_mm2{1.0};  ///< a fold
+  double jump_mm2{4.0};  ///< a cut across a strip
+  double cut_mm2{1.0};   ///< a cut between strips
+};
+
+/// What the labels must obey.
+struct FacetLimits {
+  int least_run{1};  ///< steps that a plane keeps at least
+  double most_reach_mm{std::numeric_limits<double>::infinity()};  ///< x + z of all points
+};
+
+/// Labels that a strip must not take in some columns.
+struct LabelBan {
+  int strip{};
+  int begin{}, end{};
+  Label label{};
+};
+
+/// The labels of a sheet as a choice between the distance from the target and the length of its
+/// folds and cuts: strips by dynamic programming, each beside its neighbours as they are.
+class Labelling {
+ public:
+  Labelling(const DepthImage& target, const FacetPlanes& planes, const FacetGrid& grid,
+            const FacetWeights& weights, const FacetLimits& limits);
+
+  [[nodiscard]] const LabelImage& image() const { return image_; }
+  [[nodiscard]] const FacetPlanes& planes() const { return *planes_; }
+  [[nodiscard]] const FacetLimits& limits() const { return limits_; }
+
+  /// Every strip, odd and even ones in turn, until nothing changes or `sweeps` are done. The first
+  /// sweeps take the neighbours less seriously.
+  void sweep(int sweeps, bool jumps);
+
+  /// The best labels of one strip beside its neighbours, without setting them.
+  [[nodiscard]] std::vector<Label> best(int strip, bool jumps);
+
+  void set(int strip, const std::vector<Label>& labels);
+  void ban(const LabelBan& ban) { bans_.push_back(ban); }
+  /// Takes the last bans back, so that `count` are left.
+  void forget_bans(std::size_t count) { bans_.resize(count); }
+  [[nodiscard]] std::size_t bans() const { return bans_.size(); }
+
+  /// What a strip costs, with the cuts to its neighbours.
+  [[nodiscard]] double cost(int strip, std::span<const Label> labels) const;
+  /// What all strips cost together; a cut between two of them counts for both.
+  [[nodiscard]] double whole_cost() const;
+  /// Its distance from the target alone, mm^3.
+  [[nodiscard]] double distance(int strip, std::span<const Label> labels) const;
+  /// No labels of these planes come nearer: jumps and folds are free, and strips stand alone. mm^3.
+  [[nodiscard]] double least_distance();
+
+ private:
+  void load_costs(int strip);
+  void compute(int strip, double* cost) const;
+  [[nodiscard]] std::vector<Label> solve(int strip, bool jumps, double coupling);
+
+  const DepthImage* target_;
+  const FacetPlanes* planes_;
+  FacetGrid grid_;
+  FacetWeights weights_;
+  FacetLimits limits_;
+  LabelImage image_;
+  std::vector<LabelBan> bans_;
+  std::vector<std::vector<float>> kept_;  ///< costs of strips, where all of them fit
+  std::vector<double> cost_, problem_;
+  FacetChainSolver solver_;
+};
+
+}  // namespace popcut

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/design/facets/depth_image.hpp"
+
+namespace popcut {
+
+/// A plane that a point of the sheet can lie in: parallel to the wall at x = offset, or to the
+/// ground at z = offset; the offset in steps of the grid, below 0 behind the card.
+struct FacetPlane {
+  bool upright{};
+  int offset{};
+  friend bool operator==(const FacetPlane&, const FacetPlane&) = default;
+};
+
+/// An index into `FacetPlanes`.
+using Label = std::int16_t;
+inline constexpr Label kNoLabel = -1;  ///< also a window: no paper
+inline constexpr Label kWallLabel = 0;
+inline constexpr Label kGroundLabel = 1;
+inline constexpr int kMostLabels = 2000;
+
+/// The planes that labels stand for: wall and ground first.
+class FacetPlanes {
+ public:
+  /// @param upright, level  offsets in steps; 0 and doubles are left out
+  FacetPlanes(const std::vector<int>& upright, const std::vector<int>& level);
+
+  [[nodiscard]] std::size_t size() const { return planes_.size(); }
+  [[nodiscard]] const FacetPlane& operator[](Label label) const {
+    return planes_[static_cast<std::size_t>(label)];
+  }
+  /// The label of a plane, or `kNoLabel`.
+  [[nodiscard]] Label find(const FacetPlane& plane) const;
+  /// The plane that `label` meets in a fold `across` steps from the spine: x - z = across. Upright
+  /// planes c and level ones d meet at c - d only.
+  [[nodiscard]] Label partner(Label label, int across) const {
+    const FacetPlane& p = (*this)[label];
+    return find({!p.upright, p.upright ? p.offset - across : p.offset + across});
+  }
+
+ private:
+  std::vector<FacetPlane> planes_;
+  int least_{};
+  std::vector<Label> upright_, level_;  ///< by offset from `least_`
+};
+
+/// The sheet in cells: strips along v, and steps along u. The card's wall has `wall` steps.
+struct FacetGrid {
+  double step_mm{};
+  int wall{};     ///< steps from the wall's top to the spine
+  int columns{};  ///< steps from the wall's top to the ground's far edge
+  double strip_mm{};
+  int strips{};
+  double v_from_mm{};  ///< where the first strip begins along the target
+
+  /// Steps from the spine of the line before a column.
+  [[nodiscard]] int across(int column) const { return column - wall; }
+};
+
+/// One label a cell, strip by strip: what a card of facets is.
+struct LabelImage {
+  FacetGrid grid;
+  std::vector<Label> label;
+
+  [[nodiscard]] std::span<Label> strip(int s) {
+    return std::span(label).subspan(static_cast<std::size_t>(s) * width(), width());
+  }
+  [[nodiscard]] std::span<const Label> strip(int s) const {
+    return std::span(label).subspan(static_cast<std::size_t>(s) * width(), width());
+  }
+
+ private:
+  [[nodiscard]] std::size_t width() const { return static_cast<std::size_t>(grid.columns); }
+};
+
+/// A stretch of one label in a strip: columns `begin` to `end`.
+struct LabelRun {
+  int begin{}, end{};
+  Label label{};
+  /// It meets the run before it in a fold; false: in a cut, or there is none.
+  bool folds_on{};
+};
+
+/// The runs of a strip, in order.
+[[nodiscard]] std::vector<LabelRun> runs_of(std::span<const Label> strip, const FacetPlanes& planes,
+                                            const FacetGrid& grid);
+
+/// Planes worth trying for a target: one each `pitch` steps over what is seen, and where many
+/// points that face wall or ground have one offset, that one.
+///
+/// @param most_x, most_z  largest offsets, in steps
+/// @param inward          offsets below 0 too
+[[nodiscard]] FacetPlanes planes_for(const DepthImage& target, const FacetGrid& grid, int pitch,
+                                     int most_x, int most_z, bool inward);
+
+}  // namespace popcut

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/design/facets/labels.hpp"
+
+namespace popcut {
+
+/// A cost that no chain pays where another one exists.
+inline constexpr double kForbidden = 1e7;
+
+/// The labels of one strip as a shortest path: what each column costs under each label, and what it
+/// costs to go on in another plane.
+struct FacetChainProblem {
+  const FacetPlanes& planes;
+  const FacetGrid& grid;
+  std::span<const double> cost;  ///< columns x labels; `kForbidden` and more: not to be taken
+  int least_run{1};              ///< columns that a plane keeps at least
+  double fold{};                 ///< a fold into the plane that meets this one there
+  double jump{kForbidden};       ///< a cut across the strip, into any plane; not below `fold`
+};
+
+struct FacetChain {
+  std::vector<Label> label;  ///< one a column, from the wall to the ground
+  double cost{};
+};
+
+/// The cheapest labels of a strip that begin with the wall and end with the ground, exactly:
+/// dynamic programming over columns with three moves (stay, fold, jump), each jump through the
+/// least cost of all labels there. O(columns x labels).
+class FacetChainSolver {
+ public:
+  [[nodiscard]] FacetChain solve(const FacetChainProblem& problem);
+
+ private:
+  void enter(const FacetChainProblem& problem, std::size_t column);
+
+  std::vector<double> whole_;    ///< (columns + 1) x labels: in it for `least_run` columns or more
+  std::vector<double> entered_;  ///< comes into it at this line
+  std::vector<double> sum_;      ///< of the costs of a label so far
+  std::vector<Label> from_;      ///< label before the entry
+  std::vector<unsigned char> begins_;  ///< the run begins `least_run` columns before
+};
+
+}  // namespace popcut

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+
+#include "core/design/facets/depth_image.hpp"
+#include "core/design/facets/labels.hpp"
+
+namespace popcut {
+
+/// Cuts windows where a patch hides what should be seen farther back through it, such as the inside
+/// of a letter: cells whose part of the target is more than `deeper_mm` behind the patch, with
+/// `min_panel_mm` and a strip of the patch left all around. Such cells get no label.
+///
+/// @return how many windows there are
+std::size_t cut_windows(LabelImage& image, const FacetPlanes& planes, const DepthImage& target,
+                        double deeper_mm, double min_panel_mm);
+
+}  // namespace popcut

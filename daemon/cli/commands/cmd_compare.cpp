@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: MIT
+#include <array>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "core/compare/comparison.hpp"
+#include "core/compare/volume.hpp"
+#include "core/plan/plan_options.hpp"
+#include "daemon/cli/command.hpp"
+#include "daemon/cli/input/compared_pair.hpp"
+#include "daemon/cli/options/angles.hpp"
+#include "daemon/cli/options/option_value.hpp"
+#include "daemon/cli/options/plan_arguments.hpp"
+#include "daemon/cli/view/compare_picture.hpp"
+#include "daemon/cli/view/compare_report.hpp"
+#include "daemon/cli/view/long_work.hpp"
+#include "daemon/files/output_folder.hpp"
+
+namespace popcut::cli {
+namespace compare_command {
+namespace {
+
+struct Options {
+  std::string pattern, target, folder;
+  std::string psi, rotate, move;
+  std::optional<double> scale;
+  bool fit{false}, around{false}, no_cost{false};
+  int pixels{512};
+  std::string machine, material, mat;
+};
+
+/// "1,-2.5,3" as three numbers.
+std::optional<std::array<double, 3>> three_numbers(std::string_view text) {
+  std::array<double, 3> out{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t comma = text.find(',');
+    if ((comma == std::string_view::npos) != (k == 2)) return std::nullopt;
+    if (!CLI::detail::lexical_cast(std::string(text.substr(0, comma)), out[k])) return std::nullopt;
+    if (!(std::abs(out[k]) <= 1e7)) return std::nullopt;
+    text.remove_prefix(k == 2 ? text.size() : comma + 1);
+  }
+  return out;
+}
+
+Result<std::optional<double>> psi_of(const Options& options) {
+  if (options.psi.empty()) return std::nullopt;
+  const auto psi = parse_angle(options.psi);
+  if (!psi) return tl::unexpected(within("--psi", psi.error()));
+  if (!(*psi > 0.0 && *psi < std::numbers::pi))
+    return fail(ErrorKind::Usage, "--psi",
+                fmt::format("{} is not between 0 (shut) and pi (flat){}", options.psi,
+                            degrees_hint(options.psi)));
+  return *psi;
+}
+
+CutCost cost_of(const Options& options, const ComparedStructure& structure,
+                const Globals& globals) {
+  CutCost out;
+  if (structure.is_mesh || options.no_cost) {
+    out.why = structure.is_mesh ? "a mesh is no pattern that can be cut" : "you asked for none";
+    return out;
+  }
+  PlanArguments arguments;
+  arguments.input = options.pattern;
+  arguments.machine = options.machine, arguments.material = options.material;
+  if (!options.mat.empty()) arguments.options["mat"] = options.mat;
+  const auto job = plan_input(arguments, !globals.quiet);
+  if (!job) {
+    out.why = message(job.error());
+    return out;
+  }
+  out.ran = true;
+  out.machine = job->plan.machine.title, out.material = job->plan.material.title;
+  out.sheets = job->plan.sheets.size();
+  out.pieces = job->plan.layout ? job->plan.layout->pieces.size() : 0;
+  double seconds = 0.0;
+  for (const PlannedSheet& sheet : job->plan.sheets) {
+    seconds += sheet.seconds;
+    for (std::size_t k = 0; k < 2; ++k) out.seconds_range[k] += sheet.seconds_range[k];
+    out.cut_mm += sheet.cut_mm, out.fold_mm += sheet.fold_mm;
+    out.travel_mm += sheet.travel_mm + sheet.home_mm;
+  }
+  if (job->plan.machine.driven()) out.seconds = seconds;
+  return out;
+}
+
+/// The volumes of model and card, or why there are none.
+void add_volumes(const Options& options, const ComparedStructure& structure,
+                 const ComparedTarget& target, CompareReport& report) {
+  if (options.around) {
+    report.model.why = "a volume belongs to one corner, and --around looks at all sides";
+    return;
+  }
+  if (!structure.corner) {
+    report.model.why = "the pattern does not stand in a corner of wall and ground";
+    return;
+  }
+  const likeness::Corner& corner = *structure.corner;
+  const auto before = [&](likeness::Triangles surface) {
+    const double mm3 = likeness::volume_before(surface, corner, options.pixels);
+    return likeness::Volume{mm3 > 0.0, mm3, mm3 > 0.0 ? "" : "nothing stands in the corner", false};
+  };
+  report.model = target.is_solid ? likeness::solid_volume(target.triangles, corner, options.pixels)
+                                 : before(target.triangles);
+  report.card = before(structure.triangles);
+}
+
+Result<void> write_files(const Options& options, const CompareReport& report,
+                         const likeness::Target& aim, const ComparedTarget& target,
+                         const ComparedStructure& structure) {
+  auto folder = OutputFolder::open(options.folder);
+  if (!folder) return tl::unexpected(folder.error());
+  const auto picture = compare_picture(aim, target.triangles, structure.triangles,
+                                       fmt::format("{} against {}: error {:.4f}", report.pattern,
+                                                   report.target, report.figures.error()));
+  if (!picture) return tl::unexpected(picture.error());
+  if (auto done = folder->add("compare.png", *picture); !done) return done;
+  if (auto done = folder->add("compare.json", compare_json(report)); !done) return done;
+  return folder->commit("popcut compare " POPCUT_VERSION);
+}
+
+Result<void> run_compare(const Options& options, const Globals& globals) {
+  const auto psi = psi_of(options);
+  if (!psi) return tl::unexpected(psi.error());
+  std::optional<LongWork> work(std::in_place, !globals.quiet, "reading the pattern");
+  const auto structure = read_structure(options.pattern, *psi, work->progress());
+  if (!structure) return tl::unexpected(structure.error());
+  const GivenPlacement given{
+      options.scale, options.rotate.empty() ? std::nullopt : three_numbers(options.rotate),
+      options.move.empty() ? std::nullopt : three_numbers(options.move), options.fit};
+  const auto target = read_compared_target(options.target, *structure, given, work->progress());
+  if (!target) return tl::unexpected(target.error());
+  work->now("comparing");
+  likeness::Scene scene;
+  scene.pixels = options.pixels;
+  const likeness::Corner corner = structure->corner.value_or(likeness::Corner{});
+  scene.views = options.around ? likeness::round_views() : likeness::cone_views(corner.opening_rad);
+  if (!options.around) scene.corner = structure->corner;
+  const likeness::Target aim(target->triangles, scene);
+  if (aim.is_unseen())
+    return fail(ErrorKind::OutOfRange, options.target,
+                "no part of the model stands in front of the card; say where it stands with "
+                "--scale, --rotate and --move, or let popcut search with --fit");
+  CompareReport report;
+  report.pattern = options.pattern, report.target = options.target;
+  report.psi_rad = structure->psi_rad;
+  report.around = options.around, report.pixels = options.pixels;
+  report.placed_by = target->placed_by;
+  report.placement = target->placement, report.misfit = target->misfit;
+  report.notes = structure->notes;
+  std::vector<float> standing;
+  const bool around_card = options.around && structure->corner;
+  if (around_card)
+    standing = likeness::without_card(structure->triangles, corner, 1e-4 * aim.box().diagonal());
+  report.figures = aim.measure(around_card ? standing : structure->triangles);
+  add_volumes(options, *structure, *target, report);
+  work.reset();
+  report.cost = cost_of(options, *structure, globals);
+  if (!structure->is_mesh)
+    report.paper = {structure->folds, structure->smallest_joint_mm,
+                    std::max(structure->pieces, report.cost.pieces)};
+  if (!options.folder.empty())
+    if (auto done = write_files(options, report, aim, *target, *structure); !done) return done;
+  if (globals.json)
+    fmt::print("{}", compare_json(report));
+  else if (!globals.quiet)
+    fmt::print("{}", compare_text(report));
+  return {};
+}
+
+constexpr const char* kHelp =
+    "Measure how much a card looks like the model that it is made from.\n\n"
+    "  popcut compare bunny/pattern.fold bunny.stl\n"
+    "  popcut compare sphere/pattern.fold sphere.json -o seen --json\n\n"
+    "PATTERN is a FOLD file or a drawing (SVG, DXF), from popcut or any other program, or a mesh\n"
+    "(STL, OBJ) of an opened card. TARGET is a mesh, heights (CSV) or a design (.json). popcut\n"
+    "draws both from nine directions around the card's diagonal and compares depths, contours,\n"
+    "what is covered and the volume; it also says what the card costs to cut. The last line is\n"
+    "the error, one figure to rank cards by: 0 is the model itself.\n\n"
+    "A pattern that popcut designed from a mesh says where the mesh stands. Else give --scale,\n"
+    "--rotate and --move, as in a design; without them popcut searches for the best place.";
+
+void add_place_options(CLI::App& command, Options& options) {
+  real_number(command.add_option("--scale", options.scale, "Size of one unit of the model, in mm"),
+              1e-6, 1e6, "mm")
+      ->option_text("MM [1]");
+  const auto triple = [&](const char* name, std::string& into, const char* help) {
+    checked(command.add_option(name, into, help), [](const std::string& text) {
+      return three_numbers(text)
+                 ? std::string()
+                 : fmt::format("is \"{}\"; give three numbers such as 0,90,0", text);
+    })->option_text("X,Y,Z [0,0,0]");
+  };
+  triple("--rotate", options.rotate,
+         "Turn the model about x, then y, then z, in degrees; x runs away from the wall, y along "
+         "the spine and z up");
+  triple("--move", options.move, "Then move it so far, in mm");
+  command.add_flag("--fit", options.fit,
+                   "Search where the model fits best, whatever the pattern says");
+}
+
+}  // namespace
+}  // namespace compare_command
+
+void register_compare(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace compare_command;
+  auto options = std::make_shared<Options>();
+  CLI::App* const command = app.add_subcommand("compare", kHelp);
+  command->add_option("PATTERN", options->pattern, "A FOLD file, a drawing, or a mesh of a card")
+      ->required();
+  command
+      ->add_option("TARGET", options->target,
+                   "The model: a mesh (.stl, .obj), heights (.csv) or a design (.json)")
+      ->required();
+  add_place_options(*command, *options);
+  command
+      ->add_option("--psi", options->psi,
+                   "Opening angle to compare at, such as 90deg or pi/2; default: the one that the "
+                   "pattern is designed for")
+      ->option_text("ANGLE");
+  command->add_flag("--around", options->around,
+                    "Look from 36 directions all around the spine, for books");
+  whole_number(
+      command->add_option("--pixels", options->pixels, "Width and height of each image, in pixels"),
+      likeness::kLeastPixels, likeness::kMostPixels)
+      ->option_text("N [512]");
+  command->add_option("--machine", options->machine, "Machine for the time of the cut, as in plan")
+      ->option_text("NAME");
+  command->add_option("--material", options->material, "Material to cut, as in plan")
+      ->option_text("NAME");
+  checked(command->add_option("--mat", options->mat, "Mat to cut on, as in plan"),
+          [](const std::string& text) {
+            const auto read = read_plan_options({{"mat", text}});
+            return read ? std::string() : read.error().detail;
+          })
+      ->option_text("NAME|WxH");
+  command->add_flag("--no-cost", options->no_cost, "Do not plan the cut");
+  command
+      ->add_option("-o,--output", options->folder,
+                   "Folder for compare.png (model, card and difference from three directions) and "
+                   "compare.json; created if it does not exist")
+      ->option_text("DIR");
+  when_chosen(command, run, [options, &globals] { return run_compare(*options, globals); });
+}
+
+}  // namespace popcut::cli

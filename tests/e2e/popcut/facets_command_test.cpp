@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/command_bench.hpp"
+#include "tests/support/paths.hpp"
+
+namespace facets_command_test {
+
+using namespace popcut::testing;
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+struct Bench : CommandBench {
+  Ran design(const json& spec, const std::string& formats = "fold,report") const {
+    write("spec.json", spec);
+    return popcut({"design", "spec.json", "-o", "out", "--formats", formats});
+  }
+  [[nodiscard]] json report() const { return json::parse(text_of_file(temp / "out/report.json")); }
+};
+
+json house() {
+  return {
+      {"popcut", 1}, {"style", "facets"}, {"surface", {{"type", "mesh"}, {"file", "house.obj"}}}};
+}
+
+/// A house against the wall, its gable in front.
+std::string house_obj() {
+  return "v 40 10 0\nv 40 60 0\nv 40 60 40\nv 40 10 40\nv 40 35 65\n"
+         "v 0 10 40\nv 0 35 65\nv 0 60 40\n"
+         "f 1 2 3 4\nf 4 3 5\nf 6 4 5 7\nf 8 7 5 3\n";
+}
+
+TEST_CASE("the example of facets is designed, drawn, planned and verified with one freedom",
+          "[cli][e2e][facets]") {
+  const Bench bench;
+  const std::string spec = source_file("examples/village.json");
+  const Ran ran =
+      bench.popcut({"design", spec, "-o", "out", "--formats",
+                    "fold,svg,cut,dxf,csv,glb,png,poster,report,stl,pdf", "--frames", "3"});
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  CHECK_THAT(ran.err, Catch::Contains("1 independent movement"));
+  for (const char* file : {"pattern.fold", "pattern.svg", "cut.svg", "pattern.dxf", "segments.csv",
+                           "deploy.glb", "deployed.png", "poster.svg", "pattern.pdf"})
+    CHECK(fs::file_size(bench.temp / "out" / file) > 100);
+  const json report = bench.report();
+  CHECK(report["style"] == "facets");
+  CHECK(report["degrees_of_freedom"] == 1);
+  CHECK(report["pieces"] == 1);
+  CHECK(report["facets"]["patches"] == report["faces"]);
+  CHECK(report["facets"]["depth_mm"]["mean"] < 0.6);
+  CHECK(report["facets"]["over_least"] >= 1.0);
+  CHECK_FALSE(report.contains("inner_error_mm"));
+  const Ran verified = bench.popcut({"verify", "out/pattern.fold", "--dof", "1", "--json"});
+  INFO(verified.out);
+  REQUIRE(verified.exit == 0);
+  CHECK(json::parse(verified.out)["faces"] == report["faces"]);
+  const Ran planned = bench.popcut({"plan", spec, "-o", "plan"});
+  INFO(planned.err);
+  CHECK(planned.exit == 0);
+}
+
+TEST_CASE("a house looks like a house: its roof and its gable are where they were",
+          "[cli][e2e][facets]") {
+  const Bench bench;
+  write_file(bench.temp / "house.obj", house_obj());
+  const Ran ran = bench.design(house());
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  const json report = bench.report();
+  CHECK(report["facets"]["depth_mm"]["mean"] < 0.6);
+  CHECK(report["facets"]["dropped"] == 0);
+  CHECK(bench.popcut({"verify", "out/pattern.fold", "--dof", "1"}).exit == 0);
+}
+
+TEST_CASE("what is wrong with a spec of facets is said with its place", "[cli][e2e][facets]") {
+  const Bench bench;
+  write_file(bench.temp / "house.obj", house_obj());
+  const auto refused = [&](const json& changes, const std::string& place) {
+    json spec = house();
+    spec.merge_patch(changes);
+    INFO(spec.dump());
+    check_refused_at(bench.design(spec), 3, "spec.json: " + place);
+    CHECK_FALSE(fs::exists(bench.temp / "out/pattern.fold"));
+  };
+  refused({{"slices", 5}}, "/slices: contradicts /style");
+  refused({{"facets", {{"strip_mm", 0}}}}, "/facets/strip_mm");
+  refused({{"facets", {{"strp_mm", 2}}}}, "/facets/strp_mm");
+  refused({{"card", false}}, "/card: is false; facets hang on wall and ground");
+  refused({{"design_angle_deg", 60}}, "/design_angle_deg: is 60; facets");
+  refused({{"style", "lattice"}, {"facets", json::object()}}, "/facets: holds for facets only");
+  refused({{"style", "origami"}}, "/style");
+  refused({{"surface", {{"type", "revolution"}, {"radius", "40"}, {"file", nullptr}}}},
+          "/facets/length_mm: is missing");
+  refused({{"facets", {{"pitch_mm", 0.1}, {"strip_mm", 0.1}}}, {"scale_mm", 100}},
+          "/facets/strip_mm: makes");
+  json away = house();
+  away["translate_mm"] = {-500, 0, -500};
+  check_refused_at(bench.design(away), 4, "spec.json: /translate_mm");
+}
+
+}  // namespace facets_command_test

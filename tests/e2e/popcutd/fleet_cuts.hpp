@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include "tests/support/fleet_nodes.hpp"
+#include "tests/support/received_log.hpp"
+
+#define NEEDS_POSTGRES()                                                 \
+  if (const std::string why = PostgresServer::why_not(); !why.empty()) { \
+    WARN("skipped: " << why);                                            \
+    return;                                                              \
+  }
+
+/// What tests of cuts in a fleet ask and look at.
+namespace fleet_cuts {
+
+using namespace popcut;
+using namespace popcut::testing;
+using Json = nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+inline double since(Clock::time_point then) {
+  return std::chrono::duration<double>(Clock::now() - then).count();
+}
+
+/// Waits until the knife has been down.
+inline void await_knife(RunningDaemon& node, const std::string& job) {
+  node.await(job, [](const Json& now) {
+    return now["state"] == "cutting" && now["progress"]["paths_certain"] >= 2;
+  });
+}
+
+/// Why an action is refused; empty: it is done.
+inline std::string refusal(RunningDaemon& node, const std::string& job, const std::string& action,
+                           const Json& body = Json::object()) {
+  const auto done = node.api().act(node.job(job), action, body);
+  return done ? std::string() : message(done.error());
+}
+
+/// Waits for a state through times in which nothing is answered.
+inline bool comes_to(RunningDaemon& node, const std::string& job, const std::string& state) {
+  return happens([&] {
+    const auto now = node.api().get("/v1/jobs/" + job, job);
+    return now && (*now)["state"] == state;
+  });
+}
+
+inline Json sheet_1() { return {{"sheet", 1}}; }
+
+/// The strokes that each attempt at a sheet cut: "BLANK" -> count of each line, over all nodes.
+inline std::map<int, std::map<std::string, int>> cut_by_blank(FleetNodes& fleet,
+                                                              const std::string& job) {
+  const auto machine = find_machine("cameo3");
+  std::map<std::string, int> blanks;
+  const std::string rows =
+      fleet.run_sql("SELECT id, blank FROM popcut.attempt WHERE job='" + job + "'");
+  std::istringstream lines(rows);
+  for (std::string line; std::getline(lines, line);)
+    blanks[line.substr(0, line.find('|'))] = std::atoi(line.substr(line.find('|') + 1).c_str());
+  std::map<int, std::map<std::string, int>> cut;
+  for (int k = 1; k <= fleet.size(); ++k)
+    for (const Received& one : received_log(fleet[k].daemon().folder() / "trace/received.log"))
+      if (const auto blank = blanks.find(one.attempt); blank != blanks.end())
+        for (const std::string& place : places_cut(one.bytes, *machine))
+          ++cut[blank->second][place];
+  return cut;
+}
+
+/// Lines that were cut more than once on one blank.
+inline std::size_t cut_twice(FleetNodes& fleet, const std::string& job) {
+  std::size_t count = 0;
+  for (const auto& [blank, places] : cut_by_blank(fleet, job))
+    for (const auto& [place, times] : places) count += times > 1 ? 1 : 0;
+  return count;
+}
+
+/// STARTs as the database knows them: "1|room-2|done", by blanks.
+inline std::string attempts_of(FleetNodes& fleet) {
+  return fleet.run_sql(
+      "SELECT blank, node, end_kind FROM popcut.attempt WHERE started_at IS NOT NULL ORDER BY "
+      "blank, segment, id");
+}
+
+}  // namespace fleet_cuts

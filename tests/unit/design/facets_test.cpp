@@ -1,0 +1,413 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "core/design/design.hpp"
+#include "core/design/facets/depth_image.hpp"
+#include "core/design/facets/facets.hpp"
+#include "core/design/facets/label_holding.hpp"
+#include "core/design/facets/label_pattern.hpp"
+#include "core/design/facets/labelling.hpp"
+#include "core/design/facets/labels.hpp"
+#include "core/design/facets/strip_chain.hpp"
+#include "core/design/shape_fit.hpp"
+#include "core/formats/lattice/lattice_blob.hpp"
+#include "tests/support/random_numbers.hpp"
+#include "tests/support/rounds.hpp"
+
+namespace facets_test {
+
+using namespace popcut;
+using testing::uniform;
+using testing::whole;
+
+void add_box(TriangleSoup& soup, const Vec3& low, const Vec3& high) {
+  const auto at = [&](int i, int j, int k) {
+    return Vec3(i ? high[0] : low[0], j ? high[1] : low[1], k ? high[2] : low[2]);
+  };
+  soup.add(at(1, 0, 0), at(1, 1, 0), at(1, 1, 1), at(1, 0, 1));
+  soup.add(at(0, 0, 1), at(1, 0, 1), at(1, 1, 1), at(0, 1, 1));
+  soup.add(at(0, 0, 0), at(1, 0, 0), at(1, 0, 1), at(0, 0, 1));
+  soup.add(at(0, 1, 0), at(0, 1, 1), at(1, 1, 1), at(1, 1, 0));
+}
+
+// Calls `side` with both ends of every side of every face, in its turn around it.
+template <typename Side>
+void for_each_side(const Pattern& pattern, const Side& side) {
+  for (std::size_t f = 0; f < pattern.faces(); ++f) {
+    const auto face = pattern.face(f);
+    for (std::size_t k = 0; k < face.size(); ++k)
+      side(pattern.vertices[face[k]], pattern.vertices[face[(k + 1) % face.size()]]);
+  }
+}
+
+// What a side adds to the area of its face, mm2: the shoelace formula.
+double area_beside(const Pattern& pattern, const PatternVertex& a, const PatternVertex& b) {
+  return 0.5 * (pattern.u(a) * b.v - pattern.u(b) * a.v);
+}
+
+TEST_CASE("the picture of a box shows its top, its front and the card around it", "[facets]") {
+  TriangleSoup box;
+  add_box(box, {0, 10, 0}, {20, 30, 15});
+  const DepthImage image = depth_image(box, {-30, 1, 0, 1, 60, 40}, false);
+  const auto at = [&](double across, double v) {
+    return std::pair(static_cast<std::size_t>(v), static_cast<std::size_t>(across + 30));
+  };
+  const auto [r1, c1] = at(-10.5, 20.5);  // on the top, where x - z = -10
+  CHECK(image.z_mm(r1, c1) == Approx(15));
+  CHECK(image.facing[r1 * 60 + c1] == Facing::Ground);
+  const auto [r2, c2] = at(10.5, 20.5);  // on the front
+  CHECK(image.x_mm(r2, c2) == Approx(20));
+  CHECK(image.facing[r2 * 60 + c2] == Facing::Wall);
+  const auto [r3, c3] = at(-20.5, 20.5);  // above it
+  CHECK(image.x_mm(r3, c3) == Approx(0).margin(1e-5));
+  CHECK(image.facing[r3 * 60 + c3] == Facing::Card);
+  const auto [r4, c4] = at(10.5, 5.5);  // beside it
+  CHECK(image.z_mm(r4, c4) == Approx(0).margin(1e-5));
+}
+
+TEST_CASE("parts behind the card are seen only where they are asked for", "[facets]") {
+  TriangleSoup niche;  // a sheet 5 behind the wall
+  niche.add({-5, 0, 10}, {-5, 10, 10}, {-5, 10, 40}, {-5, 0, 40});
+  const SheetRaster raster{-50, 1, 0, 1, 100, 10};
+  const DepthImage closed = depth_image(niche, raster, false),
+                   open = depth_image(niche, raster, true);
+  CHECK(closed.x_mm(5, 20) == Approx(0).margin(1e-5));
+  CHECK(open.x_mm(5, 20) == Approx(-5));
+  CHECK(open.x_mm(5, 2) == Approx(0).margin(1e-5));  // nothing is there
+}
+
+/// The cheapest chain by trying all.
+double brute_force(const FacetChainProblem& problem, std::vector<Label>& labels, int column) {
+  const int columns = problem.grid.columns;
+  if (column == columns) {
+    if (labels.front() != kWallLabel || labels.back() != kGroundLabel) return 1e30;
+    double cost = 0.0;
+    int run = 0;
+    for (int i = 0; i < columns; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      cost += problem.cost[at * problem.planes.size() + static_cast<std::size_t>(labels[at])];
+      if (i > 0 && labels[at] != labels[at - 1]) {
+        if (run < problem.least_run) return 1e30;
+        run = 0;
+        cost += problem.planes.partner(labels[at - 1], problem.grid.across(i)) == labels[at]
+                    ? problem.fold
+                    : problem.jump;
+      }
+      ++run;
+    }
+    return run < problem.least_run ? 1e30 : cost;
+  }
+  double best = 1e30;
+  for (std::size_t l = 0; l < problem.planes.size(); ++l) {
+    labels[static_cast<std::size_t>(column)] = static_cast<Label>(l);
+    best = std::min(best, brute_force(problem, labels, column + 1));
+  }
+  return best;
+}
+
+TEST_CASE("the labels of a strip are the best of all", "[facets]") {
+  std::mt19937 random(20261125);
+  const FacetPlanes planes({1, 2}, {1, 2});
+  FacetChainSolver solver;
+  for (int k = 0; k < testing::rounds(60); ++k) {
+    FacetGrid grid;
+    grid.wall = 3, grid.columns = 6;
+    std::vector<double> cost(6 * planes.size());
+    for (double& c : cost) c = uniform(random, 0.0, 2.0);
+    const double fold = uniform(random, 0.0, 0.5);
+    const FacetChainProblem problem{
+        planes, grid,
+        cost,   whole(random, 1, 3),
+        fold,   k % 3 == 0 ? kForbidden : fold + uniform(random, 0.0, 0.5)};
+    std::vector<Label> labels(6);
+    const double best = brute_force(problem, labels, 0);
+    const FacetChain chain = solver.solve(problem);
+    INFO("round " << k);
+    CHECK(chain.cost == Approx(best).epsilon(1e-9));
+    std::vector<Label> same = chain.label;  // the labels cost what is said
+    double sum = 0.0;
+    for (std::size_t i = 0; i < 6; ++i) {
+      sum += cost[i * planes.size() + static_cast<std::size_t>(same[i])];
+      if (i > 0 && same[i] != same[i - 1])
+        sum += planes.partner(same[i - 1], grid.across(static_cast<int>(i))) == same[i]
+                   ? problem.fold
+                   : problem.jump;
+    }
+    CHECK(sum == Approx(best).epsilon(1e-9));
+  }
+}
+
+/// Random labels: strips of random runs, some of them folds.
+LabelImage random_labels(std::mt19937& random, const FacetPlanes& planes, int strips) {
+  LabelImage image;
+  image.grid.step_mm = 1, image.grid.wall = 12, image.grid.columns = 24;
+  image.grid.strip_mm = 2, image.grid.strips = strips;
+  for (int s = 0; s < strips; ++s) {
+    std::vector<Label> labels(24, kWallLabel);
+    Label label = kWallLabel;
+    for (int i = 0; i < 24; ++i) {
+      if (i > 2 && i < 21 && whole(random, 0, 3) == 0) {
+        const Label fold = planes.partner(label, image.grid.across(i));
+        label = fold != kNoLabel && whole(random, 0, 5) > 0
+                    ? fold
+                    : static_cast<Label>(whole(random, 0, static_cast<int>(planes.size()) - 1));
+      }
+      labels[static_cast<std::size_t>(i)] = i >= 21 ? kGroundLabel : label;
+    }
+    if (s > 0 && whole(random, 0, 2) == 0)
+      std::copy(image.label.end() - 24, image.label.end(), labels.begin());
+    image.label.insert(image.label.end(), labels.begin(), labels.end());
+  }
+  return image;
+}
+
+TEST_CASE("labels that hold by propagation have one freedom, and what encloses others is filled",
+          "[facets]") {
+  std::mt19937 random(7);
+  const FacetPlanes planes({2, 4, 6, 8}, {2, 4, 6, 8});
+  const FacetCardSize card{12, 12, 3};
+  int held = 0;
+  for (int k = 0; k < testing::rounds(3000); ++k) {
+    LabelImage image = random_labels(random, planes, whole(random, 1, 5));
+    fill_enclosed(image, planes, 0.5);
+    CHECK_FALSE(fill_enclosed(image, planes, 0.5));
+    const auto pattern = pattern_of(image, planes, card, 0.5);
+    INFO("round " << k);
+    if (!pattern) FAIL(message(pattern.error()));
+    const LabelHolding holding = holding_of(image, planes, 0.5);
+    CHECK(holding.patches.count == pattern->built.pattern.faces());
+    // Propagation finds what one face after the other determines; that is never too much.
+    if (holding.open == 0) {
+      ++held;
+      CHECK(pattern->motion.degrees_of_freedom == 1);
+      CHECK(pattern->motion.pieces == 1);
+    }
+    if (pattern->motion.degrees_of_freedom > 1) CHECK(holding.open > 0);
+    CHECK(holding.pins >= 0);
+    if (holding.open > 0) CHECK(holding.pins >= pattern->motion.degrees_of_freedom - 1);
+  }
+  CHECK(held > testing::rounds(3000) / 100);
+}
+
+TEST_CASE("a cut across a strip parts its panels and is one line", "[facets]") {
+  // Wall, a shelf at z = 4, then a cut to the ground. The strip beside it folds down from the
+  // shelf.
+  const FacetPlanes planes({8}, {4});
+  LabelImage image;
+  image.grid = {1, 12, 24, 2, 2, 0};
+  image.label.assign(48, kWallLabel);
+  const Label front = planes.find({true, 8}), shelf = planes.find({false, 4});
+  for (int s = 0; s < 2; ++s) {
+    auto strip = image.strip(s);
+    std::fill(strip.begin() + 8, strip.begin() + 16, shelf);
+    std::fill(strip.begin() + 16, strip.begin() + 20, s == 0 ? front : kGroundLabel);
+    std::fill(strip.begin() + 20, strip.end(), kGroundLabel);
+  }
+  const auto pattern = pattern_of(image, planes, {12, 12, 3}, 0.5);
+  REQUIRE(pattern);
+  CHECK(pattern->motion.degrees_of_freedom == 1);
+  CHECK(pattern->motion.pieces == 1);
+  const auto& lines = pattern->built.pattern.lines;
+  const auto across = std::count_if(lines.begin(), lines.end(), [](const SheetLine& line) {
+    return line.role == EdgeRole::Slit && line.u0 == line.u1;
+  });
+  REQUIRE(across == 1);
+  const auto cut = std::find_if(lines.begin(), lines.end(), [](const SheetLine& line) {
+    return line.role == EdgeRole::Slit && line.u0 == line.u1;
+  });
+  CHECK(cut->u0 == Approx(16));
+  CHECK(std::abs(cut->v1 - cut->v0) == Approx(2));
+}
+
+FacetOptions coarse(double length_mm) {
+  FacetOptions options;
+  options.pitch_mm = options.strip_mm = 2;
+  options.to_mm = length_mm;
+  return options;
+}
+
+TEST_CASE("a village of boxes comes out without error and with its own patches", "[facets]") {
+  // Boxes that stand against the wall, each apart from the others: two patches a box, and the
+  // card's two.
+  std::mt19937 random(3);
+  for (int k = 0; k < testing::rounds(10); ++k) {
+    TriangleSoup village;
+    int boxes = 0;
+    for (double v = 4; v < 80; v += 16, ++boxes)
+      add_box(
+          village, {0, v, 0},
+          {2.0 * whole(random, 4, 15), v + 2.0 * whole(random, 3, 6), 2.0 * whole(random, 4, 15)});
+    const auto made = facet_card(village, coarse(90));
+    if (!made) FAIL(message(made.error()));
+    CHECK(made->figures.depth_mean_mm == Approx(0).margin(1e-4));
+    CHECK(made->figures.patches == static_cast<std::size_t>(2 * boxes + 2));
+    CHECK(made->pattern.motion.degrees_of_freedom == 1);
+  }
+}
+
+TEST_CASE("stairs that the card does not hold get struts, and are loose without them", "[facets]") {
+  TriangleSoup stairs;
+  for (int k = 0; k < 4; ++k) add_box(stairs, {0, 10, 0}, {10.0 + 8 * k, 50, 40.0 - 8 * k});
+  const auto made = facet_card(stairs, coarse(60));
+  if (!made) FAIL(message(made.error()));
+  CHECK(made->figures.loose_before > 0);
+  CHECK(made->pattern.motion.degrees_of_freedom == 1);
+  CHECK(made->figures.dropped == 0);
+  REQUIRE(!made->repaired.struts.empty());
+  for (const FacetStrut& strut : made->repaired.struts) {
+    LabelImage without = made->labels;
+    std::copy(strut.without.begin(), strut.without.end(), without.strip(strut.strip).begin());
+    const auto loose = pattern_of(without, made->planes, made->card, 0.5);
+    REQUIRE(loose);
+    CHECK(loose->motion.degrees_of_freedom > 1);
+  }
+  // Most of each step is there.
+  CHECK(made->figures.depth_mean_mm < 1.0);
+}
+
+TEST_CASE("no facets come nearer to the target than the least distance of their strips",
+          "[facets]") {
+  std::mt19937 random(11);
+  for (int k = 0; k < testing::rounds(5); ++k) {
+    TriangleSoup heap;
+    for (int i = 0; i < 6; ++i) {
+      const Vec3 low(uniform(random, 0, 30), uniform(random, 0, 50), uniform(random, 0, 30));
+      add_box(heap, low,
+              low + Vec3(uniform(random, 3, 20), uniform(random, 5, 30), uniform(random, 3, 20)));
+    }
+    const auto made = facet_card(heap, coarse(80));
+    if (!made) FAIL(message(made.error()));
+    CHECK(made->figures.over_least >= 1.0 - 1e-9);
+    CHECK(made->pattern.motion.degrees_of_freedom == 1);
+  }
+}
+
+TEST_CASE("facets keep inside a card that is asked for, shut as well", "[facets]") {
+  TriangleSoup box;
+  add_box(box, {0, 10, 0}, {50, 40, 50});
+  FacetOptions options = coarse(50);
+  options.wall_mm = 60, options.ground_mm = 55;
+  const auto made = facet_card(box, options);
+  if (!made) FAIL(message(made.error()));
+  CHECK(made->card.wall_mm == 60);
+  for (const PatternVertex& p : made->pattern.built.pattern.vertices)
+    if (p.x > 0 && p.z > 0) CHECK(p.x + p.z <= 55 + 1e-9);
+}
+
+TEST_CASE("cuts follow the contour of a disc, and the sheet stays whole", "[facets]") {
+  // A disc that stands on a post, 30 before the wall: below its middle its contour is cut.
+  const double x = 30, r = 20, middle_v = 30, middle_z = 40;
+  TriangleSoup disc;
+  for (int k = 0; k < 360; ++k) {
+    const auto at = [&](int degrees) {
+      const double a = degrees * 3.14159265358979 / 180;
+      return Vec3(x, middle_v + r * std::cos(a), middle_z + r * std::sin(a));
+    };
+    disc.add(Vec3(x, middle_v, middle_z), at(k), at(k + 1));
+  }
+  add_box(disc, {0, 26, 0}, {x, 34, 40});
+  const auto made = facet_card(disc, coarse(60));
+  if (!made) FAIL(message(made.error()));
+  const Pattern& pattern = made->pattern.built.pattern;
+  double area = 0.0;
+  int slanted = 0;
+  for_each_side(pattern, [&](const PatternVertex& a, const PatternVertex& b) {
+    area += area_beside(pattern, a, b);
+    if (std::abs(a.v - b.v) > 1e-9 && std::abs(pattern.u(a) - pattern.u(b)) > 1e-9) ++slanted;
+  });
+  CHECK(area == Approx((pattern.wall_mm + pattern.ground_mm) * pattern.width_mm));
+  CHECK(slanted >= 16);
+  // Each slanted cut is drawn once and lies on the circle, which the disc's plane shows
+  // undistorted.
+  int on_circle = 0;
+  for (const SheetLine& line : pattern.lines) {
+    if (line.u0 == line.u1 || line.v0 == line.v1) continue;
+    CHECK(line.role == EdgeRole::Slit);
+    for (const auto& [u, v] : {std::pair(line.u0, line.v0), std::pair(line.u1, line.v1)}) {
+      const double z = x - (u - pattern.wall_mm);
+      const double off = std::hypot(z - middle_z, v - 15 - middle_v) - r;
+      if (std::abs(off) < 0.5) ++on_circle;
+    }
+  }
+  CHECK(on_circle >= slanted / 2);
+}
+
+TEST_CASE("the inside of a letter is a window, and the letter stays one face", "[facets]") {
+  TriangleSoup letter;  // a P: its bowl has an inside of 12 x 14
+  add_box(letter, {0, 10, 0}, {20, 20, 60});
+  add_box(letter, {0, 20, 50}, {20, 42, 60});
+  add_box(letter, {0, 20, 26}, {20, 42, 36});
+  add_box(letter, {0, 32, 36}, {20, 42, 50});
+  const auto made = facet_card(letter, coarse(50));
+  if (!made) FAIL(message(made.error()));
+  CHECK(made->windows == 1);
+  CHECK(made->pattern.motion.degrees_of_freedom == 1);
+  CHECK(made->pattern.motion.pieces == 1);
+  const Pattern& pattern = made->pattern.built.pattern;
+  double area = 0.0;
+  for_each_side(pattern, [&](const PatternVertex& a, const PatternVertex& b) {
+    area += area_beside(pattern, a, b);
+  });
+  const double window = (pattern.wall_mm + pattern.ground_mm) * pattern.width_mm - area;
+  CHECK(window > 0.5 * 12 * 14);
+  CHECK(window < 12 * 14);
+  // Its sides are drawn once each, and a slit opens it: one face has no hole.
+  double drawn = 0.0;
+  for (const SheetLine& line : pattern.lines)
+    if (line.role == EdgeRole::Slit) drawn += std::hypot(line.u1 - line.u0, line.v1 - line.v0);
+  double sides = 0.0;
+  for (const PatternEdge& edge : pattern.edges)
+    if (edge.role == EdgeRole::Slit) {
+      const PatternVertex &a = pattern.vertices[edge.from], &b = pattern.vertices[edge.to];
+      sides += std::hypot(pattern.u(a) - pattern.u(b), a.v - b.v);
+    }
+  // All cuts have two sides of paper but those around the window.
+  double around = 0.0;
+  for (int s = 0; s < made->labels.grid.strips; ++s)
+    for (int i = 0; i < made->labels.grid.columns; ++i) {
+      const auto label = [&](int strip, int column) {
+        return made->labels.strip(strip)[static_cast<std::size_t>(column)];
+      };
+      if (label(s, i) != kNoLabel) continue;
+      for (const int way : {-1, 1}) {
+        if (label(s + way, i) != kNoLabel) around += made->labels.grid.step_mm;
+        if (label(s, i + way) != kNoLabel) around += made->labels.grid.strip_mm;
+      }
+    }
+  CHECK(sides == Approx(2 * drawn - around));
+}
+
+TEST_CASE("the page shows facets as other designs", "[facets]") {
+  const auto spec = parse_design_spec(
+      R"j({"popcut": 1, "style": "facets", "surface": {"type": "implicit",
+           "f": "max(max(x - 30, abs(y - 30) - 20), z - 30)"}, "facets": {"length_mm": 60}})j");
+  if (!spec) FAIL(message(spec.error()));
+  const auto made = design(*spec);
+  if (!made) FAIL(message(made.error()));
+  CHECK(made->report.facets);
+  CHECK(made->report.degrees_of_freedom == 1);
+  REQUIRE(surface_fit(*made));
+  CHECK(surface_fit(*made)->to_target.mean_mm < 1.0);
+  LatticeBlobOptions options;
+  options.error = true;
+  const auto blob = lattice_blob(*made, options);
+  if (!blob) FAIL(message(blob.error()));
+  CHECK(blob->size() > 1000);
+}
+
+TEST_CASE("nothing in the corner is an error that says so", "[facets]") {
+  TriangleSoup away;
+  add_box(away, {-20, 0, -20}, {-10, 10, -10});
+  const auto made = facet_card(away, coarse(10));
+  REQUIRE_FALSE(made);
+  CHECK(made.error().kind == ErrorKind::Infeasible);
+}
+
+}  // namespace facets_test
