@@ -22,7 +22,7 @@ Ring ring_of(const ClipperLib::Path& path, const Vec2& from, double step) {
 
 }  // namespace
 
-Result<std::vector<Area>> areas_within(const std::vector<Ring>& rings, Inside inside) {
+Result<std::vector<Area>> areas_within(const std::vector<Ring>& rings, FillRule fill) {
   std::size_t points = 0;
   Eigen::AlignedBox2d box;
   for (const Ring& ring : rings) {
@@ -53,7 +53,7 @@ Result<std::vector<Area>> areas_within(const std::vector<Ring>& rings, Inside in
   }
   if (!any) return fail(ErrorKind::Infeasible, "", "has no closed line with an area");
   ClipperLib::PolyTree tree;
-  const auto rule = inside == Inside::EvenOdd ? ClipperLib::pftEvenOdd : ClipperLib::pftNonZero;
+  const auto rule = fill == FillRule::EvenOdd ? ClipperLib::pftEvenOdd : ClipperLib::pftNonZero;
   if (!clipper.Execute(ClipperLib::ctUnion, tree, rule, rule))
     return fail(ErrorKind::Malformed, "", "its lines cannot be joined to areas");
 

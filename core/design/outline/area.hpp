@@ -18,7 +18,7 @@ struct Area {
 };
 
 /// What counts as inside where rings lie over each other (SVG 2, 13.4.2).
-enum class Inside { NonZero, EvenOdd };
+enum class FillRule { NonZero, EvenOdd };
 
 inline constexpr std::size_t kMostRingPoints = 200'000;
 
@@ -27,6 +27,6 @@ inline constexpr std::size_t kMostRingPoints = 200'000;
 ///
 /// @retval OutOfRange  more than `kMostRingPoints`, or a coordinate that is not a finite number
 /// @retval Infeasible  they bound no area
-[[nodiscard]] Result<std::vector<Area>> areas_within(const std::vector<Ring>& rings, Inside inside);
+[[nodiscard]] Result<std::vector<Area>> areas_within(const std::vector<Ring>& rings, FillRule fill);
 
 }  // namespace popcut

@@ -42,7 +42,7 @@ Result<std::vector<Area>> drawing_areas(const std::string& bytes, std::optional<
   const double scale = height && drawn > 0.0 ? *height / drawn : 1.0;
   for (Ring& ring : rings)
     for (Vec2& p : ring) p = (p - box.min()) * scale;
-  return areas_within(rings, Inside::EvenOdd);
+  return areas_within(rings, FillRule::EvenOdd);
 }
 
 }  // namespace popcut

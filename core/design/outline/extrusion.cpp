@@ -140,14 +140,14 @@ class Solid {
     }
   }
 
-  TriangleMesh mesh;
+  std::vector<float> corners;
 
  private:
   void add(double xa, const Vec2& a, double xb, const Vec2& b, double xc, const Vec2& c) {
     for (const auto& [x, p] : {std::pair(xa, a), std::pair(xb, b), std::pair(xc, c)}) {
-      mesh.corners.push_back(static_cast<float>(x));
-      mesh.corners.push_back(static_cast<float>(p[0]));
-      mesh.corners.push_back(static_cast<float>(p[1]));
+      corners.push_back(static_cast<float>(x));
+      corners.push_back(static_cast<float>(p[0]));
+      corners.push_back(static_cast<float>(p[1]));
     }
   }
   double depth_;
@@ -155,7 +155,7 @@ class Solid {
 
 }  // namespace
 
-Result<TriangleMesh> extruded(const std::vector<Area>& areas, double depth) {
+Result<std::vector<float>> extruded(const std::vector<Area>& areas, double depth) {
   Solid solid(depth);
   std::vector<Triangle> triangles;
   for (const Area& area : areas) {
@@ -167,7 +167,7 @@ Result<TriangleMesh> extruded(const std::vector<Area>& areas, double depth) {
     solid.add_sides(area.outline);
     for (const Ring& hole : area.holes) solid.add_sides(hole);
   }
-  return std::move(solid.mesh);
+  return std::move(solid.corners);
 }
 
 }  // namespace popcut

@@ -192,7 +192,7 @@ Result<std::vector<Area>> text_areas(const std::string& text, std::string_view f
     return fail(ErrorKind::OutOfRange, "text", "has no letter to show; give at least one");
   for (Ring& ring : rings)
     for (Vec2& p : ring) p = (p - box.min()) * (height / capitals);
-  auto areas = areas_within(rings, Inside::NonZero);
+  auto areas = areas_within(rings, FillRule::NonZero);
   if (!areas) return tl::unexpected(within("text", areas.error()));
   return areas;
 }

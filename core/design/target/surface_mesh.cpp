@@ -42,9 +42,9 @@ Result<TriangleMesh> upright(const Result<std::vector<Area>>& areas, double dept
     }
     return at(field, std::move(error));
   }
-  auto mesh = extruded(*areas, depth);
-  if (!mesh) return at(field, mesh.error());
-  return mesh;
+  auto corners = extruded(*areas, depth);
+  if (!corners) return at(field, corners.error());
+  return TriangleMesh{std::move(*corners)};
 }
 
 /// All triangles but those that lie on wall or ground.

@@ -54,12 +54,11 @@ std::size_t holes_of(const std::vector<Area>& areas) {
 }
 
 /// Volume of a closed mesh by the divergence theorem; less than 0 where it is inside out.
-double volume_of(const TriangleMesh& mesh) {
+double volume_of(const std::vector<float>& corners) {
   double sum = 0.0;
-  for (std::size_t k = 0; k < mesh.corners.size(); k += 9) {
+  for (std::size_t k = 0; k < corners.size(); k += 9) {
     const auto corner = [&](std::size_t c) {
-      return Vec3(mesh.corners[k + 3 * c], mesh.corners[k + 3 * c + 1],
-                  mesh.corners[k + 3 * c + 2]);
+      return Vec3(corners[k + 3 * c], corners[k + 3 * c + 1], corners[k + 3 * c + 2]);
     };
     sum += corner(0).dot(corner(1).cross(corner(2))) / 6.0;
   }
@@ -67,13 +66,13 @@ double volume_of(const TriangleMesh& mesh) {
 }
 
 /// Sides of triangles that no other triangle has in the other direction.
-std::size_t open_sides(const TriangleMesh& mesh) {
+std::size_t open_sides(const std::vector<float>& corners) {
   using Point = std::array<float, 3>;
   std::map<std::pair<Point, Point>, int> sides;
-  for (std::size_t k = 0; k < mesh.corners.size(); k += 9)
+  for (std::size_t k = 0; k < corners.size(); k += 9)
     for (std::size_t c = 0; c < 3; ++c) {
       const auto at = [&](std::size_t i) {
-        const float* p = &mesh.corners[k + 3 * (i % 3)];
+        const float* p = &corners[k + 3 * (i % 3)];
         return Point{p[0], p[1], p[2]};
       };
       const Point a = at(c), b = at(c + 1);
@@ -87,16 +86,16 @@ std::size_t open_sides(const TriangleMesh& mesh) {
 
 TEST_CASE("a ring within a ring is a hole, and rings over each other are one piece", "[outline]") {
   const std::vector<Ring> frame{box(0, 0, 10, 10), box(2, 3, 4, 5)};
-  const auto even = areas_within(frame, Inside::EvenOdd);
+  const auto even = areas_within(frame, FillRule::EvenOdd);
   REQUIRE(even);
   REQUIRE(even->size() == 1);
   CHECK(holes_of(*even) == 1);
   CHECK(area_of(*even) == Approx(80.0).margin(1e-3));
-  const auto all = areas_within(frame, Inside::NonZero);
+  const auto all = areas_within(frame, FillRule::NonZero);
   REQUIRE(all);
   CHECK(holes_of(*all) == 0);
   CHECK(area_of(*all) == Approx(100.0).margin(1e-3));
-  const auto joined = areas_within({box(0, 0, 10, 10), box(5, 5, 10, 10)}, Inside::NonZero);
+  const auto joined = areas_within({box(0, 0, 10, 10), box(5, 5, 10, 10)}, FillRule::NonZero);
   REQUIRE(joined);
   CHECK(joined->size() == 1);
   CHECK(area_of(*joined) == Approx(175.0).margin(1e-3));
@@ -104,13 +103,13 @@ TEST_CASE("a ring within a ring is a hole, and rings over each other are one pie
 
 TEST_CASE("lines without an area are refused", "[outline]") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  CHECK(areas_within({}, Inside::NonZero).error().kind == ErrorKind::Infeasible);
-  CHECK(areas_within({{{0, 0}, {5, 0}}}, Inside::NonZero).error().kind == ErrorKind::Infeasible);
-  CHECK(areas_within({{{0, 0}, {5, 5}, {2, 2}}}, Inside::EvenOdd).error().kind ==
+  CHECK(areas_within({}, FillRule::NonZero).error().kind == ErrorKind::Infeasible);
+  CHECK(areas_within({{{0, 0}, {5, 0}}}, FillRule::NonZero).error().kind == ErrorKind::Infeasible);
+  CHECK(areas_within({{{0, 0}, {5, 5}, {2, 2}}}, FillRule::EvenOdd).error().kind ==
         ErrorKind::Infeasible);
-  CHECK(areas_within({{{0, 0}, {nan, 0}, {1, 1}}}, Inside::NonZero).error().kind ==
+  CHECK(areas_within({{{0, 0}, {nan, 0}, {1, 1}}}, FillRule::NonZero).error().kind ==
         ErrorKind::OutOfRange);
-  CHECK(areas_within({Ring(kMostRingPoints + 1, Vec2(1, 2))}, Inside::NonZero).error().reason ==
+  CHECK(areas_within({Ring(kMostRingPoints + 1, Vec2(1, 2))}, FillRule::NonZero).error().reason ==
         ErrorReason::TooMuch);
 }
 
@@ -137,7 +136,7 @@ TEST_CASE("shapes with any holes become closed solids of the right volume", "[ou
         rings.push_back(box((i - 0.5 * cells) * cell, (j - 0.5 * cells) * cell, size, size));
       }
     CAPTURE(round, rings.size());
-    const auto areas = areas_within(rings, Inside::EvenOdd);
+    const auto areas = areas_within(rings, FillRule::EvenOdd);
     REQUIRE(areas);
     CHECK(holes_of(*areas) == rings.size() - 1);
     const auto solid = extruded(*areas, 7.0);
