@@ -9,7 +9,6 @@
 
 #include "core/design/design_report.hpp"
 #include "core/design/facets/facets.hpp"
-#include "core/fit/triangle_soup.hpp"
 
 namespace popcut {
 namespace {
@@ -46,13 +45,19 @@ std::pair<double, double> extent_of(const TriangleSoup& soup) {
   return {low, high};
 }
 
-/// The stretch of the spine, and the target over it.
-struct FacetTarget {
-  TriangleSoup soup;
-  double from_mm{}, to_mm{};
-};
+Result<FacetTarget> target_over(const DesignSpec& spec, const Surface& surface);
 
-Result<FacetTarget> target_of(const DesignSpec& spec, const Surface& surface) {
+}  // namespace
+
+Result<FacetTarget> facet_target(const DesignSpec& spec, const SurfaceAssets& assets) {
+  const auto surface = Surface::make(*spec.surface, spec.placement, FitMode::Nearest, assets);
+  if (!surface) return tl::unexpected(surface.error());
+  return target_over(spec, *surface);
+}
+
+namespace {
+
+Result<FacetTarget> target_over(const DesignSpec& spec, const Surface& surface) {
   const FacetSpec& asked = spec.facets;
   FacetTarget out{{}, asked.from_mm, asked.from_mm + asked.length_mm.value_or(0.0)};
   if (!solid_word(*spec.surface)) {
@@ -114,7 +119,7 @@ Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
   tell(progress, "reading the shape");
   auto surface = Surface::make(*spec.surface, spec.placement, FitMode::Nearest, assets);
   if (!surface) return tl::unexpected(surface.error());
-  const auto target = target_of(spec, *surface);
+  const auto target = target_over(spec, *surface);
   if (!target) return tl::unexpected(target.error());
   auto made = facet_card(target->soup, options_of(spec, *target), progress);
   if (!made) return tl::unexpected(made.error());
