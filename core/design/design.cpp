@@ -25,6 +25,7 @@
 #include "core/design/strips/splay.hpp"
 #include "core/design/strips/strip_bridge.hpp"
 #include "core/design/strips/strip_builder.hpp"
+#include "core/design/target/placement_map.hpp"
 
 namespace popcut {
 namespace {
@@ -584,9 +585,10 @@ class Designer {
     for (const SliceReport& slice : r.slices)
       shift_mm += (slice.v_mm - slice.s_mm) / static_cast<double>(r.slices.size());
     const TargetPlacement& p = spec_.placement;
-    return std::array{p.scale_mm,       p.rotate_deg[0],   p.rotate_deg[1],
-                      p.rotate_deg[2],  p.translate_mm[0], p.translate_mm[1] + shift_mm,
-                      p.translate_mm[2]};
+    const std::array<double, 3> turn =
+        p.about_spine_deg == 0.0 ? p.rotate_deg : degrees_of(whole_turn(p));
+    const std::array<double, 3> by = whole_shift_mm(p);
+    return std::array{p.scale_mm, turn[0], turn[1], turn[2], by[0], by[1] + shift_mm, by[2]};
   }
 
   /// What became of the places where N changes, and of other plain cuts.

@@ -27,6 +27,7 @@ class Design {
 
   bool complete() {
     set_min_panel();
+    if (spec_.book && !set_book()) return false;
     if (spec_.style == DesignStyle::Facets) return set_facet_surface() && set_facets();
     return set_regions() && set_widths() && check_units() && set_surface() && check_placement() &&
            set_splay() && set_rest();
@@ -36,6 +37,39 @@ class Design {
   bool wrong(const std::string& key, ErrorKind kind, std::string detail) {
     fields_.refuse(key, kind, std::move(detail));
     return false;
+  }
+
+  /// What a book's cards have in common: their angle, and one page for all.
+  bool set_book() {
+    for (const char* one : {"design_angle_deg", "curvature"})
+      if (fields_.has(one) && (*one == 'd' || spec_.book->cards != 4))
+        return wrong(one, ErrorKind::Malformed,
+                     fmt::format("contradicts {}, whose cards are open to {:g} degrees; leave it "
+                                 "out",
+                                 fields_.pointer("book"), spec_.book->angle_deg()));
+    if (spec_.style == DesignStyle::Facets && spec_.book->cards != 4)
+      return wrong("book/cards", ErrorKind::OutOfRange,
+                   fmt::format("is {}; facets are made for 90 degrees only, so it must be 4",
+                               spec_.book->cards));
+    if (!spec_.card)
+      return wrong("card", ErrorKind::Malformed,
+                   "is false; a book is glued together at wall and ground, so leave it out");
+    if (spec_.card->shut == CardShut::Free)
+      return wrong("card/shut", ErrorKind::Malformed,
+                   "is \"free\"; a book lies inside its pages when it is shut, so leave it out");
+    if (spec_.card->wall_mm.value_or(0.0) != spec_.card->ground_mm.value_or(0.0))
+      return wrong("card", ErrorKind::OutOfRange,
+                   "has pages of two lengths; give wall_mm and ground_mm the same value, since "
+                   "each wall is glued to the next ground, or leave both out");
+    if (spec_.widths_field && std::holds_alternative<AdaptiveWidths>(*spec_.widths_field))
+      return wrong("widths_mm", ErrorKind::Malformed,
+                   "would differ from card to card; must be a number or a list of numbers in a "
+                   "book");
+    spec_.placement.design_angle_deg = spec_.book->angle_deg();
+    spec_.book->is_turned = fields_.has("rotate_deg");
+    spec_.book->is_moved = fields_.has("translate_mm");
+    if (!fields_.has("fit")) spec_.fit = FitMode::Nearest;
+    return true;
   }
 
   bool set_regions() {
@@ -375,6 +409,10 @@ void check_size(FieldReader& fields, const DesignSpec& whole) {
 /// Reads a spec with "patches": a list of designs without "popcut", "material" and "patches".
 void read_patches(FieldReader& fields, const json& root, SpecFields& whole) {
   const SpecTables& tables = spec_tables();
+  if (fields.has("book"))
+    return fields.refuse("book", ErrorKind::Malformed,
+                         "contradicts /patches; a book is made of one design, so leave one of them "
+                         "out");
   for (const SpecTable* table : {&tables.whole, &tables.name, &tables.patches})
     table->read(fields, whole);
   for (const auto& row : tables.shared.rows) fields.value(row.name);  // read with the patches
@@ -464,6 +502,7 @@ std::string design_spec_schema() {
   for (json& form : forms) forbid(form, tables.patches);
   json patches{{"required", {"patches"}}, {"additionalProperties", true}};
   forbid(patches, tables.design);
+  patches["properties"]["book"] = false;
   forms.push_back(patches);
   json facets = facet_form();
   forbid(facets, tables.patches);
