@@ -41,40 +41,76 @@ struct Page {
   double shift{};   ///< of the places along the target: v = s + shift
 };
 
-/// How far a card's slices lie on the sheet from their places along the target, mm. Outer slices
-/// that are blank take more of the sheet than others, so cards differ.
-double shift_of(const Design& card) {
-  std::vector<double> s_mm;
-  for (const SliceReport& slice : card.report.slices) s_mm.push_back(slice.s_mm);
-  return SpineMap(card.strips, s_mm).place_on_sheet(0.0);
+/// A slice that is laid: its strips, and how far they lie on the sheet from their place along the
+/// target.
+struct LaidPlace {
+  std::size_t first{}, last{};
+  double shift_mm{};
+};
+
+/// The laid slices of a card, along the spine. At a plain cut there is no connector, and blank
+/// outer slices take more of the sheet than others: so shifts differ.
+std::vector<LaidPlace> laid_places(const Design& card) {
+  const Strips& strips = card.strips;
+  std::vector<LaidPlace> out;
+  std::int32_t slice = -1;
+  for (std::size_t s = 0; s < strips.size(); ++s) {
+    if (strips.kind[s] != StripKind::Slice && strips.kind[s] != StripKind::Box) continue;
+    if (strips.slice[s] != slice) out.push_back({s, s, 0.0});
+    slice = strips.slice[s];
+    LaidPlace& at = out.back();
+    at.last = s;
+    at.shift_mm = 0.5 * (strips.v_begin[at.first] + strips.v_begin[s + 1]) -
+                  card.report.slices[static_cast<std::size_t>(slice)].s_mm;
+  }
+  return out;
 }
 
-/// Moves all strips along the spine; the margins take what is added.
-void widen(Design& card, const Page& page, double by_mm) {
+/// Moves the strips along the spine so that each slice is at its place along the target, and the
+/// page has its width. What lies before a slice that moves is widened: a margin, a blank, a
+/// connector, or the two slices at a plain cut by half of it each.
+void straighten(Design& card, const Page& page) {
   Strips& strips = card.strips;
-  for (std::size_t s = 1; s + 1 < strips.v_begin.size(); ++s) strips.v_begin[s] += by_mm;
+  std::vector<double> add(strips.v_begin.size());
+  const std::vector<LaidPlace> places = laid_places(card);
+  double before = 0.0;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const LaidPlace& at = places[k];
+    const double here = std::max(before, page.shift - at.shift_mm);
+    const bool is_beside = k > 0 && places[k - 1].last + 1 == at.first;
+    add[at.first] = is_beside ? 0.5 * (before + here) : here;
+    std::fill(add.begin() + static_cast<std::ptrdiff_t>(at.first) + 1, add.end(), here);
+    before = here;
+  }
+  for (std::size_t s = 1; s + 1 < add.size(); ++s) strips.v_begin[s] += add[s];
   strips.v_begin.back() = page.width;
-  for (SliceReport& slice : card.report.slices) slice.v_mm += by_mm;
-  if (card.pattern.model_placement) (*card.pattern.model_placement)[5] += by_mm;
+  const std::vector<double> v_mm = slice_places(strips, card.report.slices.size());
+  for (std::size_t k = 0; k < v_mm.size(); ++k) card.report.slices[k].v_mm = v_mm[k];
 }
 
 /// A card with another page. The strips' planes stay what they are.
 Result<Design> with_page(Design made, const DesignSpec& spec, const SurfaceAssets& assets,
                          const Page& page) {
-  const double page_mm = page.length, by_mm = page.shift - shift_of(made);
-  const bool is_as_wide = by_mm == 0.0 && made.pattern.width_mm == page.width;
+  const double page_mm = page.length;
+  const std::vector<LaidPlace> places = laid_places(made);
+  const bool is_as_wide = made.pattern.width_mm == page.width &&
+                          std::all_of(places.begin(), places.end(), [&](const LaidPlace& at) {
+                            return at.shift_mm == page.shift;
+                          });
+  if (made.pattern.model_placement)
+    (*made.pattern.model_placement)[5] = spec.placement.translate_mm[1] + page.shift;
   if (made.pattern.wall_mm == page_mm && made.pattern.ground_mm == page_mm && is_as_wide)
     return made;
   if (spec.style == DesignStyle::Facets || spec.splay) {
     if (!is_as_wide)
       return fail(ErrorKind::Infeasible, "/book",
-                  "its first or last slices are blank, so that its pages are not those of the "
-                  "other cards; use fewer or narrower slices");
+                  "some of its slices are blank or cut apart, so that its pages are not those of "
+                  "the other cards; use fewer or narrower slices");
     DesignSpec again = spec;
     again.card->wall_mm = again.card->ground_mm = page_mm;
     return design(again, assets);
   }
-  if (!is_as_wide) widen(made, page, by_mm);
+  if (!is_as_wide) straighten(made, page);
   set_card(made.strips, page_mm, page_mm);
   auto built = build_pattern(made.strips, page_mm, page_mm, true, spec.min_panel_mm);
   if (!built) return tl::unexpected(built.error());
@@ -83,7 +119,10 @@ Result<Design> with_page(Design made, const DesignSpec& spec, const SurfaceAsset
   built->pattern.model_placement = made.pattern.model_placement;
   made.pattern = std::move(built->pattern);
   made.panel_face = std::move(built->panel_face);
-  count_pattern(made.pattern, made.report);
+  DesignReport& r = made.report;
+  r.folds = r.cuts = 0;
+  r.fold_length_mm = r.cut_length_mm = r.outline_length_mm = 0.0;
+  count_pattern(made.pattern, r);
   return made;
 }
 
@@ -170,11 +209,13 @@ class Binder {
     for (const auto& card : made_) {
       if (!card) continue;
       page_.length = std::max({page_.length, card->pattern.wall_mm, card->pattern.ground_mm});
-      page_.shift = std::max(page_.shift, shift_of(*card));
+      for (const LaidPlace& at : laid_places(*card))
+        page_.shift = std::max(page_.shift, at.shift_mm);
     }
     for (const auto& card : made_)
       if (card)
-        page_.width = std::max(page_.width, card->pattern.width_mm + page_.shift - shift_of(*card));
+        page_.width = std::max(
+            page_.width, card->pattern.width_mm + page_.shift - laid_places(*card).back().shift_mm);
   }
 
   Result<void> give_page() {
@@ -204,6 +245,7 @@ class Binder {
     out_.name = spec_.name;
     book.angle_deg = spec_.book->angle_deg();
     book.page_mm = page_.length, book.width_mm = page_.width;
+    book.shift_mm = page_.shift;
     double v = 0.0;
     for (std::size_t i = 0; i < cards_; ++i) {
       Pattern& pattern = out_.parts[i].pattern;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "core/design/shape_fit.hpp"
@@ -79,9 +80,9 @@ TriangleSoup book_structure(const PatchAssembly& book) {
   TriangleSoup out;
   for (std::size_t i = 0; i < book.parts.size(); ++i) {
     const Design& card = book.parts[i];
-    append(turned_in_book(structure_triangles(card.strips, card.pattern, spine_of(card)),
-                          book.book->angle_deg, i),
-           out);
+    TriangleSoup own = structure_triangles(card.strips, card.pattern, SpineMap());
+    for (std::size_t k = 1; k < own.corners.size(); k += 3) own.corners[k] -= book.book->shift_mm;
+    append(turned_in_book(std::move(own), book.book->angle_deg, i), out);
   }
   return out;
 }

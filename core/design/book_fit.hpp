@@ -12,8 +12,8 @@ namespace popcut {
 /// `card` times the angle of the cards, from the ground of the first card toward its wall.
 [[nodiscard]] TriangleSoup turned_in_book(TriangleSoup soup, double angle_deg, std::size_t card);
 
-/// The structures of all cards where they stand, without their pages, at the places along the
-/// target.
+/// The structures of all cards where they stand, without their pages. Places along the spine are
+/// those along the target: `BookReport::shift_mm` less than on the sheets.
 [[nodiscard]] TriangleSoup book_structure(const PatchAssembly& book);
 
 /// The whole target about the spine, where the structures of `book_structure` stand.

@@ -32,6 +32,7 @@ struct BookReport {
   double angle_deg{};          ///< opening angle of each card when the book is open all around
   double page_mm{};            ///< of each wall and each ground, from the spine outward
   double width_mm{};           ///< along the spine
+  double shift_mm{};           ///< places along the sheets less those along the target
   double closed_mm{};          ///< how far the structures reach from the spine when it is shut
   std::vector<bool> is_plain;  ///< one a card: nothing of the target is there, so it is plain
   bool is_alike{};             ///< all cards are the same

@@ -581,9 +581,10 @@ class Designer {
   [[nodiscard]] std::optional<std::array<double, 7>> model_placement(const DesignReport& r) const {
     if (spec_.is_patch || !spec_.surface || asset_of(*spec_.surface).empty() || r.slices.empty())
       return std::nullopt;
-    double shift_mm = 0.0;
+    double shift_mm = 0.0, slices = 0.0;
     for (const SliceReport& slice : r.slices)
-      shift_mm += (slice.v_mm - slice.s_mm) / static_cast<double>(r.slices.size());
+      if (!slice.blank) shift_mm += slice.v_mm - slice.s_mm, ++slices;
+    shift_mm /= std::max(slices, 1.0);
     const TargetPlacement& p = spec_.placement;
     const std::array<double, 3> turn =
         p.about_spine_deg == 0.0 ? p.rotate_deg : degrees_of(whole_turn(p));

@@ -260,6 +260,7 @@ Json book(const PatchAssembly& assembly) {
             {"cards", assembly.parts.size()},
             {"angle_deg", report.angle_deg},
             {"page_mm", {report.page_mm, report.width_mm}},
+            {"shift_mm", report.shift_mm},
             {"closed_mm", report.closed_mm}};
   std::vector<int> freedoms;
   double cut = 0.0, fold = 0.0;

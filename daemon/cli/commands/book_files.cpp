@@ -9,7 +9,6 @@
 
 #include "core/deploy/sheet_mesh.hpp"
 #include "core/design/book_fit.hpp"
-#include "core/design/shape_fit.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "core/text/utf8.hpp"
 #include "daemon/cli/view/book_picture.hpp"
@@ -45,19 +44,9 @@ Result<TriangleSoup> paper_of(const Pattern& pattern) {
   return out;
 }
 
-/// How far the sheets lie from the places along the target, along the spine.
-double shift_of(const PatchAssembly& book) {
-  for (const Design& card : book.parts) {
-    std::vector<double> s_mm;
-    for (const SliceReport& slice : card.report.slices) s_mm.push_back(slice.s_mm);
-    if (!s_mm.empty()) return SpineMap(card.strips, s_mm).place_on_sheet(0.0);
-  }
-  return 0.0;
-}
-
 Result<std::string> picture_of(const PatchAssembly& book) {
   BookScene scene;
-  const double shift = shift_of(book);
+  const double shift = book.book->shift_mm;
   for (std::size_t i = 0; i < book.parts.size(); ++i) {
     auto paper = paper_of(book.parts[i].pattern);
     if (!paper) return tl::unexpected(paper.error());
