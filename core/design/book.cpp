@@ -164,6 +164,13 @@ class Binder {
         cards_(static_cast<std::size_t>(spec.book->cards)) {}
 
   Result<PatchAssembly> run() {
+    const std::optional<double>& wall = spec_.card->wall_mm;
+    const std::optional<double>& ground = spec_.card->ground_mm;
+    if (wall && ground && *wall != *ground)
+      return fail(ErrorKind::OutOfRange, "/card/ground_mm",
+                  fmt::format("is {:g} mm, and the wall, which is glued onto the next ground, {:g} "
+                              "mm; give both the same value, or leave both out",
+                              *ground, *wall));
     const auto placement = book_placement(spec_, assets_);
     if (!placement) return tl::unexpected(placement.error());
     for (std::size_t i = 0; i < cards_; ++i) specs_.push_back(card_of_book(spec_, *placement, i));
@@ -193,8 +200,11 @@ class Binder {
         return tl::unexpected(in_card(i, made.error()));
       }
     }
-    if (std::none_of(made_.begin(), made_.end(), [](const auto& card) { return card.has_value(); }))
+    if (std::none_of(made_.begin(), made_.end(),
+                     [](const auto& card) { return card.has_value(); })) {
+      nothing->reason = ErrorReason::None;  // no placement is proposed for a book
       return tl::unexpected(*nothing);
+    }
     return {};
   }
 
@@ -304,6 +314,9 @@ DesignSpec card_of_book(const DesignSpec& spec, const TargetPlacement& placement
                         std::size_t card) {
   DesignSpec out = spec;
   out.book.reset();
+  out.is_card = true;
+  if (!out.card->wall_mm) out.card->wall_mm = out.card->ground_mm;
+  if (!out.card->ground_mm) out.card->ground_mm = out.card->wall_mm;
   out.name = card_name(spec, card);
   out.placement = placement;
   const bool turns = !spec.surface || turns_with_cards(*spec.surface);

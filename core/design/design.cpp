@@ -68,7 +68,7 @@ class Designer {
     auto sliced = slice_target(spec_, assets_, progress_);
     if (!sliced) {
       Error error = sliced.error();  // a placement is proposed for files only
-      if (asset_of(spec_.surface).empty()) error.reason = ErrorReason::None;
+      if (asset_of(spec_.surface).empty() && !spec_.is_card) error.reason = ErrorReason::None;
       return tl::unexpected(std::move(error));
     }
     sliced_ = std::move(*sliced);

@@ -42,7 +42,7 @@ class Design {
   /// What a book's cards have in common: their angle, and one page for all.
   bool set_book() {
     for (const char* one : {"design_angle_deg", "curvature"})
-      if (fields_.has(one) && (*one == 'd' || spec_.book->cards != 4))
+      if (fields_.has(one))
         return wrong(one, ErrorKind::Malformed,
                      fmt::format("contradicts {}, whose cards are open to {:g} degrees; leave it "
                                  "out",
@@ -57,10 +57,6 @@ class Design {
     if (spec_.card->shut == CardShut::Free)
       return wrong("card/shut", ErrorKind::Malformed,
                    "is \"free\"; a book lies inside its pages when it is shut, so leave it out");
-    if (spec_.card->wall_mm.value_or(0.0) != spec_.card->ground_mm.value_or(0.0))
-      return wrong("card", ErrorKind::OutOfRange,
-                   "has pages of two lengths; give wall_mm and ground_mm the same value, since "
-                   "each wall is glued to the next ground, or leave both out");
     if (spec_.widths_field && std::holds_alternative<AdaptiveWidths>(*spec_.widths_field))
       return wrong("widths_mm", ErrorKind::Malformed,
                    "would differ from card to card; must be a number or a list of numbers in a "
@@ -456,6 +452,28 @@ json facet_form() {
   return form;
 }
 
+/// What a book asks of the other fields: there is none, or they fit to it.
+json book_forms() {
+  json none{{"additionalProperties", true}}, lattice = none, facets = none;
+  none["properties"]["book"] = false;
+  lattice["properties"]["style"] = {{"const", "lattice"}};
+  facets["properties"]["book"] = {{"description", "of facets: four cards"},
+                                  {"properties", {{"cards", {{"const", 4}}}}},
+                                  {"additionalProperties", true}};
+  json book{{"additionalProperties", true}, {"anyOf", {lattice, facets}}};
+  book["properties"] = {
+      {"design_angle_deg", false},
+      {"curvature", false},
+      {"widths_mm",
+       {{"description", "in a book: the same on all cards"}, {"type", {"number", "array"}}}},
+      {"card",
+       {{"description", "in a book: its pages"},
+        {"type", "object"},
+        {"properties", {{"shut", {{"const", "inside"}}}}},
+        {"additionalProperties", true}}}};
+  return json::array({none, book});
+}
+
 /// A patch: its fields are those of the whole.
 json patch_schema() {
   json schema{{"type", "object"}, {"additionalProperties", false}, {"oneOf", design_forms()}};
@@ -508,6 +526,7 @@ std::string design_spec_schema() {
   forbid(facets, tables.patches);
   forms.push_back(facets);
   schema["oneOf"] = std::move(forms);
+  schema["anyOf"] = book_forms();
   return schema.dump(2) + "\n";
 }
 

@@ -150,6 +150,7 @@ struct DesignSpec {
   std::vector<PatchJoin> joins;   ///< one between neighbouring patches
   double join_tolerance_mm{1.0};  ///< largest distance of the edges' profiles
   bool is_patch{false};           ///< one of `patches`: its edges are wanted too
+  bool is_card{false};            ///< one of a book: it may have nothing of the target
 };
 
 inline constexpr double kRelaxedStep = 5.0;

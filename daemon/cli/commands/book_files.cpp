@@ -12,7 +12,7 @@
 #include "core/formats/write/report_json.hpp"
 #include "core/text/utf8.hpp"
 #include "daemon/cli/view/book_picture.hpp"
-#include "daemon/planning/book_animation.hpp"
+#include "daemon/planning/views/book_animation.hpp"
 
 namespace popcut::cli {
 namespace book_files_parts {

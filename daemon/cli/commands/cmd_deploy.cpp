@@ -25,8 +25,8 @@
 #include "daemon/cli/view/long_work.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
-#include "daemon/planning/book_animation.hpp"
 #include "daemon/planning/judge/sheet_opening.hpp"
+#include "daemon/planning/views/book_animation.hpp"
 
 namespace popcut::cli {
 namespace deploy_command {

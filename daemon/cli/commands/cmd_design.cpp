@@ -286,10 +286,10 @@ Result<void> list_examples(const Globals& globals) {
     std::vector<std::string> sizes;
     for (const RegionSpec& region : spec->regions)
       sizes.push_back(fmt::format("{} x {}", region.slices, region.units_per_slice));
-    const std::string what =
-        spec->style == DesignStyle::Facets
-            ? fmt::format("facets of {:g} mm, {}", spec->facets.strip_mm, target)
-            : fmt::format("{}, {} units", target, fmt::join(sizes, " + "));
+    std::string what = spec->style == DesignStyle::Facets
+                           ? fmt::format("facets of {:g} mm, {}", spec->facets.strip_mm, target)
+                           : fmt::format("{}, {} units", target, fmt::join(sizes, " + "));
+    if (spec->book) what += fmt::format(", a book of {} cards", spec->book->cards);
     if (globals.json)
       list.push_back({{"name", example.name}, {"what", what}});
     else
@@ -519,6 +519,10 @@ constexpr const char* kHelp =
     "  segments.csv  one row for each panel\n"
     "  deploy.glb    an animation of the card as it opens\n"
     "  report.json   sizes, and the distance from your shape\n\n"
+    "A SPEC with \"book\" makes a book of cards around one spine: each card gets these files in "
+    "its\n"
+    "own folder card-01, card-02 and so on, and DIR gets book.json (sizes, distance from your\n"
+    "shape, what is glued), book.glb (an animation) and book.svg (pictures from all sides).\n\n"
     "--formats also knows pdf (pattern.pdf, to print), cricut (cricut.svg, for Design Space),\n"
     "picture (deployed.svg) and stl (deploy/psi_NNN.stl, a 3D model of each pose).\n"
     "manifest.json lists the files of the last run; a new run removes those that it does not\n"

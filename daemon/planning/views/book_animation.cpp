@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/planning/book_animation.hpp"
+#include "daemon/planning/views/book_animation.hpp"
 
 #include <vector>
 
