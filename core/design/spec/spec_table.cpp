@@ -588,6 +588,14 @@ Shape<JoinField> joins() {
                        }));
 }
 
+Shape<BookSpec> book() {
+  const FieldTable<BookSpec> table{{
+      needed<BookSpec>("cards", &BookSpec::cards, shape::whole(kLeastCards, kMostCards),
+                       "how many; each is open to 360 degrees by this number"),
+  }};
+  return shape::object(table, "an object with cards");
+}
+
 SpecTables make_tables() {
   using Row = SpecFields;
   SpecTables all;
@@ -605,6 +613,10 @@ SpecTables make_tables() {
           shape::number(from(kLeastDesignAngle, kMostDesignAngle)),
           "opening angle of the card, between wall and ground, at which the structure shows the "
           "target"),
+      field<Row>("book", &Row::book, book(),
+                 "a book of cards around one spine, glued back to back, that shows the target from "
+                 "all sides. In a book fit is nearest if left out; a mesh without rotate_deg has "
+                 "its z axis along the spine, one without translate_mm its middle there"),
   };
   all.name.rows = {field<Row>("name", &Row::name, shape::text(), "name of the design")};
   all.shared.rows = {

@@ -104,13 +104,15 @@ using SurfaceAssets = std::map<std::string, std::string>;
 }
 
 /// How the surface stands in the corner of wall and ground (z = 0), y along the spine: a point q of
-/// it is at `R_z R_y R_x (scale_mm q) + translate_mm`, R the turns about the axes. The wall rises
-/// from the spine at `design_angle_deg` to the ground; at 90 it is x = 0.
+/// it is at `R_s (R_z R_y R_x (scale_mm q) + translate_mm)`, R the turns about the axes and R_s one
+/// about the spine, by which a book turns what each of its cards shows. The wall rises from the
+/// spine at `design_angle_deg` to the ground; at 90 it is x = 0.
 struct TargetPlacement {
   double scale_mm{1.0};  ///< one unit of the surface
   std::array<double, 3> rotate_deg{};
   std::array<double, 3> translate_mm{};
   double design_angle_deg{90.0};  ///< opening angle at which the structure shows the target
+  double about_spine_deg{0.0};    ///< from the wall toward the ground, as a turn about y
 };
 inline constexpr double kLeastDesignAngle = 30.0, kMostDesignAngle = 150.0;
 

@@ -19,6 +19,7 @@
 #include "core/verify/sheet/check.hpp"
 #include "core/verify/target/target.hpp"
 #include "core/verify/verify.hpp"
+#include "daemon/cli/input/compared_book.hpp"
 #include "daemon/cli/input/drawn_pattern.hpp"
 #include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/files/output_folder.hpp"
@@ -201,6 +202,12 @@ Result<ComparedTarget> placed_spec(const std::string& file, const std::string& t
 }  // namespace
 }  // namespace compared_pair
 
+std::optional<double> shift_along_spine(const std::string& fold_text,
+                                        const verify::Target& target) {
+  const auto strips = compared_pair::strips_of(fold_text, target);
+  return strips ? std::optional(strips->shift_mm) : std::nullopt;
+}
+
 Result<ComparedStructure> read_structure(const std::string& file, std::optional<double> psi_rad,
                                          const Progress& progress) {
   using namespace compared_pair;
@@ -257,6 +264,13 @@ Result<ComparedTarget> read_compared_target(const std::string& file,
   if (!is_mesh(file) && is_pattern(*bytes))
     return fail(ErrorKind::OutOfRange, file,
                 "is a pattern; give the model after the pattern: a mesh (STL, OBJ) or a design");
+  if (!is_mesh(file) && is_design_spec(*bytes) && structure.is_book) {
+    if (given.is_given() || given.fit)
+      return fail(ErrorKind::Usage, "command line",
+                  "a design says where its surface stands; leave out --scale, --rotate, --move and "
+                  "--fit");
+    return read_book_target(file, *bytes, structure);
+  }
   if (!is_mesh(file) && is_design_spec(*bytes)) {
     if (given.is_given() || given.fit)
       return fail(ErrorKind::Usage, "command line",
