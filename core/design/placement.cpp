@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -25,44 +24,6 @@ namespace popcut {
 namespace {
 
 using Vec = std::array<double, 3>;
-
-/// The 24 turns by right angles, each once, in degrees.
-std::vector<Vec> right_turns() {
-  std::vector<Vec> out;
-  std::vector<TurnMatrix> seen;
-  for (int x = 0; x < 4; ++x)
-    for (int y = 0; y < 4; ++y)
-      for (int z = 0; z < 4; ++z) {
-        const Vec degrees{90.0 * x, 90.0 * y, 90.0 * z};
-        const TurnMatrix turn = turn_of(degrees);
-        if (std::find(seen.begin(), seen.end(), turn) != seen.end()) continue;
-        seen.push_back(turn);
-        out.push_back(degrees);
-      }
-  return out;
-}
-
-/// The degrees about x, y and z of a turn (`turn_of`), to a ten-thousandth.
-Vec degrees_of(const TurnMatrix& turn) {
-  const double sine = std::clamp(-turn[2][0], -1.0, 1.0);
-  const bool is_locked = std::abs(sine) > 1.0 - 1e-9;  // then x and z turn about the same axis
-  Vec out{is_locked ? std::atan2(-turn[1][2], turn[1][1]) : std::atan2(turn[2][1], turn[2][2]),
-          std::asin(sine), is_locked ? 0.0 : std::atan2(turn[1][0], turn[0][0])};
-  for (double& angle : out) angle = std::round(angle * 180.0 / std::numbers::pi * 1e4) / 1e4 + 0.0;
-  return out;
-}
-
-/// Turned by `degrees` about one axis of the corner after what `first` says.
-Vec turned_on(const Vec& first, std::size_t axis, double degrees) {
-  Vec second{};
-  second[axis] = degrees;
-  const TurnMatrix a = turn_of(second), b = turn_of(first);
-  TurnMatrix out{};
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j)
-      for (std::size_t k = 0; k < 3; ++k) out[i][j] += a[i][k] * b[k][j];
-  return degrees_of(out);
-}
 
 /// A way of standing.
 struct Standing {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/design/target/placement_map.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -43,6 +44,36 @@ TurnMatrix turn_of(const Vec& degrees) {
   const TurnMatrix y{{{cy, 0, sy}, {0, 1, 0}, {-sy, 0, cy}}};
   const TurnMatrix z{{{cz, -sz, 0}, {sz, cz, 0}, {0, 0, 1}}};
   return product(z, product(y, x));
+}
+
+Vec degrees_of(const TurnMatrix& turn) {
+  const double sine = std::clamp(-turn[2][0], -1.0, 1.0);
+  const bool is_locked = std::abs(sine) > 1.0 - 1e-9;  // then x and z turn about the same axis
+  Vec out{is_locked ? std::atan2(-turn[1][2], turn[1][1]) : std::atan2(turn[2][1], turn[2][2]),
+          std::asin(sine), is_locked ? 0.0 : std::atan2(turn[1][0], turn[0][0])};
+  for (double& angle : out) angle = std::round(angle * 180.0 / std::numbers::pi * 1e4) / 1e4 + 0.0;
+  return out;
+}
+
+Vec turned_on(const Vec& first, std::size_t axis, double degrees) {
+  Vec second{};
+  second[axis] = degrees;
+  return degrees_of(product(turn_of(second), turn_of(first)));
+}
+
+std::vector<Vec> right_turns() {
+  std::vector<Vec> out;
+  std::vector<TurnMatrix> seen;
+  for (int x = 0; x < 4; ++x)
+    for (int y = 0; y < 4; ++y)
+      for (int z = 0; z < 4; ++z) {
+        const Vec degrees{90.0 * x, 90.0 * y, 90.0 * z};
+        const TurnMatrix turn = turn_of(degrees);
+        if (std::find(seen.begin(), seen.end(), turn) != seen.end()) continue;
+        seen.push_back(turn);
+        out.push_back(degrees);
+      }
+  return out;
 }
 
 bool stays_on_spine(const TargetPlacement& placement) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <vector>
 
 #include "core/design/target/surface_spec.hpp"
 #include "core/design/target/triangle_mesh.hpp"
@@ -15,6 +17,16 @@ using TurnMatrix = std::array<std::array<double, 3>, 3>;
 
 /// R_z R_y R_x for angles about x, y and z in degrees; exact for multiples of 90 degrees.
 [[nodiscard]] TurnMatrix turn_of(const std::array<double, 3>& degrees);
+
+/// The degrees about x, y and z of a turn (`turn_of`), to a ten-thousandth.
+[[nodiscard]] std::array<double, 3> degrees_of(const TurnMatrix& turn);
+
+/// Turned by `degrees` about one axis of the corner (0: x, 1: y, 2: z) after what `first` says.
+[[nodiscard]] std::array<double, 3> turned_on(const std::array<double, 3>& first, std::size_t axis,
+                                              double degrees);
+
+/// The 24 turns by right angles, each once, in degrees.
+[[nodiscard]] std::vector<std::array<double, 3>> right_turns();
 
 /// No turn, and no shift but along the spine.
 [[nodiscard]] bool stays_on_spine(const TargetPlacement& placement);
