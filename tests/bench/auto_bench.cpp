@@ -22,10 +22,10 @@
 
 namespace auto_bench {
 
-using namespace popcut;
 using namespace popcut::testing;
 using namespace popcut::tests;
 using nlohmann::json;
+using popcut::TriangleMesh;
 namespace fs = std::filesystem;
 
 namespace {

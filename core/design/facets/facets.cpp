@@ -170,6 +170,7 @@ class FacetMaker {
   [[nodiscard]] FacetLimits limits() const {
     FacetLimits out;
     out.least_run = least_run();
+    out.inward = options_.inward;
     const double side = std::min(options_.wall_mm.value_or(out.most_reach_mm),
                                  options_.ground_mm.value_or(out.most_reach_mm));
     if (options_.shut_inside) out.most_reach_mm = side;

@@ -31,9 +31,7 @@ Result<TriangleMesh> read_model(const std::string& file, const std::string& byte
     if (is_pattern(bytes))
       return fail(ErrorKind::OutOfRange, file, "is a pattern; give a 3D model (.stl, .obj)");
   }
-  auto mesh = read_mesh(file, bytes);
-  if (!mesh) return tl::unexpected(within(file, mesh.error()));
-  return mesh;
+  return read_mesh(file, bytes);
 }
 
 UpSide up_side(const std::string& word) {

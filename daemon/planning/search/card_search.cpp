@@ -48,6 +48,15 @@ constexpr int kCoarseCells = 96, kCarefulCells = 256;
 constexpr const char* kAsset = "model.stl";
 constexpr int kMostSizes = 5;  // that are tried until the card fits on the mat
 
+constexpr const char* kBehind = "a part of the card would stand behind its wall or ground";
+
+/// As `popcut compare` tells cards in a corner from other structures.
+bool is_behind(likeness::Triangles structure) {
+  const double touch = 1e-3 * likeness::box_of(structure).diagonal();
+  const likeness::Box box = likeness::box_of(structure);
+  return std::min(box.low.x(), box.low.z()) < -touch;
+}
+
 /// A candidate on its way.
 struct Trial {
   Candidate candidate;
@@ -286,6 +295,10 @@ class CardSearch {
     const double begin_mm = (*pattern.model_placement)[5] + scale_mm * way.box.low[1];
     const auto by = static_cast<float>(way.to_target() / scale_mm);
     std::vector<float> structure = opened_pattern(pattern);
+    if (is_behind(structure)) {
+      trial.why = kBehind;
+      return;
+    }
     for (std::size_t k = 0; k < structure.size(); ++k)
       structure[k] = by * (structure[k] - (k % 3 == 1 ? static_cast<float>(begin_mm) : 0.0F));
     const likeness::Target& target = model.target(trial.candidate.way, way);
@@ -445,6 +458,10 @@ class CardSearch {
     if (!opened || !opened->model) {
       out.why =
           opened ? "the pattern does not say where the model stands" : message(opened.error());
+      return;
+    }
+    if (is_behind(opened->triangles)) {
+      out.why = kBehind;
       return;
     }
     FoundCard card;

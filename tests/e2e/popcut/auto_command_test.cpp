@@ -23,6 +23,7 @@ using namespace popcut::testing;
 using namespace popcut::tests;
 using Catch::WithinAbs;
 using nlohmann::json;
+using popcut::TriangleMesh;
 namespace fs = std::filesystem;
 
 namespace {
@@ -155,7 +156,11 @@ TEST_CASE("a search says in one line what is wrong, and writes nothing", "[cli][
   refused({"words.obj"}, 3, "words.obj");
   write_file(bench.temp / "flat.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n");
   refused({"flat.obj"}, 3, "flat.obj: has no outside");
-  bench.write("design.json", {{"popcut", 1}});
+  bench.write("design.json", {{"popcut", 1},
+                              {"surface", {{"type", "profile"}, {"z", "40 - x"}}},
+                              {"units_per_slice", 3},
+                              {"slices", 3},
+                              {"widths_mm", 5}});
   refused({"design.json"}, 3, "popcut design design.json");
   refused({"houses.obj", "--machine", "cricut-maker"}, 2, "cutting times");
   refused({"houses.obj", "--machine", "cameo9"}, 2, "cameo9");
