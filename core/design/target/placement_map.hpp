@@ -26,8 +26,8 @@ using TurnMatrix = std::array<std::array<double, 3>, 3>;
 /// The shift of a placement's points after that turn, mm.
 [[nodiscard]] std::array<double, 3> whole_shift_mm(const TargetPlacement& placement);
 
-/// Turned by `degrees` about one axis of the corner (0: x, 1: y, 2: z) after what `first` says, to a
-/// ten-thousandth of a degree.
+/// Turned by `degrees` about one axis of the corner (0: x, 1: y, 2: z) after what `first` says, to
+/// a ten-thousandth of a degree.
 [[nodiscard]] std::array<double, 3> turned_on(const std::array<double, 3>& first, std::size_t axis,
                                               double degrees);
 
