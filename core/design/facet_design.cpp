@@ -144,7 +144,7 @@ Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
   r.degrees_of_freedom = made->pattern.motion.degrees_of_freedom;
   r.pieces = made->pattern.motion.pieces;
   r.fit_nearest = true;
-  if (!asset_of(spec.surface).empty()) {
+  if (is_model(spec.surface)) {
     const TargetPlacement& p = spec.placement;
     const double shift_mm = made->card.margin_mm - made->grid.v_from_mm;
     out.pattern.model_placement = {p.scale_mm,        p.rotate_deg[0],

@@ -85,6 +85,12 @@ using SurfaceAssets = std::map<std::string, std::string>;
   return std::holds_alternative<TextSpec>(surface) ? "font" : "file";
 }
 
+/// Whether it is a 3D model from a file, which programs can compare a card with.
+[[nodiscard]] inline bool is_model(const std::optional<SurfaceSpec>& surface) {
+  return surface && (std::holds_alternative<GridSpec>(*surface) ||
+                     std::holds_alternative<MeshSpec>(*surface));
+}
+
 /// What it is if it consists of triangles: "mesh", "grid", "text" or "drawing", which begin and end
 /// somewhere along the spine; nullptr for formulas and curves.
 [[nodiscard]] inline const char* solid_word(const SurfaceSpec& surface) {
