@@ -26,12 +26,14 @@ enum Material : int { kFront, kBack };
 class Store {
  public:
   explicit Store(tinygltf::Model& model) : model_(model) {
-    parts_.resize(3);
+    parts_.resize(5);
     model.bufferViews.resize(parts_.size());
     for (auto& view : model.bufferViews) view.buffer = 0;
     model.bufferViews[kVectors].byteStride = 12;
     model.bufferViews[kVectors].target = TINYGLTF_TARGET_ARRAY_BUFFER;
     model.bufferViews[kIndices].target = TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER;
+    model.bufferViews[kPlaces].byteStride = 8;
+    model.bufferViews[kPlaces].target = TINYGLTF_TARGET_ARRAY_BUFFER;
   }
 
   int vectors(const std::vector<Vec3>& places, bool with_bounds) {
@@ -43,24 +45,43 @@ class Store {
   int indices(const std::vector<std::uint32_t>& corners) {
     return add(kIndices, corners, corners.size(), TINYGLTF_TYPE_SCALAR, false);
   }
+  /// Places in the picture.
+  int places(const std::vector<float>& pairs) {
+    return add(kPlaces, pairs, pairs.size() / 2, TINYGLTF_TYPE_VEC2, false);
+  }
+  /// The view of the picture's bytes.
+  int picture(const std::string& bytes) {
+    auto& to = parts_[kPicture];
+    to.assign(bytes.begin(), bytes.end());
+    return kPicture;
+  }
   int track(const std::vector<float>& numbers, std::size_t keys, int type, bool with_bounds) {
     return add(kTracks, numbers, keys, type, with_bounds);
   }
 
+  /// Puts the parts into the buffer, each at a multiple of four bytes. glTF has no empty views.
   void finish() {
     model_.buffers.emplace_back();
     auto& data = model_.buffers.front().data;
+    std::vector<int> view_of(parts_.size(), -1);
+    std::vector<tinygltf::BufferView> views;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
-      model_.bufferViews[i].byteOffset = data.size();
-      model_.bufferViews[i].byteLength = parts_[i].size();
+      if (parts_[i].empty()) continue;
+      view_of[i] = static_cast<int>(views.size());
+      views.push_back(model_.bufferViews[i]);
+      views.back().byteOffset = data.size();
+      views.back().byteLength = parts_[i].size();
       data.insert(data.end(), parts_[i].begin(), parts_[i].end());
+      data.resize((data.size() + 3) / 4 * 4, 0);
     }
-    // A pattern in one pose has no tracks, and glTF no empty views; the tracks are the last.
-    if (parts_[kTracks].empty()) model_.bufferViews.pop_back();
+    model_.bufferViews = std::move(views);
+    const auto moved = [&](int& view) { view = view_of[static_cast<std::size_t>(view)]; };
+    for (auto& accessor : model_.accessors) moved(accessor.bufferView);
+    for (auto& image : model_.images) moved(image.bufferView);
   }
 
  private:
-  enum Part : int { kVectors, kIndices, kTracks };
+  enum Part : int { kVectors, kIndices, kPlaces, kPicture, kTracks };
 
   template <typename Number>
   int add(Part part, const std::vector<Number>& numbers, std::size_t count, int type,
@@ -111,9 +132,12 @@ tinygltf::Material material(const char* name, const std::vector<double>& colour)
   return made;
 }
 
-tinygltf::Primitive primitive(int positions, int normals, int indices, Material of) {
+/// @param places  in the picture; below 0: none
+tinygltf::Primitive primitive(int positions, int normals, int indices, Material of,
+                              int places = -1) {
   tinygltf::Primitive made;
   made.attributes = {{"POSITION", positions}, {"NORMAL", normals}};
+  if (places >= 0) made.attributes["TEXCOORD_0"] = places;
   made.indices = indices;
   made.material = of;
   made.mode = TINYGLTF_MODE_TRIANGLES;
@@ -123,10 +147,18 @@ tinygltf::Primitive primitive(int positions, int normals, int indices, Material 
 /// The paper of face `f` around its pivot.
 class FacePaper {
  public:
-  FacePaper(const FaceTriangles& faces, std::size_t f, const Vec3& pivot) {
+  /// @param picture  null: none
+  FacePaper(const FaceTriangles& faces, std::size_t f, const Vec3& pivot, double wall_mm,
+            const GlbPicture* picture) {
     const std::uint32_t first = faces.first_corner[f];
-    for (std::uint32_t i = first; i < faces.first_corner[f + 1]; ++i)
-      corners_.push_back(faces.corner[i] - pivot);
+    for (std::uint32_t i = first; i < faces.first_corner[f + 1]; ++i) {
+      const Vec3& at = faces.corner[i];  // (u - wall, v, 0)
+      corners_.push_back(at - pivot);
+      if (picture == nullptr) continue;
+      places_.push_back(static_cast<float>((at[1] - picture->left_mm) / picture->width_mm));
+      places_.push_back(
+          static_cast<float>((at[0] + wall_mm - picture->top_mm) / picture->height_mm));
+    }
     for (std::uint32_t t = faces.first_triangle[f]; t < faces.first_triangle[f + 1]; ++t) {
       const auto& [a, b, c] = faces.triangle[t];
       front_.insert(front_.end(), {a - first, b - first, c - first});
@@ -137,7 +169,8 @@ class FacePaper {
   [[nodiscard]] tinygltf::Mesh surface(Store& store) const {
     const int positions = store.vectors(corners_, true);
     tinygltf::Mesh mesh;
-    mesh.primitives = {primitive(positions, same_normal(store, 1), store.indices(front_), kFront),
+    mesh.primitives = {primitive(positions, same_normal(store, 1), store.indices(front_), kFront,
+                                 places_in(store)),
                        primitive(positions, same_normal(store, -1), store.indices(back_), kBack)};
     return mesh;
   }
@@ -150,14 +183,17 @@ class FacePaper {
     std::vector<std::uint32_t> under = back_;
     for (std::size_t i = 0; i < corners_.size(); ++i) add_side(i, half, low, low_normals, under);
     tinygltf::Mesh mesh;
-    mesh.primitives = {
-        primitive(store.vectors(top, true), same_normal(store, 1), store.indices(front_), kFront),
-        primitive(store.vectors(low, true), store.vectors(low_normals, false), store.indices(under),
-                  kBack)};
+    mesh.primitives = {primitive(store.vectors(top, true), same_normal(store, 1),
+                                 store.indices(front_), kFront, places_in(store)),
+                       primitive(store.vectors(low, true), store.vectors(low_normals, false),
+                                 store.indices(under), kBack)};
     return mesh;
   }
 
  private:
+  [[nodiscard]] int places_in(Store& store) const {
+    return places_.empty() ? -1 : store.places(places_);
+  }
   [[nodiscard]] int same_normal(Store& store, double z) const {
     return store.vectors(std::vector<Vec3>(corners_.size(), Vec3{0, 0, z}), false);
   }
@@ -175,6 +211,7 @@ class FacePaper {
   }
 
   std::vector<Vec3> corners_;
+  std::vector<float> places_;
   std::vector<std::uint32_t> front_, back_;
 };
 
@@ -199,6 +236,7 @@ class Scene {
     model_.asset.generator = options_.creator;
     model_.materials = {material("paper front", {0.96, 0.80, 0.52, 1}),
                         material("paper back", {0.93, 0.94, 0.95, 1})};
+    if (!options_.front.png.empty()) add_picture();
     animation_.name = "deploy";
   }
 
@@ -268,6 +306,24 @@ class Scene {
     return std::move(out).str();
   }
 
+  void add_picture() {
+    tinygltf::Image image;
+    image.bufferView = store_.picture(options_.front.png);
+    image.mimeType = "image/png";
+    model_.images.push_back(std::move(image));
+    tinygltf::Sampler sampler;
+    sampler.wrapS = sampler.wrapT = TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
+    sampler.magFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
+    sampler.minFilter = TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_LINEAR;
+    model_.samplers.push_back(sampler);
+    tinygltf::Texture texture;
+    texture.sampler = 0, texture.source = 0;
+    model_.textures.push_back(std::move(texture));
+    auto& front = model_.materials[kFront].pbrMetallicRoughness;
+    front.baseColorFactor = {1, 1, 1, 1};
+    front.baseColorTexture.index = 0;
+  }
+
   void add_root(tinygltf::Node root) {
     model_.scenes.emplace_back();
     model_.scenes.front().nodes = {static_cast<int>(model_.nodes.size())};
@@ -293,7 +349,8 @@ class Scene {
       node.translation.assign(place.begin(), place.end());
       node.rotation.assign(turn.coeffs().begin(), turn.coeffs().end());
       if (b < table.faces) {
-        const FacePaper paper(*faces, b, table.pivot[b]);
+        const FacePaper paper(*faces, b, table.pivot[b], pattern.wall_mm,
+                              options_.front.png.empty() ? nullptr : &options_.front);
         node.mesh = static_cast<int>(model_.meshes.size());
         model_.meshes.push_back(options_.thickness_mm > 0
                                     ? paper.solid(store_, options_.thickness_mm)

@@ -13,8 +13,15 @@ namespace popcut {
 
 inline constexpr std::size_t kMaxGlbFaces = 200'000;  ///< viewers give up well before
 
+/// A picture on the front of the sheet.
+struct GlbPicture {
+  std::string png;                                      ///< the file's bytes; empty: none
+  double left_mm{}, top_mm{}, width_mm{}, height_mm{};  ///< of the pattern's page (x = v, y = u)
+};
+
 struct GlbOptions {
   std::string creator{"popcut"};
+  GlbPicture front{};
   double seconds{4};      ///< how long the animation lasts
   double thickness_mm{};  ///< 0: the sheet as a surface, else each face as a closed solid
 };

@@ -67,8 +67,8 @@ class Designer {
   Result<Design> run() {
     auto sliced = slice_target(spec_, assets_, progress_);
     if (!sliced) {
-      Error error = sliced.error();  // a placement is proposed for files only
-      if (asset_of(spec_.surface).empty() && !spec_.is_card) error.reason = ErrorReason::None;
+      Error error = sliced.error();  // a placement is proposed for triangles only
+      if (!solid_word(spec_.surface) && !spec_.is_card) error.reason = ErrorReason::None;
       return tl::unexpected(std::move(error));
     }
     sliced_ = std::move(*sliced);

@@ -274,10 +274,10 @@ Result<ProposedPlacement> propose_placement(const DesignSpec& spec, const Surfac
                     "only; set rotate_deg and translate_mm by hand, or leave it out for the "
                     "proposal",
                     spec.placement.design_angle_deg));
-  if (asset_of(spec.surface).empty())
+  if (!solid_word(spec.surface))
     return fail(ErrorKind::Infeasible, "/surface/type",
-                "a placement is proposed for meshes and grids only; set rotate_deg and "
-                "translate_mm by hand");
+                "a placement is proposed for meshes, grids, texts and drawings only; set "
+                "rotate_deg and translate_mm by hand");
   const auto mesh = triangles_of(*spec.surface, assets);
   if (!mesh) return tl::unexpected(mesh.error());
   return Placer(spec, assets, *mesh, stand).run();

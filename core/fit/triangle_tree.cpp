@@ -45,6 +45,7 @@ class TriangleTree::Builder {
       const double* from = soup_.corners.data() + 9 * static_cast<std::size_t>(order_[n]);
       std::copy(from, from + 9, tree_.corners_.data() + 9 * n);
     }
+    tree_.triangles_ = order_;
   }
 
  private:

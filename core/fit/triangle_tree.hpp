@@ -37,6 +37,8 @@ class TriangleTree {
   [[nodiscard]] bool any_beyond(const Vec3& p) const;
 
   [[nodiscard]] std::size_t size() const { return corners_.size() / 9; }
+  /// The triangle of the soup at a place of the tree.
+  [[nodiscard]] std::size_t triangle_at(std::uint32_t place) const { return triangles_[place]; }
 
  private:
   static constexpr std::size_t kLeaf = 2, kChildren = 4;
@@ -56,9 +58,10 @@ class TriangleTree {
   void look_at(std::uint32_t place, const Vec3& p, Nearest& best) const;
   [[nodiscard]] bool beyond(std::uint32_t place, const Vec3& p) const;
 
-  std::vector<double> corners_;  ///< in the tree's order
-  std::vector<Node> nodes_;      ///< the root is the first
-  float size_mm_{0};             ///< the largest coordinate
+  std::vector<double> corners_;           ///< in the tree's order
+  std::vector<std::uint32_t> triangles_;  ///< of the soup, in the tree's order
+  std::vector<Node> nodes_;               ///< the root is the first
+  float size_mm_{0};                      ///< the largest coordinate
 };
 
 }  // namespace popcut

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kInsetMm = 10;
 constexpr double kFarInsetMm = 30;
+constexpr double kClearMm = 2;   // of the bars, and of what is printed around the sheet's outline
 constexpr double kLeastMm = 60;  // two arms of 20 mm and space between them
 
 Result<void> check_shape(const MarkLayout& m) {
@@ -30,8 +31,9 @@ Result<void> check_shape(const MarkLayout& m) {
                   m.width_mm, m.height_mm, m.arm_mm));
 }
 
-/// What is printed: the square, and two bars for each L.
-std::vector<Box> printed(const MarkLayout& m) {
+}  // namespace
+
+std::vector<Box> mark_boxes(const MarkLayout& m) {
   const double left = m.left_mm, top = m.top_mm, right = left + m.width_mm,
                bottom = top + m.height_mm, arm = m.arm_mm, line = m.line_mm;
   std::vector<Box> boxes{{left, top, left + m.square_mm, top + m.square_mm},
@@ -46,7 +48,9 @@ std::vector<Box> printed(const MarkLayout& m) {
   return boxes;
 }
 
-}  // namespace
+std::array<double, 2> within_marks_mm(std::array<double, 2> page_mm) {
+  return {page_mm[0] - kInsetMm - kClearMm, page_mm[1] - kFarInsetMm - kClearMm};
+}
 
 Result<MarkLayout> marks_for(std::array<double, 2> page_mm) {
   MarkLayout marks;
@@ -66,7 +70,7 @@ Result<void> check_marks(const MarkLayout& marks, const Toolpath& path) {
   if (auto valid = check_shape(marks); !valid) return valid;
   const double right = marks.left_mm + marks.width_mm;
   const double bottom = marks.top_mm + marks.height_mm;
-  const std::vector<Box> boxes = printed(marks);
+  const std::vector<Box> boxes = mark_boxes(marks);
   for (std::size_t k = 0; k < path.strokes.size(); ++k) {
     for (const PagePoint& p : path.points_of(path.strokes[k])) {
       const std::string place = fmt::format("/strokes/{}", k);
@@ -97,7 +101,7 @@ std::string marks_svg(const MarkLayout& m, std::array<double, 2> page_mm,
                            page_mm[0], page_mm[1]),
                title) +
       "<g id=\"registration-marks\" fill=\"black\">\n";
-  for (const Box& box : printed(m))
+  for (const Box& box : mark_boxes(m))
     svg += fmt::format("<rect x=\"{:g}\" y=\"{:g}\" width=\"{:g}\" height=\"{:g}\"/>\n", box.x0,
                        box.y0, box.width(), box.height());
   return svg + "</g>\n</svg>\n";

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "core/drawing/linework.hpp"
 #include "core/drawing/toolpath.hpp"
@@ -31,6 +32,13 @@ struct MarkLayout {
 ///
 /// @retval Infeasible  the page is too small for marks and a drawing
 [[nodiscard]] Result<MarkLayout> marks_for(std::array<double, 2> page_mm);
+
+/// What is printed of marks, on the page in mm: the square, and two bars for each L.
+[[nodiscard]] std::vector<Box> mark_boxes(const MarkLayout& marks);
+
+/// How far right and down on a page a drawing may reach that stays clear of the marks of
+/// `marks_for`, mm; its upper left corner is to be at (16, 16) or beyond.
+[[nodiscard]] std::array<double, 2> within_marks_mm(std::array<double, 2> page_mm);
 
 /// Checks that all strokes of a sheet lie between its marks and clear of them. The machine cuts
 /// nothing outside, and lines printed over a mark hide it.

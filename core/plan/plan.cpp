@@ -12,6 +12,7 @@
 #include "core/machines/motion.hpp"
 #include "core/plan/drawing_transform.hpp"
 #include "core/plan/knife/micro_cut.hpp"
+#include "core/plan/marks.hpp"
 
 namespace popcut {
 namespace {
@@ -282,7 +283,9 @@ class Planner {
 
   Result<Plan> run() {
     const std::array<double, 2> reach = reach_mm(out_.machine, mat_);
-    const auto placement = find_place(drawing_, out_.machine, mat_, options_, reach, room_);
+    // Between marks there is less room.
+    const std::array<double, 2> room = options_.marks ? within_marks_mm(reach) : reach;
+    const auto placement = find_place(drawing_, out_.machine, mat_, options_, room, room_);
     // Requested seams are made even if the drawing would fit.
     const bool asked = !options_.seams_x.empty() || !options_.seams_y.empty();
     const bool too_large = !placement && placement.error().kind == ErrorKind::Infeasible &&
@@ -318,7 +321,8 @@ class Planner {
     out_.warnings = work.warnings;  // the drawing's own warnings and those of cleaning
     LayoutOptions how;
     const PagePoint at = options_.place.at.value_or(PagePoint{});
-    how.area_mm = {reach[0] - room_, reach[1] - room_};
+    const std::array<double, 2> most = options_.marks ? within_marks_mm(reach) : reach;
+    how.area_mm = {most[0] - room_, most[1] - room_};
     how.origin = {std::max(at.x, room_), std::max(at.y, room_)};
     how.tabs = out_.material.tabs;
     how.seams_x = options_.seams_x;

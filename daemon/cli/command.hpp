@@ -34,6 +34,7 @@ void register_deploy(CLI::App& app, const Globals& globals, Run& run);
 void register_verify(CLI::App& app, const Globals& globals, Run& run);
 void register_compare(CLI::App& app, const Globals& globals, Run& run);
 void register_plan(CLI::App& app, const Globals& globals, Run& run);
+void register_print(CLI::App& app, const Globals& globals, Run& run);
 void register_simulate(CLI::App& app, const Globals& globals, Run& run);
 void register_cut(CLI::App& app, const Globals& globals, Run& run);
 void register_calibrate(CLI::App& app, const Globals& globals, Run& run);

@@ -114,21 +114,19 @@ JobOptions job_options(const PlannedSheet& sheet, const Machine& machine,
   return job;
 }
 
-// Marks tie a drawing to artwork on one page.
-Error split_and_printed(const Plan& plan) {
-  const Box box = bounds(plan.whole);
-  const PlannedSheet& sheet = plan.sheets.front();
-  return {ErrorKind::Infeasible, "",
-          fmt::format("is {:.1f} x {:.1f} mm, too large for one sheet of {:.1f} x {:.1f} mm, and a "
-                      "printed drawing is not split; scale it down, use a larger `mat`, or leave "
-                      "`marks` out",
-                      box.width(), box.height(), sheet.area_mm[0], sheet.area_mm[1])};
+// Artwork that was drawn for the whole drawing fits none of its sheets.
+Warning split_and_printed(const Plan& plan) {
+  return {.code = "marks_split",
+          .message = fmt::format("the drawing is split into {} sheets, each with its own marks: "
+                                 "print the artwork of each sheet ('popcut print' makes it), or "
+                                 "use `no-split`",
+                                 plan.sheets.size())};
 }
 
 /// The program of each sheet of a plan.
 Result<void> encode_sheets(const PlanOptions& options, PlanJob& job) {
   const Machine& machine = job.plan.machine;
-  if (options.marks && job.plan.layout) return tl::unexpected(split_and_printed(job.plan));
+  if (options.marks && job.plan.layout) job.plan.warnings.push_back(split_and_printed(job.plan));
   for (PlannedSheet& sheet : job.plan.sheets) {
     JobOptions sent = job_options(sheet, machine, options);
     const auto marks = marks_of(options, machine, sheet);

@@ -173,7 +173,7 @@ class Design {
       return wrong("design_angle_deg", ErrorKind::OutOfRange,
                    fmt::format("is {:g}; facets are made for 90 degrees only",
                                spec_.placement.design_angle_deg));
-    if (!spec_.facets.length_mm && asset_of(spec_.surface).empty())
+    if (!spec_.facets.length_mm && !solid_word(spec_.surface))
       return wrong("facets/length_mm", ErrorKind::Malformed,
                    fmt::format("is missing; must be a number above 0 and at most {:g}, since a "
                                "formula does not say where it ends",

@@ -157,12 +157,10 @@ std::optional<std::size_t> named_vertex(std::string_view word, std::size_t verti
   return backward ? vertices - value : value - 1;
 }
 
-using Vertex = std::array<float, 3>;
+}  // namespace
 
-/// A polygon as triangles: a fan where it is convex, else by its ears, as it is seen from where it
-/// looks largest. What is no simple polygon is a fan too.
-std::vector<Triangle> triangles_of(std::span<const Vertex> vertices,
-                                   const std::vector<std::uint32_t>& face) {
+std::vector<Triangle> polygon_triangles(std::span<const std::array<float, 3>> vertices,
+                                        const std::vector<std::uint32_t>& face) {
   std::vector<Vec3> corners;
   for (const std::uint32_t i : face)
     corners.push_back(Eigen::Vector3f(vertices[i].data()).cast<double>() -
@@ -186,6 +184,10 @@ std::vector<Triangle> triangles_of(std::span<const Vertex> vertices,
   std::vector<Triangle> ears;
   return triangulate(seen, all, ears) ? ears : fan;
 }
+
+namespace {
+
+using Vertex = std::array<float, 3>;
 
 /// The faces of an OBJ file, of which nothing else is read than vertices and faces.
 Result<TriangleMesh> read_obj(const std::string& name, std::string_view bytes) {
@@ -223,7 +225,7 @@ Result<TriangleMesh> read_obj(const std::string& name, std::string_view bytes) {
     }
     if (face.size() < 3) return broken("a face needs three vertices");
     if ((triangles += face.size() - 2) > kMaxTriangles) return too_many(name, triangles);
-    for (const Triangle& triangle : triangles_of(vertices, face))
+    for (const Triangle& triangle : polygon_triangles(vertices, face))
       for (const std::uint32_t k : triangle)
         out.corners.insert(out.corners.end(), vertices[face[k]].begin(), vertices[face[k]].end());
     return Result<void>{};

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/design/target/triangle_mesh.hpp"
+#include "core/geometry/triangulate.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
@@ -17,6 +22,13 @@ namespace popcut {
 /// @retval Malformed   neither STL nor OBJ, broken, cut off, without faces
 /// @retval OutOfRange  more than `kMaxTriangles`, or a coordinate that is not a finite number
 [[nodiscard]] Result<TriangleMesh> read_mesh(const std::string& name, std::string_view bytes);
+
+/// A polygon as triangles of its corners, counted from its first: a fan where it is convex, else by
+/// its ears, as it is seen from where it looks largest. What is no simple polygon is a fan too.
+///
+/// @param face  its corners as indices of `vertices`, at least three
+[[nodiscard]] std::vector<Triangle> polygon_triangles(
+    std::span<const std::array<float, 3>> vertices, const std::vector<std::uint32_t>& face);
 
 /// Reads heights over a grid from CSV: the first row holds the x values, the first column the y
 /// values, both growing; the cell where they meet is left empty or holds any word. Cells are parted

@@ -274,6 +274,7 @@ std::string about(const SurfaceSpec& surface) {
   if (const auto* s = std::get_if<LoftSpec>(&surface))
     return fmt::format("loft of {} curves", s->stations.size());
   if (const auto* s = std::get_if<ImplicitSpec>(&surface)) return "solid " + s->f;
+  if (const auto* s = std::get_if<TextSpec>(&surface)) return "the text " + s->text;
   return "file " + asset_of(surface);
 }
 

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/compare/comparison.hpp"
+#include "core/design/facet_design.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/geometry/triangulate.hpp"
 #include "core/geometry/vec.hpp"
@@ -20,6 +21,7 @@
 #include "core/verify/verify.hpp"
 #include "daemon/cli/input/compared_book.hpp"
 #include "daemon/cli/input/drawn_pattern.hpp"
+#include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/planning/judge/opened_card.hpp"
 
@@ -137,6 +139,17 @@ std::optional<Strips> strips_of(const std::string& fold_text, const verify::Targ
 
 Result<SpecSurface> read_spec(const std::string& file, const std::string& text,
                               const ComparedStructure& structure) {
+  // Facets have no slices to check, so that verify does not read them.
+  if (const auto spec = parse_design_spec(text); spec && spec->style == DesignStyle::Facets) {
+    const auto assets = load_assets(*spec, file);
+    if (!assets) return tl::unexpected(within(file, assets.error()));
+    auto target = facet_target(*spec, *assets);
+    if (!target) return tl::unexpected(within(file, target.error()));
+    SpecSurface out;
+    out.triangles.assign(target->soup.corners.begin(), target->soup.corners.end());
+    out.shift_mm = spec->card->margin_mm - target->from_mm;
+    return out;
+  }
   verify::TargetFiles files;
   for (const std::string& name : target_files_of(text)) {
     auto bytes = read_file(std::filesystem::path(file).parent_path() / name);

@@ -80,7 +80,8 @@ Result<DrawingInput> drawing_of_book(const std::string& file, const SvgReadOptio
 
 Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
                                   const std::vector<std::string>& tables,
-                                  const std::string& material, const Progress& progress) {
+                                  const std::string& material, const Progress& progress,
+                                  const DesignVisitor& designed) {
   if (names_book(file)) return drawing_of_book(file, how);
   const auto factor = raised_limits();
   if (!factor) return tl::unexpected(factor.error());
@@ -99,12 +100,18 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
   if (!kind)
     return fail(ErrorKind::Malformed, file,
                 "is not a design (.json) or a drawing (.fold, .svg, .dxf) that popcut can read");
+  SurfaceAssets assets;
   const planning::SpecSources beside{
-      [&](const DesignSpec& spec) { return load_assets(spec, file); },
-      {},
-      tables,
-      material,
-      progress};
+      [&](const DesignSpec& spec) {
+        auto loaded = load_assets(spec, file);
+        if (loaded && designed) assets = *loaded;
+        return loaded;
+      },
+      [&](const DesignSpec& spec, const PatchAssembly& made) -> Result<void> {
+        if (!designed) return {};
+        return designed(spec, assets, made);
+      },
+      tables, material, progress};
   auto input = planning::drawing_from_text(std::move(*text), *kind, how, *factor, beside);
   if (!input && input.error().reason == ErrorReason::TooMuch && *factor < 100)
     input.error().detail +=

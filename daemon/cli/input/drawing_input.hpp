@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <string>
 
+#include "core/design/patches.hpp"
 #include "core/formats/svg/svg_reader.hpp"
 #include "core/result.hpp"
 #include "daemon/planning/plan_input.hpp"
@@ -11,17 +13,23 @@ namespace popcut::cli {
 
 using planning::DrawingInput;
 
+/// What is called with the design of a spec, and the contents of the files that it names.
+using DesignVisitor =
+    std::function<Result<void>(const DesignSpec&, const SurfaceAssets&, const PatchAssembly&)>;
+
 /// Reads a design spec (and designs it), a FOLD, SVG or DXF file, by its ending or else its first
 /// character. A drawing without a name gets that of its file. `how` is for drawings with curves and
 /// strokes; its limits are raised by POPCUT_RAISE_LIMITS, a factor from 1 to 100. A book
 /// (`names_book`) is its cards side by side, parted by seams.
+/// `designed` may be empty; its errors are returned.
 ///
 /// @retval Malformed, OutOfRange, Infeasible  with the file's name before the place
 /// @retval Usage  POPCUT_RAISE_LIMITS is no such factor
 [[nodiscard]] Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
                                                 const std::vector<std::string>& tables = {},
                                                 const std::string& material = "",
-                                                const Progress& progress = {});
+                                                const Progress& progress = {},
+                                                const DesignVisitor& designed = {});
 
 /// The same with a built-in profile and the usual options.
 [[nodiscard]] Result<DrawingInput> read_drawing(const std::string& file, SvgProfile profile,

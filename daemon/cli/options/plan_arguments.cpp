@@ -107,6 +107,11 @@ void add_plan_arguments(CLI::App& command, PlanArguments& arguments) {
 }
 
 Result<PlanJob> plan_input(const PlanArguments& arguments, bool progress) {
+  return plan_input(arguments, progress, {});
+}
+
+Result<PlanJob> plan_input(const PlanArguments& arguments, bool progress,
+                           const DesignVisitor& designed) {
   const auto tables = read_user_tables();
   if (!tables) return tl::unexpected(tables.error());
   LongWork work(progress, "planning");
@@ -115,7 +120,7 @@ Result<PlanJob> plan_input(const PlanArguments& arguments, bool progress) {
   const auto read = [&](const SvgReadOptions& how) {
     return arguments.test_shape ? planning::test_shape_input()
                                 : read_drawing(arguments.input, how, tables->texts,
-                                               options->material, work.progress());
+                                               options->material, work.progress(), designed);
   };
   auto job = planning::make_plan_job(*options, tables->texts, read, arguments.input);
   if (!job) return tl::unexpected(client::on_command_line(tables->with_file(job.error())));

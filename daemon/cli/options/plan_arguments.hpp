@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/result.hpp"
+#include "daemon/cli/input/drawing_input.hpp"
 #include "daemon/planning/plan_job.hpp"
 
 namespace CLI {
@@ -33,5 +34,9 @@ void add_plan_arguments(CLI::App& command, PlanArguments& arguments);
 /// @retval Usage       an option; place is "--mat"
 /// @retval Malformed, OutOfRange, Infeasible  see `read_drawing` and `make_plan_job`
 [[nodiscard]] Result<PlanJob> plan_input(const PlanArguments& arguments, bool progress);
+
+/// The same, with the design of an input that is a spec shown to `designed`.
+[[nodiscard]] Result<PlanJob> plan_input(const PlanArguments& arguments, bool progress,
+                                         const DesignVisitor& designed);
 
 }  // namespace popcut::cli

@@ -137,13 +137,23 @@ TEST_CASE("a sheet with registration marks is cut relative to the marks that are
     CHECK(ran.exit == exit);
     CHECK(says(ran.err, words));
   };
-  refused({"--machine", "cameo3", "--mat", "110x110"}, 4, "a printed drawing is not split");
-  refused({"--machine", "cameo3", "--mat", "170x267"}, 4, "outside the registration marks");
+  refused({"--machine", "cameo3", "--mat", "110x110", "--no-split"}, 4,
+          "the area holds 98.0 x 78.0 mm");
+  refused({"--machine", "cameo3", "--at", "5,5"}, 4, "outside the registration marks");
   refused({"--machine", "hpgl-generic"}, 3, "cannot search for registration marks");
   const Ran small = bench.popcut(
       {"cut", "--test", "--marks", "--machine", "cameo3", "--mat", "70x70", "--direct", "--yes"});
   CHECK(small.exit == 4);
   CHECK(says(small.err, "is too small for registration marks"));
+  // What does not fit between the marks of one sheet is split; each sheet has its own.
+  REQUIRE(bench
+              .popcut({"plan", kSphere, "--marks", "--mat", "170x267", "--machine", "cameo3", "-o",
+                       "two", "-q"})
+              .exit == 0);
+  const json two = bench.read_json("two/plan.json");
+  REQUIRE(two["sheets"].size() == 2);
+  for (const json& sheet : two["sheets"]) CHECK(sheet["registration"]["width_mm"] == 150.0);
+  CHECK(says(two["warnings"].dump(), "each with its own marks"));
   refused({"--mark-form", "wide"}, 2, "--mark-form: is \"wide\"; one of arm, line");
 }
 

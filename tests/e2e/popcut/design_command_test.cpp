@@ -153,7 +153,7 @@ TEST_CASE("README's design and every example can be made as they are, in paper o
     const std::string name = line.substr(0, line.find(' '));
     specs.emplace_back(name, json::parse(text_of_file(kExamples + name + ".json")));
   }
-  REQUIRE(specs.size() == 13);
+  REQUIRE(specs.size() == 16);
   for (auto& [name, spec] : specs) {
     bench.write(name + ".json", spec);
     check_makeable(bench, name + ".json", name);

@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "core/artwork/colour_mesh_reader.hpp"
+#include "core/artwork/design_artwork.hpp"
+#include "core/artwork/pattern_lines.hpp"
+#include "core/deploy/glb.hpp"
+#include "core/deploy/pose_table.hpp"
+#include "core/layout/sheet.hpp"
+#include "core/machines/machine.hpp"
+#include "core/plan/plan.hpp"
+#include "daemon/cli/command.hpp"
+#include "daemon/cli/options/option_value.hpp"
+#include "daemon/cli/options/plan_arguments.hpp"
+#include "daemon/cli/view/long_work.hpp"
+#include "daemon/files/output_folder.hpp"
+#include "daemon/files/user_tables.hpp"
+#include "daemon/pictures/artwork_pages.hpp"
+#include "daemon/pictures/image_reader.hpp"
+
+namespace popcut::cli {
+namespace print_command {
+namespace {
+
+struct Options {
+  PlanArguments plan;
+  std::string folder, mode{"view"}, image, model, page;
+  double dpi{300}, trap_mm{0.3}, bleed_mm{1}, shade{0.6}, scale_x{100}, scale_y{100};
+  CLI::Option* shade_option{};
+  bool clay{false}, bare_card{false}, back{false}, preview{false}, no_marks{false};
+};
+
+/// The design behind a plan, and the models whose colours are printed on its parts.
+struct Source {
+  std::vector<Pattern> parts;
+  std::vector<ColourMesh> models;
+  bool coloured{false};
+};
+
+ModelFiles files_beside(const std::filesystem::path& model) {
+  const auto folder = model.parent_path();
+  return {[folder](const std::string& name) { return read_file(folder / name); },
+          [](const std::string& name, std::string_view bytes) { return read_image(name, bytes); }};
+}
+
+/// The model of a design: the one that was asked for, else the mesh that the spec names.
+Result<std::optional<ColourMesh>> model_of(const Options& options, const DesignSpec& spec,
+                                           const SurfaceAssets& assets) {
+  std::optional<ColourMesh> none;
+  const bool is_mesh = spec.surface && std::holds_alternative<MeshSpec>(*spec.surface);
+  if (options.model.empty() && !is_mesh) return none;
+  const std::filesystem::path spec_folder = std::filesystem::path(options.plan.input).parent_path();
+  const std::filesystem::path path = options.model.empty() ? spec_folder / asset_of(spec.surface)
+                                                           : std::filesystem::path(options.model);
+  Result<std::string> bytes = std::string();
+  if (options.model.empty())
+    bytes = assets.at(asset_of(spec.surface));
+  else
+    bytes = read_file(path);
+  if (!bytes) return tl::unexpected(bytes.error());
+  auto mesh = read_colour_mesh(path.string(), *bytes, files_beside(path), !options.clay);
+  if (!mesh) return tl::unexpected(mesh.error());
+  if (options.clay) make_clay(*mesh);
+  return std::optional(std::move(*mesh));
+}
+
+Result<void> keep_design(const Options& options, PrintMode mode, const DesignSpec& spec,
+                         const SurfaceAssets& assets, const PatchAssembly& made, Source& source) {
+  for (const Design& part : made.parts) source.parts.push_back(part.pattern);
+  if (mode == PrintMode::Flat) return {};
+  if (!spec.patches.empty() && !options.model.empty())
+    return fail(ErrorKind::Usage, "--model",
+                "is for designs of one surface, and this one has patches; leave it out");
+  auto model = model_of(options, spec, assets);
+  if (!model) return tl::unexpected(model.error());
+  for (const Design& part : made.parts) {
+    source.models.push_back(*model ? model_on_sheet(**model, spec.placement, part)
+                                   : clay_on_sheet(part));
+    source.coloured = source.models.back().coloured;
+  }
+  return {};
+}
+
+Result<PrintMode> mode_of(const Options& options) {
+  constexpr std::array<std::pair<const char*, PrintMode>, 4> kModes{
+      {{"view", PrintMode::View},
+       {"surface", PrintMode::Surface},
+       {"flat", PrintMode::Flat},
+       {"lines", PrintMode::Lines}}};
+  PrintMode mode = PrintMode::View;
+  for (const auto& [name, value] : kModes)
+    if (options.mode == name) mode = value;
+  if (mode == PrintMode::Flat && options.image.empty())
+    return fail(ErrorKind::Usage, "--mode",
+                "flat prints a picture of your own; give it with --image FILE");
+  if (mode != PrintMode::Flat && !options.image.empty())
+    return fail(ErrorKind::Usage, "--image", "is for --mode flat; add it, or leave --image out");
+  if (mode == PrintMode::Lines && options.back)
+    return fail(ErrorKind::Usage, "--back", "prints pictures; leave it out with --mode lines");
+  return mode;
+}
+
+/// Marks are printed where the cutter looks for them, unless a person says otherwise.
+Result<void> choose_marks(const Options& options, PlanArguments& plan) {
+  if (options.no_marks || plan.options.contains("marks")) return {};
+  if (plan.machine.empty() && plan.options.contains("mat")) return {};
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  const auto machine = find_machine(plan.machine.empty() ? "cameo3" : plan.machine, tables->texts);
+  // A machine that is not known is an error of the plan.
+  if (machine && machine->driven() && machine->language == "gpgl") plan.options["marks"] = "true";
+  return {};
+}
+
+Result<PrintPageOptions> page_options(const Options& options) {
+  PrintPageOptions out;
+  out.pixel_mm = 25.4 / options.dpi;
+  out.trapping = {options.trap_mm, std::max(options.bleed_mm, options.trap_mm)};
+  out.back = options.back;
+  out.bars_mm = {options.scale_x, options.scale_y};
+  if (options.page.empty()) return out;
+  const auto size = parse_size_mm(options.page);
+  if (!size) return fail(ErrorKind::Usage, "--page", size.error().detail);
+  out.page_mm = *size;
+  return out;
+}
+
+Result<Artwork> artwork_of(const Options& options, PrintMode mode, const Source& source,
+                           const PlanJob& job, const PrintPageOptions& pages, LongWork& work) {
+  std::optional<Texture> image;
+  if (mode == PrintMode::Flat) {
+    const auto bytes = read_file(options.image);
+    if (!bytes) return tl::unexpected(bytes.error());
+    auto pixels = read_image(options.image, *bytes);
+    if (!pixels) return tl::unexpected(pixels.error());
+    image.emplace(std::move(*pixels));
+    image->repeats = false;
+  }
+  ArtworkOptions how;
+  how.mode = mode;
+  // The drawing may be planned larger than it is.
+  const Placement& map = job.plan.drawing_transform;
+  const double scale = std::sqrt(std::abs(map.xx * map.yy - map.xy * map.yx));
+  how.pixel_mm = pages.pixel_mm / scale;
+  how.trapping = {pages.trapping.trap_mm / scale, pages.trapping.bleed_mm / scale};
+  // Colours that were painted on have their shades already.
+  how.shade = options.shade_option->count() > 0 || !source.coloured ? options.shade : 0;
+  how.bare_card = options.bare_card;
+  how.progress = work.progress();
+  std::vector<const Pattern*> parts;
+  for (const Pattern& part : source.parts) parts.push_back(&part);
+  return design_artwork(parts, source.models, image ? &*image : nullptr, how);
+}
+
+/// The pattern opened with its artwork on it. `part` counts from 0.
+Result<void> add_preview(const Source& source, const Artwork& artwork, std::size_t part,
+                         OutputFolder& folder) {
+  const Pattern& pattern = source.parts[part];
+  auto png = png_of_image(on_paper(artwork.image));
+  if (!png) return tl::unexpected(png.error());
+  const PixelFrame& frame = artwork.frame;
+  const auto angles = opening_angles(std::numbers::pi, pattern.design_psi_rad, 60);
+  if (!angles) return tl::unexpected(angles.error());
+  const auto table = pose_table(pattern, *angles);
+  if (!table) return tl::unexpected(table.error());
+  GlbOptions how;
+  how.creator = "popcut " POPCUT_VERSION;
+  how.front = {std::move(*png), frame.left_mm - pattern.place.v_mm,
+               frame.top_mm - pattern.place.u_mm, static_cast<double>(frame.width) * frame.pixel_mm,
+               static_cast<double>(frame.height) * frame.pixel_mm};
+  const auto bytes = glb(pattern, *table, how);
+  if (!bytes) return tl::unexpected(bytes.error());
+  const std::string name =
+      source.parts.size() == 1 ? "preview.glb" : fmt::format("preview-{:02}.glb", part + 1);
+  return folder.add(name, *bytes);
+}
+
+void say(const Options& options, const PlanJob& job, const Source& source, PrintMode mode) {
+  const std::size_t sheets = job.plan.sheets.size();
+  fmt::print(stderr, "{}: {} {} at {:g} dots an inch{}\n", job.plan.name, sheets,
+             sheets == 1 ? "sheet" : "sheets", options.dpi,
+             mode == PrintMode::Flat ? ", your picture laid flat"
+             : source.coloured       ? ", in the model's colours"
+                                     : ", as clay: the model has no colours");
+  for (const Warning& warning : job.plan.warnings)
+    fmt::print(stderr, "  warning  {}\n", warning.message);
+  fmt::print(stderr,
+             "  next     print {}/sheet-01.pdf at actual size (100 %, not \"fit to page\"), and "
+             "measure its bar\n",
+             options.folder);
+  if (!job.marks.empty())
+    fmt::print(stderr,
+               "           then cut with the same options and --marks, with the square of the "
+               "marks at the upper left\n");
+}
+
+Result<void> run_print(Options options, const Globals& globals) {
+  if (options.folder.empty())
+    return fail(ErrorKind::Usage, "command line",
+                "-o DIR is missing; give the folder for the pages");
+  const auto mode = mode_of(options);
+  if (!mode) return tl::unexpected(mode.error());
+  const auto pages = page_options(options);
+  if (!pages) return tl::unexpected(pages.error());
+  if (auto chosen = choose_marks(options, options.plan); !chosen) return chosen;
+  Source source;
+  auto job = plan_input(
+      options.plan, !globals.quiet,
+      [&](const DesignSpec& spec, const SurfaceAssets& assets, const PatchAssembly& made) {
+        return keep_design(options, *mode, spec, assets, made, source);
+      });
+  if (!job) return tl::unexpected(job.error());
+  if (source.parts.empty())
+    return fail(ErrorKind::Malformed, options.plan.input,
+                "is a drawing; artwork is laid on a design, so give its spec (.json)");
+  LongWork work(!globals.quiet, "drawing the artwork");
+  const auto artwork = artwork_of(options, *mode, source, *job, *pages, work);
+  if (!artwork) return tl::unexpected(artwork.error());
+  std::string lines;
+  if (*mode == PrintMode::Lines) {
+    auto drawn = pattern_lines(source.parts, source.models, artwork->frame, options.trap_mm);
+    if (!drawn) return tl::unexpected(drawn.error());
+    lines = std::move(*drawn);
+  }
+  auto folder = OutputFolder::open(options.folder);
+  if (!folder) return tl::unexpected(folder.error());
+  for (std::size_t i = 0; i < job->plan.sheets.size(); ++i) {
+    work.now("writing the pages",
+             static_cast<double>(i) / static_cast<double>(job->plan.sheets.size()));
+    const auto pdf = artwork_sheet_pdf(*artwork, lines, job->plan, i, *pages);
+    if (!pdf) return tl::unexpected(pdf.error());
+    if (auto done = folder->add(PlanJob::sheet_file(i, "pdf"), *pdf); !done) return done;
+    if (job->programs.empty()) continue;
+    if (auto done = folder->add(job->program_file(i), job->programs[i].bytes); !done) return done;
+  }
+  const auto scale = scale_page_pdf(*pages);
+  if (!scale) return tl::unexpected(scale.error());
+  if (auto done = folder->add("scale.pdf", *scale); !done) return done;
+  if (options.preview)
+    for (std::size_t k = 0; k < source.parts.size(); ++k)
+      if (auto done = add_preview(source, *artwork, k, *folder); !done) return done;
+  const std::string json = plan_json(job->plan);
+  if (auto done = folder->add("plan.json", json); !done) return done;
+  if (auto done = folder->commit("popcut print " POPCUT_VERSION); !done) return done;
+  if (globals.json) fmt::print("{}", json);
+  if (!globals.quiet) say(options, *job, source, *mode);
+  return {};
+}
+
+constexpr const char* kHelp =
+    "Print artwork on the sheets of a design, in register with the cut.\n\n"
+    "  popcut print cat.json -o pages --machine cameo3 --preview\n"
+    "  popcut print cat.json -o pages --mode flat --image sky.png\n\n"
+    "INPUT is a design (.json). Seen from half way between ground and wall, the card shows what\n"
+    "is printed as if the model itself stood there, however coarse its panels are. Colours come\n"
+    "from the mesh of the design (OBJ with MTL) or from --model (also .glb, .gltf), from the same\n"
+    "place as the mesh; a model without colours is printed as clay. popcut plans the sheets as\n"
+    "'popcut plan' does and writes into DIR:\n\n"
+    "  sheet-NN.pdf            the page of each sheet, with the marks that the cutter looks for\n"
+    "  sheet-NN.gpgl or .hpgl  the program that cuts it\n"
+    "  plan.json               lengths, time and warnings\n"
+    "  scale.pdf               two bars of 100 mm, to measure what your printer makes of them\n"
+    "  preview.glb             with --preview: the card as it opens, with its artwork\n\n"
+    "Print at actual size, load the sheet with the square at the upper left, and cut it with\n"
+    "'popcut cut' and the same options and --marks.";
+
+void add_options(CLI::App& command, Options& options) {
+  one_word(command.add_option("--mode", options.mode,
+                              "What is printed: the model as seen (view), the colour of its "
+                              "nearest point (surface), a picture of your own over the flat sheet "
+                              "(flat), or its edges and shades as lines (lines)"),
+           {"view", "surface", "flat", "lines"})
+      ->option_text("view|surface|flat|lines [view]");
+  command.add_option("--image", options.image, "The picture of --mode flat: PNG or JPEG")
+      ->option_text("FILE");
+  command
+      .add_option("--model", options.model,
+                  "Model whose colours are printed: OBJ, GLB, glTF or STL, in the units and axes "
+                  "of the design's mesh; default: that mesh")
+      ->option_text("FILE");
+  command.add_flag("--clay", options.clay, "Leave the model's colours out");
+  options.shade_option =
+      real_number(command.add_option("--shade", options.shade,
+                                     "How much of the colour depends on the light (0 to 1); "
+                                     "default: 0.6 for clay, 0 for models with colours"),
+                  0, 1);
+  options.shade_option->option_text("X");
+  real_number(command.add_option("--dpi", options.dpi, "Dots an inch (50 to 1200)"), 50, 1200)
+      ->option_text("N [300]");
+  real_number(command.add_option("--trap", options.trap_mm,
+                                 "How far colours go over a cut to either side (0 to 5 mm)"),
+              0, 5, "mm")
+      ->option_text("MM [0.3]");
+  real_number(command.add_option("--bleed", options.bleed_mm,
+                                 "How far colours go on around the outline (0 to 10 mm)"),
+              0, 10, "mm")
+      ->option_text("MM [1]");
+  command.add_flag("--bare-card", options.bare_card,
+                   "With --mode surface: wall and ground stay paper");
+  command.add_flag("--back", options.back,
+                   "A second page for the other side of each sheet, mirrored");
+  command.add_flag("--no-marks", options.no_marks, "Print no registration marks");
+  real_number(command.add_option("--scale-x", options.scale_x,
+                                 "What the level bar of 100 mm measures on a print (90 to 110 mm)"),
+              90, 110, "mm")
+      ->option_text("MM [100]");
+  real_number(
+      command.add_option("--scale-y", options.scale_y,
+                         "What the upright bar of 100 mm measures on a print (90 to 110 mm)"),
+      90, 110, "mm")
+      ->option_text("MM [100]");
+  command
+      .add_option("--page", options.page,
+                  "Size of the printer's paper, such as A4 or 330x483; default: that of the sheet")
+      ->option_text("SIZE");
+  command.add_flag("--preview", options.preview, "Also write preview.glb");
+  command
+      .add_option("-o,--output", options.folder,
+                  "Folder for the files; created if it does not exist")
+      ->option_text("DIR");
+}
+
+}  // namespace
+}  // namespace print_command
+
+void register_print(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace print_command;
+  auto options = std::make_shared<Options>();
+  CLI::App* const command = app.add_subcommand("print", kHelp);
+  add_plan_arguments(*command, options->plan);
+  add_options(*command, *options);
+  when_chosen(command, run, [options, &globals] { return run_print(*options, globals); });
+}
+
+}  // namespace popcut::cli

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/pictures/image_reader.hpp"
+
+#include <csetjmp>
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <jpeglib.h>
+#include <png.h>
+
+namespace popcut {
+namespace {
+
+tl::unexpected<Error> unreadable(const std::string& name, std::string_view why) {
+  return fail(
+      ErrorKind::Malformed, name,
+      fmt::format("is a picture that cannot be read: {}; save it again as PNG or JPEG", why));
+}
+
+Result<void> check_size(const std::string& name, std::size_t width, std::size_t height) {
+  if (width > 0 && height > 0 && width <= kMaxPixels / height) return {};
+  return fail(ErrorKind::OutOfRange, name,
+              fmt::format("has {} x {} pixels; a picture has from 1 to {} million: make it smaller",
+                          width, height, kMaxPixels / 1'000'000));
+}
+
+Result<ColourImage> read_png(const std::string& name, std::string_view bytes) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  if (png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) == 0)
+    return unreadable(name, image.message);
+  if (auto sized = check_size(name, image.width, image.height); !sized) {
+    png_image_free(&image);
+    return tl::unexpected(sized.error());
+  }
+  image.format = PNG_FORMAT_RGBA;
+  ColourImage out(image.width, image.height);
+  if (png_image_finish_read(&image, nullptr, out.rgba.data(), 0, nullptr) == 0)
+    return unreadable(name, image.message);
+  return out;
+}
+
+/// libjpeg ends a program on an error unless it is told where to go on.
+struct JpegErrors : jpeg_error_mgr {
+  std::jmp_buf back;
+  char words[JMSG_LENGTH_MAX];
+};
+
+void leave(j_common_ptr info) {
+  auto* errors = static_cast<JpegErrors*>(info->err);
+  errors->format_message(info, errors->words);
+  std::longjmp(errors->back, 1);
+}
+
+void say_nothing(j_common_ptr) {}
+
+/// Only plain values live here, since a jump skips destructors. `take` gets the size, once, and
+/// says where the pixels go, or null to end.
+bool decode_jpeg(std::string_view bytes, JpegErrors& errors, void* user,
+                 unsigned char* (*take)(void* user, std::size_t width, std::size_t height)) {
+  jpeg_decompress_struct info{};
+  info.err = jpeg_std_error(&errors);
+  errors.error_exit = leave;
+  errors.output_message = say_nothing;
+  if (setjmp(errors.back) != 0) {
+    jpeg_destroy_decompress(&info);
+    return false;
+  }
+  jpeg_create_decompress(&info);
+  jpeg_mem_src(&info, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+  jpeg_read_header(&info, TRUE);
+  info.out_color_space = JCS_EXT_RGBA;
+  unsigned char* row = take(user, info.image_width, info.image_height);
+  if (row != nullptr) {
+    jpeg_start_decompress(&info);
+    const std::size_t stride = 4 * static_cast<std::size_t>(info.output_width);
+    while (info.output_scanline < info.output_height) {
+      jpeg_read_scanlines(&info, &row, 1);
+      row += stride;
+    }
+    jpeg_finish_decompress(&info);
+  }
+  jpeg_destroy_decompress(&info);
+  return row != nullptr;
+}
+
+Result<ColourImage> read_jpeg(const std::string& name, std::string_view bytes) {
+  struct Taken {
+    const std::string& name;
+    ColourImage image;
+    Result<void> sized{};
+  } taken{name, {}, {}};
+  JpegErrors errors{};
+  const bool read =
+      decode_jpeg(bytes, errors, &taken,
+                  [](void* user, std::size_t width, std::size_t height) -> unsigned char* {
+                    auto& to = *static_cast<Taken*>(user);
+                    to.sized = check_size(to.name, width, height);
+                    if (!to.sized) return nullptr;
+                    to.image = ColourImage(width, height);
+                    return to.image.rgba.data();
+                  });
+  if (!taken.sized) return tl::unexpected(taken.sized.error());
+  if (!read) return unreadable(name, errors.words);
+  return std::move(taken.image);
+}
+
+}  // namespace
+
+Result<ColourImage> read_image(const std::string& name, std::string_view bytes) {
+  if (bytes.substr(0, 8) == "\x89PNG\r\n\x1a\n") return read_png(name, bytes);
+  if (bytes.substr(0, 2) == "\xFF\xD8") return read_jpeg(name, bytes);
+  return unreadable(name, "it is neither PNG nor JPEG");
+}
+
+Result<std::string> png_of_image(const ColourImage& pixels) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(pixels.width);
+  image.height = static_cast<png_uint_32>(pixels.height);
+  image.format = PNG_FORMAT_RGBA;
+  image.flags = PNG_IMAGE_FLAG_FAST;
+  std::string png(PNG_IMAGE_PNG_SIZE_MAX(image), '\0');
+  png_alloc_size_t size = png.size();
+  if (png_image_write_to_memory(&image, png.data(), &size, 0, pixels.rgba.data(), 0, nullptr) == 0)
+    return fail(ErrorKind::Internal, "picture", fmt::format("cannot be packed: {}", image.message));
+  png.resize(size);
+  return png;
+}
+
+}  // namespace popcut

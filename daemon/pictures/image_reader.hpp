@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/artwork/colour_image.hpp"
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// Reads a PNG or JPEG, by its first bytes: eight bits a part, in sRGB as it is written (profiles
+/// and gamma are left out), turned as a JPEG's own rows are. What a PNG leaves transparent has less
+/// ink. The size is checked before memory is taken.
+///
+/// @param name  for errors
+/// @retval Malformed   neither PNG nor JPEG, or broken; the detail is the library's
+/// @retval OutOfRange  more than `kMaxPixels`
+[[nodiscard]] Result<ColourImage> read_image(const std::string& name, std::string_view bytes);
+
+/// Pixels as a PNG with their ink as opacity.
+///
+/// @retval Internal  libpng failed
+[[nodiscard]] Result<std::string> png_of_image(const ColourImage& image);
+
+}  // namespace popcut

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MIT
+// popcut print: pages with artwork, in register with the program.
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "core/geometry/page_point.hpp"
+#include "core/machines/machine.hpp"
+#include "daemon/pictures/image_reader.hpp"
+#include "tests/support/command_bench.hpp"
+#include "tests/support/painted_shell.hpp"
+#include "tests/support/paths.hpp"
+
+namespace artwork_command_test {
+
+using namespace popcut;
+using namespace popcut::testing;
+using nlohmann::json;
+
+namespace {
+
+/// A painted shell with its spec, small enough for a mat of 130 x 190 mm.
+struct ShellBench : CommandBench {
+  ShellBench() {
+    const PaintedShell shell = painted_shells()[0];
+    const auto skin = png_of_image(shell.texture(64));
+    REQUIRE(skin);
+    write_file(temp / "shell.obj", shell.obj());
+    write_file(temp / "shell.mtl", "newmtl skin\nmap_Kd skin.png\n");
+    write_file(temp / "skin.png", *skin);
+    write_file(temp / "shell.json", PaintedShell::spec(3, 5, 25));
+    ColourImage yellow(8, 8);
+    for (std::size_t k = 0; k < 64; ++k) yellow.set(k % 8, k / 8, {250, 220, 60, 255});
+    const auto png = png_of_image(yellow);
+    REQUIRE(png);
+    write_file(temp / "yellow.png", *png);
+  }
+};
+
+/// Grey pixels of a PDF's first page (poppler).
+struct Grey {
+  std::size_t width{}, height{};
+  std::string pixels;
+  double pixel_mm{};
+
+  Grey(const CommandBench& bench, const std::string& pdf, int dpi) : pixel_mm(25.4 / dpi) {
+    const Ran ran = run_program({"/usr/bin/pdftoppm", "-r", std::to_string(dpi), "-gray", "-f", "1",
+                                 "-l", "1", "-singlefile", pdf, "page"},
+                                bench.temp.path());
+    CAPTURE(ran.err);
+    REQUIRE(ran.exit == 0);
+    const std::string text = text_of_file(bench.temp / "page.pgm");
+    REQUIRE(text.rfind("P5", 0) == 0);
+    char* at = nullptr;
+    width = std::strtoul(text.c_str() + 2, &at, 10);
+    height = std::strtoul(at, &at, 10);
+    REQUIRE(std::strtoul(at, &at, 10) == 255);
+    pixels = text.substr(static_cast<std::size_t>(at - text.c_str()) + 1);
+    REQUIRE(pixels.size() == width * height);
+  }
+
+  /// The box around what is nearly black above `bottom_mm`, mm.
+  [[nodiscard]] Box dark(double bottom_mm) const {
+    Box box;
+    for (std::size_t j = 0; j < height && static_cast<double>(j) * pixel_mm < bottom_mm; ++j)
+      for (std::size_t i = 0; i < width; ++i) {
+        if (static_cast<unsigned char>(pixels[j * width + i]) > 127) continue;
+        box.add({static_cast<double>(i) * pixel_mm, static_cast<double>(j) * pixel_mm});
+        box.add({static_cast<double>(i + 1) * pixel_mm, static_cast<double>(j + 1) * pixel_mm});
+      }
+    return box;
+  }
+};
+
+/// The rectangle of the marks that a program searches for: height, width, top and left, in units.
+std::array<double, 4> searched(const std::string& program) {
+  for (const char* command : {"TB123,", "TB124,"}) {
+    const std::size_t at = program.find(command);
+    if (at == std::string::npos) continue;
+    std::array<double, 4> out{};
+    const char* text = program.c_str() + at + 6;
+    for (double& value : out) {
+      char* end = nullptr;
+      value = std::strtod(text, &end);
+      text = end + 1;
+    }
+    return out;
+  }
+  FAIL("the program searches for no marks");
+  return {};
+}
+
+TEST_CASE("the marks of a printed page lie where the program of each machine looks for them",
+          "[cli][e2e][artwork]") {
+  const ShellBench bench;
+  int machines = 0;
+  const json listed = json::parse(bench.popcut({"machines", "--json"}).out);
+  for (const json& row : listed["machines"]) {
+    const std::string name = row["name"];
+    if (row["language"] != "gpgl") continue;
+    CAPTURE(name);
+    const auto machine = find_machine(name);
+    REQUIRE(machine);
+    const Ran ran =
+        bench.popcut({"print", "shell.json", "--mode", "flat", "--image", "yellow.png", "--machine",
+                      name, "--mat", "130x190", "--dpi", "72", "-o", "pages", "-q"});
+    CAPTURE(ran.err);
+    REQUIRE(ran.exit == 0);
+    ++machines;
+    constexpr int kDpi = 508;  // 0.05 mm; the grey of a pixel tells where in it an edge lies
+    const Box printed = Grey(bench, "pages/sheet-01.pdf", kDpi).dark(190 - 29);
+    const auto [height, width, top, left] =
+        searched(text_of_file(bench.temp / "pages/sheet-01.gpgl"));
+    constexpr double kSearchMm = 10;
+    const double unit = machine->unit_mm, within = 0.05;
+    CHECK_THAT(printed.x0,
+               Catch::WithinAbs(left * unit - machine->margin_left_mm + kSearchMm, within));
+    CHECK_THAT(printed.y0,
+               Catch::WithinAbs(top * unit - machine->margin_top_mm + kSearchMm, within));
+    CHECK_THAT(printed.width(), Catch::WithinAbs(width * unit, within));
+    CHECK_THAT(printed.height(), Catch::WithinAbs(height * unit, within));
+  }
+  CHECK(machines >= 5);
+}
+
+TEST_CASE("a printer that scales is answered by the opposite scale", "[cli][e2e][artwork]") {
+  const ShellBench bench;
+  const auto box_of = [&](std::vector<std::string> more) {
+    std::vector<std::string> all{"print",      "shell.json", "--mode",  "flat",    "--image",
+                                 "yellow.png", "--mat",      "130x190", "--marks", "--dpi",
+                                 "72",         "-o",         "pages",   "-q"};
+    all.insert(all.end(), more.begin(), more.end());
+    REQUIRE(bench.popcut(all).exit == 0);
+    return Grey(bench, "pages/sheet-01.pdf", 508).dark(190 - 29);
+  };
+  const Box plain = box_of({}), scaled = box_of({"--scale-x", "99", "--scale-y", "101"});
+  CHECK_THAT(scaled.width(), Catch::WithinAbs(plain.width() / 0.99, 0.1));
+  CHECK_THAT(scaled.height(), Catch::WithinAbs(plain.height() / 1.01, 0.1));
+}
+
+TEST_CASE("popcut print writes pages, programs and a preview, and the same again",
+          "[cli][e2e][artwork]") {
+  const ShellBench bench;
+  const std::vector<std::string> words{"print",  "shell.json", "--mat", "12x12",  "--machine",
+                                       "cameo3", "--dpi",      "100",   "--back", "--preview",
+                                       "-o",     "pages",      "-q"};
+  REQUIRE(bench.popcut(words).exit == 0);
+  const std::string pdf = text_of_file(bench.temp / "pages/sheet-01.pdf");
+  CHECK(pdf.rfind("%PDF", 0) == 0);
+  CHECK(text_of_file(bench.temp / "pages/preview.glb").rfind("glTF", 0) == 0);
+  CHECK(says(text_of_file(bench.temp / "pages/sheet-01.gpgl"), "TB123,"));
+  CHECK(bench.read_json("pages/plan.json")["sheets"][0]["registration"]["left_mm"] == 10);
+  const Ran info = run_program({"/usr/bin/pdfinfo", "pages/sheet-01.pdf"}, bench.temp.path());
+  CHECK(says(info.out, "Pages:           2"));
+  CHECK(says(info.out, "864 x 864 pts"));  // 12 inches
+  REQUIRE(bench.popcut(words).exit == 0);
+  CHECK(text_of_file(bench.temp / "pages/sheet-01.pdf") == pdf);
+}
+
+TEST_CASE("a printed design that is split is cut by the same programs as it is planned",
+          "[cli][e2e][artwork]") {
+  const ShellBench bench;
+  REQUIRE(bench
+              .popcut({"print", "shell.json", "--machine", "cameo3", "--mat", "100x120", "--dpi",
+                       "72", "-o", "pages", "-q"})
+              .exit == 0);
+  REQUIRE(bench
+              .popcut({"plan", "shell.json", "--machine", "cameo3", "--mat", "100x120", "--marks",
+                       "-o", "plan", "-q"})
+              .exit == 0);
+  const std::size_t sheets = bench.read_json("pages/plan.json")["sheets"].size();
+  REQUIRE(sheets >= 2);
+  for (std::size_t k = 1; k <= sheets; ++k) {
+    const std::string program = fmt::format("sheet-{:02}.gpgl", k);
+    CHECK(text_of_file(bench.temp / ("pages/" + program)) ==
+          text_of_file(bench.temp / ("plan/" + program)));
+    CHECK(std::filesystem::exists(bench.temp / fmt::format("pages/sheet-{:02}.pdf", k)));
+  }
+}
+
+TEST_CASE("what popcut print cannot print is one line", "[cli][e2e][artwork]") {
+  const ShellBench bench;
+  const auto refused = [&](std::vector<std::string> more, int exit, const std::string& words) {
+    std::vector<std::string> all{"print", "shell.json", "--dpi", "72", "-o", "pages", "-q"};
+    all.insert(all.end(), more.begin(), more.end());
+    check_refused(bench.popcut(all), exit, words);
+    CHECK_FALSE(std::filesystem::exists(bench.temp / "pages/sheet-01.pdf"));
+  };
+  write_file(bench.temp / "broken.png", "\x89PNG\r\n\x1a\n and no more");
+  refused({"--mode", "flat", "--image", "broken.png"}, 3,
+          "broken.png: is a picture that cannot be read");
+  refused({"--mode", "flat", "--image", "absent.png"}, 3, "absent.png");
+  refused({"--mode", "flat"}, 2, "give it with --image FILE");
+  refused({"--image", "yellow.png"}, 2, "--mode flat");
+  refused({"--page", "A4"}, 4, "--page: is 210 x 297 mm, smaller than the sheet of 304.8 x 304.8");
+  refused({"--at", "11,11", "--mode", "surface"}, 4, "registration mark");
+  refused({"--scale-x", "80"}, 2, "--scale-x");
+  refused({"--model", "absent.glb"}, 3, "absent.glb");
+  write_file(bench.temp / "shell.mtl", "newmtl skin\nmap_Kd absent.png\n");
+  refused({}, 3, "shell.mtl: line 2: the picture absent.png cannot be read");
+  REQUIRE(
+      bench.popcut({"print", "shell.json", "--clay", "--dpi", "72", "-o", "pages", "-q"}).exit ==
+      0);
+}
+
+}  // namespace
+}  // namespace artwork_command_test

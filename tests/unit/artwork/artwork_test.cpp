@@ -1,0 +1,407 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "core/artwork/colour_mesh_reader.hpp"
+#include "core/artwork/design_artwork.hpp"
+#include "core/artwork/printed_sheet.hpp"
+#include "core/deploy/glb.hpp"
+#include "core/deploy/pose_table.hpp"
+#include "core/design/patches.hpp"
+#include "core/machines/machine.hpp"
+#include "core/plan/plan.hpp"
+#include "daemon/pictures/image_reader.hpp"
+#include "tests/support/painted_shell.hpp"
+
+namespace popcut {
+namespace {
+
+using testing::painted_shells;
+using testing::PaintedShell;
+
+/// A shell, its design, and the shell where the opened card shows it.
+struct Painted {
+  PaintedShell shell;
+  PatchAssembly made;
+  ColourMesh model;
+
+  [[nodiscard]] const Pattern& pattern() const { return made.parts.front().pattern; }
+};
+
+Painted painted(const PaintedShell& shell, int units = 5, int slices = 9, double scale_mm = 40) {
+  const auto spec = parse_design_spec(PaintedShell::spec(units, slices, scale_mm));
+  REQUIRE(spec);
+  auto made = design_assembly(*spec, {{"shell.obj", shell.obj()}});
+  if (!made) FAIL(message(made.error()));
+  auto mesh = read_colour_mesh("shell.obj", shell.obj(), shell.files());
+  REQUIRE(mesh);
+  REQUIRE(mesh->coloured);
+  ColourMesh model = model_on_sheet(std::move(*mesh), spec->placement, made->parts.front());
+  return {shell, std::move(*made), std::move(model)};
+}
+
+Artwork artwork_of(const Painted& painted, const ArtworkOptions& options) {
+  const Pattern* const part = &painted.pattern();
+  auto artwork = design_artwork({&part, 1}, {&painted.model, 1}, nullptr, options);
+  REQUIRE(artwork);
+  return std::move(*artwork);
+}
+
+/// The texel at (s, t) of an image that repeats, between pixels; written apart from what is tested.
+std::array<double, 3> texel(const ColourImage& image, double s, double t) {
+  const double w = static_cast<double>(image.width), h = static_cast<double>(image.height);
+  const double x = s * w - 0.5, y = t * h - 0.5;
+  const auto whole = [](double at, std::size_t size) {
+    const long n = static_cast<long>(size), i = static_cast<long>(std::floor(at));
+    return static_cast<std::size_t>(((i % n) + n) % n);
+  };
+  const std::size_t i = whole(x, image.width), j = whole(y, image.height);
+  const std::size_t right = (i + 1) % image.width, down = (j + 1) % image.height;
+  const double a = x - std::floor(x), b = y - std::floor(y);
+  std::array<double, 3> out{};
+  for (std::size_t c = 0; c < 3; ++c)
+    out[c] = (1 - b) * ((1 - a) * image.at(i, j)[c] + a * image.at(right, j)[c]) +
+             b * ((1 - a) * image.at(i, down)[c] + a * image.at(right, down)[c]);
+  return out;
+}
+
+std::array<double, 3> colour_in(const ColourMesh& mesh, const ColourImage& image, std::size_t t,
+                                const std::array<double, 3>& w) {
+  double s = 0, down = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    s += w[k] * static_cast<double>(mesh.st[3 * t + k][0]);
+    down += w[k] * static_cast<double>(mesh.st[3 * t + k][1]);
+  }
+  return texel(image, s, down);
+}
+
+/// What a ray along -(1, 0, 1) meets first: (x - z, v) name the ray, and every triangle is asked.
+struct Eye {
+  const ColourMesh& mesh;
+  const ColourImage& image;
+  std::vector<std::size_t> row{};  ///< triangles with a texture that reach to this v
+
+  void stand_at(double v) {
+    row.clear();
+    for (std::size_t t = 0; t < mesh.size(); ++t) {
+      if (mesh.surfacings[mesh.surfacing_of[t]].texture < 0) continue;
+      const double a = mesh.soup.corner(t, 0)[1], b = mesh.soup.corner(t, 1)[1],
+                   c = mesh.soup.corner(t, 2)[1];
+      if (v >= std::min({a, b, c}) && v <= std::max({a, b, c})) row.push_back(t);
+    }
+  }
+
+  /// False if there is none.
+  bool look(double x_less_z, double v, std::array<double, 3>& colour) const {
+    double best = -1e300;
+    for (const std::size_t t : row) {
+      std::array<std::array<double, 3>, 3> p{};  // across, along, toward
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 c = mesh.soup.corner(t, k);
+        p[k] = {c[0] - c[2], c[1], c[0] + c[2]};
+      }
+      const auto area = [](double ax, double ay, double bx, double by, double cx, double cy) {
+        return (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
+      };
+      const double all = area(p[0][0], p[0][1], p[1][0], p[1][1], p[2][0], p[2][1]);
+      if (std::abs(all) < 1e-12) continue;
+      const std::array<double, 3> w{area(x_less_z, v, p[1][0], p[1][1], p[2][0], p[2][1]) / all,
+                                    area(p[0][0], p[0][1], x_less_z, v, p[2][0], p[2][1]) / all,
+                                    area(p[0][0], p[0][1], p[1][0], p[1][1], x_less_z, v) / all};
+      if (w[0] < 0 || w[1] < 0 || w[2] < 0) continue;
+      const double toward = w[0] * p[0][2] + w[1] * p[1][2] + w[2] * p[2][2];
+      if (toward <= best) continue;
+      best = toward;
+      colour = colour_in(mesh, image, t, w);
+    }
+    return best > -1e300;
+  }
+};
+
+/// The card as its preview shows it, in mm, x from the wall and z from the ground.
+ColourMesh opened(const Pattern& pattern, const Artwork& artwork, ColourImage& print) {
+  const auto png = png_of_image(on_paper(artwork.image));
+  REQUIRE(png);
+  const std::vector<double> angles{3.0, pattern.design_psi_rad};
+  const auto table = pose_table(pattern, angles);
+  REQUIRE(table);
+  GlbOptions how;
+  how.front = {*png, artwork.frame.left_mm, artwork.frame.top_mm,
+               static_cast<double>(artwork.frame.width) * artwork.frame.pixel_mm,
+               static_cast<double>(artwork.frame.height) * artwork.frame.pixel_mm};
+  const auto bytes = glb(pattern, *table, how);
+  REQUIRE(bytes);
+  const ModelFiles files{
+      [](const std::string&) -> Result<std::string> { return std::string(); },
+      [&](const std::string& name, std::string_view packed) -> Result<ColourImage> {
+        auto image = read_image(name, packed);
+        if (image) print = *image;
+        return image;
+      }};
+  auto mesh = read_colour_mesh("preview.glb", *bytes, files);
+  if (!mesh) FAIL(message(mesh.error()));
+  for (std::size_t k = 0; k < mesh->soup.corners.size(); k += 3) {
+    const double right = mesh->soup.corners[k], up = mesh->soup.corners[k + 1],
+                 front = mesh->soup.corners[k + 2];
+    mesh->soup.corners[k] = 1000 * front, mesh->soup.corners[k + 1] = 1000 * right,
+    mesh->soup.corners[k + 2] = 1000 * up;
+  }
+  return std::move(*mesh);
+}
+
+TEST_CASE("the opened card looks like the model from half way between ground and wall",
+          "[artwork]") {
+  int number = 0;
+  for (const PaintedShell& shell : painted_shells()) {
+    CAPTURE(++number);
+    const Painted card = painted(shell);
+    ArtworkOptions options;
+    options.pixel_mm = 25.4 / 300;
+    const Artwork artwork = artwork_of(card, options);
+    ColourImage print;
+    const ColourMesh preview = opened(card.pattern(), artwork, print);
+    REQUIRE(print.width == artwork.image.width);
+    const ColourImage paint = shell.texture();
+    Eye on_model{card.model, paint}, on_card{preview, print};
+    double squares = 0;
+    int seen = 0;
+    const double width = card.pattern().width_mm;
+    for (double v = 0.31; v < width; v += 2.1) {
+      on_model.stand_at(v), on_card.stand_at(v);
+      for (double across = -60; across < 60; across += 1.9) {
+        std::array<double, 3> want{}, got{};
+        if (!on_model.look(across, v, want)) continue;
+        REQUIRE(on_card.look(across, v, got));
+        ++seen;
+        for (std::size_t c = 0; c < 3; ++c) squares += (want[c] - got[c]) * (want[c] - got[c]) / 3;
+      }
+    }
+    REQUIRE(seen > 700);
+    const double psnr_db = 10 * std::log10(255.0 * 255.0 / (squares / seen));
+    CAPTURE(seen, psnr_db);
+    CHECK(psnr_db >= 35.0);
+  }
+}
+
+double squared_to(const TriangleSoup& soup, std::size_t t, const Vec3& p,
+                  std::array<double, 3>& weights) {
+  // Least squares over the triangle, with its sides and corners tried one by one.
+  const std::array<Vec3, 3> c{soup.corner(t, 0), soup.corner(t, 1), soup.corner(t, 2)};
+  double best = 1e300;
+  const auto take = [&](const std::array<double, 3>& w) {
+    const Vec3 q = w[0] * c[0] + w[1] * c[1] + w[2] * c[2];
+    if (const double d = (p - q).squaredNorm(); d < best) best = d, weights = w;
+  };
+  const Vec3 e1 = c[1] - c[0], e2 = c[2] - c[0], d = p - c[0];
+  Eigen::Matrix2d gram;
+  gram << e1.dot(e1), e1.dot(e2), e1.dot(e2), e2.dot(e2);
+  if (std::abs(gram.determinant()) > 1e-14) {
+    const Eigen::Vector2d s = gram.inverse() * Eigen::Vector2d(d.dot(e1), d.dot(e2));
+    if (s[0] >= 0 && s[1] >= 0 && s[0] + s[1] <= 1) take({1 - s[0] - s[1], s[0], s[1]});
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t n = (k + 1) % 3;
+    const Vec3 e = c[n] - c[k];
+    const double share = std::clamp((p - c[k]).dot(e) / std::max(e.squaredNorm(), 1e-30), 0.0, 1.0);
+    std::array<double, 3> w{};
+    w[k] = 1 - share, w[n] = share;
+    take(w);
+  }
+  return best;
+}
+
+TEST_CASE("a thousand places of panels have the colour of the model's nearest point", "[artwork]") {
+  const Painted card = painted(painted_shells()[0]);
+  ArtworkOptions options;
+  options.mode = PrintMode::Surface;
+  options.pixel_mm = 0.2;
+  options.trapping = {0, 0};
+  const Artwork artwork = artwork_of(card, options);
+  const auto surface = face_surface(card.pattern());
+  REQUIRE(surface);
+  const ColourImage paint = card.shell.texture();
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> share(0, 1);
+  int looked_at = 0, wrong = 0;
+  while (looked_at < 1000) {
+    const std::size_t k = random() % surface->triangles.size();
+    const auto& c = surface->triangles[k];
+    double a = share(random), b = share(random);
+    if (a + b > 1) a = 1 - a, b = 1 - b;
+    const PagePoint at{
+        c[0].page.x + a * (c[1].page.x - c[0].page.x) + b * (c[2].page.x - c[0].page.x),
+        c[0].page.y + a * (c[1].page.y - c[0].page.y) + b * (c[2].page.y - c[0].page.y)};
+    // The middle of its pixel, if that is in the same triangle.
+    const PagePoint pixel = artwork.frame.in_pixels(at);
+    const auto i = static_cast<std::size_t>(std::lround(pixel.x));
+    const auto j = static_cast<std::size_t>(std::lround(pixel.y));
+    const PagePoint m = artwork.frame.middle(i, j);
+    Eigen::Matrix2d sides;
+    sides << c[1].page.x - c[0].page.x, c[2].page.x - c[0].page.x, c[1].page.y - c[0].page.y,
+        c[2].page.y - c[0].page.y;
+    const Eigen::Vector2d w =
+        sides.inverse() * Eigen::Vector2d(m.x - c[0].page.x, m.y - c[0].page.y);
+    if (w[0] < 0.01 || w[1] < 0.01 || w[0] + w[1] > 0.99) continue;
+    ++looked_at;
+    const Vec3 p = c[0].place + w[0] * (c[1].place - c[0].place) + w[1] * (c[2].place - c[0].place);
+    std::vector<std::pair<double, std::array<double, 3>>> found;
+    double best = 1e300;
+    for (std::size_t t = 0; t < card.model.size(); ++t) {
+      // No point of it is nearer than its first corner less its longest side.
+      const Vec3 q = card.model.soup.corner(t, 0);
+      const double reach = std::max((card.model.soup.corner(t, 1) - q).norm(),
+                                    (card.model.soup.corner(t, 2) - q).norm());
+      if ((p - q).norm() - reach > best + 1e-6) continue;
+      std::array<double, 3> weights{};
+      const double d = std::sqrt(squared_to(card.model.soup, t, p, weights));
+      best = std::min(best, d);
+      found.emplace_back(d, colour_in(card.model, paint, t, weights));
+    }
+    // Of points that are equally near, each is right.
+    const std::uint8_t* got = artwork.image.at(i, j);
+    const bool right = std::any_of(found.begin(), found.end(), [&](const auto& one) {
+      bool same = one.first < best + 1e-6;
+      for (std::size_t n = 0; n < 3; ++n)
+        same = same && std::abs(one.second[n] - static_cast<double>(got[n])) < 1.5;  // rounding
+      return same;
+    });
+    wrong += right ? 0 : 1;
+  }
+  CHECK(wrong == 0);
+}
+
+/// Pixels of faces that are bare when the cut is off by whole pixels.
+std::size_t bare_pixels(const Artwork& artwork, const std::vector<std::uint32_t>& face,
+                        const std::vector<std::uint8_t>& left_out, int dx, int dy) {
+  std::size_t bare = 0;
+  const auto width = static_cast<long>(artwork.frame.width);
+  const auto height = static_cast<long>(artwork.frame.height);
+  for (long j = 0; j < height; ++j)
+    for (long i = 0; i < width; ++i) {
+      const std::uint32_t f = face[static_cast<std::size_t>(j * width + i)];
+      if (f == kNoFace || left_out[f] != 0) continue;
+      const long x = i + dx, y = j + dy;
+      const bool inside = x >= 0 && y >= 0 && x < width && y < height;
+      const std::uint8_t* p =
+          inside ? artwork.image.at(static_cast<std::size_t>(x), static_cast<std::size_t>(y))
+                 : nullptr;
+      if (p == nullptr || p[3] < 255 || (p[0] > 250 && p[1] > 250 && p[2] > 250)) ++bare;
+    }
+  return bare;
+}
+
+TEST_CASE("a cut that is 0.3 mm off leaves no white on any face", "[artwork]") {
+  for (const bool bare_card : {false, true}) {
+    CAPTURE(bare_card);
+    const Painted card = painted(painted_shells()[1]);
+    ArtworkOptions options;
+    options.mode = PrintMode::Surface;
+    options.pixel_mm = 0.1;
+    options.bare_card = bare_card;
+    const Artwork trapped = artwork_of(card, options);
+    options.trapping = {0, 0};
+    Artwork plain = artwork_of(card, options);
+    const auto surface = face_surface(card.pattern());
+    REQUIRE(surface);
+    const auto of_card = bare_card ? faces_of_card(card.pattern())
+                                   : std::vector<std::uint8_t>(card.pattern().faces(), 0);
+    for (const auto& [dx, dy] : {std::pair{3, 0}, {-3, 0}, {0, 3}, {0, -3}, {2, 2}, {-2, 2}}) {
+      CAPTURE(dx, dy);
+      CHECK(bare_pixels(trapped, face_pixels(*surface, trapped.frame), of_card, dx, dy) == 0);
+      CHECK(bare_pixels(plain, face_pixels(*surface, plain.frame), of_card, dx, dy) > 0);
+    }
+  }
+}
+
+TEST_CASE("a picture's outline has no hairs where it crosses cuts", "[artwork]") {
+  const Painted card = painted(painted_shells()[0]);
+  ArtworkOptions options;
+  options.pixel_mm = 0.1;
+  const Artwork trapped = artwork_of(card, options);
+  options.trapping.trap_mm = 0;  // the bleed stays, so that both have the same frame
+  const Artwork plain = artwork_of(card, options);
+  REQUIRE(plain.frame.width == trapped.frame.width);
+  REQUIRE(plain.frame.height == trapped.frame.height);
+  std::size_t ink = 0, more = 0;
+  for (std::size_t k = 0; k < trapped.on_paper.size(); ++k) {
+    if (trapped.on_paper[k] == 0) continue;
+    ink += plain.image.rgba[4 * k + 3] > 0 ? 1 : 0;
+    more += plain.image.rgba[4 * k + 3] == 0 && trapped.image.rgba[4 * k + 3] > 0 ? 1 : 0;
+  }
+  REQUIRE(ink > 100'000);
+  // A stretch of the outline may run along a cut; hairs at each cut would be some 50 pixels each.
+  CHECK(more < 200);
+}
+
+Plan planned(const Painted& card, const std::string& mat, bool marks) {
+  const auto machine = find_machine("cameo3");
+  const auto material = find_material("paper-220");
+  REQUIRE(machine);
+  REQUIRE(material);
+  PlanOptions options;
+  options.mat = mat;
+  options.marks = marks;
+  options.place.at = PagePoint{16, 16};
+  auto made = plan(linework_from_pattern(card.pattern()), *machine, *material, options);
+  if (!made) FAIL(message(made.error()));
+  return std::move(*made);
+}
+
+TEST_CASE("a glue tab carries what its partner has there", "[artwork]") {
+  const Painted card = painted(painted_shells()[0]);
+  ArtworkOptions options;
+  options.mode = PrintMode::Surface;
+  options.pixel_mm = 0.1;
+  const Artwork artwork = artwork_of(card, options);
+  const Plan plan = planned(card, "100x130", false);
+  REQUIRE(plan.layout);
+  REQUIRE(plan.layout->tabs.size() > 2);
+  for (std::size_t s = 0; s < plan.sheets.size(); ++s) {
+    const auto raster = printed_sheet(artwork, plan, s, 0.1, {});
+    REQUIRE(raster);
+    for (const Tab& tab : plan.layout->tabs) {
+      if (plan.layout->pieces[tab.on].sheet != s) continue;
+      PagePoint middle;
+      for (const PagePoint& p : tab.corners) middle.x += p.x / 4, middle.y += p.y / 4;
+      const PagePoint from = artwork.frame.in_pixels(middle);
+      const PagePoint to = raster->frame.in_pixels(plan.layout->pieces[tab.on].transform(middle));
+      const Colour want = colour_between(artwork.image, from.x, from.y);
+      const Colour got = colour_between(raster->image, to.x, to.y);
+      // Half a pixel of the sheet, 0.05 mm, of a paint that changes by about 8 a millimetre.
+      CHECK(got.a == 255);
+      CHECK_THAT(got.r, Catch::WithinAbs(want.r, 3));
+      CHECK_THAT(got.g, Catch::WithinAbs(want.g, 3));
+      CHECK_THAT(got.b, Catch::WithinAbs(want.b, 3));
+    }
+  }
+}
+
+TEST_CASE("artwork that comes too near to a registration mark is refused with the distance",
+          "[artwork]") {
+  const Painted card = painted(painted_shells()[0]);
+  ArtworkOptions options;
+  options.mode = PrintMode::Surface;
+  options.pixel_mm = 0.2;
+  const Artwork artwork = artwork_of(card, options);
+  Plan plan = planned(card, "12x12", true);
+  const auto marks = marks_for(plan.sheets[0].area_mm);
+  REQUIRE(marks);
+  plan.sheets[0].registration = *marks;
+  CHECK(printed_sheet(artwork, plan, 0, 0.2, {}));
+  // The paper's corner is at (16, 16), the square's at (15, 15); 0.7 mm nearer in both directions
+  // it is 0.3 sqrt(2) mm away.
+  plan.sheets[0].registration->left_mm += 0.7, plan.sheets[0].registration->top_mm += 0.7;
+  const auto refused = printed_sheet(artwork, plan, 0, 0.05, {});
+  REQUIRE(!refused);
+  CHECK(refused.error().kind == ErrorKind::Infeasible);
+  CHECK_THAT(refused.error().detail, Catch::Contains("comes within 0.4"));
+  CHECK_THAT(refused.error().detail, Catch::Contains("move the drawing"));
+}
+
+}  // namespace
+}  // namespace popcut

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include "core/artwork/colour_mesh_reader.hpp"
+#include "daemon/pictures/image_reader.hpp"
+#include "tests/support/painted_shell.hpp"
+
+namespace popcut {
+namespace {
+
+const std::string kQuad = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
+
+ModelFiles files_of(std::map<std::string, std::string> texts) {
+  return {[texts = std::move(texts)](const std::string& name) -> Result<std::string> {
+            const auto found = texts.find(name);
+            if (found == texts.end()) return fail(ErrorKind::Malformed, name, "is absent");
+            return found->second;
+          },
+          [](const std::string& name, std::string_view bytes) { return read_image(name, bytes); }};
+}
+
+std::string small_png() {
+  ColourImage image(2, 2);  // red, green above blue, yellow
+  image.set(0, 0, {255, 0, 0, 255}), image.set(1, 0, {0, 255, 0, 255});
+  image.set(0, 1, {0, 0, 255, 255}), image.set(1, 1, {255, 255, 0, 255});
+  const auto png = png_of_image(image);
+  REQUIRE(png);
+  return *png;
+}
+
+TEST_CASE("an OBJ takes its colours from its MTL, with v upward in the picture", "[artwork]") {
+  const auto mesh = read_colour_mesh(
+      "quad.obj", "mtllib a b.mtl\n" + kQuad + "usemtl skin\nf 1/1 2/2 3/3 4/4\n",
+      files_of({{"a b.mtl", "newmtl skin\nKd 1 0.5 1\nmap_Kd -s 1 1 1 -clamp on the skin.png\n"},
+                {"the skin.png", small_png()}}));
+  if (!mesh) FAIL(message(mesh.error()));
+  REQUIRE(mesh->size() == 2);
+  CHECK(mesh->coloured);
+  // Near corner 1 of the quad: the picture's lower left pixel, times Kd.
+  const Colour low_left = colour_of(*mesh, 0, {0.75, 0, 0.25}, 1);
+  CHECK(low_left.b == Approx(255).margin(1));
+  CHECK(low_left.r == Approx(0).margin(1));
+  // Near corner 2 is the lower right one: yellow, its green halved.
+  const Colour low_right = colour_of(*mesh, 0, {0.25, 0.5, 0.25}, 1);
+  CHECK(low_right.r == Approx(255).margin(1));
+  CHECK(low_right.g == Approx(127.5).margin(1));
+}
+
+TEST_CASE("colours after the vertices of an OBJ are read", "[artwork]") {
+  const auto mesh = read_colour_mesh(
+      "tri.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n", files_of({}));
+  REQUIRE(mesh);
+  CHECK(mesh->coloured);
+  const Colour middle = colour_of(*mesh, 0, {1 / 3.0, 1 / 3.0, 1 / 3.0}, 0);
+  CHECK(middle.r == Approx(85).margin(0.5));
+  CHECK(middle.g == Approx(85).margin(0.5));
+}
+
+TEST_CASE("a model without colours is clay, and so is one of which they are not wanted",
+          "[artwork]") {
+  const auto plain = read_colour_mesh("quad.obj", kQuad + "f 1 2 3 4\n", files_of({}));
+  REQUIRE(plain);
+  CHECK_FALSE(plain->coloured);
+  const auto unwanted = read_colour_mesh(
+      "quad.obj", "mtllib absent.mtl\n" + kQuad + "usemtl x\nf 1 2 3 4\n", files_of({}), false);
+  REQUIRE(unwanted);
+  CHECK_FALSE(unwanted->coloured);
+}
+
+TEST_CASE("what a model names and cannot be read is one error with its place", "[artwork]") {
+  const auto error_of = [](const std::string& name, const std::string& text,
+                           std::map<std::string, std::string> beside) {
+    const auto mesh = read_colour_mesh(name, text, files_of(std::move(beside)));
+    REQUIRE(!mesh);
+    CHECK(message(mesh.error()).find('\n') == std::string::npos);
+    return message(mesh.error());
+  };
+  const std::string named = "mtllib m.mtl\n" + kQuad + "usemtl skin\nf 1/1 2/2 3/3 4/4\n";
+  CHECK_THAT(error_of("q.obj", named, {}), Catch::Contains("q.obj: line 1: the materials m.mtl"));
+  CHECK_THAT(error_of("q.obj", named, {{"m.mtl", "newmtl skin\nmap_Kd gone.png\n"}}),
+             Catch::Contains("m.mtl: line 2: the picture gone.png cannot be read"));
+  CHECK_THAT(
+      error_of("q.obj", named, {{"m.mtl", "newmtl skin\nmap_Kd t.png\n"}, {"t.png", "GIF"}}),
+      Catch::Contains("m.mtl: line 2: t.png: is a picture that cannot be read: it is neither"));
+  CHECK_THAT(
+      error_of("q.obj", named,
+               {{"m.mtl", "newmtl skin\nmap_Kd t.png\n"}, {"t.png", small_png().substr(0, 50)}}),
+      Catch::Contains("t.png: is a picture that cannot be read"));
+  CHECK_THAT(error_of("q.obj", named, {{"m.mtl", "newmtl other\n"}}),
+             Catch::Contains("names the material skin"));
+  CHECK_THAT(error_of("q.obj", kQuad + "f 1/9 2/2 3/3\n", {}),
+             Catch::Contains("names place 9 of the texture"));
+  CHECK_THAT(error_of("q.glb", "glTF nonsense", {}), Catch::Contains("q.glb: is no glTF"));
+  CHECK_THAT(error_of("q.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
+                        "nodes": [{"children": [0]}]})",
+                      {}),
+             Catch::Contains("q.gltf"));
+}
+
+TEST_CASE("a JPEG that is broken off or is none is an error, and no crash", "[artwork]") {
+  for (const std::string& bytes :
+       {std::string("\xFF\xD8\xFF\xE0"), std::string("\xFF\xD8"),
+        std::string("\xFF\xD8\xFF\xC0\x00\x11\x08\xFF\xFF\xFF\xFF\x03", 12), std::string()}) {
+    const auto image = read_image("photo.jpg", bytes);
+    REQUIRE(!image);
+    CHECK_THAT(message(image.error()), Catch::StartsWith("photo.jpg: is a picture that cannot"));
+  }
+}
+
+}  // namespace
+}  // namespace popcut
