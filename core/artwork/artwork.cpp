@@ -30,11 +30,11 @@ struct NearCut {
   std::uint32_t cut{};
 };
 
-/// The pixels within `reach_mm` of a cut, each with its nearest one, in order; beside a cut, and
-/// `beyond_mm` past its ends.
-std::vector<NearCut> near_cuts(std::span<const CutLine> cuts, const PixelFrame& frame,
-                               double reach_mm, double beyond_mm) {
-  std::vector<NearCut> out;
+/// Calls `visit(pixel, distance_mm, cut)` for the pixels beside each cut within `reach_mm`, and
+/// `beyond_mm` past its ends; the distance is that from the cut's line.
+template <typename Visit>
+void each_near_cut(std::span<const CutLine> cuts, const PixelFrame& frame, double reach_mm,
+                   double beyond_mm, const Visit& visit) {
   for (std::size_t k = 0; k < cuts.size(); ++k) {
     const auto& [from, to] = cuts[k];
     const double length = distance(from, to);
@@ -47,14 +47,23 @@ std::vector<NearCut> near_cuts(std::span<const CutLine> cuts, const PixelFrame& 
     const PagePoint b{to.x + beyond_mm * ex, to.y + beyond_mm * ey};
     const std::array<PagePoint, 4> band{corner(a, reach_mm), corner(b, reach_mm),
                                         corner(b, -reach_mm), corner(a, -reach_mm)};
-    const auto visit = [&](std::size_t i, std::size_t j, const std::array<double, 3>&) {
+    const auto of_triangle = [&](std::size_t i, std::size_t j, const std::array<double, 3>&) {
       const PagePoint p = frame.middle(i, j);
       const double off = std::abs((p.y - from.y) * ex - (p.x - from.x) * ey);
-      out.push_back({j * frame.width + i, static_cast<float>(off), static_cast<std::uint32_t>(k)});
+      visit(j * frame.width + i, off, k);
     };
-    each_pixel(frame, {band[0], band[1], band[2]}, visit);
-    each_pixel(frame, {band[0], band[2], band[3]}, visit);
+    each_pixel(frame, {band[0], band[1], band[2]}, of_triangle);
+    each_pixel(frame, {band[0], band[2], band[3]}, of_triangle);
   }
+}
+
+/// The pixels within `reach_mm` beside a cut, each with its nearest one, in order.
+std::vector<NearCut> near_cuts(std::span<const CutLine> cuts, const PixelFrame& frame,
+                               double reach_mm) {
+  std::vector<NearCut> out;
+  each_near_cut(cuts, frame, reach_mm, 0, [&](std::size_t pixel, double off, std::size_t cut) {
+    out.push_back({pixel, static_cast<float>(off), static_cast<std::uint32_t>(cut)});
+  });
   std::sort(out.begin(), out.end(), [](const NearCut& a, const NearCut& b) {
     if (a.pixel != b.pixel) return a.pixel < b.pixel;
     if (a.distance_mm != b.distance_mm) return a.distance_mm < b.distance_mm;
@@ -97,11 +106,15 @@ void blend(ColourImage& image, std::span<const std::uint32_t> face, std::span<co
     image.set(near[n].pixel % frame.width, near[n].pixel / frame.width, mixes[n]);
 }
 
-/// Whether the place mirrored at the pixel's cut has ink.
-bool has_ink_across(const ColourImage& image, const NearCut& near, std::span<const CutLine> cuts,
+/// Whether there is ink across a cut: beside it at the mirrored place, past its end at the place
+/// that lies as far on the other side of the end.
+bool has_ink_across(const ColourImage& image, const PagePoint& p, const CutLine& cut,
                     const PixelFrame& frame) {
-  const PagePoint p = frame.middle(near.pixel % frame.width, near.pixel / frame.width);
-  const PagePoint other = frame.in_pixels(mirrored(p, cuts[near.cut]));
+  const double wx = cut.to.x - cut.from.x, wy = cut.to.y - cut.from.y;
+  const double share = std::clamp(
+      ((p.x - cut.from.x) * wx + (p.y - cut.from.y) * wy) / (wx * wx + wy * wy), 0.0, 1.0);
+  const PagePoint other =
+      frame.in_pixels({2 * (cut.from.x + share * wx) - p.x, 2 * (cut.from.y + share * wy) - p.y});
   const double x = std::round(other.x), y = std::round(other.y);
   return x >= 0 && y >= 0 && x < static_cast<double>(frame.width) &&
          y < static_cast<double>(frame.height) &&
@@ -217,18 +230,18 @@ void trap(ColourImage& image, std::span<const std::uint32_t> face, std::span<con
     if (face[pixel] == kNoFace) std::memset(&image.rgba[4 * pixel], 0, 4);
   std::vector<std::uint8_t> state(face.size(), 2);
   if (how.trap_mm > 0) {
-    if (blends)
-      blend(image, face, cuts, near_cuts(cuts, frame, how.trap_mm, 0), frame, how.trap_mm);
+    if (blends) blend(image, face, cuts, near_cuts(cuts, frame, how.trap_mm), frame, how.trap_mm);
     // Ink into what is bare beside a cut.
     const double reach = how.trap_mm + frame.pixel_mm;
     for (std::size_t pixel = 0; pixel < face.size(); ++pixel)
       if (image.rgba[4 * pixel + 3] > 0) state[pixel] = 1;
     for (const auto lines : {cuts, borders})
-      for (const NearCut& near : near_cuts(lines, frame, reach, blends ? reach : 0)) {
-        if (face[near.pixel] == kNoFace || state[near.pixel] != 2) continue;
+      each_near_cut(lines, frame, reach, reach, [&](std::size_t pixel, double, std::size_t cut) {
+        if (face[pixel] == kNoFace || state[pixel] != 2) return;
         // Where a picture's outline crosses a cut, its ink stays within the outline.
-        if (blends || has_ink_across(image, near, lines, frame)) state[near.pixel] = 0;
-      }
+        const PagePoint p = frame.middle(pixel % frame.width, pixel / frame.width);
+        if (blends || has_ink_across(image, p, lines[cut], frame)) state[pixel] = 0;
+      });
     spread(image, state, steps_for(reach, frame.pixel_mm));
   }
   for (std::size_t pixel = 0; pixel < face.size(); ++pixel)

@@ -51,9 +51,9 @@ struct Trapping {
 /// - beside each cut whose two sides have colours, each side's colour goes over into that of the
 ///   place mirrored at the cut: half and half at the cut, all its own from `trap_mm` on (where
 ///   `blends`: a picture that goes on over its cuts as if they were not there needs no blending);
-/// - where one side has ink and the other has none, the ink goes `trap_mm` over the cut; the
-/// outline
-///   of a picture that goes on over its cuts stays as it is where it crosses one;
+/// - where one side has ink and the other has none, the ink goes `trap_mm` over the cut and past
+///   its end; the outline of a picture that goes on over its cuts stays as it is where it crosses
+///   one;
 /// - around the pattern the outermost colours go on for `bleed_mm`.
 ///
 /// Ink off the paper is taken away first.

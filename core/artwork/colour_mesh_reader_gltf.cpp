@@ -18,7 +18,7 @@ namespace {
 
 /// Light from 0 to 1 as sRGB from 0 to 1 (IEC 61966-2-1).
 float srgb(double light) {
-  light = std::clamp(light, 0.0, 1.0);
+  light = light > 0 ? std::min(light, 1.0) : 0;  // what is no number is dark
   return static_cast<float>(light <= 0.0031308 ? 12.92 * light
                                                : 1.055 * std::pow(light, 1 / 2.4) - 0.055);
 }
@@ -222,13 +222,20 @@ class GltfColours {
                   "is not there, or lies in itself; repair the model");
     const tinygltf::Node& node = model_.nodes[static_cast<std::size_t>(index)];
     const Matrix here = above * matrix_of(node);
-    if (node.mesh >= 0 && static_cast<std::size_t>(node.mesh) < model_.meshes.size())
+    if (node.mesh >= 0 && static_cast<std::size_t>(node.mesh) >= model_.meshes.size())
+      return not_there("meshes", node.mesh);
+    if (node.mesh >= 0)
       for (const tinygltf::Primitive& part :
            model_.meshes[static_cast<std::size_t>(node.mesh)].primitives)
         if (auto done = add_part(part, here); !done) return done;
     for (const int child : node.children)
       if (auto done = add_node(child, here, depth + 1); !done) return done;
     return {};
+  }
+
+  [[nodiscard]] tl::unexpected<Error> not_there(const char* list, int index) const {
+    return fail(ErrorKind::Malformed, fmt::format("{}: /{}/{}", name_, list, index),
+                "is not there; repair the model");
   }
 
   Result<void> add_part(const tinygltf::Primitive& part, const Matrix& here) {
@@ -244,8 +251,9 @@ class GltfColours {
     std::optional<Numbers> indices, st, tint;
     if (part.indices >= 0)
       if (auto done = take(part.indices, 1, indices); !done) return done;
-    const bool has_material = with_colours_ && part.material >= 0 &&
-                              static_cast<std::size_t>(part.material) < model_.materials.size();
+    const bool has_material = with_colours_ && part.material >= 0;
+    if (has_material && static_cast<std::size_t>(part.material) >= model_.materials.size())
+      return not_there("materials", part.material);
     const std::size_t material = has_material ? static_cast<std::size_t>(part.material) : 0;
     if (has_material) {
       const auto found = part.attributes.find(fmt::format("TEXCOORD_{}", sets_[material]));

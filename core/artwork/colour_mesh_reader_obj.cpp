@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <span>
@@ -24,12 +25,12 @@ std::string_view next(std::string_view& line) {
   return word;
 }
 
-/// Up to `numbers.size()` numbers; how many there are.
+/// Up to `numbers.size()` finite numbers; how many there are before what is none.
 std::size_t numbers_of(std::string_view line, std::span<float> numbers) {
   std::size_t count = 0;
   while (count < numbers.size()) {
     const std::string_view word = next(line);
-    if (word.empty() || !read_number(word, numbers[count])) break;
+    if (word.empty() || !read_number(word, numbers[count]) || !std::isfinite(numbers[count])) break;
     ++count;
   }
   return count;
@@ -80,7 +81,7 @@ class ObjColours {
         bytes,
         [&](std::string_view key, std::string_view line, std::size_t number) -> Result<void> {
           if (key == "v") return vertex(line);
-          if (key == "vt") return texture_place(line);
+          if (key == "vt") return texture_place(line, number);
           if (key == "f") return face(line, number);
           if (key == "mtllib") return library(std::string(line), number);
           if (key == "usemtl") return material(std::string(line), number);
@@ -113,9 +114,11 @@ class ObjColours {
     return {};
   }
 
-  Result<void> texture_place(std::string_view line) {
+  Result<void> texture_place(std::string_view line, std::size_t number) {
     std::array<float, 2> n{};
-    numbers_of(line, n);
+    if (numbers_of(line, n) == 0)
+      return fail(ErrorKind::Malformed, line_of(number),
+                  "is no place of a texture; vt needs numbers, such as \"vt 0.5 0.25\"");
     st_.push_back({n[0], 1.0F - n[1]});  // v of an OBJ goes up
     return {};
   }
@@ -177,8 +180,12 @@ class ObjColours {
           }
           if (now == 0) return {};
           if (key == "Kd") {
-            std::array<float, 3> kd{1, 1, 1};
-            numbers_of(line, kd);
+            std::array<float, 3> kd{};
+            const std::size_t count = numbers_of(line, kd);
+            if (count == 0)
+              return fail(ErrorKind::Malformed, fmt::format("{}: line {}", file, at),
+                          "is no colour; Kd needs numbers from 0 to 1, such as \"Kd 0.8 0.4 0.2\"");
+            for (std::size_t k = count; k < 3; ++k) kd[k] = kd[0];  // a grey
             mesh_.surfacings[now].colour = {255 * std::clamp(kd[0], 0.0F, 1.0F),
                                             255 * std::clamp(kd[1], 0.0F, 1.0F),
                                             255 * std::clamp(kd[2], 0.0F, 1.0F), 255};

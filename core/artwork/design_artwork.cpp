@@ -22,6 +22,12 @@ Box page_box(const Pattern& pattern) {
   return box;
 }
 
+bool has_ink(const Artwork& artwork) {
+  for (std::size_t pixel = 0; pixel < artwork.on_paper.size(); ++pixel)
+    if (artwork.on_paper[pixel] != 0 && artwork.image.rgba[4 * pixel + 3] != 0) return true;
+  return false;
+}
+
 /// A part's artwork on the page of all.
 class PartArtwork {
  public:
@@ -121,8 +127,8 @@ Result<Artwork> design_artwork(std::span<const Pattern* const> parts,
     const bool is_surface = options.mode == PrintMode::Surface;
     if (options.mode == PrintMode::View) grow(drawn, 2);
     // Where ink ends at a fold, a sheet that lies a little off shows it as a cut does.
-    const auto borders =
-        is_surface && options.bare_card ? fold_lines_on_page(*parts[k]) : std::vector<CutLine>{};
+    const bool at_folds = !is_surface || options.bare_card;
+    const auto borders = at_folds ? fold_lines_on_page(*parts[k]) : std::vector<CutLine>{};
     trap(drawn, face, cut_lines(*parts[k]), borders, part.frame(), options.trapping, is_surface);
     for (std::size_t pixel = 0; pixel < face.size(); ++pixel) {
       // A part's own paper comes before what another one lets flow around itself.
@@ -132,6 +138,10 @@ Result<Artwork> design_artwork(std::span<const Pattern* const> parts,
       if (face[pixel] != kNoFace) out.on_paper[pixel] = 1;
     }
   }
+  if (options.mode == PrintMode::View && !has_ink(out))
+    return fail(ErrorKind::Infeasible, "",
+                "nothing of the model is seen on the card; give a model in the units and axes of "
+                "the design's surface");
   return out;
 }
 

@@ -46,6 +46,7 @@ struct ArtworkOptions {
 /// @param models  one a part, see `model_on_sheet`; not looked at for `Flat`
 /// @param image   for `Flat`
 /// @retval OutOfRange  more than `kMaxPixels`; a face is not a simple polygon
+/// @retval Infeasible  with `View`: nothing of the models is seen on the card
 [[nodiscard]] Result<Artwork> design_artwork(std::span<const Pattern* const> parts,
                                              std::span<const ColourMesh> models,
                                              const Texture* image, const ArtworkOptions& options);

@@ -236,7 +236,6 @@ class Scene {
     model_.asset.generator = options_.creator;
     model_.materials = {material("paper front", {0.96, 0.80, 0.52, 1}),
                         material("paper back", {0.93, 0.94, 0.95, 1})};
-    if (!options_.front.png.empty()) add_picture();
     animation_.name = "deploy";
   }
 
@@ -247,6 +246,7 @@ class Scene {
     root.scale = kMmToM;
     // x away from the wall becomes z, v becomes x, z becomes y: a third of a turn about (1, 1, 1).
     root.rotation = {-0.5, -0.5, -0.5, 0.5};
+    if (!options_.front.png.empty()) add_picture();
     const auto children = add_bodies(pattern, table);
     if (!children) return tl::unexpected(children.error());
     root.children = *children;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <jerror.h>
 #include <jpeglib.h>
 #include <png.h>
 
@@ -56,6 +57,13 @@ void leave(j_common_ptr info) {
 
 void say_nothing(j_common_ptr) {}
 
+/// Of what libjpeg would only warn of, an end in the middle is an error: it fills the rest with
+/// grey.
+void heed(j_common_ptr info, int level) {
+  const int code = info->err->msg_code;
+  if (level < 0 && (code == JWRN_JPEG_EOF || code == JWRN_HIT_MARKER)) leave(info);
+}
+
 /// Only plain values live here, since a jump skips destructors. `take` gets the size, once, and
 /// says where the pixels go, or null to end.
 bool decode_jpeg(std::string_view bytes, JpegErrors& errors, void* user,
@@ -64,6 +72,7 @@ bool decode_jpeg(std::string_view bytes, JpegErrors& errors, void* user,
   info.err = jpeg_std_error(&errors);
   errors.error_exit = leave;
   errors.output_message = say_nothing;
+  errors.emit_message = heed;
   if (setjmp(errors.back) != 0) {
     jpeg_destroy_decompress(&info);
     return false;

@@ -66,6 +66,13 @@ struct PaintedShell {
             "translate_mm": [0, {}, 0], "fit": "nearest"}})",
         scale_mm, units, slices, 1.6 * scale_mm / slices, 0.8 * scale_mm);
   }
+
+  [[nodiscard]] static std::string facet_spec(double scale_mm) {
+    return fmt::format(
+        R"({{"popcut": 1, "name": "shell", "style": "facets", "scale_mm": {},
+            "surface": {{"type": "mesh", "file": "shell.obj"}}}})",
+        scale_mm);
+  }
 };
 
 /// Five shells of different shapes and paints, no paint near white.

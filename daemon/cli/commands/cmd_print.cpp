@@ -50,7 +50,13 @@ struct Source {
 
 ModelFiles files_beside(const std::filesystem::path& model) {
   const auto folder = model.parent_path();
-  return {[folder](const std::string& name) { return read_file(folder / name); },
+  return {[folder](const std::string& name) -> Result<std::string> {
+            // Reading what is no file may never end.
+            std::error_code ignored;
+            if (!std::filesystem::is_regular_file(folder / name, ignored))
+              return fail(ErrorKind::Malformed, name, "is no file");
+            return read_file(folder / name);
+          },
           [](const std::string& name, std::string_view bytes) { return read_image(name, bytes); }};
 }
 
@@ -213,6 +219,7 @@ Result<void> run_print(Options options, const Globals& globals) {
   if (!mode) return tl::unexpected(mode.error());
   const auto pages = page_options(options);
   if (!pages) return tl::unexpected(pages.error());
+  const bool asked_for_marks = options.plan.options.contains("marks");
   if (auto chosen = choose_marks(options, options.plan); !chosen) return chosen;
   Source source;
   auto job = plan_input(
@@ -220,6 +227,9 @@ Result<void> run_print(Options options, const Globals& globals) {
       [&](const DesignSpec& spec, const SurfaceAssets& assets, const PatchAssembly& made) {
         return keep_design(options, *mode, spec, assets, made, source);
       });
+  if (!job && !asked_for_marks && job.error().place == "--marks")
+    return fail(job.error().kind, "--marks",
+                job.error().detail + "; or print without marks (--no-marks)");
   if (!job) return tl::unexpected(job.error());
   if (source.parts.empty())
     return fail(ErrorKind::Malformed, options.plan.input,

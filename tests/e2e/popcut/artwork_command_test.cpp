@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // popcut print: pages with artwork, in register with the program.
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -184,6 +186,28 @@ TEST_CASE("a printed design that is split is cut by the same programs as it is p
   }
 }
 
+TEST_CASE("facets are printed in every mode, in one piece and in several", "[cli][e2e][artwork]") {
+  const ShellBench bench;
+  write_file(bench.temp / "shell.json", PaintedShell::facet_spec(25));
+  for (const char* mode : {"view", "surface", "lines"})
+    for (const char* mat : {"130x190", "100x120"}) {
+      CAPTURE(mode, mat);
+      const Ran ran =
+          bench.popcut({"print", "shell.json", "--mode", mode, "--machine", "cameo3", "--mat", mat,
+                        "--dpi", "72", "--preview", "-o", std::string(mode) + mat, "-q"});
+      CAPTURE(ran.err);
+      REQUIRE(ran.exit == 0);
+      const std::string folder = std::string(mode) + mat;
+      const std::size_t sheets = bench.read_json(folder + "/plan.json")["sheets"].size();
+      CHECK((sheets > 1) == (std::string(mat) == "100x120"));
+      const Grey page(bench, folder + "/sheet-01.pdf", 72);
+      std::size_t grey = 0;
+      for (const char pixel : page.pixels)
+        grey += static_cast<unsigned char>(pixel) < 240 && static_cast<unsigned char>(pixel) > 60;
+      CHECK(grey > 300);
+    }
+}
+
 TEST_CASE("what popcut print cannot print is one line", "[cli][e2e][artwork]") {
   const ShellBench bench;
   const auto refused = [&](std::vector<std::string> more, int exit, const std::string& words) {
@@ -201,7 +225,14 @@ TEST_CASE("what popcut print cannot print is one line", "[cli][e2e][artwork]") {
   refused({"--page", "A4"}, 4, "--page: is 210 x 297 mm, smaller than the sheet of 304.8 x 304.8");
   refused({"--at", "11,11", "--mode", "surface"}, 4, "registration mark");
   refused({"--scale-x", "80"}, 2, "--scale-x");
+  refused({"--scale", "2"}, 2, "--no-marks");
   refused({"--model", "absent.glb"}, 3, "absent.glb");
+  std::filesystem::create_directory(bench.temp / "folder");
+  REQUIRE(::mkfifo((bench.temp / "pipe").c_str(), 0600) == 0);
+  for (const char* name : {"folder", "pipe", "/dev/zero"}) {
+    write_file(bench.temp / "shell.mtl", fmt::format("newmtl skin\nmap_Kd {}\n", name));
+    refused({}, 3, fmt::format("shell.mtl: line 2: the picture {} cannot be read", name));
+  }
   write_file(bench.temp / "shell.mtl", "newmtl skin\nmap_Kd absent.png\n");
   refused({}, 3, "shell.mtl: line 2: the picture absent.png cannot be read");
   REQUIRE(

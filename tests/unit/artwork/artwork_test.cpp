@@ -3,8 +3,10 @@
 #include <array>
 #include <cmath>
 #include <random>
+#include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 
 #include "core/artwork/colour_mesh_reader.hpp"
@@ -33,8 +35,9 @@ struct Painted {
   [[nodiscard]] const Pattern& pattern() const { return made.parts.front().pattern; }
 };
 
-Painted painted(const PaintedShell& shell, int units = 5, int slices = 9, double scale_mm = 40) {
-  const auto spec = parse_design_spec(PaintedShell::spec(units, slices, scale_mm));
+Painted painted(const PaintedShell& shell, bool facets = false) {
+  const auto spec =
+      parse_design_spec(facets ? PaintedShell::facet_spec(40) : PaintedShell::spec(5, 9, 40));
   REQUIRE(spec);
   auto made = design_assembly(*spec, {{"shell.obj", shell.obj()}});
   if (!made) FAIL(message(made.error()));
@@ -156,10 +159,11 @@ ColourMesh opened(const Pattern& pattern, const Artwork& artwork, ColourImage& p
 
 TEST_CASE("the opened card looks like the model from half way between ground and wall",
           "[artwork]") {
+  const bool facets = GENERATE(false, true);
   int number = 0;
   for (const PaintedShell& shell : painted_shells()) {
-    CAPTURE(++number);
-    const Painted card = painted(shell);
+    CAPTURE(++number, facets);
+    const Painted card = painted(shell, facets);
     ArtworkOptions options;
     options.pixel_mm = 25.4 / 300;
     const Artwork artwork = artwork_of(card, options);
@@ -216,7 +220,7 @@ double squared_to(const TriangleSoup& soup, std::size_t t, const Vec3& p,
 }
 
 TEST_CASE("a thousand places of panels have the colour of the model's nearest point", "[artwork]") {
-  const Painted card = painted(painted_shells()[0]);
+  const Painted card = painted(painted_shells()[0], GENERATE(false, true));
   ArtworkOptions options;
   options.mode = PrintMode::Surface;
   options.pixel_mm = 0.2;
@@ -296,9 +300,9 @@ std::size_t bare_pixels(const Artwork& artwork, const std::vector<std::uint32_t>
 }
 
 TEST_CASE("a cut that is 0.3 mm off leaves no white on any face", "[artwork]") {
+  const Painted card = painted(painted_shells()[1], GENERATE(false, true));
   for (const bool bare_card : {false, true}) {
     CAPTURE(bare_card);
-    const Painted card = painted(painted_shells()[1]);
     ArtworkOptions options;
     options.mode = PrintMode::Surface;
     options.pixel_mm = 0.1;
@@ -316,6 +320,121 @@ TEST_CASE("a cut that is 0.3 mm off leaves no white on any face", "[artwork]") {
       CHECK(bare_pixels(plain, face_pixels(*surface, plain.frame), of_card, dx, dy) > 0);
     }
   }
+}
+
+TEST_CASE("faces that the picture of the model covers stay covered when a cut is 0.3 mm off",
+          "[artwork]") {
+  const Painted card = painted(painted_shells()[2], GENERATE(false, true));
+  ArtworkOptions options;
+  options.pixel_mm = 0.1;
+  const Artwork trapped = artwork_of(card, options);
+  options.trapping = {0, 0};
+  const Artwork plain = artwork_of(card, options);
+  const auto surface = face_surface(card.pattern());
+  REQUIRE(surface);
+  const auto face = face_pixels(*surface, trapped.frame), bare = face_pixels(*surface, plain.frame);
+  std::vector<std::uint8_t> partly(card.pattern().faces(), 0);
+  for (std::size_t pixel = 0; pixel < bare.size(); ++pixel)
+    if (bare[pixel] != kNoFace && plain.image.rgba[4 * pixel + 3] == 0) partly[bare[pixel]] = 1;
+  CHECK(std::count(partly.begin(), partly.end(), 0) > 20);
+  std::size_t without_trap = 0;
+  for (const auto& [dx, dy] : {std::pair{3, 0}, {-3, 0}, {0, 3}, {0, -3}, {2, 2}, {-2, 2}}) {
+    CAPTURE(dx, dy);
+    CHECK(bare_pixels(trapped, face, partly, dx, dy) == 0);
+    without_trap += bare_pixels(plain, bare, partly, dx, dy);
+  }
+  CHECK(without_trap > 0);
+}
+
+TEST_CASE("a model that stands nowhere on the card is refused", "[artwork]") {
+  Painted card = painted(painted_shells()[0]);
+  for (double& corner : card.model.soup.corners) corner += 5000;
+  const Pattern* const part = &card.pattern();
+  const auto artwork = design_artwork({&part, 1}, {&card.model, 1}, nullptr, {});
+  REQUIRE(!artwork);
+  CHECK(artwork.error().kind == ErrorKind::Infeasible);
+  CHECK_THAT(artwork.error().detail, Catch::Contains("nothing of the model is seen"));
+}
+
+/// The outside of a box, its corners coloured.
+std::string coloured_box(const Vec3& low, const Vec3& high, int first) {
+  std::string text;
+  for (int k = 0; k < 8; ++k)
+    text += fmt::format("v {} {} {} 0.7 0.2 0.1\n", k & 1 ? high[0] : low[0],
+                        k & 2 ? high[1] : low[1], k & 4 ? high[2] : low[2]);
+  for (const auto& side : {std::array{0, 1, 3, 2},
+                           {4, 5, 7, 6},
+                           {0, 1, 5, 4},
+                           {2, 3, 7, 6},
+                           {0, 2, 6, 4},
+                           {1, 3, 7, 5}})
+    text += fmt::format("f {} {} {} {}\n", side[0] + first, side[1] + first, side[2] + first,
+                        side[3] + first);
+  return text;
+}
+
+TEST_CASE("a letter of facets is printed around its window, and a little into it", "[artwork]") {
+  const std::string obj =
+      coloured_box({0, 10, 0}, {20, 20, 60}, 1) + coloured_box({0, 20, 50}, {20, 42, 60}, 9) +
+      coloured_box({0, 20, 26}, {20, 42, 36}, 17) + coloured_box({0, 32, 36}, {20, 42, 50}, 25);
+  const auto spec = parse_design_spec(
+      R"({"popcut": 1, "style": "facets", "surface": {"type": "mesh", "file": "p.obj"}})");
+  REQUIRE(spec);
+  const auto made = design_assembly(*spec, {{"p.obj", obj}});
+  if (!made) FAIL(message(made.error()));
+  const auto mesh = read_colour_mesh("p.obj", obj, {});
+  if (!mesh) FAIL(message(mesh.error()));
+  REQUIRE(mesh->coloured);
+  const ColourMesh model = model_on_sheet(*mesh, spec->placement, made->parts.front());
+  const Pattern* const part = &made->parts.front().pattern;
+  ArtworkOptions options;
+  options.pixel_mm = 0.1;
+  options.mode = GENERATE(PrintMode::View, PrintMode::Surface);
+  const auto artwork = design_artwork({&part, 1}, {&model, 1}, nullptr, options);
+  if (!artwork) FAIL(message(artwork.error()));
+  double twice_mm2 = 0;  // of the paper, by the sides of its faces
+  for (std::size_t f = 0; f < part->faces(); ++f) {
+    const auto face = part->face(f);
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const PatternVertex &p = part->vertices[face[k]],
+                          &q = part->vertices[face[(k + 1) % face.size()]];
+      twice_mm2 += part->u(p) * q.v - part->u(q) * p.v;
+    }
+  }
+  const auto paper = static_cast<double>(
+      std::count(artwork->on_paper.begin(), artwork->on_paper.end(), std::uint8_t{1}));
+  CHECK_THAT(0.01 * paper, Catch::WithinRel(0.5 * twice_mm2, 1e-3));  // pixels along the borders
+  // The letter's front is 20 from the wall, and begins 10 along the spine.
+  double first_v = 1e300;
+  for (std::size_t k = 1; k < model.soup.corners.size(); k += 3)
+    first_v = std::min(first_v, model.soup.corners[k]);
+  const auto pixel_of = [&](double y, double z) {
+    const PagePoint at = artwork->frame.in_pixels({first_v + y - 10, part->wall_mm + 20 - z});
+    return std::array{std::lround(at.x), std::lround(at.y)};
+  };
+  const auto width = static_cast<long>(artwork->frame.width);
+  const auto is_paper = [&](long i, long j) {
+    return artwork->on_paper[static_cast<std::size_t>(j * width + i)] != 0;
+  };
+  const auto has_ink = [&](long i, long j) {
+    return artwork->image.rgba[static_cast<std::size_t>(4 * (j * width + i) + 3)] != 0;
+  };
+  const auto [middle_i, middle_j] = pixel_of(26, 43);
+  CHECK(!is_paper(middle_i, middle_j));
+  CHECK(!has_ink(middle_i, middle_j));
+  const auto [from_i, from_j] = pixel_of(19, 51);
+  const auto [to_i, to_j] = pixel_of(33, 35);
+  int beside = 0, without_ink = 0;
+  for (long j = from_j; j <= to_j; ++j)
+    for (long i = from_i; i <= to_i; ++i) {
+      if (!is_paper(i, j) && !is_paper(i - 5, j) && !is_paper(i + 5, j) && !is_paper(i, j - 5) &&
+          !is_paper(i, j + 5))
+        continue;
+      ++beside;
+      without_ink += has_ink(i, j) ? 0 : 1;
+    }
+  CHECK(without_ink == 0);
+  CHECK(beside > 1000);
 }
 
 TEST_CASE("a picture's outline has no hairs where it crosses cuts", "[artwork]") {

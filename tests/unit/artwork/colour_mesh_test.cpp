@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: MIT
+#include <cstdio>
+#include <cstdlib>
+#include <map>
 #include <string>
+#include <vector>
 
+#include <fmt/format.h>
+#include <jpeglib.h>
 #include <catch2/catch.hpp>
 
 #include "core/artwork/colour_mesh_reader.hpp"
@@ -92,6 +98,25 @@ TEST_CASE("what a model names and cannot be read is one error with its place", "
              Catch::Contains("names the material skin"));
   CHECK_THAT(error_of("q.obj", kQuad + "f 1/9 2/2 3/3\n", {}),
              Catch::Contains("names place 9 of the texture"));
+  CHECK_THAT(error_of("q.obj", named, {{"m.mtl", "newmtl skin\nKd red\n"}}),
+             Catch::Contains("m.mtl: line 2: is no colour"));
+  CHECK_THAT(error_of("q.obj", named, {{"m.mtl", "newmtl skin\nKd nan 0 0\n"}}),
+             Catch::Contains("m.mtl: line 2: is no colour"));
+  CHECK_THAT(error_of("q.obj", kQuad + "vt inf 0\nf 1 2 3\n", {}),
+             Catch::Contains("is no place of a texture"));
+  const auto gltf = [&](const std::string& mesh, int node) {
+    return error_of("q.gltf",
+                    fmt::format(R"({{"asset": {{"version": "2.0"}},
+        "scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": {}}}], "meshes": [{{"primitives": [{}]}}],
+        "buffers": [{{"byteLength": 36, "uri": "data:application/octet-stream;base64,{}"}}],
+        "bufferViews": [{{"buffer": 0, "byteLength": 36}}], "accessors": [{{"bufferView": 0,
+        "componentType": 5126, "count": 3, "type": "VEC3"}}]}})",
+                                node, mesh, std::string(48, 'A')),
+                    {});
+  };
+  CHECK_THAT(gltf(R"({"attributes": {"POSITION": 0}})", 3), Catch::Contains("q.gltf: /meshes/3"));
+  CHECK_THAT(gltf(R"({"attributes": {"POSITION": 0}, "material": 7})", 0),
+             Catch::Contains("q.gltf: /materials/7"));
   CHECK_THAT(error_of("q.glb", "glTF nonsense", {}), Catch::Contains("q.glb: is no glTF"));
   CHECK_THAT(error_of("q.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
                         "nodes": [{"children": [0]}]})",
@@ -99,9 +124,40 @@ TEST_CASE("what a model names and cannot be read is one error with its place", "
              Catch::Contains("q.gltf"));
 }
 
+/// A JPEG of noise.
+std::string noisy_jpeg(unsigned side) {
+  jpeg_compress_struct info{};
+  jpeg_error_mgr errors{};
+  info.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&info);
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&info, &bytes, &size);
+  info.image_width = info.image_height = side;
+  info.input_components = 3;
+  info.in_color_space = JCS_RGB;
+  jpeg_set_defaults(&info);
+  jpeg_start_compress(&info, TRUE);
+  std::vector<unsigned char> row(3 * std::size_t{side});
+  for (unsigned j = 0; j < side; ++j) {
+    for (std::size_t k = 0; k < row.size(); ++k)
+      row[k] = static_cast<unsigned char>(97 * k + 31 * j + k * j);
+    unsigned char* at = row.data();
+    jpeg_write_scanlines(&info, &at, 1);
+  }
+  jpeg_finish_compress(&info);
+  std::string out(reinterpret_cast<const char*>(bytes), size);
+  jpeg_destroy_compress(&info);
+  std::free(bytes);
+  return out;
+}
+
 TEST_CASE("a JPEG that is broken off or is none is an error, and no crash", "[artwork]") {
+  const std::string whole = noisy_jpeg(40);
+  REQUIRE(read_image("photo.jpg", whole));
   for (const std::string& bytes :
        {std::string("\xFF\xD8\xFF\xE0"), std::string("\xFF\xD8"),
+        whole.substr(0, whole.size() * 6 / 10), whole.substr(0, whole.size() * 9 / 10),
         std::string("\xFF\xD8\xFF\xC0\x00\x11\x08\xFF\xFF\xFF\xFF\x03", 12), std::string()}) {
     const auto image = read_image("photo.jpg", bytes);
     REQUIRE(!image);
