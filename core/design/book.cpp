@@ -183,6 +183,7 @@ class Binder {
   Result<void> design_cards() {
     out_.book.emplace();
     out_.book->is_alike = are_alike(spec_);
+    out_.book->has_whole_target = spec_.surface && std::holds_alternative<MeshSpec>(*spec_.surface);
     made_.resize(cards_);
     const std::size_t different = out_.book->is_alike ? 1 : cards_;
     std::optional<Error> nothing;

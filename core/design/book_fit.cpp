@@ -95,8 +95,7 @@ TriangleSoup book_target(const PatchAssembly& book) {
     append(turned_in_book(target_triangles(card.strips, spine_of(card), card.report, card.target),
                           book.book->angle_deg, i),
            out);
-    // A mesh is whole in the corner of each card.
-    if (card.pattern.model_placement && !book.book->is_alike) break;
+    if (book.book->has_whole_target) break;
   }
   return out;
 }

@@ -36,6 +36,7 @@ struct BookReport {
   double closed_mm{};          ///< how far the structures reach from the spine when it is shut
   std::vector<bool> is_plain;  ///< one a card: nothing of the target is there, so it is plain
   bool is_alike{};             ///< all cards are the same
+  bool has_whole_target{};     ///< the target of each card is all of it: a mesh
   /// One less than cards: the first ground and the last wall are the covers.
   std::vector<BookSeam> seams;
   std::optional<BookFit> fit;  ///< left to `book_fit`, which takes as long as a small design

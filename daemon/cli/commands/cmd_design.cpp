@@ -314,6 +314,14 @@ Result<void> print_example(const std::string& name) {
               fmt::format("'{}' is not an example; give one of:{}", name, known));
 }
 
+/// The files of a whole book that come with these formats.
+std::string files_of_book(const std::vector<Format>& formats) {
+  const bool moves = std::any_of(formats.begin(), formats.end(),
+                                 [](const Format& format) { return format.name == "glb"; });
+  return fmt::format("book.json{}{}", moves ? " book.glb" : "",
+                     are_drawn(formats) ? " book.svg" : "");
+}
+
 /// The seconds of an assembly of several parts are those of all together.
 Result<PatchAssembly> timed_design(const DesignSpec& spec, const SurfaceAssets& assets,
                                    std::string& unsound, const Progress& progress) {
@@ -501,7 +509,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
       is_one ? options.folder
              : fmt::format("{0}/{1} to {0}/{2}, {3} in {0}", options.folder, part_folder(*made, 0),
                            part_folder(*made, made->parts.size() - 1),
-                           made->book ? "book.json book.glb book.svg" : "report.json");
+                           made->book ? files_of_book(*formats) : "report.json");
   fmt::print(stderr, "  wrote   {} in {} ({:.2f} s)\n", files, where,
              made->parts.front().report.seconds);
   return {};

@@ -17,6 +17,7 @@
 #include "core/artwork/pattern_lines.hpp"
 #include "core/deploy/glb.hpp"
 #include "core/deploy/pose_table.hpp"
+#include "core/design/book.hpp"
 #include "core/layout/sheet.hpp"
 #include "core/machines/machine.hpp"
 #include "core/plan/plan.hpp"
@@ -90,8 +91,13 @@ Result<void> keep_design(const Options& options, PrintMode mode, const DesignSpe
                 "is for designs of one surface, and this one has patches; leave it out");
   auto model = model_of(options, spec, assets);
   if (!model) return tl::unexpected(model.error());
-  for (const Design& part : made.parts) {
-    source.models.push_back(*model ? model_on_sheet(**model, spec.placement, part)
+  const auto standing = spec.book ? book_placement(spec, assets) : spec.placement;
+  if (!standing) return tl::unexpected(standing.error());
+  for (std::size_t p = 0; p < made.parts.size(); ++p) {
+    const Design& part = made.parts[p];
+    const TargetPlacement placement =
+        spec.book ? card_of_book(spec, *standing, p).placement : *standing;
+    source.models.push_back(*model ? model_on_sheet(**model, placement, part)
                                    : clay_on_sheet(part));
     source.coloured = source.models.back().coloured;
   }

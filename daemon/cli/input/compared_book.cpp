@@ -13,6 +13,7 @@
 
 #include "core/compare/comparison.hpp"
 #include "core/design/book.hpp"
+#include "core/design/facet_design.hpp"
 #include "core/design/target/placement_map.hpp"
 #include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/target/target.hpp"
@@ -62,6 +63,25 @@ nlohmann::json spec_of_card(nlohmann::json spec, const DesignSpec& card) {
   spec["rotate_deg"] = degrees_of(whole_turn(card.placement));
   spec["translate_mm"] = whole_shift_mm(card.placement);
   return spec;
+}
+
+/// Facets have no slices to check, so that the verifier does not read them.
+Result<ComparedTarget> facet_book_target(const DesignSpec& spec, const SurfaceAssets& assets,
+                                         const TargetPlacement& placement, bool is_mesh) {
+  ComparedTarget out;
+  out.is_solid = is_mesh;
+  out.placed_by = "spec";
+  const auto cards = static_cast<std::size_t>(spec.book->cards);
+  for (std::size_t i = 0; i < (is_mesh ? 1 : cards); ++i) {
+    const auto target = facet_target(card_of_book(spec, placement, i), assets);
+    if (!target) return tl::unexpected(target.error());
+    std::vector<float> own(target->soup.corners.begin(), target->soup.corners.end());
+    turn(own, static_cast<double>(i) * spec.book->angle_deg() * std::numbers::pi / 180.0);
+    append(own, out.triangles);
+    out.placement.shift_mm.y() = spec.card->margin_mm - target->from_mm;
+  }
+  out.triangles = likeness::placed(out.triangles, out.placement);
+  return out;
 }
 
 }  // namespace
@@ -121,6 +141,11 @@ Result<ComparedTarget> read_book_target(const std::string& file, const std::stri
   if (!placement) return tl::unexpected(within(file, placement.error()));
   const auto json = nlohmann::json::parse(text, nullptr, false);
   const bool is_mesh = spec->surface && std::holds_alternative<MeshSpec>(*spec->surface);
+  if (spec->style == DesignStyle::Facets) {
+    auto facets = facet_book_target(*spec, *assets, *placement, is_mesh);
+    if (!facets) return tl::unexpected(within(file, facets.error()));
+    return facets;
+  }
   const verify::TargetFiles target_files(assets->begin(), assets->end());
   const likeness::Box box = likeness::box_of(structure.triangles);
   const double reach = 1.05 * std::max({box.high.x(), box.high.z(), -box.low.x(), -box.low.z()});

@@ -155,6 +155,24 @@ TEST_CASE("what a book folder cannot be used for is said in one line", "[cli][e2
   CHECK_FALSE(fs::exists(bench.temp / "x"));
 }
 
+TEST_CASE("a book of facets is designed, verified and compared with its design",
+          "[cli][e2e][book]") {
+  const Bench bench;
+  bench.write("house.json", json::parse(
+                                R"j({"popcut":1,"style":"facets","surface":{"type":"implicit",
+          "f":"max(max(abs(x-4)-30,abs(z)-25),abs(y-20)-15)"},
+          "facets":{"length_mm":40,"pitch_mm":5,"strip_mm":5},"book":{"cards":4}})j"));
+  const Ran made =
+      bench.popcut({"design", "house.json", "-o", "out", "--formats", "fold,report", "-q"});
+  CAPTURE(made.err);
+  REQUIRE(made.exit == 0);
+  CHECK(bench.popcut({"verify", "out", "-q"}).exit == 0);
+  const Ran seen = bench.popcut({"compare", "out", "house.json", "--no-cost", "--json"});
+  CAPTURE(seen.err);
+  REQUIRE(seen.exit == 0);
+  CHECK(json::parse(seen.out).at("error") < 0.3);
+}
+
 TEST_CASE("verify refuses a book whose cards do not belong together", "[cli][e2e][book]") {
   const Bench bench;
   write_ball(bench, 3);
