@@ -15,7 +15,7 @@ set(walls
   "core/machines : core/(curvature|deploy|design|figures|formats|layout|plan|verify)/ : a machine is a row of a table"
   "core/calibrate : core/(curvature|deploy|design|figures|formats|layout|pattern|plan|verify)/ : it measures a machine"
   "core/curvature : core/(deploy|design|drawing|figures|layout|machines|plan|verify)/ : it computes for design"
-  "core/design : core/(deploy|figures|formats|layout|machines|plan|verify)/ : a design knows no file and no machine"
+  "core/design : core/(deploy|figures|formats/(csv|fold|lattice|write)|layout|machines|plan|verify)/ : a design knows no machine and no file but its target, which may be a drawing"
   "core/plot : core/(curvature|deploy|design|drawing|figures|formats|layout|machines|pattern|plan|verify)/ : it draws plain numbers"
   "core/fit : core/(curvature|deploy|design|drawing|figures|formats|layout|machines|pattern|plan|plot|text|verify)/ : it compares plain triangles"
   "core/compare : core/(artwork|calibrate|curvature|deploy|design|drawing|figures|fit|formats|layout|machines|pattern|picture|plan|plot|print|text|verify)/ : it compares plain triangles, and shares nothing with what makes them"
@@ -59,6 +59,8 @@ set(libraries
   "cairo.* : daemon/pictures"
   "fontconfig/.* : daemon/pictures"
   "png[.]h : daemon/pictures"
+  "(ft2build|hb)[.]h : core/design/outline"
+  "clipper[.]hpp : core/design/outline"
   "jpeglib[.]h : daemon/pictures"
   "zlib[.]h : daemon/http"
   "toml.* : daemon/config")

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstring>
 #include <map>
+#include <numeric>
 #include <sstream>
 #include <utility>
 
@@ -227,26 +228,76 @@ std::string face_name(const Pattern& pattern, std::size_t f) {
   return fmt::format("{} {}", kind, f);
 }
 
-/// The nodes, their paper and their movement.
+/// The nodes, their paper and their movement, of one pattern or several.
 class Scene {
  public:
-  Scene(const Pattern& pattern, const PoseTable& table, const GlbOptions& options)
-      : pattern_(pattern), table_(table), options_(options), store_(model_) {}
-
-  Result<std::string> written() {
-    if (pattern_.faces() > kMaxGlbFaces)
-      return fail(ErrorKind::OutOfRange, "faces",
-                  fmt::format("{} are too many for one animation; at most {} can be moved",
-                              pattern_.faces(), kMaxGlbFaces));
-    const auto faces = triangulate_faces(pattern_);
-    if (!faces) return tl::unexpected(faces.error());
+  explicit Scene(const GlbOptions& options) : options_(options), store_(model_) {
     model_.asset.version = "2.0";
     model_.asset.generator = options_.creator;
     model_.materials = {material("paper front", {0.96, 0.80, 0.52, 1}),
                         material("paper back", {0.93, 0.94, 0.95, 1})};
+    animation_.name = "deploy";
+  }
+
+  Result<std::string> pattern_alone(const Pattern& pattern, const PoseTable& table) {
+    if (auto sound = check_faces(pattern.faces()); !sound) return tl::unexpected(sound.error());
+    tinygltf::Node root;
+    root.name = pattern.name.empty() ? "popcut" : pattern.name;
+    root.scale = kMmToM;
+    // x away from the wall becomes z, v becomes x, z becomes y: a third of a turn about (1, 1, 1).
+    root.rotation = {-0.5, -0.5, -0.5, 0.5};
     if (!options_.front.png.empty()) add_picture();
-    add_nodes(*faces);
-    if (table_.poses() > 1) add_animation();
+    const auto children = add_bodies(pattern, table);
+    if (!children) return tl::unexpected(children.error());
+    root.children = *children;
+    add_root(std::move(root));
+    if (table.poses() > 1) add_motion(table, 0);
+    return written(table);
+  }
+
+  Result<std::string> book(std::span<const GlbCard> cards, const std::string& name) {
+    std::size_t faces = 0;
+    for (const GlbCard& card : cards) faces += card.pattern->faces();
+    if (auto sound = check_faces(faces); !sound) return tl::unexpected(sound.error());
+    tinygltf::Node root;
+    root.name = name.empty() ? "popcut" : name;
+    root.scale = kMmToM;  // v, along the spine, is up already
+    for (std::size_t i = 0; i < cards.size(); ++i) {
+      const auto& [pattern, table] = cards[i];
+      const auto first = static_cast<int>(model_.nodes.size());
+      auto children = add_bodies(*pattern, *table);
+      if (!children) return tl::unexpected(children.error());
+      if (table->poses() > 1) add_motion(*table, first);
+      tinygltf::Node node;
+      node.name = fmt::format("card {}", i + 1);
+      node.children = std::move(*children);
+      const Turn turn = turn_of_card(i, table->psi_rad.back());
+      node.rotation.assign(turn.coeffs().begin(), turn.coeffs().end());
+      root.children.push_back(static_cast<int>(model_.nodes.size()));
+      model_.nodes.push_back(std::move(node));
+      if (table->poses() > 1 && i > 0) add_card_track(*table, i);
+    }
+    add_root(std::move(root));
+    return written(*cards.front().table);
+  }
+
+ private:
+  inline static const std::vector<double> kMmToM{0.001, 0.001, 0.001};
+
+  static Result<void> check_faces(std::size_t faces) {
+    if (faces <= kMaxGlbFaces) return {};
+    return fail(ErrorKind::OutOfRange, "faces",
+                fmt::format("{} are too many for one animation; at most {} can be moved", faces,
+                            kMaxGlbFaces));
+  }
+
+  Result<std::string> written(const PoseTable& table) {
+    if (!animation_.channels.empty()) {
+      animation_.extras = tinygltf::Value(
+          tinygltf::Value::Object{{"psi_from_rad", tinygltf::Value(table.psi_rad.front())},
+                                  {"psi_to_rad", tinygltf::Value(table.psi_rad.back())}});
+      model_.animations.push_back(std::move(animation_));
+    }
     store_.finish();
     std::ostringstream out;
     tinygltf::TinyGLTF writer;
@@ -255,7 +306,6 @@ class Scene {
     return std::move(out).str();
   }
 
- private:
   void add_picture() {
     tinygltf::Image image;
     image.bufferView = store_.picture(options_.front.png);
@@ -274,24 +324,32 @@ class Scene {
     front.baseColorTexture.index = 0;
   }
 
-  void add_nodes(const FaceTriangles& faces) {
-    const std::size_t bodies = table_.bodies();
-    const std::size_t rest = table_.poses() - 1;
-    model_.nodes.resize(bodies + 1);
-    tinygltf::Node& root = model_.nodes[bodies];
-    root.name = pattern_.name.empty() ? "popcut" : pattern_.name;
-    root.scale = {0.001, 0.001, 0.001};  // mm to m
-    // x away from the wall becomes z, v becomes x, z becomes y: a third of a turn about (1, 1, 1).
-    root.rotation = {-0.5, -0.5, -0.5, 0.5};
+  void add_root(tinygltf::Node root) {
+    model_.scenes.emplace_back();
+    model_.scenes.front().nodes = {static_cast<int>(model_.nodes.size())};
+    model_.defaultScene = 0;
+    model_.nodes.push_back(std::move(root));
+  }
+
+  /// The bodies of a pattern as they stand in the last pose, a node each.
+  ///
+  /// @return the nodes that hang on nothing
+  Result<std::vector<int>> add_bodies(const Pattern& pattern, const PoseTable& table) {
+    const auto faces = triangulate_faces(pattern);
+    if (!faces) return tl::unexpected(faces.error());
+    std::vector<int> roots;
+    const std::size_t bodies = table.bodies(), first = model_.nodes.size();
+    const std::size_t rest = table.poses() - 1;
+    model_.nodes.resize(first + bodies);
     for (std::size_t b = 0; b < bodies; ++b) {
-      tinygltf::Node& node = model_.nodes[b];
-      const Vec3 place = joint_place(table_, rest, b);
-      const Turn turn = joint_turn(table_, rest, b);
-      node.name = b < table_.faces ? face_name(pattern_, b) : fmt::format("link {}", b);
+      tinygltf::Node& node = model_.nodes[first + b];
+      const Vec3 place = joint_place(table, rest, b);
+      const Turn turn = joint_turn(table, rest, b);
+      node.name = b < table.faces ? face_name(pattern, b) : fmt::format("link {}", b);
       node.translation.assign(place.begin(), place.end());
       node.rotation.assign(turn.coeffs().begin(), turn.coeffs().end());
-      if (b < table_.faces) {
-        const FacePaper paper(faces, b, table_.pivot[b], pattern_.wall_mm,
+      if (b < table.faces) {
+        const FacePaper paper(*faces, b, table.pivot[b], pattern.wall_mm,
                               options_.front.png.empty() ? nullptr : &options_.front);
         node.mesh = static_cast<int>(model_.meshes.size());
         model_.meshes.push_back(options_.thickness_mm > 0
@@ -299,65 +357,84 @@ class Scene {
                                     : paper.surface(store_));
         model_.meshes.back().name = node.name;
       }
-      const std::int32_t parent = table_.parent[b];
-      auto& above = parent < 0 ? root : model_.nodes[static_cast<std::size_t>(parent)];
-      above.children.push_back(static_cast<int>(b));
+      const std::int32_t parent = table.parent[b];
+      auto& siblings =
+          parent < 0 ? roots : model_.nodes[first + static_cast<std::size_t>(parent)].children;
+      siblings.push_back(static_cast<int>(first + b));
     }
-    model_.scenes.emplace_back();
-    model_.scenes.front().nodes = {static_cast<int>(bodies)};
-    model_.defaultScene = 0;
+    return roots;
   }
 
-  void add_animation() {
-    const std::vector<std::size_t> keys = animation_keys(table_);
-    const double from = table_.psi_rad.front(), to = table_.psi_rad.back();
+  [[nodiscard]] int time_track(const PoseTable& table, const std::vector<std::size_t>& keys) {
+    const double from = table.psi_rad.front(), to = table.psi_rad.back();
     std::vector<float> times;
     for (const std::size_t k : keys)
       times.push_back(
-          static_cast<float>(options_.seconds * (table_.psi_rad[k] - from) / (to - from)));
-    const int input = store_.track(times, keys.size(), TINYGLTF_TYPE_SCALAR, true);
-    tinygltf::Animation animation;
-    animation.name = "deploy";
-    animation.extras = tinygltf::Value(tinygltf::Value::Object{
-        {"psi_from_rad", tinygltf::Value(from)}, {"psi_to_rad", tinygltf::Value(to)}});
-    for (std::size_t b = 0; b < table_.bodies(); ++b) {
-      add_track(animation, input, b, "rotation", TINYGLTF_TYPE_VEC4, turns_of(keys, b));
-      if (table_.parent[b] < 0 && shifts(keys, b))
-        add_track(animation, input, b, "translation", TINYGLTF_TYPE_VEC3, places_of(keys, b));
+          static_cast<float>(options_.seconds * (table.psi_rad[k] - from) / (to - from)));
+    return store_.track(times, keys.size(), TINYGLTF_TYPE_SCALAR, true);
+  }
+
+  /// How the bodies of a pattern move, whose first node is `first`.
+  void add_motion(const PoseTable& table, int first) {
+    const std::vector<std::size_t> keys = animation_keys(table);
+    const int input = time_track(table, keys);
+    for (std::size_t b = 0; b < table.bodies(); ++b) {
+      const int node = first + static_cast<int>(b);
+      add_track(input, node, "rotation", TINYGLTF_TYPE_VEC4, turns_of(table, keys, b));
+      if (table.parent[b] < 0 && shifts(table, keys, b))
+        add_track(input, node, "translation", TINYGLTF_TYPE_VEC3, places_of(table, keys, b));
     }
-    if (!animation.channels.empty()) model_.animations.push_back(std::move(animation));
+  }
+
+  /// A card of a book is turned about the spine by the openings of those before it: x toward z.
+  static Turn turn_of_card(std::size_t card, double psi_rad) {
+    return Turn(Eigen::AngleAxisd(-static_cast<double>(card) * psi_rad, Vec3(0, 1, 0)));
+  }
+
+  void add_card_track(const PoseTable& table, std::size_t card) {
+    std::vector<std::size_t> keys(table.poses());
+    std::iota(keys.begin(), keys.end(), std::size_t{0});
+    std::vector<float> numbers;
+    Turn last = kNoTurn;
+    for (const std::size_t k : keys) {
+      last = toward(turn_of_card(card, table.psi_rad[k]), last);
+      for (const double part : last.coeffs()) numbers.push_back(static_cast<float>(part));
+    }
+    add_track(time_track(table, keys), static_cast<int>(model_.nodes.size()) - 1, "rotation",
+              TINYGLTF_TYPE_VEC4, numbers);
   }
 
   /// Adds a track unless it stays what it is; tracks with equal numbers share a sampler.
-  void add_track(tinygltf::Animation& animation, int input, std::size_t body, const char* path,
-                 int type, const std::vector<float>& numbers) {
+  void add_track(int input, int node, const char* path, int type,
+                 const std::vector<float>& numbers) {
     const std::size_t width = type == TINYGLTF_TYPE_VEC4 ? 4 : 3;
     bool moves = false;
     for (std::size_t i = width; i < numbers.size(); ++i)
       moves = moves || numbers[i] != numbers[i - width];
     if (!moves) return;
     const int output = store_.track(numbers, numbers.size() / width, type, false);
-    const auto [known, fresh] = sampler_of_.try_emplace(output, animation.samplers.size());
+    const auto [known, fresh] =
+        sampler_of_.try_emplace(std::pair(input, output), animation_.samplers.size());
     if (fresh) {
       tinygltf::AnimationSampler sampler;
       sampler.input = input;
       sampler.output = output;
       sampler.interpolation = "LINEAR";
-      animation.samplers.push_back(std::move(sampler));
+      animation_.samplers.push_back(std::move(sampler));
     }
     tinygltf::AnimationChannel channel;
     channel.sampler = static_cast<int>(known->second);
-    channel.target_node = static_cast<int>(body);
+    channel.target_node = node;
     channel.target_path = path;
-    animation.channels.push_back(std::move(channel));
+    animation_.channels.push_back(std::move(channel));
   }
 
-  [[nodiscard]] std::vector<float> turns_of(const std::vector<std::size_t>& keys,
-                                            std::size_t body) const {
+  static std::vector<float> turns_of(const PoseTable& table, const std::vector<std::size_t>& keys,
+                                     std::size_t body) {
     std::vector<float> numbers;
     Turn last = kNoTurn;
     for (const std::size_t k : keys) {
-      const Turn turn = toward(joint_turn(table_, k, body), last);
+      const Turn turn = toward(joint_turn(table, k, body), last);
       // Parts below float precision are noise; without it equal tracks are equal.
       constexpr double kNoise = 1e-9;
       for (const double part : turn.coeffs())
@@ -367,35 +444,41 @@ class Scene {
     return numbers;
   }
 
-  [[nodiscard]] bool shifts(const std::vector<std::size_t>& keys, std::size_t root) const {
+  static bool shifts(const PoseTable& table, const std::vector<std::size_t>& keys,
+                     std::size_t root) {
     constexpr double kStillMm = 1e-7;
-    const Vec3 first = joint_place(table_, keys.front(), root);
+    const Vec3 first = joint_place(table, keys.front(), root);
     return std::any_of(keys.begin(), keys.end(), [&](std::size_t k) {
-      return norm(joint_place(table_, k, root) - first) > kStillMm;
+      return norm(joint_place(table, k, root) - first) > kStillMm;
     });
   }
 
-  [[nodiscard]] std::vector<float> places_of(const std::vector<std::size_t>& keys,
-                                             std::size_t body) const {
+  static std::vector<float> places_of(const PoseTable& table, const std::vector<std::size_t>& keys,
+                                      std::size_t body) {
     std::vector<float> numbers;
     for (const std::size_t k : keys)
-      for (const double value : joint_place(table_, k, body))
+      for (const double value : joint_place(table, k, body))
         numbers.push_back(static_cast<float>(value));
     return numbers;
   }
 
-  const Pattern& pattern_;
-  const PoseTable& table_;
   const GlbOptions& options_;
   tinygltf::Model model_;
+  tinygltf::Animation animation_;
   Store store_;
-  std::map<int, std::size_t> sampler_of_;
+  std::map<std::pair<int, int>, std::size_t> sampler_of_;  ///< by times and values
 };
 
 }  // namespace
 
 Result<std::string> glb(const Pattern& pattern, const PoseTable& table, const GlbOptions& options) {
-  return Scene(pattern, table, options).written();
+  return Scene(options).pattern_alone(pattern, table);
+}
+
+Result<std::string> book_glb(std::span<const GlbCard> cards, const std::string& name,
+                             const GlbOptions& options) {
+  if (cards.empty()) return fail(ErrorKind::OutOfRange, "cards", "are none; give one at least");
+  return Scene(options).book(cards, name);
 }
 
 }  // namespace popcut

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string>
 
 #include "core/deploy/pose_table.hpp"
@@ -38,5 +40,19 @@ struct GlbOptions {
 /// @retval Internal    the glTF library failed
 [[nodiscard]] Result<std::string> glb(const Pattern& pattern, const PoseTable& table,
                                       const GlbOptions& options);
+
+/// A card of a book, with its poses. All cards of a book have the same opening angles.
+struct GlbCard {
+  const Pattern* pattern{};
+  const PoseTable* table{};
+};
+
+/// A book that opens: cards around one spine, each turned about it by the openings of the cards
+/// before it, in a node "card N" of its own. The spine is up (+y), the first ground lies along +x.
+/// All cards open evenly, from the first pose to the last; else as `glb`.
+///
+/// @retval OutOfRange  as `glb`, for all cards together; no cards
+[[nodiscard]] Result<std::string> book_glb(std::span<const GlbCard> cards, const std::string& name,
+                                           const GlbOptions& options);
 
 }  // namespace popcut

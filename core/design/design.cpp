@@ -25,6 +25,7 @@
 #include "core/design/strips/splay.hpp"
 #include "core/design/strips/strip_bridge.hpp"
 #include "core/design/strips/strip_builder.hpp"
+#include "core/design/target/placement_map.hpp"
 
 namespace popcut {
 namespace {
@@ -66,8 +67,8 @@ class Designer {
   Result<Design> run() {
     auto sliced = slice_target(spec_, assets_, progress_);
     if (!sliced) {
-      Error error = sliced.error();  // a placement is proposed for files only
-      if (asset_of(spec_.surface).empty()) error.reason = ErrorReason::None;
+      Error error = sliced.error();  // a placement is proposed for triangles only
+      if (!solid_word(spec_.surface) && !spec_.is_card) error.reason = ErrorReason::None;
       return tl::unexpected(std::move(error));
     }
     sliced_ = std::move(*sliced);
@@ -580,13 +581,15 @@ class Designer {
   [[nodiscard]] std::optional<std::array<double, 7>> model_placement(const DesignReport& r) const {
     if (spec_.is_patch || !spec_.surface || asset_of(*spec_.surface).empty() || r.slices.empty())
       return std::nullopt;
-    double shift_mm = 0.0;
+    double shift_mm = 0.0, slices = 0.0;
     for (const SliceReport& slice : r.slices)
-      shift_mm += (slice.v_mm - slice.s_mm) / static_cast<double>(r.slices.size());
+      if (!slice.blank) shift_mm += slice.v_mm - slice.s_mm, ++slices;
+    shift_mm /= std::max(slices, 1.0);
     const TargetPlacement& p = spec_.placement;
-    return std::array{p.scale_mm,       p.rotate_deg[0],   p.rotate_deg[1],
-                      p.rotate_deg[2],  p.translate_mm[0], p.translate_mm[1] + shift_mm,
-                      p.translate_mm[2]};
+    const std::array<double, 3> turn =
+        p.about_spine_deg == 0.0 ? p.rotate_deg : degrees_of(whole_turn(p));
+    const std::array<double, 3> by = whole_shift_mm(p);
+    return std::array{p.scale_mm, turn[0], turn[1], turn[2], by[0], by[1] + shift_mm, by[2]};
   }
 
   /// What became of the places where N changes, and of other plain cuts.

@@ -9,7 +9,6 @@
 
 #include "core/design/design_report.hpp"
 #include "core/design/facets/facets.hpp"
-#include "core/fit/triangle_soup.hpp"
 
 namespace popcut {
 namespace {
@@ -46,16 +45,22 @@ std::pair<double, double> extent_of(const TriangleSoup& soup) {
   return {low, high};
 }
 
-/// The stretch of the spine, and the target over it.
-struct FacetTarget {
-  TriangleSoup soup;
-  double from_mm{}, to_mm{};
-};
+Result<FacetTarget> target_over(const DesignSpec& spec, const Surface& surface);
 
-Result<FacetTarget> target_of(const DesignSpec& spec, const Surface& surface) {
+}  // namespace
+
+Result<FacetTarget> facet_target(const DesignSpec& spec, const SurfaceAssets& assets) {
+  const auto surface = Surface::make(*spec.surface, spec.placement, FitMode::Nearest, assets);
+  if (!surface) return tl::unexpected(surface.error());
+  return target_over(spec, *surface);
+}
+
+namespace {
+
+Result<FacetTarget> target_over(const DesignSpec& spec, const Surface& surface) {
   const FacetSpec& asked = spec.facets;
   FacetTarget out{{}, asked.from_mm, asked.from_mm + asked.length_mm.value_or(0.0)};
-  if (asset_of(spec.surface).empty()) {
+  if (!solid_word(*spec.surface)) {
     auto soup = triangles_in(surface, out.from_mm, out.to_mm, kFacetChord * asked.pitch_mm);
     if (!soup) return tl::unexpected(soup.error());
     out.soup = std::move(*soup);
@@ -70,7 +75,7 @@ Result<FacetTarget> target_of(const DesignSpec& spec, const Surface& surface) {
   if (!(out.to_mm > out.from_mm))
     return fail(ErrorKind::OutOfRange, "/facets/from_mm",
                 fmt::format("is {:g}; must be less than {:g}, where the {} ends", out.from_mm, high,
-                            std::holds_alternative<MeshSpec>(*spec.surface) ? "mesh" : "grid"));
+                            solid_word(*spec.surface)));
   return out;
 }
 
@@ -114,7 +119,7 @@ Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
   tell(progress, "reading the shape");
   auto surface = Surface::make(*spec.surface, spec.placement, FitMode::Nearest, assets);
   if (!surface) return tl::unexpected(surface.error());
-  const auto target = target_of(spec, *surface);
+  const auto target = target_over(spec, *surface);
   if (!target) return tl::unexpected(target.error());
   auto made = facet_card(target->soup, options_of(spec, *target), progress);
   if (!made) return tl::unexpected(made.error());

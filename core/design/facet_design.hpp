@@ -2,8 +2,19 @@
 #pragma once
 
 #include "core/design/design.hpp"
+#include "core/fit/triangle_soup.hpp"
 
 namespace popcut {
+
+/// What a spec of facets asks for: its surface in space, mm, and the stretch of the spine. On the
+/// sheet the stretch begins at the card's margin.
+struct FacetTarget {
+  TriangleSoup soup;
+  double from_mm{}, to_mm{};
+};
+
+/// The same errors as `facet_design`, as far as they are about the surface.
+[[nodiscard]] Result<FacetTarget> facet_target(const DesignSpec& spec, const SurfaceAssets& assets);
 
 /// A design of facets (`"style": "facets"`, docs/facets.md), as `design` makes one.
 ///

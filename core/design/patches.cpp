@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/design/book.hpp"
 #include "core/design/design_report.hpp"
 #include "core/design/strips/mobility.hpp"
 #include "core/design/strips/multi_state.hpp"
@@ -344,6 +345,7 @@ class Assembler {
 
 Result<PatchAssembly> design_assembly(const DesignSpec& spec, const SurfaceAssets& assets,
                                       const Progress& progress) {
+  if (spec.book) return design_book(spec, assets, progress);
   if (!spec.patches.empty()) return Assembler(spec, assets, progress).run();
   auto made = design(spec, assets, progress);
   if (!made) return tl::unexpected(made.error());

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/design/book_report.hpp"
 #include "core/design/design.hpp"
 
 namespace popcut {
@@ -36,9 +38,10 @@ struct PatchAssembly {
   std::vector<PatchReport> patches;  ///< none where the spec is one design
   std::vector<JoinReport> joins;     ///< one between neighbouring patches
   double u_mm{}, v_mm{};             ///< extent of the whole, put together and flat
+  std::optional<BookReport> book;    ///< the parts are the cards of a book
 };
 
-/// Designs a spec with patches, or with none: that is one part.
+/// Designs a spec with patches, a book (`design_book`), or one card: that is one part.
 ///
 /// Each patch is designed on its own. Patches that ask for no wall or ground of their own all get
 /// the same. Neighbours with the same wall and ground become one sheet: the margins between them

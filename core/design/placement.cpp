@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -42,13 +41,10 @@ std::vector<Vec> right_turns() {
   return out;
 }
 
-/// The degrees about x, y and z of a turn (`turn_of`), to a ten-thousandth.
-Vec degrees_of(const TurnMatrix& turn) {
-  const double sine = std::clamp(-turn[2][0], -1.0, 1.0);
-  const bool is_locked = std::abs(sine) > 1.0 - 1e-9;  // then x and z turn about the same axis
-  Vec out{is_locked ? std::atan2(-turn[1][2], turn[1][1]) : std::atan2(turn[2][1], turn[2][2]),
-          std::asin(sine), is_locked ? 0.0 : std::atan2(turn[1][0], turn[0][0])};
-  for (double& angle : out) angle = std::round(angle * 180.0 / std::numbers::pi * 1e4) / 1e4 + 0.0;
+/// The degrees about x, y and z of a turn, to a ten-thousandth.
+Vec rounded_degrees(const TurnMatrix& turn) {
+  Vec out = degrees_of(turn);
+  for (double& angle : out) angle = std::round(angle * 1e4) / 1e4 + 0.0;
   return out;
 }
 
@@ -61,7 +57,7 @@ Vec turned_on(const Vec& first, std::size_t axis, double degrees) {
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j)
       for (std::size_t k = 0; k < 3; ++k) out[i][j] += a[i][k] * b[k][j];
-  return degrees_of(out);
+  return rounded_degrees(out);
 }
 
 /// A way of standing.
@@ -267,6 +263,10 @@ Result<ProposedPlacement> propose_placement(const DesignSpec& spec, const Surfac
   if (!spec.patches.empty())
     return fail(ErrorKind::OutOfRange, "/patches",
                 "a placement is proposed for one design; give each patch's own spec");
+  if (spec.book)
+    return fail(ErrorKind::OutOfRange, "/book",
+                "a book stands about the middle of its model by itself; leave out --place, or "
+                "leave out rotate_deg and translate_mm");
   if (spec.placement.design_angle_deg != 90.0)
     return fail(
         ErrorKind::Infeasible, "/design_angle_deg",
@@ -274,10 +274,10 @@ Result<ProposedPlacement> propose_placement(const DesignSpec& spec, const Surfac
                     "only; set rotate_deg and translate_mm by hand, or leave it out for the "
                     "proposal",
                     spec.placement.design_angle_deg));
-  if (asset_of(spec.surface).empty())
+  if (!solid_word(spec.surface))
     return fail(ErrorKind::Infeasible, "/surface/type",
-                "a placement is proposed for meshes and grids only; set rotate_deg and "
-                "translate_mm by hand");
+                "a placement is proposed for meshes, grids, texts and drawings only; set "
+                "rotate_deg and translate_mm by hand");
   const auto mesh = triangles_of(*spec.surface, assets);
   if (!mesh) return tl::unexpected(mesh.error());
   return Placer(spec, assets, *mesh, stand).run();

@@ -334,7 +334,9 @@ class Planner {
     if (options_.labels == LabelTool::Cut || (options_.labels == LabelTool::Auto && !pen))
       cut_marks(*layout);
     out_.warnings.insert(out_.warnings.end(), layout->warnings.begin(), layout->warnings.end());
-    if (const std::string other = mat_for(out_.machine, bounds(work)); !other.empty())
+    // Pieces that are apart in the drawing, such as a book's cards, are split without glue.
+    if (const std::string other = mat_for(out_.machine, bounds(work));
+        !other.empty() && !layout->tabs.empty())
       out_.warnings.push_back(
           {.code = "fits_whole",
            .message = fmt::format("the drawing fits whole on `mat` {}, without splitting", other)});

@@ -100,7 +100,8 @@ Result<void> add_design_files(const PatchAssembly& made, const FileSink& add,
                               std::vector<Warning>& warnings) {
   const bool is_one = made.parts.size() == 1;
   for (std::size_t p = 0; p < made.parts.size(); ++p)
-    if (auto done = add_part(made.parts[p], is_one ? "" : part_folder(p) + "-", add, warnings);
+    if (auto done =
+            add_part(made.parts[p], is_one ? "" : part_folder(made, p) + "-", add, warnings);
         !done)
       return done;
   return add("report.json", report_json(made));

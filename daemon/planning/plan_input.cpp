@@ -47,6 +47,10 @@ Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sourc
     for (const Design& part : made->parts) parts.push_back(&part.pattern);
     JoinedParts joined = join_parts(parts);
     joined.drawing.name = made->name;
+    // The cards of a book lie side by side; each is a piece of its own.
+    for (std::size_t p = 1; made->book && p < parts.size(); ++p)
+      joined.seams_x.push_back(
+          0.5 * (parts[p - 1]->place.v_mm + parts[p - 1]->width_mm + parts[p]->place.v_mm));
     add_warnings(*made, joined.drawing);
     return DrawingInput{std::move(joined.drawing), spec->material, spec->pens,
                         std::move(joined.seams_x)};

@@ -55,7 +55,8 @@ std::vector<std::pair<std::string, std::string>> files_of(const DesignSpec& spec
   std::vector<std::pair<std::string, std::string>> files;
   const auto note = [&](const std::string& place, const std::optional<SurfaceSpec>& surface) {
     const std::string name = asset_of(surface);
-    if (!name.empty()) files.emplace_back(place + "/surface/file", name);
+    if (!name.empty())
+      files.emplace_back(fmt::format("{}/surface/{}", place, asset_field(*surface)), name);
   };
   note("", spec.surface);
   for (std::size_t k = 0; k < spec.patches.size(); ++k)

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/design/book_fit.hpp"
 #include "core/design/shape_fit.hpp"
 #include "core/plan/marks.hpp"
 #include "core/plan/plan.hpp"
@@ -129,6 +130,7 @@ Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add, const P
   const auto designed = [&](const DesignSpec& spec, PatchAssembly& made) -> Result<void> {
     if (const auto ids = asset_ids(spec)) outcome.assets = *ids;
     for (Design& part : made.parts) part.report.surface_fit = surface_fit(part);
+    if (made.book) made.book->fit = book_fit(made);
     return add_design_files(made, add, outcome.warnings);
   };
   const auto job = planned(task, outcome, designed, progress);

@@ -14,7 +14,11 @@ foreach(line ${lines})
     COMMAND_ERROR_IS_FATAL ANY)
   execute_process(COMMAND ${POPCUT} design ${FOLDER}/${name}.json -o ${FOLDER}/${name} -q
     COMMAND_ERROR_IS_FATAL ANY)
-  execute_process(COMMAND ${POPCUT} verify ${FOLDER}/${name}/pattern.fold --dof 1
+  set(made ${FOLDER}/${name}/pattern.fold)
+  if(EXISTS ${FOLDER}/${name}/book.json)
+    set(made ${FOLDER}/${name})
+  endif()
+  execute_process(COMMAND ${POPCUT} verify ${made} --dof 1
     RESULT_VARIABLE result OUTPUT_VARIABLE out ERROR_VARIABLE err)
   if(NOT result EQUAL 0)
     message(FATAL_ERROR "example ${name} is unsound (${result}):\n${out}${err}")

@@ -263,6 +263,33 @@ test('a drawn line is enough to begin', async () => {
   await close();
 });
 
+test('a word that is written stands up, and its text and style change', async () => {
+  const { page, complaints, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
+  await page.getByLabel('Write a word').fill('  Ana ');
+  await page.getByLabel('Write a word').press('Enter');
+  await exact(page);
+  assert.deepEqual((await specOf(page)).surface, { type: 'text', text: 'Ana', height: 36, depth: 18 });
+  await page.getByLabel('Text', { exact: true }).fill('Bo');
+  await page.getByLabel('Text', { exact: true }).press('Enter');
+  await until(async () => (await specOf(page)).surface.text === 'Bo', 'the text is taken');
+  await exact(page);
+  // A letter that no font has is said beside the field, and the last card stays.
+  await page.getByLabel('Text', { exact: true }).fill('\u3042');
+  expectComplaints(page, refused(422));
+  await page.getByLabel('Text', { exact: true }).press('Enter');
+  await page.locator('.field-refused', { hasText: 'the font has no' }).waitFor();
+  await page.getByRole('button', { name: 'Undo', exact: true }).click();
+  await exact(page);
+  await page.getByLabel('Style').selectOption('lattice');
+  await until(async () => (await specOf(page)).units_per_slice === 6, 'it is a lattice');
+  await exact(page);
+  await page.getByRole('button', { name: 'Undo', exact: true }).click();
+  await exact(page);
+  assert.equal((await specOf(page)).style, 'facets');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
 test('every vertex that is drawn lies where the FOLD file has it, at three openings', async () => {
   const folder = mkdtempSync(join(tmpdir(), 'popcut-fold-'));
   try {

@@ -16,6 +16,17 @@ const { strokesAt, strokeAt, strokeNumber, strokeStarts, endOf } = await sources
 
 const near = (a, b, tolerance, what) => assert.ok(Math.abs(a - b) <= tolerance, `${what ?? ''} ${a} is not ${b}`);
 
+test('a spec goes from lattice to facets and back with its shape and its length', () => {
+  const lattice = { popcut: 1, name: 'a', surface: { type: 'profile', z: '40 - x' }, units_per_slice: 4, slices: 5, widths_mm: 12, fit: 'nearest', scale_mm: 2 };
+  const facets = spec.asFacets(lattice);
+  assert.deepEqual(facets, { popcut: 1, name: 'a', style: 'facets', surface: lattice.surface, scale_mm: 2, facets: { from_mm: -6, length_mm: 60 } });
+  const back = spec.asLattice(facets);
+  assert.equal(back.slices * back.widths_mm, 60);
+  assert.ok(!('style' in back) && !('facets' in back));
+  // What says itself where it ends needs no length.
+  assert.equal(spec.asFacets({ popcut: 1, surface: { type: 'mesh', file: 'x' }, slices: 5, units_per_slice: 2, widths_mm: 9 }).facets, undefined);
+});
+
 test('a lattice is read as it was written', () => {
   const lattice = readLattice(staircaseBlob({ steps: 3 }));
   assert.equal(lattice.name, 'staircase');

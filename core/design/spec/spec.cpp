@@ -27,6 +27,7 @@ class Design {
 
   bool complete() {
     set_min_panel();
+    if (spec_.book && !set_book()) return false;
     if (spec_.style == DesignStyle::Facets) return set_facet_surface() && set_facets();
     return set_regions() && set_widths() && check_units() && set_surface() && check_placement() &&
            set_splay() && set_rest();
@@ -36,6 +37,35 @@ class Design {
   bool wrong(const std::string& key, ErrorKind kind, std::string detail) {
     fields_.refuse(key, kind, std::move(detail));
     return false;
+  }
+
+  /// What a book's cards have in common: their angle, and one page for all.
+  bool set_book() {
+    for (const char* one : {"design_angle_deg", "curvature"})
+      if (fields_.has(one))
+        return wrong(one, ErrorKind::Malformed,
+                     fmt::format("contradicts {}, whose cards are open to {:g} degrees; leave it "
+                                 "out",
+                                 fields_.pointer("book"), spec_.book->angle_deg()));
+    if (spec_.style == DesignStyle::Facets && spec_.book->cards != 4)
+      return wrong("book/cards", ErrorKind::OutOfRange,
+                   fmt::format("is {}; facets are made for 90 degrees only, so it must be 4",
+                               spec_.book->cards));
+    if (!spec_.card)
+      return wrong("card", ErrorKind::Malformed,
+                   "is false; a book is glued together at wall and ground, so leave it out");
+    if (spec_.card->shut == CardShut::Free)
+      return wrong("card/shut", ErrorKind::Malformed,
+                   "is \"free\"; a book lies inside its pages when it is shut, so leave it out");
+    if (spec_.widths_field && std::holds_alternative<AdaptiveWidths>(*spec_.widths_field))
+      return wrong("widths_mm", ErrorKind::Malformed,
+                   "would differ from card to card; must be a number or a list of numbers in a "
+                   "book");
+    spec_.placement.design_angle_deg = spec_.book->angle_deg();
+    spec_.book->is_turned = fields_.has("rotate_deg");
+    spec_.book->is_moved = fields_.has("translate_mm");
+    if (!fields_.has("fit")) spec_.fit = FitMode::Nearest;
+    return true;
   }
 
   bool set_regions() {
@@ -143,7 +173,7 @@ class Design {
       return wrong("design_angle_deg", ErrorKind::OutOfRange,
                    fmt::format("is {:g}; facets are made for 90 degrees only",
                                spec_.placement.design_angle_deg));
-    if (!spec_.facets.length_mm && asset_of(spec_.surface).empty())
+    if (!spec_.facets.length_mm && !solid_word(spec_.surface))
       return wrong("facets/length_mm", ErrorKind::Malformed,
                    fmt::format("is missing; must be a number above 0 and at most {:g}, since a "
                                "formula does not say where it ends",
@@ -375,6 +405,10 @@ void check_size(FieldReader& fields, const DesignSpec& whole) {
 /// Reads a spec with "patches": a list of designs without "popcut", "material" and "patches".
 void read_patches(FieldReader& fields, const json& root, SpecFields& whole) {
   const SpecTables& tables = spec_tables();
+  if (fields.has("book"))
+    return fields.refuse("book", ErrorKind::Malformed,
+                         "contradicts /patches; a book is made of one design, so leave one of them "
+                         "out");
   for (const SpecTable* table : {&tables.whole, &tables.name, &tables.patches})
     table->read(fields, whole);
   for (const auto& row : tables.shared.rows) fields.value(row.name);  // read with the patches
@@ -416,6 +450,28 @@ json facet_form() {
   for (const char* other : kOfLattices) form["properties"][other] = false;
   form["properties"]["style"] = {{"const", "facets"}};
   return form;
+}
+
+/// What a book asks of the other fields: there is none, or they fit to it.
+json book_forms() {
+  json none{{"additionalProperties", true}}, lattice = none, facets = none;
+  none["properties"]["book"] = false;
+  lattice["properties"]["style"] = {{"const", "lattice"}};
+  facets["properties"]["book"] = {{"description", "of facets: four cards"},
+                                  {"properties", {{"cards", {{"const", 4}}}}},
+                                  {"additionalProperties", true}};
+  json book{{"additionalProperties", true}, {"anyOf", {lattice, facets}}};
+  book["properties"] = {
+      {"design_angle_deg", false},
+      {"curvature", false},
+      {"widths_mm",
+       {{"description", "in a book: the same on all cards"}, {"type", {"number", "array"}}}},
+      {"card",
+       {{"description", "in a book: its pages"},
+        {"type", "object"},
+        {"properties", {{"shut", {{"const", "inside"}}}}},
+        {"additionalProperties", true}}}};
+  return json::array({none, book});
 }
 
 /// A patch: its fields are those of the whole.
@@ -464,11 +520,13 @@ std::string design_spec_schema() {
   for (json& form : forms) forbid(form, tables.patches);
   json patches{{"required", {"patches"}}, {"additionalProperties", true}};
   forbid(patches, tables.design);
+  patches["properties"]["book"] = false;
   forms.push_back(patches);
   json facets = facet_form();
   forbid(facets, tables.patches);
   forms.push_back(facets);
   schema["oneOf"] = std::move(forms);
+  schema["anyOf"] = book_forms();
   return schema.dump(2) + "\n";
 }
 

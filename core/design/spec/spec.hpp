@@ -104,6 +104,19 @@ enum class PatchJoin {
   Seam    ///< patterns of their own that are glued
 };
 
+inline constexpr int kLeastCards = 3, kMostCards = 12;
+
+/// A book (`"book"` of a spec): cards around one spine, glued back to back, that show the target
+/// from all sides. Each is a design with the angle `angle_deg()`.
+struct BookSpec {
+  int cards{};
+  bool is_turned{};  ///< the spec gives rotate_deg
+  bool is_moved{};   ///< the spec gives translate_mm
+
+  /// The opening angle of each card when the book is open all around.
+  [[nodiscard]] double angle_deg() const { return 360.0 / cards; }
+};
+
 /// What a user asks for, checked for type and range but not yet for feasibility.
 struct DesignSpec {
   std::string name{"pattern"};
@@ -129,6 +142,7 @@ struct DesignSpec {
   std::string material{"paper-220"};
   std::string pens;  ///< settings in place of the material's, for who plans the pattern
   std::optional<SheetSpec> sheet;
+  std::optional<BookSpec> book;  ///< none: one card
 
   /// Designs that are joined one after another along the spine, in place of all above but `name`
   /// and `material`; none: this is one design.
@@ -136,6 +150,7 @@ struct DesignSpec {
   std::vector<PatchJoin> joins;   ///< one between neighbouring patches
   double join_tolerance_mm{1.0};  ///< largest distance of the edges' profiles
   bool is_patch{false};           ///< one of `patches`: its edges are wanted too
+  bool is_card{false};            ///< one of a book: it may have nothing of the target
 };
 
 inline constexpr double kRelaxedStep = 5.0;

@@ -195,6 +195,30 @@ FieldTable<LoftSpec> loft() {
   return table;
 }
 
+Shape<double> outline_length() { return shape::number(above(0.0, kMaxLength)); }
+
+FieldTable<TextSpec> text_fields() {
+  return {{
+      needed<TextSpec>("text", &TextSpec::text, shape::text(), "one line of letters"),
+      field<TextSpec>("font", &TextSpec::font, file_name(),
+                      "name of a TrueType or OpenType file, relative to the spec; if left out "
+                      "DejaVu Sans Bold"),
+      field<TextSpec>("height", &TextSpec::height, outline_length(), "height of its capitals"),
+      field<TextSpec>("depth", &TextSpec::depth, outline_length(), "from the wall to its front"),
+  }};
+}
+
+FieldTable<OutlineSpec> outline_fields() {
+  return {{
+      needed<OutlineSpec>("file", &OutlineSpec::file, file_name(),
+                          "name of the file, relative to the spec"),
+      field<OutlineSpec>("height", &OutlineSpec::height, outline_length(),
+                         "height of the whole; if left out as it is drawn, in mm"),
+      field<OutlineSpec>("depth", &OutlineSpec::depth, outline_length(),
+                         "from the wall to its front"),
+  }};
+}
+
 Shape<SurfaceField> surface() {
   const auto positive_triple = shape::blamed(
       shape::triple(above(0.0), "three positive numbers, R1, R2 and R3"), ErrorKind::Malformed);
@@ -230,6 +254,10 @@ Shape<SurfaceField> surface() {
           "mesh",
           one_text("file", &MeshSpec::file, file_name(), "name of the file, relative to the spec"),
           "triangles: an STL or OBJ file"),
+      shape::kind<SurfaceField>("text", text_fields(), "letters that stand on the ground"),
+      shape::kind<SurfaceField>("outline", outline_fields(),
+                                "the closed lines and filled shapes of a drawing, upright: an SVG "
+                                "or DXF file"),
       shape::kind<SurfaceField>("loft", loft(),
                                 "a surface through falling curves at places along the spine"),
       shape::kind<SurfaceField>("composite", composite,
@@ -465,10 +493,11 @@ Shape<FacetFields> facets() {
       field<Row>("strip_mm", &Row::strip_mm, shape::number(from(0.1, kMaxLength), "mm"),
                  "width of a strip: contours are that fine along the spine"),
       field<Row>("from_mm", &Row::given_from_mm, shape::number(from(-kMaxLength, kMaxLength), "mm"),
-                 "where it begins along the spine; if left out where a mesh or a grid does, else "
+                 "where it begins along the spine; if left out where a mesh, grid, text or drawing "
+                 "does, else "
                  "at 0"),
       field<Row>("length_mm", &Row::length_mm, length(),
-                 "length along the spine; if left out all of a mesh or a grid"),
+                 "length along the spine; if left out all of a mesh, grid, text or drawing"),
       field<Row>("fold_cost_mm2", &Row::fold_cost_mm2, cost,
                  "what a fold costs for each mm of its length: as much as this area 1 mm off the "
                  "target. More makes fewer folds"),
@@ -559,6 +588,14 @@ Shape<JoinField> joins() {
                        }));
 }
 
+Shape<BookSpec> book() {
+  const FieldTable<BookSpec> table{{
+      needed<BookSpec>("cards", &BookSpec::cards, shape::whole(kLeastCards, kMostCards),
+                       "how many; each is open to 360 degrees by this number"),
+  }};
+  return shape::object(table, "an object with cards");
+}
+
 SpecTables make_tables() {
   using Row = SpecFields;
   SpecTables all;
@@ -576,6 +613,10 @@ SpecTables make_tables() {
           shape::number(from(kLeastDesignAngle, kMostDesignAngle)),
           "opening angle of the card, between wall and ground, at which the structure shows the "
           "target"),
+      field<Row>("book", &Row::book, book(),
+                 "a book of cards around one spine, glued back to back, that shows the target from "
+                 "all sides. In a book fit is nearest if left out; a mesh without rotate_deg has "
+                 "its z axis along the spine, one without translate_mm its middle there"),
   };
   all.name.rows = {field<Row>("name", &Row::name, shape::text(), "name of the design")};
   all.shared.rows = {

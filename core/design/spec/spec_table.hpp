@@ -23,7 +23,7 @@ struct CompositeSpec {
 using FixedWidths = std::variant<double, std::vector<double>>;
 using WidthsField = std::variant<double, std::vector<double>, AdaptiveWidths>;
 using SurfaceField = std::variant<RevolutionSpec, ProfileSpec, ImplicitSpec, GridSpec, MeshSpec,
-                                  LoftSpec, CompositeSpec>;
+                                  LoftSpec, TextSpec, OutlineSpec, CompositeSpec>;
 using JoinField = std::variant<PatchJoin, std::vector<PatchJoin>>;
 using AlphaField = std::variant<double, std::vector<std::vector<double>>>;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/design/target/placement_map.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -45,19 +46,44 @@ TurnMatrix turn_of(const Vec& degrees) {
   return product(z, product(y, x));
 }
 
+Vec degrees_of(const TurnMatrix& turn) {
+  const double sine = std::clamp(-turn[2][0], -1.0, 1.0);
+  const bool is_locked = std::abs(sine) > 1.0 - 1e-9;  // then x and z turn about the same axis
+  Vec out{is_locked ? std::atan2(-turn[1][2], turn[1][1]) : std::atan2(turn[2][1], turn[2][2]),
+          std::asin(sine), is_locked ? 0.0 : std::atan2(turn[1][0], turn[0][0])};
+  for (double& angle : out) angle = angle * 180.0 / std::numbers::pi + 0.0;
+  return out;
+}
+
+TurnMatrix whole_turn(const TargetPlacement& placement) {
+  const TurnMatrix own = turn_of(placement.rotate_deg);
+  if (placement.about_spine_deg == 0.0) return own;
+  return product(turn_of({0.0, placement.about_spine_deg, 0.0}), own);
+}
+
+Vec whole_shift_mm(const TargetPlacement& placement) {
+  if (placement.about_spine_deg == 0.0) return placement.translate_mm;
+  const TurnMatrix turn = turn_of({0.0, placement.about_spine_deg, 0.0});
+  Vec shift{};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t k = 0; k < 3; ++k) shift[i] += turn[i][k] * placement.translate_mm[k];
+  return shift;
+}
+
 bool stays_on_spine(const TargetPlacement& placement) {
   return placement.rotate_deg == Vec{} && placement.translate_mm[0] == 0.0 &&
          placement.translate_mm[2] == 0.0;
 }
 
 bool stays_upright(const TargetPlacement& placement) {
-  return stays_on_spine(placement) && placement.design_angle_deg == 90.0;
+  return stays_on_spine(placement) && placement.design_angle_deg == 90.0 &&
+         placement.about_spine_deg == 0.0;
 }
 
 PlacementMap::PlacementMap(const TargetPlacement& placement)
-    : turn_(turn_of(placement.rotate_deg)),
+    : turn_(whole_turn(placement)),
       scale_(placement.scale_mm),
-      shift_(placement.translate_mm),
+      shift_(whole_shift_mm(placement)),
       opening_(Opening::of_deg(placement.design_angle_deg)) {}
 
 Vec PlacementMap::to_corner(const Vec& q) const {

@@ -16,7 +16,15 @@ using TurnMatrix = std::array<std::array<double, 3>, 3>;
 /// R_z R_y R_x for angles about x, y and z in degrees; exact for multiples of 90 degrees.
 [[nodiscard]] TurnMatrix turn_of(const std::array<double, 3>& degrees);
 
-/// No turn, and no shift but along the spine.
+/// The degrees about x, y and z of a turn: `turn_of` gives it back but for rounding.
+[[nodiscard]] std::array<double, 3> degrees_of(const TurnMatrix& turn);
+
+/// The turn of a placement's points, that about the spine included.
+[[nodiscard]] TurnMatrix whole_turn(const TargetPlacement& placement);
+/// The shift of a placement's points after that turn, mm.
+[[nodiscard]] std::array<double, 3> whole_shift_mm(const TargetPlacement& placement);
+
+/// No turn, and no shift but along the spine; turns about the spine leave a revolution as it is.
 [[nodiscard]] bool stays_on_spine(const TargetPlacement& placement);
 
 /// No turn, no shift but along the spine, and a right angle between wall and ground: the slices of

@@ -21,7 +21,7 @@ Result<Surface> of_kind(const SurfaceSpec& spec, const TargetPlacement& placemen
   if (const auto* loft = std::get_if<LoftSpec>(&spec)) return surface_loft(*loft, placement, fit);
   if (const auto* implicit = std::get_if<ImplicitSpec>(&spec))
     return surface_implicit(*implicit, placement, fit);
-  return surface_of_file(spec, placement, fit, assets);
+  return surface_of_mesh(spec, placement, fit, assets);
 }
 
 /// Errors about places in a section say what x and z are, where these are oblique.

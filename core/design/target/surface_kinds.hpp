@@ -18,8 +18,8 @@ namespace popcut {
                                            FitMode fit);
 [[nodiscard]] Result<Surface> surface_implicit(const ImplicitSpec& spec,
                                                const TargetPlacement& placement, FitMode fit);
-/// Of a mesh or a grid.
-[[nodiscard]] Result<Surface> surface_of_file(const SurfaceSpec& spec,
+/// Of a mesh, a grid, a text or a drawing.
+[[nodiscard]] Result<Surface> surface_of_mesh(const SurfaceSpec& spec,
                                               const TargetPlacement& placement, FitMode fit,
                                               const SurfaceAssets& assets);
 
@@ -33,7 +33,7 @@ using SolidFunction = std::function<double(double, double, double)>;
 [[nodiscard]] Surface surface_of_solid(SolidFunction solid, const TargetPlacement& placement,
                                        FitMode fit, const char* what);
 
-/// The triangles that a surface's file holds, before the placement; grids become triangles too.
+/// The triangles of a surface that has a `solid_word`, before the placement.
 [[nodiscard]] Result<TriangleMesh> triangles_of(const SurfaceSpec& spec,
                                                 const SurfaceAssets& assets);
 

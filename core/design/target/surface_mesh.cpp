@@ -5,6 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "core/design/outline/drawing_outline.hpp"
+#include "core/design/outline/extrusion.hpp"
+#include "core/design/outline/text_outline.hpp"
 #include "core/design/target/mesh_reader.hpp"
 #include "core/design/target/mesh_slicer.hpp"
 #include "core/design/target/surface_kinds.hpp"
@@ -13,12 +16,35 @@
 namespace popcut {
 namespace {
 
-Result<std::string_view> bytes_of(const std::string& file, const SurfaceAssets& assets) {
+/// An error about a field of the surface.
+tl::unexpected<Error> at(const std::string& field, Error error) {
+  return tl::unexpected(within("/surface/" + field, std::move(error)));
+}
+
+/// The file that the surface names; of a text that names none the usual font.
+Result<std::string_view> bytes_of(const SurfaceSpec& spec, const SurfaceAssets& assets) {
+  const std::string file = asset_of(spec);
+  if (file.empty() && std::holds_alternative<TextSpec>(spec)) return usual_font();
   const auto found = assets.find(file);
   if (found == assets.end())
-    return fail(ErrorKind::Malformed, "/surface/file",
+    return fail(ErrorKind::Malformed, fmt::format("/surface/{}", asset_field(spec)),
                 fmt::format("\"{}\" is not at hand; give the file along with the spec", file));
   return std::string_view(found->second);
+}
+
+Result<TriangleMesh> upright(const Result<std::vector<Area>>& areas, double depth,
+                             const std::string& field) {
+  if (!areas) {
+    Error error = areas.error();
+    if (error.place == "font" || error.place == "text") {
+      error.place.insert(0, "/surface/");
+      return tl::unexpected(std::move(error));
+    }
+    return at(field, std::move(error));
+  }
+  auto corners = extruded(*areas, depth);
+  if (!corners) return at(field, corners.error());
+  return TriangleMesh{std::move(*corners)};
 }
 
 /// All triangles but those that lie on wall or ground.
@@ -43,12 +69,16 @@ TriangleSoup standing_triangles(const MeshSlicer& slicer) {
 }  // namespace
 
 Result<TriangleMesh> triangles_of(const SurfaceSpec& spec, const SurfaceAssets& assets) {
-  const std::string file = asset_of(spec);
-  const auto bytes = bytes_of(file, assets);
+  const auto bytes = bytes_of(spec, assets);
   if (!bytes) return tl::unexpected(bytes.error());
+  if (const auto* text = std::get_if<TextSpec>(&spec))
+    return upright(text_areas(text->text, *bytes, text->height), text->depth, "text");
+  if (const auto* outline = std::get_if<OutlineSpec>(&spec))
+    return upright(drawing_areas(std::string(*bytes), outline->height), outline->depth, "file");
+  const std::string file = asset_of(spec);
   auto mesh = std::holds_alternative<GridSpec>(spec) ? read_height_grid(file, *bytes)
                                                      : read_mesh(file, *bytes);
-  if (!mesh) return tl::unexpected(within("/surface/file", mesh.error()));
+  if (!mesh) return at("file", mesh.error());
   return mesh;
 }
 
@@ -80,14 +110,14 @@ Result<Surface> surface_of_triangles(TriangleMesh mesh, FitMode fit, const char*
   return Surface(cut, [slicer](const TargetStretch&) { return standing_triangles(*slicer); });
 }
 
-Result<Surface> surface_of_file(const SurfaceSpec& spec, const TargetPlacement& placement,
+Result<Surface> surface_of_mesh(const SurfaceSpec& spec, const TargetPlacement& placement,
                                 FitMode fit, const SurfaceAssets& assets) {
   auto mesh = triangles_of(spec, assets);
   if (!mesh) return tl::unexpected(mesh.error());
   auto standing = placed(std::move(*mesh), placement);
   if (!standing) return tl::unexpected(standing.error());
-  const bool closed = std::holds_alternative<MeshSpec>(spec);
-  return surface_of_triangles(std::move(*standing), fit, closed ? "mesh" : "grid", closed);
+  const bool closed = !std::holds_alternative<GridSpec>(spec);
+  return surface_of_triangles(std::move(*standing), fit, solid_word(spec), closed);
 }
 
 }  // namespace popcut

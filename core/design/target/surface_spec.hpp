@@ -48,8 +48,24 @@ struct MeshSpec {
   std::string file;  ///< name of an STL or OBJ file (`read_mesh`)
 };
 
-using SurfaceSpec =
-    std::variant<RevolutionSpec, ProfileSpec, ImplicitSpec, GridSpec, MeshSpec, LoftSpec>;
+/// A line of text that stands on the ground and reaches to the wall (`text_areas`), in units of the
+/// surface.
+struct TextSpec {
+  std::string text;
+  std::string font;     ///< name of a TrueType or OpenType file; empty: `usual_font`
+  double height{30.0};  ///< of its capitals
+  double depth{15.0};   ///< from the wall to its front
+};
+
+/// The shapes of a drawing, upright as its front (`drawing_areas`), in units of the surface.
+struct OutlineSpec {
+  std::string file;                ///< name of an SVG or DXF file
+  std::optional<double> height{};  ///< of the whole; none: as it is drawn, in mm
+  double depth{15.0};              ///< from the wall to its front
+};
+
+using SurfaceSpec = std::variant<RevolutionSpec, ProfileSpec, ImplicitSpec, GridSpec, MeshSpec,
+                                 LoftSpec, TextSpec, OutlineSpec>;
 
 /// Contents of the files that a surface names, by the name as the spec writes it. Who has the files
 /// reads them: the command line beside the spec, the daemon among what was uploaded.
@@ -59,7 +75,28 @@ using SurfaceAssets = std::map<std::string, std::string>;
 [[nodiscard]] inline std::string asset_of(const SurfaceSpec& surface) {
   if (const auto* grid = std::get_if<GridSpec>(&surface)) return grid->file;
   if (const auto* mesh = std::get_if<MeshSpec>(&surface)) return mesh->file;
+  if (const auto* outline = std::get_if<OutlineSpec>(&surface)) return outline->file;
+  if (const auto* text = std::get_if<TextSpec>(&surface)) return text->font;
   return {};
+}
+
+/// The field of a surface that names its file.
+[[nodiscard]] inline const char* asset_field(const SurfaceSpec& surface) {
+  return std::holds_alternative<TextSpec>(surface) ? "font" : "file";
+}
+
+/// What it is if it consists of triangles: "mesh", "grid", "text" or "drawing", which begin and end
+/// somewhere along the spine; nullptr for formulas and curves.
+[[nodiscard]] inline const char* solid_word(const SurfaceSpec& surface) {
+  if (std::holds_alternative<GridSpec>(surface)) return "grid";
+  if (std::holds_alternative<MeshSpec>(surface)) return "mesh";
+  if (std::holds_alternative<TextSpec>(surface)) return "text";
+  if (std::holds_alternative<OutlineSpec>(surface)) return "drawing";
+  return nullptr;
+}
+
+[[nodiscard]] inline const char* solid_word(const std::optional<SurfaceSpec>& surface) {
+  return surface ? solid_word(*surface) : nullptr;
 }
 
 [[nodiscard]] inline std::string asset_of(const std::optional<SurfaceSpec>& surface) {
@@ -67,13 +104,15 @@ using SurfaceAssets = std::map<std::string, std::string>;
 }
 
 /// How the surface stands in the corner of wall and ground (z = 0), y along the spine: a point q of
-/// it is at `R_z R_y R_x (scale_mm q) + translate_mm`, R the turns about the axes. The wall rises
-/// from the spine at `design_angle_deg` to the ground; at 90 it is x = 0.
+/// it is at `R_s (R_z R_y R_x (scale_mm q) + translate_mm)`, R the turns about the axes and R_s one
+/// about the spine, by which a book turns what each of its cards shows. The wall rises from the
+/// spine at `design_angle_deg` to the ground; at 90 it is x = 0.
 struct TargetPlacement {
   double scale_mm{1.0};  ///< one unit of the surface
   std::array<double, 3> rotate_deg{};
   std::array<double, 3> translate_mm{};
   double design_angle_deg{90.0};  ///< opening angle at which the structure shows the target
+  double about_spine_deg{0.0};    ///< from the wall toward the ground, as a turn about y
 };
 inline constexpr double kLeastDesignAngle = 30.0, kMostDesignAngle = 150.0;
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "core/formats/write/report_json.hpp"
 
+#include <vector>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -230,20 +232,70 @@ Json parts(const PatchAssembly& assembly) {
   Json list = Json::array();
   for (std::size_t p = 0; p < assembly.parts.size(); ++p) {
     const Pattern& pattern = assembly.parts[p].pattern;
-    Json part{{"folder", part_folder(p)}, {"place_mm", {pattern.place.u_mm, pattern.place.v_mm}}};
+    Json part{{"folder", part_folder(assembly, p)},
+              {"place_mm", {pattern.place.u_mm, pattern.place.v_mm}}};
     part.update(report_object(assembly.parts[p].report));
     list.push_back(std::move(part));
   }
   return list;
 }
 
+Json book_fit(const BookFit& fit) {
+  Json json{{"size_mm", fit.size_mm}};
+  for (std::size_t w = 0; w < BookFit::kWithin.size(); ++w)
+    json["share_within"][fmt::format("{:g}_percent", 100.0 * BookFit::kWithin[w])] =
+        fit.share_within[w];
+  json["target_to_structure_mm"] = distances(fit.to_structure);
+  json["target_to_structure_mean_share"] = fit.to_structure.mean_mm / fit.size_mm;
+  json["structure_to_target_mm"] = distances(fit.to_target);
+  json["area_mm2"] = {{"structure", fit.structure_mm2}, {"target", fit.target_mm2}};
+  json["samples"] = {{"structure", fit.to_target.samples}, {"target", fit.to_structure.samples}};
+  return json;
+}
+
+Json book(const PatchAssembly& assembly) {
+  const BookReport& report = *assembly.book;
+  Json json{{"popcut_book", 1},
+            {"name", assembly.name},
+            {"cards", assembly.parts.size()},
+            {"angle_deg", report.angle_deg},
+            {"page_mm", {report.page_mm, report.width_mm}},
+            {"shift_mm", report.shift_mm},
+            {"closed_mm", report.closed_mm}};
+  std::vector<int> freedoms;
+  double cut = 0.0, fold = 0.0;
+  for (const Design& card : assembly.parts) {
+    freedoms.push_back(card.report.degrees_of_freedom);
+    cut += card.report.cut_length_mm, fold += card.report.fold_length_mm;
+  }
+  json["degrees_of_freedom"] = freedoms;
+  json["cut_length_mm"] = cut;
+  json["fold_length_mm"] = fold;
+  if (report.fit) json["fit"] = book_fit(*report.fit);
+  json["glued"] = json_list(report.seams, [](const BookSeam& seam) {
+    return Json{{"wall_of", seam.wall_of + 1}, {"ground_of", seam.ground_of + 1}};
+  });
+  json["covers"] = {{"ground_of", 1}, {"wall_of", assembly.parts.size()}};
+  json["seconds"] = assembly.parts.front().report.seconds;
+  json["card"] = Json::array();
+  for (std::size_t p = 0; p < assembly.parts.size(); ++p) {
+    Json card{{"folder", part_folder(assembly, p)}, {"plain", bool{report.is_plain[p]}}};
+    card.update(report_object(assembly.parts[p].report));
+    json["card"].push_back(std::move(card));
+  }
+  return json;
+}
+
 }  // namespace
 
-std::string part_folder(std::size_t part) { return fmt::format("part-{:02}", part + 1); }
+std::string part_folder(const PatchAssembly& assembly, std::size_t part) {
+  return fmt::format("{}-{:02}", assembly.book ? "card" : "part", part + 1);
+}
 
 std::string report_json(const DesignReport& report) { return json_file(report_object(report)); }
 
 std::string report_json(const PatchAssembly& assembly) {
+  if (assembly.book) return json_file(book(assembly));
   const DesignReport& first = assembly.parts.front().report;
   if (assembly.patches.empty()) return report_json(first);
   Json json;

@@ -17,10 +17,12 @@ namespace popcut {
 /// part, slices, v_mm from and to in the whole), `joins` (the two patches, counted from 0; sheet or
 /// seam, and why; the misfit of their profiles and where it is) and `seams` (the line on both
 /// parts). If there are several parts, counted from 1, `parts` has the report, folder and place of
-/// each.
+/// each. A book (`book.json`) has its own figures, which faces are glued, and `card` with the
+/// report and folder of each card, counted from 1.
 [[nodiscard]] std::string report_json(const PatchAssembly& assembly);
 
-/// The folder of part number `part` (from 0) inside the folder of the whole: "part-01".
-[[nodiscard]] std::string part_folder(std::size_t part);
+/// The folder of part number `part` (from 0) inside the folder of the whole: "part-01", of a book
+/// "card-01".
+[[nodiscard]] std::string part_folder(const PatchAssembly& assembly, std::size_t part);
 
 }  // namespace popcut

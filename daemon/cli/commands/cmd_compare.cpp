@@ -15,6 +15,8 @@
 #include "core/compare/volume.hpp"
 #include "core/plan/plan_options.hpp"
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/input/book_input.hpp"
+#include "daemon/cli/input/compared_book.hpp"
 #include "daemon/cli/input/compared_pair.hpp"
 #include "daemon/cli/options/angles.hpp"
 #include "daemon/cli/options/option_value.hpp"
@@ -30,6 +32,7 @@ namespace {
 
 struct Options {
   std::string pattern, target, folder;
+  std::vector<std::string> more;  ///< files after these two: then all but the last are cards
   std::string psi, rotate, move;
   std::optional<double> scale;
   bool fit{false}, around{false}, no_cost{false};
@@ -61,26 +64,39 @@ Result<std::optional<double>> psi_of(const Options& options) {
   return *psi;
 }
 
-CutCost cost_of(const Options& options, const ComparedStructure& structure,
-                const Globals& globals) {
-  CutCost out;
-  if (structure.is_mesh || options.no_cost) {
-    out.why = structure.is_mesh ? "a mesh is no pattern that can be cut" : "you asked for none";
+/// The FOLD files of a book: of its folder, or one after another; empty where one pattern is given.
+struct Given {
+  std::vector<std::string> cards;
+  std::string target;
+};
+
+Result<Given> given_files(const Options& options) {
+  Given out{{}, options.target};
+  if (!options.more.empty()) {
+    out.cards = {options.pattern, options.target};
+    out.cards.insert(out.cards.end(), options.more.begin(), options.more.end() - 1);
+    out.target = options.more.back();
     return out;
   }
+  if (!names_book(options.pattern)) return out;
+  const auto book = read_book(options.pattern);
+  if (!book) return tl::unexpected(book.error());
+  for (const BookCardFile& card : book->cards) out.cards.push_back(card.file);
+  return out;
+}
+
+/// Adds what cutting one pattern takes.
+Result<void> add_cost(const Options& options, const std::string& pattern, const Globals& globals,
+                      CutCost& out) {
   PlanArguments arguments;
-  arguments.input = options.pattern;
+  arguments.input = pattern;
   arguments.machine = options.machine, arguments.material = options.material;
   if (!options.mat.empty()) arguments.options["mat"] = options.mat;
   const auto job = plan_input(arguments, !globals.quiet);
-  if (!job) {
-    out.why = message(job.error());
-    return out;
-  }
-  out.ran = true;
+  if (!job) return tl::unexpected(job.error());
   out.machine = job->plan.machine.title, out.material = job->plan.material.title;
-  out.sheets = job->plan.sheets.size();
-  out.pieces = job->plan.layout ? job->plan.layout->pieces.size() : 0;
+  out.sheets += job->plan.sheets.size();
+  out.pieces += job->plan.layout ? job->plan.layout->pieces.size() : 0;
   double seconds = 0.0;
   for (const PlannedSheet& sheet : job->plan.sheets) {
     seconds += sheet.seconds;
@@ -88,7 +104,26 @@ CutCost cost_of(const Options& options, const ComparedStructure& structure,
     out.cut_mm += sheet.cut_mm, out.fold_mm += sheet.fold_mm;
     out.travel_mm += sheet.travel_mm + sheet.home_mm;
   }
-  if (job->plan.machine.driven()) out.seconds = seconds;
+  if (job->plan.machine.driven()) out.seconds = out.seconds.value_or(0.0) + seconds;
+  return {};
+}
+
+CutCost cost_of(const Options& options, const Given& given, const ComparedStructure& structure,
+                const Globals& globals) {
+  CutCost out;
+  if (structure.is_mesh || options.no_cost) {
+    out.why = structure.is_mesh ? "a mesh is no pattern that can be cut" : "you asked for none";
+    return out;
+  }
+  const std::vector<std::string> patterns =
+      given.cards.empty() ? std::vector{options.pattern} : given.cards;
+  for (const std::string& pattern : patterns)
+    if (const auto added = add_cost(options, pattern, globals, out); !added) {
+      CutCost none;
+      none.why = message(added.error());
+      return none;
+    }
+  out.ran = true;
   return out;
 }
 
@@ -127,15 +162,29 @@ Result<void> write_files(const Options& options, const CompareReport& report,
   return folder->commit("popcut compare " POPCUT_VERSION);
 }
 
-Result<void> run_compare(const Options& options, const Globals& globals) {
+/// The cards of a book, or one pattern.
+Result<ComparedStructure> read_given(const Options& options, const Given& given,
+                                     std::optional<double> psi, const Progress& progress) {
+  if (given.cards.empty()) return read_structure(options.pattern, psi, progress);
+  if (psi)
+    return fail(ErrorKind::Usage, "--psi",
+                "is for one pattern; a book is compared as it stands open all around");
+  return read_compared_book(given.cards, progress);
+}
+
+Result<void> run_compare(Options options, const Globals& globals) {
   const auto psi = psi_of(options);
   if (!psi) return tl::unexpected(psi.error());
+  const auto files = given_files(options);
+  if (!files) return tl::unexpected(files.error());
+  options.target = files->target;
   std::optional<LongWork> work(std::in_place, !globals.quiet, "reading the pattern");
-  const auto structure = read_structure(options.pattern, *psi, work->progress());
+  const auto structure = read_given(options, *files, *psi, work->progress());
   if (!structure) return tl::unexpected(structure.error());
   const GivenPlacement given{
       options.scale, options.rotate.empty() ? std::nullopt : three_numbers(options.rotate),
       options.move.empty() ? std::nullopt : three_numbers(options.move), options.fit};
+  options.around = options.around || structure->is_book;
   const auto target = read_compared_target(options.target, *structure, given, work->progress());
   if (!target) return tl::unexpected(target.error());
   work->now("comparing");
@@ -163,7 +212,7 @@ Result<void> run_compare(const Options& options, const Globals& globals) {
   report.figures = aim.measure(around_card ? standing : structure->triangles);
   add_volumes(options, *structure, *target, report);
   work.reset();
-  report.cost = cost_of(options, *structure, globals);
+  report.cost = cost_of(options, *files, *structure, globals);
   if (!structure->is_mesh)
     report.paper = {structure->folds, structure->smallest_joint_mm,
                     std::max(structure->pieces, report.cost.pieces)};
@@ -179,12 +228,14 @@ Result<void> run_compare(const Options& options, const Globals& globals) {
 constexpr const char* kHelp =
     "Measure how much a card looks like the model that it is made from.\n\n"
     "  popcut compare bunny/pattern.fold bunny.stl\n"
-    "  popcut compare sphere/pattern.fold sphere.json -o seen --json\n\n"
+    "  popcut compare sphere/pattern.fold sphere.json -o seen --json\n"
+    "  popcut compare teapot-book teapot.obj --around\n\n"
     "PATTERN is a FOLD file or a drawing (SVG, DXF), from popcut or any other program, or a mesh\n"
     "(STL, OBJ) of an opened card. TARGET is a mesh, heights (CSV) or a design (.json). popcut\n"
     "draws both from nine directions around the card's diagonal and compares depths, contours,\n"
     "what is covered and the volume; it also says what the card costs to cut. The last line is\n"
-    "the error, one figure to rank cards by: 0 is the model itself.\n\n"
+    "the error, one figure to rank cards by: 0 is the model itself. A book, by its folder or by\n"
+    "the FOLD files of its cards, is looked at from all around.\n\n"
     "A pattern that popcut designed from a mesh says where the mesh stands. Else give --scale,\n"
     "--rotate and --move, as in a design; without them popcut searches for the best place.";
 
@@ -214,12 +265,17 @@ void register_compare(CLI::App& app, const Globals& globals, Run& run) {
   using namespace compare_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("compare", kHelp);
-  command->add_option("PATTERN", options->pattern, "A FOLD file, a drawing, or a mesh of a card")
+  command
+      ->add_option("PATTERN", options->pattern,
+                   "A FOLD file, a drawing, a mesh of a card, or the folder of a book")
       ->required();
   command
       ->add_option("TARGET", options->target,
                    "The model: a mesh (.stl, .obj), heights (.csv) or a design (.json)")
       ->required();
+  command->add_option(
+      "MORE", options->more,
+      "With more than two files all but the last are the cards of a book, in order");
   add_place_options(*command, *options);
   command
       ->add_option("--psi", options->psi,
@@ -227,7 +283,7 @@ void register_compare(CLI::App& app, const Globals& globals, Run& run) {
                    "pattern is designed for")
       ->option_text("ANGLE");
   command->add_flag("--around", options->around,
-                    "Look from 36 directions all around the spine, for books");
+                    "Look from 36 directions all around the spine; always so for books");
   whole_number(
       command->add_option("--pixels", options->pixels, "Width and height of each image, in pixels"),
       likeness::kLeastPixels, likeness::kMostPixels)

@@ -18,12 +18,15 @@
 #include "core/machines/machine.hpp"
 #include "core/picture/poster.hpp"
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/commands/deploy_book.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
+#include "daemon/cli/input/book_input.hpp"
 #include "daemon/cli/input/drawn_pattern.hpp"
 #include "daemon/cli/view/long_work.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "daemon/planning/judge/sheet_opening.hpp"
+#include "daemon/planning/views/book_animation.hpp"
 
 namespace popcut::cli {
 namespace deploy_command {
@@ -188,6 +191,66 @@ void say(const Options& options, const Globals& globals, const Source& source,
       options.film ? "film.svg " : "", options.folder);
 }
 
+/// The poses of a whole book as one mesh.
+Result<void> write_book(const Options& options, const DeployedBook& book,
+                        const std::vector<double>& angles, double thickness_mm,
+                        OutputFolder& folder, LongWork& work) {
+  if (!options.no_stl) {
+    const auto mesh = book_mesh(book, thickness_mm);
+    if (!mesh) return tl::unexpected(within(options.file, mesh.error()));
+    auto done = add_book_meshes(book, *mesh, angles, folder, work.progress());
+    if (!done) return done;
+  }
+  if (!options.glb) return {};
+  work.now("writing book.glb");
+  const auto animation = planning::book_animation_glb(book.pointers(), book.name, thickness_mm);
+  if (!animation) return tl::unexpected(within(options.file, animation.error()));
+  return folder.add("book.glb", *animation);
+}
+
+Result<void> deploy_book(Options options, double thickness_mm, const Globals& globals) {
+  for (const auto& [is_given, name] :
+       {std::pair{options.poster, "--poster"}, std::pair{options.film, "--film"},
+        std::pair{options.convention == "paper", "--convention"}})
+    if (is_given)
+      return fail(
+          ErrorKind::Usage, name,
+          fmt::format("is for one card; give one, such as {}/card-01/pattern.fold", options.file));
+  std::optional<LongWork> work(std::in_place, !globals.quiet, "reading the book");
+  const auto book = read_deployed_book(options.file);
+  if (!book) return tl::unexpected(book.error());
+  if (!from_is_given(options.motion)) options.motion.from_psi = "0";
+  const double design_psi = book->cards.front().design_psi_rad;
+  const auto angles = angles_of(options.motion, design_psi);
+  if (!angles) return tl::unexpected(angles.error());
+  constexpr double kRounding = 1e-9;
+  if (std::max(angles->front(), angles->back()) > design_psi + kRounding)
+    return fail(ErrorKind::Usage, options.motion.to_psi.empty() ? "--from-psi" : "--to-psi",
+                fmt::format("opens each card to more than {:.4g} rad, and then they meet; give at "
+                            "most that",
+                            design_psi));
+  auto folder = OutputFolder::open(options.folder);
+  if (!folder) return tl::unexpected(folder.error());
+  if (auto done = write_book(options, *book, *angles, thickness_mm, *folder, *work); !done)
+    return done;
+  if (auto done = folder->commit("popcut deploy " POPCUT_VERSION); !done) return done;
+  work.reset();
+  if (globals.json)
+    fmt::print("{}\n", nlohmann::ordered_json{{"file", options.file},
+                                              {"cards", book->cards.size()},
+                                              {"frames", options.no_stl ? 0 : angles->size()},
+                                              {"psi_from_rad", angles->front()},
+                                              {"psi_to_rad", angles->back()}}
+                           .dump(2));
+  if (!globals.quiet)
+    fmt::print(stderr,
+               "{}: a book of {} cards, each from {:.4g} to {:.4g} rad\n  wrote    {}{}in {}\n",
+               options.file, book->cards.size(), angles->front(), angles->back(),
+               options.no_stl ? "" : fmt::format("{} meshes (psi_NNN.stl) ", angles->size()),
+               options.glb ? "book.glb " : "", options.folder);
+  return {};
+}
+
 Result<void> run_deploy(Options options, const Globals& globals) {
   give_back_file(options.motion, options.file);
   const auto convention = parse_convention(options.convention);
@@ -206,6 +269,7 @@ Result<void> run_deploy(Options options, const Globals& globals) {
     return fail(ErrorKind::Usage, "command line",
                 "FILE is missing; give a pattern (FOLD, SVG, DXF) or a table of panels (.csv)");
   }
+  if (names_book(options.file)) return deploy_book(options, *thickness, globals);
   const bool paper = *convention == SegmentConvention::Paper;
   if (paper && !from_is_given(options.motion)) options.motion.from_psi = "0";
   if (const auto valid = angles_of(options.motion, Pattern().design_psi_rad); !valid)
@@ -234,7 +298,8 @@ constexpr const char* kHelp =
     "Write 3D models (STL) of a pattern as it opens.\n\n"
     "  popcut deploy sphere/pattern.fold -o poses --glb --poster\n"
     "  popcut deploy drawing.svg -o poses --glb\n"
-    "  popcut deploy segments.csv --convention paper -o poses\n\n"
+    "  popcut deploy segments.csv --convention paper -o poses\n"
+    "  popcut deploy teapot-book -o poses --glb\n\n"
     "FILE is a FOLD file or a drawing (SVG, DXF), from popcut or any other program, or a table of\n"
     "panels with twelve columns, as popcut or the code of the scientific paper writes it. If the\n"
     "file has only the flat sheet, popcut finds the panels and opens them as 'popcut verify'\n"
@@ -243,7 +308,8 @@ constexpr const char* kHelp =
     "main fold; y in a design), z up. The opening angle (psi) is pi for the flat sheet, pi/2 for\n"
     "the designed shape and 0 for the closed card. A design with design_angle_deg has its shape\n"
     "at that angle, and the poses end there. --convention paper reads and writes the axes of the\n"
-    "scientific paper (X = x, Z = 1 - y, v = z), from psi = 0 to pi/2.";
+    "scientific paper (X = x, Z = 1 - y, v = z), from psi = 0 to pi/2. Of a book, by its folder,\n"
+    "each mesh has all cards around the spine, from shut to open; --glb writes book.glb.";
 
 }  // namespace
 }  // namespace deploy_command
@@ -254,7 +320,8 @@ void register_deploy(CLI::App& app, const Globals& globals, Run& run) {
   CLI::App* const command = app.add_subcommand("deploy", kHelp);
   command->add_option(
       "FILE", options->file,
-      "A FOLD file, a drawing (SVG, DXF), or a table of panels (CSV, twelve columns)");
+      "A FOLD file, a drawing (SVG, DXF), a table of panels (CSV, twelve columns), or the folder "
+      "of a book");
   command
       ->add_option("-o,--output", options->folder,
                    "Folder for the files; created if it does not exist")

@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/deploy/sheet_mesh.hpp"
+#include "core/design/book_fit.hpp"
 #include "core/design/patches.hpp"
 #include "core/design/shape_fit.hpp"
 #include "core/drawing/clean.hpp"
@@ -34,6 +35,7 @@
 #include "core/text/utf8.hpp"
 #include "core/text/words.hpp"
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/commands/book_files.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
 #include "daemon/cli/input/drawn_pattern.hpp"
 #include "daemon/cli/input/spec_assets.hpp"
@@ -272,6 +274,7 @@ std::string about(const SurfaceSpec& surface) {
   if (const auto* s = std::get_if<LoftSpec>(&surface))
     return fmt::format("loft of {} curves", s->stations.size());
   if (const auto* s = std::get_if<ImplicitSpec>(&surface)) return "solid " + s->f;
+  if (const auto* s = std::get_if<TextSpec>(&surface)) return "the text " + s->text;
   return "file " + asset_of(surface);
 }
 
@@ -284,10 +287,10 @@ Result<void> list_examples(const Globals& globals) {
     std::vector<std::string> sizes;
     for (const RegionSpec& region : spec->regions)
       sizes.push_back(fmt::format("{} x {}", region.slices, region.units_per_slice));
-    const std::string what =
-        spec->style == DesignStyle::Facets
-            ? fmt::format("facets of {:g} mm, {}", spec->facets.strip_mm, target)
-            : fmt::format("{}, {} units", target, fmt::join(sizes, " + "));
+    std::string what = spec->style == DesignStyle::Facets
+                           ? fmt::format("facets of {:g} mm, {}", spec->facets.strip_mm, target)
+                           : fmt::format("{}, {} units", target, fmt::join(sizes, " + "));
+    if (spec->book) what += fmt::format(", a book of {} cards", spec->book->cards);
     if (globals.json)
       list.push_back({{"name", example.name}, {"what", what}});
     else
@@ -318,6 +321,7 @@ Result<PatchAssembly> timed_design(const DesignSpec& spec, const SurfaceAssets& 
   if (made) tell(progress, "measuring the distance from your shape");
   if (made)
     for (Design& part : made->parts) part.report.surface_fit = surface_fit(part);
+  if (made && made->book) made->book->fit = book_fit(*made);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   if (made)
     for (Design& part : made->parts) part.report.seconds = took.count();
@@ -412,30 +416,41 @@ Result<void> design_into(const Options& options, const Globals& globals) {
                   dashed[p], {"popcut " POPCUT_VERSION, fold_frames, options.fold_cuts == "split"},
                   *angles,   *thickness,
                   scenery};
-    folder->enter(is_one ? "" : part_folder(p));
+    folder->enter(is_one ? "" : part_folder(*made, p));
     for (const Format& format : *formats) {
       work->now(fmt::format("writing {}", format.file));
       if (auto done = format.add(job, *folder); !done) return done;
     }
   }
   folder->enter("");
-  if (!is_one)
+  if (made->book) {
+    work->now("drawing the book");
+    const auto wants = [&](std::string_view name) {
+      return std::any_of(formats->begin(), formats->end(),
+                         [&](const Format& format) { return format.name == name; });
+    };
+    const BookFiles files{wants("glb"), has_pictures, *thickness};
+    if (auto done = add_book_files(*made, files, *folder); !done) return done;
+  } else if (!is_one) {
     if (auto done = folder->add("report.json", report_json(*made)); !done) return done;
+  }
   if (auto done = folder->commit("popcut design " POPCUT_VERSION); !done) return done;
   work.reset();
   if (globals.json) fmt::print("{}", report_json(*made));
   if (globals.quiet) return {};
+  if (made->book) say_book(*made);
   for (const Design& part : made->parts) {
-    say_figures(part.report);
-    say_remarks(part.report, globals.verbose > 0);
+    if (!made->book) say_figures(part.report);
+    if (!made->book || globals.verbose > 0) say_remarks(part.report, globals.verbose > 0);
   }
   say_joins(*made);
   std::string files;
   for (const Format& format : *formats) files += fmt::format(" {}", format.file);
-  const std::string where = is_one
-                                ? options.folder
-                                : fmt::format("{0}/part-01 to {0}/{1}, report.json in {0}",
-                                              options.folder, part_folder(made->parts.size() - 1));
+  const std::string where =
+      is_one ? options.folder
+             : fmt::format("{0}/{1} to {0}/{2}, {3} in {0}", options.folder, part_folder(*made, 0),
+                           part_folder(*made, made->parts.size() - 1),
+                           made->book ? "book.json book.glb book.svg" : "report.json");
   fmt::print(stderr, "  wrote   {} in {} ({:.2f} s)\n", files, where,
              made->parts.front().report.seconds);
   return {};
@@ -505,6 +520,10 @@ constexpr const char* kHelp =
     "  segments.csv  one row for each panel\n"
     "  deploy.glb    an animation of the card as it opens\n"
     "  report.json   sizes, and the distance from your shape\n\n"
+    "A SPEC with \"book\" makes a book of cards around one spine: each card gets these files in "
+    "its\n"
+    "own folder card-01, card-02 and so on, and DIR gets book.json (sizes, distance from your\n"
+    "shape, what is glued), book.glb (an animation) and book.svg (pictures from all sides).\n\n"
     "--formats also knows pdf (pattern.pdf, to print), cricut (cricut.svg, for Design Space),\n"
     "picture (deployed.svg) and stl (deploy/psi_NNN.stl, a 3D model of each pose).\n"
     "manifest.json lists the files of the last run; a new run removes those that it does not\n"

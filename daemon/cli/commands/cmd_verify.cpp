@@ -9,8 +9,10 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "core/verify/book.hpp"
 #include "core/verify/verify.hpp"
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/input/book_input.hpp"
 #include "daemon/cli/input/drawn_pattern.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/view/long_work.hpp"
@@ -19,6 +21,8 @@
 namespace popcut::cli {
 namespace verify_command {
 namespace {
+
+constexpr std::uintmax_t kPatternLimitBytes = 1u << 29;
 
 struct Options {
   std::string pattern;
@@ -40,8 +44,47 @@ Error summary(const Options& options, const VerifyReport& report) {
                   checks)};
 }
 
+/// A book: each card, and the glued whole.
+Result<void> verify_cards(const Options& options, const Globals& globals) {
+  if (!options.target.empty())
+    return fail(ErrorKind::Usage, "--target",
+                fmt::format("is for one pattern; to compare a book with its model: 'popcut compare "
+                            "{} MODEL --around'",
+                            options.pattern));
+  if (options.degrees_of_freedom.value_or(1) != 1)
+    return fail(ErrorKind::Usage, "--dof",
+                fmt::format("is {}; each card of a book has 1", *options.degrees_of_freedom));
+  const auto book = read_book(options.pattern);
+  if (!book) return tl::unexpected<Error>(book.error());
+  std::vector<std::string> texts;
+  for (const BookCardFile& card : book->cards) {
+    auto text = read_file(card.file, kPatternLimitBytes);
+    if (!text) return tl::unexpected<Error>(text.error());
+    texts.push_back(std::move(*text));
+  }
+  std::vector<VerifiedCard> cards;
+  for (std::size_t i = 0; i < texts.size(); ++i) cards.push_back({book->cards[i].name, texts[i]});
+  std::optional<LongWork> work(std::in_place, !globals.quiet, "reading the book");
+  const auto report = verify_book(cards, work->progress());
+  work.reset();
+  if (!report) return tl::unexpected<Error>(within(options.pattern, report.error()));
+  if (globals.json) {
+    fmt::print("{}", verify_json(*report));
+  } else if (!globals.quiet) {
+    fmt::print("{}", verify_text(*report));
+    for (std::size_t i = 0; i < report->cards.size(); ++i)
+      if (!report->cards[i].ok())
+        fmt::print("\n{}\n{}", report->names[i], verify_text(report->cards[i]));
+  }
+  if (report->ok()) return {};
+  return fail(
+      ErrorKind::CheckFailed, options.pattern,
+      fmt::format("the book fails {} checks; the report on standard output lists the places",
+                  report->failed()));
+}
+
 Result<void> run_verify(const Options& options, const Globals& globals) {
-  constexpr std::uintmax_t kPatternLimitBytes = 1u << 29;
+  if (names_book(options.pattern)) return verify_cards(options, globals);
   constexpr std::uintmax_t kSpecLimitBytes = 4u << 20;
   std::optional<LongWork> work(std::in_place, !globals.quiet, "reading the pattern");
   auto text = read_file(options.pattern, kPatternLimitBytes);
@@ -85,7 +128,8 @@ Result<void> run_verify(const Options& options, const Globals& globals) {
 constexpr const char* kHelp =
     "Check that a pattern can be cut, and that it opens and closes.\n\n"
     "  popcut verify sphere/pattern.fold\n"
-    "  popcut verify sphere/pattern.fold --dof 1 --target sphere.json\n\n"
+    "  popcut verify sphere/pattern.fold --dof 1 --target sphere.json\n"
+    "  popcut verify teapot-book\n\n"
     "PATTERN is a FOLD file or a drawing (SVG, DXF), from popcut or any other program. popcut "
     "uses\n"
     "only this file, and checks that the sheet is one piece, that the faces fill it, and that no "
@@ -93,7 +137,10 @@ constexpr const char* kHelp =
     "cross or lie on each other. In every pose no panel may stretch, no hinge may tear, and the\n"
     "fold angles must agree with the pose. The card must move, and no panel may pass through\n"
     "another. If the file has no opened pose, popcut opens the pattern: panels stay rigid, popcut\n"
-    "turns the longest fold, and the other folds follow.\n"
+    "turns the longest fold, and the other folds follow.\n\n"
+    "For a book, give its folder: then each card must have one movement, the glued pages must be\n"
+    "the same, no two cards may cross at any opening, and the shut book must lie inside its "
+    "pages.\n"
     "Exit code 0 if all checks pass, 3 if the file cannot be read, 6 if a check fails.";
 
 }  // namespace
@@ -103,7 +150,9 @@ void register_verify(CLI::App& app, const Globals& globals, Run& run) {
   using namespace verify_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("verify", kHelp);
-  command->add_option("PATTERN", options->pattern, "A FOLD file or a drawing (SVG, DXF)")
+  command
+      ->add_option("PATTERN", options->pattern,
+                   "A FOLD file, a drawing (SVG, DXF), or the folder of a book")
       ->required();
   whole_number(command->add_option("--dof", options->degrees_of_freedom,
                                    "Required number of independent movements (degrees of freedom): "

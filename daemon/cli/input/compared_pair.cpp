@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/compare/comparison.hpp"
+#include "core/design/facet_design.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/geometry/triangulate.hpp"
 #include "core/geometry/vec.hpp"
@@ -18,7 +19,9 @@
 #include "core/verify/sheet/check.hpp"
 #include "core/verify/target/target.hpp"
 #include "core/verify/verify.hpp"
+#include "daemon/cli/input/compared_book.hpp"
 #include "daemon/cli/input/drawn_pattern.hpp"
+#include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/planning/judge/opened_card.hpp"
 
@@ -136,6 +139,17 @@ std::optional<Strips> strips_of(const std::string& fold_text, const verify::Targ
 
 Result<SpecSurface> read_spec(const std::string& file, const std::string& text,
                               const ComparedStructure& structure) {
+  // Facets have no slices to check, so that verify does not read them.
+  if (const auto spec = parse_design_spec(text); spec && spec->style == DesignStyle::Facets) {
+    const auto assets = load_assets(*spec, file);
+    if (!assets) return tl::unexpected(within(file, assets.error()));
+    auto target = facet_target(*spec, *assets);
+    if (!target) return tl::unexpected(within(file, target.error()));
+    SpecSurface out;
+    out.triangles.assign(target->soup.corners.begin(), target->soup.corners.end());
+    out.shift_mm = spec->card->margin_mm - target->from_mm;
+    return out;
+  }
   verify::TargetFiles files;
   for (const std::string& name : target_files_of(text)) {
     auto bytes = read_file(std::filesystem::path(file).parent_path() / name);
@@ -187,6 +201,12 @@ Result<ComparedTarget> placed_spec(const std::string& file, const std::string& t
 
 }  // namespace
 }  // namespace compared_pair
+
+std::optional<double> shift_along_spine(const std::string& fold_text,
+                                        const verify::Target& target) {
+  const auto strips = compared_pair::strips_of(fold_text, target);
+  return strips ? std::optional(strips->shift_mm) : std::nullopt;
+}
 
 Result<ComparedStructure> read_structure(const std::string& file, std::optional<double> psi_rad,
                                          const Progress& progress) {
@@ -244,6 +264,13 @@ Result<ComparedTarget> read_compared_target(const std::string& file,
   if (!is_mesh(file) && is_pattern(*bytes))
     return fail(ErrorKind::OutOfRange, file,
                 "is a pattern; give the model after the pattern: a mesh (STL, OBJ) or a design");
+  if (!is_mesh(file) && is_design_spec(*bytes) && structure.is_book) {
+    if (given.is_given() || given.fit)
+      return fail(ErrorKind::Usage, "command line",
+                  "a design says where its surface stands; leave out --scale, --rotate, --move and "
+                  "--fit");
+    return read_book_target(file, *bytes, structure);
+  }
   if (!is_mesh(file) && is_design_spec(*bytes)) {
     if (given.is_given() || given.fit)
       return fail(ErrorKind::Usage, "command line",

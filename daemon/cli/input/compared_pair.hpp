@@ -11,6 +11,10 @@
 #include "core/progress.hpp"
 #include "core/result.hpp"
 
+namespace popcut::verify {
+struct Target;
+}
+
 namespace popcut::cli {
 
 /// What stands opened: a pattern, or the mesh of one.
@@ -18,6 +22,7 @@ struct ComparedStructure {
   std::vector<float> triangles;  ///< nine numbers each, (x, v, z) in mm
   /// None: parts of it lie behind it, so it is no card in a corner of wall and ground.
   std::optional<likeness::Corner> corner;
+  bool is_book{};  ///< cards around one spine, without their pages
   bool is_mesh{};  ///< or poses without a flat sheet; then the figures of the paper are 0
   std::optional<double> psi_rad;
   std::optional<likeness::ModelPlacement> model;  ///< where the pattern says that it stands
@@ -65,5 +70,10 @@ struct ComparedTarget {
                                                           const ComparedStructure& structure,
                                                           const GivenPlacement& given,
                                                           const Progress& progress);
+
+/// How far the strips of a pattern lie on the sheet from their places along a target, along the
+/// spine, mm. None where the pattern's strips are not those of the target's design.
+[[nodiscard]] std::optional<double> shift_along_spine(const std::string& fold_text,
+                                                      const verify::Target& target);
 
 }  // namespace popcut::cli

@@ -10,6 +10,7 @@
 
 #include "core/formats/dxf/dxf_reader.hpp"
 #include "core/formats/fold/fold_reader.hpp"
+#include "daemon/cli/input/book_input.hpp"
 #include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/files/output_folder.hpp"
 
@@ -49,12 +50,39 @@ Result<unsigned> raised_limits() {
                           std::string_view(text).substr(0, 40)));
 }
 
+/// The cards of a book side by side, each a piece of its own.
+Result<DrawingInput> drawing_of_book(const std::string& file, const SvgReadOptions& how) {
+  constexpr double kApart_mm = 10.0;
+  const auto book = read_book(file);
+  if (!book) return tl::unexpected(book.error());
+  DrawingInput out;
+  out.drawing.name = book->name.empty() ? std::filesystem::path(file).stem().string() : book->name;
+  double end = 0.0;
+  std::vector<PagePoint> moved;
+  for (std::size_t i = 0; i < book->cards.size(); ++i) {
+    const auto card = read_drawing(book->cards[i].file, how);
+    if (!card) return tl::unexpected(card.error());
+    const Box box = bounds(card->drawing);
+    if (i > 0) out.seams_x.push_back(end + 0.5 * kApart_mm);
+    const double by = i == 0 ? -box.x0 : end + kApart_mm - box.x0;
+    for (const DrawnLine& line : card->drawing.lines) {
+      const auto points = card->drawing.points_of(line);
+      moved.assign(points.begin(), points.end());
+      for (PagePoint& p : moved) p.x += by;
+      out.drawing.append(line.operation, moved);
+    }
+    end = box.x0 + by + box.width();
+  }
+  return out;
+}
+
 }  // namespace
 
 Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
                                   const std::vector<std::string>& tables,
                                   const std::string& material, const Progress& progress,
                                   const DesignVisitor& designed) {
+  if (names_book(file)) return drawing_of_book(file, how);
   const auto factor = raised_limits();
   if (!factor) return tl::unexpected(factor.error());
   how.limits = how.limits.raised(*factor);

@@ -20,7 +20,9 @@ Result<void> load_asset(const DesignSpec& spec, const std::string& spec_file,
   if (name.empty() || assets.contains(name)) return {};
   const auto path = std::filesystem::path(spec_file).parent_path() / name;
   auto bytes = read_file(path);
-  if (!bytes) return tl::unexpected(within(place + "/surface/file", bytes.error()));
+  if (!bytes)
+    return tl::unexpected(
+        within(fmt::format("{}/surface/{}", place, asset_field(*spec.surface)), bytes.error()));
   assets.emplace(name, std::move(*bytes));
   return {};
 }

@@ -96,7 +96,9 @@ Result<PlanOptions> options_of(const PlanArguments& arguments, const Progress& p
 }  // namespace
 
 void add_plan_arguments(CLI::App& command, PlanArguments& arguments) {
-  command.add_option("INPUT", arguments.input, "A design (.json) or a drawing (.fold, .svg, .dxf)")
+  command
+      .add_option("INPUT", arguments.input,
+                  "A design (.json), a drawing (.fold, .svg, .dxf), or the folder of a book")
       ->required();
   for (const PlanOption& option : plan_option_table()) {
     CLI::Option* const added = add_option(command, option, arguments);

@@ -58,7 +58,9 @@ std::optional<Unsound> find_unsound(const PatchAssembly& made) {
     if (report && report->ok()) continue;
     const std::string wrong = report ? summary(*report) : message(report.error());
     if (what.empty())
-      what = made.parts.size() == 1 ? wrong : fmt::format("part {}: {}", p + 1, wrong);
+      what = made.parts.size() == 1
+                 ? wrong
+                 : fmt::format("{} {}: {}", made.book ? "card" : "part", p + 1, wrong);
     nlohmann::ordered_json one{{"part", p + 1}, {"name", made.parts[p].pattern.name}};
     one["verify"] = report ? nlohmann::ordered_json::parse(verify_json(*report))
                            : nlohmann::ordered_json{{"ok", false}, {"error", wrong}};

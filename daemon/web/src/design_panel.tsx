@@ -6,7 +6,7 @@ import { useEffect, useId, useLayoutEffect, useMemo, useRef } from 'preact/hooks
 import * as desk from './design_desk';
 import { FaceKind, onSheet, type Lattice } from './lattice';
 import { SheetView, type Strokes } from './sheet_view';
-import { isPlain, scaled, slicesOf, stretched, unitsOf, widthOf, widthsOf, withField, withSlices, withSliceWidth, withUnits, withWidth, type Spec } from './spec';
+import { asFacets, asLattice, isFacets, isPlain, scaled, slicesOf, stretched, unitsOf, widthOf, widthsOf, withField, withSlices, withSliceWidth, withUnits, withWidth, type Spec } from './spec';
 import { integer, length, percent, size, withoutTicks } from './words';
 import { designWords as words, plainNumber } from './words_design';
 
@@ -213,6 +213,73 @@ function standing(of: Lattice): { height: number; depth: number; along: number }
   return { height, depth, along: high > low ? high - low : 0 };
 }
 
+function StyleField({ spec }: { spec: Spec }) {
+  const facets = isFacets(spec);
+  return (
+    <label class="field field-row">
+      <span>{words.fields.style}</span>
+      <select value={facets ? 'facets' : 'lattice'}
+        onChange={(event) => desk.set(event.currentTarget.value === 'facets' ? asFacets(spec) : asLattice(spec))}>
+        <option value="lattice" selected={!facets}>{words.fields.styleLattice}</option>
+        <option value="facets" selected={facets}>{words.fields.styleFacets}</option>
+      </select>
+    </label>
+  );
+}
+
+function FacetFields({ spec, of }: { spec: Spec; of: Lattice | null }) {
+  const id = useId();
+  const surface = spec.surface as Record<string, unknown>;
+  const facets = (spec.facets ?? {}) as Record<string, unknown>;
+  const at = of ? standing(of) : null;
+  const number = (value: unknown, otherwise: number): number => (typeof value === 'number' ? value : otherwise);
+  const setSurface = (field: string, value: unknown): void => desk.set({ ...spec, surface: { ...surface, [field]: value } });
+  const withFacet = (field: string, value: unknown): Spec => withField(spec, 'facets', withField(facets, field, value));
+  const tenth = (v: number): number => Math.round(v * 10) / 10;
+  return (
+    <div class="fields">
+      <fieldset>
+        <legend>{words.fields.fineness}</legend>
+        <StyleField spec={spec} />
+        <Slider label={words.fields.strip} field="strip" value={number(facets.strip_mm, 2)} least={1} most={Math.max(8, number(facets.strip_mm, 2))} step={0.1}
+          pointers={['/facets/strip_mm']} text={length(number(facets.strip_mm, 2))} onMove={(v) => desk.change(withFacet('strip_mm', tenth(v)), 'strip', v)} />
+        <Slider label={words.fields.pitch} field="pitch" value={number(facets.pitch_mm, 2)} least={1} most={Math.max(8, number(facets.pitch_mm, 2))} step={0.1}
+          pointers={['/facets/pitch_mm']} text={length(number(facets.pitch_mm, 2))} onMove={(v) => desk.change(withFacet('pitch_mm', tenth(v)), 'pitch', v)} />
+        <label class="field field-row">
+          <span>{words.fields.inward}</span>
+          <input type="checkbox" checked={facets.inward === true} onChange={(event) => desk.set(withFacet('inward', event.currentTarget.checked || null))} />
+        </label>
+      </fieldset>
+      <fieldset>
+        <legend>{words.fields.shape}</legend>
+        {surface.type === 'text' && (
+          <div class="field field-row">
+            <label for={id}>{words.fields.text}</label>
+            <input id={id} type="text" maxLength={200} value={String(surface.text ?? '')}
+              onChange={(event) => { const text = event.currentTarget.value.trim(); if (text !== '') setSurface('text', text); }} />
+          </div>
+        )}
+        <div class="field-grid">
+          {surface.type === 'text' ? (
+            <>
+              <NumberField label={words.fields.capitals} value={number(surface.height, 30)} unit="mm" pointers={['/surface/height']} least={1} onSet={(v) => setSurface('height', v)} />
+              <NumberField label={words.fields.toFront} value={number(surface.depth, 15)} unit="mm" pointers={['/surface/depth']} least={1} onSet={(v) => setSurface('depth', v)} />
+            </>
+          ) : (
+            <>
+              <NumberField label={words.fields.height} value={at?.height ?? null} unit="mm" pointers={['/scale_mm']} least={1}
+                title={words.fields.scales} onSet={(v) => desk.setSize(v, (one) => standing(one).height)} />
+              <NumberField label={words.fields.depth} value={at?.depth ?? null} unit="mm" pointers={['/scale_mm']} least={1}
+                title={words.fields.scales} onSet={(v) => desk.setSize(v, (one) => standing(one).depth)} />
+            </>
+          )}
+        </div>
+        <Refusal id="surface-r" text={refusedFor('/surface', '/facets', '/card', '/scale_mm', '/translate_mm', '')} />
+      </fieldset>
+    </div>
+  );
+}
+
 function Fields({ spec, of }: { spec: Spec; of: Lattice | null }) {
   const units = unitsOf(spec);
   const slices = slicesOf(spec);
@@ -234,10 +301,12 @@ function Fields({ spec, of }: { spec: Spec; of: Lattice | null }) {
     desk.set(scaled(spec, Math.floor(factor * 1000) / 1000));
   };
   if (!isPlain(spec)) return <p class="note">{words.fields.notPlain}</p>;
+  if (isFacets(spec)) return <FacetFields spec={spec} of={of} />;
   return (
     <div class="fields">
       <fieldset>
         <legend>{words.fields.fineness}</legend>
+        <StyleField spec={spec} />
         {units !== null && <Slider label={words.fields.units} field="units" value={units} least={1} most={Math.max(14, units)} pointers={['/units_per_slice']}
           text={integer(units)} onMove={(n) => move(withUnits(spec, n), 'units', n)} />}
         {slices !== null && <Slider label={words.fields.slices} field="slices" value={slices} least={1} most={Math.max(24, slices)} pointers={['/slices']}

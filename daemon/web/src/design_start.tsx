@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // How a design begins: from a card, from a drawn line, from a file.
 import { useSignal, type Signal } from '@preact/signals';
-import { useEffect, useRef } from 'preact/hooks';
+import { useEffect, useId, useRef } from 'preact/hooks';
 import { useAgain } from './again';
 import * as desk from './design_desk';
 import { Button, Trouble } from './parts';
@@ -11,7 +11,7 @@ import { designWords as words } from './words_design';
 
 declare const EXAMPLE_PICTURES: Record<string, string>;
 
-const kFirst = ['sphere', 'saddle', 'fig2a', 'cylinder', 'facade', 'packaging', 'multistate', 'composite', 'airfoil', 'unit'];
+const kFirst = ['letters', 'sphere', 'house', 'saddle', 'heart', 'village', 'fig2a', 'cylinder', 'facade', 'packaging', 'multistate', 'composite', 'airfoil', 'unit'];
 
 export async function examples(): Promise<desk.Example[]> {
   const { items } = await read<{ items: desk.Example[] }>('/v1/examples');
@@ -244,6 +244,24 @@ function HeightPad({ onProblem }: { onProblem: Signal<ServerProblem | null> }) {
   );
 }
 
+/** A word that stands up, in the font that popcutd has. */
+function WordPad() {
+  const text = useSignal('');
+  const id = useId();
+  const use = (): void => {
+    const word = text.peek().trim();
+    if (word === '') return;
+    desk.begin({ popcut: 1, name: word.slice(0, 60), style: 'facets', surface: { type: 'text', text: word, height: 36, depth: 18 } }, { made: true });
+  };
+  return (
+    <form class="start-word" onSubmit={(event) => { event.preventDefault(); use(); }}>
+      <label for={id}>{words.pads.word}</label>
+      <input id={id} type="text" maxLength={40} value={text.value} placeholder="POPCUT" onInput={(event) => { text.value = event.currentTarget.value; }} />
+      <button type="submit" class="button button-primary" disabled={text.value.trim() === ''}>{words.pads.wordUse}</button>
+    </form>
+  );
+}
+
 export function Start({ onOpen, children }: { onOpen: () => void; children?: preact.ComponentChildren }) {
   const list = useSignal<desk.Example[] | null>(null);
   const problem = useSignal<ServerProblem | null>(null);
@@ -282,6 +300,7 @@ export function Start({ onOpen, children }: { onOpen: () => void; children?: pre
       <section aria-labelledby="draw">
         <h2 id="draw">{words.start.draw}</h2>
         <p class="muted">{words.start.drawWhat}</p>
+        <WordPad />
         <div class="pads"><PlanPad /><ProfilePad /><HeightPad onProblem={problem} /></div>
       </section>
       <section aria-labelledby="file" class="start-file">

@@ -51,6 +51,33 @@ export function isPlain(spec: Spec): boolean {
   return isRecord(spec['surface']) && !Array.isArray(spec['regions']) && !Array.isArray(spec['patches']);
 }
 
+export const isFacets = (spec: Spec): boolean => spec['style'] === 'facets';
+
+const kLatticeOnly = ['units_per_slice', 'slices', 'widths_mm', 'lattice', 'fit', 'splay', 'curvature', 'design_angle_deg'];
+const kTriangles = ['mesh', 'grid', 'text', 'outline'];
+
+/** The same shape as facets; what only a lattice has is left out. Its length stays. */
+export function asFacets(spec: Spec): Spec {
+  const out: Spec = { ...spec, style: 'facets' };
+  for (const field of kLatticeOnly) delete out[field];
+  const surface = spec['surface'];
+  if (isRecord(surface) && kTriangles.includes(String(surface['type']))) return out;
+  const widths = widthsOf(spec);
+  const along = widths ? widths.reduce((sum, w) => sum + w, 0) : 100;
+  out['facets'] = { from_mm: widths ? -(widths[0] as number) / 2 : 0, length_mm: along };
+  return out;
+}
+
+/** The same shape as a lattice of ten slices. */
+export function asLattice(spec: Spec): Spec {
+  const out: Spec = { ...spec, units_per_slice: 6, slices: 10, widths_mm: 10, fit: 'nearest' };
+  const facets = spec['facets'];
+  if (isRecord(facets) && typeof facets['length_mm'] === 'number') out['widths_mm'] = round(facets['length_mm'] / 10, 3);
+  delete out['style'];
+  delete out['facets'];
+  return out;
+}
+
 export const unitsOf = (spec: Spec): number | null => (isPlain(spec) ? numberIn(spec['units_per_slice']) : null);
 export const slicesOf = (spec: Spec): number | null => (isPlain(spec) ? numberIn(spec['slices']) : null);
 

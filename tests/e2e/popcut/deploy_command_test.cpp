@@ -228,8 +228,10 @@ TEST_CASE("ezdxf reads the DXF of every example with the sheet's extents", "[cli
     const std::string name = entry.path().stem().string();
     CAPTURE(name);
     bench.design(name, {"--formats", "dxf,report"});
+    const bool is_book = fs::exists(bench.temp / (name + "/book.json"));
+    const std::string folder = is_book ? name + "/card-01" : name;
     const Ran read = run_program(
-        {"/usr/bin/python3", kSupport + "read_dxf.py", bench.path(name + "/pattern.dxf")},
+        {"/usr/bin/python3", kSupport + "read_dxf.py", bench.path(folder + "/pattern.dxf")},
         bench.temp.path());
     if (read.exit == 127 || read.out.rfind("skip", 0) == 0) {
       WARN("skipped: python3-ezdxf is not installed");
@@ -238,7 +240,7 @@ TEST_CASE("ezdxf reads the DXF of every example with the sheet's extents", "[cli
     INFO(read.err);
     REQUIRE(read.exit == 0);
     const json dxf = json::parse(read.out);
-    const json report = json::parse(text_of_file(bench.temp / (name + "/report.json")));
+    const json report = json::parse(text_of_file(bench.temp / (folder + "/report.json")));
     CHECK(dxf["errors"] == 0);
     CHECK(dxf["version"] == "AC1009");
     CHECK(dxf["units"] == 4);

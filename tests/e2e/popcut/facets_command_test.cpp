@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/design/outline/text_outline.hpp"
 #include "tests/support/command_bench.hpp"
 #include "tests/support/paths.hpp"
 
@@ -77,6 +78,60 @@ TEST_CASE("a house looks like a house: its roof and its gable are where they wer
   CHECK(report["facets"]["depth_mm"]["mean"] < 0.6);
   CHECK(report["facets"]["dropped"] == 0);
   CHECK(bench.popcut({"verify", "out/pattern.fold", "--dof", "1"}).exit == 0);
+}
+
+TEST_CASE("a word, a heart and a house with windows open in one movement with all counters cut out",
+          "[cli][e2e][facets]") {
+  const Bench bench;
+  for (const char* example : {"letters", "heart", "house"}) {
+    INFO(example);
+    fs::remove_all(bench.temp / "out");
+    const Ran ran =
+        bench.popcut({"design", source_file(std::string("examples/") + example + ".json"), "-o",
+                      "out", "--formats", "fold,report"});
+    INFO(ran.err);
+    REQUIRE(ran.exit == 0);
+    const json report = bench.report();
+    CHECK(report["pieces"] == 1);
+    CHECK(report["facets"]["depth_mm"]["mean"] < 2.0);
+    CHECK(bench.popcut({"verify", "out/pattern.fold", "--dof", "1"}).exit == 0);
+    if (example != std::string("letters")) continue;
+    // No letter and no counter is off by more than a step; sides that face along the spine are
+    // bare.
+    const Ran seen = bench.popcut({"compare", "out/pattern.fold",
+                                   source_file("examples/letters.json"), "--no-cost", "--json"});
+    INFO(seen.err);
+    REQUIRE(seen.exit == 0);
+    const json figures = json::parse(seen.out);
+    INFO(figures.dump());
+    CHECK(figures["cover"] > 0.75);
+    CHECK(figures["contour"]["mean_mm"] < 2.0);
+  }
+}
+
+TEST_CASE("a text takes a font from beside the spec, and says what it cannot set",
+          "[cli][e2e][facets]") {
+  const Bench bench;
+  json spec = {{"popcut", 1},
+               {"style", "facets"},
+               {"surface", {{"type", "text"}, {"text", "Ab"}, {"font", "mine.ttf"}}}};
+  check_refused_at(bench.design(spec), 3, "spec.json: /surface/font");
+  write_file(bench.temp / "mine.ttf", "no font");
+  check_refused_at(bench.design(spec), 3, "spec.json: /surface/font: is no font");
+  write_file(bench.temp / "mine.ttf", std::string(popcut::usual_font()));
+  const Ran named = bench.design(spec);
+  INFO(named.err);
+  REQUIRE(named.exit == 0);
+  const std::string fold = text_of_file(bench.temp / "out/pattern.fold");
+  spec["surface"].erase("font");
+  REQUIRE(bench.design(spec).exit == 0);
+  CHECK(text_of_file(bench.temp / "out/pattern.fold") == fold);
+  spec["surface"]["text"] = "\u3042";
+  check_refused_at(bench.design(spec), 3, "spec.json: /surface/text: the font has no");
+  spec["surface"] = {{"type", "outline"}, {"file", "line.svg"}};
+  write_file(bench.temp / "line.svg",
+             "<svg xmlns='http://www.w3.org/2000/svg'><path stroke='red' d='M0 0H9'/></svg>");
+  check_refused_at(bench.design(spec), 4, "spec.json: /surface/file: has no closed line");
 }
 
 TEST_CASE("what is wrong with a spec of facets is said with its place", "[cli][e2e][facets]") {

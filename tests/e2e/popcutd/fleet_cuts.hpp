@@ -54,6 +54,14 @@ inline bool comes_to(RunningDaemon& node, const std::string& job, const std::str
   });
 }
 
+/// Waits until all nodes have compared their journals with the database that is asked now.
+inline void await_nodes(FleetNodes& fleet) {
+  for (int k = 1; k <= fleet.size(); ++k) {
+    INFO(fleet[k].daemon().log());
+    REQUIRE(happens([&] { return fleet.is_alive(k); }, 20));
+  }
+}
+
 inline Json sheet_1() { return {{"sheet", 1}}; }
 
 /// The strokes that each attempt at a sheet cut: "BLANK" -> count of each line, over all nodes.

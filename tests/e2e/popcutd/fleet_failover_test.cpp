@@ -26,14 +26,6 @@ namespace {
 constexpr int kLines = 60;
 constexpr double kSlow = 4;  // so that a sheet of 60 lines takes some seconds
 
-/// Both nodes have compared their journals with the database that is asked now.
-void await_nodes(FleetNodes& fleet) {
-  for (int k = 1; k <= fleet.size(); ++k) {
-    INFO(fleet[k].daemon().log());
-    REQUIRE(happens([&] { return fleet.is_alive(k); }, 20));
-  }
-}
-
 /// Whether a node's log has all these words in a line.
 bool has_said(FleetNodes& fleet, int node, const std::string& words) {
   return says(fleet[node].daemon().log(), words);

@@ -606,6 +606,8 @@ TEST_CASE("a database that was put back to before a start does not offer the bla
   CHECK(now["blank"] == 1);
   fleet[2].await_state(job, "interrupted");
   CHECK_FALSE(fleet[2].refused(job, "retry-sheet", sheet_1()));
+  // Node 2 knew of more than node 1, which compares its journals again at its next beat.
+  await_nodes(fleet);
   fleet[2].cut(job);
   fleet[1].await_state(job, "done");
   CHECK(fleet[1].job(job)["blank"] == 2);

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "core/geometry/vec.hpp"
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// A closed line; the last point is joined to the first.
+using Ring = std::vector<Vec2>;
+
+/// A flat shape in one piece: an outline, counter-clockwise, and the holes in it, clockwise.
+struct Area {
+  Ring outline;
+  std::vector<Ring> holes;
+};
+
+/// What counts as inside where rings lie over each other (SVG 2, 13.4.2).
+enum class FillRule { NonZero, EvenOdd };
+
+inline constexpr std::size_t kMostRingPoints = 200'000;
+
+/// The pieces that closed lines bound, which may cross themselves and each other. Points are kept
+/// to a millionth of the whole size.
+///
+/// @retval OutOfRange  more than `kMostRingPoints`, or a coordinate that is not a finite number
+/// @retval Infeasible  they bound no area
+[[nodiscard]] Result<std::vector<Area>> areas_within(const std::vector<Ring>& rings, FillRule fill);
+
+}  // namespace popcut

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/cli/input/compared_book.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/compare/comparison.hpp"
+#include "core/design/book.hpp"
+#include "core/design/target/placement_map.hpp"
+#include "core/verify/sheet/fold_model.hpp"
+#include "core/verify/target/target.hpp"
+#include "core/verify/verify.hpp"
+#include "daemon/cli/input/spec_assets.hpp"
+#include "daemon/files/output_folder.hpp"
+#include "daemon/planning/judge/opened_card.hpp"
+
+namespace popcut::cli {
+namespace compared_book {
+namespace {
+
+constexpr std::uintmax_t kCardLimitBytes = 1u << 29;
+
+/// Turns places about the spine from the ground (x) toward the wall (z).
+void turn(std::vector<float>& triangles, double angle_rad) {
+  if (angle_rad == 0.0) return;
+  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+  for (std::size_t k = 0; k + 2 < triangles.size(); k += 3) {
+    const auto x = static_cast<double>(triangles[k]), z = static_cast<double>(triangles[k + 2]);
+    triangles[k] = static_cast<float>(c * x - s * z);
+    triangles[k + 2] = static_cast<float>(s * x + c * z);
+  }
+}
+
+void append(const std::vector<float>& from, std::vector<float>& to) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+/// A card's model placement, seen from the first card.
+likeness::ModelPlacement turned_back(likeness::ModelPlacement placement, double angle_rad) {
+  if (angle_rad == 0.0) return placement;
+  const Eigen::Matrix3d back =
+      Eigen::AngleAxisd(-angle_rad, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  placement.turn = back * placement.turn;
+  placement.shift_mm = Vec3(back * placement.shift_mm);
+  return placement;
+}
+
+/// Where card `card` of a book shows its target, as a design of its own that the verifier reads.
+nlohmann::json spec_of_card(nlohmann::json spec, const DesignSpec& card) {
+  spec.erase("book");
+  spec["design_angle_deg"] = card.placement.design_angle_deg;
+  if (!card.surface || std::holds_alternative<RevolutionSpec>(*card.surface) ||
+      !turns_with_cards(*card.surface))
+    if (card.placement.about_spine_deg == 0.0) return spec;
+  spec["rotate_deg"] = degrees_of(whole_turn(card.placement));
+  spec["translate_mm"] = whole_shift_mm(card.placement);
+  return spec;
+}
+
+}  // namespace
+}  // namespace compared_book
+
+Result<ComparedStructure> read_compared_book(const std::vector<std::string>& files,
+                                             const Progress& progress) {
+  using namespace compared_book;
+  ComparedStructure out;
+  out.is_book = true;
+  double turned_rad = 0.0;
+  for (const std::string& file : files) {
+    tell(progress, "reading the cards");
+    auto text = read_file(file, kCardLimitBytes);
+    if (!text) return tl::unexpected(text.error());
+    auto card = planning::open_card(*text, std::nullopt, progress);
+    if (!card) return tl::unexpected(within(file, card.error()));
+    const double touch = 1e-4 * likeness::box_of(card->triangles).diagonal();
+    std::vector<float> standing = likeness::without_card(card->triangles, card->corner, touch);
+    if (card->model && !out.model) out.model = turned_back(*card->model, turned_rad);
+    if (out.fold_text.empty() && !standing.empty()) out.fold_text = std::move(*text);
+    turn(standing, turned_rad);
+    append(standing, out.triangles);
+    out.folds += card->folds;
+    out.pieces += card->pieces;
+    if (card->smallest_joint_mm > 0.0 &&
+        (out.smallest_joint_mm == 0.0 || card->smallest_joint_mm < out.smallest_joint_mm))
+      out.smallest_joint_mm = card->smallest_joint_mm;
+    out.psi_rad = card->psi_rad;
+    turned_rad += card->psi_rad;
+    for (const std::string& note : card->notes)
+      out.notes.push_back(fmt::format("{}: {}", file, note));
+  }
+  constexpr double kRounding = 1e-6;
+  if (turned_rad > 2.0 * std::numbers::pi + kRounding)
+    return fail(ErrorKind::OutOfRange, files.back(),
+                fmt::format("the cards take {:.4g} degrees, more than a whole turn; give those of "
+                            "one book",
+                            turned_rad * 180.0 / std::numbers::pi));
+  if (out.triangles.empty())
+    return fail(ErrorKind::OutOfRange, files.front(),
+                "nothing stands between the pages of the book, so there is nothing to compare");
+  return out;
+}
+
+Result<ComparedTarget> read_book_target(const std::string& file, const std::string& text,
+                                        const ComparedStructure& structure) {
+  using namespace compared_book;
+  const auto spec = parse_design_spec(text);
+  if (!spec) return tl::unexpected(within(file, spec.error()));
+  if (!spec->book)
+    return fail(ErrorKind::OutOfRange, file,
+                "is the design of one card; give the model as a mesh, or the design of the book");
+  const auto assets = load_assets(*spec, file);
+  if (!assets) return tl::unexpected(within(file, assets.error()));
+  const auto placement = book_placement(*spec, *assets);
+  if (!placement) return tl::unexpected(within(file, placement.error()));
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  const bool is_mesh = spec->surface && std::holds_alternative<MeshSpec>(*spec->surface);
+  const verify::TargetFiles target_files(assets->begin(), assets->end());
+  const likeness::Box box = likeness::box_of(structure.triangles);
+  const double reach = 1.05 * std::max({box.high.x(), box.high.z(), -box.low.x(), -box.low.z()});
+  ComparedTarget out;
+  out.is_solid = is_mesh;
+  out.placed_by = "spec";
+  const auto cards = static_cast<std::size_t>(spec->book->cards);
+  std::optional<double> shift;  // from the target to the sheets
+  for (std::size_t i = 0; i < (is_mesh ? 1 : cards); ++i) {
+    const DesignSpec card = card_of_book(*spec, *placement, i);
+    auto target = verify::read_target(spec_of_card(json, card).dump(), target_files);
+    if (!target) return tl::unexpected(within(file, target.error()));
+    if (i == 0) {
+      shift = shift_along_spine(structure.fold_text, *target);
+      if (structure.model) shift = structure.model->shift_mm.y() - placement->translate_mm[1];
+    }
+    verify::TargetReach wanted{box.low.y() - shift.value_or(0.0),
+                               box.high.y() - shift.value_or(0.0), reach, reach};
+    if (!shift && !target->slices.empty()) {
+      wanted.begin_mm = -0.5 * target->slices.front().width_mm;
+      wanted.end_mm = target->slices.back().s_mm + 0.5 * target->slices.back().width_mm;
+    }
+    verify::TargetTriangles triangles;
+    target->surface->add_triangles(wanted, triangles);
+    turn(triangles.corners,
+         static_cast<double>(i) * spec->book->angle_deg() * std::numbers::pi / 180.0);
+    append(triangles.corners, out.triangles);
+  }
+  if (shift) {
+    out.placement.shift_mm.y() = *shift;
+  } else {
+    const auto found =
+        likeness::find_shift_along_spine(out.triangles, {}, structure.triangles, std::nullopt);
+    out.placement = found.placement, out.misfit = found.misfit;
+  }
+  out.triangles = likeness::placed(out.triangles, out.placement);
+  if (!(likeness::box_of(out.triangles).diagonal() > 0.0))
+    return fail(ErrorKind::OutOfRange, file, "the surface is nowhere along the slices");
+  return out;
+}
+
+}  // namespace popcut::cli
