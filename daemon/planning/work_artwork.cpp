@@ -94,11 +94,7 @@ Result<PlanningOutcome> draw_artwork(WorkerTask& task, const FileSink& add,
                                      const Progress& progress) {
   const Wanted wanted = taken_from(task.options);
   PrintedDesign design;
-  SurfaceAssets assets;  // planning takes those of the spec out of the task
-  if (wanted.model.empty())
-    assets = task.assets;
-  else if (const auto model = task.assets.find(wanted.model); model != task.assets.end())
-    assets.insert(*model);
+  const SurfaceAssets assets = task.assets;  // planning takes those of the spec out of the task
   PlanningOutcome outcome;
   const auto designed = [&](const DesignSpec& spec, PatchAssembly& made) -> Result<void> {
     if (!spec.patches.empty() && !wanted.model.empty())
@@ -106,7 +102,9 @@ Result<PlanningOutcome> draw_artwork(WorkerTask& task, const FileSink& add,
                   "is for designs of one surface, and this one has patches; leave it out");
     const auto model = model_of(wanted, spec, assets);
     if (!model) return tl::unexpected(model.error());
-    design = printed_design(spec, made, *model);
+    auto printed = printed_design(spec, assets, made, *model);
+    if (!printed) return tl::unexpected(printed.error());
+    design = std::move(*printed);
     return {};
   };
   const auto job = planned(task, outcome, designed, progress);

@@ -89,7 +89,9 @@ Result<void> keep_design(const Options& options, PrintMode mode, const DesignSpe
                 "is for designs of one surface, and this one has patches; leave it out");
   const auto model = model_of(options, spec, assets);
   if (!model) return tl::unexpected(model.error());
-  design = planning::printed_design(spec, made, *model);
+  auto printed = planning::printed_design(spec, assets, made, *model);
+  if (!printed) return tl::unexpected(printed.error());
+  design = std::move(*printed);
   return {};
 }
 

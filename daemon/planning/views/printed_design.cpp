@@ -2,7 +2,10 @@
 #include "daemon/planning/views/printed_design.hpp"
 
 #include <cmath>
+#include <cstddef>
 #include <utility>
+
+#include "core/design/book.hpp"
 
 namespace popcut::planning {
 
@@ -11,13 +14,24 @@ double usual_shade(const PrintedDesign& design) {
   return design.coloured ? 0 : kOfClay;
 }
 
-PrintedDesign printed_design(const DesignSpec& spec, const PatchAssembly& made,
-                             const std::optional<ColourMesh>& model) {
+Result<PrintedDesign> printed_design(const DesignSpec& spec, const SurfaceAssets& assets,
+                                     const PatchAssembly& made,
+                                     const std::optional<ColourMesh>& model) {
+  std::optional<TargetPlacement> of_book;
+  if (model && made.book) {
+    auto placement = book_placement(spec, assets);
+    if (!placement) return tl::unexpected(placement.error());
+    of_book = *placement;
+  }
   PrintedDesign out;
-  for (const Design& part : made.parts) {
+  for (std::size_t k = 0; k < made.parts.size(); ++k) {
+    const Design& part = made.parts[k];
     out.parts.push_back(part.pattern);
-    out.models.push_back(model ? model_on_sheet(*model, spec.placement, part)
-                               : clay_on_sheet(part));
+    if (!model)
+      out.models.push_back(clay_on_sheet(part));
+    else
+      out.models.push_back(model_on_sheet(
+          *model, of_book ? card_of_book(spec, *of_book, k).placement : spec.placement, part));
   }
   out.coloured = model && model->coloured;
   return out;

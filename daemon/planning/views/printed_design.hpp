@@ -22,9 +22,15 @@ struct PrintedDesign {
 /// painted on have their shades already.
 [[nodiscard]] double usual_shade(const PrintedDesign& design);
 
-/// @param model  in units and axes of the spec's surface; none: the design's own shape, as clay
-[[nodiscard]] PrintedDesign printed_design(const DesignSpec& spec, const PatchAssembly& made,
-                                           const std::optional<ColourMesh>& model);
+/// @param assets  those of the spec
+/// @param model   in units and axes of the spec's surface; each card of a book shows its part of
+/// it;
+///                none: the design's own shape, as clay
+/// @retval Malformed, OutOfRange  as `book_placement`
+[[nodiscard]] Result<PrintedDesign> printed_design(const DesignSpec& spec,
+                                                   const SurfaceAssets& assets,
+                                                   const PatchAssembly& made,
+                                                   const std::optional<ColourMesh>& model);
 
 /// What is printed on a planned design, on the pattern's own page.
 ///
