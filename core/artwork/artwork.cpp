@@ -235,13 +235,20 @@ void trap(ColourImage& image, std::span<const std::uint32_t> face, std::span<con
     const double reach = how.trap_mm + frame.pixel_mm;
     for (std::size_t pixel = 0; pixel < face.size(); ++pixel)
       if (image.rgba[4 * pixel + 3] > 0) state[pixel] = 1;
-    for (const auto lines : {cuts, borders})
-      each_near_cut(lines, frame, reach, reach, [&](std::size_t pixel, double, std::size_t cut) {
-        if (face[pixel] == kNoFace || state[pixel] != 2) return;
-        // Where a picture's outline crosses a cut, its ink stays within the outline.
-        const PagePoint p = frame.middle(pixel % frame.width, pixel / frame.width);
-        if (blends || has_ink_across(image, p, lines[cut], frame)) state[pixel] = 0;
-      });
+    // Where a picture's outline crosses a line, its ink stays within the outline: that is told
+    // across the lines beside a pixel, and past their ends only where it lies beside none.
+    std::vector<std::uint8_t> beside(blends ? 0 : face.size(), 0);
+    for (const bool past_ends : {false, true})
+      for (const auto lines : {cuts, borders})
+        each_near_cut(lines, frame, reach, past_ends ? reach : 0,
+                      [&](std::size_t pixel, double, std::size_t cut) {
+                        if (face[pixel] == kNoFace || state[pixel] != 2) return;
+                        if (blends) return void(state[pixel] = 0);
+                        if (past_ends && beside[pixel] != 0) return;
+                        if (!past_ends) beside[pixel] = 1;
+                        const PagePoint p = frame.middle(pixel % frame.width, pixel / frame.width);
+                        if (has_ink_across(image, p, lines[cut], frame)) state[pixel] = 0;
+                      });
     spread(image, state, steps_for(reach, frame.pixel_mm));
   }
   for (std::size_t pixel = 0; pixel < face.size(); ++pixel)

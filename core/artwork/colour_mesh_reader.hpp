@@ -17,6 +17,8 @@ struct ModelFiles {
   std::function<Result<std::string>(const std::string& name)> open;
   /// Pixels of a PNG or JPEG.
   std::function<Result<ColourImage>(const std::string& name, std::string_view bytes)> decode;
+  /// For errors: what helps where one of them cannot be opened.
+  std::string advice{"put it where the line says, or print without colours (--clay)"};
 };
 
 /// Reads a model with its colours, in units and axes of the file: OBJ with the materials of its MTL

@@ -339,7 +339,8 @@ Result<ColourMesh> read_colour_gltf(const std::string& name, std::string_view by
   if (!read) {
     for (char& c : error)
       if (c == '\n') c = ' ';
-    while (!error.empty() && (error.back() == ' ' || error.back() == '.')) error.pop_back();
+    while (!error.empty() && std::string_view(" .;").find(error.back()) != std::string_view::npos)
+      error.pop_back();
     return fail(ErrorKind::Malformed, name,
                 fmt::format("is no glTF that can be read{}{}; save the model again",
                             error.empty() ? "" : ": ", error.substr(0, 200)));

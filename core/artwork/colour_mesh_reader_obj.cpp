@@ -167,9 +167,7 @@ class ObjColours {
     const auto bytes = files_.open(file);
     if (!bytes)
       return fail(ErrorKind::Malformed, line_of(number),
-                  fmt::format("the materials {} cannot be read; put the file beside the model, or "
-                              "print without colours (--clay)",
-                              file));
+                  fmt::format("the materials {} cannot be read; {}", file, files_.advice));
     std::uint32_t now = 0;
     return each_line(
         *bytes, [&](std::string_view key, std::string_view line, std::size_t at) -> Result<void> {
@@ -203,9 +201,7 @@ class ObjColours {
       const auto bytes = files_.open(file);
       if (!bytes)
         return fail(ErrorKind::Malformed, place,
-                    fmt::format("the picture {} cannot be read; put it where the line says, or "
-                                "print without colours (--clay)",
-                                file));
+                    fmt::format("the picture {} cannot be read; {}", file, files_.advice));
       auto image = files_.decode(file, *bytes);
       if (!image) return tl::unexpected(within(place, image.error()));
       known->second = static_cast<std::int32_t>(mesh_.textures.size());

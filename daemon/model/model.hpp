@@ -124,6 +124,15 @@ struct PreviewRequest {
   std::string material{};  ///< that the spec names; empty: none
 };
 
+/// What is printed on a sheet of a plan.
+struct ArtworkRequest {
+  std::string mode{"view"};  ///< or "surface", see `PrintMode`
+  int dpi{300};
+  bool clay{false};     ///< without the model's colours
+  bool back{false};     ///< a second page for the other side
+  std::string model{};  ///< id of an asset; empty: the mesh of the spec
+};
+
 struct PlanRequest {
   std::string design;
   std::string material;  ///< empty: the design's own, else paper-220

@@ -66,7 +66,7 @@ bool is_free(const PrintedSheet& raster, const Box& box) {
 
 /// A bar along the lower edge of the sheet, below where marks may be, if nothing else is there.
 void add_bar(ArtworkPage& page, const PrintedSheet& raster, const std::array<double, 2>& area,
-             const Plan& plan, std::size_t sheet) {
+             const Plan& plan, std::size_t sheet, bool with_words) {
   constexpr double kFromEdge = 10, kHigh = 8;
   const double left = area[0] / 2 - 50, top = area[1] - kFromEdge - 3;
   const Box box{left - 2, top, left + 102, top + kHigh};
@@ -74,7 +74,7 @@ void add_bar(ArtworkPage& page, const PrintedSheet& raster, const std::array<dou
   if (left < 32 || !is_free(raster, box) || work.y1 > box.y0) return;
   page.bar = {left, area[1] - kFromEdge};
   page.bar_across_mm = 100;
-  page.words = fmt::format("100 mm: sheet {}", sheet + 1);
+  if (with_words) page.words = fmt::format("100 mm: sheet {}", sheet + 1);
 }
 
 }  // namespace
@@ -95,7 +95,7 @@ Result<std::string> artwork_sheet_pdf(const Artwork& artwork, const std::string&
   page.svg = lines_on_sheet(lines, plan, sheet);
   page.svg_mm = planned.area_mm;
   if (planned.registration) page.marks = mark_boxes(*planned.registration);
-  add_bar(page, *raster, planned.area_mm, plan, sheet);
+  add_bar(page, *raster, planned.area_mm, plan, sheet, options.words);
   std::vector<ArtworkPage> pages{page};
   ColourImage behind;
   if (options.back) {

@@ -16,7 +16,8 @@ namespace popcut {
 struct PrintPageOptions {
   double pixel_mm{25.4 / 300};
   Trapping trapping{};
-  bool back{false};                                ///< the other side too, as a second page
+  bool words{true};  ///< beside the bar; false: no font is looked for, as in a worker
+  bool back{false};  ///< the other side too, as a second page
   std::array<double, 2> bars_mm{100, 100};         ///< what the bars of 100 mm measure on a print
   std::optional<std::array<double, 2>> page_mm{};  ///< the printer's paper; none: the sheet's size
 };

@@ -58,6 +58,7 @@ void add_bars(const ArtworkPage& page, cairo_t* cairo) {
     line(x, y, x, y - page.bar_down_mm);
     line(x - 1.5, y - page.bar_down_mm, x + 1.5, y - page.bar_down_mm);
   }
+  if (page.words.empty()) return;
   cairo_select_font_face(cairo, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(cairo, 2.8);
   cairo_move_to(cairo, x + 2, y + 4.2);

@@ -22,7 +22,7 @@ struct ArtworkPage {
   std::string svg{};  ///< lines over the image: a document whose viewBox is in mm, or empty
   std::array<double, 2> svg_mm{};         ///< its size
   std::vector<Box> marks{};               ///< filled black
-  std::string words{};                    ///< beside the bars; "" where there is no room for bars
+  std::string words{};                    ///< beside the bars
   PagePoint bar{};                        ///< where the bars of 100 mm meet: one goes right, one up
   double bar_across_mm{}, bar_down_mm{};  ///< their lengths; 0: none
   std::array<double, 2> stretch{1, 1};    ///< of all of it, for printers that print too small

@@ -31,6 +31,7 @@ struct PlanningTask {
     Picture,  ///< a design's "deployed.svg" and "pattern.svg", without any text of its own
     Export,   ///< one file of a spec as popcut design writes it; options: "file", "part" (from 1)
     Place,    ///< a spec with its shape moved into place; options: "place" (whole, quarter)
+    Artwork,  ///< the artwork of a sheet of a plan of a spec, as a page; see `ArtworkRequest`
   };
   Kind kind{};
   std::string design_path;    ///< stored bytes; read by the daemon and sent through the pipe

@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using daemon::PlanningOutcome;
 
-constexpr auto kLastKind = daemon::PlanningTask::Kind::Place;
+constexpr auto kLastKind = daemon::PlanningTask::Kind::Artwork;
 constexpr double kMost = 1e12;
 constexpr std::size_t kMostName = 100;
 constexpr std::size_t kMostDoing = 100;

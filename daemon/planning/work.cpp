@@ -88,7 +88,10 @@ Result<PlanningOutcome> outcome_of(const PlanJob& job, PlanningOutcome outcome,
   return outcome;
 }
 
-Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add, const Progress& progress) {
+}  // namespace
+
+Result<PlanJob> planned(WorkerTask& task, PlanningOutcome& outcome, const DesignReceiver& designed,
+                        const Progress& progress) {
   auto options = read_plan_options(task.options);
   if (!options) return tl::unexpected(in_request(options.error()));
   const auto tables = tables_of(task);
@@ -99,18 +102,12 @@ Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add, const P
   options->machine = tables->machine;
   options->material = tables->material;
   options->progress = progress;
-  PlanningOutcome outcome;
   SpecSources sources;
   sources.assets = [&](const DesignSpec& spec) { return assets_for(spec, task.assets); };
   sources.tables = tables->texts;
   sources.material = options->material;
   sources.progress = progress;
-  sources.designed = [&](const DesignSpec& spec, PatchAssembly& made) -> Result<void> {
-    if (const auto ids = asset_ids(spec)) outcome.assets = *ids;
-    for (Design& part : made.parts) part.report.surface_fit = surface_fit(part);
-    if (made.book) made.book->fit = book_fit(made);
-    return add_design_files(made, add, outcome.warnings);
-  };
+  sources.designed = designed;
   const auto read = [&](const SvgReadOptions& how) -> Result<DrawingInput> {
     if (task.kind == Kind::TestCut) return test_shape_input();
     const auto kind =
@@ -121,8 +118,23 @@ Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add, const P
     if (input && input->drawing.name.empty()) input->drawing.name = "design";
     return input;
   };
-  const auto job = make_plan_job(*options, tables->texts, read, "");
+  auto job = make_plan_job(*options, tables->texts, read, "");
   if (!job) return tl::unexpected(in_request(job.error()));
+  return job;
+}
+
+namespace {
+
+Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add, const Progress& progress) {
+  PlanningOutcome outcome;
+  const auto designed = [&](const DesignSpec& spec, PatchAssembly& made) -> Result<void> {
+    if (const auto ids = asset_ids(spec)) outcome.assets = *ids;
+    for (Design& part : made.parts) part.report.surface_fit = surface_fit(part);
+    if (made.book) made.book->fit = book_fit(made);
+    return add_design_files(made, add, outcome.warnings);
+  };
+  const auto job = planned(task, outcome, designed, progress);
+  if (!job) return tl::unexpected(job.error());
   return outcome_of(*job, std::move(outcome), add);
 }
 
@@ -190,6 +202,8 @@ Result<PlanningOutcome> perform(WorkerTask task, const FileSink& add, const Prog
     case Kind::Picture:
     case Kind::Export:
       return show(task, add);
+    case Kind::Artwork:
+      return draw_artwork(task, add, progress);
   }
   return fail(ErrorKind::Internal, "worker", "does not know this task");
 }

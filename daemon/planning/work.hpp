@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 
+#include "core/design/patches.hpp"
 #include "core/design/target/surface_spec.hpp"
 #include "core/progress.hpp"
 #include "core/result.hpp"
 #include "daemon/planning/design_files.hpp"
+#include "daemon/planning/plan_job.hpp"
 #include "daemon/planning/planner.hpp"
 
 namespace popcut::planning {
@@ -34,5 +37,21 @@ struct WorkerTask {
 
 /// `perform` of what somebody looks at (Preview, Lattice, Picture, Export, Place).
 [[nodiscard]] Result<daemon::PlanningOutcome> show(WorkerTask& task, const FileSink& add);
+
+using DesignReceiver = std::function<Result<void>(const DesignSpec&, PatchAssembly&)>;
+/// The plan of a task; the same task gives the same.
+///
+/// @param outcome   receives what kind of design it is
+/// @param designed  receives the design of a spec
+[[nodiscard]] Result<PlanJob> planned(WorkerTask& task, daemon::PlanningOutcome& outcome,
+                                      const DesignReceiver& designed, const Progress& progress);
+
+/// What the options of a task begin with that are not those of its plan.
+inline constexpr const char* kArtworkOption = "artwork-";
+inline constexpr const char* kArtworkFile = "artwork.pdf";
+/// `perform` of the artwork of a sheet. The plan is made again, and has to give the program that it
+/// gave before: so its cuts match.
+[[nodiscard]] Result<daemon::PlanningOutcome> draw_artwork(WorkerTask& task, const FileSink& add,
+                                                           const Progress& progress);
 
 }  // namespace popcut::planning

@@ -134,6 +134,14 @@ class Plans {
   /// "deploy.glb", "report.json", "preview.svg", "assembly.svg".
   [[nodiscard]] virtual Answer<std::string> file(const std::string& id,
                                                  const std::string& name) = 0;
+  /// The page of artwork of a sheet, a PDF: made for who waits for it, and not kept (`Designs`).
+  ///
+  /// @param sheet  from 1
+  /// @retval NotFound       no such plan, sheet or asset; the plan is not of a spec
+  /// @retval StateConflict  it is not made
+  /// @retval Validation     the model cannot be read; artwork is too near to a mark
+  virtual Designs::CallOff artwork(const Principal&, const std::string& id, int sheet,
+                                   const ArtworkRequest&, Designs::Shown done) = 0;
 };
 
 /// The jobs and their queue. See `Service`.

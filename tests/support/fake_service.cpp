@@ -325,6 +325,17 @@ Answer<std::string> FakePlans::file(const std::string& id, const std::string& na
   return lookup(files, id + "/" + name, "file");
 }
 
+Designs::CallOff FakePlans::artwork(const Principal&, const std::string& id, int sheet,
+                                    const ArtworkRequest& wanted, Designs::Shown done) {
+  if (auto problem = failure("sheet_artwork"))
+    done(tl::unexpected<Problem>(*problem));
+  else if (plan_map.find(id) == plan_map.end())
+    done(nothing("there is no such plan"));
+  else
+    done(fmt::format("{} of sheet {} at {}", wanted.mode, sheet, wanted.dpi));
+  return [] {};
+}
+
 void FakeDesigns::preview(const std::string& id, std::function<void(Answer<std::string>)> done) {
   if (auto problem = failure("design_preview")) return done(tl::unexpected<Problem>(*problem));
   if (design_map.find(id) == design_map.end()) return done(nothing("there is no such design"));

@@ -125,6 +125,8 @@ class FakePlans : public Plans, public virtual FakeState {
   Answer<void> remove(const Principal&, const std::string& id) override;
   Answer<std::vector<Machine>> machines() override;
   Answer<std::string> file(const std::string& id, const std::string& name) override;
+  Designs::CallOff artwork(const Principal&, const std::string& id, int sheet,
+                           const ArtworkRequest&, Designs::Shown done) override;
 };
 
 class FakeJobs : public Jobs, public virtual FakeState {

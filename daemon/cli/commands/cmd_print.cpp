@@ -17,7 +17,6 @@
 #include "core/artwork/pattern_lines.hpp"
 #include "core/deploy/glb.hpp"
 #include "core/deploy/pose_table.hpp"
-#include "core/design/book.hpp"
 #include "core/layout/sheet.hpp"
 #include "core/machines/machine.hpp"
 #include "core/plan/plan.hpp"
@@ -29,24 +28,20 @@
 #include "daemon/files/user_tables.hpp"
 #include "daemon/pictures/artwork_pages.hpp"
 #include "daemon/pictures/image_reader.hpp"
+#include "daemon/planning/views/printed_design.hpp"
 
 namespace popcut::cli {
 namespace print_command {
 namespace {
 
+using planning::PrintedDesign;
+
 struct Options {
   PlanArguments plan;
   std::string folder, mode{"view"}, image, model, page;
-  double dpi{300}, trap_mm{0.3}, bleed_mm{1}, shade{0.6}, scale_x{100}, scale_y{100};
+  double dpi{300}, trap_mm{0.3}, bleed_mm{1}, shade{}, scale_x{100}, scale_y{100};
   CLI::Option* shade_option{};
   bool clay{false}, bare_card{false}, back{false}, preview{false}, no_marks{false};
-};
-
-/// The design behind a plan, and the models whose colours are printed on its parts.
-struct Source {
-  std::vector<Pattern> parts;
-  std::vector<ColourMesh> models;
-  bool coloured{false};
 };
 
 ModelFiles files_beside(const std::filesystem::path& model) {
@@ -83,24 +78,20 @@ Result<std::optional<ColourMesh>> model_of(const Options& options, const DesignS
 }
 
 Result<void> keep_design(const Options& options, PrintMode mode, const DesignSpec& spec,
-                         const SurfaceAssets& assets, const PatchAssembly& made, Source& source) {
-  for (const Design& part : made.parts) source.parts.push_back(part.pattern);
-  if (mode == PrintMode::Flat) return {};
+                         const SurfaceAssets& assets, const PatchAssembly& made,
+                         PrintedDesign& design) {
+  if (mode == PrintMode::Flat) {
+    for (const Design& part : made.parts) design.parts.push_back(part.pattern);
+    return {};
+  }
   if (!spec.patches.empty() && !options.model.empty())
     return fail(ErrorKind::Usage, "--model",
                 "is for designs of one surface, and this one has patches; leave it out");
-  auto model = model_of(options, spec, assets);
+  const auto model = model_of(options, spec, assets);
   if (!model) return tl::unexpected(model.error());
-  const auto standing = spec.book ? book_placement(spec, assets) : spec.placement;
-  if (!standing) return tl::unexpected(standing.error());
-  for (std::size_t p = 0; p < made.parts.size(); ++p) {
-    const Design& part = made.parts[p];
-    const TargetPlacement placement =
-        spec.book ? card_of_book(spec, *standing, p).placement : *standing;
-    source.models.push_back(*model ? model_on_sheet(**model, placement, part)
-                                   : clay_on_sheet(part));
-    source.coloured = source.models.back().coloured;
-  }
+  auto printed = planning::printed_design(spec, assets, made, *model);
+  if (!printed) return tl::unexpected(printed.error());
+  design = std::move(*printed);
   return {};
 }
 
@@ -148,7 +139,7 @@ Result<PrintPageOptions> page_options(const Options& options) {
   return out;
 }
 
-Result<Artwork> artwork_of(const Options& options, PrintMode mode, const Source& source,
+Result<Artwork> artwork_of(const Options& options, PrintMode mode, const PrintedDesign& design,
                            const PlanJob& job, const PrintPageOptions& pages, LongWork& work) {
   std::optional<Texture> image;
   if (mode == PrintMode::Flat) {
@@ -161,24 +152,18 @@ Result<Artwork> artwork_of(const Options& options, PrintMode mode, const Source&
   }
   ArtworkOptions how;
   how.mode = mode;
-  // The drawing may be planned larger than it is.
-  const Placement& map = job.plan.drawing_transform;
-  const double scale = std::sqrt(std::abs(map.xx * map.yy - map.xy * map.yx));
-  how.pixel_mm = pages.pixel_mm / scale;
-  how.trapping = {pages.trapping.trap_mm / scale, pages.trapping.bleed_mm / scale};
-  // Colours that were painted on have their shades already.
-  how.shade = options.shade_option->count() > 0 || !source.coloured ? options.shade : 0;
+  how.pixel_mm = pages.pixel_mm;
+  how.trapping = pages.trapping;
+  how.shade = options.shade_option->count() > 0 ? options.shade : planning::usual_shade(design);
   how.bare_card = options.bare_card;
   how.progress = work.progress();
-  std::vector<const Pattern*> parts;
-  for (const Pattern& part : source.parts) parts.push_back(&part);
-  return design_artwork(parts, source.models, image ? &*image : nullptr, how);
+  return planning::planned_artwork(design, job.plan, image ? &*image : nullptr, how);
 }
 
 /// The pattern opened with its artwork on it. `part` counts from 0.
-Result<void> add_preview(const Source& source, const Artwork& artwork, std::size_t part,
+Result<void> add_preview(const PrintedDesign& design, const Artwork& artwork, std::size_t part,
                          OutputFolder& folder) {
-  const Pattern& pattern = source.parts[part];
+  const Pattern& pattern = design.parts[part];
   auto png = png_of_image(on_paper(artwork.image));
   if (!png) return tl::unexpected(png.error());
   const PixelFrame& frame = artwork.frame;
@@ -194,16 +179,16 @@ Result<void> add_preview(const Source& source, const Artwork& artwork, std::size
   const auto bytes = glb(pattern, *table, how);
   if (!bytes) return tl::unexpected(bytes.error());
   const std::string name =
-      source.parts.size() == 1 ? "preview.glb" : fmt::format("preview-{:02}.glb", part + 1);
+      design.parts.size() == 1 ? "preview.glb" : fmt::format("preview-{:02}.glb", part + 1);
   return folder.add(name, *bytes);
 }
 
-void say(const Options& options, const PlanJob& job, const Source& source, PrintMode mode) {
+void say(const Options& options, const PlanJob& job, const PrintedDesign& design, PrintMode mode) {
   const std::size_t sheets = job.plan.sheets.size();
   fmt::print(stderr, "{}: {} {} at {:g} dots an inch{}\n", job.plan.name, sheets,
              sheets == 1 ? "sheet" : "sheets", options.dpi,
              mode == PrintMode::Flat ? ", your picture laid flat"
-             : source.coloured       ? ", in the model's colours"
+             : design.coloured       ? ", in the model's colours"
                                      : ", as clay: the model has no colours");
   for (const Warning& warning : job.plan.warnings)
     fmt::print(stderr, "  warning  {}\n", warning.message);
@@ -227,25 +212,25 @@ Result<void> run_print(Options options, const Globals& globals) {
   if (!pages) return tl::unexpected(pages.error());
   const bool asked_for_marks = options.plan.options.contains("marks");
   if (auto chosen = choose_marks(options, options.plan); !chosen) return chosen;
-  Source source;
+  PrintedDesign design;
   auto job = plan_input(
       options.plan, !globals.quiet,
       [&](const DesignSpec& spec, const SurfaceAssets& assets, const PatchAssembly& made) {
-        return keep_design(options, *mode, spec, assets, made, source);
+        return keep_design(options, *mode, spec, assets, made, design);
       });
   if (!job && !asked_for_marks && job.error().place == "--marks")
     return fail(job.error().kind, "--marks",
                 job.error().detail + "; or print without marks (--no-marks)");
   if (!job) return tl::unexpected(job.error());
-  if (source.parts.empty())
+  if (design.parts.empty())
     return fail(ErrorKind::Malformed, options.plan.input,
                 "is a drawing; artwork is laid on a design, so give its spec (.json)");
   LongWork work(!globals.quiet, "drawing the artwork");
-  const auto artwork = artwork_of(options, *mode, source, *job, *pages, work);
+  const auto artwork = artwork_of(options, *mode, design, *job, *pages, work);
   if (!artwork) return tl::unexpected(artwork.error());
   std::string lines;
   if (*mode == PrintMode::Lines) {
-    auto drawn = pattern_lines(source.parts, source.models, artwork->frame, options.trap_mm);
+    auto drawn = pattern_lines(design.parts, design.models, artwork->frame, options.trap_mm);
     if (!drawn) return tl::unexpected(drawn.error());
     lines = std::move(*drawn);
   }
@@ -264,13 +249,13 @@ Result<void> run_print(Options options, const Globals& globals) {
   if (!scale) return tl::unexpected(scale.error());
   if (auto done = folder->add("scale.pdf", *scale); !done) return done;
   if (options.preview)
-    for (std::size_t k = 0; k < source.parts.size(); ++k)
-      if (auto done = add_preview(source, *artwork, k, *folder); !done) return done;
+    for (std::size_t k = 0; k < design.parts.size(); ++k)
+      if (auto done = add_preview(design, *artwork, k, *folder); !done) return done;
   const std::string json = plan_json(job->plan);
   if (auto done = folder->add("plan.json", json); !done) return done;
   if (auto done = folder->commit("popcut print " POPCUT_VERSION); !done) return done;
   if (globals.json) fmt::print("{}", json);
-  if (!globals.quiet) say(options, *job, source, *mode);
+  if (!globals.quiet) say(options, *job, design, *mode);
   return {};
 }
 

@@ -55,6 +55,7 @@ void sheet_program(const Request&, Service&, const HandlerContext&, Reply);
 
 // handlers_strokes.cpp
 void sheet_strokes(const Request&, Service&, const HandlerContext&, Reply);
+void sheet_artwork(const Request&, Service&, const HandlerContext&, Reply);
 
 // handlers_preview.cpp
 void preview_spec(const Request&, Service&, const HandlerContext&, Reply);

@@ -117,6 +117,10 @@ constexpr auto kTable = std::to_array<Route>({
     get("/v1/plans/{id}/sheets/{k}.svg", kViewer, handle::sheet_svg),
     get("/v1/plans/{id}/sheets/{k}/program", kViewer, handle::sheet_program),
     get("/v1/plans/{id}/sheets/{k}/strokes", kViewer, handle::sheet_strokes),
+    get("/v1/plans/{id}/sheets/{k}/artwork.pdf", kViewer, handle::sheet_artwork,
+        {.query = "mode dpi clay back model",
+         .patience = Patience::Design,
+         .ends_with_client = true}),
 
     // What somebody looks at while they design.
     post("/v1/preview", kSubmitter, handle::preview_spec,

@@ -54,6 +54,13 @@ class DesignRepository : public Designs {
   CallOff file(const Principal& who, const std::string& id, const std::string& name, int part,
                Shown done) override;
 
+  /// Has the previewer make the file `name`, and tells `done` what is in it.
+  CallOff show(PreviewTask task, std::string name, Shown done);
+  /// Where an asset is stored; of another node it is fetched.
+  ///
+  /// @retval NotFound     there is none
+  /// @retval Unavailable  it is on its way
+  [[nodiscard]] Answer<std::string> asset_place(const std::string& id);
   /// The planner's task for a stored design: its bytes, kind and assets.
   [[nodiscard]] PlanningTask task_for(const Design& design, PlanningTask::Kind kind);
   /// The material that a spec names; empty: none.
@@ -78,8 +85,6 @@ class DesignRepository : public Designs {
   [[nodiscard]] PreviewTask task_for(const Principal& who, const PreviewRequest& request,
                                      PlanningTask::Kind kind) const;
   [[nodiscard]] std::string row_of_material(const std::string& name) const;
-  /// Has the previewer make the file `name`, and tells `done` what is in it.
-  CallOff show(PreviewTask task, std::string name, Shown done);
   ServiceStore& store_;
   ServiceThread& thread_;
   Planner& planner_;

@@ -52,6 +52,14 @@ Answer<void> DesignRepository::check_assets(const std::vector<std::string>& asse
   return {};
 }
 
+Answer<std::string> DesignRepository::asset_place(const std::string& id) {
+  if (store_.db().number("SELECT EXISTS(SELECT 1 FROM asset WHERE id=?)", id) == 0)
+    return refuse(ProblemKind::NotFound, fmt::format("there is no asset {:?}", id));
+  if (const auto brought = store_.bring("assets/" + id); !brought)
+    return tl::unexpected(brought.error());
+  return store_.folder().at("assets/" + id);
+}
+
 Answer<void> DesignRepository::remove_asset(const Principal& who, const std::string& id) {
   return store_.change([&]() -> Answer<void> {
     const std::optional<std::string> owner =

@@ -11,6 +11,7 @@
 
 #include "daemon/model/warnings.hpp"
 #include "daemon/planning/plan_job.hpp"
+#include "daemon/planning/work.hpp"
 
 namespace popcut::daemon {
 namespace {
@@ -32,6 +33,14 @@ std::map<std::string, std::string> words_of(const std::string& json) {
   for (const auto& [name, value] : object.items())
     if (value.is_string()) words[name] = value.get<std::string>();
   return words;
+}
+
+// What a plan is made with, beside its design.
+void fill_in(PlanningTask& task, const PlanRow& plan) {
+  task.machine_json = plan.machine_json;
+  task.material_json = plan.material_json;
+  task.options = words_of(plan.options);
+  if (auto own = task.options.extract(kProfileRow)) task.profile_json = std::move(own.mapped());
 }
 
 PlanRecord record_of(const PlanRow& row, std::vector<SheetPlan> sheets) {
@@ -338,6 +347,13 @@ void PlanningQueue::pump() {
   }
 }
 
+PlanningTask PlanningQueue::task_of(const PlanRow& plan, const Design& design,
+                                    PlanningTask::Kind kind) {
+  PlanningTask task = parts_.designs.task_for(design, kind);
+  fill_in(task, plan);
+  return task;
+}
+
 bool PlanningQueue::start(const std::string& id) {
   const auto plan = plans_.find(id);
   if (!plan) return false;
@@ -359,10 +375,7 @@ bool PlanningQueue::start(const std::string& id) {
     }
     task = parts_.designs.task_for(*design, PlanningTask::Kind::Plan);
   }
-  task.machine_json = plan->machine_json;
-  task.material_json = plan->material_json;
-  task.options = words_of(plan->options);
-  if (auto own = task.options.extract(kProfileRow)) task.profile_json = std::move(own.mapped());
+  fill_in(task, *plan);
   // Before it begins: if popcutd dies of it, the next start knows; and no other node begins it.
   bool is_mine = false;
   const Answer<void> noted = parts_.store.change([&]() -> Answer<void> {
@@ -645,6 +658,51 @@ Answer<std::string> PlanningQueue::file(const std::string& id, const std::string
       return refuse(ProblemKind::NotFound, fmt::format("this plan has no file {:?}", name));
     return path;
   });
+}
+
+Answer<PreviewTask> PlanningQueue::artwork_task(const Principal& who, const std::string& id,
+                                                int sheet, const ArtworkRequest& wanted) {
+  const auto plan = plans_.find(id);
+  if (!plan) return refuse(ProblemKind::NotFound, fmt::format("there is no plan {:?}", id));
+  if (plan->state != PlanState::Planned)
+    return refuse(ProblemKind::StateConflict, plan->state == PlanState::Failed
+                                                  ? "this plan failed: " + plan->error
+                                                  : "this plan is not finished yet");
+  const auto of_plan = plans_.sheet(id, sheet);
+  if (!of_plan)
+    return refuse(ProblemKind::NotFound, fmt::format("this plan has no sheet {}", sheet));
+  if (plan->kind == "test") return refuse(ProblemKind::NotFound, "a test cut has no artwork");
+  const Answer<Design> design = parts_.designs.here(plan->design);
+  if (!design) return tl::unexpected(design.error());
+  if (design->kind != "spec")
+    return refuse(ProblemKind::NotFound,
+                  "artwork is laid on the design of a spec, and this plan is of a drawing");
+  PreviewTask task{task_of(*plan, *design, PlanningTask::Kind::Artwork), who.name};
+  if (!wanted.model.empty()) {
+    Answer<std::string> place = parts_.designs.asset_place(wanted.model);
+    if (!place) return tl::unexpected(place.error());
+    task.task.asset_paths[wanted.model] = std::move(*place);
+  }
+  const auto set = [&](const char* name, std::string value) {
+    task.task.options[std::string(planning::kArtworkOption) + name] = std::move(value);
+  };
+  set("sheet", std::to_string(sheet));
+  set("mode", wanted.mode);
+  set("dpi", std::to_string(wanted.dpi));
+  set("clay", wanted.clay ? "true" : "false");
+  set("back", wanted.back ? "true" : "false");
+  set("model", wanted.model);
+  set("sha256", of_plan->program_sha256);
+  return task;
+}
+
+Designs::CallOff PlanningQueue::artwork(const Principal& who, const std::string& id, int sheet,
+                                        const ArtworkRequest& wanted, Designs::Shown done) {
+  Answer<PreviewTask> task =
+      parts_.store.look([&] { return artwork_task(who, id, sheet, wanted); });
+  if (task) return parts_.designs.show(std::move(*task), planning::kArtworkFile, std::move(done));
+  done(tl::unexpected(task.error()));
+  return [] {};
 }
 
 std::string index_name(int sheet) { return fmt::format("sheet-{:02}.program.json", sheet); }

@@ -40,6 +40,8 @@ class PlanningQueue : public Plans {
   Answer<std::vector<popcut::Machine>> machines() override;
   Answer<std::string> file(const std::string& id, const std::string& name) override;
   Answer<void> remove(const Principal& who, const std::string& id) override;
+  Designs::CallOff artwork(const Principal& who, const std::string& id, int sheet,
+                           const ArtworkRequest& wanted, Designs::Shown done) override;
 
   /// The plan of a request, in a transaction: one that is there, or a new one that is made after
   /// the commit.
@@ -92,6 +94,11 @@ class PlanningQueue : public Plans {
   struct Hurried {
     std::string plan, owner;
   };
+  [[nodiscard]] Answer<PreviewTask> artwork_task(const Principal& who, const std::string& id,
+                                                 int sheet, const ArtworkRequest& wanted);
+  /// The design's task with what the plan was made with.
+  [[nodiscard]] PlanningTask task_of(const PlanRow& plan, const Design& design,
+                                     PlanningTask::Kind kind);
   [[nodiscard]] Answer<PlanRow> find_or_add(const Principal& who, PlanRow row);
   [[nodiscard]] std::string next();
   [[nodiscard]] std::string next_of(const std::string& owner);

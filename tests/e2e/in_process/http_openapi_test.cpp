@@ -269,9 +269,11 @@ TEST_CASE("each documented request succeeds as it is documented", "[daemon][http
     const bool removes = route.method == http::Method::Delete;
     std::map<std::string, Job> jobs;
     std::map<std::string, Design> designs;
+    std::map<std::string, PlanRecord> plans;
     bench.server.ask([&](FakeService& fake) {
       jobs = fake.job_map;
       designs = fake.design_map;
+      plans = fake.plan_map;
     });
     const WireResponse response = bench.ask(route, bench.call(route));
     CHECK(response.status >= 200);
@@ -279,6 +281,7 @@ TEST_CASE("each documented request succeeds as it is documented", "[daemon][http
     bench.server.ask([&](FakeService& fake) {
       if (removes) fake.job_map = jobs;
       if (removes) fake.design_map = designs;
+      if (removes) fake.plan_map = plans;
       fake.job_map.at(bench.job).state = JobState::Ready;
     });
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <filesystem>
+#include <map>
 #include <mutex>
 #include <random>
 #include <set>
@@ -409,6 +410,43 @@ TEST_CASE("a plan says what it is at, phase by phase", "[daemon][planning]") {
   REQUIRE(outcome);
   CHECK(phases == std::set<std::string>{"reading", "slicing", "lattice", "checking", "cleaning",
                                         "toolpath", "writing"});
+}
+
+TEST_CASE("the artwork of a sheet is drawn only for the program that its plan gave",
+          "[daemon][planning][artwork]") {
+  const auto task_of = [](Kind kind) {
+    planning::WorkerTask task{.kind = kind, .design_kind = "spec"};
+    task.machine_json = R"({"name": "ours", "like": "cameo3", "title": "T"})";
+    task.material_json = R"({"name": "m", "like": "paper-220", "title": "M"})";
+    task.design = text_of_file(kExamples + "village.json");
+    task.options = {{"marks", "true"}};
+    return task;
+  };
+  std::map<std::string, std::string> files;
+  const auto keep = [&](const std::string& name, const std::string& bytes) -> Result<void> {
+    files[name] = bytes;
+    return {};
+  };
+  const auto plan = planning::perform(task_of(Kind::Plan), keep);
+  REQUIRE(plan);
+  REQUIRE(plan->sheets.size() == 1);
+  files.clear();
+  auto task = task_of(Kind::Artwork);
+  task.options.insert({{"artwork-sheet", "1"},
+                       {"artwork-mode", "view"},
+                       {"artwork-dpi", "50"},
+                       {"artwork-sha256", plan->sheets[0].program_sha256}});
+  const auto drawn = planning::perform(task, keep);
+  if (!drawn) FAIL(message(drawn.error()));
+  REQUIRE(files.size() == 1);
+  CHECK(files["artwork.pdf"].starts_with("%PDF"));
+  files.clear();
+  task.options["at"] = "17,16";  // as if the plan were made in another way
+  const auto other = planning::perform(task, keep);
+  REQUIRE_FALSE(other);
+  CHECK(other.error().kind == ErrorKind::Infeasible);
+  CHECK_THAT(other.error().detail, Catch::Contains("plan the design again"));
+  CHECK(files.empty());
 }
 
 TEST_CASE("what a worker says it is at is told now and then, and as plain text",

@@ -16,6 +16,7 @@
 #include "core/machines/machine.hpp"
 #include "daemon/pictures/image_reader.hpp"
 #include "tests/support/command_bench.hpp"
+#include "tests/support/meshes.hpp"
 #include "tests/support/painted_shell.hpp"
 #include "tests/support/paths.hpp"
 
@@ -206,6 +207,52 @@ TEST_CASE("facets are printed in every mode, in one piece and in several", "[cli
         grey += static_cast<unsigned char>(pixel) < 240 && static_cast<unsigned char>(pixel) > 60;
       CHECK(grey > 300);
     }
+}
+
+TEST_CASE("each card of a book shows its own side of the model", "[cli][e2e][artwork]") {
+  const CommandBench bench;
+  // A ball whose quarters about the spine have four colours.
+  constexpr std::array<std::array<int, 3>, 4> kColours{
+      {{200, 30, 30}, {30, 160, 40}, {40, 60, 200}, {220, 180, 20}}};
+  const auto ball = popcut::tests::icosphere(40, 3);
+  std::string obj;
+  for (std::size_t t = 0; t < ball.corners.size() / 9; ++t) {
+    const float* c = ball.corners.data() + 9 * t;
+    const bool left = c[0] + c[3] + c[6] < 0, low = c[1] + c[4] + c[7] < 0;
+    const auto& colour = kColours[low ? (left ? 2 : 3) : (left ? 1 : 0)];
+    for (std::size_t k = 0; k < 9; k += 3)
+      obj += fmt::format("v {} {} {} {} {} {}\n", c[k], c[k + 1], c[k + 2], colour[0] / 255.0,
+                         colour[1] / 255.0, colour[2] / 255.0);
+    obj += "f -3 -2 -1\n";
+  }
+  write_file(bench.temp / "ball.obj", obj);
+  write_file(bench.temp / "ball.json",
+             R"({"popcut": 1, "name": "ball", "surface": {"type": "mesh", "file": "ball.obj"},
+                 "units_per_slice": 4, "slices": 8, "widths_mm": 9, "book": {"cards": 4}})");
+  const Ran ran = bench.popcut({"print", "ball.json", "--machine", "cameo3", "--mat", "12x12",
+                                "--dpi", "60", "-o", "pages", "-q"});
+  CAPTURE(ran.err);
+  REQUIRE(ran.exit == 0);
+  std::array<std::size_t, 4> seen{};
+  const std::size_t sheets = bench.read_json("pages/plan.json")["sheets"].size();
+  for (std::size_t k = 1; k <= sheets; ++k) {
+    const Ran drawn = run_program({"/usr/bin/pdftoppm", "-r", "50", "-singlefile",
+                                   fmt::format("pages/sheet-{:02}.pdf", k), "page"},
+                                  bench.temp.path());
+    REQUIRE(drawn.exit == 0);
+    const std::string page = text_of_file(bench.temp / "page.ppm");
+    for (std::size_t at = page.size() % 3; at + 2 < page.size(); at += 3)
+      for (std::size_t c = 0; c < 4; ++c) {
+        int off = 0;
+        for (std::size_t i = 0; i < 3; ++i)
+          off += std::abs(static_cast<unsigned char>(page[at + i]) - kColours[c][i]);
+        if (off < 30) ++seen[c];
+      }
+  }
+  const auto [least, most] = std::minmax_element(seen.begin(), seen.end());
+  CAPTURE(seen[0], seen[1], seen[2], seen[3]);
+  CHECK(*least > 1000);
+  CHECK(*most < 2 * *least);
 }
 
 TEST_CASE("what popcut print cannot print is one line", "[cli][e2e][artwork]") {

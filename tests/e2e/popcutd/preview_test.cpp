@@ -325,4 +325,91 @@ TEST_CASE("files of a design are those of popcut design, byte for byte", "[popcu
   CHECK(desk.ask("GET", "/v1/designs/" + drawing + "/files/pattern.fold").status == 404);
 }
 
+namespace {
+
+/// The rows of a PDF's page above its bar, in grey (poppler).
+std::string rows_above_bar(const std::filesystem::path& folder, const std::string& pdf) {
+  const Ran ran =
+      run_program({"/usr/bin/pdftoppm", "-r", "72", "-gray", "-singlefile", pdf, "page"}, folder);
+  CAPTURE(ran.err);
+  REQUIRE(ran.exit == 0);
+  const std::string page = text_of_file(folder / "page.pgm");
+  return page.substr(0, page.size() * 9 / 10);
+}
+
+}  // namespace
+
+TEST_CASE("the artwork of a planned sheet is that of popcut print, and so is the program",
+          "[popcutd][preview][artwork]") {
+  RunningDaemon desk(0, kMore);
+  desk.open();
+  const std::filesystem::path folder = desk.daemon().folder().path();
+  // A house with its roof in another colour.
+  std::string obj;
+  for (const char* corner :
+       {"40 10 0", "40 60 0", "40 60 40", "40 10 40", "40 35 65", "0 10 40", "0 35 65", "0 60 40"})
+    obj += fmt::format("v {} {}\n", corner, corner[0] == '0' ? "0.9 0.3 0.1" : "0.1 0.4 0.8");
+  obj += "f 1 2 3 4\nf 4 3 5\nf 6 4 5 7\nf 8 7 5 3\n";
+  write_file(folder / "house.obj", obj);
+  Json spec{
+      {"popcut", 1}, {"style", "facets"}, {"surface", {{"type", "mesh"}, {"file", "house.obj"}}}};
+  write_file(folder / "house.json", spec.dump());
+  const Ran ran = run_program({popcut_program(), "print", "house.json", "--machine", "cameo3",
+                               "--dpi", "100", "-q", "-o", "printed"},
+                              folder);
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+
+  const auto put = [&](const std::string& target, const std::string& bytes,
+                       const std::string& type) {
+    const auto made = desk.ask("POST", target, bytes, type);
+    REQUIRE((made.status == 201 || made.status == 202));
+    return Json::parse(made.body)["id"].get<std::string>();
+  };
+  spec["surface"]["file"] = put("/v1/assets?name=house.obj", obj, "application/octet-stream");
+  const std::string design = put("/v1/designs", spec.dump(), "application/json");
+  const std::string plan =
+      put("/v1/designs/" + design + "/plan", R"({"machine": "cameo3", "options": {"marks": true}})",
+          "application/json");
+  const std::string sheets = "/v1/plans/" + plan + "/sheets/";
+  REQUIRE(happens([&] { return desk.get("/v1/plans/" + plan)["state"] == "planned"; }));
+  CHECK(desk.ask("GET", sheets + "1/program").body ==
+        text_of_file(folder / "printed/sheet-01.gpgl"));
+  const auto page = desk.ask("GET", sheets + "1/artwork.pdf?dpi=100");
+  REQUIRE(page.status == 200);
+  write_file(folder / "page.pdf", page.body);
+  const std::string shown = rows_above_bar(folder, "page.pdf");
+  CHECK(shown == rows_above_bar(folder, "printed/sheet-01.pdf"));
+  const auto grey = [&](int least, int most) {
+    return std::count_if(shown.begin(), shown.end(), [&](char pixel) {
+      return static_cast<unsigned char>(pixel) >= least &&
+             static_cast<unsigned char>(pixel) <= most;
+    });
+  };
+  CHECK(grey(60, 160) > 5000);  // the house
+  CHECK(grey(0, 20) > 100);     // the marks
+
+  const auto refused = [&](const std::string& target, int status, const std::string& words) {
+    const auto answer = desk.ask("GET", target);
+    CHECK(answer.status == status);
+    CHECK_THAT(answer.body, Catch::Contains(words));
+  };
+  refused(sheets + "2/artwork.pdf", 404, "no sheet 2");
+  refused(sheets + "1/artwork.pdf?mode=flat", 422, "?mode");
+  refused(sheets + "1/artwork.pdf?dpi=5", 422, "?dpi");
+  refused(sheets + "1/artwork.pdf?model=vase", 404, "no asset");
+  const std::string named =
+      put("/v1/assets?name=named.obj", "mtllib a.mtl\n" + obj, "application/octet-stream");
+  refused(sheets + "1/artwork.pdf?model=" + named, 422, "as one GLB");
+  const std::string away =
+      put("/v1/assets?name=away.obj", "v 900 900 900\nv 901 900 900\nv 900 901 900\nf 1 2 3\n",
+          "application/octet-stream");
+  refused(sheets + "1/artwork.pdf?model=" + away, 422, "nothing of the model is seen");
+  const std::string drawing = desk.design(RunningDaemon::lines_svg(3));
+  const std::string drawn =
+      put("/v1/designs/" + drawing + "/plan", R"({"machine": "cameo3"})", "application/json");
+  REQUIRE(happens([&] { return desk.get("/v1/plans/" + drawn)["state"] == "planned"; }));
+  refused("/v1/plans/" + drawn + "/sheets/1/artwork.pdf", 404, "of a drawing");
+}
+
 }  // namespace preview_test

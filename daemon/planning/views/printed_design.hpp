@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/artwork/design_artwork.hpp"
+#include "core/design/patches.hpp"
+#include "core/plan/plan.hpp"
+#include "core/result.hpp"
+
+namespace popcut::planning {
+
+/// A design, and the models whose colours are printed on its parts.
+struct PrintedDesign {
+  std::vector<Pattern> parts;
+  std::vector<ColourMesh> models;  ///< one a part
+  bool coloured{false};            ///< they have colours of their own
+};
+
+/// How much of a model's colour depends on the light, unless somebody says so: colours that were
+/// painted on have their shades already.
+[[nodiscard]] double usual_shade(const PrintedDesign& design);
+
+/// @param assets  those of the spec
+/// @param model   in units and axes of the spec's surface; each card of a book shows its part of
+/// it;
+///                none: the design's own shape, as clay
+/// @retval Malformed, OutOfRange  as `book_placement`
+[[nodiscard]] Result<PrintedDesign> printed_design(const DesignSpec& spec,
+                                                   const SurfaceAssets& assets,
+                                                   const PatchAssembly& made,
+                                                   const std::optional<ColourMesh>& model);
+
+/// What is printed on a planned design, on the pattern's own page.
+///
+/// @param how    pixel and trapping in mm of the sheet, on which the pattern may be larger or
+///               smaller than it was designed
+/// @param image  for `PrintMode::Flat`
+/// @retval OutOfRange  as `design_artwork`
+[[nodiscard]] Result<Artwork> planned_artwork(const PrintedDesign& design, const Plan& plan,
+                                              const Texture* image, ArtworkOptions how);
+
+}  // namespace popcut::planning
