@@ -579,8 +579,7 @@ class Designer {
 
   /// The spec's own, shifted along the spine as the slices lie on the sheet.
   [[nodiscard]] std::optional<std::array<double, 7>> model_placement(const DesignReport& r) const {
-    if (spec_.is_patch || !is_model(spec_.surface) || r.slices.empty())
-      return std::nullopt;
+    if (spec_.is_patch || !is_model(spec_.surface) || r.slices.empty()) return std::nullopt;
     double shift_mm = 0.0, slices = 0.0;
     for (const SliceReport& slice : r.slices)
       if (!slice.blank) shift_mm += slice.v_mm - slice.s_mm, ++slices;

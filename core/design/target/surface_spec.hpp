@@ -87,8 +87,8 @@ using SurfaceAssets = std::map<std::string, std::string>;
 
 /// Whether it is a 3D model from a file, which programs can compare a card with.
 [[nodiscard]] inline bool is_model(const std::optional<SurfaceSpec>& surface) {
-  return surface && (std::holds_alternative<GridSpec>(*surface) ||
-                     std::holds_alternative<MeshSpec>(*surface));
+  return surface &&
+         (std::holds_alternative<GridSpec>(*surface) || std::holds_alternative<MeshSpec>(*surface));
 }
 
 /// What it is if it consists of triangles: "mesh", "grid", "text" or "drawing", which begin and end
