@@ -19,6 +19,7 @@ set(walls
   "core/plot : core/(curvature|deploy|design|drawing|figures|formats|layout|machines|pattern|plan|verify)/ : it draws plain numbers"
   "core/fit : core/(curvature|deploy|design|drawing|figures|formats|layout|machines|pattern|plan|plot|text|verify)/ : it compares plain triangles"
   "core/compare : core/(artwork|calibrate|curvature|deploy|design|drawing|figures|fit|formats|layout|machines|pattern|picture|plan|plot|print|text|verify)/ : it compares plain triangles, and shares nothing with what makes them"
+  "core/search : core/(curvature|deploy|drawing|figures|formats|layout|machines|plan|plot|print|verify)/ : it chooses by plain numbers"
   "core/formats : core/(deploy|figures|layout|plan)/ : files are read and written, not planned"
   "core/layout : core/(curvature|deploy|design|figures|formats|plan|verify)/ : a sheet is laid out from lines"
   "core/plan : core/(curvature|deploy|design|figures|formats|pattern|verify)/ : a plan is made from lines"

@@ -89,6 +89,7 @@ FacetOptions options_of(const DesignSpec& spec, const FacetTarget& target) {
   out.wall_mm = spec.card->wall_mm, out.ground_mm = spec.card->ground_mm;
   out.shut_inside = spec.card->shut == CardShut::Inside;
   out.inward = spec.facets.inward;
+  out.rough = spec.facets.rough;
   out.weights = {spec.facets.fold_cost_mm2, spec.facets.jump_cost_mm2, spec.facets.cut_cost_mm2};
   return out;
 }
@@ -143,6 +144,14 @@ Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
   r.degrees_of_freedom = made->pattern.motion.degrees_of_freedom;
   r.pieces = made->pattern.motion.pieces;
   r.fit_nearest = true;
+  if (!asset_of(spec.surface).empty()) {
+    const TargetPlacement& p = spec.placement;
+    const double shift_mm = made->card.margin_mm - made->grid.v_from_mm;
+    out.pattern.model_placement = {p.scale_mm,        p.rotate_deg[0],
+                                   p.rotate_deg[1],   p.rotate_deg[2],
+                                   p.translate_mm[0], p.translate_mm[1] + shift_mm,
+                                   p.translate_mm[2]};
+  }
   add_closing(out.pattern, spec.card->shut, r);
   out.target.push_back({std::move(*surface)});
   return out;

@@ -25,41 +25,6 @@ namespace {
 
 using Vec = std::array<double, 3>;
 
-/// The 24 turns by right angles, each once, in degrees.
-std::vector<Vec> right_turns() {
-  std::vector<Vec> out;
-  std::vector<TurnMatrix> seen;
-  for (int x = 0; x < 4; ++x)
-    for (int y = 0; y < 4; ++y)
-      for (int z = 0; z < 4; ++z) {
-        const Vec degrees{90.0 * x, 90.0 * y, 90.0 * z};
-        const TurnMatrix turn = turn_of(degrees);
-        if (std::find(seen.begin(), seen.end(), turn) != seen.end()) continue;
-        seen.push_back(turn);
-        out.push_back(degrees);
-      }
-  return out;
-}
-
-/// The degrees about x, y and z of a turn, to a ten-thousandth.
-Vec rounded_degrees(const TurnMatrix& turn) {
-  Vec out = degrees_of(turn);
-  for (double& angle : out) angle = std::round(angle * 1e4) / 1e4 + 0.0;
-  return out;
-}
-
-/// Turned by `degrees` about one axis of the corner after what `first` says.
-Vec turned_on(const Vec& first, std::size_t axis, double degrees) {
-  Vec second{};
-  second[axis] = degrees;
-  const TurnMatrix a = turn_of(second), b = turn_of(first);
-  TurnMatrix out{};
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j)
-      for (std::size_t k = 0; k < 3; ++k) out[i][j] += a[i][k] * b[k][j];
-  return rounded_degrees(out);
-}
-
 /// A way of standing.
 struct Standing {
   TargetPlacement placement;

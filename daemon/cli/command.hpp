@@ -30,6 +30,7 @@ void when_chosen(App* command, Run& run, Work work) {
 }
 
 void register_design(CLI::App& app, const Globals& globals, Run& run);
+void register_auto(CLI::App& app, const Globals& globals, Run& run);
 void register_deploy(CLI::App& app, const Globals& globals, Run& run);
 void register_verify(CLI::App& app, const Globals& globals, Run& run);
 void register_compare(CLI::App& app, const Globals& globals, Run& run);

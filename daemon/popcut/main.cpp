@@ -28,11 +28,11 @@ namespace {
 
 // Every subcommand of this build; the order is the order of the help.
 constexpr std::initializer_list<Register> kCommands = {
-    register_design, register_deploy,    register_verify,      register_compare,
-    register_plan,   register_print,     register_simulate,    register_cut,
-    register_send,   register_jobs,      register_job_actions, register_open,
-    register_daemon, register_machines,  register_calibrate,   register_doctor,
-    register_fleet,  register_curvature,
+    register_design, register_deploy, register_verify,    register_compare,
+    register_auto,   register_plan,   register_print,     register_simulate,
+    register_cut,    register_send,   register_jobs,      register_job_actions,
+    register_open,   register_daemon, register_machines,  register_calibrate,
+    register_doctor, register_fleet,  register_curvature,
 #ifdef POPCUT_FIGURES
     register_figures
 #endif
@@ -43,6 +43,7 @@ constexpr const char* kPurpose =
     "them.\n\n"
     "  popcut design --example sphere > sphere.json  # a design to start from\n"
     "  popcut design sphere.json -o sphere           # pattern, drawings and report in ./sphere\n"
+    "  popcut auto model.obj -o cards                # the best cards for a 3D model\n"
     "  popcut verify sphere/pattern.fold             # check that the card opens and closes\n"
     "  popcut deploy sphere/pattern.fold -o poses    # 3D models of the card as it opens\n"
     "  popcut plan sphere.json -o sheets             # sheets, and programs for your cutter\n"

@@ -21,12 +21,15 @@ struct Move {
 class Repairer {
  public:
   Repairer(Labelling& labelling, const FacetCardSize& card, double min_panel_mm, bool jumps,
-           const Progress& progress)
+           bool rough, std::size_t most_work, const Progress& progress)
       : labelling_(labelling),
         card_(card),
         min_panel_mm_(min_panel_mm),
         progress_(progress),
-        jumps_(jumps) {}
+        jumps_(jumps),
+        rough_(rough),
+        most_tried_(rough ? kMostTriedRoughly : kMostTried),
+        most_work_(most_work) {}
 
   Result<FacetRepair> run() {
     LabelImage whole = labelling_.image();
@@ -39,13 +42,17 @@ class Repairer {
     const int most = 100 + 4 * grid().strips;
     for (int round = 0; state_.open > 0; ++round) {
       tell(progress_, "making loose panels hold");
+      if (work_ > most_work_) {
+        out_.unfinished = true;
+        return std::move(out_);
+      }
       if (round > most)
         clear_loose();
       else if (!improve())
         give_up_smallest();
     }
-    polish();
-    keep_real_struts();
+    if (!rough_) polish();
+    if (!rough_) keep_real_struts();
     return std::move(out_);
   }
 
@@ -317,7 +324,9 @@ class Repairer {
       before.emplace_back(at, std::move(runs_[at]));
       runs_[at] = runs_of(labels, planes(), grid());
     }
-    const double loose = looseness(holding_of(runs_, planes(), grid(), min_panel_mm_));
+    const LabelHolding then = holding_of(runs_, planes(), grid(), min_panel_mm_);
+    work_ += then.patches.runs.size();
+    const double loose = looseness(then);
     for (auto& [at, runs] : before) runs_[at] = std::move(runs);
     return loose;
   }
@@ -333,7 +342,7 @@ class Repairer {
     }
     std::sort(moves.begin(), moves.end(),
               [](const Move& a, const Move& b) { return a.cost < b.cost; });
-    if (moves.size() > kMostTried) moves.resize(kMostTried);
+    if (moves.size() > most_tried_) moves.resize(most_tried_);
     std::vector<std::pair<double, const Move*>> good;
     for (const Move& move : moves) {
       const double held = looseness(state_) - looseness_after(move);
@@ -444,7 +453,8 @@ class Repairer {
     });
   }
 
-  static constexpr std::size_t kMostDrops = 8, kMostPaintings = 60, kMostTried = 600;
+  static constexpr std::size_t kMostDrops = 8, kMostPaintings = 60, kMostTried = 600,
+                               kMostTriedRoughly = 150;
   static constexpr int kMostTries = 8, kLedgeReach = 8;
   static constexpr double kLeastHeld = 0.05;  ///< less is rounding
   static constexpr double kDearer = 2.0;      ///< than the best move of a round
@@ -457,14 +467,16 @@ class Repairer {
   LabelHolding state_;
   FacetRepair out_;
   std::vector<int> tries_;  ///< changes of each strip
-  bool jumps_;
+  bool jumps_, rough_;
+  std::size_t most_tried_, most_work_, work_{};
 };
 
 }  // namespace
 
 Result<FacetRepair> repair(Labelling& labelling, const FacetCardSize& card, double min_panel_mm,
-                           bool jumps, const Progress& progress) {
-  return Repairer(labelling, card, min_panel_mm, jumps, progress).run();
+                           bool jumps, bool rough, std::size_t most_work,
+                           const Progress& progress) {
+  return Repairer(labelling, card, min_panel_mm, jumps, rough, most_work, progress).run();
 }
 
 }  // namespace popcut

@@ -22,7 +22,11 @@ struct FacetRepair {
   int loose_before{};  ///< freedoms of the labels as they came, beyond the one
   int dropped{};       ///< patches that were given up
   std::vector<FacetStrut> struts;
+  bool unfinished{};  ///< it took too long: something is still loose
 };
+
+/// How long repairing may take, in panels of strips that are looked at: about a second.
+inline constexpr std::size_t kMostRepairWork = 20'000'000;
 
 /// Changes labels until the card has exactly one freedom and is one piece, by the moves that cost
 /// least of: two panels of a strip are left out, so that those before and after them meet in a
@@ -31,10 +35,12 @@ struct FacetRepair {
 /// has one freedom.
 ///
 /// @param jumps  strips may be cut across
+/// @param rough  fewer moves are tried, and nothing is improved at the end
+/// @param most_work  after which it stops, `unfinished`
 ///
 /// @retval Internal  no pattern comes of the labels (a fault of the labels)
 [[nodiscard]] Result<FacetRepair> repair(Labelling& labelling, const FacetCardSize& card,
-                                         double min_panel_mm, bool jumps,
-                                         const Progress& progress = {});
+                                         double min_panel_mm, bool jumps, bool rough,
+                                         std::size_t most_work, const Progress& progress = {});
 
 }  // namespace popcut

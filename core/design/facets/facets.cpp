@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -18,7 +20,7 @@ constexpr double kFinestStep_mm = 0.5;
 constexpr double kCardMargin_mm = 15.0;             ///< of wall and ground beyond the last fold
 constexpr int kPointsAcross = 2, kPointsAlong = 4;  ///< of the picture in a cell
 constexpr double kMostPoints = 64e6;
-constexpr int kSweeps = 12;
+constexpr int kSweeps = 12, kRoughSweeps = 4;
 constexpr double kLeastDeeper_mm = 2.0;  ///< of what a window shows
 
 int steps_up(double mm, double step_mm) { return static_cast<int>(std::ceil(mm / step_mm - 1e-9)); }
@@ -71,14 +73,19 @@ class FacetMaker {
     Labelling labelling(image, planes, grid_, options_.weights, limits());
     const double least = labelling.least_distance();
     Labelling uncut = labelling;
-    auto repaired = label(labelling, card, true);
+    auto repaired = label(uncut, card, false);
     if (!repaired) return tl::unexpected(repaired.error());
-    auto repaired_uncut = label(uncut, card, false);
-    if (!repaired_uncut) return tl::unexpected(repaired_uncut.error());
-    if (uncut.whole_cost() < labelling.whole_cost()) {
-      labelling = std::move(uncut);
-      repaired = std::move(repaired_uncut);
+    std::optional<FacetRepair> cut;
+    if (!options_.rough) {
+      auto repaired_cut = label(labelling, card, true);
+      if (!repaired_cut) return tl::unexpected(repaired_cut.error());
+      if (!repaired_cut->unfinished && labelling.whole_cost() <= uncut.whole_cost())
+        cut = std::move(*repaired_cut);
     }
+    if (cut)
+      repaired = std::move(*cut);
+    else
+      labelling = std::move(uncut);
     LabelImage labels = fit_card(labelling.image(), planes, card);
     for (FacetStrut& strut : repaired->struts) strut.without = moved(strut.without, labels.grid);
     auto pattern = pattern_of(labels, planes, card, options_.min_panel_mm);
@@ -95,8 +102,9 @@ class FacetMaker {
  private:
   [[nodiscard]] Result<FacetRepair> label(Labelling& labelling, const FacetCardSize& card,
                                           bool jumps) const {
-    labelling.sweep(kSweeps, jumps);
-    return repair(labelling, card, options_.min_panel_mm, jumps, progress_);
+    labelling.sweep(options_.rough ? kRoughSweeps : kSweeps, jumps);
+    return repair(labelling, card, options_.min_panel_mm, jumps, options_.rough,
+                  jumps ? kMostRepairWork : std::numeric_limits<std::size_t>::max(), progress_);
   }
 
   Result<void> set_grid() {
@@ -162,6 +170,7 @@ class FacetMaker {
   [[nodiscard]] FacetLimits limits() const {
     FacetLimits out;
     out.least_run = least_run();
+    out.inward = options_.inward;
     const double side = std::min(options_.wall_mm.value_or(out.most_reach_mm),
                                  options_.ground_mm.value_or(out.most_reach_mm));
     if (options_.shut_inside) out.most_reach_mm = side;

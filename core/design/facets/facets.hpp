@@ -25,6 +25,7 @@ struct FacetOptions {
   std::optional<double> wall_mm, ground_mm;
   bool shut_inside{true};  ///< the shut structure lies inside the card
   bool inward{};           ///< planes behind wall and ground may be taken
+  bool rough{};            ///< fewer sweeps and repairs, and no strips that are cut across
   FacetWeights weights;
 };
 

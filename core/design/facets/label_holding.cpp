@@ -2,7 +2,6 @@
 #include "core/design/facets/label_holding.hpp"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
 #include "core/geometry/buckets.hpp"
@@ -86,22 +85,24 @@ LabelHolding holding_of(const StripRuns& runs, const FacetPlanes& planes, const 
     offset[p.patch[r]] = planes[p.runs[r].label].offset;
     upright[p.patch[r]] = planes[p.runs[r].label].upright ? 1 : 0;
   }
-  std::vector<std::uint64_t> pairs;  // of patches that meet in a fold, each once
-  for (std::size_t r = 1; r < p.runs.size(); ++r)
-    if (p.runs[r].folds_on) {
-      const auto [a, b] = std::minmax(p.patch[r - 1], p.patch[r]);
-      pairs.push_back((static_cast<std::uint64_t>(a) << 32U) | b);
-    }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  const auto ends = [](std::uint64_t pair) {
-    return std::array{static_cast<std::uint32_t>(pair >> 32U), static_cast<std::uint32_t>(pair)};
-  };
+  // Patches that meet in a fold: those of a greater number, each once, by growing number.
+  Buckets<std::uint32_t> greater(p.count, [&](auto&& put) {
+    for (std::size_t r = 1; r < p.runs.size(); ++r)
+      if (p.runs[r].folds_on) {
+        const auto [a, b] = std::minmax(p.patch[r - 1], p.patch[r]);
+        put(a, b);
+      }
+  });
+  for (std::uint32_t a = 0; a < p.count; ++a) std::sort(greater[a].begin(), greater[a].end());
   const Buckets<std::uint32_t> folds(p.count, [&](auto&& put) {
-    for (const std::uint64_t pair : pairs) {
-      const auto [a, b] = ends(pair);
-      put(a, b);
-      put(b, a);
+    for (std::uint32_t a = 0; a < p.count; ++a) {
+      std::uint32_t before = a;
+      for (const std::uint32_t b : greater[a]) {
+        if (b == before) continue;
+        before = b;
+        put(a, b);
+        put(b, a);
+      }
     }
   });
   out.loose.assign(p.count, 0);

@@ -55,6 +55,9 @@ void Labelling::compute(int strip, double* cost) const {
       const FacetPlane& plane = (*planes_)[static_cast<Label>(l)];
       const int reach = plane.upright ? 2 * plane.offset - begin : 2 * plane.offset + begin + 1;
       if (step * reach > limits_.most_reach_mm && plane.offset != 0) out[l] += kForbidden;
+      const bool is_behind =
+          plane.upright ? begin + 1 > plane.offset : begin < -plane.offset;  // z or x below 0
+      if (is_behind && !limits_.inward) out[l] += kForbidden;
     }
   }
 }

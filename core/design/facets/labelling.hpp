@@ -22,6 +22,7 @@ struct FacetWeights {
 struct FacetLimits {
   int least_run{1};  ///< steps that a plane keeps at least
   double most_reach_mm{std::numeric_limits<double>::infinity()};  ///< x + z of all points
+  bool inward{};  ///< points may lie behind wall and ground
 };
 
 /// Labels that a strip must not take in some columns.

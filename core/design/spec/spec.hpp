@@ -71,6 +71,8 @@ struct FacetSpec {
   std::optional<double> length_mm{};  ///< along the spine; none: all of a mesh or a grid
   double fold_cost_mm2{1.0}, jump_cost_mm2{4.0}, cut_cost_mm2{1.0};  ///< of a line, by length
   bool inward{false};  ///< parts behind wall and ground are made too
+  /// No field of a spec: fewer rounds, for who compares many designs before one is made.
+  bool rough{false};
 };
 
 /// `Auto`: the one of the others that comes nearest to the target.

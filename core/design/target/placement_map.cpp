@@ -70,6 +70,29 @@ Vec whole_shift_mm(const TargetPlacement& placement) {
   return shift;
 }
 
+Vec turned_on(const Vec& first, std::size_t axis, double degrees) {
+  Vec second{};
+  second[axis] = degrees;
+  Vec out = degrees_of(product(turn_of(second), turn_of(first)));
+  for (double& angle : out) angle = std::round(angle * 1e4) / 1e4 + 0.0;
+  return out;
+}
+
+std::vector<Vec> right_turns() {
+  std::vector<Vec> out;
+  std::vector<TurnMatrix> seen;
+  for (int x = 0; x < 4; ++x)
+    for (int y = 0; y < 4; ++y)
+      for (int z = 0; z < 4; ++z) {
+        const Vec degrees{90.0 * x, 90.0 * y, 90.0 * z};
+        const TurnMatrix turn = turn_of(degrees);
+        if (std::find(seen.begin(), seen.end(), turn) != seen.end()) continue;
+        seen.push_back(turn);
+        out.push_back(degrees);
+      }
+  return out;
+}
+
 bool stays_on_spine(const TargetPlacement& placement) {
   return placement.rotate_deg == Vec{} && placement.translate_mm[0] == 0.0 &&
          placement.translate_mm[2] == 0.0;

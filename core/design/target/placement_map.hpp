@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <vector>
 
 #include "core/design/target/surface_spec.hpp"
 #include "core/design/target/triangle_mesh.hpp"
@@ -23,6 +25,14 @@ using TurnMatrix = std::array<std::array<double, 3>, 3>;
 [[nodiscard]] TurnMatrix whole_turn(const TargetPlacement& placement);
 /// The shift of a placement's points after that turn, mm.
 [[nodiscard]] std::array<double, 3> whole_shift_mm(const TargetPlacement& placement);
+
+/// Turned by `degrees` about one axis of the corner (0: x, 1: y, 2: z) after what `first` says, to
+/// a ten-thousandth of a degree.
+[[nodiscard]] std::array<double, 3> turned_on(const std::array<double, 3>& first, std::size_t axis,
+                                              double degrees);
+
+/// The 24 turns by right angles, each once, in degrees.
+[[nodiscard]] std::vector<std::array<double, 3>> right_turns();
 
 /// No turn, and no shift but along the spine; turns about the spine leave a revolution as it is.
 [[nodiscard]] bool stays_on_spine(const TargetPlacement& placement);

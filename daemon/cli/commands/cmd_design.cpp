@@ -41,6 +41,7 @@
 #include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/cli/options/angles.hpp"
 #include "daemon/cli/options/option_value.hpp"
+#include "daemon/cli/search/model_search.hpp"
 #include "daemon/cli/view/long_work.hpp"
 #include "daemon/examples/examples.hpp"
 #include "daemon/files/output_folder.hpp"
@@ -355,6 +356,51 @@ Result<Material> material_of(const DesignSpec& spec, const std::string& spec_fil
               error.place.empty() ? spec_file + ": /material" : error.place, error.detail);
 }
 
+/// A design as it comes: a spec, or a 3D model of which the best card is taken.
+struct GivenDesign {
+  std::string text;
+  std::optional<SurfaceAssets> assets;  ///< none: they lie beside the spec
+  bool of_model{};
+};
+
+/// How hard the best card of a model is searched, where nothing is said about it.
+constexpr double kModelEffort = 0.25;
+
+Result<GivenDesign> given_design(const Options& options, const Globals& globals) {
+  GivenDesign out;
+  if (!is_mesh_file(options.spec)) {
+    auto text = spec_text(options.spec);
+    if (!text) return tl::unexpected(text.error());
+    out.text = std::move(*text);
+    return out;
+  }
+  ModelSearchOptions search;
+  search.model = options.spec, search.effort = kModelEffort;
+  auto model = search_model(search, options.folder, !globals.quiet, {});
+  if (!model) return tl::unexpected(model.error());
+  out.of_model = true;
+  out.text = std::move(model->found.front.back().spec);
+  out.assets.emplace();
+  out.assets->emplace(model->file, std::move(model->bytes));
+  if (globals.quiet) return out;
+  for (const std::string& note : model->found.notes)
+    fmt::print(stderr, "{}: {}\n", shown_text(options.spec), note);
+  fmt::print(stderr,
+             "the best of {} cards is taken; 'popcut auto {} -o DIR' tries more, and finds cards "
+             "that are cut in less time\n",
+             model->found.counts.designed, shown_text(options.spec));
+  return out;
+}
+
+/// The spec of a model's card, beside the pattern. As files of `popcut auto`, so that a design that
+/// is made from it in the same folder does not remove it.
+Result<void> keep_spec(const Options& options, const GivenDesign& given) {
+  auto folder = OutputFolder::open(options.folder);
+  if (!folder) return tl::unexpected(folder.error());
+  if (auto done = folder->add("spec.json", given.text); !done) return done;
+  return folder->commit("popcut auto " POPCUT_VERSION);
+}
+
 Result<void> design_into(const Options& options, const Globals& globals) {
   const auto formats = parse_formats(options.formats);
   if (!formats) return tl::unexpected(formats.error());
@@ -366,18 +412,19 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   }
   if (const auto valid = angles_of(options.motion, Pattern().design_psi_rad); !valid)
     return tl::unexpected(valid.error());
+  const auto given = given_design(options, globals);
+  if (!given) return tl::unexpected(given.error());
   std::optional<LongWork> work(std::in_place, !globals.quiet, "reading the design");
-  const auto text = spec_text(options.spec);
-  if (!text) return tl::unexpected(text.error());
-  auto spec = parse_design_spec(*text);
-  if (!spec && is_pattern(*text)) return tl::unexpected(already_designed(options.spec));
+  auto spec = parse_design_spec(given->text);
+  if (!spec && is_pattern(given->text)) return tl::unexpected(already_designed(options.spec));
   if (!spec) return tl::unexpected(within(options.spec, spec.error()));
   const auto material = material_of(*spec, options.spec);
   if (!material) return tl::unexpected(material.error());
   planning::suit_material(*material, *spec);
   const auto thickness = thickness_of(options.motion, material->thickness_mm);
   if (!thickness) return tl::unexpected(thickness.error());
-  const auto assets = load_assets(*spec, options.spec);
+  const auto assets =
+      given->assets ? Result<SurfaceAssets>(*given->assets) : load_assets(*spec, options.spec);
   if (!assets) return tl::unexpected(within(options.spec, assets.error()));
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
@@ -435,6 +482,10 @@ Result<void> design_into(const Options& options, const Globals& globals) {
     if (auto done = folder->add("report.json", report_json(*made)); !done) return done;
   }
   if (auto done = folder->commit("popcut design " POPCUT_VERSION); !done) return done;
+  if (given->of_model) {
+    folder = tl::unexpected(Error{});  // it is locked
+    if (auto done = keep_spec(options, *given); !done) return done;
+  }
   work.reset();
   if (globals.json) fmt::print("{}", report_json(*made));
   if (globals.quiet) return {};
@@ -457,6 +508,11 @@ Result<void> design_into(const Options& options, const Globals& globals) {
 }
 
 Result<void> place(const Options& options, const Globals& globals) {
+  if (is_mesh_file(options.spec))
+    return fail(ErrorKind::Usage, "command line",
+                fmt::format("--place moves the shape of a design, and {} is a 3D model; type: "
+                            "popcut design {} -o DIR",
+                            options.spec, options.spec));
   const auto text = spec_text(options.spec);
   if (!text) return tl::unexpected(text.error());
   auto spec = parse_design_spec(*text);
@@ -499,7 +555,9 @@ constexpr const char* kHelp =
     "  popcut design --example sphere > sphere.json\n"
     "  popcut design sphere.json -o sphere\n\n"
     "SPEC describes the shape (a formula, a table of heights or a 3D model) and how finely to\n"
-    "slice it; - reads it from standard input. Its lengths are mm, and its axes are:\n\n"
+    "slice it; - reads it from standard input. It can also be a 3D model (STL, OBJ): then popcut\n"
+    "makes the best card that a short search finds, and writes its design too (spec.json);\n"
+    "'popcut auto' searches longer. The lengths of a design are mm, and its axes are:\n\n"
     "      z\n"
     "      |  wall: x = 0\n"
     "      |\n"
@@ -536,8 +594,9 @@ void register_design(CLI::App& app, const Globals& globals, Run& run) {
   using namespace design_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("design", kHelp);
-  command->add_option("SPEC", options->spec,
-                      "The design: a JSON file, or -; --schema prints its format");
+  command->add_option(
+      "SPEC", options->spec,
+      "The design: a JSON file, or -; --schema prints its format. Or a 3D model (.stl, .obj)");
   command
       ->add_option("-o,--output", options->folder,
                    "Folder for the files; created if it does not exist")

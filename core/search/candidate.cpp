@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+#include "core/search/candidate.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "core/search/draws.hpp"
+#include "core/text/json_text.hpp"
+
+namespace popcut {
+namespace {
+
+struct NamedLattice {
+  LatticeMethod method;
+  std::string_view name;
+};
+constexpr std::array kLattices{NamedLattice{LatticeMethod::Slices, "slices"},
+                               NamedLattice{LatticeMethod::Branching, "branching"},
+                               NamedLattice{LatticeMethod::Levels, "levels"},
+                               NamedLattice{LatticeMethod::Conformal, "conformal"},
+                               NamedLattice{LatticeMethod::Direct, "direct"},
+                               NamedLattice{LatticeMethod::Auto, "auto"}};
+
+// What is drawn from, by growing value.
+constexpr std::array kFills{0.7, 0.85, 1.0};
+constexpr std::array kUnits{4, 5, 6, 8, 10, 12, 14, 16, 20, 24, 28, 32};
+constexpr std::array kSlices{5, 6, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 48};
+constexpr std::array kStrips{1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0};
+constexpr std::array kPitches{1.0, 1.5, 2.0, 3.0, 4.0, 6.0};
+constexpr std::array kLineCosts{0.125, 0.25, 0.5, 1.0, 2.0, 4.0};
+
+/// The value beside the one that is nearest to `now`, or that one itself at an end.
+template <typename Values, typename Value>
+Value beside(const Values& values, Value now, Draws& draws) {
+  std::size_t at = 0;
+  for (std::size_t k = 1; k < values.size(); ++k)
+    if (std::abs(values[k] - now) < std::abs(values[at] - now)) at = k;
+  if (draws.next() < 0.5) return values[at > 0 ? at - 1 : at];
+  return values[std::min(at + 1, values.size() - 1)];
+}
+
+/// The first with a third, the second with a third of the rest, and so on.
+std::size_t drawn_way(std::size_t ways, Draws& draws) {
+  constexpr double kShare = 1.0 / 3.0;
+  std::size_t way = 0;
+  while (way + 1 < ways && draws.next() > kShare) ++way;
+  return way;
+}
+
+/// Without what its style does not have, so that equal candidates are equal.
+Candidate only_its_own(Candidate candidate) {
+  const Candidate usual;
+  if (candidate.style == DesignStyle::Facets) {
+    candidate.lattice = usual.lattice;
+    candidate.units = usual.units, candidate.slices = usual.slices;
+  } else {
+    candidate.strip_mm = usual.strip_mm, candidate.pitch_mm = usual.pitch_mm;
+    candidate.line_cost = usual.line_cost;
+  }
+  return candidate;
+}
+
+/// Down to so many digits behind the point: what a short text says exactly.
+double floored(double value, int digits) {
+  const double unit = std::pow(10.0, std::abs(digits));
+  return digits < 0 ? std::floor(value / unit) * unit : std::floor(value * unit) / unit;
+}
+double six_digits(double value) {
+  return floored(value, 5 - static_cast<int>(std::floor(std::log10(value))));
+}
+
+}  // namespace
+
+const std::vector<StyleChoice>& style_choices() {
+  static const std::vector<StyleChoice> choices = [] {
+    std::vector<LatticeMethod> all;
+    for (const NamedLattice& lattice : kLattices)
+      if (lattice.method != LatticeMethod::Auto) all.push_back(lattice.method);
+    std::vector<StyleChoice> out{{"any", true, all}, {"facets", true, {}}, {"lattice", false, all}};
+    for (const NamedLattice& lattice : kLattices)
+      if (lattice.method != LatticeMethod::Auto)
+        out.push_back({lattice.name, false, {lattice.method}});
+    return out;
+  }();
+  return choices;
+}
+
+std::string_view style_name(const Candidate& candidate) {
+  if (candidate.style == DesignStyle::Facets) return "facets";
+  return std::find_if(
+             kLattices.begin(), kLattices.end(),
+             [&](const NamedLattice& lattice) { return lattice.method == candidate.lattice; })
+      ->name;
+}
+
+std::vector<Candidate> usual_candidates(const StyleChoice& styles) {
+  std::vector<Candidate> out;
+  Candidate usual;
+  usual.usual = true;
+  if (styles.facets) out.push_back(usual);
+  usual.style = DesignStyle::Lattice;
+  for (const LatticeMethod method : styles.lattices) {
+    usual.lattice = method;
+    out.push_back(usual);
+  }
+  usual.lattice = LatticeMethod::Auto;
+  if (styles.lattices.size() > 1) out.push_back(usual);
+  return out;
+}
+
+Candidate drawn_candidate(const StyleChoice& styles, std::size_t ways, std::uint64_t seed,
+                          std::uint64_t index) {
+  constexpr double kFacetShare = 0.6;
+  Draws draws(seed, index);
+  Candidate out;
+  const double style = draws.next();
+  const bool facets = styles.lattices.empty() || (styles.facets && style < kFacetShare);
+  out.style = facets ? DesignStyle::Facets : DesignStyle::Lattice;
+  out.way = drawn_way(ways, draws);
+  out.fill = draws.next_of(kFills);
+  if (facets) {
+    out.strip_mm = draws.next_of(kStrips), out.pitch_mm = draws.next_of(kPitches);
+    out.line_cost = draws.next_of(kLineCosts);
+  } else {
+    out.lattice = draws.next_of(styles.lattices);
+    out.units = draws.next_of(kUnits), out.slices = draws.next_of(kSlices);
+  }
+  return out;
+}
+
+Candidate changed_candidate(const Candidate& from, std::size_t ways, std::uint64_t seed,
+                            std::uint64_t index) {
+  Draws draws(seed, index);
+  Candidate out = from;
+  out.usual = false;
+  const std::size_t changes = 1 + draws.next_below(2);
+  for (std::size_t k = 0; k < changes; ++k) {
+    const bool facets = out.style == DesignStyle::Facets;
+    const double what = draws.next();
+    if (what < 0.1)
+      out.way = drawn_way(ways, draws);
+    else if (what < 0.3)
+      out.fill = beside(kFills, out.fill, draws);
+    else if (facets && what < 0.55)
+      out.strip_mm = beside(kStrips, out.strip_mm, draws);
+    else if (facets && what < 0.75)
+      out.pitch_mm = beside(kPitches, out.pitch_mm, draws);
+    else if (facets)
+      out.line_cost = beside(kLineCosts, out.line_cost, draws);
+    else if (what < 0.65)
+      out.units = beside(kUnits, out.units, draws);
+    else
+      out.slices = beside(kSlices, out.slices, draws);
+  }
+  return only_its_own(out);
+}
+
+double largest_scale_mm(const Way& way, const std::array<double, 2>& sheet_mm) {
+  const auto fits = [&](double across, double along) {
+    return std::min((across - 2.0 * kCandidateMargin_mm) / (2.0 * way.shut_reach),
+                    (along - 2.0 * kCandidateMargin_mm) / way.length());
+  };
+  return std::max(fits(sheet_mm[0], sheet_mm[1]), fits(sheet_mm[1], sheet_mm[0]));
+}
+
+std::string spec_text(const Candidate& candidate, const Way& way, double scale_mm,
+                      const CandidateModel& model) {
+  scale_mm = six_digits(scale_mm);
+  const double length_mm = scale_mm * way.length();
+  nlohmann::ordered_json spec{{"popcut", 1}, {"name", model.name}, {"material", model.material}};
+  const bool facets = candidate.style == DesignStyle::Facets;
+  if (facets) spec["style"] = "facets";
+  spec["surface"] = {{"type", "mesh"}, {"file", model.file}};
+  spec["scale_mm"] = scale_mm;
+  spec["rotate_deg"] = way.rotate_deg;
+  std::array<double, 3> shift{};
+  for (std::size_t i = 0; i < 3; ++i) shift[i] = -scale_mm * way.box.low[i];
+  const double width_mm = floored(length_mm / candidate.slices, 4);
+  if (!facets) shift[1] -= 0.5 * (length_mm - (candidate.slices - 1) * width_mm);
+  for (double& by : shift) by = std::round(by * 1e6) / 1e6 + 0.0;
+  spec["translate_mm"] = shift;
+  if (facets) {
+    const FacetSpec usual;
+    spec["facets"] = {{"strip_mm", candidate.strip_mm},
+                      {"pitch_mm", candidate.pitch_mm},
+                      {"fold_cost_mm2", usual.fold_cost_mm2 * candidate.line_cost},
+                      {"jump_cost_mm2", usual.jump_cost_mm2 * candidate.line_cost},
+                      {"cut_cost_mm2", usual.cut_cost_mm2 * candidate.line_cost}};
+  } else {
+    spec["fit"] = "nearest";
+    spec["lattice"] = std::string(style_name(candidate));
+    spec["units_per_slice"] = candidate.units;
+    spec["slices"] = candidate.slices;
+    spec["widths_mm"] = width_mm;
+  }
+  return json_file(spec);
+}
+
+}  // namespace popcut

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/design/target/triangle_mesh.hpp"
+#include "core/geometry/vec.hpp"
+
+namespace popcut {
+
+/// The share of a mesh's area, 0 to 1, that is seen from at least one of the directions, without
+/// perspective. 4096 points of the surface against depths of 256 x 256 pixels.
+///
+/// @param toward  from the mesh to each eye
+[[nodiscard]] double seen_share(const TriangleMesh& mesh, std::span<const Vec3> toward);
+
+/// What a book of `cards` around one spine could show of a mesh at best: the share of its area that
+/// is seen along the diagonal of some card, for the best of the three axes as its spine.
+[[nodiscard]] double share_of_book(const TriangleMesh& mesh, int cards);
+
+}  // namespace popcut

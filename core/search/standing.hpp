@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "core/compare/comparison.hpp"
+#include "core/design/target/triangle_mesh.hpp"
+
+namespace popcut {
+
+/// A way for a model to stand in the corner of a card: turned, then moved so that its box touches
+/// wall and ground and begins at 0 along the spine. Lengths are in units of the model.
+struct Way {
+  std::array<double, 3> rotate_deg{};  ///< as `TargetPlacement`
+  MeshBox box;                         ///< of the turned model, before it is moved
+  double shut_reach{};                 ///< the largest x + z: how far it reaches when shut
+  double misfit{};                     ///< `misfit_of`
+
+  [[nodiscard]] double length() const { return box.high[1] - box.low[1]; }
+  /// From units of the model to those of `standing_model`, in which the box's diagonal is 100 mm.
+  [[nodiscard]] double to_target() const;
+};
+
+/// The way of a turn. O(triangles).
+[[nodiscard]] Way way_of(const TriangleMesh& model, const std::array<double, 3>& rotate_deg);
+
+/// The model as it stands, nine numbers a triangle (x, v, z), 100 mm large.
+[[nodiscard]] std::vector<float> standing_model(const TriangleMesh& model, const Way& way);
+
+/// What is seen along the diagonal of a model that stands, as a surface: no card of one sheet shows
+/// more of it. A net of `points` x `points`, torn where the depth jumps.
+[[nodiscard]] std::vector<float> seen_along_diagonal(const std::vector<float>& standing,
+                                                     int points);
+
+/// How well a way suits cards: the error (`likeness::Figures::error`) of the part of the model that
+/// is seen along the diagonal, from nine directions, 64 pixels wide.
+[[nodiscard]] double misfit_of(const TriangleMesh& model, const Way& way);
+
+/// Which side of a model is up, as a direction along one of its axes; none: any of them may be.
+using UpSide = std::optional<std::array<int, 3>>;
+
+/// The turns by right angles: 24, or the four that leave `up` upright.
+[[nodiscard]] std::vector<std::array<double, 3>> upright_turns(const UpSide& up);
+/// Turns near one of them: about the vertical, and where `tilts`, about the other axes too.
+[[nodiscard]] std::vector<std::array<double, 3>> turns_near(const std::array<double, 3>& turn,
+                                                            bool tilts);
+
+/// Up to `count` ways, the least misfit first. Of those that suit equally, as of a shape that looks
+/// alike from several sides, the first is taken.
+[[nodiscard]] std::vector<Way> best_ways(std::vector<Way> ways, std::size_t count);
+
+}  // namespace popcut

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+#include <array>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "core/plan/plan_options.hpp"
+#include "daemon/cli/command.hpp"
+#include "daemon/cli/cutter/stop_signals.hpp"
+#include "daemon/cli/options/option_value.hpp"
+#include "daemon/cli/search/front_picture.hpp"
+#include "daemon/cli/search/front_report.hpp"
+#include "daemon/cli/search/model_search.hpp"
+#include "daemon/cli/view/long_work.hpp"
+#include "daemon/files/output_folder.hpp"
+#include "daemon/planning/design_export.hpp"
+#include "daemon/planning/design_files.hpp"
+
+namespace popcut::cli {
+namespace auto_command {
+namespace {
+
+struct Options {
+  ModelSearchOptions search;
+  std::string folder;
+};
+
+/// The files of one card: what makes it again, and its pattern.
+Result<void> add_card(SearchedModel& model, std::size_t k, OutputFolder& folder) {
+  constexpr std::array<std::string_view, 4> kFiles{"pattern.fold", "pattern.svg", "cut.svg",
+                                                   "pattern.dxf"};
+  planning::FoundCard& card = model.found.front[k];
+  if (const auto spec = parse_design_spec(card.spec))
+    planning::add_make_warnings(model.material, *spec, card.made.parts.front());
+  folder.enter(front_folder(k));
+  if (auto done = folder.add("spec.json", card.spec); !done) return done;
+  for (const std::string_view file : kFiles) {
+    const auto text = planning::design_file(card.made, model.material, file, 0);
+    if (!text) return tl::unexpected(text.error());
+    if (auto done = folder.add(std::string(file), *text); !done) return done;
+  }
+  const auto picture =
+      card_picture(card, fmt::format("{}, {:.1f} minutes: error {:.4f}", front_folder(k),
+                                     card.cost.seconds / 60.0, card.figures.error()));
+  if (!picture) return tl::unexpected(picture.error());
+  return folder.add("thumbnail.png", *picture);
+}
+
+Result<void> write_files(const Options& options, SearchedModel& model, OutputFolder& folder,
+                         const Globals& globals) {
+  LongWork work(!globals.quiet, "writing the cards");
+  for (std::size_t k = 0; k < model.found.front.size(); ++k)
+    if (auto done = add_card(model, k, folder); !done) return done;
+  folder.enter("");
+  const auto picture = front_picture(
+      model.found,
+      fmt::format("{}: cards of up to {:g} minutes", model.name, options.search.max_minutes));
+  if (!picture) return tl::unexpected(picture.error());
+  if (auto done = folder.add("front.svg", *picture); !done) return done;
+  if (auto done = folder.add("front.json", front_json(options.search, model)); !done) return done;
+  return folder.commit("popcut auto " POPCUT_VERSION);
+}
+
+/// Ends as a program that Ctrl-C ends, after everything is put away.
+[[noreturn]] void end_by_signal(bool quiet) {
+  if (!quiet) fmt::print(stderr, "popcut: stopped; nothing was written\n");
+  std::fflush(stderr);
+  std::signal(SIGINT, SIG_DFL);
+  (void)std::raise(SIGINT);
+  std::_Exit(128 + SIGINT);
+}
+
+Result<void> run_auto(const Options& options, const Globals& globals) {
+  if (options.folder.empty())
+    return fail(ErrorKind::Usage, "command line",
+                "-o DIR is missing; give the folder for the cards");
+  std::optional<StopSignals> signals(std::in_place);
+  const auto stopped = [] { return StopSignals::stop_asked.load(); };
+  auto folder = OutputFolder::open(options.folder);
+  if (!folder) return tl::unexpected(folder.error());
+  auto model =
+      search_model(options.search, folder->folder() / front_folder(0), !globals.quiet, stopped);
+  if (stopped()) {
+    { const OutputFolder put_away = std::move(*folder); }
+    signals.reset();
+    end_by_signal(globals.quiet);
+  }
+  if (!model) return tl::unexpected(model.error());
+  if (auto done = write_files(options, *model, *folder, globals); !done) return done;
+  if (globals.json)
+    fmt::print("{}", front_json(options.search, *model));
+  else if (!globals.quiet)
+    fmt::print("{}", front_text(options.search, *model, options.folder));
+  return {};
+}
+
+constexpr const char* kHelp =
+    "Find the best cards for a 3D model.\n\n"
+    "  popcut auto teapot.obj -o teapot\n"
+    "  popcut auto teapot.obj --max-minutes 5 --mat 12x12 -o teapot\n\n"
+    "MODEL is a mesh (STL, OBJ). popcut tries styles, ways to stand, sizes and finenesses, and\n"
+    "keeps the cards of which no other looks more like the model and is cut as quickly. Each\n"
+    "passes 'popcut verify --dof 1'. popcut writes into DIR:\n\n"
+    "  front.svg      all cards on one page; look at this first\n"
+    "  front.json     figures of each card, and which one is the best\n"
+    "  card-NN/       one card: spec.json, from which 'popcut design' makes it again, the\n"
+    "                 pattern (FOLD, SVG, DXF), cut.svg, and thumbnail.png beside the model\n\n"
+    "card-01 is the quickest to cut, the last one looks most like the model. The same seed gives\n"
+    "the same cards on every computer.";
+
+void add_search_options(CLI::App& command, ModelSearchOptions& search) {
+  real_number(command.add_option("--max-minutes", search.max_minutes,
+                                 "Longest time of cutting, by the model of the machine"),
+              0.1, 1e5, "minutes")
+      ->option_text("MINUTES [15]");
+  checked(command.add_option("--mat", search.mat, "Mat to cut on, as in plan"),
+          [](const std::string& text) {
+            const auto read = read_plan_options({{"mat", text}});
+            return read ? std::string() : read.error().detail;
+          })
+      ->option_text("NAME|WxH");
+  command.add_option("--machine", search.machine, "Machine to cut with, as in plan")
+      ->option_text("NAME");
+  command.add_option("--material", search.material, "Material to cut, as in plan")
+      ->option_text("NAME [paper-220]");
+  std::vector<std::string> styles;
+  for (const StyleChoice& style : style_choices()) styles.emplace_back(style.name);
+  one_word(command.add_option("--style", search.style,
+                              "What cards are made of: any, facets, any lattice, or one lattice"),
+           styles, "any");
+  one_word(command.add_option("--up", search.up,
+                              "Which axis of the file points up; any: whichever way the card is "
+                              "most like the model"),
+           up_words(), "any");
+  whole_number(
+      command.add_option("--seed", search.seed, "Random seed: the same one, the same cards"), 0,
+      std::int64_t{1} << 53)
+      ->option_text("N [1]");
+  real_number(command.add_option("--effort", search.effort,
+                                 "How many cards are tried: a factor. 1 takes up to a minute on "
+                                 "two cores"),
+              0.01, 100)
+      ->option_text("X [1]");
+  whole_number(command.add_option("--threads", search.threads,
+                                  "Threads to use, 0 for all; they change nothing but the time"),
+               0, 256)
+      ->option_text("N [0]");
+}
+
+}  // namespace
+}  // namespace auto_command
+
+void register_auto(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace auto_command;
+  auto options = std::make_shared<Options>();
+  CLI::App* const command = app.add_subcommand("auto", kHelp);
+  command->add_option("MODEL", options->search.model, "The model: a mesh (.stl, .obj)")->required();
+  command
+      ->add_option("-o,--output", options->folder,
+                   "Folder for the cards; created if it does not exist")
+      ->option_text("DIR");
+  add_search_options(*command, options->search);
+  when_chosen(command, run, [options, &globals] { return run_auto(*options, globals); });
+}
+
+}  // namespace popcut::cli

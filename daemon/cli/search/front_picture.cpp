@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/cli/search/front_picture.hpp"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/compare/picture.hpp"
+#include "core/text/svg_document.hpp"
+#include "daemon/cli/view/compare_picture.hpp"
+#include "daemon/digest/digest.hpp"
+#include "daemon/pictures/png.hpp"
+
+namespace popcut::cli {
+namespace front_picture_parts {
+namespace {
+
+using planning::FoundCard;
+using planning::FoundCards;
+
+constexpr int kPixels = 480, kTile = 240, kGap = 12, kTop = 44, kWords = 58, kAcross = 4;
+constexpr likeness::Rgb kModel{196, 205, 214}, kPaper{250, 236, 206};
+
+likeness::Scene scene_of(int pixels) {
+  likeness::Scene scene;
+  scene.views = likeness::cone_views();
+  scene.pixels = pixels;
+  scene.corner = likeness::Corner{};
+  return scene;
+}
+
+/// Places of the page's tiles, in rows.
+struct Place {
+  int x{}, y{};
+};
+Place place_of(std::size_t tile) {
+  const int k = static_cast<int>(tile);
+  return {kGap + k % kAcross * (kTile + kGap), kTop + k / kAcross * (kTile + kWords + kGap)};
+}
+
+std::string words(double x, double y, int size, const std::string& text, bool bold = false) {
+  return fmt::format(
+      "<text x=\"{}\" y=\"{}\" font-family=\"sans-serif\" font-size=\"{}\"{} "
+      "fill=\"#222\">{}</text>\n",
+      x, y, size, bold ? " font-weight=\"bold\"" : "", xml_escaped(text));
+}
+
+Result<std::string> tile(std::size_t at, const likeness::Target& frame_of,
+                         likeness::Triangles shown, const likeness::Rgb& colour,
+                         const std::array<std::string, 3>& lines) {
+  const likeness::Frame frame = frame_of.frame(0);
+  likeness::DepthImage image;
+  likeness::draw(frame, shown, image);
+  const auto jump = static_cast<float>(likeness::kWithin * frame_of.box().diagonal());
+  const likeness::Pixels pixels = likeness::shaded(image, frame.pitch_mm(), jump, colour);
+  const auto png = png_of_pixels(pixels.rgb, pixels.size, pixels.size);
+  if (!png) return png;
+  const Place place = place_of(at);
+  std::string out = fmt::format(
+      "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" href=\"data:image/png;base64,{}\"/>\n",
+      place.x, place.y, kTile, kTile, daemon::base64(*png));
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    out +=
+        words(place.x + 2, place.y + kTile + 16 + 17 * static_cast<int>(k), 13, lines[k], k == 0);
+  return out;
+}
+
+/// The errors over the times.
+std::string graph(std::size_t at, const FoundCards& found) {
+  const Place place = place_of(at);
+  constexpr double kLeft = 40, kBottom = 30;
+  double most_s = 0.0, most_error = 0.0;
+  for (const FoundCard& card : found.front) {
+    most_s = std::max(most_s, card.cost.seconds);
+    most_error = std::max(most_error, card.figures.error());
+  }
+  const double width = kTile - kLeft - 12, height = kTile - kBottom - 24;
+  const auto x = [&](double s) { return place.x + kLeft + width * s / (1.05 * most_s); };
+  const auto y = [&](double error) {
+    return place.y + 24 + height * (1.0 - error / (1.1 * most_error));
+  };
+  std::string out =
+      fmt::format("<path d=\"M{:.1f} {:.1f}V{:.1f}H{:.1f}\" fill=\"none\" stroke=\"#888\"/>\n",
+                  x(0), place.y + 24.0, y(0), x(1.05 * most_s));
+  std::string line;
+  for (const FoundCard& card : found.front) {
+    const double px = x(card.cost.seconds), py = y(card.figures.error());
+    line += line.empty() ? fmt::format("M{:.1f} {:.1f}", px, py)
+                         : fmt::format("H{:.1f}V{:.1f}", px, py);
+    out += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"#2166ac\"/>\n", px, py);
+    out += words(px + 5, py - 5, 11, fmt::format("{}", &card - found.front.data() + 1));
+  }
+  out += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"#2166ac\"/>\n", line);
+  out += words(place.x + 2, place.y + 14, 12, fmt::format("error (0 to {:.2f})", 1.1 * most_error));
+  out += words(place.x + kLeft, y(0) + 18, 12,
+               fmt::format("minutes of cutting (0 to {:.1f})", 1.05 * most_s / 60.0));
+  return out;
+}
+
+std::string settings(const Candidate& c) {
+  if (c.style == DesignStyle::Facets)
+    return fmt::format("facets, strips {:g} mm, planes {:g} mm", c.strip_mm, c.pitch_mm);
+  return fmt::format("{} lattice, {} x {} units", style_name(c), c.slices, c.units);
+}
+
+}  // namespace
+}  // namespace front_picture_parts
+
+std::string front_folder(std::size_t card) { return fmt::format("card-{:02}", card + 1); }
+
+Result<std::string> card_picture(const planning::FoundCard& card, const std::string& title) {
+  const likeness::Target aim(card.target, front_picture_parts::scene_of(64));
+  return compare_picture(aim, card.target, card.structure, title);
+}
+
+Result<std::string> front_picture(const planning::FoundCards& found, const std::string& title) {
+  using namespace front_picture_parts;
+  const std::size_t tiles = found.front.size() + 2;
+  const std::size_t rows = (tiles + kAcross - 1) / kAcross;
+  const int width = kGap + kAcross * (kTile + kGap);
+  const int height = kTop + static_cast<int>(rows) * (kTile + kWords + kGap);
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" "
+      "viewBox=\"0 0 {0} {1}\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"#fff\"/>\n",
+      width, height);
+  svg += words(kGap, 26, 17, title, true);
+  const FoundCard& best = found.front.back();
+  const auto add = [&](const Result<std::string>& part) {
+    if (part) svg += *part;
+    return part.has_value();
+  };
+  auto part =
+      tile(0, likeness::Target(best.target, scene_of(kPixels)), best.target, kModel,
+           {"the model", fmt::format("one card sees {:.0f} % of it", 100 * found.seen_share),
+            "as the best card has it"});
+  if (!add(part)) return part;
+  for (std::size_t k = 0; k < found.front.size(); ++k) {
+    const FoundCard& card = found.front[k];
+    const bool is_best = k + 1 == found.front.size();
+    part =
+        tile(k + 1, likeness::Target(card.target, scene_of(kPixels)), card.structure, kPaper,
+             {fmt::format("{}: {:.1f} min, error {:.3f}{}", k + 1, card.cost.seconds / 60.0,
+                          card.figures.error(), is_best ? ", the best" : ""),
+              settings(card.candidate),
+              fmt::format("{} folds, {:.0f} % is there", card.folds, 100.0 * card.figures.cover)});
+    if (!add(part)) return part;
+  }
+  svg += graph(tiles - 1, found) + "</svg>\n";
+  return svg;
+}
+
+}  // namespace popcut::cli

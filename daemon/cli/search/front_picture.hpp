@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "core/result.hpp"
+#include "daemon/planning/search/card_search.hpp"
+
+namespace popcut::cli {
+
+/// The folder of a card of the front: "card-01" is the quickest to cut.
+[[nodiscard]] std::string front_folder(std::size_t card);
+
+/// A card beside its model, from three sides (PNG): as `popcut compare` draws it.
+///
+/// @retval Internal  the libraries cannot draw it
+[[nodiscard]] Result<std::string> card_picture(const planning::FoundCard& card,
+                                               const std::string& title);
+
+/// All cards of the front on one page (SVG): the model first, then each card from the diagonal with
+/// its time and its error, and a graph of the errors over the times.
+///
+/// @retval Internal  the libraries cannot draw it
+[[nodiscard]] Result<std::string> front_picture(const planning::FoundCards& found,
+                                                const std::string& title);
+
+}  // namespace popcut::cli

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/cli/search/model_search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/design/target/mesh_reader.hpp"
+#include "core/text/words.hpp"
+#include "daemon/cli/input/drawn_pattern.hpp"
+#include "daemon/cli/view/long_work.hpp"
+#include "daemon/client/command_words.hpp"
+#include "daemon/files/output_folder.hpp"
+#include "daemon/files/user_tables.hpp"
+
+namespace popcut::cli {
+namespace model_search_parts {
+namespace {
+
+Result<TriangleMesh> read_model(const std::string& file, const std::string& bytes) {
+  if (!is_mesh_file(file)) {
+    if (is_design_spec(bytes))
+      return fail(ErrorKind::OutOfRange, file,
+                  fmt::format("is a design already; type: popcut design {} -o DIR", file));
+    if (is_pattern(bytes))
+      return fail(ErrorKind::OutOfRange, file, "is a pattern; give a 3D model (.stl, .obj)");
+  }
+  return read_mesh(file, bytes);
+}
+
+UpSide up_side(const std::string& word) {
+  if (word == "any") return std::nullopt;
+  std::array<int, 3> out{};
+  out.at(static_cast<std::size_t>(word.back() - 'x')) = word.front() == '-' ? -1 : 1;
+  return out;
+}
+
+}  // namespace
+}  // namespace model_search_parts
+
+bool is_mesh_file(const std::string& file) {
+  const std::string ending = std::filesystem::path(file).extension().string();
+  return same_word(ending, ".stl") || same_word(ending, ".obj");
+}
+
+const std::vector<std::string>& up_words() {
+  static const std::vector<std::string> words{"any", "x", "y", "z", "-x", "-y", "-z"};
+  return words;
+}
+
+Result<SearchedModel> search_model(const ModelSearchOptions& options,
+                                   const std::filesystem::path& spec_folder, bool shows_progress,
+                                   const std::function<bool()>& stopped) {
+  using namespace model_search_parts;
+  LongWork work(shows_progress, "reading the model");
+  SearchedModel out;
+  auto bytes = read_file(options.model);
+  if (!bytes) return tl::unexpected(bytes.error());
+  out.bytes = std::move(*bytes);
+  planning::SearchRequest request;
+  auto mesh = read_model(options.model, out.bytes);
+  if (!mesh) return tl::unexpected(mesh.error());
+  request.mesh = std::move(*mesh);
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  request.tables = tables->texts;
+  const std::string material = options.material.empty() ? "paper-220" : options.material;
+  auto found = find_material(material, tables->texts);
+  if (!found) {
+    const Error error = tables->with_file(found.error());
+    return fail(error.place.empty() ? ErrorKind::Usage : error.kind,
+                error.place.empty() ? "--material" : error.place, error.detail);
+  }
+  out.material = request.material = std::move(*found);
+  const std::filesystem::path path(options.model);
+  std::error_code error;
+  out.name = path.filename().string();
+  out.file = std::filesystem::relative(path, spec_folder, error).string();
+  if (error || out.file.empty()) out.file = std::filesystem::absolute(path, error).string();
+  request.model = {path.stem().string(), out.file, material};
+  request.plan.machine = options.machine, request.plan.material = material;
+  request.plan.mat = options.mat;
+  const auto& styles = style_choices();
+  request.styles = *std::find_if(styles.begin(), styles.end(), [&](const StyleChoice& style) {
+    return style.name == options.style;
+  });
+  request.up = up_side(options.up);
+  request.most_s = 60.0 * options.max_minutes;
+  request.effort = options.effort, request.seed = options.seed;
+  request.threads =
+      options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
+  request.progress = work.progress();
+  request.stopped = stopped;
+  auto cards = planning::search_cards(request);
+  if (!cards) {
+    const Error why = client::on_command_line(tables->with_file(cards.error()));
+    const bool of_model = why.kind != ErrorKind::Usage && why.kind != ErrorKind::Refused;
+    return tl::unexpected(of_model && why.place.empty() ? within(options.model, why) : why);
+  }
+  out.found = std::move(*cards);
+  return out;
+}
+
+}  // namespace popcut::cli

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/result.hpp"
+#include "daemon/planning/search/card_search.hpp"
+
+namespace popcut::cli {
+
+/// What a user says about the card of a model.
+struct ModelSearchOptions {
+  std::string model;  ///< file
+  std::string machine, material, mat;
+  std::string style{"any"}, up{"any"};
+  double max_minutes{15.0}, effort{1.0};
+  std::uint64_t seed{1};
+  unsigned threads{0};  ///< 0: as many as the computer has
+};
+
+/// A model that was searched, with what writing its cards needs.
+struct SearchedModel {
+  std::string name;   ///< of the file, without folders
+  std::string file;   ///< as the specs give it
+  std::string bytes;  ///< of the file
+  Material material;
+  planning::FoundCards found;
+};
+
+/// Is it a mesh, by its name (.stl, .obj)?
+[[nodiscard]] bool is_mesh_file(const std::string& file);
+
+/// Words for `--up`: "any", or an axis of the file with its sign.
+[[nodiscard]] const std::vector<std::string>& up_words();
+
+/// Reads a mesh and searches its best cards (`planning::search_cards`).
+///
+/// @param spec_folder  where specs will be, from which they name the mesh
+/// @retval Malformed, OutOfRange  it cannot be read, with its name; a design or another file that
+///                                is no mesh
+/// @retval Usage, Infeasible, Refused  as `planning::search_cards`
+[[nodiscard]] Result<SearchedModel> search_model(const ModelSearchOptions& options,
+                                                 const std::filesystem::path& spec_folder,
+                                                 bool shows_progress,
+                                                 const std::function<bool()>& stopped);
+
+}  // namespace popcut::cli

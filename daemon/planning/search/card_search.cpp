@@ -1,0 +1,590 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/planning/search/card_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/formats/fold/fold_writer.hpp"
+#include "core/search/coarse_mesh.hpp"
+#include "core/search/halving.hpp"
+#include "core/search/mesh_faults.hpp"
+#include "core/search/seen_share.hpp"
+#include "core/verify/verify.hpp"
+#include "daemon/planning/design_files.hpp"
+#include "daemon/planning/judge/opened_card.hpp"
+#include "daemon/planning/plan_job.hpp"
+#include "daemon/planning/search/opened_pattern.hpp"
+#include "daemon/planning/search/parallel.hpp"
+
+namespace popcut::planning {
+namespace {
+
+// How many are tried, for an effort of 1.
+constexpr std::size_t kDrawn = 150, kChanged = 100, kParents = 16, kFine = 40, kFineChanged = 24,
+                      kFineParents = 8, kFinal = 16;
+constexpr std::size_t kWays = 6, kWaysTurnedOn = 5;
+constexpr std::size_t kMostOfFront = 8;
+
+/// How carefully candidates are judged.
+struct Care {
+  int pixels{};
+  bool rough{};  ///< designs in fewer rounds
+};
+constexpr Care kCoarse{64, true}, kCareful{256, false};
+constexpr int kComparePixels = 512;  // as popcut compare
+
+// Meshes of so many triangles or fewer are used as they are.
+constexpr std::size_t kCoarseTriangles = 25'000, kCarefulTriangles = 100'000;
+constexpr int kCoarseCells = 96, kCarefulCells = 256;
+
+constexpr const char* kAsset = "model.stl";
+constexpr int kMostSizes = 5;  // that are tried until the card fits on the mat
+
+constexpr const char* kBehind = "a part of the card would stand behind its wall or ground";
+
+/// As `popcut compare` tells cards in a corner from other structures.
+bool is_behind(likeness::Triangles structure) {
+  const double touch = 1e-3 * likeness::box_of(structure).diagonal();
+  const likeness::Box box = likeness::box_of(structure);
+  return std::min(box.low.x(), box.low.z()) < -touch;
+}
+
+/// A candidate on its way.
+struct Trial {
+  Candidate candidate;
+  double shrunk{1.0};  ///< so that it fits on the mat
+  Judged judged;
+  std::string why;  ///< where nothing came of it
+  std::string spec;
+  PatchAssembly made;
+  CuttingCost cost;
+};
+
+/// A mesh, as designs read it and as they are compared with it.
+struct Model {
+  Model(TriangleMesh triangles, const std::vector<Way>& ways, int pixels)
+      : mesh(std::move(triangles)), targets(ways.size()), pixels_(pixels) {
+    assets.emplace(kAsset, stl_bytes(mesh));
+  }
+  /// The target of a way, made once.
+  const likeness::Target& target(std::size_t k, const Way& way) {
+    const std::lock_guard lock(mutex_);
+    if (!targets[k]) {
+      likeness::Scene scene;
+      scene.views = likeness::cone_views();
+      scene.pixels = pixels_;
+      scene.corner = likeness::Corner{};
+      targets[k] = std::make_unique<const likeness::Target>(standing_model(mesh, way), scene);
+    }
+    return *targets[k];
+  }
+
+  TriangleMesh mesh;
+  SurfaceAssets assets;
+  std::vector<std::unique_ptr<const likeness::Target>> targets;
+
+ private:
+  int pixels_;
+  std::mutex mutex_;
+};
+
+class CardSearch {
+ public:
+  explicit CardSearch(const SearchRequest& request) : request_(request) {}
+
+  Result<FoundCards> run() {
+    if (auto done = look_at_mesh(); !done) return tl::unexpected(done.error());
+    if (auto done = look_at_machine(); !done) return tl::unexpected(done.error());
+    find_ways();
+    if (is_stopped()) return stopped();
+    if (ways_.empty()) return no_card("it has no side that stands in a corner");
+    if (auto done = try_coarsely(); !done) return tl::unexpected(done.error());
+    if (auto done = try_carefully(); !done) return tl::unexpected(done.error());
+    return finish();
+  }
+
+ private:
+  using Part = std::pair<double, double>;  ///< of all the work, from and to
+
+  [[nodiscard]] bool is_stopped() const { return request_.stopped && request_.stopped(); }
+  [[nodiscard]] static tl::unexpected<Error> stopped() {
+    return fail(ErrorKind::Refused, "", "the search was stopped; nothing is written");
+  }
+  [[nodiscard]] std::size_t count(std::size_t usual, std::size_t least) const {
+    return std::max(least,
+                    static_cast<std::size_t>(request_.effort * static_cast<double>(usual) + 0.5));
+  }
+
+  /// Does `work` for each index, and says how far that is.
+  void for_each(std::size_t count, std::string_view what, Part part,
+                const std::function<void(std::size_t thread, std::size_t index)>& work) {
+    std::mutex mutex;
+    std::size_t done = 0;
+    const auto share = [&] {
+      const double of =
+          static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(count, 1));
+      return part.first + (part.second - part.first) * of;
+    };
+    tell(request_.progress, what, share());
+    for_each_index(count, request_.threads, request_.stopped,
+                   [&](std::size_t thread, std::size_t index) {
+                     work(thread, index);
+                     const std::lock_guard lock(mutex);
+                     ++done;
+                     tell(request_.progress, what, share());
+                   });
+  }
+
+  Result<void> look_at_mesh() {
+    const std::size_t triangles = request_.mesh.size();
+    if (triangles > kMostSearchedTriangles)
+      return fail(ErrorKind::OutOfRange, "",
+                  fmt::format("has {} triangles; at most {} can be searched: reduce the mesh in a "
+                              "3D program first",
+                              triangles, kMostSearchedTriangles));
+    const MeshFaults faults = faults_of(request_.mesh);
+    if (!(faults.area > 0.0))
+      return fail(ErrorKind::OutOfRange, "",
+                  "has no outside: none of its triangles has an area; give a mesh of a surface");
+    out_.notes = in_words(faults);
+    return {};
+  }
+
+  /// The area of the mat, from a plan of the test shape; wrong options end the search here.
+  Result<void> look_at_machine() {
+    PlanOptions options = request_.plan;
+    const auto job = make_plan_job(
+        options, request_.tables, [](const SvgReadOptions&) { return test_shape_input(); }, "");
+    if (!job) return tl::unexpected(job.error());
+    out_.machine = job->plan.machine;
+    if (!out_.machine.driven())
+      return fail(ErrorKind::Usage, "/machine",
+                  fmt::format("popcut knows no cutting times of {}, by which cards are chosen; "
+                              "choose a `machine` that popcut drives",
+                              out_.machine.title));
+    out_.area_mm = job->plan.sheets.front().area_mm;
+    return {};
+  }
+
+  /// Ways to stand: the best by what is seen along the diagonal, and as the file stands.
+  void find_ways() {
+    const TriangleMesh coarse = coarse_mesh(request_.mesh, kCoarseCells, kCoarseTriangles);
+    const auto judged = [&](const std::vector<std::array<double, 3>>& turns, Part part) {
+      std::vector<Way> ways(turns.size());
+      for_each(turns.size(), "trying ways to stand", part, [&](std::size_t, std::size_t k) {
+        ways[k] = way_of(coarse, turns[k]);
+        ways[k].misfit = misfit_of(coarse, ways[k]);
+      });
+      out_.counts.ways += turns.size();
+      std::erase_if(ways, [](const Way& way) {
+        return !std::isfinite(way.misfit) || !(way.length() > 0.0) || !(way.shut_reach > 0.0);
+      });
+      return ways;
+    };
+    std::vector<Way> ways = judged(upright_turns(request_.up), {0.0, 0.02});
+    std::vector<std::array<double, 3>> near;
+    for (const Way& way : best_ways(ways, kWaysTurnedOn))
+      for (const auto& turn : turns_near(way.rotate_deg, !request_.up)) near.push_back(turn);
+    for (Way& way : judged(near, {0.02, 0.06})) ways.push_back(std::move(way));
+    ways_ = best_ways(ways, kWays);
+    drawn_ways_ = ways_.size();
+    const bool has_own = std::any_of(ways_.begin(), ways_.end(), [](const Way& way) {
+      return way.rotate_deg == std::array<double, 3>{};
+    });
+    const auto own = std::find_if(ways.begin(), ways.end(), [](const Way& way) {
+      return way.rotate_deg == std::array<double, 3>{};
+    });
+    if (!has_own && own != ways.end()) ways_.push_back(*own);
+    for (Way& way : ways_) {  // their boxes are of the mesh itself
+      const double misfit = way.misfit;
+      way = way_of(request_.mesh, way.rotate_deg);
+      way.misfit = misfit;
+    }
+  }
+
+  /// How much smaller a card must be for the mat; 1: it fits.
+  [[nodiscard]] double shrink_for(const PatchAssembly& made) const {
+    constexpr double kMargins = 2.0 * kCandidateMargin_mm, kTouch = 1e-6, kRoom = 0.995;
+    const auto fits = [&](double across, double along) {
+      if (made.u_mm <= across + kTouch && made.v_mm <= along + kTouch) return 1.0;
+      return kRoom * std::min({1.0, (across - kMargins) / (made.u_mm - kMargins),
+                               (along - kMargins) / (made.v_mm - kMargins)});
+    };
+    return std::max(fits(out_.area_mm[0], out_.area_mm[1]), fits(out_.area_mm[1], out_.area_mm[0]));
+  }
+
+  /// Designs a candidate, as large as it is wanted and fits; returns whether something came of it.
+  [[nodiscard]] bool design_trial(Trial& trial, const Model& model, bool rough) const {
+    const Way& way = ways_[trial.candidate.way];
+    trial.judged.made = false;
+    for (int k = 0; k < kMostSizes; ++k) {
+      const double scale_mm =
+          trial.candidate.fill * trial.shrunk * largest_scale_mm(way, out_.area_mm);
+      if (!(scale_mm > 0.0)) {
+        trial.why = "the mat has no room beside the margins of the card";
+        return false;
+      }
+      trial.spec = spec_text(trial.candidate, way, scale_mm, request_.model);
+      auto spec = parse_design_spec(trial.spec);
+      if (!spec) {
+        trial.why = message(spec.error());
+        return false;
+      }
+      suit_material(request_.material, *spec);
+      spec->surface = MeshSpec{kAsset};
+      spec->facets.rough = rough;
+      auto made = design_assembly(*spec, model.assets);
+      if (!made) {
+        trial.why = message(made.error());
+        return false;
+      }
+      trial.made = std::move(*made);
+      const double shrink = shrink_for(trial.made);
+      if (shrink == 1.0) return true;
+      trial.shrunk *= shrink;
+    }
+    trial.why = "its sheet does not fit on the mat";
+    return false;
+  }
+
+  [[nodiscard]] Result<CuttingCost> cost_of(const PatchAssembly& made) const {
+    PlanOptions options = request_.plan;
+    options.material = request_.material.name;
+    options.no_split = true;
+    const auto job = make_plan_job(
+        options, request_.tables,
+        [&](const SvgReadOptions&) -> Result<DrawingInput> {
+          return DrawingInput{linework_from_pattern(made.parts.front().pattern),
+                              request_.material.name};
+        },
+        "");
+    if (!job) return tl::unexpected(job.error());
+    CuttingCost out;
+    for (const PlannedSheet& sheet : job->plan.sheets) {
+      out.seconds += sheet.seconds;
+      for (std::size_t k = 0; k < 2; ++k) out.seconds_range[k] += sheet.seconds_range[k];
+      out.cut_mm += sheet.cut_mm, out.fold_mm += sheet.fold_mm;
+    }
+    return out;
+  }
+
+  /// Designs, compares and plans a candidate.
+  void judge(Trial& trial, Model& model, const Care& care, likeness::Buffers& buffers) const {
+    if (!design_trial(trial, model, care.rough)) return;
+    const Pattern& pattern = trial.made.parts.front().pattern;
+    const Way& way = ways_[trial.candidate.way];
+    if (!pattern.model_placement) {
+      trial.why = "the pattern does not say where the model stands";
+      return;
+    }
+    const auto cost = cost_of(trial.made);
+    if (!cost) {
+      trial.why = message(cost.error());
+      return;
+    }
+    trial.cost = *cost;
+    const double scale_mm = (*pattern.model_placement)[0];
+    const double begin_mm = (*pattern.model_placement)[5] + scale_mm * way.box.low[1];
+    const auto by = static_cast<float>(way.to_target() / scale_mm);
+    std::vector<float> structure = opened_pattern(pattern);
+    if (is_behind(structure)) {
+      trial.why = kBehind;
+      return;
+    }
+    for (std::size_t k = 0; k < structure.size(); ++k)
+      structure[k] = by * (structure[k] - (k % 3 == 1 ? static_cast<float>(begin_mm) : 0.0F));
+    const likeness::Target& target = model.target(trial.candidate.way, way);
+    if (target.is_unseen()) {
+      trial.why = "nothing of the model is seen from in front of the card";
+      return;
+    }
+    trial.judged.error = target.measure(structure, buffers).error();
+    trial.judged.cost = trial.cost.seconds;
+    trial.judged.made = true;
+  }
+
+  /// Judges `trials_` from one on.
+  void judge_all(std::size_t from, Model& model, const Care& care, std::string_view what, Part part,
+                 bool keep_designs) {
+    std::vector<likeness::Buffers> buffers(std::max(1U, request_.threads));
+    for_each(trials_.size() - from, what, part, [&](std::size_t thread, std::size_t k) {
+      Trial& trial = trials_[from + k];
+      judge(trial, model, care, buffers[thread]);
+      if (!keep_designs) trial.made = {};
+    });
+  }
+
+  [[nodiscard]] static std::vector<Judged> judged_of(const std::vector<Trial>& trials) {
+    std::vector<Judged> out;
+    for (const Trial& trial : trials) out.push_back(trial.judged);
+    return out;
+  }
+
+  /// Who goes on. Coarse designs are nearer to fine ones in lattices than in facets, so that coarse
+  /// errors are compared within each of both kinds only, which get half of the places each.
+  [[nodiscard]] std::vector<std::size_t> best_of(const std::vector<Judged>& judged, Halving halving,
+                                                 bool by_kind) const {
+    halving.most_cost = request_.most_s, halving.seed = request_.seed;
+    if (!by_kind) return survivors(judged, halving);
+    std::array<std::vector<std::size_t>, 2> kinds;
+    for (std::size_t k = 0; k < judged.size(); ++k)
+      kinds.at(trials_[k].candidate.style == DesignStyle::Facets ? 0 : 1).push_back(k);
+    std::vector<std::size_t> out;
+    for (const auto& kind : kinds) {
+      std::vector<Judged> own;
+      for (const std::size_t k : kind) own.push_back(judged[k]);
+      Halving half = halving;
+      half.keep = kinds[0].empty() || kinds[1].empty() ? halving.keep : (halving.keep + 1) / 2;
+      for (const std::size_t n : survivors(own, half)) out.push_back(kind[n]);
+    }
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+
+  /// Leaves those of `trials_` that go on.
+  void halve(std::size_t keep, std::uint64_t step, bool by_kind) {
+    Halving halving;
+    halving.keep = keep, halving.step = step;
+    std::vector<Trial> out;
+    for (const std::size_t k : best_of(judged_of(trials_), halving, by_kind))
+      out.push_back(std::move(trials_[k]));
+    trials_ = std::move(out);
+  }
+
+  /// Adds candidates like the best ones, with some settings changed.
+  void add_changed(std::size_t count, std::size_t parents, bool by_kind) {
+    Halving halving;
+    halving.keep = parents, halving.random_share = 0.0;
+    std::vector<Judged> judged = judged_of(trials_);
+    for (Judged& one : judged) one.stays = false;
+    const std::vector<std::size_t> best = best_of(judged, halving, by_kind);
+    for (std::size_t k = 0; k < count && !best.empty(); ++k)
+      add_trial(changed_candidate(trials_[best[k % best.size()]].candidate, drawn_ways_,
+                                  request_.seed, drawn_++));
+  }
+
+  void add_trial(const Candidate& candidate) {
+    const bool is_known = std::any_of(trials_.begin(), trials_.end(), [&](const Trial& trial) {
+      return trial.candidate == candidate;
+    });
+    if (is_known) return;
+    Trial trial;
+    trial.candidate = candidate;
+    trial.judged.stays = candidate.usual;
+    trials_.push_back(std::move(trial));
+  }
+
+  Result<void> try_coarsely() {
+    Model model(coarse_mesh(request_.mesh, kCoarseCells, kCoarseTriangles), ways_, kCoarse.pixels);
+    for (const Candidate& usual : usual_candidates(request_.styles)) {
+      add_trial(usual);
+      Candidate as_it_stands = usual;  // the last way is as the file stands
+      as_it_stands.way = ways_.size() - 1;
+      if (drawn_ways_ < ways_.size()) add_trial(as_it_stands);
+    }
+    for (const std::size_t most = count(kDrawn, 8); drawn_ < most; ++drawn_)
+      add_trial(drawn_candidate(request_.styles, drawn_ways_, request_.seed, drawn_));
+    judge_all(0, model, kCoarse, "designing coarse cards", {0.06, 0.2}, false);
+    if (is_stopped()) return stopped();
+    const std::size_t from = trials_.size();
+    add_changed(count(kChanged, 6), count(kParents, 3), true);
+    judge_all(from, model, kCoarse, "designing coarse cards", {0.2, 0.32}, false);
+    if (is_stopped()) return stopped();
+    out_.counts.designed = trials_.size();
+    return {};
+  }
+
+  Result<void> try_carefully() {
+    for (const Trial& trial : trials_)
+      if (!trial.judged.made && refusal_.empty()) refusal_ = trial.why;
+    halve(count(kFine, 4), 1, true);
+    Model model(coarse_mesh(request_.mesh, kCarefulCells, kCarefulTriangles), ways_,
+                kCareful.pixels);
+    judge_all(0, model, kCareful, "designing the best of them", {0.32, 0.68}, true);
+    if (is_stopped()) return stopped();
+    const std::size_t from = trials_.size();
+    add_changed(count(kFineChanged, 2), count(kFineParents, 1), false);
+    judge_all(from, model, kCareful, "designing cards like the best", {0.68, 0.9}, true);
+    if (is_stopped()) return stopped();
+    out_.counts.planned = trials_.size();
+    is_whole_mesh_ = model.mesh.size() == request_.mesh.size();
+    return {};
+  }
+
+  /// A trial as what is written, verified and compared as `popcut verify` and `popcut compare` do.
+  struct Finished {
+    std::optional<FoundCard> card;
+    double error{};
+    std::string why;
+  };
+  void finish_trial(Trial& trial, Model& whole, Finished& out) const {
+    if (!is_whole_mesh_) {
+      if (design_trial(trial, whole, false)) {
+        const auto cost = cost_of(trial.made);
+        trial.judged.made = cost.has_value();
+        if (cost)
+          trial.cost = *cost;
+        else
+          trial.why = message(cost.error());
+      }
+      if (!trial.judged.made) {
+        out.why = trial.why;
+        return;
+      }
+    }
+    std::ostringstream text;
+    if (const auto done = write_fold(trial.made.parts.front().pattern, {}, text); !done) {
+      out.why = message(done.error());
+      return;
+    }
+    const std::string fold = std::move(text).str();
+    VerifyOptions how;
+    how.degrees_of_freedom = 1;
+    const auto report = verify_fold(fold, how);
+    if (!report || !report->ok()) {
+      out.why = report ? fmt::format("{} checks of the verifier fail", report->failed())
+                       : message(report.error());
+      return;
+    }
+    auto opened = open_card(fold, std::nullopt);
+    if (!opened || !opened->model) {
+      out.why =
+          opened ? "the pattern does not say where the model stands" : message(opened.error());
+      return;
+    }
+    if (is_behind(opened->triangles)) {
+      out.why = kBehind;
+      return;
+    }
+    FoundCard card;
+    card.placement = *opened->model;
+    card.target = likeness::placed(request_.mesh.corners, card.placement);
+    card.structure = std::move(opened->triangles);
+    likeness::Scene scene;
+    scene.views = likeness::cone_views(opened->corner.opening_rad);
+    scene.pixels = kComparePixels;
+    scene.corner = opened->corner;
+    card.figures = likeness::Target(card.target, scene).measure(card.structure);
+    card.candidate = trial.candidate, card.spec = trial.spec, card.cost = trial.cost;
+    card.made = trial.made, card.folds = opened->folds;
+    out.error = card.figures.error();
+    out.card = std::move(card);
+  }
+
+  Result<FoundCards> finish() {
+    // Usual ones are compared to the end; of the others those that may be in the front.
+    halve(count(kFinal, 4), 2, false);
+    std::vector<Trial> last = std::move(trials_);
+    Model whole(is_whole_mesh_ ? TriangleMesh{} : request_.mesh, ways_, kComparePixels);
+    std::vector<Finished> finished(last.size());
+    for_each(last.size(), "verifying the best cards", {0.9, 1.0},
+             [&](std::size_t, std::size_t k) { finish_trial(last[k], whole, finished[k]); });
+    if (is_stopped()) return stopped();
+    out_.counts.verified = last.size();
+    std::vector<Judged> judged(last.size());
+    for (std::size_t k = 0; k < last.size(); ++k) {
+      judged[k].made = finished[k].card.has_value();
+      judged[k].error = finished[k].error, judged[k].cost = last[k].cost.seconds;
+      if (judged[k].made && 1.0 - finished[k].card->figures.cover > 1.0 - kLeastCover)
+        judged[k].made = false, finished[k].why = "it shows nothing of the model";
+      if (!judged[k].made && refusal_.empty()) refusal_ = finished[k].why;
+      if (last[k].candidate.usual)
+        out_.usual.push_back(
+            {last[k].candidate, judged[k].made, finished[k].why, judged[k].error, judged[k].cost});
+    }
+    const std::vector<std::size_t> front = thinned(pareto_front(judged, request_.most_s), judged);
+    if (front.empty()) return nothing_found(judged);
+    for (const std::size_t k : front) out_.front.push_back(std::move(*finished[k].card));
+    out_.seen_share = seen_share_of(ways_[out_.front.back().candidate.way]);
+    return std::move(out_);
+  }
+
+  /// No more than a page of cards. Nobody takes one beside which a better one costs about the same.
+  /// Of what is left the ends stay, and of the others those that matter most, by how much error
+  /// they take off.
+  [[nodiscard]] static std::vector<std::size_t> thinned(std::vector<std::size_t> front,
+                                                        const std::vector<Judged>& judged) {
+    constexpr double kAboutTheSame = 1.1, kBetter = 0.98;
+    for (std::size_t n = 0; n + 1 < front.size();) {
+      const Judged &one = judged[front[n]], &next = judged[front[n + 1]];
+      if (next.cost <= kAboutTheSame * one.cost && next.error <= kBetter * one.error)
+        front.erase(front.begin() + static_cast<std::ptrdiff_t>(n));
+      else
+        ++n;
+    }
+    while (front.size() > kMostOfFront) {
+      std::size_t least = 1;
+      const auto gain = [&](std::size_t n) {
+        return judged[front[n - 1]].error - judged[front[n]].error;
+      };
+      for (std::size_t n = 1; n + 1 < front.size(); ++n)
+        if (gain(n) < gain(least)) least = n;
+      front.erase(front.begin() + static_cast<std::ptrdiff_t>(least));
+    }
+    return front;
+  }
+
+  /// Of the model's area, along the diagonal of a way.
+  [[nodiscard]] double seen_share_of(const Way& way) const {
+    TriangleMesh standing;
+    standing.corners =
+        standing_model(coarse_mesh(request_.mesh, kCarefulCells, kCarefulTriangles), way);
+    const std::array diagonal{Vec3(1.0, 0.0, 1.0)};
+    return seen_share(standing, diagonal);
+  }
+
+  [[nodiscard]] tl::unexpected<Error> nothing_found(const std::vector<Judged>& judged) const {
+    const auto quickest = std::min_element(judged.begin(), judged.end(), [](auto& a, auto& b) {
+      return (a.made ? a.cost : 1e300) < (b.made ? b.cost : 1e300);
+    });
+    if (quickest != judged.end() && quickest->made)
+      return fail(ErrorKind::Infeasible, "",
+                  fmt::format("no card of it is cut within {:.3g} minutes: the quickest that was "
+                              "found takes {:.1f}; allow more, or use a smaller mat",
+                              request_.most_s / 60.0, quickest->cost / 60.0));
+    return no_card(refusal_);
+  }
+
+  /// What share of the model one card can show at best, and how many would show most of it.
+  [[nodiscard]] tl::unexpected<Error> no_card(const std::string& why) const {
+    constexpr double kMostOfIt = 0.9;
+    double seen = 0.0;
+    for (const Way& way : ways_) seen = std::max(seen, seen_share_of(way));
+    std::string more;
+    const TriangleMesh coarse = coarse_mesh(request_.mesh, kCarefulCells, kCarefulTriangles);
+    for (const int cards : {4, 6, 8, 12}) {
+      const double share = share_of_book(coarse, cards);
+      if (share < kMostOfIt && cards < 12) continue;
+      more = fmt::format("; {} cards around one spine would see {:.0f} %", cards, 100.0 * share);
+      break;
+    }
+    return fail(
+        ErrorKind::Infeasible, "",
+        fmt::format("no card shows it: from in front of a card one sees at most {:.0f} % "
+                    "of its surface{}{}{}",
+                    100.0 * seen, more, why.empty() ? "" : "; the first design failed: ", why));
+  }
+
+  const SearchRequest& request_;
+  FoundCards out_;
+  std::vector<Way> ways_;
+  std::size_t drawn_ways_{};  ///< of `ways_`: those that are drawn
+  std::uint64_t drawn_{};     ///< the next candidate's number
+  std::vector<Trial> trials_;
+  bool is_whole_mesh_{};
+  std::string refusal_;  ///< why the first one failed
+};
+
+}  // namespace
+
+Result<FoundCards> search_cards(const SearchRequest& request) { return CardSearch(request).run(); }
+
+}  // namespace popcut::planning

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/compare/comparison.hpp"
+#include "core/compare/placement.hpp"
+#include "core/design/patches.hpp"
+#include "core/design/target/triangle_mesh.hpp"
+#include "core/machines/machine.hpp"
+#include "core/plan/plan_options.hpp"
+#include "core/progress.hpp"
+#include "core/result.hpp"
+#include "core/search/candidate.hpp"
+
+namespace popcut::planning {
+
+/// What the best cards are searched for.
+struct SearchRequest {
+  TriangleMesh mesh;
+  CandidateModel model;  ///< how specs name it
+  Material material;
+  PlanOptions plan;                 ///< machine, material and mat
+  std::vector<std::string> tables;  ///< users' tables
+  StyleChoice styles{style_choices().front()};
+  UpSide up;
+  double most_s{900.0};  ///< of cutting
+  double effort{1.0};    ///< factor of how many candidates are tried
+  std::uint64_t seed{1};
+  unsigned threads{1};  ///< changes nothing of the result
+  Progress progress;
+  std::function<bool()> stopped;  ///< asked between candidates; true: the search ends
+};
+
+/// What cutting a card takes.
+struct CuttingCost {
+  double seconds{};
+  std::array<double, 2> seconds_range{};
+  double cut_mm{}, fold_mm{};
+};
+
+/// A card that a search ended with.
+struct FoundCard {
+  Candidate candidate;
+  std::string spec;  ///< `design` makes exactly this card from it
+  PatchAssembly made;
+  CuttingCost cost;
+  likeness::Figures figures;  ///< as `popcut compare` has them
+  likeness::ModelPlacement placement;
+  std::vector<float> structure;  ///< the opened card, and
+  std::vector<float> target;     ///< the model around it, as `likeness::Triangles`
+  std::size_t folds{};
+};
+
+/// A usual candidate: what a style makes without a search.
+struct UsualCard {
+  Candidate candidate;
+  bool made{};
+  std::string why;  ///< where it was not made
+  double error{}, seconds{};
+};
+
+/// How many were judged on the way.
+struct SearchCounts {
+  std::size_t ways{}, designed{}, planned{}, verified{};
+};
+
+/// What a search found.
+struct FoundCards {
+  /// By growing time of cutting, the error falling from each to the next; none takes longer than
+  /// `most_s`, and each passes the verifier with one freedom. The last one is the best.
+  std::vector<FoundCard> front;
+  std::vector<UsualCard> usual;
+  SearchCounts counts;
+  double seen_share{};             ///< of the model's area along the diagonal of the best card
+  std::vector<std::string> notes;  ///< about the mesh and the search, a sentence each
+  Machine machine;
+  std::array<double, 2> area_mm{};  ///< of the mat that the tool reaches
+};
+
+/// Triangles above which a mesh is refused: each of some hundred designs looks at all of them.
+inline constexpr std::size_t kMostSearchedTriangles = 2'000'000;
+
+/// The least share of the model that a card must show within 2 % of its size; else it shows
+/// nothing.
+inline constexpr double kLeastCover = 0.02;
+
+/// Searches the cards that look most like a model, for each time of cutting, by successive halving
+/// (core/search): ways to stand by what is seen along the diagonal; many candidates designed and
+/// compared in images of 64 pixels; of these, fewer in images of 256 pixels and planned; the best
+/// verified and compared as `popcut compare` does it. Half of the coarse candidates are drawn, the
+/// other half are the best of these with some settings changed. Each style with its usual settings
+/// goes on to the end. The same request gives the same answer: work is counted in candidates, and
+/// neither clock nor threads decide anything.
+///
+/// @retval Refused     it was stopped
+/// @retval OutOfRange  the mesh has no area or too many triangles
+/// @retval Usage       an option of the plan; place is `pointer_to` it
+/// @retval Infeasible  no card shows the model, or none is cut within `most_s`; the detail says
+///                     what share of it can be seen, and how many cards would show more
+[[nodiscard]] Result<FoundCards> search_cards(const SearchRequest& request);
+
+}  // namespace popcut::planning

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/command_bench.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/paths.hpp"
+
+namespace auto_command_test {
+
+using namespace popcut::testing;
+using namespace popcut::tests;
+using Catch::WithinAbs;
+using nlohmann::json;
+using popcut::TriangleMesh;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A hall and a tower before it.
+TriangleMesh houses() {
+  TriangleMesh out = box_mesh({0, 0, 0}, {30, 60, 25}, false);
+  const TriangleMesh tower = box_mesh({35, 20, 0}, {50, 35, 45}, false);
+  out.corners.insert(out.corners.end(), tower.corners.begin(), tower.corners.end());
+  return out;
+}
+
+struct AutoBench : CommandBench {
+  AutoBench() { write_file(temp / "houses.obj", obj(houses())); }
+  [[nodiscard]] Ran search(std::vector<std::string> more, const std::string& folder = "out") const {
+    std::vector<std::string> words{"auto", "houses.obj", "-o", folder, "--effort", "0.08"};
+    words.insert(words.end(), more.begin(), more.end());
+    return popcut(words);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a model alone becomes a front of cards that are verified, made again and fit the mat",
+          "[cli][e2e][auto]") {
+  const AutoBench bench;
+  const Ran ran = bench.search({"--mat", "12x12", "--json"});
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  const json front = bench.read_json("out/front.json");
+  CHECK(json::parse(ran.out) == front);
+  REQUIRE_FALSE(front["cards"].empty());
+  CHECK(front["best"] == front["cards"].back()["folder"]);
+  double error = 1e9, seconds = 0.0;
+  for (const json& card : front["cards"]) {
+    INFO(card.dump());
+    CHECK(card["error"] < error);
+    CHECK(card["seconds"] > seconds);
+    CHECK(card["seconds"] <= 900.0);
+    error = card["error"], seconds = card["seconds"];
+    for (const json& side : card["sheet_mm"]) CHECK(side <= 305.0);
+    const std::string folder = "out/" + card["folder"].get<std::string>();
+    CHECK(bench.popcut({"verify", folder + "/pattern.fold", "--dof", "1", "-q"}).exit == 0);
+    for (const char* file : {"pattern.svg", "pattern.dxf", "cut.svg", "thumbnail.png"})
+      CHECK(fs::file_size(bench.temp / folder / file) > 100);
+  }
+  // No style with its usual settings is better than the best.
+  CHECK(front["usual"].size() >= 7);
+  for (const json& usual : front["usual"])
+    if (usual["made"] && usual["seconds"] <= 900.0) CHECK(usual["error"] >= error);
+
+  const std::string best = "out/" + front["best"].get<std::string>();
+  REQUIRE(bench.popcut({"design", best + "/spec.json", "-o", "again", "-q"}).exit == 0);
+  for (const char* file : {"pattern.fold", "pattern.svg", "pattern.dxf", "cut.svg"})
+    CHECK(text_of_file(bench.temp / "again" / file) == text_of_file(bench.temp / best / file));
+  const Ran compared = bench.popcut({"compare", best + "/pattern.fold", "houses.obj", "--json"});
+  INFO(compared.err);
+  REQUIRE(compared.exit == 0);
+  const json seen = json::parse(compared.out);
+  CHECK_THAT(seen["error"].get<double>(), WithinAbs(error, 1e-6));
+  CHECK_THAT(seen["cost"]["seconds"].get<double>(), WithinAbs(seconds, 1e-6));
+  const std::string picture = text_of_file(bench.temp / "out/front.svg");
+  CHECK(std::count(picture.begin(), picture.end(), '\n') > 10);
+  CHECK(says(picture, "the best"));
+}
+
+TEST_CASE("the same seed gives the same cards, whatever the threads", "[cli][e2e][auto]") {
+  const AutoBench bench;
+  REQUIRE(bench.search({"--threads", "1", "--seed", "7", "-q"}, "one").exit == 0);
+  REQUIRE(bench.search({"--threads", "2", "--seed", "7", "-q"}, "two").exit == 0);
+  const auto files = files_below(bench.temp / "one");
+  CHECK(files == files_below(bench.temp / "two"));
+  for (const std::string& file : files) {
+    INFO(file);
+    CHECK(text_of_file(bench.temp / "one" / file) == text_of_file(bench.temp / "two" / file));
+  }
+}
+
+TEST_CASE("a search keeps to the style, the upright axis and the time that it is given",
+          "[cli][e2e][auto]") {
+  const AutoBench bench;
+  const Ran ran = bench.search({"--style", "facets", "--up", "z", "--max-minutes", "3", "-q"});
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  for (const json& card : bench.read_json("out/front.json")["cards"]) {
+    CHECK(card["settings"]["style"] == "facets");
+    CHECK(card["seconds"] <= 180.0);
+    const json spec = bench.read_json("out/" + card["folder"].get<std::string>() + "/spec.json");
+    CHECK(spec["rotate_deg"][0] == 0.0);
+    CHECK(spec["rotate_deg"][1] == 0.0);
+  }
+  // A small mat makes small cards.
+  REQUIRE(bench.search({"--mat", "150x150", "--style", "lattice", "-q"}).exit == 0);
+  for (const json& card : bench.read_json("out/front.json")["cards"]) {
+    CHECK(card["settings"]["style"] != "facets");
+    for (const json& side : card["sheet_mm"]) CHECK(side <= 150.0);
+  }
+}
+
+TEST_CASE("popcut design takes a model and makes the best card of a short search",
+          "[cli][e2e][auto]") {
+  const AutoBench bench;
+  const Ran ran = bench.popcut({"design", "houses.obj", "-o", "card"});
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  CHECK(says(ran.err, "popcut auto houses.obj"));
+  CHECK(bench.popcut({"verify", "card/pattern.fold", "--dof", "1", "-q"}).exit == 0);
+  const std::string fold = text_of_file(bench.temp / "card/pattern.fold");
+  // Its own design makes it again, in the same folder too.
+  REQUIRE(bench.popcut({"design", "card/spec.json", "-o", "card", "-q"}).exit == 0);
+  CHECK(text_of_file(bench.temp / "card/pattern.fold") == fold);
+  CHECK(fs::exists(bench.temp / "card/spec.json"));
+  check_refused(bench.popcut({"design", "houses.obj", "--place", "whole"}), 2, "--place");
+}
+
+TEST_CASE("a search says in one line what is wrong, and writes nothing", "[cli][e2e][auto]") {
+  const AutoBench bench;
+  const auto refused = [&](std::vector<std::string> words, int exit, const std::string& part) {
+    words.insert(words.begin(), "auto");
+    words.insert(words.end(), {"-o", "never", "--effort", "0.02"});
+    const Ran ran = bench.popcut(words);
+    check_refused(ran, exit, part);
+    CHECK(ran.out.empty());
+    CHECK_FALSE(fs::exists(bench.temp / "never"));
+  };
+  refused({"absent.obj"}, 3, "absent.obj: cannot be read");
+  write_file(bench.temp / "empty.stl", "");
+  refused({"empty.stl"}, 3, "empty.stl");
+  write_file(bench.temp / "words.obj", "v 0 0\nf 1 2 3\n");
+  refused({"words.obj"}, 3, "words.obj");
+  write_file(bench.temp / "flat.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n");
+  refused({"flat.obj"}, 3, "flat.obj: has no outside");
+  bench.write("design.json", {{"popcut", 1},
+                              {"surface", {{"type", "profile"}, {"z", "40 - x"}}},
+                              {"units_per_slice", 3},
+                              {"slices", 3},
+                              {"widths_mm", 5}});
+  refused({"design.json"}, 3, "popcut design design.json");
+  refused({"houses.obj", "--machine", "cricut-maker"}, 2, "cutting times");
+  refused({"houses.obj", "--machine", "cameo9"}, 2, "cameo9");
+  refused({"houses.obj", "--material", "gold"}, 2, "--material");
+  refused({"houses.obj", "--mat", "25x25"}, 4, "houses.obj: no card shows it");
+  refused({"houses.obj", "--max-minutes", "0.1"}, 4, "the quickest that was found takes");
+  refused({"houses.obj", "--style", "origami"}, 2, "--style");
+  refused({"houses.obj", "--up", "w"}, 2, "--up");
+  check_refused(bench.popcut({"auto", "houses.obj"}), 2, "-o DIR is missing");
+}
+
+TEST_CASE("a search of more triangles than it takes says how many it takes", "[cli][e2e][auto]") {
+  const AutoBench bench;
+  std::string bytes(84 + std::size_t{50} * 2'000'001, '\0');
+  const std::uint32_t count = 2'000'001;
+  std::copy_n(reinterpret_cast<const char*>(&count), sizeof(count), bytes.begin() + 80);
+  write_file(bench.temp / "huge.stl", bytes);
+  const Ran ran = bench.popcut({"auto", "huge.stl", "-o", "never"});
+  check_refused(ran, 3, "huge.stl: has 2000001 triangles; at most 2000000");
+  CHECK_FALSE(fs::exists(bench.temp / "never"));
+}
+
+TEST_CASE("open and crossing meshes are made, and a note says what they are", "[cli][e2e][auto]") {
+  const AutoBench bench;
+  TriangleMesh mesh = box_mesh({0, 0, 0}, {30, 60, 25}, true);
+  const TriangleMesh tower = box_mesh({20, 20, 5}, {40, 35, 45}, false);
+  mesh.corners.insert(mesh.corners.end(), tower.corners.begin(), tower.corners.end());
+  write_file(bench.temp / "torn.stl", binary_stl(mesh));
+  const Ran ran = bench.popcut({"auto", "torn.stl", "-o", "out", "--effort", "0.02"});
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  CHECK(says(ran.out, "the mesh is open: 4 edges have one triangle only"));
+  CHECK(says(ran.out, "the mesh crosses itself"));
+  CHECK(bench.read_json("out/front.json")["notes"].size() == 2);
+}
+
+TEST_CASE("Ctrl-C ends a search, and leaves nothing behind", "[cli][e2e][auto]") {
+  const AutoBench bench;
+  const std::string model = bench.path("houses.obj"), folder = bench.path("stopped");
+  const pid_t child = fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    execl(popcut_program(), "popcut", "auto", model.c_str(), "-o", folder.c_str(), "--effort", "50",
+          "-q", static_cast<char*>(nullptr));
+    _exit(127);
+  }
+  // The folder is locked once the signal is heard.
+  for (int k = 0; k < 400 && !fs::exists(folder); ++k)
+    std::this_thread::sleep_for(std::chrono::milliseconds(25));
+  CHECK(fs::exists(folder));
+  CHECK(kill(child, SIGINT) == 0);
+  int status = 0;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  CHECK(WIFSIGNALED(status));
+  CHECK(WTERMSIG(status) == SIGINT);
+  CHECK_FALSE(fs::exists(folder));
+}
+
+}  // namespace auto_command_test

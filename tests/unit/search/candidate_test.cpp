@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "core/design/design.hpp"
+#include "core/design/target/mesh_reader.hpp"
+#include "core/search/candidate.hpp"
+#include "core/search/coarse_mesh.hpp"
+#include "core/search/mesh_faults.hpp"
+#include "core/search/seen_share.hpp"
+#include "core/search/standing.hpp"
+#include "tests/support/meshes.hpp"
+
+namespace candidate_test {
+
+using namespace popcut;
+using namespace popcut::tests;
+using Catch::WithinAbs;
+
+namespace {
+
+TriangleMesh joined(TriangleMesh a, const TriangleMesh& b) {
+  a.corners.insert(a.corners.end(), b.corners.begin(), b.corners.end());
+  return a;
+}
+
+}  // namespace
+
+TEST_CASE("the same seed draws the same candidates, each of its style", "[search]") {
+  const StyleChoice& any = style_choices().front();
+  REQUIRE(any.name == "any");
+  std::set<std::string> styles;
+  std::set<std::size_t> ways;
+  for (std::uint64_t k = 0; k < 300; ++k) {
+    const Candidate one = drawn_candidate(any, 4, 11, k);
+    CHECK(one == drawn_candidate(any, 4, 11, k));
+    styles.emplace(style_name(one));
+    ways.insert(one.way);
+    const Candidate changed = changed_candidate(one, 4, 11, 1000 + k);
+    CHECK(changed == changed_candidate(one, 4, 11, 1000 + k));
+    CHECK(changed.style == one.style);
+    CHECK_FALSE(changed.usual);
+  }
+  CHECK(styles ==
+        std::set<std::string>{"facets", "slices", "branching", "levels", "conformal", "direct"});
+  CHECK(ways == std::set<std::size_t>{0, 1, 2, 3});
+  for (const StyleChoice& choice : style_choices())
+    if (choice.name != "any") {
+      const Candidate one = drawn_candidate(choice, 1, 3, 5);
+      CHECK((one.style == DesignStyle::Facets) == choice.facets);
+      CHECK_FALSE(usual_candidates(choice).empty());
+    }
+}
+
+TEST_CASE("the largest scale fills the sheet, whichever way round", "[search]") {
+  const Way way = way_of(box_mesh({0, 0, 0}, {3, 4, 2}, false), {0, 0, 90});
+  CHECK_THAT(way.shut_reach, WithinAbs(6.0, 1e-9));  // 4 deep, 2 high
+  CHECK_THAT(way.length(), WithinAbs(3.0, 1e-9));
+  // Twice 6 across, 3 along, and 30 mm of margins each.
+  CHECK_THAT(largest_scale_mm(way, {300, 200}), WithinAbs(270.0 / 12.0, 1e-9));
+  CHECK_THAT(largest_scale_mm(way, {200, 300}), WithinAbs(270.0 / 12.0, 1e-9));
+  CHECK_THAT(largest_scale_mm(way, {300, 60}), WithinAbs(30.0 / 3.0, 1e-9));
+  CHECK(largest_scale_mm(way, {25, 25}) < 0.0);
+}
+
+TEST_CASE("the usual candidates are designed about as large as the sheet", "[search]") {
+  const TriangleMesh ball = icosphere(2.0, 3);
+  const Way way = way_of(ball, {0, 0, 0});
+  const double scale = 0.9 * largest_scale_mm(way, {300, 200});
+  for (const StyleChoice& choice : style_choices())
+    for (const Candidate& candidate : usual_candidates(choice)) {
+      const auto spec =
+          parse_design_spec(spec_text(candidate, way, scale, {"ball", "ball.stl", "paper-220"}));
+      INFO(style_name(candidate));
+      REQUIRE(spec);
+      const auto made = design(*spec, {{"ball.stl", binary_stl(ball)}});
+      INFO((made ? std::string() : message(made.error())));
+      REQUIRE(made);
+      CHECK(made->report.degrees_of_freedom == 1);
+      CHECK(made->pattern.wall_mm + made->pattern.ground_mm <= 300.0);
+      CHECK(made->pattern.width_mm <= 200.0);
+      REQUIRE(made->pattern.model_placement);
+      // The model begins at the margin of the sheet, give or take half a slice.
+      const auto& at = *made->pattern.model_placement;
+      CHECK_THAT(at[5] + at[0] * way.box.low[1], WithinAbs(15.0, 0.5 * 4 * scale / 20));
+      CHECK(made->pattern.wall_mm + made->pattern.ground_mm > 150.0);
+    }
+}
+
+TEST_CASE("ways are ranked by what is seen, and those that look alike count once", "[search]") {
+  const TriangleMesh mushroom =
+      joined(box_mesh({20, 20, 0}, {40, 40, 40}, false), box_mesh({0, 0, 40}, {60, 60, 55}, false));
+  const auto judged = [&](const std::array<double, 3>& turn) {
+    Way way = way_of(mushroom, turn);
+    way.misfit = misfit_of(mushroom, way);
+    CHECK((way.misfit > 0.0 && way.misfit < 1.0));
+    return way;
+  };
+  const Way upright = judged({0, 0, 0}), turned = judged({180, 0, 0});
+  CHECK_THAT(judged({180, 0, 180}).misfit, WithinAbs(turned.misfit, 1e-4));
+  const std::vector<Way> best = best_ways({turned, upright, judged({180, 0, 180})}, 3);
+  REQUIRE(best.size() == 2);
+  CHECK(best[0].misfit <= best[1].misfit);
+  CHECK(best_ways({turned, upright}, 1).size() == 1);
+  CHECK(best_ways({turned, upright}, 1).front().misfit == std::min(turned.misfit, upright.misfit));
+  CHECK(upright_turns(std::nullopt).size() == 24);
+}
+
+TEST_CASE("an axis that is said to be up stays up", "[search]") {
+  const TriangleMesh tower = box_mesh({0, 0, 0}, {20, 60, 30}, false);
+  const auto turns = upright_turns(std::array{0, 1, 0});
+  CHECK(turns.size() == 4);
+  for (const auto& turn : turns) {
+    const Way way = way_of(tower, turn);
+    CHECK_THAT(way.box.high[2] - way.box.low[2], WithinAbs(60.0, 1e-6));
+    for (const auto& near : turns_near(turn, false)) {
+      const Way yawed = way_of(tower, near);
+      CHECK_THAT(yawed.box.high[2] - yawed.box.low[2], WithinAbs(60.0, 1e-3));
+    }
+  }
+}
+
+TEST_CASE("a mesh as binary STL is the same mesh, and a coarse one is near to it", "[search]") {
+  const TriangleMesh ball = icosphere(30.0, 5);
+  const auto again = read_mesh("ball.stl", stl_bytes(ball));
+  REQUIRE(again);
+  CHECK(again->corners == ball.corners);
+  CHECK(coarse_mesh(ball, 64, ball.size()).corners == ball.corners);
+  const TriangleMesh coarse = coarse_mesh(ball, 24, 1000);
+  CHECK(coarse.size() < ball.size() / 3);
+  CHECK(coarse.size() > 500);
+  const double cell = 60.0 / 24;
+  for (std::size_t k = 0; k < coarse.corners.size(); k += 3) {
+    const double r = std::hypot(static_cast<double>(coarse.corners[k]),
+                                static_cast<double>(coarse.corners[k + 1]),
+                                static_cast<double>(coarse.corners[k + 2]));
+    CHECK(std::abs(r - 30.0) < cell);
+  }
+}
+
+TEST_CASE("open edges and crossings of a mesh are counted", "[search]") {
+  const TriangleMesh box = box_mesh({0, 0, 0}, {10, 10, 10}, false);
+  const MeshFaults sound = faults_of(box);
+  CHECK(sound.open_edges == 0);
+  CHECK(sound.crossings == 0);
+  CHECK_THAT(sound.area, WithinAbs(600.0, 1e-3));
+  CHECK(in_words(sound).empty());
+  const MeshFaults open = faults_of(box_mesh({0, 0, 0}, {10, 10, 10}, true));
+  CHECK(open.open_edges == 4);
+  CHECK(open.crossings == 0);
+  // A smaller box that comes out of one side.
+  const MeshFaults crossing = faults_of(joined(box, box_mesh({3, 4, 5}, {6, 7, 15}, false)));
+  CHECK(crossing.open_edges == 0);
+  CHECK(crossing.crossings > 0);
+  CHECK(in_words(crossing).size() == 1);
+  // Boxes side by side touch and do not cross.
+  const MeshFaults beside = faults_of(joined(box, box_mesh({10, 0, 0}, {20, 10, 10}, false)));
+  CHECK(beside.crossings == 0);
+}
+
+TEST_CASE("the share of a shape that is seen is that of its sides", "[search]") {
+  const TriangleMesh box = box_mesh({0, 0, 0}, {10, 10, 10}, false);
+  // Two sides of six face the diagonal; a point in 100 is at an edge.
+  const std::array diagonal{Vec3(1.0, 0.0, 1.0)};
+  CHECK_THAT(seen_share(box, diagonal), WithinAbs(2.0 / 6.0, 0.06));
+  CHECK_THAT(share_of_book(box, 4), WithinAbs(4.0 / 6.0, 0.08));
+  const TriangleMesh ball = icosphere(10.0, 4);
+  CHECK_THAT(seen_share(ball, diagonal), WithinAbs(0.5, 0.06));
+  CHECK(seen_share(ball, {}) == 0.0);
+}
+
+}  // namespace candidate_test
