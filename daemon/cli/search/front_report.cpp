@@ -114,6 +114,10 @@ std::string front_text(const ModelSearchOptions& options, const SearchedModel& m
   for (const std::string& note : found.notes) out += fmt::format("  note     {}\n", note);
   out += fmt::format("  seen     {:.0f} % of the model's surface is seen along the diagonal\n",
                      100.0 * found.seen_share);
+  if (options.up == "any")
+    out +=
+        "  upright  to have it upright, name the axis of the file that points up: --up y or --up "
+        "z\n";
   out += fmt::format("  best     {}/{}: the one most like the model within {:g} minutes\n", folder,
                      front_folder(found.front.size() - 1), options.max_minutes);
   out += fmt::format("  look at  {}/front.svg\n", folder);
