@@ -512,14 +512,12 @@ class CardSearch {
   /// they take off.
   [[nodiscard]] static std::vector<std::size_t> thinned(std::vector<std::size_t> front,
                                                         const std::vector<Judged>& judged) {
-    constexpr double kAboutTheSame = 1.1, kBetter = 0.98;
-    for (std::size_t n = 0; n + 1 < front.size();) {
-      const Judged &one = judged[front[n]], &next = judged[front[n + 1]];
-      if (next.cost <= kAboutTheSame * one.cost && next.error <= kBetter * one.error)
-        front.erase(front.begin() + static_cast<std::ptrdiff_t>(n));
-      else
-        ++n;
-    }
+    constexpr double kAboutTheSame = 1.1;
+    std::vector<std::size_t> kept;
+    for (auto k = front.rbegin(); k != front.rend(); ++k)
+      if (kept.empty() || kAboutTheSame * judged[*k].cost < judged[kept.back()].cost)
+        kept.push_back(*k);
+    front.assign(kept.rbegin(), kept.rend());
     while (front.size() > kMostOfFront) {
       std::size_t least = 1;
       const auto gain = [&](std::size_t n) {
