@@ -90,7 +90,7 @@ void read_planner(FieldReader& fields, PlannerConfig& planner) {
   read(fields, "wall_s", planner.wall_s, 1, kDay);
   std::int64_t memory_mib = static_cast<std::int64_t>(planner.memory_bytes) / kMib;
   std::int64_t output_mib = static_cast<std::int64_t>(planner.output_bytes) / kMib;
-  read(fields, "memory_mib", memory_mib, 64, 1 << 20);
+  read(fields, "memory_mib", memory_mib, 128, 1 << 20);
   read(fields, "output_mib", output_mib, 1, 64 << 10);
   planner.memory_bytes = static_cast<std::uint64_t>(memory_mib * kMib);
   planner.output_bytes = static_cast<std::uint64_t>(output_mib * kMib);
