@@ -146,8 +146,8 @@ Result<Placement> place(const LineWork& work, const std::array<double, 2>& reach
       return inside({at.x, at.y, at.x + width, at.y + height}, reach);
     };
     if (options.clip || lies(w, h)) return moved_to(at.x, at.y);
-    if (!fits(w, h) && lies(h, w)) return turned_to(at.x, at.y);
-    if (fits(w, h))
+    if ((options.at_is_usual || !fits(w, h)) && lies(h, w)) return turned_to(at.x, at.y);
+    if (fits(w, h) && !options.at_is_usual)
       return fail(
           ErrorKind::Infeasible, "/options/at",
           fmt::format("a drawing of {:.1f} x {:.1f} mm at {:g},{:g} does not fit in the {:.1f} x "

@@ -54,6 +54,8 @@ struct Placement {
 struct PlaceOptions {
   std::optional<PagePoint> at{};  ///< upper left corner of the drawing on the sheet, mm
   bool clip{false};               ///< drop what lies outside the area
+  /// `at` is nobody's wish: the drawing may be turned there, and without room it is too large.
+  bool at_is_usual{false};
 };
 
 /// Places the drawing on an area of `reach` mm. A drawing with its own page stays where it is if it

@@ -213,8 +213,10 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
   PlanOptions how = options;
   how.seams_x.insert(how.seams_x.end(), input->seams_x.begin(), input->seams_x.end());
   how.keep_lines = options.keep_lines || options.svg_profile == "origami-sim";
-  if (!how.place.at)
+  if (!how.place.at) {
     how.place.at = options.marks ? PagePoint{16, 16} : input->at;  // clear of marks
+    how.place.at_is_usual = options.marks;
+  }
   if (ideal_machine) how.mat.clear();
   // An ideal plotter cuts lines as they are drawn.
   if (ideal_machine && !how.knife.overcut_mm) how.knife.overcut_mm = 0.0;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
@@ -104,6 +105,31 @@ TEST_CASE("a program with faults is simulated until the host gives up", "[cli][e
   const json trace = bench.read_json("sim/trace.json");
   CHECK(trace["strokes"].size() >= 1);
   CHECK(trace["strokes"].size() < 378);
+}
+
+TEST_CASE(
+    "a drawing that fits between registration marks only turned is turned, and a larger one is "
+    "split",
+    "[cli][e2e][marks]") {
+  const Bench bench;
+  const auto sheets = [&](double width, double height) {
+    write_file(bench.temp / "box.svg",
+               fmt::format("<svg xmlns='http://www.w3.org/2000/svg' width='{0}mm' height='{1}mm' "
+                           "viewBox='0 0 {0} {1}'><rect width='{0}' height='{1}' fill='none' "
+                           "stroke='black'/></svg>",
+                           width, height));
+    const Ran ran = bench.popcut({"plan", "box.svg", "--marks", "-o", "boxes", "-q"});
+    INFO(ran.err);
+    REQUIRE(ran.exit == 0);
+    const json plan = bench.read_json("boxes/plan.json");
+    CHECK(plan["sheets"][0].contains("registration"));
+    return plan["sheets"].size();
+  };
+  CHECK(sheets(106.5, 262) == 1);  // 256.8 mm lie between the marks one way, 276.8 the other
+  CHECK(sheets(262, 106.5) == 1);
+  CHECK(sheets(270, 262) > 1);
+  // What somebody asks for is not turned away from.
+  CHECK(bench.popcut({"plan", "box.svg", "--marks", "--at", "20,30", "-o", "other"}).exit == 4);
 }
 
 TEST_CASE("a sheet with registration marks is cut relative to the marks that are found",
