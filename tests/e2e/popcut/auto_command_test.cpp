@@ -108,7 +108,9 @@ TEST_CASE("a search keeps to the style, the upright axis and the time that it is
   const Ran ran = bench.search({"--style", "facets", "--up", "z", "--max-minutes", "3", "-q"});
   INFO(ran.err);
   REQUIRE(ran.exit == 0);
-  for (const json& card : bench.read_json("out/front.json")["cards"]) {
+  const json front = bench.read_json("out/front.json");
+  REQUIRE_FALSE(front["cards"].empty());
+  for (const json& card : front["cards"]) {
     CHECK(card["settings"]["style"] == "facets");
     CHECK(card["seconds"] <= 180.0);
     const json spec = bench.read_json("out/" + card["folder"].get<std::string>() + "/spec.json");
@@ -117,7 +119,9 @@ TEST_CASE("a search keeps to the style, the upright axis and the time that it is
   }
   // A small mat makes small cards.
   REQUIRE(bench.search({"--mat", "150x150", "--style", "lattice", "-q"}).exit == 0);
-  for (const json& card : bench.read_json("out/front.json")["cards"]) {
+  const json small = bench.read_json("out/front.json");
+  REQUIRE_FALSE(small["cards"].empty());
+  for (const json& card : small["cards"]) {
     CHECK(card["settings"]["style"] != "facets");
     for (const json& side : card["sheet_mm"]) CHECK(side <= 150.0);
   }
