@@ -235,8 +235,8 @@ void trap(ColourImage& image, std::span<const std::uint32_t> face, std::span<con
     const double reach = how.trap_mm + frame.pixel_mm;
     for (std::size_t pixel = 0; pixel < face.size(); ++pixel)
       if (image.rgba[4 * pixel + 3] > 0) state[pixel] = 1;
-    // Where a picture's outline crosses a line, its ink stays within the outline: that is told
-    // across the lines beside a pixel, and past their ends only where it lies beside none.
+    // Where a picture's outline crosses a line, the ink stays within the outline. The lines beside
+    // a pixel decide that; lines that only point at it decide where there are none beside it.
     std::vector<std::uint8_t> beside(blends ? 0 : face.size(), 0);
     for (const bool past_ends : {false, true})
       for (const auto lines : {cuts, borders})

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <utility>
 #include <vector>
 
 #include "core/design/shape_fit.hpp"
 #include "core/design/target/placement_map.hpp"
 #include "core/fit/area_samples.hpp"
+#include "core/fit/distances.hpp"
 #include "core/fit/triangle_tree.hpp"
 
 namespace popcut {
@@ -24,29 +24,6 @@ SpineMap spine_of(const Design& card) {
 
 void append(const TriangleSoup& from, TriangleSoup& to) {
   to.corners.insert(to.corners.end(), from.corners.begin(), from.corners.end());
-}
-
-double diagonal_of(const TriangleSoup& soup) {
-  constexpr double kFar = std::numeric_limits<double>::infinity();
-  Vec3 low(kFar, kFar, kFar), high(-kFar, -kFar, -kFar);
-  for (std::size_t t = 0; t < soup.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3 p = soup.corner(t, k);
-      low = low.cwiseMin(p), high = high.cwiseMax(p);
-    }
-  return soup.size() == 0 ? 0.0 : norm(high - low);
-}
-
-std::vector<double> distances(const std::vector<Vec3>& points, const TriangleTree& to) {
-  std::vector<double> out;
-  out.reserve(points.size());
-  std::uint32_t hint = TriangleTree::kNone;
-  for (const Vec3& p : points) {
-    const TriangleTree::Nearest near = to.nearest(p, hint);
-    hint = near.place;
-    out.push_back(std::sqrt(near.squared));
-  }
-  return out;
 }
 
 DistanceFigures figures_of(std::vector<double> far) {

@@ -17,7 +17,7 @@ struct BookFiles {
 [[nodiscard]] Result<void> add_book_files(const PatchAssembly& book, const BookFiles& files,
                                           OutputFolder& folder);
 
-/// What a person is told of a book: how near it comes, its pages, and what is glued.
+/// Prints how near a book comes to its model, its pages, and what to glue.
 void say_book(const PatchAssembly& book);
 
 }  // namespace popcut::cli

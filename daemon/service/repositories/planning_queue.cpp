@@ -16,6 +16,16 @@
 namespace popcut::daemon {
 namespace {
 
+/// Whether there is such a plan, and it has what planning makes.
+template <typename Row>
+Answer<void> check_planned(const std::optional<Row>& plan, const std::string& id) {
+  if (!plan) return refuse(ProblemKind::NotFound, fmt::format("there is no plan {:?}", id));
+  if (plan->state == PlanState::Planned) return {};
+  return refuse(ProblemKind::StateConflict, plan->state == PlanState::Failed
+                                                ? "this plan failed: " + plan->error
+                                                : "this plan is not finished yet");
+}
+
 constexpr const char* kUsualMachine = "cameo3";
 constexpr std::size_t kMostHurried = 1000;
 constexpr std::size_t kMostWarnings = 200, kLongestWarning = 1000;
@@ -644,11 +654,7 @@ void PlanningQueue::read_on(const std::shared_ptr<PlanRecord>& record,
 Answer<std::string> PlanningQueue::file(const std::string& id, const std::string& name) {
   return parts_.store.look([&]() -> Answer<std::string> {
     const auto plan = plans_.find(id);
-    if (!plan) return refuse(ProblemKind::NotFound, fmt::format("there is no plan {:?}", id));
-    if (plan->state != PlanState::Planned)
-      return refuse(ProblemKind::StateConflict, plan->state == PlanState::Failed
-                                                    ? "this plan failed: " + plan->error
-                                                    : "this plan is not finished yet");
+    if (auto ready = check_planned(plan, id); !ready) return tl::unexpected(ready.error());
     std::string path = folder_of(id) + "/" + name;
     std::error_code ignored;
     if (is_plain_name(name))
@@ -663,11 +669,7 @@ Answer<std::string> PlanningQueue::file(const std::string& id, const std::string
 Answer<PreviewTask> PlanningQueue::artwork_task(const Principal& who, const std::string& id,
                                                 int sheet, const ArtworkRequest& wanted) {
   const auto plan = plans_.find(id);
-  if (!plan) return refuse(ProblemKind::NotFound, fmt::format("there is no plan {:?}", id));
-  if (plan->state != PlanState::Planned)
-    return refuse(ProblemKind::StateConflict, plan->state == PlanState::Failed
-                                                  ? "this plan failed: " + plan->error
-                                                  : "this plan is not finished yet");
+  if (auto ready = check_planned(plan, id); !ready) return tl::unexpected(ready.error());
   const auto of_plan = plans_.sheet(id, sheet);
   if (!of_plan)
     return refuse(ProblemKind::NotFound, fmt::format("this plan has no sheet {}", sheet));

@@ -328,7 +328,7 @@ TEST_CASE("a job for a site is cut only by cutters that stand there", "[daemon][
   request.site = "upstairs";
   const Job job = create(bench, request).value();
   CHECK(job.site == "upstairs");
-  // The cutter may come later; until then everybody is told.
+  // The cutter may come later; until then the job says that it is not there.
   CHECK_THAT(job.warnings, Catch::Contains("no cutter is at site upstairs"));
   CHECK(job.unaccepted.empty());
   CHECK(queue(bench, "sim:a") == std::vector<std::string>{anywhere.id});

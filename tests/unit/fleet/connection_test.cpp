@@ -56,8 +56,7 @@ bool is_refused(const std::string& url) {
 
 }  // namespace
 
-TEST_CASE("what will not pass by itself is told from a server that is away, in any language",
-          "[fleet]") {
+TEST_CASE("a wrong login is not taken for a server that is away, in any language", "[fleet]") {
   const German german;
   const bool in_german = GENERATE(false, true);
   CAPTURE(in_german);
