@@ -2,6 +2,7 @@
 #include "core/design/facets/facet_repair.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <span>
 #include <utility>
@@ -13,28 +14,27 @@ namespace {
 
 /// New labels for some strips, and what they cost more.
 struct Move {
-  enum class Kind { Strut, Drop } kind{};
+  enum class Kind { Strut, Shift, Drop } kind{};
   std::vector<std::pair<int, std::vector<Label>>> strips;
   double cost{};
 };
 
 class Repairer {
  public:
-  Repairer(Labelling& labelling, const FacetCardSize& card, double min_panel_mm, bool jumps,
-           bool rough, std::size_t most_work, const Progress& progress)
+  Repairer(Labelling& labelling, const FacetCardSize& card, double min_panel_mm,
+           const RepairOptions& how, const Progress& progress)
       : labelling_(labelling),
         card_(card),
         min_panel_mm_(min_panel_mm),
+        how_(how),
         progress_(progress),
-        jumps_(jumps),
-        rough_(rough),
-        most_tried_(rough ? kMostTriedRoughly : kMostTried),
-        most_work_(most_work) {}
+        most_tried_(how.rough ? kMostTriedRoughly : kMostTried) {}
 
   Result<FacetRepair> run() {
     LabelImage whole = labelling_.image();
-    settle(whole);
+    fill_enclosed(whole, planes(), min_panel_mm_, true);
     take(whole);
+    fill_enclosed(whole, planes(), min_panel_mm_);  // a pattern has no faces with holes
     const auto first = pattern_of(whole, planes(), card_, min_panel_mm_);
     if (!first) return tl::unexpected(first.error());
     out_.loose_before = first->motion.degrees_of_freedom - 1;
@@ -42,7 +42,8 @@ class Repairer {
     const int most = 100 + 4 * grid().strips;
     for (int round = 0; state_.open > 0; ++round) {
       tell(progress_, "making loose panels hold");
-      if (work_ > most_work_) {
+      round_ = round;
+      if (work_ > how_.most_work) {
         out_.unfinished = true;
         return std::move(out_);
       }
@@ -51,8 +52,8 @@ class Repairer {
       else if (!improve())
         give_up_smallest();
     }
-    if (!rough_) polish();
-    if (!rough_) keep_real_struts();
+    if (!how_.rough) polish();
+    if (!how_.rough) keep_real_struts();
     return std::move(out_);
   }
 
@@ -73,7 +74,6 @@ class Repairer {
     runs_ = strip_runs(image, planes());
     state_ = holding_of(runs_, planes(), grid(), min_panel_mm_);
   }
-  void settle(LabelImage& image) const { fill_enclosed(image, planes(), min_panel_mm_); }
 
   /// The runs of a strip, and whether each is loose.
   [[nodiscard]] std::span<const LabelRun> runs(int s) const {
@@ -187,7 +187,37 @@ class Repairer {
         if (r + 2 < here.size() && any_loose(r - 1, r + 2)) add_meeting(s, r - 1, r + 2, moves);
       }
       if (cuts) add({Move::Kind::Strut, {{s, labelling_.best(s, false)}}}, moves);
+      if (how_.shifts && round_ < kShiftRounds)
+        for (std::size_t r = 1; r + 1 < here.size(); ++r)
+          if (any_loose(r - 1, r + 1)) add_shifts(s, r, moves);
     }
+  }
+
+  /// A panel in a plane beside its own, in one strip: where the panels that it meets go on in the
+  /// strips beside it, they meet planes at two places, which hold them, as in a lattice.
+  void add_shifts(int s, std::size_t r, std::vector<Move>& moves) {
+    const FacetPlane& plane = planes()[runs(s)[r].label];
+    for (const int way : {-1, 1}) {
+      int found = 0;
+      for (int by = way; found < 2 && std::abs(by) <= kMostShift; by += way) {
+        const Label label = planes().find({plane.upright, plane.offset + by});
+        if (label == kNoLabel) continue;
+        ++found;
+        add_shift(s, r, label, plane.upright ? by : -by, moves);
+      }
+    }
+  }
+
+  void add_shift(int s, std::size_t r, Label label, int shift, std::vector<Move>& moves) {
+    LabelRun before = runs(s)[r - 1], run = runs(s)[r], after = runs(s)[r + 1];
+    if (label == before.label || label == after.label) return;
+    run.label = label;
+    if (run.folds_on) run.begin = before.end = run.begin + shift;
+    if (after.folds_on) run.end = after.begin = run.end + shift;
+    if (!labelling_.allows(before) || !labelling_.allows(run) || !labelling_.allows(after)) return;
+    std::vector<Label> labels = labels_of(s);
+    for (const LabelRun& one : {before, run, after}) paint(labels, one.begin, one.end, one.label);
+    add({Move::Kind::Shift, {{s, std::move(labels)}}}, moves);
   }
 
   void add(Move move, std::vector<Move>& moves) {
@@ -294,7 +324,7 @@ class Repairer {
       const int s = patch.cells[k].strip;
       if (k > 0 && patch.cells[k - 1].strip == s) continue;
       before.emplace_back(s, labels_of(s));
-      move.strips.emplace_back(s, labelling_.best(s, jumps_));
+      move.strips.emplace_back(s, labelling_.best(s, how_.jumps));
       labelling_.set(s, move.strips.back().second);
     }
     labelling_.forget_bans(bans);
@@ -306,7 +336,6 @@ class Repairer {
     LabelImage image = labelling_.image();
     for (const auto& [s, labels] : move.strips)
       std::copy(labels.begin(), labels.end(), image.strip(s).begin());
-    settle(image);
     return image;
   }
 
@@ -316,7 +345,7 @@ class Repairer {
     return holding.pins + kOpen * static_cast<double>(holding.open);
   }
 
-  /// Looseness after a move, before it is settled: done in place, since there are many.
+  /// Looseness after a move: done in place, since there are many.
   [[nodiscard]] double looseness_after(const Move& move) {
     std::vector<std::pair<std::size_t, std::vector<LabelRun>>> before;
     for (const auto& [s, labels] : move.strips) {
@@ -337,7 +366,7 @@ class Repairer {
     add_struts(moves);
     const std::vector<LoosePatch> loose = loose_patches();
     for (std::size_t k = 0; k < loose.size() && k < kMostPaintings; ++k) {
-      if (jumps_) add(painted_over(loose[k], true), moves);
+      if (how_.jumps) add(painted_over(loose[k], true), moves);
       if (k < kMostDrops && !is_worn(loose[k].cells.front().strip)) add(dropped(loose[k]), moves);
     }
     std::sort(moves.begin(), moves.end(),
@@ -373,7 +402,8 @@ class Repairer {
     const LabelHolding then = holding(image);
     const double held = looseness(state_) - looseness(then);
     if (held <= kLeastHeld || extra_cost(move) > dearest * held) return false;
-    if (move.kind == Move::Kind::Strut)
+    if (move.kind == Move::Kind::Shift) ++out_.shifted;
+    if (move.kind != Move::Kind::Drop)
       for (const auto& one : move.strips) out_.struts.push_back({one.first, labels_of(one.first)});
     else
       ++out_.dropped;
@@ -392,7 +422,7 @@ class Repairer {
   void give_up_smallest() {
     const std::vector<LoosePatch> loose = loose_patches();
     if (loose.empty()) return clear_loose();
-    if (jumps_) {
+    if (how_.jumps) {
       take(after(painted_over(loose.front(), false)));
     } else {
       for (const LabelBan& ban : loose.front().cells)
@@ -419,7 +449,7 @@ class Repairer {
       if (any) break;
     }
     ++out_.dropped;
-    settle(image);
+    fill_enclosed(image, planes(), min_panel_mm_);
     take(image);
   }
 
@@ -430,7 +460,7 @@ class Repairer {
       bool any = false;
       for (int s = 0; s < grid().strips; ++s)
         for (const bool jumps : {true, false}) {
-          if (jumps && !jumps_) continue;
+          if (jumps && !how_.jumps) continue;
           Move move{Move::Kind::Drop, {{s, labelling_.best(s, jumps)}}};
           if (extra_cost(move) >= -1e-6) continue;
           const LabelImage image = after(move);
@@ -455,28 +485,28 @@ class Repairer {
 
   static constexpr std::size_t kMostDrops = 8, kMostPaintings = 60, kMostTried = 600,
                                kMostTriedRoughly = 150;
-  static constexpr int kMostTries = 8, kLedgeReach = 8;
+  static constexpr int kMostTries = 8, kLedgeReach = 8, kMostShift = 8, kShiftRounds = 14;
   static constexpr double kLeastHeld = 0.05;  ///< less is rounding
   static constexpr double kDearer = 2.0;      ///< than the best move of a round
 
   Labelling& labelling_;
   FacetCardSize card_;
   double min_panel_mm_;
+  RepairOptions how_;
   const Progress& progress_;
   StripRuns runs_;  ///< with a strip of card before and after
   LabelHolding state_;
   FacetRepair out_;
   std::vector<int> tries_;  ///< changes of each strip
-  bool jumps_, rough_;
-  std::size_t most_tried_, most_work_, work_{};
+  int round_{};
+  std::size_t most_tried_, work_{};
 };
 
 }  // namespace
 
 Result<FacetRepair> repair(Labelling& labelling, const FacetCardSize& card, double min_panel_mm,
-                           bool jumps, bool rough, std::size_t most_work,
-                           const Progress& progress) {
-  return Repairer(labelling, card, min_panel_mm, jumps, rough, most_work, progress).run();
+                           const RepairOptions& how, const Progress& progress) {
+  return Repairer(labelling, card, min_panel_mm, how, progress).run();
 }
 
 }  // namespace popcut

@@ -20,6 +20,7 @@ struct FacetStrut {
 /// What repairing did.
 struct FacetRepair {
   int loose_before{};  ///< freedoms of the labels as they came, beyond the one
+  int shifted{};       ///< panels that went to a plane beside their own in one strip
   int dropped{};       ///< patches that were given up
   std::vector<FacetStrut> struts;
   bool unfinished{};  ///< it took too long: something is still loose
@@ -28,19 +29,28 @@ struct FacetRepair {
 /// How long repairing may take, in panels of strips that are looked at: about a second.
 inline constexpr std::size_t kMostRepairWork = 20'000'000;
 
+/// How labels are repaired.
+struct RepairOptions {
+  bool jumps{};   ///< strips may be cut across
+  bool rough{};   ///< fewer moves are tried, and nothing is improved at the end
+  bool shifts{};  ///< panels may go to planes beside their own, so that they hold as a lattice does
+  std::size_t most_work{kMostRepairWork};  ///< after which it stops, `unfinished`
+};
+
 /// Changes labels until the card has exactly one freedom and is one piece, by the moves that cost
 /// least of: two panels of a strip are left out, so that those before and after them meet in a
-/// fold (a strut); a strip does without cuts across it (a strut); a loose patch gives its label up.
-/// `mobility` then checks the result. The repair always ends: at worst with the bare card, which
-/// has one freedom.
+/// fold (a strut); a strip does without cuts across it (a strut); a panel of one strip goes to a
+/// plane beside its own, with its folds (a shift): what it meets goes on in the strips beside it,
+/// and so meets planes at two places; a loose patch gives its label up. `mobility` then checks the
+/// result. The repair always ends: at worst with the bare card, which has one freedom.
 ///
-/// @param jumps  strips may be cut across
-/// @param rough  fewer moves are tried, and nothing is improved at the end
-/// @param most_work  after which it stops, `unfinished`
+/// Patches that others enclose on all sides touch one plane only and so never hold: bare card is
+/// filled at the beginning, others are loose until something holds them. What remains is not
+/// enclosed.
 ///
 /// @retval Internal  no pattern comes of the labels (a fault of the labels)
 [[nodiscard]] Result<FacetRepair> repair(Labelling& labelling, const FacetCardSize& card,
-                                         double min_panel_mm, bool jumps, bool rough,
-                                         std::size_t most_work, const Progress& progress = {});
+                                         double min_panel_mm, const RepairOptions& how,
+                                         const Progress& progress = {});
 
 }  // namespace popcut

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "core/design/facets/contour.hpp"
+#include "core/design/facets/patch_moves.hpp"
 #include "core/design/facets/windows.hpp"
 
 namespace popcut {
@@ -71,7 +72,7 @@ class FacetMaker {
     FacetCardSize card{grid_.wall * step_mm_, (grid_.columns - grid_.wall) * step_mm_,
                        options_.margin_mm};
     Labelling labelling(image, planes, grid_, options_.weights, limits());
-    const double least = labelling.least_distance();
+    double least = labelling.least_distance();
     Labelling uncut = labelling;
     auto repaired = label(uncut, card, false);
     if (!repaired) return tl::unexpected(repaired.error());
@@ -86,14 +87,32 @@ class FacetMaker {
       repaired = std::move(*cut);
     else
       labelling = std::move(uncut);
-    LabelImage labels = fit_card(labelling.image(), planes, card);
+    const bool is_moved = options_.lattice && !options_.rough;
+    const FacetPlanes fine = is_moved ? every_step(planes) : planes;
+    std::optional<Labelling> moved_on;
+    std::size_t moves = 0;
+    if (is_moved) {
+      tell(progress_, "moving panels nearer to the shape");
+      moved_on.emplace(image, fine, grid_, options_.weights, limits());
+      take_over(labelling, *repaired, *moved_on);
+      moves = move_patches(*moved_on, options_.min_panel_mm, kMostRepairWork);
+      least = moved_on->least_distance();
+    }
+    const Labelling& last = moved_on ? *moved_on : labelling;
+    LabelImage labels = fit_card(last.image(), fine, card);
     for (FacetStrut& strut : repaired->struts) strut.without = moved(strut.without, labels.grid);
-    auto pattern = pattern_of(labels, planes, card, options_.min_panel_mm);
+    auto pattern = pattern_of(labels, fine, card, options_.min_panel_mm);
     if (!pattern) return tl::unexpected(pattern.error());
-    FacetCard out{
-        labels.grid, planes, std::move(labels), card, std::move(*pattern), std::move(*repaired),
-        {},          0};
-    measure(image, labelling, least, out);
+    FacetCard out{labels.grid,
+                  fine,
+                  std::move(labels),
+                  card,
+                  std::move(*pattern),
+                  std::move(*repaired),
+                  moves,
+                  {},
+                  0};
+    measure(image, last, least, out);
     open_windows(image, out);
     follow_contours(out.pattern, out.labels, out.planes, image, options_.min_panel_mm);
     return out;
@@ -103,8 +122,24 @@ class FacetMaker {
   [[nodiscard]] Result<FacetRepair> label(Labelling& labelling, const FacetCardSize& card,
                                           bool jumps) const {
     labelling.sweep(options_.rough ? kRoughSweeps : kSweeps, jumps);
-    return repair(labelling, card, options_.min_panel_mm, jumps, options_.rough,
-                  jumps ? kMostRepairWork : std::numeric_limits<std::size_t>::max(), progress_);
+    RepairOptions how;
+    how.jumps = jumps, how.rough = options_.rough;
+    how.shifts = options_.lattice && !options_.rough;
+    if (!jumps) how.most_work = std::numeric_limits<std::size_t>::max();
+    return repair(labelling, card, options_.min_panel_mm, how, progress_);
+  }
+
+  /// The labels, and those of the struts, as labels of other planes, of which each is one.
+  static void take_over(const Labelling& from, FacetRepair& repaired, Labelling& to) {
+    const auto in_new = [&](std::vector<Label> labels) {
+      for (Label& label : labels) label = to.planes().find(from.planes()[label]);
+      return labels;
+    };
+    for (int s = 0; s < from.image().grid.strips; ++s) {
+      const auto strip = from.image().strip(s);
+      to.set(s, in_new({strip.begin(), strip.end()}));
+    }
+    for (FacetStrut& strut : repaired.struts) strut.without = in_new(std::move(strut.without));
   }
 
   Result<void> set_grid() {
@@ -271,6 +306,8 @@ class FacetMaker {
     f.over_least = least > kRounding ? whole / least : 1.0;
     f.planes = static_cast<int>(out.planes.size());
     f.loose_before = out.repaired.loose_before;
+    f.shifted = out.repaired.shifted;
+    f.moves = out.moves;
     f.dropped = out.repaired.dropped;
     f.struts = out.repaired.struts.size();
   }

@@ -25,7 +25,8 @@ struct FacetOptions {
   std::optional<double> wall_mm, ground_mm;
   bool shut_inside{true};  ///< the shut structure lies inside the card
   bool inward{};           ///< planes behind wall and ground may be taken
-  bool rough{};            ///< fewer sweeps and repairs, and no strips that are cut across
+  bool lattice{true};  ///< curved parts hold as a lattice does, in planes that are fitted to them
+  bool rough{};        ///< fewer sweeps and repairs, and no strips that are cut across
   FacetWeights weights;
 };
 
@@ -37,6 +38,7 @@ struct FacetCard {
   FacetCardSize card;
   LabelPattern pattern;
   FacetRepair repaired;
+  std::size_t moves{};  ///< of patches and strips, once everything held (`move_patches`)
   FacetFigures figures;
   std::size_t windows{};  ///< cut out, where a patch would hide what is farther back
 };

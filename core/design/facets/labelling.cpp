@@ -129,6 +129,15 @@ void Labelling::set(int strip, const std::vector<Label>& labels) {
   std::copy(labels.begin(), labels.end(), image_.strip(strip).begin());
 }
 
+bool Labelling::allows(const LabelRun& run) const {
+  const FacetPlane& plane = (*planes_)[run.label];
+  const int first = grid_.across(run.begin), last = grid_.across(run.end);
+  const bool is_behind = plane.upright ? last > plane.offset : first < -plane.offset;
+  if (run.end - run.begin < limits_.least_run || (is_behind && !limits_.inward)) return false;
+  const int reach = plane.upright ? 2 * plane.offset - first : 2 * plane.offset + last;
+  return plane.offset == 0 || grid_.step_mm * reach <= limits_.most_reach_mm;
+}
+
 double Labelling::distance(int strip, std::span<const Label> labels) const {
   const SheetRaster& raster = target_->raster;
   const std::size_t across = raster.columns / static_cast<std::size_t>(grid_.columns);

@@ -56,6 +56,9 @@ class Labelling {
   void forget_bans(std::size_t count) { bans_.resize(count); }
   [[nodiscard]] std::size_t bans() const { return bans_.size(); }
 
+  /// Whether the limits let a run be where it is.
+  [[nodiscard]] bool allows(const LabelRun& run) const;
+
   /// What a strip costs, with the cuts to its neighbours.
   [[nodiscard]] double cost(int strip, std::span<const Label> labels) const;
   /// What all strips cost together; a cut between two of them counts for both.

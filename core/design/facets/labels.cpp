@@ -47,11 +47,19 @@ FacetPlanes::FacetPlanes(const std::vector<int>& upright, const std::vector<int>
         static_cast<Label>(k);
 }
 
-Label FacetPlanes::find(const FacetPlane& plane) const {
-  const std::vector<Label>& table = plane.upright ? upright_ : level_;
-  const int at = plane.offset - least_;
-  return at < 0 || at >= static_cast<int>(table.size()) ? kNoLabel
-                                                        : table[static_cast<std::size_t>(at)];
+FacetPlanes every_step(const FacetPlanes& planes) {
+  std::vector<int> offsets[2];
+  for (const bool upright : {false, true}) {
+    int least = 0, most = 0;
+    for (std::size_t l = 0; l < planes.size(); ++l) {
+      const FacetPlane& plane = planes[static_cast<Label>(l)];
+      if (plane.upright != upright) continue;
+      least = std::min(least, plane.offset), most = std::max(most, plane.offset);
+    }
+    for (int at = least; at <= most; ++at) offsets[upright ? 1 : 0].push_back(at);
+  }
+  if (offsets[0].size() + offsets[1].size() > kMostLabels) return planes;
+  return {offsets[1], offsets[0]};
 }
 
 std::vector<LabelRun> runs_of(std::span<const Label> strip, const FacetPlanes& planes,

@@ -36,7 +36,12 @@ class FacetPlanes {
     return planes_[static_cast<std::size_t>(label)];
   }
   /// The label of a plane, or `kNoLabel`.
-  [[nodiscard]] Label find(const FacetPlane& plane) const;
+  [[nodiscard]] Label find(const FacetPlane& plane) const {
+    const std::vector<Label>& table = plane.upright ? upright_ : level_;
+    const int at = plane.offset - least_;
+    return at < 0 || at >= static_cast<int>(table.size()) ? kNoLabel
+                                                          : table[static_cast<std::size_t>(at)];
+  }
   /// The plane that `label` meets in a fold `across` steps from the spine: x - z = across. Upright
   /// planes c and level ones d meet at c - d only.
   [[nodiscard]] Label partner(Label label, int across) const {
@@ -49,6 +54,9 @@ class FacetPlanes {
   int least_{};
   std::vector<Label> upright_, level_;  ///< by offset from `least_`
 };
+
+/// Planes one step apart, as far as `planes` reach; `planes` themselves where those are too many.
+[[nodiscard]] FacetPlanes every_step(const FacetPlanes& planes);
 
 /// The sheet in cells: strips along v, and steps along u. The card's wall has `wall` steps.
 struct FacetGrid {

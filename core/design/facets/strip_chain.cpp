@@ -2,11 +2,25 @@
 #include "core/design/facets/strip_chain.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <span>
 
 namespace popcut {
 namespace {
 
 constexpr double kNever = 1e30;
+
+/// Index of the first least value. Four at a time, since each comparison waits for the one before.
+std::size_t least_of(std::span<const double> values) {
+  double least[4] = {kNever, kNever, kNever, kNever};
+  std::size_t k = 0;
+  for (; k + 4 <= values.size(); k += 4)
+    for (std::size_t i = 0; i < 4; ++i) least[i] = std::min(least[i], values[k + i]);
+  for (; k < values.size(); ++k) least[0] = std::min(least[0], values[k]);
+  const double all = std::min(std::min(least[0], least[1]), std::min(least[2], least[3]));
+  const auto found = std::find_if(values.begin(), values.end(), [&](double v) { return v <= all; });
+  return found == values.end() ? 0 : static_cast<std::size_t>(found - values.begin());
+}
 
 }  // namespace
 
@@ -16,7 +30,7 @@ void FacetChainSolver::enter(const FacetChainProblem& problem, std::size_t colum
   const double* const here = whole_.data() + column * labels;
   double* const into = entered_.data() + column * labels;
   Label* const from = from_.data() + column * labels;
-  const auto least = static_cast<std::size_t>(std::min_element(here, here + labels) - here);
+  const std::size_t least = least_of({here, labels});
   std::fill(into, into + labels, std::min(kNever, here[least] + problem.jump));
   std::fill(from, from + labels, static_cast<Label>(least));
   const int across = problem.grid.across(static_cast<int>(column));
@@ -33,11 +47,15 @@ FacetChain FacetChainSolver::solve(const FacetChainProblem& problem) {
   const std::size_t labels = problem.planes.size();
   const auto columns = static_cast<std::size_t>(problem.grid.columns);
   const auto run = static_cast<std::size_t>(std::max(1, problem.least_run));
-  whole_.assign((columns + 1) * labels, kNever);
-  entered_.assign((columns + 1) * labels, kNever);
-  sum_.assign((columns + 1) * labels, 0.0);
-  from_.assign((columns + 1) * labels, kNoLabel);
-  begins_.assign((columns + 1) * labels, 0);
+  // Rows of all lines; those that nothing below writes are set here.
+  for (auto* const rows : {&whole_, &entered_, &sum_}) rows->resize((columns + 1) * labels);
+  from_.resize((columns + 1) * labels);
+  begins_.resize((columns + 1) * labels);
+  std::fill_n(whole_.begin(), labels, kNever);
+  std::fill_n(entered_.begin(), labels, kNever);
+  std::fill_n(sum_.begin(), labels, 0.0);
+  std::fill_n(from_.begin(), labels, kNoLabel);
+  std::fill_n(begins_.begin(), std::min(columns + 1, run) * labels, std::uint8_t{0});
   entered_[kWallLabel] = 0.0;
   for (std::size_t i = 1; i <= columns; ++i) {
     const double* const cost = problem.cost.data() + (i - 1) * labels;

@@ -110,8 +110,8 @@ struct FacetFigures {
   std::size_t patches{};   ///< connected pieces of one plane
   double over_least{1.0};  ///< the distance over the least one of any strips of these planes
   int planes{};            ///< that were tried
-  int loose_before{}, dropped{};
-  std::size_t struts{};
+  int loose_before{}, shifted{}, dropped{};
+  std::size_t struts{}, moves{};
 };
 
 /// What a design is, in figures (`report.json`).

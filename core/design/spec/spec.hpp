@@ -62,6 +62,12 @@ enum class DesignStyle {
   Facets    ///< origamic architecture: each point of the sheet lies in a plane of its own choice
 };
 
+/// How facets follow the curved parts of a target.
+enum class CurvedParts {
+  Lattice,  ///< panels of neighbouring strips hold each other as in a lattice, in fitted planes
+  Facets    ///< as the planar parts
+};
+
 /// How a target is made of facets (`"facets"` of a spec, docs/facets.md).
 struct FacetSpec {
   double pitch_mm{2.0};               ///< between the planes that are tried
@@ -70,6 +76,7 @@ struct FacetSpec {
   bool from_given{false};             ///< the spec gives it
   std::optional<double> length_mm{};  ///< along the spine; none: all of a mesh or a grid
   double fold_cost_mm2{1.0}, jump_cost_mm2{4.0}, cut_cost_mm2{1.0};  ///< of a line, by length
+  CurvedParts curved{CurvedParts::Lattice};
   bool inward{false};  ///< parts behind wall and ground are made too
   /// No field of a spec: fewer rounds, for who compares many designs before one is made.
   bool rough{false};

@@ -504,6 +504,10 @@ Shape<FacetFields> facets() {
       field<Row>("jump_cost_mm2", &Row::jump_cost_mm2, cost, "the same of a cut along the spine"),
       field<Row>("cut_cost_mm2", &Row::cut_cost_mm2, cost,
                  "the same of a cut across the spine. More makes larger patches"),
+      field<Row>("curved", &Row::curved, shape::word<CurvedParts>({"lattice", "facets"}),
+                 "how curved parts hold. lattice: by panels in planes of their own from strip to "
+                 "strip, which are moved to where the target is; facets: by struts, as planar "
+                 "parts do"),
       field<Row>("inward", &Row::inward, shape::boolean(),
                  "true: parts of the target behind wall and ground are made too, where nothing is "
                  "in front of them"),

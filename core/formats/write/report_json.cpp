@@ -123,17 +123,22 @@ Json lattices(const DesignReport& report) {
 }
 
 Json facets(const FacetFigures& f) {
-  return {{"about",
-           "depth: distance of the structure from the target along the direction of sight, at "
-           "points where the target is seen or something stands; over_least: the distance over "
-           "that of the best strips of the same planes, with cuts and folds free and nothing held"},
-          {"depth_mm", {{"mean", f.depth_mean_mm}, {"p95", f.depth_p95_mm}}},
-          {"patches", f.patches},
-          {"over_least", f.over_least},
-          {"planes", f.planes},
-          {"loose_before_repair", f.loose_before},
-          {"struts", f.struts},
-          {"dropped", f.dropped}};
+  return {
+      {"about",
+       "depth: distance of the structure from the target along the direction of sight, at "
+       "points where the target is seen or something stands; over_least: the distance over "
+       "that of the best strips of the planes that panels may lie in, with cuts and folds free and "
+       "nothing held; shifted: panels that hold others from a plane beside theirs; moves: of "
+       "panels to where the target is"},
+      {"depth_mm", {{"mean", f.depth_mean_mm}, {"p95", f.depth_p95_mm}}},
+      {"patches", f.patches},
+      {"over_least", f.over_least},
+      {"planes", f.planes},
+      {"loose_before_repair", f.loose_before},
+      {"struts", f.struts},
+      {"shifted", f.shifted},
+      {"moves", f.moves},
+      {"dropped", f.dropped}};
 }
 
 Json report_object(const DesignReport& report) {
