@@ -29,23 +29,26 @@ ordered_json settings_json(const Candidate& candidate) {
 
 ordered_json card_json(const planning::FoundCard& card, std::size_t k) {
   const likeness::Figures& f = card.figures;
-  ordered_json out{{"folder", front_folder(k)},
-                   {"seconds", card.cost.seconds},
-                   {"seconds_range", card.cost.seconds_range},
-                   {"error", f.error()},
-                   {"surface", f.surface()},
-                   {"contour", f.contour()},
-                   {"cover", f.cover},
-                   {"excess", f.excess},
-                   {"folds", card.folds},
-                   {"cut_mm", card.cost.cut_mm},
-                   {"fold_mm", card.cost.fold_mm},
-                   {"sheet_mm", {card.made.u_mm, card.made.v_mm}},
-                   {"degrees_of_freedom", card.made.parts.front().report.degrees_of_freedom},
-                   {"settings", settings_json(card.candidate)}};
+  ordered_json out{
+      {"folder", front_folder(card, k)},
+      {"seconds", card.cost.seconds},
+      {"seconds_range", card.cost.seconds_range},
+      {"error", f.error()},
+      {"surface", f.surface()},
+      {"contour", f.contour()},
+      {"cover", f.cover},
+      {"excess", f.excess},
+      {"folds", card.folds},
+      {"cut_mm", card.cost.cut_mm},
+      {"fold_mm", card.cost.fold_mm},
+      {"sheet_mm", {card.made.u_mm, card.made.book ? card.made.book->width_mm : card.made.v_mm}},
+      {"degrees_of_freedom", card.made.parts.front().report.degrees_of_freedom},
+      {"settings", settings_json(card.candidate)}};
+  if (card.made.book)
+    out["page_mm"] = card.made.book->page_mm, out["width_mm"] = card.made.book->width_mm;
   auto warnings = ordered_json::array();
-  for (const Warning& warning : card.made.parts.front().report.warnings)
-    warnings.push_back(warning.message);
+  for (const Design& part : card.made.parts)
+    for (const Warning& warning : part.report.warnings) warnings.push_back(warning.message);
   out["warnings"] = std::move(warnings);
   return out;
 }
@@ -79,6 +82,7 @@ std::string front_json(const ModelSearchOptions& options, const SearchedModel& m
                    {"mat_mm", found.area_mm},
                    {"max_minutes", options.max_minutes},
                    {"style", options.style},
+                   {"cards", options.cards},
                    {"up", options.up},
                    {"seed", options.seed},
                    {"effort", options.effort},
@@ -88,7 +92,7 @@ std::string front_json(const ModelSearchOptions& options, const SearchedModel& m
                      {"planned", found.counts.planned},
                      {"verified", found.counts.verified}}},
                    {"seen_along_diagonal", found.seen_share},
-                   {"best", front_folder(found.front.size() - 1)}};
+                   {"best", front_folder(found.front.back(), found.front.size() - 1)}};
   auto cards = ordered_json::array(), usual = ordered_json::array();
   for (std::size_t k = 0; k < found.front.size(); ++k)
     cards.push_back(card_json(found.front[k], k));
@@ -102,24 +106,29 @@ std::string front_text(const ModelSearchOptions& options, const SearchedModel& m
                        const std::string& folder) {
   using namespace front_report_parts;
   const planning::FoundCards& found = model.found;
-  std::string out = fmt::format(
-      "{}: {} cards, from {} that were designed and {} that were planned\n", shown_text(model.name),
-      found.front.size(), found.counts.designed, found.counts.planned);
+  const bool is_book = found.front.back().made.book.has_value();
+  std::string out =
+      fmt::format("{}: {} {}{}{}, from {} that were designed and {} that were planned\n",
+                  shown_text(model.name), found.front.size(), is_book ? "book" : "card",
+                  found.front.size() == 1 ? "" : "s",
+                  is_book ? fmt::format(" of {} cards", options.cards) : std::string(),
+                  found.counts.designed, found.counts.planned);
   for (std::size_t k = 0; k < found.front.size(); ++k) {
     const planning::FoundCard& card = found.front[k];
-    out += fmt::format("  {}  {:5.1f} min  error {:.4f}  {} folds, {}\n", front_folder(k),
+    out += fmt::format("  {}  {:5.1f} min  error {:.4f}  {} folds, {}\n", front_folder(card, k),
                        card.cost.seconds / 60.0, card.figures.error(), card.folds,
                        settings_words(card.candidate));
   }
   for (const std::string& note : found.notes) out += fmt::format("  note     {}\n", note);
-  out += fmt::format("  seen     {:.0f} % of the model's surface is seen along the diagonal\n",
-                     100.0 * found.seen_share);
+  out += fmt::format("  seen     {:.0f} % of the model's surface is seen along {}\n",
+                     100.0 * found.seen_share,
+                     is_book ? "the diagonals of the cards" : "the diagonal");
   if (options.up == "any")
     out +=
         "  upright  to have it upright, name the axis of the file that points up: --up y or --up "
         "z\n";
   out += fmt::format("  best     {}/{}: the one most like the model within {:g} minutes\n", folder,
-                     front_folder(found.front.size() - 1), options.max_minutes);
+                     front_folder(found.front.back(), found.front.size() - 1), options.max_minutes);
   out += fmt::format("  look at  {}/front.svg\n", folder);
   return out;
 }

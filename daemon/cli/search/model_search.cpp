@@ -91,6 +91,7 @@ Result<SearchedModel> search_model(const ModelSearchOptions& options,
     return style.name == options.style;
   });
   request.up = up_side(options.up);
+  request.cards = options.cards;
   request.most_s = 60.0 * options.max_minutes;
   request.effort = options.effort, request.seed = options.seed;
   request.threads =

@@ -17,6 +17,7 @@ struct ModelSearchOptions {
   std::string model;  ///< file
   std::string machine, material, mat;
   std::string style{"any"}, up{"any"};
+  int cards{1};  ///< of a book
   double max_minutes{15.0}, effort{1.0};
   std::uint64_t seed{1};
   unsigned threads{0};  ///< 0: as many as the computer has

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -127,6 +128,43 @@ TEST_CASE("a search keeps to the style, the upright axis and the time that it is
   }
 }
 
+TEST_CASE("a model becomes a front of books that are verified, made again and fit the mat",
+          "[cli][e2e][auto]") {
+  const auto [cards, style] = GENERATE(std::pair{"4", "facets"}, std::pair{"6", "slices"});
+  CAPTURE(cards, style);
+  const AutoBench bench;
+  const Ran ran = bench.search({"--cards", cards, "--style", style, "--max-minutes", "60", "--mat",
+                                "110x110", "--up", "z", "--effort", "0.02", "--json"});
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  const json front = bench.read_json("out/front.json");
+  CHECK(json::parse(ran.out) == front);
+  REQUIRE_FALSE(front["cards"].empty());
+  double error = 1e9, seconds = 0.0;
+  for (const json& book : front["cards"]) {
+    INFO(book.dump());
+    CHECK(book["error"] < error);
+    CHECK(book["seconds"] > seconds);
+    error = book["error"], seconds = book["seconds"];
+    CHECK(book["settings"]["cards"] == std::stoi(cards));
+    for (const json& side : book["sheet_mm"]) CHECK(side <= 110.0);
+    const std::string folder = "out/" + book["folder"].get<std::string>();
+    CHECK(says(folder, "book-"));
+    CHECK(bench.popcut({"verify", folder, "-q"}).exit == 0);
+    CHECK(fs::exists(bench.temp / folder / ("card-0" + std::string(cards)) / "cut.svg"));
+    CHECK(bench.read_json(folder + "/spec.json")["book"]["cards"] == std::stoi(cards));
+  }
+  const std::string best = "out/" + front["best"].get<std::string>();
+  REQUIRE(bench.popcut({"design", best + "/spec.json", "-o", "again", "-q"}).exit == 0);
+  for (const char* file : {"card-01/pattern.fold", "card-03/pattern.svg", "book.json"})
+    CHECK(text_of_file(bench.temp / "again" / file) == text_of_file(bench.temp / best / file));
+  const Ran compared = bench.popcut({"compare", best, "houses.obj", "--json"});
+  INFO(compared.err);
+  REQUIRE(compared.exit == 0);
+  const json seen = json::parse(compared.out);
+  CHECK_THAT(seen["error"].get<double>(), WithinAbs(error, 1e-6));
+}
+
 TEST_CASE("popcut design takes a model and makes the best card of a short search",
           "[cli][e2e][auto]") {
   const AutoBench bench;
@@ -173,6 +211,9 @@ TEST_CASE("a search says in one line what is wrong, and writes nothing", "[cli][
   refused({"houses.obj", "--max-minutes", "0.1"}, 4, "the quickest that was found takes");
   refused({"houses.obj", "--style", "origami"}, 2, "--style");
   refused({"houses.obj", "--up", "w"}, 2, "--up");
+  refused({"houses.obj", "--cards", "2"}, 2, "--cards");
+  refused({"houses.obj", "--cards", "13"}, 2, "give 1, or 3 to 12");
+  refused({"houses.obj", "--cards", "6", "--style", "facets"}, 2, "books of 4 cards only");
   check_refused(bench.popcut({"auto", "houses.obj"}), 2, "-o DIR is missing");
 }
 
