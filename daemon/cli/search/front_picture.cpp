@@ -133,18 +133,18 @@ Result<std::string> front_picture(const planning::FoundCards& found, const std::
   };
   auto part =
       tile(0, likeness::Target(best.target, scene_of(kPixels)), best.target, kModel,
-           {"the model", fmt::format("one card sees {:.0f} % of it", 100 * found.seen_share),
-            "as the best card has it"});
+           {"the model", fmt::format("one card can show {:.0f} % of it", 100 * found.seen_share),
+            "turned as in the best card"});
   if (!add(part)) return part;
   for (std::size_t k = 0; k < found.front.size(); ++k) {
     const FoundCard& card = found.front[k];
     const bool is_best = k + 1 == found.front.size();
-    part =
-        tile(k + 1, likeness::Target(card.target, scene_of(kPixels)), card.structure, kPaper,
-             {fmt::format("{}: {:.1f} min, error {:.3f}{}", k + 1, card.cost.seconds / 60.0,
-                          card.figures.error(), is_best ? ", the best" : ""),
-              settings(card.candidate),
-              fmt::format("{} folds, {:.0f} % is there", card.folds, 100.0 * card.figures.cover)});
+    part = tile(k + 1, likeness::Target(card.target, scene_of(kPixels)), card.structure, kPaper,
+                {fmt::format("{}: {:.1f} min, error {:.3f}{}", k + 1, card.cost.seconds / 60.0,
+                             card.figures.error(), is_best ? ", the best" : ""),
+                 settings(card.candidate),
+                 fmt::format("{} folds, {:.0f} % close to the model", card.folds,
+                             100.0 * card.figures.cover)});
     if (!add(part)) return part;
   }
   svg += graph(tiles - 1, found) + "</svg>\n";

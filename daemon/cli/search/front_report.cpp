@@ -7,6 +7,7 @@
 #include "core/text/json_text.hpp"
 #include "core/text/utf8.hpp"
 #include "daemon/cli/search/front_picture.hpp"
+#include "daemon/client/command_words.hpp"
 
 namespace popcut::cli {
 namespace front_report_parts {
@@ -63,8 +64,16 @@ ordered_json usual_json(const planning::UsualCard& usual) {
 
 std::string settings_words(const Candidate& c) {
   if (c.style == DesignStyle::Facets)
-    return fmt::format("facets of {:g} mm, planes {:g} mm apart", c.strip_mm, c.pitch_mm);
+    return fmt::format("facets in strips of {:g} mm, planes {:g} mm apart", c.strip_mm, c.pitch_mm);
   return fmt::format("{} lattice, {} slices of {} units", style_name(c), c.slices, c.units);
+}
+
+/// The options of a plan that a search was made for, as one types them.
+std::string plan_words(const ModelSearchOptions& options) {
+  std::string out;
+  if (!options.machine.empty()) out += " --machine " + client::quoted(options.machine);
+  if (!options.mat.empty()) out += " --mat " + client::quoted(options.mat);
+  return out;
 }
 
 }  // namespace
@@ -80,6 +89,8 @@ std::string front_json(const ModelSearchOptions& options, const SearchedModel& m
                    {"max_minutes", options.max_minutes},
                    {"style", options.style},
                    {"up", options.up},
+                   {"front", options.front},
+                   {"marks", options.marks},
                    {"seed", options.seed},
                    {"effort", options.effort},
                    {"tried",
@@ -102,9 +113,10 @@ std::string front_text(const ModelSearchOptions& options, const SearchedModel& m
                        const std::string& folder) {
   using namespace front_report_parts;
   const planning::FoundCards& found = model.found;
-  std::string out = fmt::format(
-      "{}: {} cards, from {} that were designed and {} that were planned\n", shown_text(model.name),
-      found.front.size(), found.counts.designed, found.counts.planned);
+  std::string out = fmt::format("{}: {} {}, from {} that were designed and {} that were planned\n",
+                                shown_text(model.name), found.front.size(),
+                                found.front.size() == 1 ? "card" : "cards", found.counts.designed,
+                                found.counts.planned);
   for (std::size_t k = 0; k < found.front.size(); ++k) {
     const planning::FoundCard& card = found.front[k];
     out += fmt::format("  {}  {:5.1f} min  error {:.4f}  {} folds, {}\n", front_folder(k),
@@ -112,15 +124,25 @@ std::string front_text(const ModelSearchOptions& options, const SearchedModel& m
                        settings_words(card.candidate));
   }
   for (const std::string& note : found.notes) out += fmt::format("  note     {}\n", note);
-  out += fmt::format("  seen     {:.0f} % of the model's surface is seen along the diagonal\n",
-                     100.0 * found.seen_share);
+  out += fmt::format(
+      "  seen     one card can show {:.0f} % of the model's surface: what faces you, halfway "
+      "between "
+      "wall and ground\n",
+      100.0 * found.seen_share);
   if (options.up == "any")
     out +=
-        "  upright  to have it upright, name the axis of the file that points up: --up y or --up "
-        "z\n";
+        "  upright  the model may lie on its side; to have it upright, say which axis of the file "
+        "points up: --up y or --up z\n";
   out += fmt::format("  best     {}/{}: the one most like the model within {:g} minutes\n", folder,
                      front_folder(found.front.size() - 1), options.max_minutes);
   out += fmt::format("  look at  {}/front.svg\n", folder);
+  const std::string best =
+      client::quoted(fmt::format("{}/{}/spec.json", folder, front_folder(found.front.size() - 1))) +
+      plan_words(options);
+  out += fmt::format(
+      "  next     popcut cut {0} --direct    # cuts the best; simulated unless you add --device\n"
+      "           popcut print {0} -o printed    # or first prints the model's colours\n",
+      best);
   return out;
 }
 

@@ -25,10 +25,11 @@ struct SearchRequest {
   TriangleMesh mesh;
   CandidateModel model;  ///< how specs name it
   Material material;
-  PlanOptions plan;                 ///< machine, material and mat
+  PlanOptions plan;                 ///< machine, material, mat, and whether there are marks
   std::vector<std::string> tables;  ///< users' tables
   StyleChoice styles{style_choices().front()};
   UpSide up;
+  FrontSide front;       ///< given: the model stands as it is said, turned no further
   double most_s{900.0};  ///< of cutting
   double effort{1.0};    ///< factor of how many candidates are tried
   std::uint64_t seed{1};
