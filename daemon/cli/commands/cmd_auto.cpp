@@ -124,7 +124,7 @@ Result<void> run_auto(const Options& options, const Globals& globals) {
 constexpr const char* kHelp =
     "Find the best cards for a 3D model.\n\n"
     "  popcut auto teapot.obj -o teapot\n"
-    "  popcut auto teapot.obj --max-minutes 5 --mat 12x12 -o teapot\n\n"
+    "  popcut auto house.obj --up y --machine cameo3 --mat A4 --marks -o house    # to print\n\n"
     "MODEL is a mesh (STL, OBJ). popcut tries styles, ways to stand, sizes and finenesses, and\n"
     "keeps the cards of which no other looks more like the model and is cut as quickly. Each\n"
     "passes 'popcut verify --dof 1'. With --cards it finds books, which show the model from all\n"
@@ -139,10 +139,11 @@ constexpr const char* kHelp =
 
 void add_search_options(CLI::App& command, ModelSearchOptions& search) {
   real_number(command.add_option("--max-minutes", search.max_minutes,
-                                 "Longest time of cutting, by the model of the machine"),
+                                 "Longest time that the cutter may take, as popcut reckons it"),
               0.1, 1e5, "minutes")
       ->option_text("MINUTES [15]");
-  checked(command.add_option("--mat", search.mat, "Mat to cut on, as in plan"),
+  checked(command.add_option("--mat", search.mat,
+                             "Mat or paper to cut on, such as 12x12 or A4, as in plan"),
           [](const std::string& text) {
             const auto read = read_plan_options({{"mat", text}});
             return read ? std::string() : read.error().detail;
@@ -164,23 +165,31 @@ void add_search_options(CLI::App& command, ModelSearchOptions& search) {
                                           kLeastCards, kMostCards);
           })
       ->option_text("N [1]");
+  command.add_flag("--marks", search.marks,
+                   "Cards fit between the registration marks that popcut print sets");
   std::vector<std::string> styles;
   for (const StyleChoice& style : style_choices()) styles.emplace_back(style.name);
   one_word(command.add_option("--style", search.style,
                               "What cards are made of: any, facets, any lattice, or one lattice"),
            styles, "any");
-  one_word(command.add_option("--up", search.up,
-                              "Which axis of the file points up; any: whichever way the card is "
-                              "most like the model"),
+  one_word(
+      command.add_option("--up", search.up,
+                         "Which axis of the file points up (mostly y or z); any: whichever way "
+                         "the card is most like the model, so it may lie on its side"),
+      up_words(), "any");
+  one_word(command.add_option("--front", search.front,
+                              "Which axis of the file points out of the card, toward you (a house: "
+                              "out of its door); any: popcut turns the model as it looks best"),
            up_words(), "any");
   whole_number(
       command.add_option("--seed", search.seed, "Random seed: the same one, the same cards"), 0,
       std::int64_t{1} << 53)
       ->option_text("N [1]");
-  real_number(command.add_option("--effort", search.effort,
-                                 "How many cards are tried: a factor. 1 takes up to a minute on "
-                                 "two cores"),
-              0.01, 100)
+  real_number(
+      command.add_option("--effort", search.effort,
+                         "How many cards are tried: 0.1 is a first look, 3 takes three times "
+                         "as long; 1 takes up to a minute on two idle cores"),
+      0.01, 100)
       ->option_text("X [1]");
   whole_number(command.add_option("--threads", search.threads,
                                   "Threads to use, 0 for all; they change nothing but the time"),
@@ -198,7 +207,7 @@ void register_auto(CLI::App& app, const Globals& globals, Run& run) {
   command->add_option("MODEL", options->search.model, "The model: a mesh (.stl, .obj)")->required();
   command
       ->add_option("-o,--output", options->folder,
-                   "Folder for the cards; created if it does not exist")
+                   "Folder for the cards, required; created if it does not exist")
       ->option_text("DIR");
   add_search_options(*command, options->search);
   when_chosen(command, run, [options, &globals] { return run_auto(*options, globals); });

@@ -141,11 +141,11 @@ Result<std::string> front_picture(const planning::FoundCards& found, const std::
   };
   auto part = tile(0, likeness::Target(best.target, scene_of(best, kPixels)), best.target, kModel,
                    {"the model",
-                    fmt::format("{} {:.0f} % of it",
-                                best.made.book ? fmt::format("{} cards see", best.made.parts.size())
-                                               : std::string("one card sees"),
+                    fmt::format("{} can show {:.0f} % of it",
+                                best.made.book ? fmt::format("{} cards", best.made.parts.size())
+                                               : std::string("one card"),
                                 100 * found.seen_share),
-                    best.made.book ? "as the best book has it" : "as the best card has it"});
+                    best.made.book ? "turned as in the best book" : "turned as in the best card"});
   if (!add(part)) return part;
   for (std::size_t k = 0; k < found.front.size(); ++k) {
     const FoundCard& card = found.front[k];
@@ -155,7 +155,8 @@ Result<std::string> front_picture(const planning::FoundCards& found, const std::
              {fmt::format("{}: {:.1f} min, error {:.3f}{}", k + 1, card.cost.seconds / 60.0,
                           card.figures.error(), is_best ? ", the best" : ""),
               settings(card.candidate),
-              fmt::format("{} folds, {:.0f} % is there", card.folds, 100.0 * card.figures.cover)});
+              fmt::format("{} folds, {:.0f} % close to the model", card.folds,
+                          100.0 * card.figures.cover)});
     if (!add(part)) return part;
   }
   svg += graph(tiles - 1, found) + "</svg>\n";

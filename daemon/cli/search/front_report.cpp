@@ -7,6 +7,7 @@
 #include "core/text/json_text.hpp"
 #include "core/text/utf8.hpp"
 #include "daemon/cli/search/front_picture.hpp"
+#include "daemon/client/command_words.hpp"
 
 namespace popcut::cli {
 namespace front_report_parts {
@@ -66,8 +67,16 @@ ordered_json usual_json(const planning::UsualCard& usual) {
 
 std::string settings_words(const Candidate& c) {
   if (c.style == DesignStyle::Facets)
-    return fmt::format("facets of {:g} mm, planes {:g} mm apart", c.strip_mm, c.pitch_mm);
+    return fmt::format("facets in strips of {:g} mm, planes {:g} mm apart", c.strip_mm, c.pitch_mm);
   return fmt::format("{} lattice, {} slices of {} units", style_name(c), c.slices, c.units);
+}
+
+/// The options of a plan that a search was made for, as one types them.
+std::string plan_words(const ModelSearchOptions& options) {
+  std::string out;
+  if (!options.machine.empty()) out += " --machine " + client::quoted(options.machine);
+  if (!options.mat.empty()) out += " --mat " + client::quoted(options.mat);
+  return out;
 }
 
 }  // namespace
@@ -84,6 +93,8 @@ std::string front_json(const ModelSearchOptions& options, const SearchedModel& m
                    {"style", options.style},
                    {"cards", options.cards},
                    {"up", options.up},
+                   {"front", options.front},
+                   {"marks", options.marks},
                    {"seed", options.seed},
                    {"effort", options.effort},
                    {"tried",
@@ -120,16 +131,27 @@ std::string front_text(const ModelSearchOptions& options, const SearchedModel& m
                        settings_words(card.candidate));
   }
   for (const std::string& note : found.notes) out += fmt::format("  note     {}\n", note);
-  out += fmt::format("  seen     {:.0f} % of the model's surface is seen along {}\n",
-                     100.0 * found.seen_share,
-                     is_book ? "the diagonals of the cards" : "the diagonal");
+  out += fmt::format(
+      "  seen     {} can show {:.0f} % of the model's surface: what faces you, halfway between "
+      "wall "
+      "and ground{}\n",
+      is_book ? fmt::format("{} cards", options.cards) : std::string("one card"),
+      100.0 * found.seen_share, is_book ? " of each" : "");
   if (options.up == "any")
     out +=
-        "  upright  to have it upright, name the axis of the file that points up: --up y or --up "
-        "z\n";
+        "  upright  the model may lie on its side; to have it upright, say which axis of the file "
+        "points up: --up y or --up z\n";
   out += fmt::format("  best     {}/{}: the one most like the model within {:g} minutes\n", folder,
                      front_folder(found.front.back(), found.front.size() - 1), options.max_minutes);
   out += fmt::format("  look at  {}/front.svg\n", folder);
+  const std::string best =
+      client::quoted(fmt::format("{}/{}/spec.json", folder,
+                                 front_folder(found.front.back(), found.front.size() - 1))) +
+      plan_words(options);
+  out += fmt::format(
+      "  next     popcut cut {0} --direct    # cuts the best; simulated unless you add --device\n"
+      "           popcut print {0} -o printed    # or first prints the model's colours\n",
+      best);
   return out;
 }
 

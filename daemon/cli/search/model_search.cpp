@@ -86,12 +86,20 @@ Result<SearchedModel> search_model(const ModelSearchOptions& options,
   request.model = {path.stem().string(), out.file, material};
   request.plan.machine = options.machine, request.plan.material = material;
   request.plan.mat = options.mat;
+  request.plan.marks = options.marks;
   const auto& styles = style_choices();
   request.styles = *std::find_if(styles.begin(), styles.end(), [&](const StyleChoice& style) {
     return style.name == options.style;
   });
-  request.up = up_side(options.up);
+  request.up = up_side(options.up), request.front = up_side(options.front);
   request.cards = options.cards;
+  if (request.cards > 1 && request.front)
+    return fail(ErrorKind::Usage, "--front",
+                "is for cards; a book shows the model from all sides, so leave it out");
+  if (upright_turns(request.up, request.front).empty())
+    return fail(
+        ErrorKind::Usage, "--front",
+        fmt::format("is \"{}\", along the axis that --up says; give another axis", options.front));
   request.most_s = 60.0 * options.max_minutes;
   request.effort = options.effort, request.seed = options.seed;
   request.threads =

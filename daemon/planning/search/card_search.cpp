@@ -2,6 +2,7 @@
 #include "daemon/planning/search/card_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -14,6 +15,7 @@
 
 #include "core/design/book_fit.hpp"
 #include "core/formats/fold/fold_writer.hpp"
+#include "core/plan/marks.hpp"
 #include "core/search/book_standing.hpp"
 #include "core/search/coarse_mesh.hpp"
 #include "core/search/halving.hpp"
@@ -213,6 +215,7 @@ class CardSearch {
                               "choose a `machine` that popcut drives",
                               out_.machine.title));
     out_.area_mm = job->plan.sheets.front().area_mm;
+    room_mm_ = options.marks ? room_within_marks_mm(out_.area_mm) : out_.area_mm;
     return {};
   }
 
@@ -251,9 +254,9 @@ class CardSearch {
       });
       return ways;
     };
-    std::vector<Way> ways = judged(upright_turns(request_.up), {0.0, 0.02});
+    std::vector<Way> ways = judged(upright_turns(request_.up, request_.front), {0.0, 0.02});
     std::vector<std::array<double, 3>> near;
-    for (const Way& way : best_ways(ways, kWaysTurnedOn))
+    for (const Way& way : best_ways(ways, request_.front ? 0 : kWaysTurnedOn))
       for (const auto& turn : turns_near(way.rotate_deg, !request_.up)) near.push_back(turn);
     for (Way& way : judged(near, {0.02, 0.06})) ways.push_back(std::move(way));
     ways_ = best_ways(ways, kWays);
@@ -281,7 +284,7 @@ class CardSearch {
       return kRoom * std::min({1.0, (across - kMargins) / (u_mm - kMargins),
                                (along - kMargins) / (v_mm - kMargins)});
     };
-    return std::max(fits(out_.area_mm[0], out_.area_mm[1]), fits(out_.area_mm[1], out_.area_mm[0]));
+    return std::max(fits(room_mm_[0], room_mm_[1]), fits(room_mm_[1], room_mm_[0]));
   }
 
   /// Designs a candidate, as large as it is wanted and fits; returns whether something came of it.
@@ -289,8 +292,7 @@ class CardSearch {
     const Way& way = ways_[trial.candidate.way];
     trial.judged.made = false;
     for (int k = 0; k < kMostSizes; ++k) {
-      const double scale_mm =
-          trial.candidate.fill * trial.shrunk * largest_scale_mm(way, out_.area_mm);
+      const double scale_mm = trial.candidate.fill * trial.shrunk * largest_scale_mm(way, room_mm_);
       if (!(scale_mm > 0.0)) {
         trial.why = "the mat has no room beside the margins of the card";
         return false;
@@ -676,6 +678,7 @@ class CardSearch {
   const SearchRequest& request_;
   StyleChoice styles_;
   FoundCards out_;
+  std::array<double, 2> room_mm_{};  ///< for a card: the area, or what lies between its marks
   std::vector<Way> ways_;
   std::size_t drawn_ways_{};  ///< of `ways_`: those that are drawn
   std::uint64_t drawn_{};     ///< the next candidate's number

@@ -25,11 +25,12 @@ struct SearchRequest {
   TriangleMesh mesh;
   CandidateModel model;  ///< how specs name it
   Material material;
-  PlanOptions plan;                 ///< machine, material and mat
+  PlanOptions plan;                 ///< machine, material, mat, and whether there are marks
   std::vector<std::string> tables;  ///< users' tables
   StyleChoice styles{style_choices().front()};
   int cards{1};  ///< of a book around one spine, 3 to 12; 1: a card alone
   UpSide up;
+  FrontSide front;       ///< given: the model stands as it is said, turned no further
   double most_s{900.0};  ///< of cutting
   double effort{1.0};    ///< factor of how many candidates are tried
   std::uint64_t seed{1};

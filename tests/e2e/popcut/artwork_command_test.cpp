@@ -187,6 +187,38 @@ TEST_CASE("a printed design that is split is cut by the same programs as it is p
   }
 }
 
+TEST_CASE("popcut print says how its pages are cut, or why they have no marks",
+          "[cli][e2e][artwork]") {
+  const ShellBench bench;
+  const auto said = [&](std::vector<std::string> more) {
+    std::vector<std::string> all{"print", "shell.json", "--dpi", "72", "-o", "pages"};
+    all.insert(all.end(), more.begin(), more.end());
+    const Ran ran = bench.popcut(all);
+    CAPTURE(ran.err);
+    REQUIRE(ran.exit == 0);
+    return ran.err;
+  };
+  const std::string marked = said({"--machine", "cameo3", "--mat", "130x190", "--order", "keep"});
+  const std::string command =
+      "popcut cut shell.json --machine cameo3 --mat 130x190 --order keep --marks --direct";
+  CHECK(says(marked, command + " --device usb:SERIAL"));
+  CHECK(says(marked, "printed side up"));
+  // It cuts what was printed: the programs are the same.
+  REQUIRE(bench
+              .popcut({"cut", "shell.json", "--machine", "cameo3", "--mat", "130x190", "--order",
+                       "keep", "--marks", "--direct", "--yes", "-o", "cut", "-q"})
+              .exit == 0);
+  CHECK(text_of_file(bench.temp / "cut/sheet-01.gpgl") ==
+        text_of_file(bench.temp / "pages/sheet-01.gpgl"));
+  CHECK(says(said({"--machine", "cameo3", "--mat", "100x120"}),
+             "print pages/sheet-01.pdf to pages/sheet-02.pdf"));
+  const std::string unnamed = said({"--mat", "130x190"});
+  CHECK(says(unnamed, "no cutter is named"));
+  CHECK_FALSE(says(unnamed, "popcut cut"));
+  CHECK(says(said({"--machine", "hpgl-generic"}), "does not look for them"));
+  CHECK_FALSE(says(said({"--no-marks"}), "without marks"));
+}
+
 TEST_CASE("facets are printed in every mode, in one piece and in several", "[cli][e2e][artwork]") {
   const ShellBench bench;
   write_file(bench.temp / "shell.json", PaintedShell::facet_spec(25));
@@ -268,6 +300,12 @@ TEST_CASE("what popcut print cannot print is one line", "[cli][e2e][artwork]") {
           "broken.png: is a picture that cannot be read");
   refused({"--mode", "flat", "--image", "absent.png"}, 3, "absent.png");
   refused({"--mode", "flat"}, 2, "give it with --image FILE");
+  check_refused(bench.popcut({"print", "shell.obj", "-o", "pages", "-q"}), 3,
+                "shell.obj: is a 3D model; 'popcut auto shell.obj -o cards' makes cards of it");
+  check_refused(bench.popcut({"verify", "shell.obj"}), 3,
+                "shell.obj: is a 3D model, and verify reads a pattern");
+  check_refused(bench.popcut({"deploy", "shell.obj", "-o", "poses"}), 3,
+                "shell.obj: is a 3D model, and deploy reads a pattern");
   refused({"--image", "yellow.png"}, 2, "--mode flat");
   refused({"--page", "A4"}, 4, "--page: is 210 x 297 mm, smaller than the sheet of 304.8 x 304.8");
   refused({"--at", "11,11", "--mode", "surface"}, 4, "registration mark");

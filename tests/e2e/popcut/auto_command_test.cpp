@@ -166,6 +166,32 @@ TEST_CASE("a model becomes a front of books that are verified, made again and fi
   CHECK_THAT(seen["error"].get<double>(), WithinAbs(error, 1e-6));
 }
 
+TEST_CASE("the front of a model faces out of the card, and cards to print fit between the marks",
+          "[cli][e2e][auto]") {
+  const AutoBench bench;
+  const std::vector<std::string> cutter{"--machine", "cameo3", "--mat", "A4"};
+  std::vector<std::string> words{"--up", "z", "--front", "-y", "--marks"};
+  words.insert(words.end(), cutter.begin(), cutter.end());
+  const Ran ran = bench.search(words);
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  const json front = bench.read_json("out/front.json");
+  CHECK(front["marks"] == true);
+  REQUIRE_FALSE(front["cards"].empty());
+  for (const json& card : front["cards"]) {
+    const std::string design = "out/" + card["folder"].get<std::string>() + "/spec.json";
+    CHECK(bench.read_json(design)["rotate_deg"] == json{0.0, 0.0, 90.0});
+    std::vector<std::string> plan{"plan", design, "--marks", "--no-split", "-o", "plan", "-q"};
+    plan.insert(plan.end(), cutter.begin(), cutter.end());
+    const Ran planned = bench.popcut(plan);
+    INFO(planned.err);
+    CHECK(planned.exit == 0);
+  }
+  // The commands to type next have the same machine and mat.
+  CHECK(says(ran.out, "popcut print out/" + front["best"].get<std::string>() +
+                          "/spec.json --machine cameo3 --mat A4 -o printed"));
+}
+
 TEST_CASE("popcut design takes a model and makes the best card of a short search",
           "[cli][e2e][auto]") {
   const AutoBench bench;
@@ -214,7 +240,11 @@ TEST_CASE("a search says in one line what is wrong, and writes nothing", "[cli][
   refused({"houses.obj", "--up", "w"}, 2, "--up");
   refused({"houses.obj", "--cards", "2"}, 2, "--cards");
   refused({"houses.obj", "--cards", "13"}, 2, "give 1, or 3 to 12");
+  refused({"houses.obj", "--cards", "4", "--up", "z", "--front", "x"}, 2, "--front: is for cards");
   refused({"houses.obj", "--cards", "6", "--style", "facets"}, 2, "books of 4 cards only");
+  refused({"houses.obj", "--up", "z", "--front", "-z"}, 2, "--front: is \"-z\", along the axis");
+  refused({"houses.obj", "--marks", "--machine", "hpgl-generic", "--mat", "300x300"}, 3,
+          "cannot search for registration marks");
   check_refused(bench.popcut({"auto", "houses.obj"}), 2, "-o DIR is missing");
 }
 

@@ -127,6 +127,23 @@ TEST_CASE("an axis that is said to be up stays up", "[search]") {
   }
 }
 
+TEST_CASE("a side that is said to be in front faces away from the wall", "[search]") {
+  const TriangleMesh slab = box_mesh({0, 0, 0}, {20, 60, 30}, false);
+  const auto turns = upright_turns(std::nullopt, std::array{0, 0, -1});
+  CHECK(turns.size() == 4);
+  for (const auto& turn : turns) {
+    const Way way = way_of(slab, turn);
+    CHECK_THAT(way.box.high[0] - way.box.low[0], WithinAbs(30.0, 1e-6));
+    CHECK_THAT(way.box.high[0], WithinAbs(0.0, 1e-6));  // what was lowest is in front
+  }
+  const auto only = upright_turns(std::array{0, 1, 0}, std::array{0, 0, 1});
+  REQUIRE(only.size() == 1);
+  const Way way = way_of(slab, only.front());
+  CHECK_THAT(way.box.high[2], WithinAbs(60.0, 1e-6));
+  CHECK_THAT(way.box.high[0], WithinAbs(30.0, 1e-6));
+  CHECK(upright_turns(std::array{0, 1, 0}, std::array{0, -1, 0}).empty());
+}
+
 TEST_CASE("a mesh as binary STL is the same mesh, and a coarse one is near to it", "[search]") {
   const TriangleMesh ball = icosphere(30.0, 5);
   const auto again = read_mesh("ball.stl", stl_bytes(ball));
