@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "core/design/facets/label_pattern.hpp"
@@ -22,7 +23,8 @@ struct FacetRepair {
   int loose_before{};  ///< freedoms of the labels as they came, beyond the one
   int dropped{};       ///< patches that were given up
   std::vector<FacetStrut> struts;
-  bool unfinished{};  ///< it took too long: something is still loose
+  std::size_t bridges{};  ///< strips that hold what wall or ground would enclose otherwise
+  bool unfinished{};      ///< it took too long: something is still loose
 };
 
 /// How long repairing may take, in panels of strips that are looked at: about a second.

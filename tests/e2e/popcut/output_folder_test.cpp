@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
+#include <sys/stat.h>
+
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
 #include <ostream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -216,3 +220,16 @@ TEST_CASE("angles are read as people write them", "[cli][angles]") {
 }
 
 }  // namespace output_folder_test
+          "[files]") {
+            const TempFolder temp;
+            const fs::path pipe = temp.path() / "pipe";
+            REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+            const auto nothing = cli::read_file(pipe, 100, std::chrono::milliseconds(1));
+            REQUIRE(!nothing);
+            CHECK(nothing.error().detail == "is a pipe into which nothing is written; give a file");
+            std::thread writer([&] { write_file(pipe, "model"); });
+            const auto read = cli::read_file(pipe, 100, std::chrono::minutes(10));
+            writer.join();
+            REQUIRE(read);
+            CHECK(*read == "model");
+          }
