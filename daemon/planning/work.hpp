@@ -25,7 +25,7 @@ struct WorkerTask {
   SurfaceAssets assets{};  ///< by id
 };
 
-/// Does a task: the same code as `popcut plan` and `popcut design`, on values alone. The files go
+/// Does a task, but no search (see planning/search/search_task): the same code as `popcut plan` and `popcut design`, on values alone. The files go
 /// to `add` as they are made; `files` of the outcome stays empty. The same task gives the same
 /// bytes. While a plan is made, `progress` is told what is being done.
 ///

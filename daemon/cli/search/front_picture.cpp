@@ -21,7 +21,6 @@ using planning::FoundCard;
 using planning::FoundCards;
 
 constexpr int kPixels = 480, kTile = 240, kGap = 12, kTop = 44, kWords = 58, kAcross = 4;
-constexpr likeness::Rgb kModel{196, 205, 214}, kPaper{250, 236, 206};
 
 likeness::Scene scene_of(int pixels) {
   likeness::Scene scene;
@@ -132,7 +131,7 @@ Result<std::string> front_picture(const planning::FoundCards& found, const std::
     return part.has_value();
   };
   auto part =
-      tile(0, likeness::Target(best.target, scene_of(kPixels)), best.target, kModel,
+      tile(0, likeness::Target(best.target, scene_of(kPixels)), best.target, likeness::kModelColour,
            {"the model", fmt::format("one card sees {:.0f} % of it", 100 * found.seen_share),
             "as the best card has it"});
   if (!add(part)) return part;
@@ -140,7 +139,8 @@ Result<std::string> front_picture(const planning::FoundCards& found, const std::
     const FoundCard& card = found.front[k];
     const bool is_best = k + 1 == found.front.size();
     part =
-        tile(k + 1, likeness::Target(card.target, scene_of(kPixels)), card.structure, kPaper,
+        tile(k + 1, likeness::Target(card.target, scene_of(kPixels)), card.structure,
+             likeness::kPaperColour,
              {fmt::format("{}: {:.1f} min, error {:.3f}{}", k + 1, card.cost.seconds / 60.0,
                           card.figures.error(), is_best ? ", the best" : ""),
               settings(card.candidate),

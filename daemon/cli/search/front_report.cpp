@@ -7,6 +7,7 @@
 #include "core/text/json_text.hpp"
 #include "core/text/utf8.hpp"
 #include "daemon/cli/search/front_picture.hpp"
+#include "daemon/planning/search/found_front.hpp"
 
 namespace popcut::cli {
 namespace front_report_parts {
@@ -61,12 +62,6 @@ ordered_json usual_json(const planning::UsualCard& usual) {
   return out;
 }
 
-std::string settings_words(const Candidate& c) {
-  if (c.style == DesignStyle::Facets)
-    return fmt::format("facets of {:g} mm, planes {:g} mm apart", c.strip_mm, c.pitch_mm);
-  return fmt::format("{} lattice, {} slices of {} units", style_name(c), c.slices, c.units);
-}
-
 }  // namespace
 }  // namespace front_report_parts
 
@@ -109,7 +104,7 @@ std::string front_text(const ModelSearchOptions& options, const SearchedModel& m
     const planning::FoundCard& card = found.front[k];
     out += fmt::format("  {}  {:5.1f} min  error {:.4f}  {} folds, {}\n", front_folder(k),
                        card.cost.seconds / 60.0, card.figures.error(), card.folds,
-                       settings_words(card.candidate));
+                       planning::settings_words(card.candidate));
   }
   for (const std::string& note : found.notes) out += fmt::format("  note     {}\n", note);
   out += fmt::format("  seen     {:.0f} % of the model's surface is seen along the diagonal\n",
