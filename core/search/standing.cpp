@@ -127,6 +127,18 @@ std::vector<std::array<double, 3>> upright_turns(const UpSide& up, const FrontSi
   return out;
 }
 
+const std::vector<std::string>& up_words() {
+  static const std::vector<std::string> words{"any", "x", "y", "z", "-x", "-y", "-z"};
+  return words;
+}
+
+UpSide up_side(const std::string& word) {
+  if (word == "any") return std::nullopt;
+  std::array<int, 3> out{};
+  out.at(static_cast<std::size_t>(word.back() - 'x')) = word.front() == '-' ? -1 : 1;
+  return out;
+}
+
 std::vector<std::array<double, 3>> turns_near(const std::array<double, 3>& turn, bool tilts) {
   constexpr std::array kYaws{-30.0, -15.0, 15.0, 30.0, 45.0};
   constexpr std::array kTilts{-20.0, -10.0, 10.0, 20.0};

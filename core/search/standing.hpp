@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/compare/comparison.hpp"
@@ -41,6 +42,11 @@ struct Way {
 
 /// Which side of a model is up, as a direction along one of its axes; none: any of them may be.
 using UpSide = std::optional<std::array<int, 3>>;
+
+/// The words for both: "any", or an axis with its sign.
+[[nodiscard]] const std::vector<std::string>& up_words();
+/// @param word  one of `up_words`
+[[nodiscard]] UpSide up_side(const std::string& word);
 
 /// Which side of a model faces away from the wall, likewise.
 using FrontSide = UpSide;

@@ -21,7 +21,6 @@ using planning::FoundCard;
 using planning::FoundCards;
 
 constexpr int kPixels = 480, kTile = 240, kGap = 12, kTop = 44, kWords = 58, kAcross = 4;
-constexpr likeness::Rgb kModel{196, 205, 214}, kPaper{250, 236, 206};
 
 /// Cards are seen along the diagonal first, books from the first of the sides from which they are
 /// compared.
@@ -139,7 +138,8 @@ Result<std::string> front_picture(const planning::FoundCards& found, const std::
     if (part) svg += *part;
     return part.has_value();
   };
-  auto part = tile(0, likeness::Target(best.target, scene_of(best, kPixels)), best.target, kModel,
+  auto part = tile(0, likeness::Target(best.target, scene_of(best, kPixels)), best.target,
+                   likeness::kModelColour,
                    {"the model",
                     fmt::format("{} can show {:.0f} % of it",
                                 best.made.book ? fmt::format("{} cards", best.made.parts.size())
@@ -150,13 +150,13 @@ Result<std::string> front_picture(const planning::FoundCards& found, const std::
   for (std::size_t k = 0; k < found.front.size(); ++k) {
     const FoundCard& card = found.front[k];
     const bool is_best = k + 1 == found.front.size();
-    part =
-        tile(k + 1, likeness::Target(card.target, scene_of(card, kPixels)), card.structure, kPaper,
-             {fmt::format("{}: {:.1f} min, error {:.3f}{}", k + 1, card.cost.seconds / 60.0,
-                          card.figures.error(), is_best ? ", the best" : ""),
-              settings(card.candidate),
-              fmt::format("{} folds, {:.0f} % close to the model", card.folds,
-                          100.0 * card.figures.cover)});
+    part = tile(k + 1, likeness::Target(card.target, scene_of(card, kPixels)), card.structure,
+                likeness::kPaperColour,
+                {fmt::format("{}: {:.1f} min, error {:.3f}{}", k + 1, card.cost.seconds / 60.0,
+                             card.figures.error(), is_best ? ", the best" : ""),
+                 settings(card.candidate),
+                 fmt::format("{} folds, {:.0f} % close to the model", card.folds,
+                             100.0 * card.figures.cover)});
     if (!add(part)) return part;
   }
   svg += graph(tiles - 1, found) + "</svg>\n";

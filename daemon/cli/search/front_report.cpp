@@ -8,6 +8,7 @@
 #include "core/text/utf8.hpp"
 #include "daemon/cli/search/front_picture.hpp"
 #include "daemon/client/command_words.hpp"
+#include "daemon/planning/search/found_front.hpp"
 
 namespace popcut::cli {
 namespace front_report_parts {
@@ -63,12 +64,6 @@ ordered_json usual_json(const planning::UsualCard& usual) {
   else
     out["why"] = usual.why;
   return out;
-}
-
-std::string settings_words(const Candidate& c) {
-  if (c.style == DesignStyle::Facets)
-    return fmt::format("facets in strips of {:g} mm, planes {:g} mm apart", c.strip_mm, c.pitch_mm);
-  return fmt::format("{} lattice, {} slices of {} units", style_name(c), c.slices, c.units);
 }
 
 /// The options of a plan that a search was made for, as one types them.
@@ -128,7 +123,7 @@ std::string front_text(const ModelSearchOptions& options, const SearchedModel& m
     const planning::FoundCard& card = found.front[k];
     out += fmt::format("  {}  {:5.1f} min  error {:.4f}  {} folds, {}\n", front_folder(card, k),
                        card.cost.seconds / 60.0, card.figures.error(), card.folds,
-                       settings_words(card.candidate));
+                       planning::settings_words(card.candidate));
   }
   for (const std::string& note : found.notes) out += fmt::format("  note     {}\n", note);
   out += fmt::format(

@@ -34,24 +34,12 @@ Result<TriangleMesh> read_model(const std::string& file, const std::string& byte
   return read_mesh(file, bytes);
 }
 
-UpSide up_side(const std::string& word) {
-  if (word == "any") return std::nullopt;
-  std::array<int, 3> out{};
-  out.at(static_cast<std::size_t>(word.back() - 'x')) = word.front() == '-' ? -1 : 1;
-  return out;
-}
-
 }  // namespace
 }  // namespace model_search_parts
 
 bool is_mesh_file(const std::string& file) {
   const std::string ending = std::filesystem::path(file).extension().string();
   return same_word(ending, ".stl") || same_word(ending, ".obj");
-}
-
-const std::vector<std::string>& up_words() {
-  static const std::vector<std::string> words{"any", "x", "y", "z", "-x", "-y", "-z"};
-  return words;
 }
 
 Result<SearchedModel> search_model(const ModelSearchOptions& options,

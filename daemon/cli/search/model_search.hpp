@@ -36,9 +36,6 @@ struct SearchedModel {
 /// Is it a mesh, by its name (.stl, .obj)?
 [[nodiscard]] bool is_mesh_file(const std::string& file);
 
-/// Words for `--up` and `--front`: "any", or an axis of the file with its sign.
-[[nodiscard]] const std::vector<std::string>& up_words();
-
 /// Reads a mesh and searches its best cards (`planning::search_cards`).
 ///
 /// @param spec_folder  where specs will be, from which they name the mesh
