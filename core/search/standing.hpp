@@ -43,13 +43,13 @@ struct Way {
 /// Which side of a model is up, as a direction along one of its axes; none: any of them may be.
 using UpSide = std::optional<std::array<int, 3>>;
 
+/// Which side of a model faces away from the wall, likewise.
+using FrontSide = UpSide;
+
 /// The words for both: "any", or an axis with its sign.
 [[nodiscard]] const std::vector<std::string>& up_words();
 /// @param word  one of `up_words`
 [[nodiscard]] UpSide up_side(const std::string& word);
-
-/// Which side of a model faces away from the wall, likewise.
-using FrontSide = UpSide;
 
 /// The turns by right angles: 24, or the four that leave `up` upright or put `front` in front, or
 /// the one that does both. None where both are along one axis.
