@@ -24,6 +24,7 @@
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/options/plan_arguments.hpp"
 #include "daemon/cli/view/long_work.hpp"
+#include "daemon/cli/view/print_picture.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "daemon/pictures/artwork_pages.hpp"
@@ -82,6 +83,7 @@ Result<void> keep_design(const Options& options, PrintMode mode, const DesignSpe
                          PrintedDesign& design) {
   if (mode == PrintMode::Flat) {
     for (const Design& part : made.parts) design.parts.push_back(part.pattern);
+    design.around = made.book.has_value();
     return {};
   }
   if (!spec.patches.empty() && !options.model.empty())
@@ -161,8 +163,8 @@ Result<Artwork> artwork_of(const Options& options, PrintMode mode, const Printed
 }
 
 /// The pattern opened with its artwork on it. `part` counts from 0.
-Result<void> add_preview(const PrintedDesign& design, const Artwork& artwork, std::size_t part,
-                         OutputFolder& folder) {
+Result<void> add_animation(const PrintedDesign& design, const Artwork& artwork, std::size_t part,
+                           OutputFolder& folder) {
   const Pattern& pattern = design.parts[part];
   auto png = png_of_image(on_paper(artwork.image));
   if (!png) return tl::unexpected(png.error());
@@ -212,6 +214,17 @@ void say_next(const Options& options, const PlanJob& job) {
         "  note     without marks: {} does not look for them, so the sheet's edges alone say "
         "where the print is\n",
         job.plan.machine.title);
+}
+
+/// What the printed design will look like: a picture, and each part as it opens.
+Result<void> add_preview(const PrintedDesign& design, const Artwork& artwork,
+                         OutputFolder& folder) {
+  const auto picture = print_picture(design, artwork);
+  if (!picture) return tl::unexpected(picture.error());
+  if (auto done = folder.add("preview.png", *picture); !done) return done;
+  for (std::size_t k = 0; k < design.parts.size(); ++k)
+    if (auto done = add_animation(design, artwork, k, folder); !done) return done;
+  return {};
 }
 
 void say(const Options& options, const PlanJob& job, const PrintedDesign& design, PrintMode mode) {
@@ -274,8 +287,7 @@ Result<void> run_print(Options options, const Globals& globals) {
   if (!scale) return tl::unexpected(scale.error());
   if (auto done = folder->add("scale.pdf", *scale); !done) return done;
   if (options.preview)
-    for (std::size_t k = 0; k < design.parts.size(); ++k)
-      if (auto done = add_preview(design, *artwork, k, *folder); !done) return done;
+    if (auto done = add_preview(design, *artwork, *folder); !done) return done;
   const std::string json = plan_json(job->plan);
   if (auto done = folder->add("plan.json", json); !done) return done;
   if (auto done = folder->commit("popcut print " POPCUT_VERSION); !done) return done;
@@ -297,7 +309,8 @@ constexpr const char* kHelp =
     "  sheet-NN.gpgl or .hpgl  the program that cuts it\n"
     "  plan.json               lengths, time and warnings\n"
     "  scale.pdf               two bars of 100 mm, to measure what your printer makes of them\n"
-    "  preview.glb             with --preview: the card as it opens, with its artwork\n\n"
+    "  preview.glb             with --preview: the card as it opens, with its artwork\n"
+    "  preview.png             with --preview: the model, and the printed card from two sides\n\n"
     "Print at actual size. Load the sheet with the printed side up and the black square at the\n"
     "upper left. popcut prints the command that cuts it: 'popcut cut' with the same options and\n"
     "--marks. Marks need a cutter that looks for them (Silhouette, Graphtec); name yours with\n"
@@ -352,7 +365,7 @@ void add_options(CLI::App& command, Options& options) {
       .add_option("--page", options.page,
                   "Size of the printer's paper, such as A4 or 330x483; default: that of the sheet")
       ->option_text("SIZE");
-  command.add_flag("--preview", options.preview, "Also write preview.glb");
+  command.add_flag("--preview", options.preview, "Also write preview.glb and preview.png");
   command
       .add_option("-o,--output", options.folder,
                   "Folder for the files; created if it does not exist")

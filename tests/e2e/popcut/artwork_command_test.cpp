@@ -157,6 +157,10 @@ TEST_CASE("popcut print writes pages, programs and a preview, and the same again
   const std::string pdf = text_of_file(bench.temp / "pages/sheet-01.pdf");
   CHECK(pdf.rfind("%PDF", 0) == 0);
   CHECK(text_of_file(bench.temp / "pages/preview.glb").rfind("glTF", 0) == 0);
+  const std::string picture = text_of_file(bench.temp / "pages/preview.png");
+  const auto tiles = read_image("preview.png", picture);
+  REQUIRE(tiles);
+  CHECK(tiles->width == 3 * tiles->height);
   CHECK(says(text_of_file(bench.temp / "pages/sheet-01.gpgl"), "TB123,"));
   CHECK(bench.read_json("pages/plan.json")["sheets"][0]["registration"]["left_mm"] == 10);
   const Ran info = run_program({"/usr/bin/pdfinfo", "pages/sheet-01.pdf"}, bench.temp.path());
@@ -164,6 +168,42 @@ TEST_CASE("popcut print writes pages, programs and a preview, and the same again
   CHECK(says(info.out, "864 x 864 pts"));  // 12 inches
   REQUIRE(bench.popcut(words).exit == 0);
   CHECK(text_of_file(bench.temp / "pages/sheet-01.pdf") == pdf);
+  CHECK(text_of_file(bench.temp / "pages/preview.png") == picture);
+}
+
+TEST_CASE("the picture of a printed design shows the model, and the card from two sides",
+          "[cli][e2e][artwork]") {
+  const ShellBench bench;
+  const auto tiles_of = [&](std::vector<std::string> more) {
+    std::vector<std::string> all{"print",     "shell.json", "--no-marks", "--dpi", "72",
+                                 "--preview", "-o",         "pages",      "-q"};
+    all.insert(all.end(), more.begin(), more.end());
+    REQUIRE(bench.popcut(all).exit == 0);
+    const auto image = read_image("preview.png", text_of_file(bench.temp / "pages/preview.png"));
+    REQUIRE(image);
+    // Of each tile: pixels with colour.
+    std::vector<std::size_t> out(image->width / image->height);
+    for (std::size_t j = 0; j < image->height; ++j)
+      for (std::size_t i = 0; i < image->width; ++i) {
+        const auto [least, most] = std::minmax_element(image->at(i, j), image->at(i, j) + 3);
+        out[i / image->height] += *most - *least > 40 ? 1 : 0;
+      }
+    return out;
+  };
+  const auto painted = tiles_of({});
+  REQUIRE(painted.size() == 3);
+  for (const std::size_t pixels : painted) CHECK(pixels > 5000);
+  // A picture of your own has no model; it is laid over all of the card.
+  const auto flat = tiles_of({"--mode", "flat", "--image", "yellow.png"});
+  REQUIRE(flat.size() == 2);
+  for (const std::size_t pixels : flat) CHECK(pixels > 20000);
+  write_file(bench.temp / "shell.json",
+             R"({"popcut": 1, "name": "b", "surface": {"type": "mesh", "file": "shell.obj"},
+                 "scale_mm": 25, "units_per_slice": 4, "slices": 8, "widths_mm": 5,
+                 "book": {"cards": 4}})");
+  const auto book = tiles_of({});
+  REQUIRE(book.size() == 3);
+  for (std::size_t k = 0; k < 2; ++k) CHECK(book[k] > 2000);
 }
 
 TEST_CASE("a printed design that is split is cut by the same programs as it is planned",
