@@ -36,7 +36,7 @@ namespace {
 // How many are tried, for an effort of 1.
 constexpr std::size_t kDrawn = 150, kChanged = 100, kParents = 16, kFine = 40, kFineChanged = 24,
                       kFineParents = 8, kFinal = 16;
-constexpr std::size_t kWays = 6, kWaysTurnedOn = 5;
+constexpr std::size_t kWays = 6, kStraightWays = 2, kWaysTurnedOn = 5;
 constexpr std::size_t kMostOfFront = 8;
 
 /// How carefully candidates are judged.
@@ -238,7 +238,24 @@ class CardSearch {
     }
   }
 
-  /// Ways to stand: the best by what is seen along the diagonal, and as the file stands.
+  [[nodiscard]] static auto is_turned(const std::array<double, 3>& degrees) {
+    return [degrees](const Way& way) { return way.rotate_deg == degrees; };
+  }
+
+  /// What is seen of a turned model is more, and yet a house that stands straight becomes a better
+  /// card: with few large panels. So the last of the ways make room for straight ones.
+  [[nodiscard]] static std::vector<Way> with_straight(std::vector<Way> ways,
+                                                      const std::vector<Way>& straight) {
+    std::vector<Way> missing;
+    for (const Way& way : straight)
+      if (std::none_of(ways.begin(), ways.end(), is_turned(way.rotate_deg))) missing.push_back(way);
+    ways.resize(std::min(ways.size(), kWays - missing.size()));
+    ways.insert(ways.end(), missing.begin(), missing.end());
+    return ways;
+  }
+
+  /// Ways to stand: the best by what is seen along the diagonal, straight ones, and as the file
+  /// stands.
   void find_ways() {
     const TriangleMesh coarse = coarse_mesh(request_.mesh, kCoarseCells, kCoarseTriangles);
     if (is_book()) return find_book_ways(coarse);
@@ -255,19 +272,17 @@ class CardSearch {
       return ways;
     };
     std::vector<Way> ways = judged(upright_turns(request_.up, request_.front), {0.0, 0.02});
+    const std::vector<Way> straight = best_ways(ways, kStraightWays);
     std::vector<std::array<double, 3>> near;
     for (const Way& way : best_ways(ways, request_.front ? 0 : kWaysTurnedOn))
       for (const auto& turn : turns_near(way.rotate_deg, !request_.up)) near.push_back(turn);
     for (Way& way : judged(near, {0.02, 0.06})) ways.push_back(std::move(way));
-    ways_ = best_ways(ways, kWays);
+    ways_ = with_straight(best_ways(ways, kWays), straight);
     drawn_ways_ = ways_.size();
-    const bool has_own = std::any_of(ways_.begin(), ways_.end(), [](const Way& way) {
-      return way.rotate_deg == std::array<double, 3>{};
-    });
-    const auto own = std::find_if(ways.begin(), ways.end(), [](const Way& way) {
-      return way.rotate_deg == std::array<double, 3>{};
-    });
-    if (!has_own && own != ways.end()) ways_.push_back(*own);
+    constexpr std::array<double, 3> kAsTheFileStands{};
+    const auto own = std::find_if(ways.begin(), ways.end(), is_turned(kAsTheFileStands));
+    if (own != ways.end() && std::none_of(ways_.begin(), ways_.end(), is_turned(kAsTheFileStands)))
+      ways_.push_back(*own);
     for (Way& way : ways_) {  // their boxes are of the mesh itself
       const double misfit = way.misfit;
       way = way_of(request_.mesh, way.rotate_deg);
