@@ -124,7 +124,7 @@ test('a picked card is planned with marks, and its page to print comes as a PDF'
   await exact(page);
   await page.getByRole('button', { name: 'Cut this…' }).click();
   await page.getByLabel('Print a picture of the shape', { exact: false }).check();
-  await page.getByLabel('Cutter', { exact: true }).selectOption('sim:cameo3');
+  await page.getByRole('combobox', { name: /^Cutter/ }).selectOption('sim:cameo3');
   await page.getByRole('button', { name: 'Show the sheets' }).click();
   const button = page.getByRole('button', { name: 'Page to print (PDF)' });
   await button.waitFor({ timeout: 60_000 });
