@@ -124,7 +124,7 @@ test('a picked card is planned with marks, and its page to print comes as a PDF'
   await exact(page);
   await page.getByRole('button', { name: 'Cut this…' }).click();
   await page.getByLabel('Print a picture of the shape', { exact: false }).check();
-  await page.getByLabel('Cutter', { exact: true }).selectOption('sim:cameo3');
+  await page.getByRole('combobox', { name: /^Cutter/ }).selectOption('sim:cameo3');
   await page.getByRole('button', { name: 'Show the sheets' }).click();
   const button = page.getByRole('button', { name: 'Page to print (PDF)' });
   await button.waitFor({ timeout: 60_000 });
@@ -150,6 +150,23 @@ test('a sheet that is not planned with marks, or not of a design, has nothing to
     await page.locator('h1', { hasText: 'nothing to print' }).waitFor();   // it knows the design, then
     assert.equal(await page.getByRole('button', { name: 'Page to print (PDF)' }).count(), 0);
   }
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('a book lies on the desk with all its cards and is planned as one', async () => {
+  const { items } = await server.must('GET', '/v1/examples');
+  const book = items.find((one) => one.name === 'lantern').spec;
+  const { page, complaints, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
+  await page.locator('.start-card:not(:disabled)').first().waitFor();
+  await give(page, 'lantern.json', Buffer.from(JSON.stringify(book)));
+  await exact(page);
+  assert.match(await page.locator('[aria-labelledby=figures]').innerText(), /ways to move\s+one movement/);
+  assert.match(await page.locator('[aria-labelledby=figures]').innerText(), /sheet\s+\d{3}/);
+  await picture(page, 'cards-book');
+  await page.getByRole('button', { name: 'Cut this…' }).click();
+  await page.getByRole('button', { name: 'Show the sheets' }).click();
+  await page.getByRole('button', { name: 'Queue it' }).waitFor({ timeout: 60_000 });
   assert.deepEqual(complaints, []);
   await close();
 });

@@ -42,6 +42,7 @@ try {
   await draw('design', '#/design/example/sphere', (page) => page.locator('.badge', { hasText: 'exact' }).waitFor());
   await draw('cards', '#/design', async (page) => {
     await page.locator('.start-card:not(:disabled)').first().waitFor();
+    await page.route('**/search', (route) => route.continue({ postData: JSON.stringify({ up: 'y', effort: 0.1 }) }));
     await page.locator('input[type=file]').setInputFiles({ name: 'church.obj', mimeType: 'model/obj', buffer: church() });
     await page.locator('.found-card').last().click({ timeout: 300_000 });
     await page.locator('.badge', { hasText: 'exact' }).waitFor();
