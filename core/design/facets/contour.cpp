@@ -83,10 +83,11 @@ class ContourFollower {
     return out;
   }
 
-  /// What a panel must be long beside a cut that slants by `reach` columns a strip: measured across
-  /// the cut it is narrower than along the strip.
+  /// What a panel must be long beside a cut with a step of `reach` columns: measured across the cut
+  /// it is narrower than along the strip. Where the cut has such a step at both sides of a strip,
+  /// it slants by up to twice as much.
   [[nodiscard]] int least_run(int reach) const {
-    const double slope = reach * grid().step_mm / grid().strip_mm;
+    const double slope = 2 * reach * grid().step_mm / grid().strip_mm;
     return static_cast<int>(
         std::ceil(min_panel_mm_ * std::hypot(1.0, slope) / grid().step_mm - 1e-9));
   }
