@@ -175,7 +175,7 @@ json ContractLife::search_until(const std::string& asset, const std::string& sta
       .method = "POST",
       .route = "/v1/assets/{id}/search",
       .holes = {{"id", asset}},
-      .body = json{{"effort", 0.01}, {"style", "facets"}, {"up", "z"}}.dump()};
+      .body = json{{"effort", 0.01}, {"style", "facets"}, {"up", "z"}, {"mat", "110x110"}}.dump()};
   const WireResponse begun = ask(search);
   REQUIRE(begun.status == 202);
   const std::string id = json::parse(begun.body).at("id");
