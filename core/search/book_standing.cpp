@@ -42,8 +42,11 @@ Way way_in_book(const TriangleMesh& model, const std::array<double, 3>& rotate_d
     most = std::max(
         most, std::hypot(static_cast<double>(standing[k]), static_cast<double>(standing[k + 2])));
   way.shut_reach = most / way.to_target() / std::cos(std::numbers::pi / cards);
-  way.misfit = 1.0 - seen_share({standing}, diagonals_of_book(cards));
   return way;
+}
+
+double misfit_in_book(const TriangleMesh& model, const Way& way, int cards) {
+  return 1.0 - seen_share({standing_in_book(model, way)}, diagonals_of_book(cards));
 }
 
 std::vector<float> standing_in_book(const TriangleMesh& model, const Way& way) {
@@ -52,15 +55,6 @@ std::vector<float> standing_in_book(const TriangleMesh& model, const Way& way) {
   const auto x = static_cast<float>(by * (way.box.high[0] - way.box.low[0]));
   const auto z = static_cast<float>(by * (way.box.high[2] - way.box.low[2]));
   for (std::size_t k = 0; k + 2 < out.size(); k += 3) out[k] -= x, out[k + 2] -= z;
-  return out;
-}
-
-std::vector<Vec3> diagonals_of_book(int cards) {
-  std::vector<Vec3> out;
-  for (int k = 0; k < cards; ++k) {
-    const double turn = 2.0 * std::numbers::pi * (k + 0.5) / cards;
-    out.emplace_back(std::cos(turn), 0.0, std::sin(turn));
-  }
   return out;
 }
 

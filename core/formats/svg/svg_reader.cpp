@@ -614,17 +614,11 @@ class SvgReader {
     constexpr double kAll = 0.95;  // of the page: a background may have round corners
     if (lines.size() != 1 || !(page_mm_[0] > 0.0) || !(page_mm_[1] > 0.0)) return false;
     Box box;
-    double twice_area = 0.0;
-    const auto line = lines[0];
-    for (std::size_t k = 0; k < line.size(); ++k) {
-      const PagePoint &a = line[k], &b = line[(k + 1) % line.size()];
-      box.add(a);
-      twice_area += a.x * b.y - b.x * a.y;
-    }
+    for (const PagePoint& p : lines[0]) box.add(p);
     const double margin = 0.001 * (page_mm_[0] + page_mm_[1]);
     return box.x0 <= margin && box.y0 <= margin && box.x1 >= page_mm_[0] - margin &&
            box.y1 >= page_mm_[1] - margin &&
-           0.5 * std::abs(twice_area) >= kAll * page_mm_[0] * page_mm_[1];
+           0.5 * std::abs(twice_area(lines[0])) >= kAll * page_mm_[0] * page_mm_[1];
   }
 
   // The outline of a fill. Only at the end is it known whether fills without a name are kept.

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "daemon/model/found_card_json.hpp"
 #include "daemon/model/warnings.hpp"
 
 namespace popcut::daemon::http {
@@ -235,23 +236,12 @@ namespace {
 
 ordered_json card_json(const FoundCardRecord& card, std::size_t number, const std::string& self) {
   const std::string own = fmt::format("{}/cards/{}", self, number);
-  return {{"card", number},
-          {"style", card.style},
-          {"settings", card.settings},
-          {"error", card.error},
-          {"surface", card.surface},
-          {"contour", card.contour},
-          {"cover", card.cover},
-          {"excess", card.excess},
-          {"seconds", card.seconds},
-          {"seconds_range", card.seconds_range},
-          {"cut_mm", card.cut_mm},
-          {"fold_mm", card.fold_mm},
-          {"sheet_mm", card.sheet_mm},
-          {"folds", card.folds},
-          {"warnings", ordered_json::parse(warnings_json(card.warnings), nullptr, false)},
-          {"spec", ordered_json::parse(card.spec, nullptr, false)},
-          {"links", {{"picture", own + ".png"}, {"design", own + "/design"}}}};
+  ordered_json out{{"card", number}};
+  out.update(figures_json(card));
+  out["warnings"] = ordered_json::parse(warnings_json(card.warnings), nullptr, false);
+  out["spec"] = ordered_json::parse(card.spec, nullptr, false);
+  out["links"] = {{"picture", own + ".png"}, {"design", own + "/design"}};
+  return out;
 }
 
 }  // namespace

@@ -219,23 +219,30 @@ class CardSearch {
     return {};
   }
 
+  /// Ways are judged on a coarse mesh; their boxes are to be of the mesh itself.
+  void take_boxes() {
+    for (Way& way : ways_) {
+      const double misfit = way.misfit;
+      way = is_book() ? way_in_book(request_.mesh, way.rotate_deg, request_.cards)
+                      : way_of(request_.mesh, way.rotate_deg);
+      way.misfit = misfit;
+    }
+  }
+
   /// Ways to stand about the spine: the best by what is seen along the cards' diagonals.
   void find_book_ways(const TriangleMesh& coarse) {
     const auto turns = turns_in_book(request_.up, request_.cards);
     std::vector<Way> ways(turns.size());
     for_each(turns.size(), "trying ways to stand", {0.0, 0.06}, [&](std::size_t, std::size_t k) {
       ways[k] = way_in_book(coarse, turns[k], request_.cards);
+      ways[k].misfit = misfit_in_book(coarse, ways[k], request_.cards);
     });
     out_.counts.ways += turns.size();
     std::erase_if(ways,
                   [](const Way& way) { return !(way.length() > 0.0) || !(way.shut_reach > 0.0); });
     ways_ = best_ways(ways, kWays);
     drawn_ways_ = ways_.size();
-    for (Way& way : ways_) {  // their boxes are of the mesh itself
-      const double misfit = way.misfit;
-      way = way_in_book(request_.mesh, way.rotate_deg, request_.cards);
-      way.misfit = misfit;
-    }
+    take_boxes();
   }
 
   [[nodiscard]] static auto is_turned(const std::array<double, 3>& degrees) {
@@ -283,11 +290,7 @@ class CardSearch {
     const auto own = std::find_if(ways.begin(), ways.end(), is_turned(kAsTheFileStands));
     if (own != ways.end() && std::none_of(ways_.begin(), ways_.end(), is_turned(kAsTheFileStands)))
       ways_.push_back(*own);
-    for (Way& way : ways_) {  // their boxes are of the mesh itself
-      const double misfit = way.misfit;
-      way = way_of(request_.mesh, way.rotate_deg);
-      way.misfit = misfit;
-    }
+    take_boxes();
   }
 
   /// How much smaller a card, or each of a book, must be for the mat; 1: it fits.

@@ -14,6 +14,7 @@
 #include "core/text/field_reader.hpp"
 #include "core/text/json_text.hpp"
 #include "core/text/utf8.hpp"
+#include "daemon/model/found_card_json.hpp"
 #include "daemon/model/warnings.hpp"
 
 namespace popcut::planning {
@@ -22,28 +23,17 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr std::size_t kMostCards = 100, kMostNotes = 50, kMostSpec = 64u << 10;
+constexpr std::size_t kMostFound = 100, kMostNotes = 50, kMostSpec = 64u << 10;
 constexpr std::size_t kMostNote = 1000, kMostWords = 200, kMostCardWarnings = 50;
 constexpr std::size_t kMostNameBytes = 60;
 constexpr double kMostFigure = 1e9;
 constexpr int kMostCount = 1 << 30, kFrontDepth = 6;
 
 ordered_json card_json(const daemon::FoundCardRecord& card) {
-  return {{"style", card.style},
-          {"settings", card.settings},
-          {"error", card.error},
-          {"surface", card.surface},
-          {"contour", card.contour},
-          {"cover", card.cover},
-          {"excess", card.excess},
-          {"seconds", card.seconds},
-          {"seconds_range", card.seconds_range},
-          {"cut_mm", card.cut_mm},
-          {"fold_mm", card.fold_mm},
-          {"sheet_mm", card.sheet_mm},
-          {"folds", card.folds},
-          {"warnings", daemon::warnings_json(card.warnings)},
-          {"spec", card.spec}};
+  ordered_json out = daemon::figures_json(card);
+  out["warnings"] = daemon::warnings_json(card.warnings);
+  out["spec"] = card.spec;
+  return out;
 }
 
 std::array<double, 2> pair_of(FieldReader& fields, const char* key) {
@@ -137,7 +127,7 @@ Result<daemon::SearchFront> read_front(std::string_view text) {
   FieldReader fields(*json, "");
   daemon::SearchFront front;
   fields.objects(
-      "cards", [&](FieldReader& card) { front.cards.push_back(read_card(card)); }, kMostCards);
+      "cards", [&](FieldReader& card) { front.cards.push_back(read_card(card)); }, kMostFound);
   front.designed = fields.integer("designed", {}, 0, kMostCount);
   front.planned = fields.integer("planned", {}, 0, kMostCount);
   front.verified = fields.integer("verified", {}, 0, kMostCount);
