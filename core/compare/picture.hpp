@@ -18,6 +18,9 @@ struct Pixels {
   std::vector<std::uint8_t> rgb;
 };
 
+/// What a model and the paper of a card are drawn in.
+inline constexpr Rgb kModelColour{196, 205, 214}, kPaperColour{250, 236, 206};
+
 /// Depths as a surface of one colour under a lamp at the upper left, its contours drawn dark, on
 /// white. `jump_mm` as in `find_contours`.
 [[nodiscard]] Pixels shaded(const DepthImage& image, double pitch_mm, float jump_mm,

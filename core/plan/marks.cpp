@@ -52,6 +52,11 @@ std::array<double, 2> within_marks_mm(std::array<double, 2> page_mm) {
   return {page_mm[0] - kInsetMm - kClearMm, page_mm[1] - kFarInsetMm - kClearMm};
 }
 
+std::array<double, 2> room_within_marks_mm(std::array<double, 2> page_mm) {
+  const auto most = within_marks_mm(page_mm);
+  return {std::max(0.0, most[0] - kBesideMarksMm), std::max(0.0, most[1] - kBesideMarksMm)};
+}
+
 Result<MarkLayout> marks_for(std::array<double, 2> page_mm) {
   MarkLayout marks;
   marks.left_mm = marks.top_mm = kInsetMm;

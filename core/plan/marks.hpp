@@ -36,9 +36,15 @@ struct MarkLayout {
 /// What is printed of marks, on the page in mm: the square, and two bars for each L.
 [[nodiscard]] std::vector<Box> mark_boxes(const MarkLayout& marks);
 
+/// How far right of and below the page's corner a drawing must begin to stay clear of the marks.
+inline constexpr double kBesideMarksMm = 16.0;
+
 /// How far right and down on a page a drawing may reach that stays clear of the marks of
-/// `marks_for`, mm; its upper left corner is to be at (16, 16) or beyond.
+/// `marks_for`, mm; its upper left corner is to be at `kBesideMarksMm` or beyond.
 [[nodiscard]] std::array<double, 2> within_marks_mm(std::array<double, 2> page_mm);
+
+/// The largest drawing that stays clear of the marks of a page, mm; 0 on a page too small for any.
+[[nodiscard]] std::array<double, 2> room_within_marks_mm(std::array<double, 2> page_mm);
 
 /// Checks that all strokes of a sheet lie between its marks and clear of them. The machine cuts
 /// nothing outside, and lines printed over a mark hide it.

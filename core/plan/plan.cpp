@@ -23,9 +23,10 @@ constexpr double kBandMm = 20.0, kCornerDeg = 60.0;
 constexpr double kRollMargin = 10.0;
 
 // The name of the machine's first mat that holds all of a drawing of this size; empty if none does.
-std::string mat_for(const Machine& machine, const Box& box) {
+std::string mat_for(const Machine& machine, const Box& box, bool marks) {
   for (const Mat& other : machine.mats) {
-    const auto reach = reach_mm(machine, other);
+    auto reach = reach_mm(machine, other);
+    if (marks) reach = room_within_marks_mm(reach);
     if ((box.width() <= reach[0] && box.height() <= reach[1]) ||
         (box.height() <= reach[0] && box.width() <= reach[1]))
       return other.name;
@@ -38,7 +39,7 @@ Error with_advice(Error error, const Machine& machine, const Mat& mat, const Box
                   const PlanOptions& options) {
   if (error.kind != ErrorKind::Infeasible || options.place.at) return error;
   std::string advice = "omit `no-split` to split it, ";
-  if (const std::string other = mat_for(machine, box); !other.empty())
+  if (const std::string other = mat_for(machine, box, options.marks); !other.empty())
     advice += fmt::format("use `mat` {}, ", other);
   advice += "scale it down, use a larger machine, or use `clip` to drop what lies outside";
   const auto reach = reach_mm(machine, mat);
@@ -335,7 +336,7 @@ class Planner {
       cut_marks(*layout);
     out_.warnings.insert(out_.warnings.end(), layout->warnings.begin(), layout->warnings.end());
     // Pieces that are apart in the drawing, such as a book's cards, are split without glue.
-    if (const std::string other = mat_for(out_.machine, bounds(work));
+    if (const std::string other = mat_for(out_.machine, bounds(work), options_.marks);
         !other.empty() && !layout->tabs.empty())
       out_.warnings.push_back(
           {.code = "fits_whole",

@@ -96,7 +96,13 @@ std::string_view style_name(const Candidate& candidate) {
       ->name;
 }
 
-std::vector<Candidate> usual_candidates(const StyleChoice& styles) {
+StyleChoice styles_for_cards(StyleChoice styles, int cards) {
+  constexpr int kSquareCards = 4;
+  if (cards != 1 && cards != kSquareCards) styles.facets = false;
+  return styles;
+}
+
+std::vector<Candidate> usual_candidates(const StyleChoice& styles, int cards) {
   std::vector<Candidate> out;
   Candidate usual;
   usual.usual = true;
@@ -108,17 +114,19 @@ std::vector<Candidate> usual_candidates(const StyleChoice& styles) {
   }
   usual.lattice = LatticeMethod::Auto;
   if (styles.lattices.size() > 1) out.push_back(usual);
+  for (Candidate& candidate : out) candidate.cards = cards;
   return out;
 }
 
-Candidate drawn_candidate(const StyleChoice& styles, std::size_t ways, std::uint64_t seed,
-                          std::uint64_t index) {
+Candidate drawn_candidate(const StyleChoice& styles, int cards, std::size_t ways,
+                          std::uint64_t seed, std::uint64_t index) {
   constexpr double kFacetShare = 0.6;
   Draws draws(seed, index);
   Candidate out;
   const double style = draws.next();
   const bool facets = styles.lattices.empty() || (styles.facets && style < kFacetShare);
   out.style = facets ? DesignStyle::Facets : DesignStyle::Lattice;
+  out.cards = cards;
   out.way = drawn_way(ways, draws);
   out.fill = draws.next_of(kFills);
   if (facets) {
@@ -176,12 +184,16 @@ std::string spec_text(const Candidate& candidate, const Way& way, double scale_m
   spec["surface"] = {{"type", "mesh"}, {"file", model.file}};
   spec["scale_mm"] = scale_mm;
   spec["rotate_deg"] = way.rotate_deg;
-  std::array<double, 3> shift{};
-  for (std::size_t i = 0; i < 3; ++i) shift[i] = -scale_mm * way.box.low[i];
   const double width_mm = floored(length_mm / candidate.slices, 4);
-  if (!facets) shift[1] -= 0.5 * (length_mm - (candidate.slices - 1) * width_mm);
-  for (double& by : shift) by = std::round(by * 1e6) / 1e6 + 0.0;
-  spec["translate_mm"] = shift;
+  if (candidate.cards > 1) {
+    spec["book"] = {{"cards", candidate.cards}};  // it puts the model's middle onto the spine
+  } else {
+    std::array<double, 3> shift{};
+    for (std::size_t i = 0; i < 3; ++i) shift[i] = -scale_mm * way.box.low[i];
+    if (!facets) shift[1] -= 0.5 * (length_mm - (candidate.slices - 1) * width_mm);
+    for (double& by : shift) by = std::round(by * 1e6) / 1e6 + 0.0;
+    spec["translate_mm"] = shift;
+  }
   if (facets) {
     const FacetSpec usual;
     spec["facets"] = {{"strip_mm", candidate.strip_mm},

@@ -20,7 +20,7 @@ struct Candidate {
   LatticeMethod lattice{LatticeMethod::Auto};  ///< of a lattice
   std::size_t way{};                           ///< index of the way that the model stands
   double fill{1.0};                            ///< its size, of the largest that fits on the mat
-  int cards{1};                                ///< of a book
+  int cards{1};                                ///< of a book; 1: a card alone
   int units{12};                               ///< of a lattice, per slice
   int slices{20};                              ///< of a lattice
   double strip_mm{2.0};                        ///< of facets, as the next two
@@ -43,11 +43,14 @@ struct StyleChoice {
 /// "facets", or the name of its lattice.
 [[nodiscard]] std::string_view style_name(const Candidate& candidate);
 
+/// What of a choice a book of so many cards can be made of: facets are for openings of 90 degrees.
+[[nodiscard]] StyleChoice styles_for_cards(StyleChoice styles, int cards);
+
 /// Each style with the usual settings, standing in the first way.
-[[nodiscard]] std::vector<Candidate> usual_candidates(const StyleChoice& styles);
+[[nodiscard]] std::vector<Candidate> usual_candidates(const StyleChoice& styles, int cards);
 
 /// Candidate `index` of a seed. Better ways are drawn more often.
-[[nodiscard]] Candidate drawn_candidate(const StyleChoice& styles, std::size_t ways,
+[[nodiscard]] Candidate drawn_candidate(const StyleChoice& styles, int cards, std::size_t ways,
                                         std::uint64_t seed, std::uint64_t index);
 /// One with one or two settings changed a little.
 [[nodiscard]] Candidate changed_candidate(const Candidate& from, std::size_t ways,

@@ -45,18 +45,22 @@ double seen_share(const TriangleMesh& mesh, std::span<const Vec3> toward) {
   return static_cast<double>(seen) / static_cast<double>(points.size());
 }
 
+std::vector<Vec3> diagonals_of_book(int cards, int from, int to) {
+  std::vector<Vec3> out;
+  for (int k = 0; k < cards; ++k) {
+    const double turn = 2.0 * std::numbers::pi * (k + 0.5) / cards;
+    Vec3 direction;
+    direction[from] = std::cos(turn), direction[to] = std::sin(turn);
+    out.push_back(direction);
+  }
+  return out;
+}
+
 double share_of_book(const TriangleMesh& mesh, int cards) {
   double best = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<Vec3> toward;
-    for (int k = 0; k < cards; ++k) {
-      const double turn = 2.0 * std::numbers::pi * (k + 0.5) / cards;
-      Vec3 direction;
-      direction[(axis + 1) % 3] = std::cos(turn), direction[(axis + 2) % 3] = std::sin(turn);
-      toward.push_back(direction);
-    }
-    best = std::max(best, seen_share(mesh, toward));
-  }
+  for (int axis = 0; axis < 3; ++axis)
+    best =
+        std::max(best, seen_share(mesh, diagonals_of_book(cards, (axis + 1) % 3, (axis + 2) % 3)));
   return best;
 }
 

@@ -112,18 +112,30 @@ double misfit_of(const TriangleMesh& model, const Way& way) {
   return target.measure(seen_along_diagonal(standing, kNet)).error();
 }
 
-std::vector<std::array<double, 3>> upright_turns(const UpSide& up) {
+std::vector<std::array<double, 3>> upright_turns(const UpSide& up, const FrontSide& front) {
   std::vector<std::array<double, 3>> out;
   for (const auto& degrees : right_turns()) {
-    if (!up) {
-      out.push_back(degrees);
-      continue;
-    }
     const TurnMatrix turn = turn_of(degrees);
-    double height = 0.0;
-    for (std::size_t k = 0; k < 3; ++k) height += turn[2][k] * (*up)[k];
-    if (height > 0.5) out.push_back(degrees);
+    const auto leads = [&](const UpSide& side, std::size_t axis) {
+      if (!side) return true;
+      double along = 0.0;
+      for (std::size_t k = 0; k < 3; ++k) along += turn[axis][k] * (*side)[k];
+      return along > 0.5;
+    };
+    if (leads(up, 2) && leads(front, 0)) out.push_back(degrees);
   }
+  return out;
+}
+
+const std::vector<std::string>& up_words() {
+  static const std::vector<std::string> words{"any", "x", "y", "z", "-x", "-y", "-z"};
+  return words;
+}
+
+UpSide up_side(const std::string& word) {
+  if (word == "any") return std::nullopt;
+  std::array<int, 3> out{};
+  out.at(static_cast<std::size_t>(word.back() - 'x')) = word.front() == '-' ? -1 : 1;
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/compare/comparison.hpp"
@@ -42,8 +43,18 @@ struct Way {
 /// Which side of a model is up, as a direction along one of its axes; none: any of them may be.
 using UpSide = std::optional<std::array<int, 3>>;
 
-/// The turns by right angles: 24, or the four that leave `up` upright.
-[[nodiscard]] std::vector<std::array<double, 3>> upright_turns(const UpSide& up);
+/// Which side of a model faces away from the wall, likewise.
+using FrontSide = UpSide;
+
+/// The words for both: "any", or an axis with its sign.
+[[nodiscard]] const std::vector<std::string>& up_words();
+/// @param word  one of `up_words`
+[[nodiscard]] UpSide up_side(const std::string& word);
+
+/// The turns by right angles: 24, or the four that leave `up` upright or put `front` in front, or
+/// the one that does both. None where both are along one axis.
+[[nodiscard]] std::vector<std::array<double, 3>> upright_turns(const UpSide& up,
+                                                               const FrontSide& front = {});
 /// Turns near one of them: about the vertical, and where `tilts`, about the other axes too.
 [[nodiscard]] std::vector<std::array<double, 3>> turns_near(const std::array<double, 3>& turn,
                                                             bool tilts);

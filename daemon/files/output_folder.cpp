@@ -2,12 +2,16 @@
 #include "daemon/files/output_folder.hpp"
 
 #include <fcntl.h>
+#include <linux/magic.h>
+#include <poll.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <fstream>
 #include <ranges>
@@ -108,11 +112,35 @@ void remove_stale(const fs::path& folder, const std::string& name) {
 
 }  // namespace
 
-Result<std::string> read_file(const fs::path& path, std::uintmax_t limit_bytes) {
+namespace {
+
+/// Whether a file is a pipe with a name: who opens it may never meet anybody who writes. A pipe of
+/// the shell, such as <(...), has its writer already.
+bool is_named_pipe(int file, const struct stat& status) {
+  struct statfs system {};
+  return S_ISFIFO(status.st_mode) && ::fstatfs(file, &system) == 0 && system.f_type != PIPEFS_MAGIC;
+}
+
+/// Waits until there is something to read, or the last writer has gone.
+bool is_written(int file, std::chrono::milliseconds wait) {
+  const auto end = std::chrono::steady_clock::now() + wait;
+  while (true) {
+    const auto left =
+        std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+    pollfd one{file, POLLIN, 0};
+    const int ready = ::poll(&one, 1, static_cast<int>(std::max<long>(0, left.count())));
+    if (ready >= 0 || errno != EINTR) return ready > 0;
+  }
+}
+
+}  // namespace
+
+Result<std::string> read_file(const fs::path& path, std::uintmax_t limit_bytes,
+                              std::chrono::milliseconds pipe_wait) {
   const auto malformed = [&](const std::string& why) {
     return fail(ErrorKind::Malformed, path.string(), why);
   };
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) return malformed("cannot be read: " + reason(errno) + "; give an existing file");
   struct Closer {
     int file;
@@ -121,6 +149,9 @@ Result<std::string> read_file(const fs::path& path, std::uintmax_t limit_bytes) 
   struct stat status {};
   if (::fstat(file, &status) != 0) return malformed("cannot be read: " + reason(errno));
   if (S_ISDIR(status.st_mode)) return malformed("is a folder; give a file");
+  if (is_named_pipe(file, status) && !is_written(file, pipe_wait))
+    return malformed("is a pipe into which nothing is written; give a file");
+  ::fcntl(file, F_SETFL, 0);  // reading waits again
   const auto too_large = [&] {
     return fail(ErrorKind::Malformed, path.string(),
                 "is larger than " + std::to_string(limit_bytes) + " bytes; give a smaller file",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -14,11 +15,14 @@
 
 namespace popcut::cli {
 
-/// Reads a whole file.
+/// Reads a whole file, or what is written into a pipe.
 ///
-/// @retval Malformed  it is absent, a folder, unreadable, or larger than `limit_bytes`
-[[nodiscard]] Result<std::string> read_file(const std::filesystem::path& path,
-                                            std::uintmax_t limit_bytes = 1u << 30);
+/// @param pipe_wait  how long a pipe with a name waits for its first byte
+/// @retval Malformed  it is absent, a folder, unreadable, larger than `limit_bytes`, or a pipe into
+///                    which nobody writes
+[[nodiscard]] Result<std::string> read_file(
+    const std::filesystem::path& path, std::uintmax_t limit_bytes = 1u << 30,
+    std::chrono::milliseconds pipe_wait = std::chrono::seconds(10));
 
 /// The files of one run into one folder: they appear whole or not at all. Each is written aside in
 /// the folder and renamed by `commit`, which also removes what the folder's last manifest.json

@@ -31,8 +31,8 @@ constexpr std::size_t kRowsAtOnce = 50;
 
 // What the fleet may have from another folder, or by itself: it stays as it is there.
 bool is_shared(std::string_view table) {
-  constexpr std::string_view kShared[] = {"asset",    "design", "plan_asker",
-                                          "material", "device", "calendar"};
+  constexpr std::string_view kShared[] = {"asset",  "design",   "plan_asker", "material",
+                                          "device", "calendar", "search"};
   return std::find(std::begin(kShared), std::end(kShared), table) != std::end(kShared);
 }
 
@@ -251,6 +251,9 @@ class Import {
     for (const std::string& id :
          all_of(from_.rows("SELECT id FROM plan WHERE state='planned' ORDER BY id"), first_text))
       folder("plans/" + id);
+    for (const std::string& id :
+         all_of(from_.rows("SELECT id FROM search WHERE state='found' ORDER BY id"), first_text))
+      folder("searches/" + id);
   }
 
   void folder(const std::string& path) {

@@ -187,6 +187,23 @@ CREATE TABLE popcut.plan_asker(
   PRIMARY KEY (owner, plan));
 CREATE INDEX plan_asker_plan ON popcut.plan_asker(plan);
 
+-- Searches for the best cards of a model, as plans are stored.
+CREATE TABLE popcut.search(
+  id text COLLATE "C" PRIMARY KEY CHECK (length(id) = 26),
+  key text COLLATE "C" NOT NULL, owner text COLLATE "C" NOT NULL,
+  model text COLLATE "C" NOT NULL,
+  state text COLLATE "C" NOT NULL CHECK (state IN ('pending', 'found', 'failed')),
+  words text COLLATE "C" NOT NULL, machine text COLLATE "C" NOT NULL,
+  material text COLLATE "C" NOT NULL,
+  machine_json text COLLATE "C" NOT NULL, material_json text COLLATE "C" NOT NULL,
+  front text COLLATE "C" NOT NULL, error text COLLATE "C" NOT NULL, created bigint NOT NULL,
+  begun bigint NOT NULL DEFAULT 0,
+  planner text COLLATE "C" NOT NULL DEFAULT '', planner_epoch bigint NOT NULL DEFAULT 0,
+  CHECK (state <> 'found' OR front <> ''));
+CREATE UNIQUE INDEX search_key ON popcut.search(key) WHERE state IN ('pending', 'found');
+CREATE INDEX search_model ON popcut.search(model);
+CREATE INDEX search_pending ON popcut.search(owner, id) WHERE state = 'pending';
+
 -- `wish` is the device that was asked for, `device` the one that the sheet lies in. Pages keep room
 -- for new versions of a row: most changes move no key of an index.
 CREATE TABLE popcut.job(
@@ -877,6 +894,7 @@ BEGIN
   END IF;
   UPDATE device SET node = '', state = 'absent' WHERE node = p_name;
   UPDATE plan SET planner = '', planner_epoch = 0 WHERE planner = p_name;
+  UPDATE search SET planner = '', planner_epoch = 0 WHERE planner = p_name;
   DELETE FROM node WHERE name = p_name;
 END $$;
 
@@ -1231,6 +1249,7 @@ GRANT SELECT ON ALL TABLES IN SCHEMA popcut TO popcut_node;
 GRANT SELECT ON ALL SEQUENCES IN SCHEMA popcut TO popcut_node;
 GRANT INSERT, UPDATE, DELETE ON popcut.blob, popcut.blob_part, popcut.asset,
   popcut.design, popcut.asset_use, popcut.plan, popcut.plan_sheet, popcut.plan_asker, popcut.job,
+  popcut.search,
   popcut.tally, popcut.sheet, popcut.event, popcut.event_new, popcut.idem, popcut.audit, popcut.token,
   popcut.session, popcut.material, popcut.device, popcut.usage, popcut.calendar, popcut.end_tally
   TO popcut_node;

@@ -183,6 +183,62 @@ struct PlanRecord {
   std::array<double, 2> est_s{};
 };
 
+/// The most work that one search may do (`CardSearchRequest::effort`): it has the processor time of
+/// a plan.
+inline constexpr double kLeastEffort = 0.01, kMostEffort = 4.0;
+/// Bounds of the time of cutting that a search may ask for, and of its seed.
+inline constexpr double kLeastMinutes = 0.1, kMostMinutes = 1e5;
+inline constexpr std::int64_t kMostSeed = std::int64_t{1} << 53;
+
+/// A search for the best cards of a 3D model.
+struct CardSearchRequest {
+  std::string model;   ///< id of an asset, a mesh
+  std::string name{};  ///< of the designs of its cards; the service takes that of the asset
+  std::string material{}, device{}, machine{}, mat{};
+  std::string style{"any"}, up{"any"};  ///< words of core/search
+  double max_minutes{15};               ///< of cutting
+  double effort{1};                     ///< `kLeastEffort` to `kMostEffort`
+  std::int64_t seed{1};
+};
+
+/// A card that a search found.
+struct FoundCardRecord {
+  std::string style;     ///< "facets", or the name of a lattice
+  std::string settings;  ///< in words: "facets in strips of 2 mm, planes 1 mm apart"
+  /// As `likeness::Figures`: without a unit, 0 is the model itself.
+  double error{}, surface{}, contour{}, cover{}, excess{};
+  double seconds{};  ///< of cutting, by the model of the machine
+  std::array<double, 2> seconds_range{};
+  double cut_mm{}, fold_mm{};
+  std::array<double, 2> sheet_mm{};  ///< across and along the spine
+  int folds{};
+  std::vector<Warning> warnings{};
+  std::string spec;  ///< JSON; its mesh is the id of the asset
+};
+
+/// What a search found, by growing time of cutting; the error falls from each to the next.
+struct SearchFront {
+  std::vector<FoundCardRecord> cards{};
+  int designed{}, planned{}, verified{};  ///< how many were tried
+  double seen_share{};                    ///< of the model's area, along the diagonal
+  std::array<double, 2> mat_mm{};         ///< that the tool reaches
+  std::vector<std::string> notes{};       ///< about the mesh and the search, a sentence each
+};
+
+enum class SearchState : std::uint8_t { Pending, Found, Failed };
+
+struct SearchRecord {
+  std::string id;  ///< ULID
+  std::string owner;
+  CardSearchRequest request{};  ///< with its machine and material filled in
+  SearchState state{};
+  SearchFront front{};  ///< if it is found
+  std::string error{};  ///< if it failed
+  TimeMs created{};
+  std::string doing{};            ///< while it runs, in words; empty: it waits
+  std::optional<double> share{};  ///< of the whole search that is done, 0 to 1
+};
+
 /// A complete request that is possible now: an action, and its body as JSON. "change" is a PATCH of
 /// the job.
 struct Way {

@@ -52,6 +52,8 @@ struct JpegErrors : jpeg_error_mgr {
 void leave(j_common_ptr info) {
   auto* errors = static_cast<JpegErrors*>(info->err);
   errors->format_message(info, errors->words);
+  if (errors->msg_code == JERR_CONVERSION_NOTIMPL)
+    std::snprintf(errors->words, sizeof errors->words, "its colours are CMYK and must be RGB");
   std::longjmp(errors->back, 1);
 }
 

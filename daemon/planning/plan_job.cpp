@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/plan/drawing_transform.hpp"
+#include "core/plan/marks.hpp"
 #include "core/plan/pens.hpp"
 
 namespace popcut::planning {
@@ -116,11 +117,18 @@ JobOptions job_options(const PlannedSheet& sheet, const Machine& machine,
 
 // Artwork that was drawn for the whole drawing fits none of its sheets.
 Warning split_and_printed(const Plan& plan) {
-  return {.code = "marks_split",
-          .message = fmt::format("the drawing is split into {} sheets, each with its own marks: "
-                                 "print the artwork of each sheet ('popcut print' makes it), or "
-                                 "use `no-split`",
-                                 plan.sheets.size())};
+  const Box box = bounds(plan.whole);
+  const auto room = room_within_marks_mm(plan.sheets.front().area_mm);
+  const std::size_t sheets = plan.sheets.size();
+  return {
+      .code = "marks_split",
+      .message = fmt::format(
+          "the drawing of {:.1f} x {:.1f} mm does not fit between the marks of one sheet ({:.1f} "
+          "x {:.1f} mm), so it is cut as {} pieces on {}{}; artwork for the whole drawing fits "
+          "none of the sheets, and 'popcut print' makes that of each sheet",
+          box.width(), box.height(), room[0], room[1], plan.layout->pieces.size(),
+          sheets == 1 ? "one sheet" : fmt::format("{} sheets, each with its own marks", sheets),
+          plan.layout->tabs.empty() ? "" : ", to glue together")};
 }
 
 /// The program of each sheet of a plan.
@@ -214,7 +222,7 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
   how.seams_x.insert(how.seams_x.end(), input->seams_x.begin(), input->seams_x.end());
   how.keep_lines = options.keep_lines || options.svg_profile == "origami-sim";
   if (!how.place.at) {
-    how.place.at = options.marks ? PagePoint{16, 16} : input->at;  // clear of marks
+    how.place.at = options.marks ? PagePoint{kBesideMarksMm, kBesideMarksMm} : input->at;
     how.place.at_is_usual = options.marks;
   }
   if (ideal_machine) how.mat.clear();

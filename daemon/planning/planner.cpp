@@ -2,6 +2,7 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <array>
 #include <condition_variable>
 #include <deque>
 #include <filesystem>
@@ -30,8 +31,9 @@ class ProcessPlanner final : public Planner {
   ProcessPlanner(const PlanningLimits& limits, std::string program)
       : limits_(limits), program_(std::move(program)) {
     for (int k = 0; k < std::max(1, limits_.processes); ++k)
-      threads_.emplace_back([this] { supervise(false); });
-    threads_.emplace_back([this] { supervise(true); });
+      threads_.emplace_back([this] { supervise(Lane::Plans); });
+    for (const Lane lane : {Lane::Checks, Lane::Searches})
+      threads_.emplace_back([this, lane] { supervise(lane); });
     threads_.emplace_back([this] { tell_called_off(); });
   }
 
@@ -39,9 +41,9 @@ class ProcessPlanner final : public Planner {
     {
       const std::lock_guard lock(mutex_);
       stopping_ = true;
-      for (std::deque<Task>* queue : {&checks_, &plans_}) {
-        for (Task& task : *queue) called_off_.push_back(std::move(task));
-        queue->clear();
+      for (std::deque<Task>& queue : waiting_) {
+        for (Task& task : queue) called_off_.push_back(std::move(task));
+        queue.clear();
       }
       for (const auto& [id, call_off] : running_) call_off->call();
     }
@@ -56,11 +58,8 @@ class ProcessPlanner final : public Planner {
     {
       const std::lock_guard lock(mutex_);
       id = ++last_id_;
-      const bool is_check = task.kind == PlanningTask::Kind::Check;
-      (stopping_  ? called_off_
-       : is_check ? checks_
-                  : plans_)
-          .push_back({id, std::move(task), std::move(done)});
+      std::deque<Task>& queue = stopping_ ? called_off_ : waiting(lane_of(task.kind));
+      queue.push_back({id, std::move(task), std::move(done)});
     }
     changed_.notify_all();
     return id;
@@ -69,12 +68,12 @@ class ProcessPlanner final : public Planner {
   void cancel(std::uint64_t id) override {
     const std::lock_guard lock(mutex_);
     if (const auto found = running_.find(id); found != running_.end()) return found->second->call();
-    for (std::deque<Task>* queue : {&checks_, &plans_}) {
-      const auto waits = std::find_if(queue->begin(), queue->end(),
-                                      [&](const Task& task) { return task.id == id; });
-      if (waits == queue->end()) continue;
+    for (std::deque<Task>& queue : waiting_) {
+      const auto waits =
+          std::find_if(queue.begin(), queue.end(), [&](const Task& task) { return task.id == id; });
+      if (waits == queue.end()) continue;
       called_off_.push_back(std::move(*waits));
-      queue->erase(waits);
+      queue.erase(waits);
       return changed_.notify_all();
     }
   }
@@ -86,13 +85,22 @@ class ProcessPlanner final : public Planner {
     Done done;
   };
 
-  /// Works off what waits, one after another: checks alone, or plans and, where none waits, checks.
-  void supervise(bool only_checks) {
+  enum class Lane : std::uint8_t { Checks, Plans, Searches };
+  static Lane lane_of(PlanningTask::Kind kind) {
+    if (kind == PlanningTask::Kind::Check) return Lane::Checks;
+    return kind == PlanningTask::Kind::Search ? Lane::Searches : Lane::Plans;
+  }
+  std::deque<Task>& waiting(Lane lane) { return waiting_.at(static_cast<std::size_t>(lane)); }
+
+  /// Works off what waits in a lane, one after another; that of plans also checks, where no plan
+  /// waits.
+  void supervise(Lane lane) {
     std::unique_lock lock(mutex_);
     for (;;) {
       const auto next = [&]() -> std::deque<Task>* {
-        if (!only_checks && !plans_.empty()) return &plans_;
-        return checks_.empty() ? nullptr : &checks_;
+        if (!waiting(lane).empty()) return &waiting(lane);
+        std::deque<Task>& checks = waiting(Lane::Checks);
+        return lane != Lane::Plans || checks.empty() ? nullptr : &checks;
       };
       changed_.wait(lock, [&] { return stopping_ || next() != nullptr; });
       std::deque<Task>* const queue = next();
@@ -155,7 +163,8 @@ class ProcessPlanner final : public Planner {
   const std::string program_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Task> checks_, plans_, called_off_;
+  std::array<std::deque<Task>, 3> waiting_;  ///< by lane
+  std::deque<Task> called_off_;
   std::map<std::uint64_t, CallOff*> running_;
   std::uint64_t last_id_{};
   bool stopping_{false};

@@ -32,6 +32,7 @@ struct PlanningTask {
     Export,   ///< one file of a spec as popcut design writes it; options: "file", "part" (from 1)
     Place,    ///< a spec with its shape moved into place; options: "place" (whole, quarter)
     Artwork,  ///< the artwork of a sheet of a plan of a spec, as a page; see `ArtworkRequest`
+    Search,   ///< the best cards of a mesh, which is the design; see planning/search/search_task
   };
   Kind kind{};
   std::string design_path;    ///< stored bytes; read by the daemon and sent through the pipe
@@ -65,7 +66,8 @@ struct PlanningOutcome {
 };
 
 struct PlanningLimits {
-  int processes{1};  ///< at once; one more does only checks, so that no plan delays them
+  int processes{1};  ///< at once; one more does only checks, so that no plan delays them, and one
+                     ///< more only searches
   double cpu_s{600};
   double wall_s{1200};
   std::uint64_t memory_bytes{std::uint64_t{2} << 30};
@@ -74,7 +76,8 @@ struct PlanningLimits {
 };
 
 /// Runs designs in separate processes (`popcutd --worker`, pipes only), a bounded number at once,
-/// so that a hostile one disturbs nothing. Checks, for which a client waits, run beside the plans.
+/// so that a hostile one disturbs nothing. Checks, for which a client waits, run beside the plans;
+/// searches, which take minutes, run beside both, one after another.
 /// `done` is called once for each task, on a thread of the planner: with Refused if it was
 /// cancelled, with Infeasible if a limit was hit or the worker died. A worker that was killed by
 /// somebody else (signals 9, 15, 2, 1, 3: a person, or the kernel for want of memory) is replaced

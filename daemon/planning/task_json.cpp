@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using daemon::PlanningOutcome;
 
-constexpr auto kLastKind = daemon::PlanningTask::Kind::Artwork;
+constexpr auto kLastKind = daemon::PlanningTask::Kind::Search;
 constexpr double kMost = 1e12;
 constexpr std::size_t kMostName = 100;
 constexpr std::size_t kMostDoing = 100;
@@ -39,6 +39,9 @@ constexpr std::pair<std::string_view, std::string_view> kPhases[] = {
     {"ordering the cuts", "toolpath"},
     {"making the strokes", "toolpath"},
     {"writing", "writing"},
+    {"trying ways", "searching"},
+    {"designing", "searching"},
+    {"verifying", "searching"},
 };
 
 /// Text may hold bytes of a hostile file that are no UTF-8.

@@ -29,7 +29,8 @@ namespace popcut::planning {
 [[nodiscard]] Error read_error(std::string_view json);
 
 /// The phase of planning that `doing`, told by what takes long, belongs to: "reading", "slicing",
-/// "lattice", "checking", "cleaning", "splitting", "toolpath", "writing"; "planning" for others.
+/// "lattice", "checking", "cleaning", "splitting", "toolpath", "writing"; "searching" for what a
+/// search of cards does; "planning" for others.
 [[nodiscard]] std::string_view phase_of(std::string_view doing);
 
 /// What a worker writes of it (see `Progress`), and what popcutd reads of that: at most 100

@@ -204,6 +204,8 @@ Result<PlanningOutcome> perform(WorkerTask task, const FileSink& add, const Prog
       return show(task, add);
     case Kind::Artwork:
       return draw_artwork(task, add, progress);
+    case Kind::Search:
+      break;  // planning/search, which rests on this folder; the worker has it do the task
   }
   return fail(ErrorKind::Internal, "worker", "does not know this task");
 }

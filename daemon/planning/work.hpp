@@ -25,9 +25,9 @@ struct WorkerTask {
   SurfaceAssets assets{};  ///< by id
 };
 
-/// Does a task: the same code as `popcut plan` and `popcut design`, on values alone. The files go
-/// to `add` as they are made; `files` of the outcome stays empty. The same task gives the same
-/// bytes. While a plan is made, `progress` is told what is being done.
+/// Does a task, but no search (see planning/search/search_task): the same code as `popcut plan` and
+/// `popcut design`, on values alone. The files go to `add` as they are made; `files` of the outcome
+/// stays empty. The same task gives the same bytes. `progress` hears what is done for a plan.
 ///
 /// @retval Malformed, OutOfRange  the design, at a JSON pointer or a line and column; an option, at
 ///                                "/options/NAME"; a file of a spec that is no asset's id

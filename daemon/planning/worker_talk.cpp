@@ -172,6 +172,7 @@ class Talk {
         call_off_(call_off),
         process_(process),
         keeps_(keeps),
+        is_search_(task.kind == PlanningTask::Kind::Search),
         teller_(task.progress),
         reader_(limits.output_bytes),
         until_(steady_clock::now() + std::chrono::milliseconds(static_cast<std::int64_t>(
@@ -249,6 +250,11 @@ class Talk {
 
   /// What to do about a limit; `key` of the configuration raises it, but not that of a preview.
   [[nodiscard]] std::string advice(const char* what, const char* key) const {
+    if (is_search_)
+      return fmt::format(
+          "a search {}; lower `effort`, use a mesh with fewer triangles, or raise {} in "
+          "popcutd.toml",
+          what, key);
     if (limits_.is_preview)
       return fmt::format("a preview {}; use fewer slices or units, or plan it: a plan has more",
                          what);
@@ -338,7 +344,7 @@ class Talk {
   const PlanningLimits& limits_;
   const CallOff& call_off_;
   WorkerProcess& process_;
-  bool keeps_;
+  bool keeps_, is_search_;
   PhaseTeller teller_;
   FrameReader reader_;
   steady_clock::time_point until_;

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <exception>
 
-#include "daemon/planning/worker.hpp"
+#include "daemon/planning/worker/worker.hpp"
 #include "daemon/popcutd/log.hpp"
 #include "daemon/popcutd/options.hpp"
 #include "daemon/popcutd/serve.hpp"

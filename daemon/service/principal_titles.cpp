@@ -9,7 +9,7 @@
 namespace popcut::daemon {
 namespace {
 
-constexpr std::size_t kMostKnown = 10'000;
+constexpr std::size_t kMostTitles = 10'000;
 constexpr std::string_view kToken = "token:", kUser = "uid:";
 
 std::string_view after(std::string_view prefix, std::string_view text) {
@@ -35,7 +35,7 @@ std::string PrincipalTitles::of(const std::string& principal) {
   if (principal.empty()) return {};
   const auto at = known_.find(principal);
   if (at != known_.end()) return at->second;
-  if (known_.size() >= kMostKnown) known_.clear();
+  if (known_.size() >= kMostTitles) known_.clear();
   std::string title = looked_up(principal);
   known_.emplace(principal, title);
   return title;

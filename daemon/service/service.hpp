@@ -144,6 +144,36 @@ class Plans {
                                    const ArtworkRequest&, Designs::Shown done) = 0;
 };
 
+/// Searches for the best cards of a 3D model. See `Service`.
+class Searches {
+ public:
+  virtual ~Searches() = default;
+  /// The search of that model and those words: one that is there, or a new one that is made after
+  /// the commit.
+  ///
+  /// @retval NotFound    there is no such asset
+  /// @retval Validation  an option, or there is no such machine or material
+  /// @retval QueueFull   too many wait, or too many of theirs
+  [[nodiscard]] virtual Answer<SearchRecord> request(const Principal&,
+                                                     const CardSearchRequest&) = 0;
+  [[nodiscard]] virtual Answer<SearchRecord> find(const std::string& id) = 0;
+  /// Ends a search that waits or runs, and removes one that was made with its pictures. Designs
+  /// that were made of its cards stay.
+  ///
+  /// @retval Forbidden  it is someone else's
+  [[nodiscard]] virtual Answer<void> remove(const Principal&, const std::string& id) = 0;
+  /// Path of the picture of a card (PNG): the model, and the card beside it.
+  ///
+  /// @param card  from 1
+  /// @retval NotFound, StateConflict
+  [[nodiscard]] virtual Answer<std::string> picture(const std::string& id, int card) = 0;
+  /// Makes a design of a card, as `Designs::add` of its spec.
+  ///
+  /// @param name  empty: that of the model
+  virtual void pick(const Principal&, const std::string& id, int card, const std::string& name,
+                    std::function<void(Answer<Design>)> done) = 0;
+};
+
 /// The jobs and their queue. See `Service`.
 class Jobs {
  public:
@@ -276,6 +306,7 @@ struct Service {
   Access& access;
   Designs& designs;
   Plans& plans;
+  Searches& searches;
   Jobs& jobs;
   Cutting& cutting;
   Devices& devices;

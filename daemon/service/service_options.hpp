@@ -42,6 +42,7 @@ struct ServiceOptions {
   std::int64_t queue_jobs{50'000};  ///< jobs that are not ended
   std::int64_t jobs_each{25'000};   ///< of one principal that are not ended
   std::int64_t plans_each{1000};    ///< that one principal waits for
+  std::int64_t searches_each{8};    ///< that one principal waits for
   int sheets_per_job{10'000};
   int plans_at_once{2};  ///< given to the planner; the others wait in the store
   std::uint64_t least_free_bytes{16u << 20};  ///< less on the disk: no new work

@@ -300,12 +300,29 @@ ALTER TABLE device ADD COLUMN site TEXT NOT NULL DEFAULT '';
 ALTER TABLE job ADD COLUMN site TEXT NOT NULL DEFAULT '';
 )sql";
 
+// Searches for the best cards of a model, as plans are stored: the same is searched once.
+constexpr std::string_view kVersion9 = R"sql(
+CREATE TABLE search(
+  id TEXT PRIMARY KEY CHECK(length(id) = 26),
+  key TEXT NOT NULL, owner TEXT NOT NULL, model TEXT NOT NULL,
+  state TEXT NOT NULL CHECK(state IN ('pending', 'found', 'failed')),
+  words TEXT NOT NULL, machine TEXT NOT NULL, material TEXT NOT NULL,
+  machine_json TEXT NOT NULL, material_json TEXT NOT NULL,
+  front TEXT NOT NULL, error TEXT NOT NULL, created INTEGER NOT NULL,
+  begun INTEGER NOT NULL DEFAULT 0,
+  planner TEXT NOT NULL DEFAULT '', planner_epoch INTEGER NOT NULL DEFAULT 0,
+  CHECK(state != 'found' OR front != '')) STRICT, WITHOUT ROWID;
+CREATE UNIQUE INDEX search_key ON search(key) WHERE state IN ('pending', 'found');
+CREATE INDEX search_model ON search(model);
+CREATE INDEX search_pending ON search(owner, id) WHERE state = 'pending';
+)sql";
+
 }  // namespace
 
 const std::vector<Migration>& migrations() {
   static const std::vector<Migration> all{{1, kVersion1}, {2, kVersion2}, {3, kVersion3},
                                           {4, kVersion4}, {5, kVersion5}, {6, kVersion6},
-                                          {7, kVersion7}, {8, kVersion8}};
+                                          {7, kVersion7}, {8, kVersion8}, {9, kVersion9}};
   return all;
 }
 
@@ -313,7 +330,7 @@ const std::vector<std::string_view>& table_names() {
   static const std::vector<std::string_view> names{
       "asset",   "design",   "plan",   "plan_sheet", "plan_asker", "job",   "sheet",
       "arm",     "attempt",  "chunk",  "event",      "idem",       "audit", "token",
-      "session", "material", "device", "usage",      "calendar"};
+      "session", "material", "device", "usage",      "calendar",   "search"};
   return names;
 }
 

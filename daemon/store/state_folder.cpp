@@ -88,7 +88,7 @@ void clear_unfinished(const std::string& path) {
   for (const auto& entry : fs::directory_iterator(path + "/incoming", ignored))
     remove_tree(entry.path().string());
   for (const char* inside :
-       {"plans", "previews", "designs", "assets", "backups", "intents", "witnesses"})
+       {"plans", "searches", "previews", "designs", "assets", "backups", "intents", "witnesses"})
     for (const auto& entry : fs::directory_iterator(path + "/" + inside, ignored))
       if (entry.path().filename().string().starts_with(".new-")) remove_tree(entry.path().string());
 }
@@ -140,8 +140,8 @@ Result<std::unique_ptr<StateFolder>> StateFolder::open(const std::string& given)
     if (mkdir(path.c_str(), 0700) != 0 && errno != EEXIST)
       return system_error(path, "cannot be created");
   }
-  for (const char* inside :
-       {"designs", "assets", "plans", "previews", "incoming", "backups", "intents", "witnesses"}) {
+  for (const char* inside : {"designs", "assets", "plans", "searches", "previews", "incoming",
+                             "backups", "intents", "witnesses"}) {
     const std::string folder = path + "/" + inside;
     if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
       return system_error(folder, "cannot be created");

@@ -20,8 +20,8 @@ namespace popcut::daemon {
 /// made by us (digests and ids), never by a client.
 class StateFolder {
  public:
-  /// Makes the folder (0700) with designs, assets, plans, previews, incoming, backups, intents and
-  /// witnesses, takes the lock, and clears what an earlier process left unfinished.
+  /// Makes the folder (0700) with designs, assets, plans, searches, previews, incoming, backups,
+  /// intents and witnesses, takes the lock, and clears what an earlier process left unfinished.
   ///
   /// @retval Refused     another process holds it
   /// @retval Unwritable  it cannot be made or written

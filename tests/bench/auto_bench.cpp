@@ -117,11 +117,12 @@ struct Model {
 
 std::vector<Model> models() {
   std::vector<Model> out;
-  const fs::path teapot = source_file("../shared/data/meshes/teapot.obj");
-  if (fs::exists(teapot))
-    out.push_back({"teapot", text_of_file(teapot)});
-  else
-    fmt::print("teapot.obj is not here: skipped\n");
+  // Those that no formula makes: all OBJ files in POPCUT_BENCH_MODELS.
+  if (const char* folder = std::getenv("POPCUT_BENCH_MODELS"))
+    for (const auto& entry : fs::directory_iterator(folder))
+      if (entry.path().extension() == ".obj")
+        out.push_back({entry.path().stem().string(), text_of_file(entry.path())});
+  std::sort(out.begin(), out.end(), [](const Model& a, const Model& b) { return a.name < b.name; });
   const auto put = [&](const std::string& name, const TriangleMesh& mesh) {
     out.push_back({name, obj(mesh)});
   };
@@ -133,12 +134,6 @@ std::vector<Model> models() {
   put("letter-E", letter("E"));
   put("torus", torus(30, 12, 48));
   put("vase", turned([](double t) { return 20 + 9 * std::sin(7 * t) + 4 * t; }, 90));
-  put("ball", icosphere(40, 4));
-  // More models of yours: POPCUT_BENCH_MODELS=DIR, all OBJ files there.
-  if (const char* folder = std::getenv("POPCUT_BENCH_MODELS"))
-    for (const auto& entry : fs::directory_iterator(folder))
-      if (entry.path().extension() == ".obj")
-        out.push_back({entry.path().stem().string(), text_of_file(entry.path())});
   return out;
 }
 
@@ -212,6 +207,14 @@ double size_of(const std::string& obj_text) {
   return size;
 }
 
+/// What a search found, without the folder that it is in.
+json found_with(const CommandBench& bench, const char* threads) {
+  const Ran ran = bench.popcut({"auto", "model.obj", "-o", "again", "--mat", "12x12", "--threads",
+                                threads, "--effort", "0.2", "--seed", "5", "--json"});
+  REQUIRE(ran.exit == 0);
+  return json::parse(ran.out);
+}
+
 }  // namespace
 
 TEST_CASE("the best card of a search beside each style with its usual settings", "[bench]") {
@@ -254,6 +257,15 @@ TEST_CASE("the best card of a search beside each style with its usual settings",
   }
   fmt::print("at most that of each style in {} of {}, at least 25 % below the lattice in {}\n",
              no_worse, count, much_better);
+}
+TEST_CASE("the same seed finds the same cards with one thread and with two", "[bench]") {
+  const CommandBench bench;
+  write_file(bench.temp / "model.obj", obj(farm()));
+  const json one = found_with(bench, "1"), two = found_with(bench, "2");
+  const bool same = one == two;
+  fmt::print("farm, seed 5, one thread and two: {} cards, {}\n", one["cards"].size(),
+             same ? "the same" : "not the same");
+  CHECK(same);
 }
 
 }  // namespace auto_bench

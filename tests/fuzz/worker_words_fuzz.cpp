@@ -5,6 +5,7 @@
 #include <string>
 
 #include "daemon/planning/program_file.hpp"
+#include "daemon/planning/search/search_words.hpp"
 #include "daemon/planning/task_json.hpp"
 
 using namespace popcut;
@@ -29,6 +30,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   if (planning::read_error(text).detail.empty()) std::abort();
   if (const auto task = planning::read_task(text); !task && task.error().detail.empty())
+    std::abort();
+  if (const auto front = planning::read_front(text)) {
+    for (const auto& card : front->cards)
+      if (!(std::isfinite(card.error) && std::isfinite(card.seconds))) std::abort();
+    if (!planning::read_front(planning::front_text(*front))) std::abort();
+  } else if (front.error().detail.empty()) {
+    std::abort();
+  }
+  if (const auto words = planning::read_search_words(text); !words && words.error().detail.empty())
     std::abort();
   const std::size_t line = text.find('\n');
   if (line == text.npos) return 0;

@@ -68,7 +68,8 @@ for (const [name, file] of [['ball.stl', binaryStl(ball())], ['ball in words.stl
     assert.equal(spec.surface.type, 'mesh');
     assert.equal(spec.name, name.replace(/\.[^.]*$/, ''));
     assert.equal(await page.locator('.design-name').inputValue(), spec.name);
-    assert.deepEqual(sent.map((one) => one.path).filter((path) => path !== '/v1/session'), ['/v1/assets', '/v1/place', '/v1/preview']);
+    assert.deepEqual(sent.map((one) => one.path).filter((path) => path !== '/v1/session').sort(),
+      ['/v1/assets', `/v1/assets/${spec.surface.file}/search`, '/v1/place', '/v1/preview']);
     const height = Number(await page.getByLabel('Height', { exact: true }).inputValue());
     assert.ok(height > 20 && height < 100, `it stands ${height} mm high`);
     assert.match(await page.locator('.stage-canvas').first().getAttribute('aria-label'), /\d{2,} panels, open to 90 degrees/);

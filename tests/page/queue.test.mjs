@@ -15,7 +15,7 @@ test('a job that nothing is cut of is planned for another cutter, and starts now
   await row.getByRole('button', { name: /moves/ }).click();
   await row.getByRole('button', { name: 'Another cutter' }).click();
   const dialog = page.getByRole('dialog');
-  await dialog.getByLabel('Cutter').selectOption('sim:cameo4');
+  await dialog.getByRole('combobox', { name: /^Cutter/ }).selectOption('sim:cameo4');
   await picture(page, 'now-other-cutter');
   await dialog.getByRole('button', { name: 'Plan it for this one' }).click();
   await dialog.waitFor({ state: 'detached' });

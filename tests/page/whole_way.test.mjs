@@ -55,7 +55,7 @@ for (const screen of ['desktop', 'tablet']) {
     await picture(page, `way-design-${screen}`);
 
     await page.getByRole('button', { name: 'Cut this…' }).click();
-    await page.getByRole('dialog').getByLabel('Cutter').selectOption('sim:cameo3');
+    await page.getByRole('dialog').getByRole('combobox', { name: /^Cutter/ }).selectOption('sim:cameo3');
     await picture(page, `way-cut-${screen}`);
     await page.getByRole('button', { name: 'Show the sheets' }).click();
     await page.locator('.plan-canvas[data-strokes]:not([data-strokes=""])').waitFor({ timeout: 60_000 });

@@ -41,8 +41,8 @@ std::string percent_coded(const std::string& text) {
 // Which list an id of this name is from.
 std::string pool_of(const std::string& name, const std::string& route) {
   if (name == "id") {
-    for (const char* kind :
-         {"jobs", "designs", "plans", "devices", "materials", "tokens", "sessions", "assets"})
+    for (const char* kind : {"jobs", "designs", "plans", "devices", "materials", "tokens",
+                             "sessions", "assets", "searches"})
       if (route.starts_with(std::string("/v1/") + kind)) return kind;
     return "";
   }
@@ -384,7 +384,8 @@ ApiGenerator::Made ApiGenerator::make() {
   // Of what takes a planner or the whole database, less than of the rest.
   ContractCall call = one_of(operations_);
   while ((call.route.starts_with("/v1/db/") ||
-          (call.method == "POST" && call.route == "/v1/designs")) &&
+          (call.method == "POST" &&
+           (call.route == "/v1/designs" || call.route == "/v1/assets/{id}/search"))) &&
          !chance(0.15))
     call = one_of(operations_);
   std::string id = pooled("id", call.route);
@@ -483,6 +484,8 @@ void ApiGenerator::learn(const Made& made, const WireResponse& response) {
   };
   if (body.contains("one_shot") && body["one_shot"].is_string()) keep("words", body["one_shot"]);
   if (made.call.route == "/v1/designs/{id}/plan" && body.contains("id")) keep("plans", body["id"]);
+  if (made.call.route == "/v1/assets/{id}/search" && body.contains("id"))
+    keep("searches", body["id"]);
   if (made.call.route == "/v1/jobs" && body.contains("id")) keep("jobs", body["id"]);
   if (body.contains("id") && body["id"].is_string() && body.contains("rev"))
     revs_[body["id"]] = body["rev"];

@@ -170,6 +170,43 @@ void ContractLife::use_an_asset() {
   CHECK(remove(add("of nobody")).status == 204);
 }
 
+json ContractLife::search_until(const std::string& asset, const std::string& state) {
+  const ContractCall search{
+      .method = "POST",
+      .route = "/v1/assets/{id}/search",
+      .holes = {{"id", asset}},
+      .body = json{{"effort", 0.01}, {"style", "facets"}, {"up", "z"}, {"mat", "110x110"}}.dump()};
+  const WireResponse begun = ask(search);
+  REQUIRE(begun.status == 202);
+  const std::string id = json::parse(begun.body).at("id");
+  CHECK(json::parse(ask(search).body).at("id") == id);
+  const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  while (true) {
+    json now = caller_->get("/v1/searches/{id}", {{"id", id}});
+    if (now.at("state") == state || std::chrono::steady_clock::now() > until) {
+      INFO(now.dump().substr(0, 500));
+      CHECK(now.at("state") == state);
+      return now;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
+// Cards are found for a model, and for what is none nothing is.
+void ContractLife::search_cards() {
+  search_ = search_until(used_asset_, "found").at("id");
+  const auto pick = [&](const std::string& search) {
+    return ask({.method = "POST",
+                .route = "/v1/searches/{id}/cards/{k}/design",
+                .holes = {{"id", search}, {"k", "1"}}})
+        .status;
+  };
+  CHECK(pick(search_) == 201);
+  CHECK(pick(search_) == 200);
+  failed_search_ = search_until(spare_asset_, "failed").at("id");
+  CHECK(pick(failed_search_) == 409);
+}
+
 /// Moves a shape into place, and lets a newer preview end an older one.
 void ContractLife::look_at(const json& spec) {
   const ContractCall place{.method = "POST",
@@ -214,6 +251,7 @@ void ContractLife::make_design_and_plans() {
               .status == status);
   CHECK(caller_->get("/v1/assets").at("items").at(0).at("name") == "a.stl");
   use_an_asset();
+  search_cards();
   plan_ = plan_until({{"material", "paper-220"}}, "planned").at("id");
   failed_plan_ = plan_until({{"options", {{"mat", "10x10"}}}}, "failed").at("id");
   CHECK(caller_->get("/v1/plans/{id}", {{"id", plan_}}).at("length_mm") > 0);
@@ -416,6 +454,7 @@ void ContractLife::read_everything() {
          std::map<std::string, std::string>{{"/v1/jobs/", done_},
                                             {"/v1/designs/", design_},
                                             {"/v1/plans/", plan_},
+                                            {"/v1/searches/", search_},
                                             {"/v1/devices/", "sim:cameo3"},
                                             {"/v1/materials/", "paper-220"}})
       if (call.route.starts_with(prefix)) call.holes["id"] = id;
@@ -437,6 +476,10 @@ void ContractLife::read_everything() {
     }
     if (call.route.starts_with("/v1/plans/{id}/")) {
       call.holes["id"] = failed_plan_;
+      CHECK(ask(call).status == 409);
+    }
+    if (call.route.starts_with("/v1/searches/{id}/")) {
+      call.holes["id"] = failed_search_;
       CHECK(ask(call).status == 409);
     }
     if (!caller_->operation(call).dump().ends_with("cursor")) continue;

@@ -24,6 +24,7 @@ class ContractLife {
 
   void make_design_and_plans();
   void use_an_asset();
+  void search_cards();
   void look_at(const nlohmann::json& spec);
   void knock();
   void use_devices_and_materials();
@@ -52,6 +53,8 @@ class ContractLife {
   std::string new_token(const std::string& role);
   nlohmann::json new_session();
   nlohmann::json plan_until(const nlohmann::json& body, const std::string& state);
+  /// The search of an asset, once it is in that state.
+  nlohmann::json search_until(const std::string& asset, const std::string& state);
 
   TempFolder files_;
   DaemonProcess daemon_;
@@ -60,6 +63,7 @@ class ContractLife {
   std::uint16_t port_{};
   std::string viewer_, admin_;
   std::string used_asset_, spare_asset_;
+  std::string search_, failed_search_;
   std::string design_, spare_design_, plan_, failed_plan_;
   std::string done_, ready_;  ///< jobs
 };

@@ -74,6 +74,7 @@ void ContractLife::fill_the_disk() {
     if (call.route.starts_with("/v1/tokens/")) call.holes["id"] = token;
     if (call.route.starts_with("/v1/sessions/")) call.holes["id"] = page_id;
     if (call.route.starts_with("/v1/assets/")) call.holes["id"] = spare_asset_;
+    if (call.route.starts_with("/v1/searches/")) call.holes["id"] = search_;
     if (call.route.starts_with("/v1/devices/")) {
       const ContractCall now =
           on_device("sim:cameo3", call.route.substr(call.route.rfind('/') + 1));
@@ -100,8 +101,9 @@ void ContractLife::fill_the_disk() {
             .status == 500);
   CHECK(ask({.method = "DELETE", .route = "/v1/designs/{id}", .holes = {{"id", spare_design_}}})
             .status == 204);
-  CHECK(ask({.method = "DELETE", .route = "/v1/plans/{id}", .holes = {{"id", failed_plan_}}})
-            .status == 204);
+  for (const auto& [route, id] :
+       {std::pair{"/v1/plans/{id}", failed_plan_}, {"/v1/searches/{id}", search_}})
+    CHECK(ask({.method = "DELETE", .route = route, .holes = {{"id", id}}}).status == 204);
 }
 
 }  // namespace popcut::testing

@@ -6,9 +6,10 @@
 
 namespace popcut::test {
 
-/// SQL that makes the tables of the newest version those of an earlier one (2 to 7) again.
+/// SQL that makes the tables of the newest version those of an earlier one (2 to 8) again.
 [[nodiscard]] inline std::string back_to(int version) {
   static const std::map<int, const char*> undo{
+      {9, "DROP TABLE search;"},
       {8, "ALTER TABLE device DROP COLUMN site; ALTER TABLE job DROP COLUMN site;"},
       {7,
        "ALTER TABLE device DROP COLUMN node; ALTER TABLE device DROP COLUMN machine;"

@@ -13,6 +13,7 @@
 
 #include "daemon/digest/digest.hpp"
 #include "daemon/planning/planner.hpp"
+#include "daemon/planning/search/search_words.hpp"
 #include "daemon/service/service_options.hpp"
 #include "daemon/store/state_folder.hpp"
 
@@ -60,8 +61,29 @@ inline Result<daemon::StoredProgram> read_fake_program(const std::string& folder
   return daemon::StoredProgram{std::move(program), daemon::sha256_hex(*index)};
 }
 
+/// What the fake planner finds for a model: two cards, whose spec has the text of the model.
+inline daemon::SearchFront fake_front(const std::string& model) {
+  daemon::SearchFront front;
+  for (int k = 1; k <= 2; ++k) {
+    daemon::FoundCardRecord card;
+    card.style = "facets";
+    card.settings = "facets of 2 mm, planes 2 mm apart";
+    card.error = 0.6 / k;
+    card.seconds = 60.0 * k;
+    card.seconds_range = {50.0 * k, 70.0 * k};
+    card.sheet_mm = {150, 100};
+    card.folds = 10 * k;
+    card.spec = "{\"card\":" + std::to_string(k) + ",\"model\":\"" + model + "\"}";
+    front.cards.push_back(std::move(card));
+  }
+  front.designed = 16, front.planned = 6, front.verified = 4;
+  front.seen_share = 0.5;
+  front.mat_mm = {300, 300};
+  return front;
+}
+
 /// Plans any design at once as `sheets` sheets of `strokes` strokes. A design whose file contains
-/// "bad" fails; one that contains "slow" waits for `release`.
+/// "bad" fails; one that contains "slow" waits for `release`. Searches find `fake_front`.
 class FakePlanner final : public daemon::Planner {
  public:
   int sheets{2};
@@ -121,7 +143,7 @@ class FakePlanner final : public daemon::Planner {
       const auto is_cancelled = [&] {
         return std::find(cancels_.begin(), cancels_.end(), one.number) != cancels_.end();
       };
-      if (one.task.kind == daemon::PlanningTask::Kind::Plan &&
+      if (one.task.kind != daemon::PlanningTask::Kind::Check &&
           text.find("slow") != std::string::npos)
         wake_.wait(lock, [&] { return ending_ || released_ || is_cancelled(); });
       if (ending_) return;
@@ -141,6 +163,13 @@ class FakePlanner final : public daemon::Planner {
     if (task.kind == daemon::PlanningTask::Kind::Check) {
       outcome.files.push_back({"preview.svg", "<svg/>"});
       for (const auto& [id, path] : task.asset_paths) outcome.assets.push_back(id);
+      return outcome;
+    }
+    if (task.kind == daemon::PlanningTask::Kind::Search) {
+      outcome.files.push_back({planning::kFrontFile, planning::front_text(fake_front(text))});
+      for (int k = 1; k <= 2; ++k)
+        outcome.files.push_back(
+            {planning::thumbnail_file(k), "picture of card " + std::to_string(k)});
       return outcome;
     }
     std::string seed = text + task.machine_json + task.material_json;

@@ -315,6 +315,46 @@ void FakePlans::whole(const std::string& id, std::function<void(Answer<PlanRecor
   done(find(id));
 }
 
+Answer<SearchRecord> FakeSearches::request(const Principal& who, const CardSearchRequest& request) {
+  if (auto problem = failure("search_cards")) return tl::unexpected<Problem>(*problem);
+  last_search = request;
+  if (asset_map.find(request.model) == asset_map.end()) return nothing("there is no such asset");
+  SearchRecord search;
+  search.id = id_of(++next_id_);
+  search.owner = who.name;
+  search.request = request;
+  search.created = kNow;
+  return search_map[search.id] = search;
+}
+
+Answer<SearchRecord> FakeSearches::find(const std::string& id) {
+  if (auto problem = failure("search")) return tl::unexpected<Problem>(*problem);
+  return lookup(search_map, id, "search");
+}
+
+Answer<void> FakeSearches::remove(const Principal&, const std::string& id) {
+  if (auto problem = failure("delete_search")) return tl::unexpected<Problem>(*problem);
+  if (search_map.erase(id) == 0) return nothing("there is no such search");
+  return {};
+}
+
+Answer<std::string> FakeSearches::picture(const std::string& id, int card) {
+  if (auto problem = failure("card_picture")) return tl::unexpected<Problem>(*problem);
+  return lookup(files, fmt::format("{}/card-{:02}.png", id, card), "picture");
+}
+
+void FakeSearches::pick(const Principal& who, const std::string& id, int card,
+                        const std::string& name, std::function<void(Answer<Design>)> done) {
+  if (auto problem = failure("pick_card")) return done(tl::unexpected<Problem>(*problem));
+  const auto search = search_map.find(id);
+  if (search == search_map.end()) return done(nothing("there is no such search"));
+  if (card > static_cast<int>(search->second.front.cards.size()))
+    return done(nothing("there is no such card"));
+  const std::string design = "sha256-" + std::string(64, 'c');
+  const bool is_new = design_map.find(design) == design_map.end();
+  done(design_map[design] = {design, name, "spec", who.name, 1, kNow, {}, is_new});
+}
+
 Answer<std::vector<Machine>> FakePlans::machines() {
   if (auto problem = failure("machines")) return tl::unexpected<Problem>(*problem);
   return all_machines().value();

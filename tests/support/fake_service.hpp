@@ -20,6 +20,7 @@ class FakeState {
   std::map<std::string, Job> job_map;
   std::map<std::string, Design> design_map;
   std::map<std::string, PlanRecord> plan_map;
+  std::map<std::string, SearchRecord> search_map;
   std::map<std::string, DeviceRecord> device_map;
   std::map<std::string, MaterialRecord> material_map;
   std::map<std::string, TokenRecord> token_map;
@@ -34,6 +35,7 @@ class FakeState {
   JobPatch last_patch{};
   JobFilter last_filter{};
   PlanRequest last_plan{};
+  CardSearchRequest last_search{};
   DeviceRequest last_device_request{};
   PageRequest last_page{};
   Upload last_upload{};
@@ -129,6 +131,16 @@ class FakePlans : public Plans, public virtual FakeState {
                            const ArtworkRequest&, Designs::Shown done) override;
 };
 
+class FakeSearches : public Searches, public virtual FakeState {
+ public:
+  Answer<SearchRecord> request(const Principal&, const CardSearchRequest&) override;
+  Answer<SearchRecord> find(const std::string& id) override;
+  Answer<void> remove(const Principal&, const std::string& id) override;
+  Answer<std::string> picture(const std::string& id, int card) override;
+  void pick(const Principal&, const std::string& id, int card, const std::string& name,
+            std::function<void(Answer<Design>)> done) override;
+};
+
 class FakeJobs : public Jobs, public virtual FakeState {
  public:
   Answer<Job> create(const Principal&, const JobCreate&) override;
@@ -190,6 +202,7 @@ class FakeOperations : public Operations, public virtual FakeState {
 class FakeService : public FakeAccess,
                     public FakeDesigns,
                     public FakePlans,
+                    public FakeSearches,
                     public FakeJobs,
                     public FakeCutting,
                     public FakeDevices,
@@ -197,7 +210,7 @@ class FakeService : public FakeAccess,
                     public FakeOperations,
                     public Service {
  public:
-  FakeService() : Service{*this, *this, *this, *this, *this, *this, *this, *this} {}
+  FakeService() : Service{*this, *this, *this, *this, *this, *this, *this, *this, *this} {}
 };
 
 }  // namespace popcut::daemon

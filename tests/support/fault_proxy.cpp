@@ -50,6 +50,13 @@ Endpoint endpoint_of(const std::string& server) {
 /// All that happens on the thread of the proxy.
 class FaultProxy::Network {
  public:
+  /// What cut_at waits for.
+  struct Cut {
+    std::string text;
+    Lost lost;
+    std::string after;
+  };
+
   explicit Network(const std::string& server);
   ~Network();
 
@@ -65,7 +72,7 @@ class FaultProxy::Network {
   void stop_listening();
   void pass(Way way);
   void cut_all();
-  void cut_next(const std::string& text, Lost lost);
+  void cut_next(Cut next);
   [[nodiscard]] std::string socket() const { return folder_ / ".s.PGSQL.5432"; }
   [[nodiscard]] const TempFolder& folder() const { return folder_; }
 
@@ -74,10 +81,6 @@ class FaultProxy::Network {
     bool held{false};
     std::optional<std::size_t> left;  // until a cut
     std::size_t passed{0};
-  };
-  struct Cut {
-    std::string text;
-    Lost lost;
   };
   struct Connection;
 
@@ -102,6 +105,7 @@ class FaultProxy::Network {
   void write(const Alive& alive, Way way);
   /// How much of what comes next may go; less than `size`: then the connection is cut.
   std::size_t allowance(Connection& connection, Way way, const std::string& bytes);
+  static bool passes(std::string& seen, const std::string& text);
   void end(const Alive& alive, Way way);
   void cut(const Alive& alive);
   void forget(const Alive& alive);
@@ -142,6 +146,7 @@ struct FaultProxy::Network::Connection {
   std::array<Stream, 2> streams;
   std::shared_ptr<std::string> recording;
   std::string seen;  // the last bytes from the client, in which the text of a cut may begin
+  bool has_begun{};  // the client has said what the text of the cut comes after
   bool answer_lost{false}, gone{false};
 };
 
@@ -263,18 +268,29 @@ void FaultProxy::Network::write(const Alive& alive, Way way) {
                     });
 }
 
+// Takes off `seen` what cannot be the beginning of a later `text`, or all up to its end if it is
+// there.
+bool FaultProxy::Network::passes(std::string& seen, const std::string& text) {
+  const std::size_t at = seen.find(text);
+  if (at != std::string::npos) {
+    seen.erase(0, at + text.size());
+    return true;
+  }
+  if (seen.size() >= text.size()) seen.erase(0, seen.size() - text.size() + 1);
+  return false;
+}
+
 std::size_t FaultProxy::Network::allowance(Connection& connection, Way way,
                                            const std::string& bytes) {
   if (way == Way::ToClient && connection.answer_lost) return 0;
   if (way == Way::ToServer && cut_at_) {
     connection.seen += bytes;
-    if (connection.seen.find(cut_at_->text) != std::string::npos) {
+    if (!connection.has_begun) connection.has_begun = passes(connection.seen, cut_at_->after);
+    if (connection.has_begun && passes(connection.seen, cut_at_->text)) {
       const Lost lost = cut_at_->lost;
       cut_at_.reset();
       if (lost == Lost::Request) return 0;
       connection.answer_lost = true;
-    } else if (connection.seen.size() >= cut_at_->text.size()) {
-      connection.seen.erase(0, connection.seen.size() - cut_at_->text.size() + 1);
     }
   }
   std::optional<std::size_t>& left = direction(way).left;
@@ -327,9 +343,12 @@ bool FaultProxy::Network::cut_to_come() {
                      [](const Alive& one) { return one->answer_lost; });
 }
 
-void FaultProxy::Network::cut_next(const std::string& text, Lost lost) {
-  cut_at_ = {text, lost};
-  for (const Alive& one : connections) one->seen.clear();
+void FaultProxy::Network::cut_next(Cut next) {
+  cut_at_ = std::move(next);
+  for (const Alive& one : connections) {
+    one->seen.clear();
+    one->has_begun = false;
+  }
 }
 
 FaultProxy::FaultProxy(const std::string& server) : network_(std::make_unique<Network>(server)) {}
@@ -383,8 +402,8 @@ void FaultProxy::cut_after(Way way, std::size_t bytes) {
   network_->on([&] { network_->direction(way).left = bytes; });
 }
 
-void FaultProxy::cut_at(const std::string& text, Lost lost) {
-  network_->on([&] { network_->cut_next(text, lost); });
+void FaultProxy::cut_at(const std::string& text, Lost lost, const std::string& after) {
+  network_->on([&] { network_->cut_next({text, lost, after}); });
 }
 
 bool FaultProxy::cut_to_come() const {

@@ -53,7 +53,8 @@ class FaultProxy {
   /// Cuts the next connection whose client sends `text`: before the server has any of the bytes
   /// that came with its end (Request), or when the server has answered, of which the client gets
   /// nothing (Answer). After that all is passed again.
-  void cut_at(const std::string& text, Lost lost);
+  /// @param after  what the same client must have sent before `text`, from now on
+  void cut_at(const std::string& text, Lost lost, const std::string& after = "");
   /// True as long as a cut_after or cut_at has not happened.
   [[nodiscard]] bool cut_to_come() const;
 

@@ -2,7 +2,7 @@
 // What popcutd does with --worker, and nothing else.
 #include <string>
 
-#include "daemon/planning/worker.hpp"
+#include "daemon/planning/worker/worker.hpp"
 
 int main(int argc, char** argv) {
   if (argc < 2 || argc > 3 || std::string(argv[1]) != "--worker") return 2;

@@ -62,7 +62,6 @@ class ContourFollower {
   [[nodiscard]] std::vector<Step> steps(int s) const {
     const std::vector<LabelRun>&a = runs_[static_cast<std::size_t>(s)],
           &b = runs_[static_cast<std::size_t>(s) + 1];
-    const int least = least_run();
     std::vector<Step> out;
     for (std::size_t i = 1; i < a.size(); ++i)
       for (std::size_t j = 1; j < b.size(); ++j) {
@@ -72,6 +71,7 @@ class ContourFollower {
             a[i - 1].label != b[j - 1].label)
           continue;
         // Both planes go on across the line, on their own sides of the cut.
+        const int least = least_run(last - first);
         if (std::max(a[i - 1].begin, b[j - 1].begin) > first - least ||
             std::min(a[i].end, b[j].end) < last + least)
           continue;
@@ -83,8 +83,13 @@ class ContourFollower {
     return out;
   }
 
-  [[nodiscard]] int least_run() const {
-    return static_cast<int>(std::ceil(min_panel_mm_ / grid().step_mm - 1e-9));
+  /// What a panel must be long beside a cut with a step of `reach` columns: measured across the cut
+  /// it is narrower than along the strip. Where the cut has such a step at both sides of a strip,
+  /// it slants by up to twice as much.
+  [[nodiscard]] int least_run(int reach) const {
+    const double slope = 2 * reach * grid().step_mm / grid().strip_mm;
+    return static_cast<int>(
+        std::ceil(min_panel_mm_ * std::hypot(1.0, slope) / grid().step_mm - 1e-9));
   }
 
   /// The run of a strip that begins at a column, or none: as many as there are.
@@ -114,7 +119,7 @@ class ContourFollower {
       if (same_before != same_after) return false;  // one side goes on straight, the other does not
       if (ends_at_window(k, column) != ends_at_window(k - way, column)) return false;
       const int room = std::min(runs[r - 1].end - runs[r - 1].begin, runs[r].end - runs[r].begin);
-      if (room < reach + least_run()) return false;
+      if (room < reach + least_run(reach)) return false;
     }
     return true;
   }

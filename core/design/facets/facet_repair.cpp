@@ -2,12 +2,15 @@
 #include "core/design/facets/facet_repair.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <map>
+#include <optional>
 #include <span>
 #include <utility>
 
 #include "core/design/facets/label_holding.hpp"
+#include "core/geometry/disjoint_sets.hpp"
 
 namespace popcut {
 namespace {
@@ -31,6 +34,7 @@ class Repairer {
         most_tried_(how.rough ? kMostTriedRoughly : kMostTried) {}
 
   Result<FacetRepair> run() {
+    if (how_.jumps) hold_enclosed();
     LabelImage whole = labelling_.image();
     fill_enclosed(whole, planes(), min_panel_mm_, true);
     take(whole);
@@ -225,6 +229,131 @@ class Repairer {
     moves.push_back(std::move(move));
   }
 
+  /// What wall or ground enclose gets a strip that goes on from it to both, where that costs less
+  /// than to do without it: a bridge to one of them would still leave a hole in that face.
+  void hold_enclosed() {
+    for (int round = 0; round < kMostBridges; ++round) {
+      LabelImage filled = labelling_.image();
+      if (!fill_enclosed(filled, planes(), min_panel_mm_)) return;
+      const std::vector<Floating> all = floating(filled);
+      bool any = false;
+      for (const Floating& one : all) {
+        const std::optional<Move> move = bridge(one, filled);
+        if (!move) continue;
+        const auto& [s, labels] = move->strips.front();
+        out_.struts.push_back({s, labels_of(s)});
+        labelling_.set(s, labels);
+        any = true;
+      }
+      if (!any) return;
+    }
+  }
+
+  /// Stretches of strips, by strip, that hang together and that wall or ground enclose.
+  struct Floating {
+    struct Stretch {
+      int strip{}, begin{}, end{};
+    };
+    std::vector<Stretch> stretches;
+  };
+  /// @param filled  the labels without what is enclosed
+  [[nodiscard]] std::vector<Floating> floating(const LabelImage& filled) const {
+    std::vector<Floating::Stretch> all;
+    for (int s = 0; s < grid().strips; ++s) {
+      const auto now = labelling_.image().strip(s), then = filled.strip(s);
+      const auto is_free = [&](int i) {
+        const auto at = static_cast<std::size_t>(i);
+        return now[at] != then[at] && (then[at] == kWallLabel || then[at] == kGroundLabel);
+      };
+      for (int i = 0; i < grid().columns; ++i) {
+        if (!is_free(i)) continue;
+        const int begin = i;
+        while (i < grid().columns && is_free(i)) ++i;
+        all.push_back({s, begin, i});
+      }
+    }
+    DisjointSets sets(all.size());
+    for (std::uint32_t a = 0; a < all.size(); ++a)
+      for (std::uint32_t b = a + 1; b < all.size() && all[b].strip <= all[a].strip + 1; ++b)
+        if (all[b].strip == all[a].strip + 1 && all[a].begin < all[b].end &&
+            all[b].begin < all[a].end)
+          sets.join(a, b);
+    std::vector<std::uint32_t> number;
+    std::vector<Floating> out(sets.number(number));
+    for (std::size_t k = 0; k < all.size(); ++k) out[number[k]].stretches.push_back(all[k]);
+    return out;
+  }
+
+  /// The strip of something enclosed that costs least to go on to wall and ground; none where
+  /// leaving it out costs less.
+  [[nodiscard]] std::optional<Move> bridge(const Floating& one, const LabelImage& filled) {
+    Move without{Move::Kind::Drop, {}};
+    for (const Floating::Stretch& stretch : one.stretches) {
+      if (without.strips.empty() || without.strips.back().first != stretch.strip)
+        without.strips.emplace_back(stretch.strip, labels_of(stretch.strip));
+      const auto then = filled.strip(stretch.strip);
+      std::copy(then.begin() + stretch.begin, then.begin() + stretch.end,
+                without.strips.back().second.begin() + stretch.begin);
+    }
+    const double most = extra_cost(without);
+    double least = 0.0;
+    std::optional<Move> best;
+    // A strip in the middle carries better than one at the side.
+    const int first = one.stretches.front().strip, last = one.stretches.back().strip;
+    for (const Floating::Stretch& stretch : one.stretches) {
+      std::vector<Label> labels = labels_of(stretch.strip);
+      if (!go_on_to_wall(stretch, labels) || !go_on_to_ground(stretch, labels)) continue;
+      if (!is_wide(labels)) continue;
+      Move move{Move::Kind::Strut, {{stretch.strip, std::move(labels)}}};
+      const double cost = extra_cost(move);
+      const double aside = std::abs(2 * stretch.strip - first - last) /
+                           std::max(1.0, static_cast<double>(last - first));
+      const double price = cost + kAside * aside * std::abs(cost);
+      if (cost < most && (!best || price < least)) least = price, best = std::move(move);
+    }
+    return best;
+  }
+
+  /// A level plane reaches from a stretch back to the wall: its first one, or one that meets the
+  /// first in a fold. False: none does.
+  [[nodiscard]] bool go_on_to_wall(const Floating::Stretch& stretch,
+                                   std::vector<Label>& labels) const {
+    const Label first = labels[static_cast<std::size_t>(stretch.begin)];
+    for (int off = 0; off <= kLedgeReach && stretch.begin + off < stretch.end; ++off) {
+      const int line = stretch.begin + off;
+      if (labels[static_cast<std::size_t>(line)] != first) return false;
+      const Label level =
+          planes()[first].upright ? planes().partner(first, grid().across(line)) : first;
+      if (level == kNoLabel || level == kGroundLabel) continue;
+      const int wall = grid().wall - planes()[level].offset;
+      if (wall < 1 || wall >= line || labels[static_cast<std::size_t>(wall - 1)] != kWallLabel)
+        continue;
+      paint(labels, wall, line, level);
+      return true;
+    }
+    return false;
+  }
+
+  /// An upright plane reaches from a stretch down to the ground, likewise.
+  [[nodiscard]] bool go_on_to_ground(const Floating::Stretch& stretch,
+                                     std::vector<Label>& labels) const {
+    const Label last = labels[static_cast<std::size_t>(stretch.end - 1)];
+    for (int off = 0; off <= kLedgeReach && stretch.end - off > stretch.begin; ++off) {
+      const int line = stretch.end - off;
+      if (labels[static_cast<std::size_t>(line - 1)] != last) return false;
+      const Label upright =
+          planes()[last].upright ? last : planes().partner(last, grid().across(line));
+      if (upright == kNoLabel || upright == kWallLabel) continue;
+      const int ground = grid().wall + planes()[upright].offset;
+      if (ground <= line || ground >= grid().columns ||
+          labels[static_cast<std::size_t>(ground)] != kGroundLabel)
+        continue;
+      paint(labels, line, ground, upright);
+      return true;
+    }
+    return false;
+  }
+
   struct LoosePatch {
     double area{};
     std::vector<LabelBan> cells;
@@ -339,6 +468,24 @@ class Repairer {
     return image;
   }
 
+  /// What a move costs more together with what wall or ground then enclose, which goes. What other
+  /// paper encloses is not counted: a window shows it.
+  double cost_with_losses(const Move& move, const LabelImage& settled) {
+    LabelImage image = labelling_.image();
+    for (const auto& [s, labels] : move.strips)
+      std::copy(labels.begin(), labels.end(), image.strip(s).begin());
+    Move whole{move.kind, {}};
+    for (int s = 0; s < grid().strips; ++s) {
+      std::vector<Label> labels(image.strip(s).begin(), image.strip(s).end());
+      const auto then = settled.strip(s), now = std::as_const(labelling_).image().strip(s);
+      for (std::size_t i = 0; i < labels.size(); ++i)
+        if (then[i] == kWallLabel || then[i] == kGroundLabel) labels[i] = then[i];
+      if (!std::equal(now.begin(), now.end(), labels.begin()))
+        whole.strips.emplace_back(s, std::move(labels));
+    }
+    return extra_cost(whole);
+  }
+
   /// How loose labels are: the pins that would hold them, and a little for all that these move.
   static double looseness(const LabelHolding& holding) {
     constexpr double kOpen = 0.03;
@@ -401,7 +548,7 @@ class Repairer {
     const LabelImage image = after(move);
     const LabelHolding then = holding(image);
     const double held = looseness(state_) - looseness(then);
-    if (held <= kLeastHeld || extra_cost(move) > dearest * held) return false;
+    if (held <= kLeastHeld || cost_with_losses(move, image) > dearest * held) return false;
     if (move.kind == Move::Kind::Shift) ++out_.shifted;
     if (move.kind != Move::Kind::Drop)
       for (const auto& one : move.strips) out_.struts.push_back({one.first, labels_of(one.first)});
@@ -464,7 +611,7 @@ class Repairer {
           Move move{Move::Kind::Drop, {{s, labelling_.best(s, jumps)}}};
           if (extra_cost(move) >= -1e-6) continue;
           const LabelImage image = after(move);
-          if (holding(image).open > 0) continue;
+          if (holding(image).open > 0 || cost_with_losses(move, image) >= -1e-6) continue;
           take(image);
           any = true;
           break;
@@ -473,11 +620,17 @@ class Repairer {
     }
   }
 
-  /// Of the struts those without which the card would be loose, as it now is.
+  /// Of the struts those without which the card would be loose, as it now is; those without which
+  /// something would fall out are counted.
   void keep_real_struts() {
     std::erase_if(out_.struts, [&](const FacetStrut& strut) {
       LabelImage image = labelling_.image();
       std::copy(strut.without.begin(), strut.without.end(), image.strip(strut.strip).begin());
+      LabelImage filled = image;
+      if (fill_enclosed(filled, planes(), min_panel_mm_)) {
+        ++out_.bridges;
+        return true;
+      }
       const auto made = pattern_of(image, planes(), card_, min_panel_mm_);
       return !made || made->motion.degrees_of_freedom == 1;
     });
@@ -485,7 +638,9 @@ class Repairer {
 
   static constexpr std::size_t kMostDrops = 8, kMostPaintings = 60, kMostTried = 600,
                                kMostTriedRoughly = 150;
-  static constexpr int kMostTries = 8, kLedgeReach = 8, kMostShift = 8, kShiftRounds = 14;
+  static constexpr int kMostTries = 8, kLedgeReach = 8, kMostShift = 8, kShiftRounds = 14,
+                       kMostBridges = 4;
+  static constexpr double kAside = 0.2;       ///< of its cost, what a strip at the side costs more
   static constexpr double kLeastHeld = 0.05;  ///< less is rounding
   static constexpr double kDearer = 2.0;      ///< than the best move of a round
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "core/design/facets/label_pattern.hpp"
@@ -23,7 +24,8 @@ struct FacetRepair {
   int shifted{};       ///< panels that went to a plane beside their own in one strip
   int dropped{};       ///< patches that were given up
   std::vector<FacetStrut> struts;
-  bool unfinished{};  ///< it took too long: something is still loose
+  std::size_t bridges{};  ///< strips that hold what wall or ground would enclose otherwise
+  bool unfinished{};      ///< it took too long: something is still loose
 };
 
 /// How long repairing may take, in panels of strips that are looked at: about a second.

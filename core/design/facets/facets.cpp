@@ -80,7 +80,8 @@ class FacetMaker {
     if (!options_.rough) {
       auto repaired_cut = label(labelling, card, true);
       if (!repaired_cut) return tl::unexpected(repaired_cut.error());
-      if (!repaired_cut->unfinished && labelling.whole_cost() <= uncut.whole_cost())
+      if (!repaired_cut->unfinished &&
+          seen_cost(image, planes, labelling) <= seen_cost(image, planes, uncut))
         cut = std::move(*repaired_cut);
     }
     if (cut)
@@ -256,11 +257,33 @@ class FacetMaker {
     return out;
   }
 
+  /// How far behind a plane the target must be for a window in it.
+  [[nodiscard]] double window_depth_mm() const {
+    return std::max(options_.pitch_mm, kLeastDeeper_mm);
+  }
+
+  /// What labels cost without what windows will take away.
+  [[nodiscard]] double seen_cost(const DepthImage& image, const FacetPlanes& planes,
+                                 const Labelling& labelling) const {
+    LabelImage open = labelling.image();
+    double gone = 0.0;
+    if (cut_windows(open, planes, image, window_depth_mm(), options_.min_panel_mm) > 0)
+      for (std::size_t row = 0; row < image.raster.rows; ++row)
+        for (std::size_t c = 0; c < image.raster.columns; ++c) {
+          const int s = static_cast<int>(row) / kPointsAlong;
+          const std::size_t column = c / kPointsAcross;
+          if (open.strip(s)[column] != kNoLabel) continue;
+          const FacetPlane& plane = planes[labelling.image().strip(s)[column]];
+          gone += std::abs(plane.offset * step_mm_ -
+                           (plane.upright ? image.x_mm(row, c) : image.z_mm(row, c)));
+        }
+    return labelling.whole_cost() - gone * image.raster.column_mm * image.raster.row_mm;
+  }
+
   /// Windows, where the card with them is as sound as without.
   void open_windows(const DepthImage& image, FacetCard& out) const {
     LabelImage labels = out.labels;
-    const double deeper = std::max(options_.pitch_mm, kLeastDeeper_mm);
-    out.windows = cut_windows(labels, out.planes, image, deeper, options_.min_panel_mm);
+    out.windows = cut_windows(labels, out.planes, image, window_depth_mm(), options_.min_panel_mm);
     if (out.windows == 0) return;
     auto pattern = pattern_of(labels, out.planes, out.card, options_.min_panel_mm);
     if (pattern && pattern->motion.degrees_of_freedom == 1 && pattern->motion.pieces == 1) {
@@ -303,13 +326,15 @@ class FacetMaker {
     }
     f.patches = patches_of(out.labels, out.planes, options_.min_panel_mm).count;
     constexpr double kRounding = 1e-9;
-    f.over_least = least > kRounding ? whole / least : 1.0;
+    f.over_least = least > kRounding   ? whole / least
+                   : whole > kRounding ? std::numeric_limits<double>::infinity()
+                                       : 1.0;
     f.planes = static_cast<int>(out.planes.size());
     f.loose_before = out.repaired.loose_before;
     f.shifted = out.repaired.shifted;
     f.moves = out.moves;
     f.dropped = out.repaired.dropped;
-    f.struts = out.repaired.struts.size();
+    f.struts = out.repaired.struts.size() + out.repaired.bridges;
   }
 
   const TriangleSoup& target_;

@@ -38,6 +38,9 @@ Result<std::vector<Area>> drawing_areas(const std::string& bytes, std::optional<
       box.extend(ring.back());
     }
   }
+  if (rings.empty() && !work->warnings.empty())
+    return fail(ErrorKind::Infeasible, "",
+                "has no closed line with an area: " + work->warnings.front().message);
   const double drawn = box.isEmpty() ? 0.0 : box.sizes().y();
   const double scale = height && drawn > 0.0 ? *height / drawn : 1.0;
   for (Ring& ring : rings)

@@ -136,8 +136,8 @@ Result<TriangleMesh> placed(TriangleMesh mesh, const TargetPlacement& placement)
       if (!(std::abs(p[i]) <= kFarthest_mm))
         return fail(
             ErrorKind::OutOfRange, "/scale_mm",
-            fmt::format("triangle {} would reach {:.3g} mm from the corner; at most {:g} mm "
-                        "is needed: use a smaller scale_mm",
+            fmt::format("triangle {} would reach {:.10g} mm from the corner; at most {:g} mm "
+                        "is needed: use a smaller scale_mm, or move it nearer with translate_mm",
                         k / 9, std::abs(p[i]), kFarthest_mm));
       mesh.corners[k + i] = static_cast<float>(p[i]);
     }

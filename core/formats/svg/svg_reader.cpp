@@ -608,6 +608,19 @@ class SvgReader {
     return add(e, place, dashed_, to_page, operation);
   }
 
+  // Whether a fill is the page's background: one line around (nearly) all of it. A drawing that
+  // only reaches to all sides of its page, as programs crop it, is none.
+  [[nodiscard]] bool fills_page(const Polylines& lines) const {
+    constexpr double kAll = 0.95;  // of the page: a background may have round corners
+    if (lines.size() != 1 || !(page_mm_[0] > 0.0) || !(page_mm_[1] > 0.0)) return false;
+    Box box;
+    for (const PagePoint& p : lines[0]) box.add(p);
+    const double margin = 0.001 * (page_mm_[0] + page_mm_[1]);
+    return box.x0 <= margin && box.y0 <= margin && box.x1 >= page_mm_[0] - margin &&
+           box.y1 >= page_mm_[1] - margin &&
+           0.5 * std::abs(twice_area(lines[0])) >= kAll * page_mm_[0] * page_mm_[1];
+  }
+
   // The outline of a fill. Only at the end is it known whether fills without a name are kept.
   Result<void> add_fill(const SvgElement& e, const Place& place, const SvgStyle& style,
                         PenOperation operation) {
@@ -624,15 +637,9 @@ class SvgReader {
       lines_ = std::move(*shown);
       if (auto done = spend(e.node, 0); !done || lines_.size() == 0) return done;
     }
-    if (!named) {
-      Box box;
-      for (const PagePoint& p : lines_.points) box.add(p);
-      const double margin = 0.001 * (page_mm_[0] + page_mm_[1]);
-      if (page_mm_[0] > 0.0 && page_mm_[1] > 0.0 && box.x0 <= margin && box.y0 <= margin &&
-          box.x1 >= page_mm_[0] - margin && box.y1 >= page_mm_[1] - margin) {
-        note(SvgNote::FillBackground, e.node);
-        return {};
-      }
+    if (!named && fills_page(lines_)) {
+      note(SvgNote::FillBackground, e.node);
+      return {};
     }
     const std::size_t first = work_.lines.size();
     const auto added = strokes_.add(lines_, {}, operation);

@@ -11,8 +11,11 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "core/design/book_fit.hpp"
+#include "core/formats/write/report_json.hpp"
 #include "core/plan/plan_options.hpp"
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/commands/book_files.hpp"
 #include "daemon/cli/cutter/stop_signals.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/search/front_picture.hpp"
@@ -32,25 +35,40 @@ struct Options {
   std::string folder;
 };
 
-/// The files of one card: what makes it again, and its pattern.
-Result<void> add_card(SearchedModel& model, std::size_t k, OutputFolder& folder) {
+Result<void> add_pattern(PatchAssembly& made, std::size_t part, const Material& material,
+                         OutputFolder& folder) {
   constexpr std::array<std::string_view, 4> kFiles{"pattern.fold", "pattern.svg", "cut.svg",
                                                    "pattern.dxf"};
-  planning::FoundCard& card = model.found.front[k];
-  if (const auto spec = parse_design_spec(card.spec))
-    planning::add_make_warnings(model.material, *spec, card.made.parts.front());
-  folder.enter(front_folder(k));
-  if (auto done = folder.add("spec.json", card.spec); !done) return done;
   for (const std::string_view file : kFiles) {
-    const auto text = planning::design_file(card.made, model.material, file, 0);
+    const auto text = planning::design_file(made, material, file, part);
     if (!text) return tl::unexpected(text.error());
     if (auto done = folder.add(std::string(file), *text); !done) return done;
   }
+  return {};
+}
+
+/// The files of one card or book: what makes it again, and its patterns.
+Result<void> add_card(SearchedModel& model, std::size_t k, OutputFolder& folder) {
+  planning::FoundCard& card = model.found.front[k];
+  const std::string name = front_folder(card, k);
+  if (const auto spec = parse_design_spec(card.spec))
+    for (Design& part : card.made.parts) planning::add_make_warnings(model.material, *spec, part);
+  folder.enter(name);
+  if (auto done = folder.add("spec.json", card.spec); !done) return done;
+  if (card.made.book) {
+    card.made.book->fit = book_fit(card.made);
+    if (auto done = add_book_files(card.made, {}, folder); !done) return done;
+  }
   const auto picture =
-      card_picture(card, fmt::format("{}, {:.1f} minutes: error {:.4f}", front_folder(k),
+      card_picture(card, fmt::format("{}, {:.1f} minutes: error {:.4f}", name,
                                      card.cost.seconds / 60.0, card.figures.error()));
   if (!picture) return tl::unexpected(picture.error());
-  return folder.add("thumbnail.png", *picture);
+  if (auto done = folder.add("thumbnail.png", *picture); !done) return done;
+  for (std::size_t part = 0; part < card.made.parts.size(); ++part) {
+    if (card.made.book) folder.enter(fmt::format("{}/{}", name, part_folder(card.made, part)));
+    if (auto done = add_pattern(card.made, part, model.material, folder); !done) return done;
+  }
+  return {};
 }
 
 Result<void> write_files(const Options& options, SearchedModel& model, OutputFolder& folder,
@@ -61,7 +79,10 @@ Result<void> write_files(const Options& options, SearchedModel& model, OutputFol
   folder.enter("");
   const auto picture = front_picture(
       model.found,
-      fmt::format("{}: cards of up to {:g} minutes", model.name, options.search.max_minutes));
+      fmt::format("{}: {} of up to {:g} minutes", model.name,
+                  options.search.cards > 1 ? fmt::format("books of {} cards", options.search.cards)
+                                           : std::string("cards"),
+                  options.search.max_minutes));
   if (!picture) return tl::unexpected(picture.error());
   if (auto done = folder.add("front.svg", *picture); !done) return done;
   if (auto done = folder.add("front.json", front_json(options.search, model)); !done) return done;
@@ -85,8 +106,7 @@ Result<void> run_auto(const Options& options, const Globals& globals) {
   const auto stopped = [] { return StopSignals::stop_asked.load(); };
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
-  auto model =
-      search_model(options.search, folder->folder() / front_folder(0), !globals.quiet, stopped);
+  auto model = search_model(options.search, folder->folder() / "card-01", !globals.quiet, stopped);
   if (stopped()) {
     { const OutputFolder put_away = std::move(*folder); }
     signals.reset();
@@ -104,23 +124,26 @@ Result<void> run_auto(const Options& options, const Globals& globals) {
 constexpr const char* kHelp =
     "Find the best cards for a 3D model.\n\n"
     "  popcut auto teapot.obj -o teapot\n"
-    "  popcut auto teapot.obj --max-minutes 5 --mat 12x12 -o teapot\n\n"
+    "  popcut auto house.obj --up y --machine cameo3 --mat A4 --marks -o house    # to print\n\n"
     "MODEL is a mesh (STL, OBJ). popcut tries styles, ways to stand, sizes and finenesses, and\n"
     "keeps the cards of which no other looks more like the model and is cut as quickly. Each\n"
-    "passes 'popcut verify --dof 1'. popcut writes into DIR:\n\n"
+    "passes 'popcut verify --dof 1'. With --cards it finds books, which show the model from all\n"
+    "sides. popcut writes into DIR:\n\n"
     "  front.svg      all cards on one page; look at this first\n"
     "  front.json     figures of each card, and which one is the best\n"
     "  card-NN/       one card: spec.json, from which 'popcut design' makes it again, the\n"
-    "                 pattern (FOLD, SVG, DXF), cut.svg, and thumbnail.png beside the model\n\n"
+    "                 pattern (FOLD, SVG, DXF), cut.svg, and thumbnail.png beside the model;\n"
+    "                 of books: book-NN/, with a folder for each card\n\n"
     "card-01 is the quickest to cut, the last one looks most like the model. The same seed gives\n"
     "the same cards on every computer.";
 
 void add_search_options(CLI::App& command, ModelSearchOptions& search) {
   real_number(command.add_option("--max-minutes", search.max_minutes,
-                                 "Longest time of cutting, by the model of the machine"),
+                                 "Longest time that the cutter may take, as popcut reckons it"),
               0.1, 1e5, "minutes")
       ->option_text("MINUTES [15]");
-  checked(command.add_option("--mat", search.mat, "Mat to cut on, as in plan"),
+  checked(command.add_option("--mat", search.mat,
+                             "Mat or paper to cut on, such as 12x12 or A4, as in plan"),
           [](const std::string& text) {
             const auto read = read_plan_options({{"mat", text}});
             return read ? std::string() : read.error().detail;
@@ -130,23 +153,43 @@ void add_search_options(CLI::App& command, ModelSearchOptions& search) {
       ->option_text("NAME");
   command.add_option("--material", search.material, "Material to cut, as in plan")
       ->option_text("NAME [paper-220]");
+  checked(command.add_option("--cards", search.cards,
+                             "Cards of a book around one spine, 3 to 12; 1: a card alone"),
+          [](const std::string& text) {
+            const bool is_number = !text.empty() && text.size() <= 2 &&
+                                   text.find_first_not_of("0123456789") == std::string::npos;
+            const int cards = is_number ? std::stoi(text) : 0;
+            const bool is_right = cards == 1 || (cards >= kLeastCards && cards <= kMostCards);
+            return is_right ? std::string()
+                            : fmt::format("{}: give 1, or {} to {} cards of a book", text,
+                                          kLeastCards, kMostCards);
+          })
+      ->option_text("N [1]");
+  command.add_flag("--marks", search.marks,
+                   "Cards fit between the registration marks that popcut print sets");
   std::vector<std::string> styles;
   for (const StyleChoice& style : style_choices()) styles.emplace_back(style.name);
   one_word(command.add_option("--style", search.style,
                               "What cards are made of: any, facets, any lattice, or one lattice"),
            styles, "any");
-  one_word(command.add_option("--up", search.up,
-                              "Which axis of the file points up; any: whichever way the card is "
-                              "most like the model"),
+  one_word(
+      command.add_option("--up", search.up,
+                         "Which axis of the file points up (mostly y or z); any: whichever way "
+                         "the card is most like the model, so it may lie on its side"),
+      up_words(), "any");
+  one_word(command.add_option("--front", search.front,
+                              "Which axis of the file points out of the card, toward you (a house: "
+                              "out of its door); any: popcut turns the model as it looks best"),
            up_words(), "any");
   whole_number(
       command.add_option("--seed", search.seed, "Random seed: the same one, the same cards"), 0,
       std::int64_t{1} << 53)
       ->option_text("N [1]");
-  real_number(command.add_option("--effort", search.effort,
-                                 "How many cards are tried: a factor. 1 takes up to a minute on "
-                                 "two cores"),
-              0.01, 100)
+  real_number(
+      command.add_option("--effort", search.effort,
+                         "How many cards are tried: 0.1 is a first look, 3 takes three times "
+                         "as long; 1 takes up to a minute on two idle cores"),
+      0.01, 100)
       ->option_text("X [1]");
   whole_number(command.add_option("--threads", search.threads,
                                   "Threads to use, 0 for all; they change nothing but the time"),
@@ -164,7 +207,7 @@ void register_auto(CLI::App& app, const Globals& globals, Run& run) {
   command->add_option("MODEL", options->search.model, "The model: a mesh (.stl, .obj)")->required();
   command
       ->add_option("-o,--output", options->folder,
-                   "Folder for the cards; created if it does not exist")
+                   "Folder for the cards, required; created if it does not exist")
       ->option_text("DIR");
   add_search_options(*command, options->search);
   when_chosen(command, run, [options, &globals] { return run_auto(*options, globals); });

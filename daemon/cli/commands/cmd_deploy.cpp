@@ -106,6 +106,8 @@ Result<Source> read_fold_source(const Options& options, const std::string& text,
 Result<Source> read_source(const Options& options, SegmentConvention convention,
                            const Progress& progress) {
   constexpr std::uintmax_t kLimitBytes = 1u << 29;
+  if (auto valid = check_no_model(options.file, "deploy"); !valid)
+    return tl::unexpected(valid.error());
   const auto text = read_file(options.file, kLimitBytes);
   if (!text) return tl::unexpected(text.error());
   const auto inside = [&](const Error& error) {

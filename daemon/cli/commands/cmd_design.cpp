@@ -256,6 +256,20 @@ void say_remarks(const DesignReport& report, bool all) {
   }
 }
 
+/// Models come in all units: one whose numbers are centimetres or metres makes a tiny card.
+void say_small_model(const DesignSpec& spec, const DesignReport& report) {
+  constexpr double kSmall_mm = 40.0, kUsual_mm = 120.0;
+  if (!spec.surface || !std::holds_alternative<MeshSpec>(*spec.surface)) return;
+  if (spec.placement.scale_mm != 1.0 || !report.surface_fit) return;
+  const double size = report.surface_fit->size_mm;
+  if (!(size > 0.0 && size < kSmall_mm)) return;
+  fmt::print(
+      stderr,
+      "  note     the 3D model is {:.3g} mm from corner to corner; \"scale_mm\": {:.0f} makes "
+      "it about {:g} mm\n",
+      size, kUsual_mm / size, kUsual_mm);
+}
+
 void say_joins(const PatchAssembly& made) {
   for (const JoinReport& join : made.joins)
     fmt::print(stderr, "  {:<8} {} and {} at v = {:.1f} mm: {}; profiles {:.3g} mm apart\n",
@@ -274,7 +288,9 @@ std::string about(const SurfaceSpec& surface) {
   if (const auto* s = std::get_if<ProfileSpec>(&surface)) return "profile " + words(s->z);
   if (const auto* s = std::get_if<LoftSpec>(&surface))
     return fmt::format("loft of {} curves", s->stations.size());
-  if (const auto* s = std::get_if<ImplicitSpec>(&surface)) return "solid " + s->f;
+  constexpr std::size_t kMostShown = 60;
+  if (const auto* s = std::get_if<ImplicitSpec>(&surface))
+    return s->f.size() > kMostShown ? "a solid given by a formula" : "solid " + s->f;
   if (const auto* s = std::get_if<TextSpec>(&surface)) return "the text " + s->text;
   return "file " + asset_of(surface);
 }
@@ -288,9 +304,10 @@ Result<void> list_examples(const Globals& globals) {
     std::vector<std::string> sizes;
     for (const RegionSpec& region : spec->regions)
       sizes.push_back(fmt::format("{} x {}", region.slices, region.units_per_slice));
-    std::string what = spec->style == DesignStyle::Facets
-                           ? fmt::format("facets of {:g} mm, {}", spec->facets.strip_mm, target)
-                           : fmt::format("{}, {} units", target, fmt::join(sizes, " + "));
+    std::string what =
+        spec->style == DesignStyle::Facets
+            ? fmt::format("facets, strips of {:g} mm, {}", spec->facets.strip_mm, target)
+            : fmt::format("{}, {} units", target, fmt::join(sizes, " + "));
     if (spec->book) what += fmt::format(", a book of {} cards", spec->book->cards);
     if (globals.json)
       list.push_back({{"name", example.name}, {"what", what}});
@@ -501,6 +518,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   for (const Design& part : made->parts) {
     if (!made->book) say_figures(part.report);
     if (!made->book || globals.verbose > 0) say_remarks(part.report, globals.verbose > 0);
+    if (!made->book) say_small_model(*spec, part.report);
   }
   say_joins(*made);
   std::string files;

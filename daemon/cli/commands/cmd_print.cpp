@@ -24,6 +24,7 @@
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/options/plan_arguments.hpp"
 #include "daemon/cli/view/long_work.hpp"
+#include "daemon/cli/view/print_picture.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "daemon/pictures/artwork_pages.hpp"
@@ -82,6 +83,7 @@ Result<void> keep_design(const Options& options, PrintMode mode, const DesignSpe
                          PrintedDesign& design) {
   if (mode == PrintMode::Flat) {
     for (const Design& part : made.parts) design.parts.push_back(part.pattern);
+    design.around = made.book.has_value();
     return {};
   }
   if (!spec.patches.empty() && !options.model.empty())
@@ -161,8 +163,8 @@ Result<Artwork> artwork_of(const Options& options, PrintMode mode, const Printed
 }
 
 /// The pattern opened with its artwork on it. `part` counts from 0.
-Result<void> add_preview(const PrintedDesign& design, const Artwork& artwork, std::size_t part,
-                         OutputFolder& folder) {
+Result<void> add_animation(const PrintedDesign& design, const Artwork& artwork, std::size_t part,
+                           OutputFolder& folder) {
   const Pattern& pattern = design.parts[part];
   auto png = png_of_image(on_paper(artwork.image));
   if (!png) return tl::unexpected(png.error());
@@ -183,23 +185,58 @@ Result<void> add_preview(const PrintedDesign& design, const Artwork& artwork, st
   return folder.add(name, *bytes);
 }
 
+/// What to do with the pages, and the command that cuts them.
+void say_next(const Options& options, const PlanJob& job) {
+  const std::size_t sheets = job.plan.sheets.size();
+  const auto page = [&](std::size_t sheet) {
+    return options.folder + "/" + PlanJob::sheet_file(sheet, "pdf");
+  };
+  fmt::print(stderr,
+             "  next     print {}{} at actual size (100 %, not \"fit to page\"), and measure the "
+             "bar of 100 mm\n",
+             page(0), sheets == 1 ? "" : " to " + page(sheets - 1));
+  if (!job.plan.machine.driven()) return;
+  if (!job.marks.empty())
+    fmt::print(
+        stderr,
+        "           load {}, printed side up, with the black square at the upper left, and cut "
+        "('popcut devices' lists cutters):\n"
+        "           popcut cut {} --direct --device usb:SERIAL\n",
+        sheets == 1 ? "the page" : "each page when popcut asks for it", typed_plan(options.plan));
+  else if (options.plan.machine.empty() && !options.no_marks)
+    fmt::print(
+        stderr,
+        "  note     without marks: no cutter is named. Name yours, such as --machine cameo3; "
+        "'popcut machines' lists them\n");
+  else if (!options.no_marks)
+    fmt::print(
+        stderr,
+        "  note     without marks: {} does not look for them, so the sheet's edges alone say "
+        "where the print is\n",
+        job.plan.machine.title);
+}
+
+/// What the printed design will look like: a picture, and each part as it opens.
+Result<void> add_preview(const PrintedDesign& design, const Artwork& artwork,
+                         OutputFolder& folder) {
+  const auto picture = print_picture(design, artwork);
+  if (!picture) return tl::unexpected(picture.error());
+  if (auto done = folder.add("preview.png", *picture); !done) return done;
+  for (std::size_t k = 0; k < design.parts.size(); ++k)
+    if (auto done = add_animation(design, artwork, k, folder); !done) return done;
+  return {};
+}
+
 void say(const Options& options, const PlanJob& job, const PrintedDesign& design, PrintMode mode) {
   const std::size_t sheets = job.plan.sheets.size();
-  fmt::print(stderr, "{}: {} {} at {:g} dots an inch{}\n", job.plan.name, sheets,
+  fmt::print(stderr, "{}: {} {} at {:g} dots per inch{}\n", job.plan.name, sheets,
              sheets == 1 ? "sheet" : "sheets", options.dpi,
              mode == PrintMode::Flat ? ", your picture laid flat"
              : design.coloured       ? ", in the model's colours"
                                      : ", as clay: the model has no colours");
   for (const Warning& warning : job.plan.warnings)
     fmt::print(stderr, "  warning  {}\n", warning.message);
-  fmt::print(stderr,
-             "  next     print {}/sheet-01.pdf at actual size (100 %, not \"fit to page\"), and "
-             "measure its bar\n",
-             options.folder);
-  if (!job.marks.empty())
-    fmt::print(stderr,
-               "           then cut with the same options and --marks, with the square of the "
-               "marks at the upper left\n");
+  say_next(options, job);
 }
 
 Result<void> run_print(Options options, const Globals& globals) {
@@ -224,7 +261,8 @@ Result<void> run_print(Options options, const Globals& globals) {
   if (!job) return tl::unexpected(job.error());
   if (design.parts.empty())
     return fail(ErrorKind::Malformed, options.plan.input,
-                "is a drawing; artwork is laid on a design, so give its spec (.json)");
+                "is a pattern without its design; artwork is laid on a design, so give its spec "
+                "(.json)");
   LongWork work(!globals.quiet, "drawing the artwork");
   const auto artwork = artwork_of(options, *mode, design, *job, *pages, work);
   if (!artwork) return tl::unexpected(artwork.error());
@@ -249,8 +287,7 @@ Result<void> run_print(Options options, const Globals& globals) {
   if (!scale) return tl::unexpected(scale.error());
   if (auto done = folder->add("scale.pdf", *scale); !done) return done;
   if (options.preview)
-    for (std::size_t k = 0; k < design.parts.size(); ++k)
-      if (auto done = add_preview(design, *artwork, k, *folder); !done) return done;
+    if (auto done = add_preview(design, *artwork, *folder); !done) return done;
   const std::string json = plan_json(job->plan);
   if (auto done = folder->add("plan.json", json); !done) return done;
   if (auto done = folder->commit("popcut print " POPCUT_VERSION); !done) return done;
@@ -272,9 +309,12 @@ constexpr const char* kHelp =
     "  sheet-NN.gpgl or .hpgl  the program that cuts it\n"
     "  plan.json               lengths, time and warnings\n"
     "  scale.pdf               two bars of 100 mm, to measure what your printer makes of them\n"
-    "  preview.glb             with --preview: the card as it opens, with its artwork\n\n"
-    "Print at actual size, load the sheet with the square at the upper left, and cut it with\n"
-    "'popcut cut' and the same options and --marks.";
+    "  preview.glb             with --preview: the card as it opens, with its artwork\n"
+    "  preview.png             with --preview: the model, and the printed card from two sides\n\n"
+    "Print at actual size. Load the sheet with the printed side up and the black square at the\n"
+    "upper left. popcut prints the command that cuts it: 'popcut cut' with the same options and\n"
+    "--marks. Marks need a cutter that looks for them (Silhouette, Graphtec); name yours with\n"
+    "--machine.";
 
 void add_options(CLI::App& command, Options& options) {
   one_word(command.add_option("--mode", options.mode,
@@ -297,7 +337,7 @@ void add_options(CLI::App& command, Options& options) {
                                      "default: 0.6 for clay, 0 for models with colours"),
                   0, 1);
   options.shade_option->option_text("X");
-  real_number(command.add_option("--dpi", options.dpi, "Dots an inch (50 to 1200)"), 50, 1200)
+  real_number(command.add_option("--dpi", options.dpi, "Dots per inch (50 to 1200)"), 50, 1200)
       ->option_text("N [300]");
   real_number(command.add_option("--trap", options.trap_mm,
                                  "How far colours go over a cut to either side (0 to 5 mm)"),
@@ -325,7 +365,7 @@ void add_options(CLI::App& command, Options& options) {
       .add_option("--page", options.page,
                   "Size of the printer's paper, such as A4 or 330x483; default: that of the sheet")
       ->option_text("SIZE");
-  command.add_flag("--preview", options.preview, "Also write preview.glb");
+  command.add_flag("--preview", options.preview, "Also write preview.glb and preview.png");
   command
       .add_option("-o,--output", options.folder,
                   "Folder for the files; created if it does not exist")
@@ -340,6 +380,7 @@ void register_print(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("print", kHelp);
   add_plan_arguments(*command, options->plan);
+  command->get_option("INPUT")->description("The design (.json) of a card or of a book");
   add_options(*command, *options);
   when_chosen(command, run, [options, &globals] { return run_print(*options, globals); });
 }

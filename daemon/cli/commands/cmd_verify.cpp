@@ -85,6 +85,7 @@ Result<void> verify_cards(const Options& options, const Globals& globals) {
 
 Result<void> run_verify(const Options& options, const Globals& globals) {
   if (names_book(options.pattern)) return verify_cards(options, globals);
+  if (auto valid = check_no_model(options.pattern, "verify"); !valid) return valid;
   constexpr std::uintmax_t kSpecLimitBytes = 4u << 20;
   std::optional<LongWork> work(std::in_place, !globals.quiet, "reading the pattern");
   auto text = read_file(options.pattern, kPatternLimitBytes);

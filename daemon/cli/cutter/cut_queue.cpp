@@ -13,6 +13,7 @@
 
 #include "core/design/spec/spec.hpp"
 #include "core/text/utf8.hpp"
+#include "daemon/cli/input/drawing_input.hpp"
 #include "daemon/cli/view/job_follow.hpp"
 #include "daemon/cli/view/job_view.hpp"
 #include "daemon/cli/view/long_work.hpp"
@@ -91,8 +92,7 @@ Result<Upload> read_input(Api& api, const std::string& file, const Globals& glob
     return Upload{std::move(*text), "image/svg+xml"};
   if (first != std::string::npos && (*text)[first] == '{')
     return from_json(api, std::move(*text), file, globals);
-  return fail(ErrorKind::Malformed, file,
-              "is not a design (.json) or a drawing (.fold, .svg, .dxf) that popcut can read");
+  return tl::unexpected(neither_design_nor_drawing(file));
 }
 
 /// The file's name as a job's: bytes that are no UTF-8, and controls, are replaced.

@@ -29,6 +29,28 @@ fs::path file_of(const fs::path& path) {
   return fs::is_directory(path, none) ? path / kBookFile : path;
 }
 
+/// Why a folder is no book, and which file of it to give.
+std::string no_book(const fs::path& folder) {
+  constexpr const char* kPattern = "pattern.fold";
+  const auto is_file = [](const fs::path& path) {
+    std::error_code none;
+    return fs::is_regular_file(path, none);
+  };
+  if (is_file(folder / kPattern))
+    return fmt::format(
+        "is the folder of one card; give its pattern, {}, or the design (.json) that it is made "
+        "from",
+        (folder / kPattern).string());
+  const fs::path card = folder / "card-01";
+  if (is_file(card / kPattern))
+    return fmt::format(
+        "holds cards that are no book; give the {0} of one of them, such as {1}/{0}, or its "
+        "spec.json",
+        kPattern, card.string());
+  return fmt::format("is a folder without {}; give the folder of a book, or a pattern (.fold)",
+                     kBookFile);
+}
+
 /// A name inside a folder.
 bool is_plain_name(const std::string& name) {
   return !name.empty() && name != "." && name != ".." &&
@@ -54,11 +76,7 @@ Result<BookInput> read_book(const std::string& file) {
   using namespace book_input_parts;
   const fs::path book = file_of(file);
   std::error_code none;
-  if (!fs::exists(book, none))
-    return fail(ErrorKind::Malformed, file,
-                fmt::format("is a folder without {}; give the folder of a book, or a pattern such "
-                            "as {}",
-                            kBookFile, (fs::path(file) / "pattern.fold").string()));
+  if (!fs::exists(book, none)) return fail(ErrorKind::Malformed, file, no_book(fs::path(file)));
   const auto text = read_file(book, kMostBytes);
   if (!text) return tl::unexpected(text.error());
   const auto json = parse_json(*text);

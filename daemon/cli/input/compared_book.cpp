@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/compare/comparison.hpp"
+#include "core/compare/view.hpp"
 #include "core/design/book.hpp"
 #include "core/design/facet_design.hpp"
 #include "core/design/target/placement_map.hpp"
@@ -20,7 +20,7 @@
 #include "core/verify/verify.hpp"
 #include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/files/output_folder.hpp"
-#include "daemon/planning/judge/opened_card.hpp"
+#include "daemon/planning/judge/opened_book.hpp"
 
 namespace popcut::cli {
 namespace compared_book {
@@ -28,29 +28,8 @@ namespace {
 
 constexpr std::uintmax_t kCardLimitBytes = 1u << 29;
 
-/// Turns places about the spine from the ground (x) toward the wall (z).
-void turn(std::vector<float>& triangles, double angle_rad) {
-  if (angle_rad == 0.0) return;
-  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
-  for (std::size_t k = 0; k + 2 < triangles.size(); k += 3) {
-    const auto x = static_cast<double>(triangles[k]), z = static_cast<double>(triangles[k + 2]);
-    triangles[k] = static_cast<float>(c * x - s * z);
-    triangles[k + 2] = static_cast<float>(s * x + c * z);
-  }
-}
-
 void append(const std::vector<float>& from, std::vector<float>& to) {
   to.insert(to.end(), from.begin(), from.end());
-}
-
-/// A card's model placement, seen from the first card.
-likeness::ModelPlacement turned_back(likeness::ModelPlacement placement, double angle_rad) {
-  if (angle_rad == 0.0) return placement;
-  const Eigen::Matrix3d back =
-      Eigen::AngleAxisd(-angle_rad, Eigen::Vector3d::UnitY()).toRotationMatrix();
-  placement.turn = back * placement.turn;
-  placement.shift_mm = Vec3(back * placement.shift_mm);
-  return placement;
 }
 
 /// Where card `card` of a book shows its target, as a design of its own that the verifier reads.
@@ -76,7 +55,8 @@ Result<ComparedTarget> facet_book_target(const DesignSpec& spec, const SurfaceAs
     const auto target = facet_target(card_of_book(spec, placement, i), assets);
     if (!target) return tl::unexpected(target.error());
     std::vector<float> own(target->soup.corners.begin(), target->soup.corners.end());
-    turn(own, static_cast<double>(i) * spec.book->angle_deg() * std::numbers::pi / 180.0);
+    planning::turn_about_spine(
+        own, static_cast<double>(i) * spec.book->angle_deg() * std::numbers::pi / 180.0);
     append(own, out.triangles);
     out.placement.shift_mm.y() = spec.card->margin_mm - target->from_mm;
   }
@@ -90,40 +70,32 @@ Result<ComparedTarget> facet_book_target(const DesignSpec& spec, const SurfaceAs
 Result<ComparedStructure> read_compared_book(const std::vector<std::string>& files,
                                              const Progress& progress) {
   using namespace compared_book;
+  planning::OpenedBook book;
   ComparedStructure out;
   out.is_book = true;
-  double turned_rad = 0.0;
   for (const std::string& file : files) {
     tell(progress, "reading the cards");
     auto text = read_file(file, kCardLimitBytes);
     if (!text) return tl::unexpected(text.error());
-    auto card = planning::open_card(*text, std::nullopt, progress);
-    if (!card) return tl::unexpected(within(file, card.error()));
-    const double touch = 1e-4 * likeness::box_of(card->triangles).diagonal();
-    std::vector<float> standing = likeness::without_card(card->triangles, card->corner, touch);
-    if (card->model && !out.model) out.model = turned_back(*card->model, turned_rad);
-    if (out.fold_text.empty() && !standing.empty()) out.fold_text = std::move(*text);
-    turn(standing, turned_rad);
-    append(standing, out.triangles);
-    out.folds += card->folds;
-    out.pieces += card->pieces;
-    if (card->smallest_joint_mm > 0.0 &&
-        (out.smallest_joint_mm == 0.0 || card->smallest_joint_mm < out.smallest_joint_mm))
-      out.smallest_joint_mm = card->smallest_joint_mm;
-    out.psi_rad = card->psi_rad;
-    turned_rad += card->psi_rad;
-    for (const std::string& note : card->notes)
-      out.notes.push_back(fmt::format("{}: {}", file, note));
+    const auto stands = book.add(file, *text, progress);
+    if (!stands) return tl::unexpected(stands.error());
+    if (out.fold_text.empty() && *stands) out.fold_text = std::move(*text);
   }
   constexpr double kRounding = 1e-6;
-  if (turned_rad > 2.0 * std::numbers::pi + kRounding)
+  if (book.turned_rad > 2.0 * std::numbers::pi + kRounding)
     return fail(ErrorKind::OutOfRange, files.back(),
                 fmt::format("the cards take {:.4g} degrees, more than a whole turn; give those of "
                             "one book",
-                            turned_rad * 180.0 / std::numbers::pi));
-  if (out.triangles.empty())
+                            book.turned_rad * 180.0 / std::numbers::pi));
+  if (book.triangles.empty())
     return fail(ErrorKind::OutOfRange, files.front(),
                 "nothing stands between the pages of the book, so there is nothing to compare");
+  out.triangles = std::move(book.triangles);
+  out.model = std::move(book.model);
+  out.psi_rad = book.psi_rad;
+  out.folds = book.folds, out.pieces = book.pieces;
+  out.smallest_joint_mm = book.smallest_joint_mm;
+  out.notes = std::move(book.notes);
   return out;
 }
 
@@ -170,8 +142,8 @@ Result<ComparedTarget> read_book_target(const std::string& file, const std::stri
     }
     verify::TargetTriangles triangles;
     target->surface->add_triangles(wanted, triangles);
-    turn(triangles.corners,
-         static_cast<double>(i) * spec->book->angle_deg() * std::numbers::pi / 180.0);
+    planning::turn_about_spine(triangles.corners, static_cast<double>(i) * spec->book->angle_deg() *
+                                                      std::numbers::pi / 180.0);
     append(triangles.corners, out.triangles);
   }
   if (shift) {

@@ -10,8 +10,10 @@
 
 #include "core/formats/dxf/dxf_reader.hpp"
 #include "core/formats/fold/fold_reader.hpp"
+#include "core/text/words.hpp"
 #include "daemon/cli/input/book_input.hpp"
 #include "daemon/cli/input/spec_assets.hpp"
+#include "daemon/client/command_words.hpp"
 #include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
@@ -78,6 +80,17 @@ Result<DrawingInput> drawing_of_book(const std::string& file, const SvgReadOptio
 
 }  // namespace
 
+Error neither_design_nor_drawing(const std::string& file) {
+  const std::string ending = std::filesystem::path(file).extension().string();
+  if (same_word(ending, ".stl") || same_word(ending, ".obj"))
+    return {ErrorKind::Malformed, file,
+            fmt::format("is a 3D model; 'popcut auto {} -o cards' makes cards of it: give the "
+                        "spec.json of one",
+                        client::quoted(file))};
+  return {ErrorKind::Malformed, file,
+          "is not a design (.json) or a drawing (.fold, .svg, .dxf) that popcut can read"};
+}
+
 Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
                                   const std::vector<std::string>& tables,
                                   const std::string& material, const Progress& progress,
@@ -97,9 +110,7 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
                             most, std::min(100u, 4 * *factor)));
   if (!text) return tl::unexpected(text.error());
   const auto kind = kind_of(*text, ending);
-  if (!kind)
-    return fail(ErrorKind::Malformed, file,
-                "is not a design (.json) or a drawing (.fold, .svg, .dxf) that popcut can read");
+  if (!kind) return tl::unexpected(neither_design_nor_drawing(file));
   SurfaceAssets assets;
   const planning::SpecSources beside{
       [&](const DesignSpec& spec) {

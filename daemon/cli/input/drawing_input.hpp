@@ -35,4 +35,7 @@ using DesignVisitor =
 [[nodiscard]] Result<DrawingInput> read_drawing(const std::string& file, SvgProfile profile,
                                                 const std::vector<std::string>& tables = {});
 
+/// Why a file that is neither a design nor a drawing is refused, and what to do with a 3D model.
+[[nodiscard]] Error neither_design_nor_drawing(const std::string& file);
+
 }  // namespace popcut::cli

@@ -71,6 +71,16 @@ Error not_yet_designed(const std::string& file, const std::string& command) {
                   command, client::quoted(file), folder, command == "deploy" ? " -o poses" : "")};
 }
 
+Result<void> check_no_model(const std::string& file, const std::string& command) {
+  const std::string ending = std::filesystem::path(file).extension().string();
+  if (!same_word(ending, ".stl") && !same_word(ending, ".obj")) return {};
+  return fail(
+      ErrorKind::Malformed, file,
+      fmt::format("is a 3D model, and {0} reads a pattern; 'popcut auto {1} -o cards' makes "
+                  "cards of it: give the pattern.fold of one",
+                  command, client::quoted(file)));
+}
+
 bool is_pattern(const std::string& text) {
   if (is_svg(text)) return true;
   const auto json = nlohmann::json::parse(text, nullptr, false);

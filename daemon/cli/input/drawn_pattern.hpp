@@ -37,6 +37,11 @@ namespace popcut::cli {
 /// @param command  the command that was given it: "verify", "deploy"
 [[nodiscard]] Error not_yet_designed(const std::string& file, const std::string& command);
 
+/// Refuses a 3D model (STL, OBJ, by its name) where a pattern belongs, and says how one is made.
+///
+/// @retval Malformed  it is a model
+[[nodiscard]] Result<void> check_no_model(const std::string& file, const std::string& command);
+
 /// Is it a pattern or a drawing (FOLD, SVG) rather than a design spec?
 [[nodiscard]] bool is_pattern(const std::string& text);
 

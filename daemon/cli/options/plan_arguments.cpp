@@ -106,6 +106,24 @@ void add_plan_arguments(CLI::App& command, PlanArguments& arguments) {
   }
 }
 
+std::string typed_plan(const PlanArguments& arguments) {
+  std::string out = client::quoted(arguments.input);
+  const auto add = [&](std::string_view name, const std::string& value) {
+    out += fmt::format(" --{} {}", name, client::quoted(value));
+  };
+  if (!arguments.machine.empty()) add("machine", arguments.machine);
+  if (!arguments.material.empty()) add("material", arguments.material);
+  for (const PlanOption& option : plan_option_table()) {
+    const auto typed = arguments.options.find(std::string(option.name));
+    if (typed == arguments.options.end()) continue;
+    if (option.kind != PlanOption::Kind::Flag)
+      add(option.name, typed->second);
+    else if (typed->second == "true")
+      out += fmt::format(" --{}", option.name);
+  }
+  return out;
+}
+
 Result<PlanJob> plan_input(const PlanArguments& arguments, bool progress) {
   return plan_input(arguments, progress, {});
 }

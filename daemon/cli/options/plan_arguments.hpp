@@ -28,6 +28,10 @@ struct PlanArguments {
 /// Adds INPUT and every option of `plan_option_table`, with its range and words checked.
 void add_plan_arguments(CLI::App& command, PlanArguments& arguments);
 
+/// The input and the options of a plan as one types them, words quoted for a shell where they must
+/// be: "card.json --machine cameo3 --mat A4 --marks".
+[[nodiscard]] std::string typed_plan(const PlanArguments& arguments);
+
 /// Reads the input and the users' tables, and plans. A search for a short path that takes longer
 /// shows a progress bar if `progress`, and stops after a minute for each unit of effort.
 ///

@@ -21,12 +21,17 @@ using planning::FoundCard;
 using planning::FoundCards;
 
 constexpr int kPixels = 480, kTile = 240, kGap = 12, kTop = 44, kWords = 58, kAcross = 4;
-constexpr likeness::Rgb kModel{196, 205, 214}, kPaper{250, 236, 206};
 
-likeness::Scene scene_of(int pixels) {
+/// Cards are seen along the diagonal first, books from the first of the sides from which they are
+/// compared.
+likeness::Scene scene_of(const FoundCard& card, int pixels) {
   likeness::Scene scene;
-  scene.views = likeness::cone_views();
   scene.pixels = pixels;
+  if (card.made.book) {
+    scene.views = likeness::round_views();
+    return scene;
+  }
+  scene.views = likeness::cone_views();
   scene.corner = likeness::Corner{};
   return scene;
 }
@@ -108,10 +113,12 @@ std::string settings(const Candidate& c) {
 }  // namespace
 }  // namespace front_picture_parts
 
-std::string front_folder(std::size_t card) { return fmt::format("card-{:02}", card + 1); }
+std::string front_folder(const planning::FoundCard& card, std::size_t k) {
+  return fmt::format("{}-{:02}", card.made.book ? "book" : "card", k + 1);
+}
 
 Result<std::string> card_picture(const planning::FoundCard& card, const std::string& title) {
-  const likeness::Target aim(card.target, front_picture_parts::scene_of(64));
+  const likeness::Target aim(card.target, front_picture_parts::scene_of(card, 64));
   return compare_picture(aim, card.target, card.structure, title);
 }
 
@@ -131,20 +138,25 @@ Result<std::string> front_picture(const planning::FoundCards& found, const std::
     if (part) svg += *part;
     return part.has_value();
   };
-  auto part =
-      tile(0, likeness::Target(best.target, scene_of(kPixels)), best.target, kModel,
-           {"the model", fmt::format("one card sees {:.0f} % of it", 100 * found.seen_share),
-            "as the best card has it"});
+  auto part = tile(0, likeness::Target(best.target, scene_of(best, kPixels)), best.target,
+                   likeness::kModelColour,
+                   {"the model",
+                    fmt::format("{} can show {:.0f} % of it",
+                                best.made.book ? fmt::format("{} cards", best.made.parts.size())
+                                               : std::string("one card"),
+                                100 * found.seen_share),
+                    best.made.book ? "turned as in the best book" : "turned as in the best card"});
   if (!add(part)) return part;
   for (std::size_t k = 0; k < found.front.size(); ++k) {
     const FoundCard& card = found.front[k];
     const bool is_best = k + 1 == found.front.size();
-    part =
-        tile(k + 1, likeness::Target(card.target, scene_of(kPixels)), card.structure, kPaper,
-             {fmt::format("{}: {:.1f} min, error {:.3f}{}", k + 1, card.cost.seconds / 60.0,
-                          card.figures.error(), is_best ? ", the best" : ""),
-              settings(card.candidate),
-              fmt::format("{} folds, {:.0f} % is there", card.folds, 100.0 * card.figures.cover)});
+    part = tile(k + 1, likeness::Target(card.target, scene_of(card, kPixels)), card.structure,
+                likeness::kPaperColour,
+                {fmt::format("{}: {:.1f} min, error {:.3f}{}", k + 1, card.cost.seconds / 60.0,
+                             card.figures.error(), is_best ? ", the best" : ""),
+                 settings(card.candidate),
+                 fmt::format("{} folds, {:.0f} % close to the model", card.folds,
+                             100.0 * card.figures.cover)});
     if (!add(part)) return part;
   }
   svg += graph(tiles - 1, found) + "</svg>\n";

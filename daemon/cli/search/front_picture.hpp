@@ -9,7 +9,7 @@
 namespace popcut::cli {
 
 /// The folder of a card of the front: "card-01" is the quickest to cut.
-[[nodiscard]] std::string front_folder(std::size_t card);
+[[nodiscard]] std::string front_folder(const planning::FoundCard& card, std::size_t k);
 
 /// A card beside its model, from three sides (PNG): as `popcut compare` draws it.
 ///

@@ -7,6 +7,8 @@
 #include "core/text/json_text.hpp"
 #include "core/text/utf8.hpp"
 #include "daemon/cli/search/front_picture.hpp"
+#include "daemon/client/command_words.hpp"
+#include "daemon/planning/search/found_front.hpp"
 
 namespace popcut::cli {
 namespace front_report_parts {
@@ -29,23 +31,26 @@ ordered_json settings_json(const Candidate& candidate) {
 
 ordered_json card_json(const planning::FoundCard& card, std::size_t k) {
   const likeness::Figures& f = card.figures;
-  ordered_json out{{"folder", front_folder(k)},
-                   {"seconds", card.cost.seconds},
-                   {"seconds_range", card.cost.seconds_range},
-                   {"error", f.error()},
-                   {"surface", f.surface()},
-                   {"contour", f.contour()},
-                   {"cover", f.cover},
-                   {"excess", f.excess},
-                   {"folds", card.folds},
-                   {"cut_mm", card.cost.cut_mm},
-                   {"fold_mm", card.cost.fold_mm},
-                   {"sheet_mm", {card.made.u_mm, card.made.v_mm}},
-                   {"degrees_of_freedom", card.made.parts.front().report.degrees_of_freedom},
-                   {"settings", settings_json(card.candidate)}};
+  ordered_json out{
+      {"folder", front_folder(card, k)},
+      {"seconds", card.cost.seconds},
+      {"seconds_range", card.cost.seconds_range},
+      {"error", f.error()},
+      {"surface", f.surface()},
+      {"contour", f.contour()},
+      {"cover", f.cover},
+      {"excess", f.excess},
+      {"folds", card.folds},
+      {"cut_mm", card.cost.cut_mm},
+      {"fold_mm", card.cost.fold_mm},
+      {"sheet_mm", {card.made.u_mm, card.made.book ? card.made.book->width_mm : card.made.v_mm}},
+      {"degrees_of_freedom", card.made.parts.front().report.degrees_of_freedom},
+      {"settings", settings_json(card.candidate)}};
+  if (card.made.book)
+    out["page_mm"] = card.made.book->page_mm, out["width_mm"] = card.made.book->width_mm;
   auto warnings = ordered_json::array();
-  for (const Warning& warning : card.made.parts.front().report.warnings)
-    warnings.push_back(warning.message);
+  for (const Design& part : card.made.parts)
+    for (const Warning& warning : part.report.warnings) warnings.push_back(warning.message);
   out["warnings"] = std::move(warnings);
   return out;
 }
@@ -61,10 +66,12 @@ ordered_json usual_json(const planning::UsualCard& usual) {
   return out;
 }
 
-std::string settings_words(const Candidate& c) {
-  if (c.style == DesignStyle::Facets)
-    return fmt::format("facets of {:g} mm, planes {:g} mm apart", c.strip_mm, c.pitch_mm);
-  return fmt::format("{} lattice, {} slices of {} units", style_name(c), c.slices, c.units);
+/// The options of a plan that a search was made for, as one types them.
+std::string plan_words(const ModelSearchOptions& options) {
+  std::string out;
+  if (!options.machine.empty()) out += " --machine " + client::quoted(options.machine);
+  if (!options.mat.empty()) out += " --mat " + client::quoted(options.mat);
+  return out;
 }
 
 }  // namespace
@@ -79,7 +86,10 @@ std::string front_json(const ModelSearchOptions& options, const SearchedModel& m
                    {"mat_mm", found.area_mm},
                    {"max_minutes", options.max_minutes},
                    {"style", options.style},
+                   {"cards", options.cards},
                    {"up", options.up},
+                   {"front", options.front},
+                   {"marks", options.marks},
                    {"seed", options.seed},
                    {"effort", options.effort},
                    {"tried",
@@ -88,7 +98,7 @@ std::string front_json(const ModelSearchOptions& options, const SearchedModel& m
                      {"planned", found.counts.planned},
                      {"verified", found.counts.verified}}},
                    {"seen_along_diagonal", found.seen_share},
-                   {"best", front_folder(found.front.size() - 1)}};
+                   {"best", front_folder(found.front.back(), found.front.size() - 1)}};
   auto cards = ordered_json::array(), usual = ordered_json::array();
   for (std::size_t k = 0; k < found.front.size(); ++k)
     cards.push_back(card_json(found.front[k], k));
@@ -102,25 +112,41 @@ std::string front_text(const ModelSearchOptions& options, const SearchedModel& m
                        const std::string& folder) {
   using namespace front_report_parts;
   const planning::FoundCards& found = model.found;
-  std::string out = fmt::format(
-      "{}: {} cards, from {} that were designed and {} that were planned\n", shown_text(model.name),
-      found.front.size(), found.counts.designed, found.counts.planned);
+  const bool is_book = found.front.back().made.book.has_value();
+  std::string out =
+      fmt::format("{}: {} {}{}{}, from {} that were designed and {} that were planned\n",
+                  shown_text(model.name), found.front.size(), is_book ? "book" : "card",
+                  found.front.size() == 1 ? "" : "s",
+                  is_book ? fmt::format(" of {} cards", options.cards) : std::string(),
+                  found.counts.designed, found.counts.planned);
   for (std::size_t k = 0; k < found.front.size(); ++k) {
     const planning::FoundCard& card = found.front[k];
-    out += fmt::format("  {}  {:5.1f} min  error {:.4f}  {} folds, {}\n", front_folder(k),
+    out += fmt::format("  {}  {:5.1f} min  error {:.4f}  {} folds, {}\n", front_folder(card, k),
                        card.cost.seconds / 60.0, card.figures.error(), card.folds,
-                       settings_words(card.candidate));
+                       planning::settings_words(card.candidate));
   }
   for (const std::string& note : found.notes) out += fmt::format("  note     {}\n", note);
-  out += fmt::format("  seen     {:.0f} % of the model's surface is seen along the diagonal\n",
-                     100.0 * found.seen_share);
+  out += fmt::format(
+      "  seen     {} can show {:.0f} % of the model's surface: what faces you, halfway between "
+      "wall "
+      "and ground{}\n",
+      is_book ? fmt::format("{} cards", options.cards) : std::string("one card"),
+      100.0 * found.seen_share, is_book ? " of each" : "");
   if (options.up == "any")
     out +=
-        "  upright  to have it upright, name the axis of the file that points up: --up y or --up "
-        "z\n";
+        "  upright  the model may lie on its side; to have it upright, say which axis of the file "
+        "points up: --up y or --up z\n";
   out += fmt::format("  best     {}/{}: the one most like the model within {:g} minutes\n", folder,
-                     front_folder(found.front.size() - 1), options.max_minutes);
+                     front_folder(found.front.back(), found.front.size() - 1), options.max_minutes);
   out += fmt::format("  look at  {}/front.svg\n", folder);
+  const std::string best =
+      client::quoted(fmt::format("{}/{}/spec.json", folder,
+                                 front_folder(found.front.back(), found.front.size() - 1))) +
+      plan_words(options);
+  out += fmt::format(
+      "  next     popcut cut {0} --direct    # cuts the best; simulated unless you add --device\n"
+      "           popcut print {0} -o printed    # or first prints the model's colours\n",
+      best);
   return out;
 }
 

@@ -34,24 +34,12 @@ Result<TriangleMesh> read_model(const std::string& file, const std::string& byte
   return read_mesh(file, bytes);
 }
 
-UpSide up_side(const std::string& word) {
-  if (word == "any") return std::nullopt;
-  std::array<int, 3> out{};
-  out.at(static_cast<std::size_t>(word.back() - 'x')) = word.front() == '-' ? -1 : 1;
-  return out;
-}
-
 }  // namespace
 }  // namespace model_search_parts
 
 bool is_mesh_file(const std::string& file) {
   const std::string ending = std::filesystem::path(file).extension().string();
   return same_word(ending, ".stl") || same_word(ending, ".obj");
-}
-
-const std::vector<std::string>& up_words() {
-  static const std::vector<std::string> words{"any", "x", "y", "z", "-x", "-y", "-z"};
-  return words;
 }
 
 Result<SearchedModel> search_model(const ModelSearchOptions& options,
@@ -86,11 +74,20 @@ Result<SearchedModel> search_model(const ModelSearchOptions& options,
   request.model = {path.stem().string(), out.file, material};
   request.plan.machine = options.machine, request.plan.material = material;
   request.plan.mat = options.mat;
+  request.plan.marks = options.marks;
   const auto& styles = style_choices();
   request.styles = *std::find_if(styles.begin(), styles.end(), [&](const StyleChoice& style) {
     return style.name == options.style;
   });
-  request.up = up_side(options.up);
+  request.up = up_side(options.up), request.front = up_side(options.front);
+  request.cards = options.cards;
+  if (request.cards > 1 && request.front)
+    return fail(ErrorKind::Usage, "--front",
+                "is for cards; a book shows the model from all sides, so leave it out");
+  if (upright_turns(request.up, request.front).empty())
+    return fail(
+        ErrorKind::Usage, "--front",
+        fmt::format("is \"{}\", along the axis that --up says; give another axis", options.front));
   request.most_s = 60.0 * options.max_minutes;
   request.effort = options.effort, request.seed = options.seed;
   request.threads =

@@ -16,10 +16,12 @@ namespace popcut::cli {
 struct ModelSearchOptions {
   std::string model;  ///< file
   std::string machine, material, mat;
-  std::string style{"any"}, up{"any"};
+  std::string style{"any"}, up{"any"}, front{"any"};
+  int cards{1};  ///< of a book
   double max_minutes{15.0}, effort{1.0};
   std::uint64_t seed{1};
   unsigned threads{0};  ///< 0: as many as the computer has
+  bool marks{false};    ///< cards fit between registration marks
 };
 
 /// A model that was searched, with what writing its cards needs.
@@ -33,9 +35,6 @@ struct SearchedModel {
 
 /// Is it a mesh, by its name (.stl, .obj)?
 [[nodiscard]] bool is_mesh_file(const std::string& file);
-
-/// Words for `--up`: "any", or an axis of the file with its sign.
-[[nodiscard]] const std::vector<std::string>& up_words();
 
 /// Reads a mesh and searches its best cards (`planning::search_cards`).
 ///

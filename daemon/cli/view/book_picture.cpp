@@ -19,7 +19,6 @@ namespace {
 
 constexpr int kSides = 8, kPixels = 440, kTile = 220, kGap = 6, kTop = 34, kLeft = 92;
 constexpr double kFromAbove_rad = 20.0 / 180.0 * std::numbers::pi;
-constexpr likeness::Rgb kModel{196, 205, 214}, kPaper{250, 236, 206};
 
 /// A view from `turn_rad` about the spine, which stands upright.
 likeness::View side_view(double turn_rad) {
@@ -49,9 +48,9 @@ std::string words(int x, int y, int size, const std::string& text) {
 
 Result<std::string> book_picture(const BookScene& scene, const std::string& title) {
   using namespace book_picture_parts;
-  std::vector<Row> rows{{"the book", &scene.pages, kPaper},
-                        {"without pages", &scene.structure, kPaper}};
-  if (!scene.model.empty()) rows.push_back({"the model", &scene.model, kModel});
+  std::vector<Row> rows{{"the book", &scene.pages, likeness::kPaperColour},
+                        {"without pages", &scene.structure, likeness::kPaperColour}};
+  if (!scene.model.empty()) rows.push_back({"the model", &scene.model, likeness::kModelColour});
   const likeness::Box around = likeness::box_of(scene.pages);
   const int width = kLeft + kSides * (kTile + kGap) + kGap;
   const int height = kTop + static_cast<int>(rows.size()) * (kTile + kGap) + kGap;

@@ -21,7 +21,6 @@ using likeness::Pixels;
 using likeness::Rgb;
 
 constexpr int kPixels = 480, kTile = 300, kGap = 8, kTop = 58, kLegend = 34;
-constexpr Rgb kModel{196, 205, 214}, kPaper{250, 236, 206};
 
 Result<std::string> tile(const Pixels& pixels, int column, int row) {
   const auto png = png_of_pixels(pixels.rgb, pixels.size, pixels.size);
@@ -90,10 +89,12 @@ Result<std::string> compare_picture(const likeness::Target& target, likeness::Tr
     const likeness::Frame frame = seen.frame(k);
     const int row = static_cast<int>(k);
     likeness::draw(frame, model, image);
-    const auto first = tile(likeness::shaded(image, frame.pitch_mm(), jump, kModel), 0, row);
+    const auto first =
+        tile(likeness::shaded(image, frame.pitch_mm(), jump, likeness::kModelColour), 0, row);
     if (!first) return first;
     likeness::draw(frame, structure, image);
-    const auto second = tile(likeness::shaded(image, frame.pitch_mm(), jump, kPaper), 1, row);
+    const auto second =
+        tile(likeness::shaded(image, frame.pitch_mm(), jump, likeness::kPaperColour), 1, row);
     if (!second) return second;
     seen.draw_view(k, structure, image);
     const auto third = tile(likeness::difference(seen, k, image), 2, row);

@@ -53,6 +53,13 @@ void plan_file(const Request&, Service&, const HandlerContext&, Reply);
 void sheet_svg(const Request&, Service&, const HandlerContext&, Reply);
 void sheet_program(const Request&, Service&, const HandlerContext&, Reply);
 
+// handlers_searches.cpp
+void search_cards(const Request&, Service&, const HandlerContext&, Reply);
+void get_search(const Request&, Service&, const HandlerContext&, Reply);
+void delete_search(const Request&, Service&, const HandlerContext&, Reply);
+void card_picture(const Request&, Service&, const HandlerContext&, Reply);
+void pick_card(const Request&, Service&, const HandlerContext&, Reply);
+
 // handlers_strokes.cpp
 void sheet_strokes(const Request&, Service&, const HandlerContext&, Reply);
 void sheet_artwork(const Request&, Service&, const HandlerContext&, Reply);

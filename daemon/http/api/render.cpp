@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "daemon/model/found_card_json.hpp"
 #include "daemon/model/warnings.hpp"
 
 namespace popcut::daemon::http {
@@ -229,6 +230,61 @@ ordered_json to_json(const PlanRecord& plan) {
           {"error", text_or_null(plan.error)},
           {"created", rfc3339(plan.created)},
           {"links", {{"self", "/v1/plans/" + plan.id}, {"design", "/v1/designs/" + plan.design}}}};
+}
+
+namespace {
+
+ordered_json card_json(const FoundCardRecord& card, std::size_t number, const std::string& self) {
+  const std::string own = fmt::format("{}/cards/{}", self, number);
+  ordered_json out{{"card", number}};
+  out.update(figures_json(card));
+  out["warnings"] = ordered_json::parse(warnings_json(card.warnings), nullptr, false);
+  out["spec"] = ordered_json::parse(card.spec, nullptr, false);
+  out["links"] = {{"picture", own + ".png"}, {"design", own + "/design"}};
+  return out;
+}
+
+}  // namespace
+
+ordered_json to_json(const SearchRecord& search) {
+  constexpr std::array<std::string_view, 3> kStates{"pending", "found", "failed"};
+  const std::string self = "/v1/searches/" + search.id;
+  const CardSearchRequest& request = search.request;
+  const SearchFront& front = search.front;
+  ordered_json cards = ordered_json::array();
+  for (const FoundCardRecord& card : front.cards)
+    cards.push_back(card_json(card, cards.size() + 1, self));
+  ordered_json progress;
+  if (!search.doing.empty())
+    progress = {{"doing", search.doing},
+                {"share", search.share ? ordered_json(*search.share) : ordered_json(nullptr)}};
+  ordered_json tried;
+  if (search.state == SearchState::Found)
+    tried = {{"designed", front.designed},
+             {"planned", front.planned},
+             {"verified", front.verified},
+             {"mat_mm", front.mat_mm},
+             {"seen_share", front.seen_share}};
+  return {{"id", search.id},
+          {"model", request.model},
+          {"name", request.name},
+          {"owner", text_or_null(search.owner)},
+          {"state", kStates[static_cast<std::size_t>(search.state)]},
+          {"machine", text_or_null(request.machine)},
+          {"material", text_or_null(request.material)},
+          {"mat", text_or_null(request.mat)},
+          {"max_minutes", request.max_minutes},
+          {"style", request.style},
+          {"up", request.up},
+          {"effort", request.effort},
+          {"seed", request.seed},
+          {"progress", std::move(progress)},
+          {"cards", std::move(cards)},
+          {"tried", std::move(tried)},
+          {"notes", front.notes},
+          {"error", text_or_null(search.error)},
+          {"created", rfc3339(search.created)},
+          {"links", {{"self", self}}}};
 }
 
 std::string job_text(const Job& job) {

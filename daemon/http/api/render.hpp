@@ -21,6 +21,7 @@ namespace popcut::daemon::http {
 [[nodiscard]] nlohmann::ordered_json to_json(const Design& design);
 [[nodiscard]] nlohmann::ordered_json to_json(const SheetPlan& sheet);
 [[nodiscard]] nlohmann::ordered_json to_json(const PlanRecord& plan);
+[[nodiscard]] nlohmann::ordered_json to_json(const SearchRecord& search);
 [[nodiscard]] nlohmann::ordered_json to_json(const SheetRecord& sheet);
 [[nodiscard]] nlohmann::ordered_json to_json(const Ledger& ledger);
 [[nodiscard]] nlohmann::ordered_json to_json(const DeviceRecord& device);

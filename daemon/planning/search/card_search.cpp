@@ -2,6 +2,7 @@
 #include "daemon/planning/search/card_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -12,13 +13,18 @@
 
 #include <fmt/format.h>
 
+#include "core/design/book_fit.hpp"
 #include "core/formats/fold/fold_writer.hpp"
+#include "core/plan/marks.hpp"
+#include "core/search/book_standing.hpp"
 #include "core/search/coarse_mesh.hpp"
 #include "core/search/halving.hpp"
 #include "core/search/mesh_faults.hpp"
 #include "core/search/seen_share.hpp"
+#include "core/verify/book.hpp"
 #include "core/verify/verify.hpp"
 #include "daemon/planning/design_files.hpp"
+#include "daemon/planning/judge/opened_book.hpp"
 #include "daemon/planning/judge/opened_card.hpp"
 #include "daemon/planning/plan_job.hpp"
 #include "daemon/planning/search/opened_pattern.hpp"
@@ -30,7 +36,7 @@ namespace {
 // How many are tried, for an effort of 1.
 constexpr std::size_t kDrawn = 150, kChanged = 100, kParents = 16, kFine = 40, kFineChanged = 24,
                       kFineParents = 8, kFinal = 16;
-constexpr std::size_t kWays = 6, kWaysTurnedOn = 5;
+constexpr std::size_t kWays = 6, kStraightWays = 2, kWaysTurnedOn = 5;
 constexpr std::size_t kMostOfFront = 8;
 
 /// How carefully candidates are judged.
@@ -39,7 +45,8 @@ struct Care {
   bool rough{};  ///< designs in fewer rounds
 };
 constexpr Care kCoarse{64, true}, kCareful{256, false};
-constexpr int kComparePixels = 512;  // as popcut compare
+constexpr std::size_t kRoundViews = 12;  ///< of books, until they are compared for the last time
+constexpr int kComparePixels = 512;      // as popcut compare
 
 // Meshes of so many triangles or fewer are used as they are.
 constexpr std::size_t kCoarseTriangles = 25'000, kCarefulTriangles = 100'000;
@@ -68,21 +75,29 @@ struct Trial {
   CuttingCost cost;
 };
 
+/// From where cards or books are compared with a model that stands in their corner or about the
+/// spine.
+likeness::Scene scene_of(int pixels, bool is_book, std::size_t around) {
+  likeness::Scene scene;
+  scene.pixels = pixels;
+  scene.views = is_book ? likeness::round_views(around) : likeness::cone_views();
+  if (!is_book) scene.corner = likeness::Corner{};
+  return scene;
+}
+
 /// A mesh, as designs read it and as they are compared with it.
 struct Model {
-  Model(TriangleMesh triangles, const std::vector<Way>& ways, int pixels)
-      : mesh(std::move(triangles)), targets(ways.size()), pixels_(pixels) {
+  Model(TriangleMesh triangles, const std::vector<Way>& ways, int pixels, bool is_book)
+      : mesh(std::move(triangles)), targets(ways.size()), pixels_(pixels), is_book_(is_book) {
     assets.emplace(kAsset, stl_bytes(mesh));
   }
   /// The target of a way, made once.
   const likeness::Target& target(std::size_t k, const Way& way) {
     const std::lock_guard lock(mutex_);
     if (!targets[k]) {
-      likeness::Scene scene;
-      scene.views = likeness::cone_views();
-      scene.pixels = pixels_;
-      scene.corner = likeness::Corner{};
-      targets[k] = std::make_unique<const likeness::Target>(standing_model(mesh, way), scene);
+      const auto standing = is_book_ ? standing_in_book(mesh, way) : standing_model(mesh, way);
+      targets[k] = std::make_unique<const likeness::Target>(
+          standing, scene_of(pixels_, is_book_, kRoundViews));
     }
     return *targets[k];
   }
@@ -93,19 +108,47 @@ struct Model {
 
  private:
   int pixels_;
+  bool is_book_;
   std::mutex mutex_;
 };
 
+/// Where the model begins along the spine of its card or book, as `structure_of` has it.
+struct Stand {
+  double scale_mm{}, begin_mm{};
+};
+std::optional<Stand> stand_of(const PatchAssembly& made, const Way& way) {
+  const auto card = std::find_if(made.parts.begin(), made.parts.end(), [](const Design& part) {
+    return part.pattern.model_placement.has_value();
+  });
+  if (card == made.parts.end()) return std::nullopt;
+  const auto& at = *card->pattern.model_placement;
+  const double shift = made.book ? made.book->shift_mm : 0.0;
+  return Stand{at[0], at[5] - shift + at[0] * way.box.low[1]};
+}
+
+/// The opened card with wall and ground, or the opened cards of a book without their pages.
+std::vector<float> structure_of(const PatchAssembly& made) {
+  if (!made.book) return opened_pattern(made.parts.front().pattern);
+  const TriangleSoup soup = book_structure(made);
+  return {soup.corners.begin(), soup.corners.end()};
+}
+
 class CardSearch {
  public:
-  explicit CardSearch(const SearchRequest& request) : request_(request) {}
+  explicit CardSearch(const SearchRequest& request)
+      : request_(request), styles_(styles_for_cards(request.styles, request.cards)) {}
 
   Result<FoundCards> run() {
+    if (!styles_.facets && styles_.lattices.empty())
+      return fail(
+          ErrorKind::Usage, "/style",
+          fmt::format("facets make books of 4 cards only, and you ask for {}", request_.cards));
     if (auto done = look_at_mesh(); !done) return tl::unexpected(done.error());
     if (auto done = look_at_machine(); !done) return tl::unexpected(done.error());
     find_ways();
     if (is_stopped()) return stopped();
-    if (ways_.empty()) return no_card("it has no side that stands in a corner");
+    if (ways_.empty())
+      return no_card(is_book() ? "it has no size" : "it has no side that stands in a corner");
     if (auto done = try_coarsely(); !done) return tl::unexpected(done.error());
     if (auto done = try_carefully(); !done) return tl::unexpected(done.error());
     return finish();
@@ -118,9 +161,10 @@ class CardSearch {
   [[nodiscard]] static tl::unexpected<Error> stopped() {
     return fail(ErrorKind::Refused, "", "the search was stopped; nothing is written");
   }
+  [[nodiscard]] bool is_book() const { return request_.cards > 1; }
   [[nodiscard]] std::size_t count(std::size_t usual, std::size_t least) const {
-    return std::max(least,
-                    static_cast<std::size_t>(request_.effort * static_cast<double>(usual) + 0.5));
+    const double each = request_.effort / request_.cards;
+    return std::max(least, static_cast<std::size_t>(each * static_cast<double>(usual) + 0.5));
   }
 
   /// Does `work` for each index, and says how far that is.
@@ -171,12 +215,57 @@ class CardSearch {
                               "choose a `machine` that popcut drives",
                               out_.machine.title));
     out_.area_mm = job->plan.sheets.front().area_mm;
+    room_mm_ = options.marks ? room_within_marks_mm(out_.area_mm) : out_.area_mm;
     return {};
   }
 
-  /// Ways to stand: the best by what is seen along the diagonal, and as the file stands.
+  /// Ways are judged on a coarse mesh; their boxes are to be of the mesh itself.
+  void take_boxes() {
+    for (Way& way : ways_) {
+      const double misfit = way.misfit;
+      way = is_book() ? way_in_book(request_.mesh, way.rotate_deg, request_.cards)
+                      : way_of(request_.mesh, way.rotate_deg);
+      way.misfit = misfit;
+    }
+  }
+
+  /// Ways to stand about the spine: the best by what is seen along the cards' diagonals.
+  void find_book_ways(const TriangleMesh& coarse) {
+    const auto turns = turns_in_book(request_.up, request_.cards);
+    std::vector<Way> ways(turns.size());
+    for_each(turns.size(), "trying ways to stand", {0.0, 0.06}, [&](std::size_t, std::size_t k) {
+      ways[k] = way_in_book(coarse, turns[k], request_.cards);
+      ways[k].misfit = misfit_in_book(coarse, ways[k], request_.cards);
+    });
+    out_.counts.ways += turns.size();
+    std::erase_if(ways,
+                  [](const Way& way) { return !(way.length() > 0.0) || !(way.shut_reach > 0.0); });
+    ways_ = best_ways(ways, kWays);
+    drawn_ways_ = ways_.size();
+    take_boxes();
+  }
+
+  [[nodiscard]] static auto is_turned(const std::array<double, 3>& degrees) {
+    return [degrees](const Way& way) { return way.rotate_deg == degrees; };
+  }
+
+  /// What is seen of a turned model is more, and yet a house that stands straight becomes a better
+  /// card: with few large panels. So the last of the ways make room for straight ones.
+  [[nodiscard]] static std::vector<Way> with_straight(std::vector<Way> ways,
+                                                      const std::vector<Way>& straight) {
+    std::vector<Way> missing;
+    for (const Way& way : straight)
+      if (std::none_of(ways.begin(), ways.end(), is_turned(way.rotate_deg))) missing.push_back(way);
+    ways.resize(std::min(ways.size(), kWays - missing.size()));
+    ways.insert(ways.end(), missing.begin(), missing.end());
+    return ways;
+  }
+
+  /// Ways to stand: the best by what is seen along the diagonal, straight ones, and as the file
+  /// stands.
   void find_ways() {
     const TriangleMesh coarse = coarse_mesh(request_.mesh, kCoarseCells, kCoarseTriangles);
+    if (is_book()) return find_book_ways(coarse);
     const auto judged = [&](const std::vector<std::array<double, 3>>& turns, Part part) {
       std::vector<Way> ways(turns.size());
       for_each(turns.size(), "trying ways to stand", part, [&](std::size_t, std::size_t k) {
@@ -189,36 +278,31 @@ class CardSearch {
       });
       return ways;
     };
-    std::vector<Way> ways = judged(upright_turns(request_.up), {0.0, 0.02});
+    std::vector<Way> ways = judged(upright_turns(request_.up, request_.front), {0.0, 0.02});
+    const std::vector<Way> straight = best_ways(ways, kStraightWays);
     std::vector<std::array<double, 3>> near;
-    for (const Way& way : best_ways(ways, kWaysTurnedOn))
+    for (const Way& way : best_ways(ways, request_.front ? 0 : kWaysTurnedOn))
       for (const auto& turn : turns_near(way.rotate_deg, !request_.up)) near.push_back(turn);
     for (Way& way : judged(near, {0.02, 0.06})) ways.push_back(std::move(way));
-    ways_ = best_ways(ways, kWays);
+    ways_ = with_straight(best_ways(ways, kWays), straight);
     drawn_ways_ = ways_.size();
-    const bool has_own = std::any_of(ways_.begin(), ways_.end(), [](const Way& way) {
-      return way.rotate_deg == std::array<double, 3>{};
-    });
-    const auto own = std::find_if(ways.begin(), ways.end(), [](const Way& way) {
-      return way.rotate_deg == std::array<double, 3>{};
-    });
-    if (!has_own && own != ways.end()) ways_.push_back(*own);
-    for (Way& way : ways_) {  // their boxes are of the mesh itself
-      const double misfit = way.misfit;
-      way = way_of(request_.mesh, way.rotate_deg);
-      way.misfit = misfit;
-    }
+    constexpr std::array<double, 3> kAsTheFileStands{};
+    const auto own = std::find_if(ways.begin(), ways.end(), is_turned(kAsTheFileStands));
+    if (own != ways.end() && std::none_of(ways_.begin(), ways_.end(), is_turned(kAsTheFileStands)))
+      ways_.push_back(*own);
+    take_boxes();
   }
 
-  /// How much smaller a card must be for the mat; 1: it fits.
+  /// How much smaller a card, or each of a book, must be for the mat; 1: it fits.
   [[nodiscard]] double shrink_for(const PatchAssembly& made) const {
     constexpr double kMargins = 2.0 * kCandidateMargin_mm, kTouch = 1e-6, kRoom = 0.995;
+    const double u_mm = made.u_mm, v_mm = made.book ? made.book->width_mm : made.v_mm;
     const auto fits = [&](double across, double along) {
-      if (made.u_mm <= across + kTouch && made.v_mm <= along + kTouch) return 1.0;
-      return kRoom * std::min({1.0, (across - kMargins) / (made.u_mm - kMargins),
-                               (along - kMargins) / (made.v_mm - kMargins)});
+      if (u_mm <= across + kTouch && v_mm <= along + kTouch) return 1.0;
+      return kRoom * std::min({1.0, (across - kMargins) / (u_mm - kMargins),
+                               (along - kMargins) / (v_mm - kMargins)});
     };
-    return std::max(fits(out_.area_mm[0], out_.area_mm[1]), fits(out_.area_mm[1], out_.area_mm[0]));
+    return std::max(fits(room_mm_[0], room_mm_[1]), fits(room_mm_[1], room_mm_[0]));
   }
 
   /// Designs a candidate, as large as it is wanted and fits; returns whether something came of it.
@@ -226,8 +310,7 @@ class CardSearch {
     const Way& way = ways_[trial.candidate.way];
     trial.judged.made = false;
     for (int k = 0; k < kMostSizes; ++k) {
-      const double scale_mm =
-          trial.candidate.fill * trial.shrunk * largest_scale_mm(way, out_.area_mm);
+      const double scale_mm = trial.candidate.fill * trial.shrunk * largest_scale_mm(way, room_mm_);
       if (!(scale_mm > 0.0)) {
         trial.why = "the mat has no room beside the margins of the card";
         return false;
@@ -255,23 +338,25 @@ class CardSearch {
     return false;
   }
 
+  /// Of a book: each card is planned as it is, on a sheet of its own.
   [[nodiscard]] Result<CuttingCost> cost_of(const PatchAssembly& made) const {
     PlanOptions options = request_.plan;
     options.material = request_.material.name;
     options.no_split = true;
-    const auto job = make_plan_job(
-        options, request_.tables,
-        [&](const SvgReadOptions&) -> Result<DrawingInput> {
-          return DrawingInput{linework_from_pattern(made.parts.front().pattern),
-                              request_.material.name};
-        },
-        "");
-    if (!job) return tl::unexpected(job.error());
     CuttingCost out;
-    for (const PlannedSheet& sheet : job->plan.sheets) {
-      out.seconds += sheet.seconds;
-      for (std::size_t k = 0; k < 2; ++k) out.seconds_range[k] += sheet.seconds_range[k];
-      out.cut_mm += sheet.cut_mm, out.fold_mm += sheet.fold_mm;
+    for (const Design& part : made.parts) {
+      const auto job = make_plan_job(
+          options, request_.tables,
+          [&](const SvgReadOptions&) -> Result<DrawingInput> {
+            return DrawingInput{linework_from_pattern(part.pattern), request_.material.name};
+          },
+          "");
+      if (!job) return tl::unexpected(job.error());
+      for (const PlannedSheet& sheet : job->plan.sheets) {
+        out.seconds += sheet.seconds;
+        for (std::size_t k = 0; k < 2; ++k) out.seconds_range[k] += sheet.seconds_range[k];
+        out.cut_mm += sheet.cut_mm, out.fold_mm += sheet.fold_mm;
+      }
     }
     return out;
   }
@@ -279,9 +364,9 @@ class CardSearch {
   /// Designs, compares and plans a candidate.
   void judge(Trial& trial, Model& model, const Care& care, likeness::Buffers& buffers) const {
     if (!design_trial(trial, model, care.rough)) return;
-    const Pattern& pattern = trial.made.parts.front().pattern;
     const Way& way = ways_[trial.candidate.way];
-    if (!pattern.model_placement) {
+    const auto stand = stand_of(trial.made, way);
+    if (!stand) {
       trial.why = "the pattern does not say where the model stands";
       return;
     }
@@ -291,16 +376,15 @@ class CardSearch {
       return;
     }
     trial.cost = *cost;
-    const double scale_mm = (*pattern.model_placement)[0];
-    const double begin_mm = (*pattern.model_placement)[5] + scale_mm * way.box.low[1];
-    const auto by = static_cast<float>(way.to_target() / scale_mm);
-    std::vector<float> structure = opened_pattern(pattern);
-    if (is_behind(structure)) {
+    const auto by = static_cast<float>(way.to_target() / stand->scale_mm);
+    std::vector<float> structure = structure_of(trial.made);
+    if (!is_book() && is_behind(structure)) {
       trial.why = kBehind;
       return;
     }
     for (std::size_t k = 0; k < structure.size(); ++k)
-      structure[k] = by * (structure[k] - (k % 3 == 1 ? static_cast<float>(begin_mm) : 0.0F));
+      structure[k] =
+          by * (structure[k] - (k % 3 == 1 ? static_cast<float>(stand->begin_mm) : 0.0F));
     const likeness::Target& target = model.target(trial.candidate.way, way);
     if (target.is_unseen()) {
       trial.why = "nothing of the model is seen from in front of the card";
@@ -383,15 +467,16 @@ class CardSearch {
   }
 
   Result<void> try_coarsely() {
-    Model model(coarse_mesh(request_.mesh, kCoarseCells, kCoarseTriangles), ways_, kCoarse.pixels);
-    for (const Candidate& usual : usual_candidates(request_.styles)) {
+    Model model(coarse_mesh(request_.mesh, kCoarseCells, kCoarseTriangles), ways_, kCoarse.pixels,
+                is_book());
+    for (const Candidate& usual : usual_candidates(styles_, request_.cards)) {
       add_trial(usual);
       Candidate as_it_stands = usual;  // the last way is as the file stands
       as_it_stands.way = ways_.size() - 1;
       if (drawn_ways_ < ways_.size()) add_trial(as_it_stands);
     }
     for (const std::size_t most = count(kDrawn, 8); drawn_ < most; ++drawn_)
-      add_trial(drawn_candidate(request_.styles, drawn_ways_, request_.seed, drawn_));
+      add_trial(drawn_candidate(styles_, request_.cards, drawn_ways_, request_.seed, drawn_));
     judge_all(0, model, kCoarse, "designing coarse cards", {0.06, 0.2}, false);
     if (is_stopped()) return stopped();
     const std::size_t from = trials_.size();
@@ -407,7 +492,7 @@ class CardSearch {
       if (!trial.judged.made && refusal_.empty()) refusal_ = trial.why;
     halve(count(kFine, 4), 1, true);
     Model model(coarse_mesh(request_.mesh, kCarefulCells, kCarefulTriangles), ways_,
-                kCareful.pixels);
+                kCareful.pixels, is_book());
     judge_all(0, model, kCareful, "designing the best of them", {0.32, 0.68}, true);
     if (is_stopped()) return stopped();
     const std::size_t from = trials_.size();
@@ -440,50 +525,83 @@ class CardSearch {
         return;
       }
     }
-    std::ostringstream text;
-    if (const auto done = write_fold(trial.made.parts.front().pattern, {}, text); !done) {
-      out.why = message(done.error());
+    std::vector<std::string> folds;
+    for (const Design& part : trial.made.parts) {
+      std::ostringstream text;
+      if (const auto done = write_fold(part.pattern, {}, text); !done) {
+        out.why = message(done.error());
+        return;
+      }
+      folds.push_back(std::move(text).str());
+    }
+    auto card = is_book() ? finished_book(folds) : finished_card(folds.front());
+    if (!card) {
+      out.why = message(card.error());
       return;
     }
-    const std::string fold = std::move(text).str();
+    card->candidate = trial.candidate, card->spec = trial.spec, card->cost = trial.cost;
+    card->made = trial.made;
+    out.error = card->figures.error();
+    out.card = std::move(*card);
+  }
+
+  /// What of a card only its file decides: `popcut verify` and `popcut compare` read no more.
+  [[nodiscard]] Result<FoundCard> finished_card(const std::string& fold) const {
     VerifyOptions how;
     how.degrees_of_freedom = 1;
     const auto report = verify_fold(fold, how);
-    if (!report || !report->ok()) {
-      out.why = report ? fmt::format("{} checks of the verifier fail", report->failed())
-                       : message(report.error());
-      return;
-    }
+    if (!report) return tl::unexpected(report.error());
+    if (!report->ok()) return unsound(report->failed());
     auto opened = open_card(fold, std::nullopt);
-    if (!opened || !opened->model) {
-      out.why =
-          opened ? "the pattern does not say where the model stands" : message(opened.error());
-      return;
-    }
-    if (is_behind(opened->triangles)) {
-      out.why = kBehind;
-      return;
-    }
+    if (!opened) return tl::unexpected(opened.error());
+    if (!opened->model) return nowhere();
+    if (is_behind(opened->triangles)) return fail(ErrorKind::Infeasible, "", kBehind);
     FoundCard card;
     card.placement = *opened->model;
     card.target = likeness::placed(request_.mesh.corners, card.placement);
     card.structure = std::move(opened->triangles);
-    likeness::Scene scene;
+    likeness::Scene scene = scene_of(kComparePixels, false, 0);
     scene.views = likeness::cone_views(opened->corner.opening_rad);
-    scene.pixels = kComparePixels;
     scene.corner = opened->corner;
     card.figures = likeness::Target(card.target, scene).measure(card.structure);
-    card.candidate = trial.candidate, card.spec = trial.spec, card.cost = trial.cost;
-    card.made = trial.made, card.folds = opened->folds;
-    out.error = card.figures.error();
-    out.card = std::move(card);
+    card.folds = opened->folds;
+    return card;
+  }
+
+  /// The same of a book.
+  [[nodiscard]] Result<FoundCard> finished_book(const std::vector<std::string>& folds) const {
+    std::vector<VerifiedCard> cards;
+    OpenedBook opened;
+    for (const std::string& fold : folds) {
+      cards.push_back({fmt::format("card {}", cards.size() + 1), fold});
+      if (const auto done = opened.add(cards.back().name, fold); !done)
+        return tl::unexpected(done.error());
+    }
+    const auto report = verify_book(cards);
+    if (!report) return tl::unexpected(report.error());
+    if (!report->ok()) return unsound(report->failed());
+    if (!opened.model) return nowhere();
+    FoundCard card;
+    card.placement = *opened.model;
+    card.target = likeness::placed(request_.mesh.corners, card.placement);
+    card.structure = std::move(opened.triangles);
+    const likeness::Scene scene = scene_of(kComparePixels, true, likeness::round_views().size());
+    card.figures = likeness::Target(card.target, scene).measure(card.structure);
+    card.folds = opened.folds;
+    return card;
+  }
+  [[nodiscard]] static tl::unexpected<Error> unsound(std::size_t failed) {
+    return fail(ErrorKind::Infeasible, "", fmt::format("{} checks of the verifier fail", failed));
+  }
+  [[nodiscard]] static tl::unexpected<Error> nowhere() {
+    return fail(ErrorKind::Infeasible, "", "the pattern does not say where the model stands");
   }
 
   Result<FoundCards> finish() {
     // Usual ones are compared to the end; of the others those that may be in the front.
     halve(count(kFinal, 4), 2, false);
     std::vector<Trial> last = std::move(trials_);
-    Model whole(is_whole_mesh_ ? TriangleMesh{} : request_.mesh, ways_, kComparePixels);
+    Model whole(is_whole_mesh_ ? TriangleMesh{} : request_.mesh, ways_, kComparePixels, is_book());
     std::vector<Finished> finished(last.size());
     for_each(last.size(), "verifying the best cards", {0.9, 1.0},
              [&](std::size_t, std::size_t k) { finish_trial(last[k], whole, finished[k]); });
@@ -493,7 +611,7 @@ class CardSearch {
     for (std::size_t k = 0; k < last.size(); ++k) {
       judged[k].made = finished[k].card.has_value();
       judged[k].error = finished[k].error, judged[k].cost = last[k].cost.seconds;
-      if (judged[k].made && 1.0 - finished[k].card->figures.cover > 1.0 - kLeastCover)
+      if (judged[k].made && finished[k].card->figures.cover < kLeastCover)
         judged[k].made = false, finished[k].why = "it shows nothing of the model";
       if (!judged[k].made && refusal_.empty()) refusal_ = finished[k].why;
       if (last[k].candidate.usual)
@@ -530,11 +648,12 @@ class CardSearch {
     return front;
   }
 
-  /// Of the model's area, along the diagonal of a way.
+  /// Of the model's area, along the diagonal of a way, or those of all cards.
   [[nodiscard]] double seen_share_of(const Way& way) const {
     TriangleMesh standing;
     standing.corners =
         standing_model(coarse_mesh(request_.mesh, kCarefulCells, kCarefulTriangles), way);
+    if (is_book()) return seen_share(standing, diagonals_of_book(request_.cards));
     const std::array diagonal{Vec3(1.0, 0.0, 1.0)};
     return seen_share(standing, diagonal);
   }
@@ -544,10 +663,11 @@ class CardSearch {
       return (a.made ? a.cost : 1e300) < (b.made ? b.cost : 1e300);
     });
     if (quickest != judged.end() && quickest->made)
-      return fail(ErrorKind::Infeasible, "",
-                  fmt::format("no card of it is cut within {:.3g} minutes: the quickest that was "
-                              "found takes {:.1f}; allow more, or use a smaller mat",
-                              request_.most_s / 60.0, quickest->cost / 60.0));
+      return fail(
+          ErrorKind::Infeasible, "",
+          fmt::format("no {} of it is cut within {:.3g} minutes: the quickest that was "
+                      "found takes {:.1f}; allow more, or use a smaller mat",
+                      is_book() ? "book" : "card", request_.most_s / 60.0, quickest->cost / 60.0));
     return no_card(refusal_);
   }
 
@@ -559,6 +679,7 @@ class CardSearch {
     std::string more;
     const TriangleMesh coarse = coarse_mesh(request_.mesh, kCarefulCells, kCarefulTriangles);
     for (const int cards : {4, 6, 8, 12}) {
+      if (cards <= request_.cards) continue;
       const double share = share_of_book(coarse, cards);
       if (share < kMostOfIt && cards < 12) continue;
       more = fmt::format("; {} cards around one spine would see {:.0f} %", cards, 100.0 * share);
@@ -566,13 +687,16 @@ class CardSearch {
     }
     return fail(
         ErrorKind::Infeasible, "",
-        fmt::format("no card shows it: from in front of a card one sees at most {:.0f} % "
-                    "of its surface{}{}{}",
-                    100.0 * seen, more, why.empty() ? "" : "; the first design failed: ", why));
+        fmt::format("no {0} shows it: from in front of {1} one sees at most {2:.0f} % "
+                    "of its surface{3}{4}{5}",
+                    is_book() ? "book" : "card", is_book() ? "the cards" : "a card", 100.0 * seen,
+                    more, why.empty() ? "" : "; the first design failed: ", why));
   }
 
   const SearchRequest& request_;
+  StyleChoice styles_;
   FoundCards out_;
+  std::array<double, 2> room_mm_{};  ///< for a card: the area, or what lies between its marks
   std::vector<Way> ways_;
   std::size_t drawn_ways_{};  ///< of `ways_`: those that are drawn
   std::uint64_t drawn_{};     ///< the next candidate's number

@@ -25,10 +25,12 @@ struct SearchRequest {
   TriangleMesh mesh;
   CandidateModel model;  ///< how specs name it
   Material material;
-  PlanOptions plan;                 ///< machine, material and mat
+  PlanOptions plan;                 ///< machine, material, mat, and whether there are marks
   std::vector<std::string> tables;  ///< users' tables
   StyleChoice styles{style_choices().front()};
+  int cards{1};  ///< of a book around one spine, 3 to 12; 1: a card alone
   UpSide up;
+  FrontSide front;       ///< given: the model stands as it is said, turned no further
   double most_s{900.0};  ///< of cutting
   double effort{1.0};    ///< factor of how many candidates are tried
   std::uint64_t seed{1};
@@ -77,7 +79,7 @@ struct FoundCards {
   std::vector<FoundCard> front;
   std::vector<UsualCard> usual;
   SearchCounts counts;
-  double seen_share{};             ///< of the model's area along the diagonal of the best card
+  double seen_share{};  ///< of the model's area along the diagonal of the best card or its cards
   std::vector<std::string> notes;  ///< about the mesh and the search, a sentence each
   Machine machine;
   std::array<double, 2> area_mm{};  ///< of the mat that the tool reaches
@@ -98,9 +100,13 @@ inline constexpr double kLeastCover = 0.02;
 /// goes on to the end. The same request gives the same answer: work is counted in candidates, and
 /// neither clock nor threads decide anything.
 ///
+/// Of books, all cards are designed and planned together, and as many times fewer books are tried.
+/// They are compared from all around, without their pages, and verified as `popcut verify` does it.
+///
 /// @retval Refused     it was stopped
 /// @retval OutOfRange  the mesh has no area or too many triangles
-/// @retval Usage       an option of the plan; place is `pointer_to` it
+/// @retval Usage       an option of the plan, or a style of which no book of so many cards can be
+///                     made; place is `pointer_to` it
 /// @retval Infeasible  no card shows the model, or none is cut within `most_s`; the detail says
 ///                     what share of it can be seen, and how many cards would show more
 [[nodiscard]] Result<FoundCards> search_cards(const SearchRequest& request);

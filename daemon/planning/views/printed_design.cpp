@@ -34,6 +34,7 @@ Result<PrintedDesign> printed_design(const DesignSpec& spec, const SurfaceAssets
           *model, of_book ? card_of_book(spec, *of_book, k).placement : spec.placement, part));
   }
   out.coloured = model && model->coloured;
+  out.around = made.book.has_value();
   return out;
 }
 

@@ -16,6 +16,7 @@ struct PrintedDesign {
   std::vector<Pattern> parts;
   std::vector<ColourMesh> models;  ///< one a part
   bool coloured{false};            ///< they have colours of their own
+  bool around{false};              ///< the parts are the cards of a book
 };
 
 /// How much of a model's colour depends on the light, unless somebody says so: colours that were

@@ -149,7 +149,8 @@ void FleetWatch::close_lost_nodes() {
                  "SELECT name, epoch FROM node WHERE lease_until<clock_timestamp() AND name!=? AND "
                  "(EXISTS (SELECT 1 FROM attempt WHERE attempt.node=name AND ended IS NULL) OR "
                  "EXISTS (SELECT 1 FROM arm WHERE arm.node=name) OR "
-                 "EXISTS (SELECT 1 FROM plan WHERE planner=name AND state='pending'))",
+                 "EXISTS (SELECT 1 FROM plan WHERE planner=name AND state='pending') OR "
+                 "EXISTS (SELECT 1 FROM search WHERE planner=name AND state='pending'))",
                  lease_.options().name),
              [](const Rows& rows) {
                return Node{rows.text(0), rows.integer(1)};

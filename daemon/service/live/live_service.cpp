@@ -17,6 +17,7 @@
 #include "daemon/service/live/program_shelf.hpp"
 #include "daemon/service/repositories/recovery.hpp"
 #include "daemon/service/repositories/reports.hpp"
+#include "daemon/service/repositories/search_repository.hpp"
 #include "daemon/service/tokens.hpp"
 #include "daemon/store/sliced_copy.hpp"
 
@@ -71,6 +72,7 @@ struct Parts {
         reading(thread),
         designs(store, thread, planner, options.previewer, chores, alive),
         plans({store, thread, planner, chores, designs, materials, registry, options, alive}),
+        searches({store, thread, planner, chores, designs, plans, options, alive}),
         jobs({store, thread, plans, registry, titles, options, alive}),
         programs(reading, options.read_program),
         dispatcher(
@@ -92,6 +94,7 @@ struct Parts {
       return found ? found->json : std::string();
     };
     designs.removed = [this](const std::string& design) { plans.remove_all_of(design); };
+    designs.asset_removed = [this](const std::string& asset) { searches.remove_all_of(asset); };
     plans.begun = [this](const std::string& plan) { jobs.plan_begun(plan); };
     plans.is_at = [this](const std::string& plan, const PlanningPhase& phase) {
       jobs.plan_is_at(plan, phase);
@@ -122,6 +125,7 @@ struct Parts {
   Aside chores, reading;  ///< a long chore must not hold up a START
   DesignRepository designs;
   PlanningQueue plans;
+  SearchRepository searches;
   JobRepository jobs;
   ProgramShelf programs;
   CutDispatcher dispatcher;
@@ -139,8 +143,8 @@ class AssembledService final : private PartsHolder, public Operations, public Li
   AssembledService(Store& disk, ServiceThread& thread, Planner& planner, Cutters& cutters,
                    ServiceOptions options)
       : PartsHolder{{disk, thread, planner, cutters, std::move(options)}},
-        LiveService({parts_.tokens, parts_.designs, parts_.plans, parts_.jobs, parts_.dispatcher,
-                     parts_.device_dispatcher, parts_.materials, *this}) {}
+        LiveService({parts_.tokens, parts_.designs, parts_.plans, parts_.searches, parts_.jobs,
+                     parts_.dispatcher, parts_.device_dispatcher, parts_.materials, *this}) {}
   ~AssembledService() override { parts_.cutters.on_change({}); }
 
   Answer<void> begin();
@@ -180,6 +184,7 @@ class AssembledService final : private PartsHolder, public Operations, public Li
   void stopping() override {
     parts_.dispatcher.stopping();
     parts_.plans.stop();
+    parts_.searches.stop();
   }
   void hear_fleet(const std::string& news) override;
   void leave_fleet() override {
@@ -226,6 +231,7 @@ Answer<void> AssembledService::begin() {
   if (!parts_.fleet) {
     parts_.jobs.plans_ended_before();
     parts_.plans.pump();
+    parts_.searches.pump();
   }
   parts_.thread.every(1000, [this, alive] {
     if (const auto here = alive.lock()) tick();
@@ -241,6 +247,7 @@ Answer<void> AssembledService::begin_in_fleet() {
     parts_.device_dispatcher.look();
     parts_.jobs.plans_ended_before();
     parts_.plans.pump();
+    parts_.searches.pump();
     share_again();
   };
   parts_.store.on_others = [this](const Event& event) { heed(event); };
@@ -555,6 +562,7 @@ void AssembledService::tick() {
   if (parts_.store.degraded()) return;
   if (!parts_.store.full()) parts_.jobs.catch_up();
   parts_.plans.pump();
+  parts_.searches.pump();
   parts_.tokens.tidy();
   if (!parts_.store.full()) parts_.calendar.tick();
   try {

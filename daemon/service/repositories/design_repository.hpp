@@ -69,6 +69,8 @@ class DesignRepository : public Designs {
   std::function<std::string(const std::string& name)> material_row{};
   /// Called when a design is removed, in the same transaction.
   std::function<void(const std::string& design)> removed{};
+  /// The same of an asset.
+  std::function<void(const std::string& asset)> asset_removed{};
 
  private:
   void checked(const Principal& who, const Upload& upload, const std::string& media_type,

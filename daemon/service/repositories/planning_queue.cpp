@@ -134,10 +134,10 @@ std::string PlanningQueue::folder_of(const std::string& plan) const {
   return parts_.store.folder().at("plans/" + plan);
 }
 
-Answer<PlanningQueue::Machine> PlanningQueue::machine_for(const std::string& device,
-                                                          const std::string& machine,
-                                                          const std::string& material,
-                                                          const std::string& site) {
+Answer<PlanningQueue::MachineRow> PlanningQueue::machine_for(const std::string& device,
+                                                             const std::string& machine,
+                                                             const std::string& material,
+                                                             const std::string& site) {
   std::string name = machine;
   if (!device.empty()) {
     if (!parts_.devices.find(device))
@@ -152,7 +152,7 @@ Answer<PlanningQueue::Machine> PlanningQueue::machine_for(const std::string& dev
   if (name.empty()) name = parts_.devices.machine_for(material, site).machine;
   if (name.empty()) name = kUsualMachine;
   return parts_.materials.machine_row(name).map([&](const std::string& json) {
-    return Machine{name, json};
+    return MachineRow{name, json};
   });
 }
 
@@ -197,7 +197,7 @@ Answer<PlanRow> PlanningQueue::plan_for(const Principal& who, const PlanRequest&
   if (material.empty()) material = kUsualMaterial;
   const Answer<MaterialRecord> row = material_named(material);
   if (!row) return tl::unexpected(row.error());
-  const Answer<Machine> machine =
+  const Answer<MachineRow> machine =
       machine_for(request.device, request.machine, material, request.site);
   if (!machine) return tl::unexpected(machine.error());
   std::map<std::string, std::string> options = request.options;
@@ -241,7 +241,7 @@ Answer<PlanRow> PlanningQueue::test_plan_for(const Principal& who, const std::st
                                              const std::string& material, const std::string& site) {
   const Answer<MaterialRecord> row = material_named(material.empty() ? kUsualMaterial : material);
   if (!row) return tl::unexpected(row.error());
-  const Answer<Machine> machine = machine_for(device, "", row->id, site);
+  const Answer<MachineRow> machine = machine_for(device, "", row->id, site);
   if (!machine) return tl::unexpected(machine.error());
   return find_or_add(who, {.id = {},
                            .key = {},

@@ -83,14 +83,21 @@ class PlanningQueue : public Plans {
   /// Called now and then while one is made.
   std::function<void(const std::string& plan, const PlanningPhase&)> is_at{};
 
- private:
-  struct Machine {
+  struct MachineRow {
     std::string name, json;
   };
-  [[nodiscard]] Answer<Machine> machine_for(const std::string& device, const std::string& machine,
-                                            const std::string& material, const std::string& site);
+  /// What to plan for: the machine of a device, a machine by its name, or one that suits the
+  /// material and stands at `site`.
+  ///
+  /// @retval Validation  there is no such device or machine, or the two do not match
+  [[nodiscard]] Answer<MachineRow> machine_for(const std::string& device,
+                                               const std::string& machine,
+                                               const std::string& material,
+                                               const std::string& site);
   /// @retval Validation  there is no such material
   [[nodiscard]] Answer<MaterialRecord> material_named(const std::string& name);
+
+ private:
   struct Hurried {
     std::string plan, owner;
   };

@@ -350,10 +350,14 @@ class Recovery {
     for (const std::string& id :
          all_of(store_.db().rows(sql, name_of(state), store_.node().name), first_text))
       if (Answer<JobRow> row = jobs_.row(id)) restart(*row);
-    if (state == JobState::Planning)
+    if (state == JobState::Planning) {
       store_.db().run(
           "UPDATE plan SET planner='', planner_epoch=0 WHERE planner=? AND state='pending'",
           store_.node().name);
+      store_.db().run(
+          "UPDATE search SET planner='', planner_epoch=0 WHERE planner=? AND state='pending'",
+          store_.node().name);
+    }
   }
 
   void restart(JobRow& row) {
@@ -429,6 +433,10 @@ Answer<void> close_lost_node(ServiceStore& store, JobRepository& jobs, const std
         jobs.take(*row, step_of(row->state, JobEvent::Restarts), "lost");
     store.db().run(
         "UPDATE plan SET planner='', planner_epoch=0 WHERE planner=? AND planner_epoch<=? AND "
+        "state='pending'",
+        node, epoch);
+    store.db().run(
+        "UPDATE search SET planner='', planner_epoch=0 WHERE planner=? AND planner_epoch<=? AND "
         "state='pending'",
         node, epoch);
     store.emit("notice", "", fmt::format(R"("node":{},"state":"lost")", json_text(node)));

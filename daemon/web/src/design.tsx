@@ -9,10 +9,12 @@ import { shownModel, Stage } from './design_stage';
 import { Start } from './design_start';
 import { LatticeError } from './lattice';
 import { openInSimulator } from './origami_simulator';
-import { Button, Dialog, Trouble } from './parts';
+import { Button, Dialog, Tick, Trouble } from './parts';
 import { go, parseRoute, route, sheetsOf } from './route';
 import { isProblem, read, readBlob, saveAs, send, ServerProblem } from './server';
 import { fromShare, isSpec, nameOf, parseSpec, shareText, SpecError, withField, type Spec } from './spec';
+import { SearchCards } from './search_cards';
+import * as searching from './search_desk';
 import { devices, may, meta, stale } from './store';
 import { designWords as words } from './words_design';
 
@@ -76,7 +78,10 @@ async function openFile(file: File, tell: (text: string | null) => void): Promis
     if (kModels[ending]) {
       tell(words.open.placing);
       const placed = await specOfModel(file, kModels[ending] as string);
-      if (wanted()) desk.begin(placed);
+      if (!wanted()) return null;
+      desk.begin(placed);
+      const model = searching.modelOf(placed);
+      if (model !== null && may('submitter')) void searching.begin(model);
       return null;
     }
     const type = kPatterns[ending] ?? (ending === 'json' ? 'application/json' : undefined);
@@ -280,6 +285,7 @@ function CutDialog({ onClose }: { onClose: () => void }) {
   const material = useSignal(String(desk.spec.peek()?.material ?? ''));
   const device = useSignal('');
   const copies = useSignal(1);
+  const printed = useSignal(false);
   const busy = useSignal(false);
   const problem = useSignal<ServerProblem | null>(null);
   const open = useRef(true);
@@ -297,6 +303,7 @@ function CutDialog({ onClose }: { onClose: () => void }) {
       const body: Record<string, unknown> = {};
       if (material.value) body.material = material.value;
       if (device.value) body.device = device.value;
+      if (printed.value) body.options = { marks: true };
       const made = await send<{ id: string }>('POST', `/v1/designs/${id}/plan`, { body });
       sessionStorage.setItem(`popcut.cut.${made.id}`, JSON.stringify({ copies: copies.value, device: device.value || null }));
       if (!open.current) return;
@@ -329,6 +336,7 @@ function CutDialog({ onClose }: { onClose: () => void }) {
       <label class="field"><span>{words.cut.copies}</span>
         <input type="number" min="1" max="1000" value={copies.value} onChange={(event) => { copies.value = Math.max(1, Math.min(1000, Math.round(Number(event.currentTarget.value)) || 1)); }} />
       </label>
+      {desk.spec.value && <Tick checked={printed.value} onChange={(on) => { printed.value = on; }}>{words.cut.print}</Tick>}
     </Dialog>
   );
 }
@@ -414,6 +422,7 @@ function Desk({ onOpen }: { onOpen: () => void }) {
   return (
     <div class="design">
       <Bar onOpen={onOpen} />
+      <SearchCards />
       <div class="design-main">
         <div class="design-left">
           <div class="stage-wrap">

@@ -366,7 +366,7 @@ interface Report {
   fit?: { structure_to_target_mm?: { mean?: number; p95?: number }; share_within?: Record<string, number> };
   inner_error_mm?: { max?: number };
   end_error_mm?: { max?: number };
-  degrees_of_freedom?: number;
+  degrees_of_freedom?: number | number[];   // of a book, each card's
   pieces?: number;
   folds?: number;
   cuts?: number;
@@ -382,7 +382,7 @@ export function Figures({ of }: { of: Lattice }) {
   const report = of.report as Report;
   const off = report.fit?.structure_to_target_mm;
   const within = report.fit?.share_within?.['2_percent'];
-  const freedom = report.degrees_of_freedom;
+  const freedom = report.degrees_of_freedom === undefined ? undefined : Math.max(...[report.degrees_of_freedom].flat());
   return (
     <section aria-labelledby="figures">
       <h2 id="figures">{words.figures.title}</h2>

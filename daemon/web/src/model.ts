@@ -9,6 +9,7 @@ export type Warning = Schemas['Warning'];
 export type Way = Schemas['Way'];
 export type Ledger = Schemas['Ledger'];
 export type Plan = Schemas['Plan'];
+export type Search = Schemas['Search'];
 export type SheetPlan = Schemas['SheetPlan'];
 export type Sheet = Schemas['Sheet'];
 export type Device = Schemas['Device'];

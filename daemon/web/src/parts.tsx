@@ -150,7 +150,7 @@ const pictures = new Map<string, Promise<string>>();
 function pictureAddress(path: string): Promise<string> {
   const known = pictures.get(path);
   if (known) return known;
-  const made = readBlob(path, { accept: 'image/svg+xml' }).then((blob) => URL.createObjectURL(blob));
+  const made = readBlob(path, { accept: 'image/*' }).then((blob) => URL.createObjectURL(blob));
   pictures.set(path, made);
   made.catch(() => pictures.delete(path));
   if (pictures.size > kPictures) {

@@ -182,19 +182,46 @@ function wantedFor(plan: string): Wanted {
   return { copies: 1, device: null };
 }
 
-/** The name of the design that a plan was made of, on one line; empty until it is known, and where it has none. */
-function useNameOf(design: string | null | undefined): string {
-  const name = useSignal('');
+/** The design that a plan was made of: its kind, and its name on one line. Both are empty until they are known. */
+function useDesignOf(design: string | null | undefined): { name: string; kind: string } {
+  const known = useSignal({ name: '', kind: '' });
   useEffect(() => {
-    name.value = '';
+    known.value = { name: '', kind: '' };
     if (!design) return undefined;
     const stop = new AbortController();
-    read<{ name?: string | null }>(`/v1/designs/${encodeURIComponent(design)}`, { signal: stop.signal }).then((one) => {
-      name.value = [...(one.name ?? '').replace(/\s+/g, ' ').trim()].slice(0, 120).join('');
+    read<{ name?: string | null; kind?: string }>(`/v1/designs/${encodeURIComponent(design)}`, { signal: stop.signal }).then((one) => {
+      known.value = { name: [...(one.name ?? '').replace(/\s+/g, ' ').trim()].slice(0, 120).join(''), kind: one.kind ?? '' };
     }, () => undefined);
     return () => stop.abort();
   }, [design]);
-  return name.value;
+  return known.value;
+}
+
+/** What is printed on a sheet before it is cut. popcutd draws it when it is asked for. */
+function PrintFirst({ plan, sheet }: { plan: string; sheet: number }) {
+  const busy = useSignal(false);
+  const problem = useSignal<ServerProblem | null>(null);
+  useEffect(() => { problem.value = null; }, [sheet]);
+  const get = async (): Promise<void> => {
+    busy.value = true;
+    problem.value = null;
+    try {
+      saveAs(await readBlob(`/v1/plans/${encodeURIComponent(plan)}/sheets/${sheet}/artwork.pdf`), `print-${sheet}.pdf`);
+    } catch (error) {
+      if (!isProblem(error)) throw error;
+      problem.value = error;
+    } finally {
+      busy.value = false;
+    }
+  };
+  return (
+    <section aria-label={words.print} class="note">
+      <h2>{words.print}</h2>
+      <p class="small">{words.printWhat}</p>
+      {problem.value && <Trouble problem={problem.value} onClose={() => { problem.value = null; }} />}
+      <Button onClick={() => void get()} disabled={busy.value || stale.value}>{busy.value ? words.drawingPage : words.page}</Button>
+    </section>
+  );
 }
 
 function QueueIt({ plan, name }: { plan: WholePlan; name: string }) {
@@ -251,7 +278,7 @@ export default function Sheets({ rest: id }: { rest: string }) {
   const { plan, problem } = usePlan(id);
   const sheet = useSignal(1);
   const under = useSignal('');
-  const name = useNameOf(plan?.design);
+  const { name, kind } = useDesignOf(plan?.design);
   const unsaved = useSignal<ServerProblem | null>(null);
   if (problem) return <Trouble problem={problem} />;
   if (!plan) return <Loading />;
@@ -314,6 +341,7 @@ export default function Sheets({ rest: id }: { rest: string }) {
               <ul class="plain-list server-words">{plan.warnings.slice(0, 30).map((one, i) => <li key={i}>{withoutTicks(one.message)}</li>)}</ul>
             </section>
           )}
+          {kind === 'spec' && shown?.side === 'printed' && <PrintFirst plan={id} sheet={sheet.value} />}
           {may('submitter') && <QueueIt plan={plan} name={name} />}
         </div>
       </div>

@@ -96,11 +96,23 @@ struct Bench {
       fake.plan_map[plan] = made;
       asset = "sha256-" + std::string(64, 'b');
       fake.asset_map[asset] = {.id = asset, .name = "vase.obj", .bytes = 3, .designs = {design}};
+      SearchRecord found;
+      found.id = search = "01JD0000000000000000000901";
+      found.owner = "token:admin";
+      found.request = {
+          .model = asset, .name = "vase", .material = "paper-220", .machine = "cameo3"};
+      found.state = SearchState::Found;
+      found.front.cards.push_back({.style = "facets",
+                                   .settings = "facets of 2 mm",
+                                   .warnings = {{.code = "note", .message = "thin"}},
+                                   .spec = "{\"popcut\":1}"});
+      fake.search_map[search] = found;
       const std::string path = (server.folder() / "file").string();
       std::FILE* const file = std::fopen(path.c_str(), "w");
       std::fputs("{}", file);
       std::fclose(file);
       fake.files[design] = path;
+      fake.files[search + "/card-01.png"] = path;
       const std::string strokes = (server.folder() / "strokes").string();
       std::ofstream(strokes) << operation_example("Strokes").dump();
       for (const char* name :
@@ -116,6 +128,7 @@ struct Bench {
     if (path.starts_with("/v1/jobs")) return job;
     if (path.starts_with("/v1/designs")) return design;
     if (path.starts_with("/v1/plans")) return plan;
+    if (path.starts_with("/v1/searches")) return search;
     if (path.starts_with("/v1/devices")) return "sim:cameo3";
     if (path.starts_with("/v1/materials")) return "paper-220";
     if (path.starts_with("/v1/assets")) return asset;
@@ -220,7 +233,7 @@ struct Bench {
   }
 
   LiveServer server;
-  std::string job, design, plan, asset;
+  std::string job, design, plan, asset, search;
 };
 
 }  // namespace
@@ -270,10 +283,12 @@ TEST_CASE("each documented request succeeds as it is documented", "[daemon][http
     std::map<std::string, Job> jobs;
     std::map<std::string, Design> designs;
     std::map<std::string, PlanRecord> plans;
+    std::map<std::string, SearchRecord> searches;
     bench.server.ask([&](FakeService& fake) {
       jobs = fake.job_map;
       designs = fake.design_map;
       plans = fake.plan_map;
+      searches = fake.search_map;
     });
     const WireResponse response = bench.ask(route, bench.call(route));
     CHECK(response.status >= 200);
@@ -282,6 +297,7 @@ TEST_CASE("each documented request succeeds as it is documented", "[daemon][http
       if (removes) fake.job_map = jobs;
       if (removes) fake.design_map = designs;
       if (removes) fake.plan_map = plans;
+      if (removes) fake.search_map = searches;
       fake.job_map.at(bench.job).state = JobState::Ready;
     });
   }

@@ -285,7 +285,7 @@ TEST_CASE("each limit of a preview ends it alone and says so", "[daemon][preview
   }
   SECTION("memory, wherever it runs out") {
     // With less, there is no room for the libraries of the worker, and it cannot be started.
-    for (std::uint64_t mib = 96; mib <= 192; mib += 4) {
+    for (std::uint64_t mib = 96; mib <= 192; mib += 8) {
       CAPTURE(mib);
       PreviewLimits limits = quick_limits(60);
       limits.quick.memory_bytes = mib << 20;

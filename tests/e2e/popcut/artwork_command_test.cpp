@@ -157,6 +157,10 @@ TEST_CASE("popcut print writes pages, programs and a preview, and the same again
   const std::string pdf = text_of_file(bench.temp / "pages/sheet-01.pdf");
   CHECK(pdf.rfind("%PDF", 0) == 0);
   CHECK(text_of_file(bench.temp / "pages/preview.glb").rfind("glTF", 0) == 0);
+  const std::string picture = text_of_file(bench.temp / "pages/preview.png");
+  const auto tiles = read_image("preview.png", picture);
+  REQUIRE(tiles);
+  CHECK(tiles->width == 3 * tiles->height);
   CHECK(says(text_of_file(bench.temp / "pages/sheet-01.gpgl"), "TB123,"));
   CHECK(bench.read_json("pages/plan.json")["sheets"][0]["registration"]["left_mm"] == 10);
   const Ran info = run_program({"/usr/bin/pdfinfo", "pages/sheet-01.pdf"}, bench.temp.path());
@@ -164,6 +168,42 @@ TEST_CASE("popcut print writes pages, programs and a preview, and the same again
   CHECK(says(info.out, "864 x 864 pts"));  // 12 inches
   REQUIRE(bench.popcut(words).exit == 0);
   CHECK(text_of_file(bench.temp / "pages/sheet-01.pdf") == pdf);
+  CHECK(text_of_file(bench.temp / "pages/preview.png") == picture);
+}
+
+TEST_CASE("the picture of a printed design shows the model, and the card from two sides",
+          "[cli][e2e][artwork]") {
+  const ShellBench bench;
+  const auto tiles_of = [&](std::vector<std::string> more) {
+    std::vector<std::string> all{"print",     "shell.json", "--no-marks", "--dpi", "72",
+                                 "--preview", "-o",         "pages",      "-q"};
+    all.insert(all.end(), more.begin(), more.end());
+    REQUIRE(bench.popcut(all).exit == 0);
+    const auto image = read_image("preview.png", text_of_file(bench.temp / "pages/preview.png"));
+    REQUIRE(image);
+    // Of each tile: pixels with colour.
+    std::vector<std::size_t> out(image->width / image->height);
+    for (std::size_t j = 0; j < image->height; ++j)
+      for (std::size_t i = 0; i < image->width; ++i) {
+        const auto [least, most] = std::minmax_element(image->at(i, j), image->at(i, j) + 3);
+        out[i / image->height] += *most - *least > 40 ? 1 : 0;
+      }
+    return out;
+  };
+  const auto painted = tiles_of({});
+  REQUIRE(painted.size() == 3);
+  for (const std::size_t pixels : painted) CHECK(pixels > 5000);
+  // A picture of your own has no model; it is laid over all of the card.
+  const auto flat = tiles_of({"--mode", "flat", "--image", "yellow.png"});
+  REQUIRE(flat.size() == 2);
+  for (const std::size_t pixels : flat) CHECK(pixels > 20000);
+  write_file(bench.temp / "shell.json",
+             R"({"popcut": 1, "name": "b", "surface": {"type": "mesh", "file": "shell.obj"},
+                 "scale_mm": 25, "units_per_slice": 4, "slices": 8, "widths_mm": 5,
+                 "book": {"cards": 4}})");
+  const auto book = tiles_of({});
+  REQUIRE(book.size() == 3);
+  for (std::size_t k = 0; k < 2; ++k) CHECK(book[k] > 2000);
 }
 
 TEST_CASE("a printed design that is split is cut by the same programs as it is planned",
@@ -185,6 +225,38 @@ TEST_CASE("a printed design that is split is cut by the same programs as it is p
           text_of_file(bench.temp / ("plan/" + program)));
     CHECK(std::filesystem::exists(bench.temp / fmt::format("pages/sheet-{:02}.pdf", k)));
   }
+}
+
+TEST_CASE("popcut print says how its pages are cut, or why they have no marks",
+          "[cli][e2e][artwork]") {
+  const ShellBench bench;
+  const auto said = [&](std::vector<std::string> more) {
+    std::vector<std::string> all{"print", "shell.json", "--dpi", "72", "-o", "pages"};
+    all.insert(all.end(), more.begin(), more.end());
+    const Ran ran = bench.popcut(all);
+    CAPTURE(ran.err);
+    REQUIRE(ran.exit == 0);
+    return ran.err;
+  };
+  const std::string marked = said({"--machine", "cameo3", "--mat", "130x190", "--order", "keep"});
+  const std::string command =
+      "popcut cut shell.json --machine cameo3 --mat 130x190 --order keep --marks --direct";
+  CHECK(says(marked, command + " --device usb:SERIAL"));
+  CHECK(says(marked, "printed side up"));
+  // It cuts what was printed: the programs are the same.
+  REQUIRE(bench
+              .popcut({"cut", "shell.json", "--machine", "cameo3", "--mat", "130x190", "--order",
+                       "keep", "--marks", "--direct", "--yes", "-o", "cut", "-q"})
+              .exit == 0);
+  CHECK(text_of_file(bench.temp / "cut/sheet-01.gpgl") ==
+        text_of_file(bench.temp / "pages/sheet-01.gpgl"));
+  CHECK(says(said({"--machine", "cameo3", "--mat", "100x120"}),
+             "print pages/sheet-01.pdf to pages/sheet-02.pdf"));
+  const std::string unnamed = said({"--mat", "130x190"});
+  CHECK(says(unnamed, "no cutter is named"));
+  CHECK_FALSE(says(unnamed, "popcut cut"));
+  CHECK(says(said({"--machine", "hpgl-generic"}), "does not look for them"));
+  CHECK_FALSE(says(said({"--no-marks"}), "without marks"));
 }
 
 TEST_CASE("facets are printed in every mode, in one piece and in several", "[cli][e2e][artwork]") {
@@ -268,6 +340,12 @@ TEST_CASE("what popcut print cannot print is one line", "[cli][e2e][artwork]") {
           "broken.png: is a picture that cannot be read");
   refused({"--mode", "flat", "--image", "absent.png"}, 3, "absent.png");
   refused({"--mode", "flat"}, 2, "give it with --image FILE");
+  check_refused(bench.popcut({"print", "shell.obj", "-o", "pages", "-q"}), 3,
+                "shell.obj: is a 3D model; 'popcut auto shell.obj -o cards' makes cards of it");
+  check_refused(bench.popcut({"verify", "shell.obj"}), 3,
+                "shell.obj: is a 3D model, and verify reads a pattern");
+  check_refused(bench.popcut({"deploy", "shell.obj", "-o", "poses"}), 3,
+                "shell.obj: is a 3D model, and deploy reads a pattern");
   refused({"--image", "yellow.png"}, 2, "--mode flat");
   refused({"--page", "A4"}, 4, "--page: is 210 x 297 mm, smaller than the sheet of 304.8 x 304.8");
   refused({"--at", "11,11", "--mode", "surface"}, 4, "registration mark");

@@ -7,7 +7,9 @@
 #include <chrono>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -16,6 +18,7 @@
 #include "tests/support/command_bench.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/rounds.hpp"
 
 namespace auto_command_test {
 
@@ -127,6 +130,71 @@ TEST_CASE("a search keeps to the style, the upright axis and the time that it is
   }
 }
 
+TEST_CASE("a model becomes a front of books that are verified, made again and fit the mat",
+          "[cli][e2e][auto]") {
+  const auto [cards, style] = GENERATE(std::pair{"4", "facets"}, std::pair{"6", "slices"});
+  CAPTURE(cards, style);
+  if (std::string_view(cards) == "6" && fewer_rounds()) return;  // as the other, and slower
+  const AutoBench bench;
+  const Ran ran = bench.popcut({"auto", "houses.obj", "-o", "out", "--cards", cards, "--style",
+                                style, "--max-minutes", "60", "--mat", "110x110", "--up", "z",
+                                "--effort", "0.02", "--json"});
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  const json front = bench.read_json("out/front.json");
+  CHECK(json::parse(ran.out) == front);
+  REQUIRE_FALSE(front["cards"].empty());
+  double error = 1e9, seconds = 0.0;
+  for (const json& book : front["cards"]) {
+    INFO(book.dump());
+    CHECK(book["error"] < error);
+    CHECK(book["seconds"] > seconds);
+    error = book["error"], seconds = book["seconds"];
+    CHECK(book["settings"]["cards"] == std::stoi(cards));
+    for (const json& side : book["sheet_mm"]) CHECK(side <= 110.0);
+    const std::string folder = "out/" + book["folder"].get<std::string>();
+    CHECK(says(folder, "book-"));
+    CHECK(bench.popcut({"verify", folder, "-q"}).exit == 0);
+    CHECK(fs::exists(bench.temp / folder / ("card-0" + std::string(cards)) / "cut.svg"));
+    CHECK(bench.read_json(folder + "/spec.json")["book"]["cards"] == std::stoi(cards));
+  }
+  const std::string best = "out/" + front["best"].get<std::string>();
+  REQUIRE(bench.popcut({"design", best + "/spec.json", "-o", "again", "-q"}).exit == 0);
+  for (const char* file : {"card-01/pattern.fold", "card-03/pattern.svg", "card-04/cut.svg"})
+    CHECK(text_of_file(bench.temp / "again" / file) == text_of_file(bench.temp / best / file));
+  const Ran compared = bench.popcut({"compare", best, "houses.obj", "--json"});
+  INFO(compared.err);
+  REQUIRE(compared.exit == 0);
+  const json seen = json::parse(compared.out);
+  CHECK_THAT(seen["error"].get<double>(), WithinAbs(error, 1e-6));
+}
+
+TEST_CASE("the front of a model faces out of the card, and cards to print fit between the marks",
+          "[cli][e2e][auto]") {
+  const AutoBench bench;
+  const std::vector<std::string> cutter{"--machine", "cameo3", "--mat", "A4"};
+  std::vector<std::string> words{"--up", "z", "--front", "-y", "--marks"};
+  words.insert(words.end(), cutter.begin(), cutter.end());
+  const Ran ran = bench.search(words);
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  const json front = bench.read_json("out/front.json");
+  CHECK(front["marks"] == true);
+  REQUIRE_FALSE(front["cards"].empty());
+  for (const json& card : front["cards"]) {
+    const std::string design = "out/" + card["folder"].get<std::string>() + "/spec.json";
+    CHECK(bench.read_json(design)["rotate_deg"] == json{0.0, 0.0, 90.0});
+    std::vector<std::string> plan{"plan", design, "--marks", "--no-split", "-o", "plan", "-q"};
+    plan.insert(plan.end(), cutter.begin(), cutter.end());
+    const Ran planned = bench.popcut(plan);
+    INFO(planned.err);
+    CHECK(planned.exit == 0);
+  }
+  // The commands to type next have the same machine and mat.
+  CHECK(says(ran.out, "popcut print out/" + front["best"].get<std::string>() +
+                          "/spec.json --machine cameo3 --mat A4 -o printed"));
+}
+
 TEST_CASE("popcut design takes a model and makes the best card of a short search",
           "[cli][e2e][auto]") {
   const AutoBench bench;
@@ -173,6 +241,13 @@ TEST_CASE("a search says in one line what is wrong, and writes nothing", "[cli][
   refused({"houses.obj", "--max-minutes", "0.1"}, 4, "the quickest that was found takes");
   refused({"houses.obj", "--style", "origami"}, 2, "--style");
   refused({"houses.obj", "--up", "w"}, 2, "--up");
+  refused({"houses.obj", "--cards", "2"}, 2, "--cards");
+  refused({"houses.obj", "--cards", "13"}, 2, "give 1, or 3 to 12");
+  refused({"houses.obj", "--cards", "4", "--up", "z", "--front", "x"}, 2, "--front: is for cards");
+  refused({"houses.obj", "--cards", "6", "--style", "facets"}, 2, "books of 4 cards only");
+  refused({"houses.obj", "--up", "z", "--front", "-z"}, 2, "--front: is \"-z\", along the axis");
+  refused({"houses.obj", "--marks", "--machine", "hpgl-generic", "--mat", "300x300"}, 3,
+          "cannot search for registration marks");
   check_refused(bench.popcut({"auto", "houses.obj"}), 2, "-o DIR is missing");
 }
 

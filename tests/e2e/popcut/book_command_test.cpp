@@ -117,6 +117,14 @@ TEST_CASE("what a book folder cannot be used for is said in one line", "[cli][e2
       arguments.insert(arguments.end(), {"-o", "x"});
     check_refused_at(bench.popcut(arguments), 3, "empty: is a folder without book.json");
   }
+  // A folder of one card, and one of several cards that are no book, say which file to give.
+  check_refused_at(
+      bench.popcut({"verify", "out/card-01"}), 3,
+      "out/card-01: is the folder of one card; give its pattern, out/card-01/pattern.fold");
+  fs::create_directory(bench.temp / "cards");
+  fs::copy(bench.temp / "out/card-01", bench.temp / "cards/card-01");
+  check_refused_at(bench.popcut({"verify", "cards"}), 3,
+                   "cards: holds cards that are no book; give the pattern.fold of one of them");
   check_refused_at(bench.popcut({"deploy", "out", "-o", "x", "--poster"}), 2,
                    "--poster: is for one");
   check_refused_at(bench.popcut({"deploy", "out", "-o", "x", "--to-psi", "pi"}), 2,

@@ -180,6 +180,9 @@ TEST_CASE("a sheet with registration marks is cut relative to the marks that are
   REQUIRE(two["sheets"].size() == 2);
   for (const json& sheet : two["sheets"]) CHECK(sheet["registration"]["width_mm"] == 150.0);
   CHECK(says(two["warnings"].dump(), "each with its own marks"));
+  CHECK(says(two["warnings"].dump(), "between the marks of one sheet (142.0 x 219.0 mm)"));
+  // It would fit without marks, but not between them: no mat is named that does not help.
+  CHECK_FALSE(says(two["warnings"].dump(), "fits whole on --mat 170x267"));
   refused({"--mark-form", "wide"}, 2, "--mark-form: is \"wide\"; one of arm, line");
 }
 

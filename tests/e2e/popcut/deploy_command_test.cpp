@@ -143,7 +143,8 @@ TEST_CASE("input that cannot be deployed is refused in one line", "[cli][e2e][de
   check_refused_at(bench.popcut({"deploy", "-o", "out"}), 2, "command line: ");
   check_refused_at(bench.popcut({"deploy", fold}), 2, "command line: ");
   check_refused_at(bench.popcut({"deploy", "absent.fold", "-o", "out"}), 3, "absent.fold: ");
-  check_refused_at(bench.popcut({"deploy", "unit", "-o", "out"}), 3, "unit: is a folder");
+  check_refused_at(bench.popcut({"deploy", "unit", "-o", "out"}), 3,
+                   "unit: is the folder of one card");
   write_file(bench.temp / "bad.csv", "0,5,30,10,5,30,10,7,1,1,0,8\n0,5,30,10,5,inf,10,7,1,1,0,8\n");
   check_refused_at(bench.popcut({"deploy", "bad.csv", "-o", "out"}), 3,
                    "bad.csv: line 2: column 6");

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
+#include <sys/stat.h>
+
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
 #include <ostream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -213,6 +217,21 @@ TEST_CASE("angles are read as people write them", "[cli][angles]") {
     CAPTURE(text);
     CHECK_FALSE(cli::parse_opening_angles(text));
   }
+}
+
+TEST_CASE("a pipe into which nobody writes is refused, and one that is written is read",
+          "[files]") {
+  const TempFolder temp;
+  const fs::path pipe = temp.path() / "pipe";
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  const auto nothing = cli::read_file(pipe, 100, std::chrono::milliseconds(1));
+  REQUIRE(!nothing);
+  CHECK(nothing.error().detail == "is a pipe into which nothing is written; give a file");
+  std::thread writer([&] { write_file(pipe, "model"); });
+  const auto read = cli::read_file(pipe, 100, std::chrono::minutes(10));
+  writer.join();
+  REQUIRE(read);
+  CHECK(*read == "model");
 }
 
 }  // namespace output_folder_test

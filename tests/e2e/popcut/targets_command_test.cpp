@@ -30,6 +30,25 @@ json mesh_spec(const std::string& file) {
 
 }  // namespace
 
+TEST_CASE("a model whose numbers are no millimetres says which scale makes a card of it",
+          "[cli][e2e][targets]") {
+  const Bench bench;
+  write_file(bench.temp / "hut.obj",
+             popcut::tests::obj(popcut::tests::box_mesh({0, 0, 0}, {6, 8, 5}, false)));
+  json spec{
+      {"popcut", 1}, {"style", "facets"}, {"surface", {{"type", "mesh"}, {"file", "hut.obj"}}}};
+  const auto said = [&] {
+    bench.write("hut.json", spec);
+    const Ran ran = bench.popcut({"design", "hut.json", "-o", "hut", "--formats", "fold"});
+    CAPTURE(ran.err);
+    REQUIRE(ran.exit == 0);
+    return ran.err;
+  };
+  CHECK(says(said(), "is 11.2 mm from corner to corner; \"scale_mm\": 11 makes it about 120 mm"));
+  spec["scale_mm"] = 11;
+  CHECK_FALSE(says(said(), "from corner to corner"));
+}
+
 TEST_CASE("a mesh from elsewhere becomes a sound pattern with its error in the report",
           "[cli][e2e][target]") {
   const fs::path teapot = source_file("../shared/data/meshes/teapot.obj");

@@ -39,10 +39,13 @@ inline void await_knife(RunningDaemon& node, const std::string& job) {
   });
 }
 
-/// Why an action is refused; empty: it is done.
+/// Why an action is refused; empty: it is done. Waits until the job can be read.
 inline std::string refusal(RunningDaemon& node, const std::string& job, const std::string& action,
                            const Json& body = Json::object()) {
-  const auto done = node.api().act(node.job(job), action, body);
+  auto now = node.api().get("/v1/jobs/" + job, job);
+  (void)happens([&] { return now || (now = node.api().get("/v1/jobs/" + job, job)); });
+  if (!now) return message(now.error());
+  const auto done = node.api().act(*now, action, body);
   return done ? std::string() : message(done.error());
 }
 
@@ -54,11 +57,14 @@ inline bool comes_to(RunningDaemon& node, const std::string& job, const std::str
   });
 }
 
-/// Waits until all nodes have compared their journals with the database that is asked now.
+/// Waits until all nodes have compared their journals with the database that is asked now, and
+/// answer.
 inline void await_nodes(FleetNodes& fleet) {
   for (int k = 1; k <= fleet.size(); ++k) {
     INFO(fleet[k].daemon().log());
-    REQUIRE(happens([&] { return fleet.is_alive(k); }, 20));
+    REQUIRE(happens([&] {
+      return fleet.is_alive(k) && fleet[k].ask("GET", "/v1/jobs?limit=1").status == 200;
+    }));
   }
 }
 

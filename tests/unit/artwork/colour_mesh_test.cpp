@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -163,6 +164,23 @@ TEST_CASE("a JPEG that is broken off or is none is an error, and no crash", "[ar
     REQUIRE(!image);
     CHECK_THAT(message(image.error()), Catch::StartsWith("photo.jpg: is a picture that cannot"));
   }
+}
+
+TEST_CASE("a picture in the colours of a printer says so", "[artwork]") {
+  const std::string_view hex =
+      "FFD8FFEE000E41646F626500640000000000FFDB004300FFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFF"
+      "FFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFF"
+      "FFFFFFFFC000140800010001044311004D11005911004B1100FFC4001600010101000000000000000000"
+      "00000000020103FFC40014100100000000000000000000000000000000FFDA000E0443004D0059004B00"
+      "003F002D14DFFFD9";
+  std::string cmyk;
+  for (std::size_t k = 0; k < hex.size(); k += 2)
+    cmyk += static_cast<char>(std::stoi(std::string(hex.substr(k, 2)), nullptr, 16));
+  const auto image = read_image("photo.jpg", cmyk);
+  REQUIRE(!image);
+  CHECK(image.error().detail ==
+        "is a picture that cannot be read: its colours are CMYK and must be RGB; save it again as "
+        "PNG or JPEG");
 }
 
 }  // namespace

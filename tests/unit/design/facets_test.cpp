@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <random>
@@ -272,6 +273,47 @@ TEST_CASE("stairs that the card does not hold get struts, and are loose without 
   CHECK(made->figures.depth_mean_mm < 1.0);
 }
 
+TEST_CASE("what stands in the air hangs on one strip, and a least distance of 0 is said",
+          "[facets]") {
+  TriangleSoup box;
+  add_box(box, {10, 20, 28}, {24, 40, 42});
+  const auto made = facet_card(box, coarse(60));
+  if (!made) FAIL(message(made.error()));
+  CHECK(made->pattern.motion.degrees_of_freedom == 1);
+  CHECK(made->pattern.motion.pieces == 1);
+  CHECK(made->repaired.bridges == 1);
+  CHECK(made->figures.struts == 1);
+  CHECK(made->figures.patches == 4);  // wall, ground, top and front
+  CHECK(std::isinf(made->figures.over_least));
+  // The front is as wide as the box: 20 mm of its upper edge fold.
+  double edge_mm = 0.0;
+  const Pattern& pattern = made->pattern.built.pattern;
+  for_each_side(pattern, [&](const PatternVertex& a, const PatternVertex& b) {
+    if (std::abs(a.x - 24) < 1e-9 && std::abs(b.x - 24) < 1e-9 && std::abs(a.z - 42) < 1e-9 &&
+        std::abs(b.z - 42) < 1e-9)
+      edge_mm += 0.5 * std::abs(a.v - b.v);  // a side of two faces
+  });
+  CHECK(edge_mm == Approx(20));
+}
+
+TEST_CASE("a gate is chosen over its pillars alone, since a window opens it", "[facets]") {
+  TriangleSoup gate;
+  add_box(gate, {20, 0, 0}, {26, 10, 40});
+  add_box(gate, {20, 50, 0}, {26, 60, 40});
+  add_box(gate, {20, 0, 40}, {26, 60, 46});
+  const auto made = facet_card(gate, coarse(60));
+  if (!made) FAIL(message(made.error()));
+  CHECK(made->pattern.motion.degrees_of_freedom == 1);
+  CHECK(made->windows == 1);
+  for (const double v : {5.0, 30.0, 55.0}) {  // x = 26, z = 43 of the beam, on all its length
+    const int s = static_cast<int>(v / made->grid.strip_mm);
+    const int column = made->grid.wall + static_cast<int>((26.0 - 43.0) / made->grid.step_mm);
+    const FacetPlane& plane = made->planes[made->labels.strip(s)[static_cast<std::size_t>(column)]];
+    CHECK(plane.upright);
+    CHECK(plane.offset * made->grid.step_mm == Approx(26));
+  }
+}
+
 TEST_CASE("no facets come nearer to the target than the least distance of their strips",
           "[facets]") {
   std::mt19937 random(11);
@@ -337,6 +379,53 @@ TEST_CASE("cuts follow the contour of a disc, and the sheet stays whole", "[face
     }
   }
   CHECK(on_circle >= slanted / 2);
+}
+
+// The least distance from a corner of a face to a side of it that neither it nor its neighbours
+// touch, through the face, mm.
+double narrowest_mm(const Pattern& pattern, std::size_t face) {
+  std::vector<Vec2> p;
+  for (const std::uint32_t k : pattern.face(face))
+    p.emplace_back(pattern.u(pattern.vertices[k]), pattern.vertices[k].v);
+  const auto is_inside = [&](const Vec2& at) {
+    bool inside = false;
+    for (std::size_t k = 0; k < p.size(); ++k) {
+      const Vec2 &a = p[k], &b = p[(k + 1) % p.size()];
+      if ((a[1] > at[1]) != (b[1] > at[1]) &&
+          at[0] < a[0] + (b[0] - a[0]) * (at[1] - a[1]) / (b[1] - a[1]))
+        inside = !inside;
+    }
+    return inside;
+  };
+  double least = 1e9;
+  for (std::size_t i = 0; i < p.size(); ++i)
+    for (std::size_t k = 0; k < p.size(); ++k) {
+      const std::size_t ahead = (k + p.size() - i) % p.size();
+      if (ahead < 2 || ahead + 3 > p.size()) continue;
+      const Vec2 &a = p[k], side = p[(k + 1) % p.size()] - a;
+      const double t = std::clamp((p[i] - a).dot(side) / side.squaredNorm(), 0.0, 1.0);
+      const Vec2 near = a + t * side;
+      const double far = (near - p[i]).norm();
+      if (far > 1e-6 && far < least && is_inside(0.5 * (near + p[i]))) least = far;
+    }
+  return least;
+}
+
+TEST_CASE("a panel whose contours slant stays as wide as the least panel", "[facets]") {
+  TriangleSoup pyramids;
+  for (const auto& [x, y, wide, high] :
+       {std::array{0.0, 0.0, 30.0, 30.0}, {5.0, 30.0, 20.0, 50.0}, {20.0, 20.0, 20.0, 20.0}}) {
+    const Vec3 top(x + wide / 2, y + wide / 2, high);
+    const std::array<Vec3, 5> foot{Vec3(x, y, 0), Vec3(x + wide, y, 0), Vec3(x + wide, y + wide, 0),
+                                   Vec3(x, y + wide, 0), Vec3(x, y, 0)};
+    for (std::size_t k = 0; k < 4; ++k) pyramids.add(foot[k], foot[k + 1], top);
+  }
+  FacetOptions options = coarse(50);
+  options.min_panel_mm = 0.81;
+  const auto made = facet_card(pyramids, options);
+  if (!made) FAIL(message(made.error()));
+  const Pattern& pattern = made->pattern.built.pattern;
+  for (std::size_t f = 0; f < pattern.faces(); ++f) CHECK(narrowest_mm(pattern, f) > 0.81);
 }
 
 TEST_CASE("the inside of a letter is a window, and the letter stays one face", "[facets]") {

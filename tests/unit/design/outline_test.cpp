@@ -113,6 +113,21 @@ TEST_CASE("lines without an area are refused", "[outline]") {
         ErrorReason::TooMuch);
 }
 
+TEST_CASE("a smooth outline of very many points keeps only those that show", "[outline]") {
+  Ring disc;
+  for (int k = 0; k < 100'000; ++k) {
+    const double at = 2 * std::numbers::pi * k / 100'000;
+    disc.emplace_back(50 * std::cos(at), 50 * std::sin(at));
+  }
+  const auto areas = areas_within({disc}, FillRule::EvenOdd);
+  REQUIRE(areas);
+  REQUIRE(areas->size() == 1);
+  const Ring& outline = areas->front().outline;
+  CHECK(outline.size() < 2000);
+  CHECK(area_of(outline) == Approx(std::numbers::pi * 2500).epsilon(1e-4));
+  for (const Vec2& p : outline) CHECK(p.norm() == Approx(50).margin(1e-3));
+}
+
 TEST_CASE("shapes with any holes become closed solids of the right volume", "[outline]") {
   std::mt19937 random(20261125);
   for (int round = 0; round < testing::rounds(200); ++round) {

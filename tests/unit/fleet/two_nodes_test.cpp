@@ -363,7 +363,8 @@ TEST_CASE("a start whose answer is lost moves no knife and is taken back", "[fle
   const std::string job = fleet.ready();
   REQUIRE(fleet.arm(fleet.b, job, fleet.b.device()));
   const bool is_stored = GENERATE(true, false);
-  fleet.b.proxy.cut_at("COMMIT", is_stored ? FaultProxy::Lost::Answer : FaultProxy::Lost::Request);
+  fleet.b.proxy.cut_at("COMMIT", is_stored ? FaultProxy::Lost::Answer : FaultProxy::Lost::Request,
+                       "knife_start(");
   const Answer<Job> started = fleet.b.bench.act(job, JobAction::Start);
   REQUIRE_FALSE(started);
   CHECK(started.error().kind == ProblemKind::Unavailable);

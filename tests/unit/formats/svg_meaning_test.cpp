@@ -42,6 +42,22 @@ TEST_CASE("units are those of CSS at 96 to the inch", "[core][formats][svg]") {
   CHECK(mm("25.4mm", 72) == Approx(25.4));
 }
 
+TEST_CASE("a filled drawing that its page was cropped to is no background",
+          "[core][formats][svg]") {
+  const auto cut_mm = [](const std::string& shape) {
+    SvgReadOptions how;
+    how.profile = *find_stroke_profile("popcut");
+    const auto work =
+        linework_from_svg(svg(shape, "width='100mm' height='80mm' viewBox='0 0 100 80'"), how);
+    REQUIRE(work);
+    return total_mm(*work, Operation::Cut);
+  };
+  CHECK(cut_mm("<path d='M50 0L100 80H0Z'/>") == Approx(100 + 2 * std::hypot(50, 80)));
+  CHECK(cut_mm("<path d='M0 0H100V80H0ZM20 20H40V30H20Z'/>") == Approx(360 + 60));
+  CHECK(cut_mm("<path d='M0 0H100V80H0Z'/>") == 0);
+  CHECK(cut_mm("<path d='M-5 -5H105V85H-5Z'/>") == 0);
+}
+
 TEST_CASE("what is filled and not stroked is cut along its outline", "[core][formats][svg]") {
   const LineWork work = read(svg(R"x(<rect width="100%" height="100%" fill="#eee"/>
       <path id="f" d="M0 0H10V10"/><path d="M0 0H10V10" fill="white"/><path d="M0 0H10" />

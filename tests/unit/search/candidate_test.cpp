@@ -10,6 +10,7 @@
 
 #include "core/design/design.hpp"
 #include "core/design/target/mesh_reader.hpp"
+#include "core/search/book_standing.hpp"
 #include "core/search/candidate.hpp"
 #include "core/search/coarse_mesh.hpp"
 #include "core/search/mesh_faults.hpp"
@@ -38,8 +39,8 @@ TEST_CASE("the same seed draws the same candidates, each of its style", "[search
   std::set<std::string> styles;
   std::set<std::size_t> ways;
   for (std::uint64_t k = 0; k < 300; ++k) {
-    const Candidate one = drawn_candidate(any, 4, 11, k);
-    CHECK(one == drawn_candidate(any, 4, 11, k));
+    const Candidate one = drawn_candidate(any, 1, 4, 11, k);
+    CHECK(one == drawn_candidate(any, 1, 4, 11, k));
     styles.emplace(style_name(one));
     ways.insert(one.way);
     const Candidate changed = changed_candidate(one, 4, 11, 1000 + k);
@@ -52,9 +53,9 @@ TEST_CASE("the same seed draws the same candidates, each of its style", "[search
   CHECK(ways == std::set<std::size_t>{0, 1, 2, 3});
   for (const StyleChoice& choice : style_choices())
     if (choice.name != "any") {
-      const Candidate one = drawn_candidate(choice, 1, 3, 5);
+      const Candidate one = drawn_candidate(choice, 1, 1, 3, 5);
       CHECK((one.style == DesignStyle::Facets) == choice.facets);
-      CHECK_FALSE(usual_candidates(choice).empty());
+      CHECK_FALSE(usual_candidates(choice, 1).empty());
     }
 }
 
@@ -74,7 +75,7 @@ TEST_CASE("the usual candidates are designed about as large as the sheet", "[sea
   const Way way = way_of(ball, {0, 0, 0});
   const double scale = 0.9 * largest_scale_mm(way, {300, 200});
   for (const StyleChoice& choice : style_choices())
-    for (const Candidate& candidate : usual_candidates(choice)) {
+    for (const Candidate& candidate : usual_candidates(choice, 1)) {
       const auto spec =
           parse_design_spec(spec_text(candidate, way, scale, {"ball", "ball.stl", "paper-220"}));
       INFO(style_name(candidate));
@@ -126,6 +127,23 @@ TEST_CASE("an axis that is said to be up stays up", "[search]") {
   }
 }
 
+TEST_CASE("a side that is said to be in front faces away from the wall", "[search]") {
+  const TriangleMesh slab = box_mesh({0, 0, 0}, {20, 60, 30}, false);
+  const auto turns = upright_turns(std::nullopt, std::array{0, 0, -1});
+  CHECK(turns.size() == 4);
+  for (const auto& turn : turns) {
+    const Way way = way_of(slab, turn);
+    CHECK_THAT(way.box.high[0] - way.box.low[0], WithinAbs(30.0, 1e-6));
+    CHECK_THAT(way.box.high[0], WithinAbs(0.0, 1e-6));  // what was lowest is in front
+  }
+  const auto only = upright_turns(std::array{0, 1, 0}, std::array{0, 0, 1});
+  REQUIRE(only.size() == 1);
+  const Way way = way_of(slab, only.front());
+  CHECK_THAT(way.box.high[2], WithinAbs(60.0, 1e-6));
+  CHECK_THAT(way.box.high[0], WithinAbs(30.0, 1e-6));
+  CHECK(upright_turns(std::array{0, 1, 0}, std::array{0, -1, 0}).empty());
+}
+
 TEST_CASE("a mesh as binary STL is the same mesh, and a coarse one is near to it", "[search]") {
   const TriangleMesh ball = icosphere(30.0, 5);
   const auto again = read_mesh("ball.stl", stl_bytes(ball));
@@ -141,6 +159,50 @@ TEST_CASE("a mesh as binary STL is the same mesh, and a coarse one is near to it
                                 static_cast<double>(coarse.corners[k + 1]),
                                 static_cast<double>(coarse.corners[k + 2]));
     CHECK(std::abs(r - 30.0) < cell);
+  }
+}
+
+TEST_CASE("a model in a book stands about the spine and each card has room for it", "[search]") {
+  const TriangleMesh box = box_mesh({10, 20, 30}, {16, 28, 130}, false);
+  for (const int cards : {3, 4, 6, 12}) {
+    CAPTURE(cards);
+    // Its z along the spine, turned by four shares of a card.
+    const auto turns = turns_in_book(UpSide{{0, 0, 1}}, cards);
+    REQUIRE(turns.size() == 4);
+    CHECK(turns_in_book(std::nullopt, cards).size() == 12);
+    for (const auto& turn : turns) {
+      const Way way = way_in_book(box, turn, cards);
+      CHECK_THAT(way.length(), WithinAbs(100.0, 1e-3));
+      // The farthest points are the corners, 5 from the middle: in the middle of a card their
+      // X + Z is 5 / cos(pi / cards), and a page is never asked for more.
+      CHECK_THAT(way.shut_reach, WithinAbs(5.0 / std::cos(3.141592653589793 / cards), 1e-3));
+      const auto standing = standing_in_book(box, way);
+      double x = 0.0, z = 0.0, low = 1e9;
+      for (std::size_t k = 0; k < standing.size(); k += 3) {
+        x += static_cast<double>(standing[k]), z += static_cast<double>(standing[k + 2]);
+        low = std::min(low, static_cast<double>(standing[k + 1]));
+      }
+      CHECK_THAT(low, WithinAbs(0.0, 1e-3));
+      CHECK_THAT(x, WithinAbs(0.0, 0.05));
+      CHECK_THAT(z, WithinAbs(0.0, 0.05));
+    }
+  }
+  // Up is where the spine goes to.
+  const TriangleMesh spike = box_mesh({0, 0, -50}, {1, 1, 0}, false);
+  const auto down = way_in_book(spike, turns_in_book(UpSide{{0, 0, -1}}, 4).front(), 4);
+  CHECK_THAT(down.box.high[1], WithinAbs(50.0, 1e-3));
+}
+
+TEST_CASE("facets are for books of four cards only", "[search]") {
+  for (const StyleChoice& choice : style_choices()) {
+    CHECK(styles_for_cards(choice, 1).facets == choice.facets);
+    CHECK(styles_for_cards(choice, 4).facets == choice.facets);
+    CHECK_FALSE(styles_for_cards(choice, 6).facets);
+    CHECK(styles_for_cards(choice, 6).lattices == choice.lattices);
+    for (const Candidate& candidate : usual_candidates(styles_for_cards(choice, 6), 6)) {
+      CHECK(candidate.cards == 6);
+      CHECK(candidate.style == DesignStyle::Lattice);
+    }
   }
 }
 

@@ -229,6 +229,25 @@ TEST_CASE("a proxy loses a COMMIT or the answer to it", "[proxy]") {
   CHECK(bench.rows() == "2");
 }
 
+TEST_CASE("a proxy loses the COMMIT of the client that has said something before", "[proxy]") {
+  NEEDS_POSTGRES();
+  Bench bench;
+  pqxx::connection connection(bench.url()), other(bench.url());
+  static_cast<void>(ask(connection, "BEGIN; INSERT INTO t VALUES (1)"));  // said too early
+  bench.proxy.cut_at("COMMIT", Lost::Request, "VALUES (2)");
+  static_cast<void>(ask(connection, "COMMIT"));
+  CHECK(bench.proxy.cut_to_come());
+  static_cast<void>(ask(connection, "BEGIN; INSERT INTO t VALUES (2)"));
+  static_cast<void>(ask(other, "BEGIN; INSERT INTO t VALUES (3); COMMIT"));
+  CHECK(bench.proxy.cut_to_come());
+  CHECK_THROWS_AS(ask(connection, "COMMIT"), pqxx::broken_connection);
+  CHECK_FALSE(bench.proxy.cut_to_come());
+  // Both in one message.
+  bench.proxy.cut_at("COMMIT", Lost::Request, "VALUES (4)");
+  CHECK_THROWS_AS(ask(other, "BEGIN; INSERT INTO t VALUES (4); COMMIT"), pqxx::broken_connection);
+  CHECK(bench.rows() == "2");
+}
+
 TEST_CASE("what a client said comes to the server twice", "[proxy]") {
   NEEDS_POSTGRES();
   Bench bench;

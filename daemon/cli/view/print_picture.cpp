@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/cli/view/print_picture.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <numbers>
+#include <vector>
+
+#include "core/artwork/lit_picture.hpp"
+#include "core/artwork/opened_print.hpp"
+#include "core/geometry/opening.hpp"
+#include "daemon/pictures/png.hpp"
+
+namespace popcut::cli {
+namespace print_picture_parts {
+namespace {
+
+constexpr std::size_t kTile = 480;
+constexpr Colour kBack{247, 245, 240, 255};
+
+double radians(double degrees) { return degrees / 180.0 * std::numbers::pi; }
+
+/// Where the two pictures of a design are seen from.
+struct Eyes {
+  PictureLook front, aside;
+
+  explicit Eyes(const planning::PrintedDesign& design) {
+    const double psi_rad = design.parts.front().design_psi_rad;
+    front.width_px = front.height_px = kTile;
+    aside = front;
+    if (design.around) {
+      const auto toward = [&](double turn_rad) {
+        return Vec3{std::cos(turn_rad), std::tan(radians(24)), std::sin(turn_rad)};
+      };
+      front.up = aside.up = {0, 1, 0};
+      front.toward = toward(0.5 * psi_rad);
+      aside.toward = toward(0.5 * psi_rad + std::numbers::pi);
+    } else {
+      const Opening opening = Opening::of_rad(psi_rad);
+      front.toward = {1 + opening.cosine, 0, opening.sine};
+      const double azimuth = radians(36);
+      aside.toward = {std::cos(azimuth), std::sin(azimuth), std::tan(radians(28))};
+    }
+  }
+};
+
+/// Tiles side by side, three bytes a pixel.
+class Strip {
+ public:
+  explicit Strip(std::size_t tiles) : width_(tiles * kTile), rgb_(3 * width_ * kTile, 255) {}
+
+  void add(const ColourImage& tile) {
+    for (std::size_t j = 0; j < kTile; ++j)
+      for (std::size_t i = 0; i < kTile; ++i)
+        std::memcpy(&rgb_[3 * (j * width_ + at_ + i)], tile.at(i, j), 3);
+    at_ += kTile;
+  }
+  [[nodiscard]] Result<std::string> png() const {
+    return png_of_pixels(rgb_, static_cast<int>(width_), static_cast<int>(kTile));
+  }
+
+ private:
+  std::size_t width_, at_{};
+  std::vector<std::uint8_t> rgb_;
+};
+
+}  // namespace
+}  // namespace print_picture_parts
+
+Result<std::string> print_picture(const planning::PrintedDesign& design, const Artwork& artwork) {
+  using namespace print_picture_parts;
+  const PartsStand stand = design.around ? PartsStand::Around : PartsStand::InRow;
+  std::vector<const Pattern*> parts;
+  for (const Pattern& part : design.parts) parts.push_back(&part);
+  const auto card = opened_print(parts, stand, artwork);
+  if (!card) return tl::unexpected(card.error());
+  Eyes eyes(design);
+  Strip strip(design.models.empty() ? 2 : 3);
+  if (!design.models.empty()) {
+    PictureLook look = eyes.front;
+    look.shade = design.coloured ? 0.4 : 0.65;
+    strip.add(lit_picture(opened_models(parts, stand, design.models), look));
+  }
+  for (PictureLook* look : {&eyes.front, &eyes.aside}) {
+    look->back = kBack;
+    strip.add(lit_picture(*card, *look));
+  }
+  return strip.png();
+}
+
+}  // namespace popcut::cli

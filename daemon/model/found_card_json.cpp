@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/model/found_card_json.hpp"
+
+namespace popcut::daemon {
+
+nlohmann::ordered_json figures_json(const FoundCardRecord& card) {
+  return {
+      {"style", card.style},     {"settings", card.settings}, {"error", card.error},
+      {"surface", card.surface}, {"contour", card.contour},   {"cover", card.cover},
+      {"excess", card.excess},   {"seconds", card.seconds},   {"seconds_range", card.seconds_range},
+      {"cut_mm", card.cut_mm},   {"fold_mm", card.fold_mm},   {"sheet_mm", card.sheet_mm},
+      {"folds", card.folds}};
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/planning/search/found_front.hpp"
+
+#include <fmt/format.h>
+
+namespace popcut::planning {
+namespace found_front_parts {
+namespace {
+
+daemon::FoundCardRecord record_of(const FoundCard& card) {
+  daemon::FoundCardRecord out;
+  out.style = std::string(style_name(card.candidate));
+  out.settings = settings_words(card.candidate);
+  const likeness::Figures& f = card.figures;
+  out.error = f.error(), out.surface = f.surface(), out.contour = f.contour();
+  out.cover = f.cover, out.excess = f.excess;
+  out.seconds = card.cost.seconds, out.seconds_range = card.cost.seconds_range;
+  out.cut_mm = card.cost.cut_mm, out.fold_mm = card.cost.fold_mm;
+  out.sheet_mm = {card.made.u_mm, card.made.v_mm};
+  out.folds = static_cast<int>(card.folds);
+  out.warnings = card.made.parts.front().report.warnings;
+  out.spec = card.spec;
+  return out;
+}
+
+}  // namespace
+}  // namespace found_front_parts
+
+std::string settings_words(const Candidate& candidate) {
+  if (candidate.style == DesignStyle::Facets)
+    return fmt::format("facets in strips of {:g} mm, planes {:g} mm apart", candidate.strip_mm,
+                       candidate.pitch_mm);
+  return fmt::format("{} lattice, {} slices of {} units", style_name(candidate), candidate.slices,
+                     candidate.units);
+}
+
+daemon::SearchFront figures_of(const FoundCards& found) {
+  daemon::SearchFront out;
+  for (const FoundCard& card : found.front) out.cards.push_back(found_front_parts::record_of(card));
+  out.designed = static_cast<int>(found.counts.designed);
+  out.planned = static_cast<int>(found.counts.planned);
+  out.verified = static_cast<int>(found.counts.verified);
+  out.seen_share = found.seen_share;
+  out.mat_mm = found.area_mm;
+  out.notes = found.notes;
+  return out;
+}
+
+}  // namespace popcut::planning

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/planning/search/search_task.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/design/target/mesh_reader.hpp"
+#include "core/machines/machine.hpp"
+#include "daemon/planning/plan_job.hpp"
+#include "daemon/planning/search/card_search.hpp"
+#include "daemon/planning/search/found_front.hpp"
+#include "daemon/planning/search/search_words.hpp"
+#include "daemon/planning/search/thumbnail.hpp"
+#include "daemon/planning/task_inputs.hpp"
+
+namespace popcut::planning {
+namespace search_task_parts {
+namespace {
+
+constexpr double kSecondsAMinute = 60.0;
+constexpr const char* kUsualPaper = "paper-220";
+
+const StyleChoice& style_named(const std::string& name) {
+  const auto& choices = style_choices();
+  return *std::find_if(choices.begin(), choices.end(),
+                       [&](const StyleChoice& style) { return style.name == name; });
+}
+
+}  // namespace
+}  // namespace search_task_parts
+
+Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
+                                       const Progress& progress) {
+  using namespace search_task_parts;
+  const auto given = task.options.find(kSearchWords);
+  if (given == task.options.end() || task.options.size() != 1)
+    return fail(ErrorKind::Malformed, "options", "must be those of a search");
+  const auto wanted = read_search_words(given->second);
+  if (!wanted) return tl::unexpected(wanted.error());
+  const auto tables = tables_of(task);
+  if (!tables) return tl::unexpected(tables.error());
+  const std::string name = tables->material.empty() ? kUsualPaper : tables->material;
+  const auto material = find_material(name, tables->texts);
+  if (!material) return tl::unexpected(within("/material", material.error()));
+  planning::SearchRequest request;
+  auto mesh = read_mesh("", task.design);
+  if (!mesh) return tl::unexpected(mesh.error());
+  task.design = {};  // its memory
+  request.mesh = std::move(*mesh);
+  request.model = {wanted->name, wanted->model, name};
+  request.material = *material;
+  request.plan.machine = tables->machine, request.plan.material = name;
+  request.plan.mat = wanted->mat;
+  request.tables = tables->texts;
+  request.styles = style_named(wanted->style), request.up = up_side(wanted->up);
+  request.most_s = kSecondsAMinute * wanted->max_minutes;
+  request.effort = wanted->effort, request.seed = static_cast<std::uint64_t>(wanted->seed);
+  request.threads = 1;  // a worker may start none
+  request.progress = progress;
+  const auto found = search_cards(request);
+  if (!found) return tl::unexpected(in_request(found.error()));
+  tell(progress, "drawing the cards");
+  daemon::PlanningOutcome outcome;
+  outcome.design_kind = "spec";
+  outcome.assets = {wanted->model};
+  if (auto done = add(kFrontFile, front_text(figures_of(*found))); !done)
+    return tl::unexpected(done.error());
+  for (std::size_t k = 0; k < found->front.size(); ++k) {
+    auto png = thumbnail_png(found->front[k]);
+    if (!png) return tl::unexpected(png.error());
+    if (auto done = add(thumbnail_file(static_cast<int>(k) + 1), std::move(*png)); !done)
+      return tl::unexpected(done.error());
+  }
+  return outcome;
+}
+
+}  // namespace popcut::planning

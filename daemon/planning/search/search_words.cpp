@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/planning/search/search_words.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/search/candidate.hpp"
+#include "core/text/field_reader.hpp"
+#include "core/text/json_text.hpp"
+#include "core/text/utf8.hpp"
+#include "daemon/model/found_card_json.hpp"
+#include "daemon/model/warnings.hpp"
+
+namespace popcut::planning {
+namespace search_words_parts {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr std::size_t kMostFound = 100, kMostNotes = 50, kMostSpec = 64u << 10;
+constexpr std::size_t kMostNote = 1000, kMostWords = 200, kMostCardWarnings = 50;
+constexpr std::size_t kMostNameBytes = 60;
+constexpr double kMostFigure = 1e9;
+constexpr int kMostCount = 1 << 30, kFrontDepth = 6;
+
+ordered_json card_json(const daemon::FoundCardRecord& card) {
+  ordered_json out = daemon::figures_json(card);
+  out["warnings"] = daemon::warnings_json(card.warnings);
+  out["spec"] = card.spec;
+  return out;
+}
+
+std::array<double, 2> pair_of(FieldReader& fields, const char* key) {
+  const std::vector<double> pair = fields.numbers(key, 2);
+  for (const double one : pair)
+    if (!(one >= 0.0 && one <= kMostFigure))
+      fields.refuse(key, ErrorKind::OutOfRange, "is too large");
+  return {pair[0], pair[1]};
+}
+
+TextRule short_line(std::size_t most) { return {0, most, TextRule::Controls::None}; }
+
+daemon::FoundCardRecord read_card(FieldReader& fields) {
+  const auto figure = [&](const char* key) { return fields.number(key, {}, 0.0, kMostFigure); };
+  daemon::FoundCardRecord card;
+  card.style = fields.text("style", {}, short_line(kMostWords));
+  card.settings = fields.text("settings", {}, short_line(kMostWords));
+  card.error = figure("error"), card.surface = figure("surface"), card.contour = figure("contour");
+  card.cover = figure("cover"), card.excess = figure("excess");
+  card.seconds = figure("seconds"), card.seconds_range = pair_of(fields, "seconds_range");
+  card.cut_mm = figure("cut_mm"), card.fold_mm = figure("fold_mm");
+  card.sheet_mm = pair_of(fields, "sheet_mm");
+  card.folds = fields.integer("folds", {}, 0, kMostCount);
+  card.warnings = daemon::warnings_from_json(fields.text("warnings", {}));
+  daemon::shorten(card.warnings, kMostCardWarnings, kMostNote);
+  card.spec = fields.text("spec", {}, {0, kMostSpec, TextRule::Controls::Any});
+  const auto spec = parse_json(card.spec, kFrontDepth);
+  if (!spec || !spec->is_object())
+    fields.refuse("spec", ErrorKind::Malformed, "is not the text of a design");
+  return card;
+}
+
+}  // namespace
+}  // namespace search_words_parts
+
+std::string thumbnail_file(int card) { return fmt::format("card-{:02}.png", card); }
+
+std::string design_name(const std::string& file) {
+  std::string name = file.substr(file.find_last_of("/\\") + 1);
+  if (const std::size_t dot = name.rfind('.'); dot != std::string::npos && dot > 0)
+    name.resize(dot);
+  const bool is_plain =
+      !name.empty() && name.size() <= search_words_parts::kMostNameBytes && !has_controls(name);
+  return is_plain ? name : "model";
+}
+
+std::string search_words(const daemon::CardSearchRequest& request) {
+  const nlohmann::ordered_json words{{"model", request.model}, {"name", request.name},
+                                     {"mat", request.mat},     {"style", request.style},
+                                     {"up", request.up},       {"max_minutes", request.max_minutes},
+                                     {"seed", request.seed},   {"effort", request.effort}};
+  return words.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+Result<daemon::CardSearchRequest> read_search_words(std::string_view words) {
+  using namespace search_words_parts;
+  const auto json = parse_json(words, 2);
+  if (!json) return tl::unexpected(json.error());
+  std::vector<std::string> styles;
+  for (const StyleChoice& style : style_choices()) styles.emplace_back(style.name);
+  FieldReader fields(*json, "");
+  daemon::CardSearchRequest request;
+  request.name = fields.text("name", {});
+  request.model = fields.text("model", {});
+  request.mat = fields.text("mat", {});
+  request.style = styles[fields.word("style", {}, styles)];
+  request.up = up_words()[fields.word("up", {}, up_words())];
+  request.max_minutes =
+      fields.number("max_minutes", {}, daemon::kLeastMinutes, daemon::kMostMinutes);
+  request.effort = fields.number("effort", {}, daemon::kLeastEffort, daemon::kMostEffort);
+  request.seed = fields.optional_integer("seed", 0, daemon::kMostSeed).value_or(1);
+  if (const auto whole = fields.finish(); !whole) return tl::unexpected(whole.error());
+  return request;
+}
+
+std::string front_text(const daemon::SearchFront& front) {
+  using namespace search_words_parts;
+  auto cards = ordered_json::array();
+  for (const daemon::FoundCardRecord& card : front.cards) cards.push_back(card_json(card));
+  const ordered_json out{
+      {"cards", std::move(cards)},  {"designed", front.designed},     {"planned", front.planned},
+      {"verified", front.verified}, {"seen_share", front.seen_share}, {"mat_mm", front.mat_mm},
+      {"notes", front.notes}};
+  return out.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+Result<daemon::SearchFront> read_front(std::string_view text) {
+  using namespace search_words_parts;
+  const auto json = parse_json(text, kFrontDepth);
+  if (!json) return tl::unexpected(json.error());
+  FieldReader fields(*json, "");
+  daemon::SearchFront front;
+  fields.objects(
+      "cards", [&](FieldReader& card) { front.cards.push_back(read_card(card)); }, kMostFound);
+  front.designed = fields.integer("designed", {}, 0, kMostCount);
+  front.planned = fields.integer("planned", {}, 0, kMostCount);
+  front.verified = fields.integer("verified", {}, 0, kMostCount);
+  front.seen_share = fields.number("seen_share", {}, 0.0, 1.0 + 1e-6);
+  front.mat_mm = pair_of(fields, "mat_mm");
+  fields.need("notes", "must be a list of texts");
+  front.notes = fields.optional_texts("notes", kMostNotes, short_line(kMostNote))
+                    .value_or(std::vector<std::string>());
+  if (const auto whole = fields.finish(); !whole) return tl::unexpected(whole.error());
+  if (front.cards.empty()) return fail(ErrorKind::Malformed, "/cards", "is empty");
+  return front;
+}
+
+}  // namespace popcut::planning

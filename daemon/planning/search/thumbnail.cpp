@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/planning/search/thumbnail.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/compare/picture.hpp"
+#include "daemon/pictures/png.hpp"
+
+namespace popcut::planning {
+
+Result<std::string> thumbnail_png(const FoundCard& card) {
+  constexpr int kSide = kThumbnailHeight_px, kBytes = 3;
+  static_assert(kThumbnailWidth_px == 2 * kSide);
+  likeness::Scene scene;
+  scene.views = likeness::cone_views();
+  scene.views.resize(1);  // the diagonal
+  scene.pixels = kSide;
+  scene.corner = likeness::Corner{};
+  const likeness::Target target(card.target, scene);
+  const likeness::Frame frame = target.frame(0);
+  const auto jump_mm = static_cast<float>(likeness::kWithin * target.box().diagonal());
+  likeness::DepthImage image;
+  const auto shown = [&](likeness::Triangles what, const likeness::Rgb& colour) {
+    likeness::draw(frame, what, image);
+    return likeness::shaded(image, frame.pitch_mm(), jump_mm, colour);
+  };
+  const likeness::Pixels model = shown(card.target, likeness::kModelColour);
+  const likeness::Pixels made = shown(card.structure, likeness::kPaperColour);
+  if (model.size != kSide || made.size != kSide)
+    return fail(ErrorKind::Internal, "thumbnail", "its two halves have other sizes");
+  std::vector<std::uint8_t> rgb;
+  rgb.reserve(static_cast<std::size_t>(kBytes * kThumbnailWidth_px * kThumbnailHeight_px));
+  for (int row = 0; row < kSide; ++row)
+    for (const likeness::Pixels* half : {&model, &made}) {
+      const auto begin = half->rgb.begin() + std::ptrdiff_t{kBytes} * row * kSide;
+      rgb.insert(rgb.end(), begin, begin + std::ptrdiff_t{kBytes} * kSide);
+    }
+  return png_of_pixels(rgb, kThumbnailWidth_px, kThumbnailHeight_px);
+}
+
+}  // namespace popcut::planning

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "core/result.hpp"
+#include "daemon/planning/search/card_search.hpp"
+
+namespace popcut::planning {
+
+/// Width and height of a thumbnail.
+inline constexpr int kThumbnailWidth_px = 640, kThumbnailHeight_px = 320;
+
+/// The model and beside it the card that was found, both along the diagonal and in the same frame,
+/// as a PNG without words: it needs no fonts.
+///
+/// @retval Internal  libpng cannot write it
+[[nodiscard]] Result<std::string> thumbnail_png(const FoundCard& card);
+
+}  // namespace popcut::planning

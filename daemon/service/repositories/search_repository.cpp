@@ -1,0 +1,434 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/service/repositories/search_repository.hpp"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/layout/sheet.hpp"
+#include "daemon/planning/plan_job.hpp"
+#include "daemon/planning/search/search_words.hpp"
+
+namespace popcut::daemon {
+namespace search_repository_parts {
+namespace {
+
+#define POPCUT_SEARCH_COLUMNS                                                                    \
+  "state, id, key, owner, model, words, machine, material, machine_json, material_json, front, " \
+  "error, created, begun, planner"
+
+constexpr std::array<std::string_view, 3> kSearchStates{"pending", "found", "failed"};
+// A search that was being made each time when popcutd died may be why.
+constexpr int kMostBegunAlone = 10, kMostBegunAmongNodes = 3;
+constexpr std::int64_t kMostWaiting = 1000;
+constexpr int kRetry_s = 60;
+
+template <typename Row>
+auto values_of(Row& row) {
+  return std::tie(row.id, row.key, row.owner, row.model, row.words, row.machine, row.material,
+                  row.machine_json, row.material_json, row.front, row.error, row.created, row.begun,
+                  row.planner);
+}
+
+std::string_view word_of(SearchState state) {
+  return kSearchStates.at(static_cast<std::size_t>(state));
+}
+
+SearchState state_from(const std::string& word) {
+  const auto found = std::find(kSearchStates.begin(), kSearchStates.end(), word);
+  if (found == kSearchStates.end())
+    throw StoreFault(FaultKind::Corrupt, "the state of a search is invalid");
+  return static_cast<SearchState>(found - kSearchStates.begin());
+}
+
+/// The figures of what a worker found, once its pictures are in the folder. On a thread of the
+/// planner's.
+Result<SearchFront> with_pictures_kept(Result<PlanningOutcome> outcome, const std::string& folder,
+                                       SharedFiles* shared, const std::string& id) {
+  if (!outcome) return tl::unexpected(outcome.error());
+  Result<SearchFront> front = fail(ErrorKind::Internal, "worker", "it made no figures");
+  for (const PlanningFile& file : outcome->files)
+    if (file.name == planning::kFrontFile) front = planning::read_front(file.bytes);
+  if (!front) return front;
+  std::vector<std::pair<std::string, std::string_view>> pictures;
+  for (std::size_t k = 0; k < front->cards.size(); ++k) {
+    const std::string name = planning::thumbnail_file(static_cast<int>(k) + 1);
+    const auto file = std::find_if(outcome->files.begin(), outcome->files.end(),
+                                   [&](const PlanningFile& one) { return one.name == name; });
+    if (file == outcome->files.end())
+      return fail(ErrorKind::Internal, "worker", "it made no picture of a card");
+    pictures.emplace_back(name, file->bytes);
+  }
+  if (Result<void> kept = write_folder(folder, pictures); !kept)
+    return tl::unexpected(kept.error());
+  if (shared != nullptr)
+    if (Result<void> kept = shared->keep("searches/" + id); !kept)
+      return tl::unexpected(kept.error());
+  return front;
+}
+
+tl::unexpected<Problem> too_many(std::string detail) {
+  Problem full{ProblemKind::QueueFull, std::move(detail)};
+  full.retry_after_s = kRetry_s;
+  return tl::unexpected(std::move(full));
+}
+
+tl::unexpected<Problem> no_search(const std::string& id) {
+  return refuse(ProblemKind::NotFound, fmt::format("there is no search {:?}", id));
+}
+
+}  // namespace
+}  // namespace search_repository_parts
+
+using namespace search_repository_parts;
+
+std::string SearchRepository::folder_of(const std::string& id) const {
+  return parts_.store.folder().at("searches/" + id);
+}
+
+SearchRepository::Row SearchRepository::row_of(const Rows& rows) {
+  Row row;
+  row.state = state_from(rows.text(0));
+  rows.read(1, values_of(row));
+  return row;
+}
+
+std::optional<SearchRepository::Row> SearchRepository::row(const std::string& id) {
+  return first_of(
+      parts_.store.db().rows("SELECT " POPCUT_SEARCH_COLUMNS " FROM search WHERE id=?", id),
+      row_of);
+}
+
+std::optional<SearchRepository::Row> SearchRepository::row_of_key(const std::string& key) {
+  return first_of(
+      parts_.store.db().rows("SELECT " POPCUT_SEARCH_COLUMNS
+                             " FROM search WHERE key=? AND state IN ('pending', 'found')",
+                             key),
+      row_of);
+}
+
+SearchRecord SearchRepository::record_of(const Row& row) const {
+  SearchRecord record{.id = row.id, .owner = row.owner, .state = row.state};
+  const auto words = planning::read_search_words(row.words);
+  if (!words) throw StoreFault(FaultKind::Corrupt, "the words of a search are invalid");
+  record.request = *words;
+  record.request.machine = row.machine, record.request.material = row.material;
+  if (row.state == SearchState::Found) {
+    auto front = planning::read_front(row.front);
+    if (!front) throw StoreFault(FaultKind::Corrupt, "what a search found is invalid");
+    record.front = std::move(*front);
+  }
+  record.error = row.error;
+  record.created = row.created;
+  if (running_ && running_->id == row.id && row.state == SearchState::Pending) {
+    record.doing = running_->phase.doing.empty() ? "reading the model" : running_->phase.doing;
+    if (running_->phase.done >= 0) record.share = running_->phase.done;
+  }
+  return record;
+}
+
+Answer<SearchRecord> SearchRepository::request(const Principal& who,
+                                               const CardSearchRequest& request) {
+  if (who.role < Role::Submitter)
+    return refuse(ProblemKind::Forbidden, "only a submitter may search for cards");
+  return parts_.store.change([&]() -> Answer<SearchRecord> {
+    if (const auto room = parts_.store.accepts_work(); !room) return tl::unexpected(room.error());
+    const Answer<Row> row = row_for(who, request);
+    if (!row) return tl::unexpected(row.error());
+    return record_of(*row);
+  });
+}
+
+Answer<void> SearchRepository::check_mat(const std::string& machine, const std::string& mat) {
+  if (mat.empty()) return {};
+  const Answer<std::vector<popcut::Machine>> all = parts_.plans.machines();
+  if (!all) return tl::unexpected(all.error());
+  for (const popcut::Machine& one : *all)
+    if (one.name == machine)
+      if (const auto chosen = choose_mat(one, mat); !chosen)
+        return tl::unexpected(
+            invalid_value("/mat", "value", chosen.error().detail, "the mat is not valid"));
+  return {};
+}
+
+Answer<SearchRepository::Row> SearchRepository::row_for(const Principal& who,
+                                                        const CardSearchRequest& request) {
+  const auto label = first_of(
+      parts_.store.db().rows("SELECT name FROM asset WHERE id=?", request.model), first_text);
+  if (!label)
+    return refuse(ProblemKind::NotFound, fmt::format("there is no asset {:?}", request.model));
+  const Answer<MaterialRecord> material = parts_.plans.material_named(
+      request.material.empty() ? std::string(kUsualMaterial) : request.material);
+  if (!material) return tl::unexpected(material.error());
+  const auto machine = parts_.plans.machine_for(request.device, request.machine, material->id, "");
+  if (!machine) return tl::unexpected(machine.error());
+  if (const auto fits = check_mat(machine->name, request.mat); !fits)
+    return tl::unexpected(fits.error());
+  CardSearchRequest wanted = request;
+  wanted.name = planning::design_name(*label);
+  Row row;
+  row.owner = who.name, row.model = request.model;
+  row.words = planning::search_words(wanted);
+  row.machine = machine->name, row.machine_json = machine->json;
+  row.material = material->id, row.material_json = material->json;
+  return find_or_add(who, std::move(row));
+}
+
+Answer<SearchRepository::Row> SearchRepository::find_or_add(const Principal& who, Row fresh) {
+  ServiceStore& store = parts_.store;
+  Sha256 key;
+  for (const std::string* part : {&fresh.words, &fresh.machine_json, &fresh.material_json}) {
+    key.add(*part);
+    key.add(std::string_view("\0", 1));
+  }
+  fresh.key = key.hex();
+  store.db().hold("search " + fresh.key);
+  if (auto before = row_of_key(fresh.key)) return *before;
+  const std::int64_t waiting =
+      store.db().number("SELECT count(*) FROM search WHERE state='pending'");
+  const std::int64_t own =
+      store.db().number("SELECT count(*) FROM search WHERE state='pending' AND owner=?", who.name);
+  if (own >= parts_.options.searches_each)
+    return too_many(
+        fmt::format("{} searches of yours are waiting; try again when one of them is made", own));
+  if (waiting >= kMostWaiting)
+    return too_many(fmt::format("{} searches are waiting; try again later", waiting));
+  fresh.id = store.new_id();
+  fresh.created = store.now();
+  store.db().insert("search(" POPCUT_SEARCH_COLUMNS ")",
+                    std::tuple_cat(std::tuple(word_of(fresh.state)), values_of(fresh)));
+  store.audit(who.name, "search", fresh.id, fresh.model);
+  store.after_commit([this] { pump(); });
+  return fresh;
+}
+
+Answer<SearchRecord> SearchRepository::find(const std::string& id) {
+  return parts_.store.look([&]() -> Answer<SearchRecord> {
+    const auto found = row(id);
+    if (!found) return no_search(id);
+    return record_of(*found);
+  });
+}
+
+Answer<SearchRepository::Row> SearchRepository::found_row(const std::string& id) {
+  auto found = row(id);
+  if (!found) return no_search(id);
+  if (found->state == SearchState::Found) return std::move(*found);
+  return refuse(ProblemKind::StateConflict, found->state == SearchState::Failed
+                                                ? "this search failed: " + found->error
+                                                : "this search is not finished yet");
+}
+
+Answer<SearchRepository::Picked> SearchRepository::card_of(const std::string& id, int card) {
+  const Answer<Row> found = found_row(id);
+  if (!found) return tl::unexpected(found.error());
+  SearchRecord record = record_of(*found);
+  std::vector<FoundCardRecord>& cards = record.front.cards;
+  if (card >= 1 && card <= static_cast<int>(cards.size()))
+    return Picked{record.request.name, std::move(cards[static_cast<std::size_t>(card) - 1])};
+  return refuse(ProblemKind::NotFound,
+                fmt::format("this search found {} cards, and no card {}", cards.size(), card));
+}
+
+Answer<std::string> SearchRepository::picture(const std::string& id, int card) {
+  return parts_.store.look([&]() -> Answer<std::string> {
+    if (const auto there = card_of(id, card); !there) return tl::unexpected(there.error());
+    const std::string name = planning::thumbnail_file(card);
+    if (const auto here = parts_.store.bring("searches/" + id + "/" + name); !here)
+      return tl::unexpected(here.error());
+    std::string path = folder_of(id) + "/" + name;
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(path, ignored)) return path;
+    return refuse(ProblemKind::NotFound,
+                  "the picture of this card is gone; delete the search and search again");
+  });
+}
+
+void SearchRepository::pick(const Principal& who, const std::string& id, int card,
+                            const std::string& name, std::function<void(Answer<Design>)> done) {
+  const Answer<Picked> picked = parts_.store.look([&] { return card_of(id, card); });
+  if (!picked) return done(tl::unexpected(picked.error()));
+  const std::string& spec = picked->card.spec;
+  Upload upload{parts_.store.folder().at("incoming/" + parts_.store.new_id()), sha256_hex(spec),
+                spec.size()};
+  if (const Result<void> written = write_file(upload.path, spec); !written)
+    return done(tl::unexpected(parts_.store.unkept(written.error())));
+  parts_.designs.add(who, std::move(upload), "application/json", name.empty() ? picked->name : name,
+                     std::move(done));
+}
+
+Answer<void> SearchRepository::remove(const Principal& who, const std::string& id) {
+  ServiceStore& store = parts_.store;
+  return store.change([&]() -> Answer<void> {
+    const auto found = row(id);
+    if (!found) return no_search(id);
+    if (who.role < Role::Operator && found->owner != who.name)
+      return refuse(ProblemKind::Forbidden, "only an operator may delete someone else's search");
+    store.audit(who.name, "delete-search", id, found->model);
+    forget(id);
+    return {};
+  });
+}
+
+void SearchRepository::remove_all_of(const std::string& model) {
+  for (const std::string& id :
+       all_of(parts_.store.db().rows("SELECT id FROM search WHERE model=?", model), first_text))
+    forget(id);
+}
+
+void SearchRepository::forget(const std::string& id) {
+  parts_.store.db().run("DELETE FROM search WHERE id=?", id);
+  if (parts_.store.files() != nullptr) parts_.store.files()->forget("searches/" + id + "/");
+  parts_.store.emit("notice", "", fmt::format(R"("search":"{}","state":"removed")", id));
+  parts_.store.after_commit([this, id] {
+    // What a planner still makes of it goes when that is over.
+    if (running_ && running_->id == id)
+      parts_.planner.cancel(running_->task);
+    else
+      parts_.aside.remove(folder_of(id));
+  });
+}
+
+// All who wait get their turn, one after another.
+std::string SearchRepository::next() {
+  struct Waiting {
+    std::string id, owner;
+  };
+  const auto first = first_of(
+      parts_.store.db().rows("SELECT id, owner FROM search WHERE state='pending' AND planner='' "
+                             "ORDER BY CASE WHEN owner>? THEN 0 ELSE 1 END, owner, id LIMIT 1",
+                             turn_of_),
+      [](const Rows& rows) {
+        return Waiting{rows.text(0), rows.text(1)};
+      });
+  if (!first) return {};
+  turn_of_ = first->owner;
+  return first->id;
+}
+
+void SearchRepository::pump() {
+  if (running_ || stopped_ || parts_.store.degraded() || parts_.store.full()) return;
+  try {
+    for (;;) {
+      const std::string id = next();
+      if (id.empty() || start(id)) return;
+    }
+  } catch (const StoreFault& fault) {
+    parts_.store.note(fault);
+  }
+}
+
+Answer<PlanningTask> SearchRepository::task_of(const Row& row) {
+  Answer<std::string> model = parts_.designs.asset_place(row.model);
+  if (!model) return tl::unexpected(model.error());
+  PlanningTask task;
+  task.kind = PlanningTask::Kind::Search;
+  task.design_path = std::move(*model);
+  task.machine_json = row.machine_json;
+  task.material_json = row.material_json;
+  task.options = {{planning::kSearchWords, row.words}};
+  return task;
+}
+
+// Whether the planner has one now, or must wait; else another may begin.
+bool SearchRepository::start(const std::string& id) {
+  const auto waiting = row(id);
+  if (!waiting) return false;
+  if (waiting->begun >= (parts_.store.in_fleet() ? kMostBegunAmongNodes : kMostBegunAlone)) {
+    finish(id, SearchState::Failed, "",
+           fmt::format("popcutd ended {} times while it was made; please report the model",
+                       waiting->begun));
+    return false;
+  }
+  Answer<PlanningTask> task = task_of(*waiting);
+  if (!task) return true;  // its model is on its way; the next tick asks again
+  bool is_mine = false;
+  // Before it begins: if popcutd dies of it, the next start knows; and no other node begins it.
+  const Answer<void> noted = parts_.store.change([&]() -> Answer<void> {
+    is_mine = parts_.store.db().run(
+                  "UPDATE search SET begun=begun+1, planner=?, planner_epoch=? WHERE id=? AND "
+                  "state='pending' AND planner=''",
+                  parts_.store.node().name, parts_.store.node().epoch, id) == 1;
+    return {};
+  });
+  if (!noted) return true;
+  if (!is_mine) return false;
+  running_ = Running{.id = id};
+  task->progress = [this, id, thread = &parts_.thread,
+                    alive = std::weak_ptr<void>(parts_.alive)](const PlanningPhase& phase) {
+    thread->post(ServiceThread::Lane::Asking, [this, id, alive, phase] {
+      name_turn("phase of a search");
+      if (const auto here = alive.lock(); here && running_ && running_->id == id)
+        running_->phase = phase;
+    });
+  };
+  // It may be over before its number is known, but what is posted runs only after this.
+  running_->task = parts_.planner.start(
+      std::move(*task),
+      [this, id, folder = folder_of(id), files = parts_.store.files(), thread = &parts_.thread,
+       alive = std::weak_ptr<void>(parts_.alive)](Result<PlanningOutcome> made) {
+        auto kept = std::make_shared<Result<SearchFront>>(
+            with_pictures_kept(std::move(made), folder, files, id));
+        thread->post(ServiceThread::Lane::Asking, [this, id, alive, kept] {
+          if (const auto here = alive.lock()) over(id, *kept);
+        });
+      });
+  return true;
+}
+
+void SearchRepository::over(const std::string& id, const Result<SearchFront>& found) {
+  name_turn("search ended");
+  running_.reset();
+  const bool waits_for_room = !found && found.error().kind == ErrorKind::Unwritable;
+  const bool is_stopping = !found && found.error().kind == ErrorKind::Refused;
+  if (waits_for_room) {
+    // It stays pending and is made again once there is room.
+    parts_.store.note_full();
+    parts_.store.log(message(found.error()));
+  }
+  if (waits_for_room || is_stopping)
+    (void)parts_.store.change([&]() -> Answer<void> {
+      parts_.store.db().run(
+          "UPDATE search SET begun=0, planner='', planner_epoch=0 WHERE id=? AND planner=?", id,
+          parts_.store.node().name);
+      return {};
+    });
+  else if (found)
+    finish(id, SearchState::Found, planning::front_text(*found), "");
+  else
+    finish(id, SearchState::Failed, "", message(found.error()));
+  // Deleted meanwhile: its pictures go too.
+  const Answer<bool> is_there =
+      parts_.store.look([&]() -> Answer<bool> { return row(id).has_value(); });
+  if (is_there && !*is_there) {
+    if (parts_.store.files() != nullptr)
+      (void)parts_.store.change([&]() -> Answer<void> {
+        parts_.store.files()->forget("searches/" + id + "/");
+        return {};
+      });
+    parts_.aside.remove(folder_of(id));
+  }
+  pump();
+}
+
+// In a fleet it may have been given to another node meanwhile, because this one did not answer.
+void SearchRepository::finish(const std::string& id, SearchState state, const std::string& front,
+                              const std::string& error) {
+  (void)parts_.store.change([&]() -> Answer<void> {
+    const int changed = parts_.store.db().run(
+        "UPDATE search SET state=?, front=?, error=?, begun=0, planner='', planner_epoch=0 WHERE "
+        "id=? AND state='pending' AND planner IN ('', ?)",
+        word_of(state), front, error, id, parts_.store.node().name);
+    if (changed == 0) return {};
+    parts_.store.emit("notice", "",
+                      fmt::format(R"("search":"{}","state":"{}"{})", id, word_of(state),
+                                  error.empty() ? "" : ",\"error\":" + json_text(error)));
+    return {};
+  });
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "daemon/service/repositories/planning_queue.hpp"
+
+namespace popcut::daemon {
+
+/// Searches for the best cards of a model: made once for the same model and words, one at a time,
+/// all who wait in turns. What waits is in the store; only what the planner has is in memory.
+class SearchRepository : public Searches {
+ public:
+  struct Parts {
+    ServiceStore& store;
+    ServiceThread& thread;
+    Planner& planner;
+    Aside& aside;
+    DesignRepository& designs;
+    PlanningQueue& plans;
+    const ServiceOptions& options;
+    std::shared_ptr<void> alive;
+  };
+  explicit SearchRepository(Parts parts) : parts_(std::move(parts)) {}
+
+  Answer<SearchRecord> request(const Principal& who, const CardSearchRequest& request) override;
+  Answer<SearchRecord> find(const std::string& id) override;
+  Answer<void> remove(const Principal& who, const std::string& id) override;
+  Answer<std::string> picture(const std::string& id, int card) override;
+  void pick(const Principal& who, const std::string& id, int card, const std::string& name,
+            std::function<void(Answer<Design>)> done) override;
+
+  /// Gives the planner the next search, if it has none.
+  void pump();
+  /// Removes all searches of a model, in the transaction that removes the model.
+  void remove_all_of(const std::string& model);
+  void stop() { stopped_ = true; }
+
+ private:
+  /// A row of the table of searches.
+  struct Row {
+    std::string id, key, owner, model, words, machine, material, machine_json, material_json;
+    std::string front, error, planner;
+    SearchState state{};
+    TimeMs created{};
+    int begun{};
+  };
+  /// The one that the planner has.
+  struct Running {
+    std::string id;
+    std::uint64_t task{};
+    PlanningPhase phase{};
+  };
+  [[nodiscard]] static Row row_of(const Rows& rows);
+  [[nodiscard]] std::optional<Row> row(const std::string& id);
+  /// The one of that key that is pending or found.
+  [[nodiscard]] std::optional<Row> row_of_key(const std::string& key);
+  /// @retval Validation  the machine has no such mat
+  [[nodiscard]] Answer<void> check_mat(const std::string& machine, const std::string& mat);
+  [[nodiscard]] Answer<Row> found_row(const std::string& id);
+  [[nodiscard]] Answer<Row> row_for(const Principal& who, const CardSearchRequest& request);
+  [[nodiscard]] Answer<Row> find_or_add(const Principal& who, Row row);
+  struct Picked {
+    std::string name;  ///< of the model
+    FoundCardRecord card;
+  };
+  [[nodiscard]] Answer<Picked> card_of(const std::string& id, int card);
+  [[nodiscard]] SearchRecord record_of(const Row& row) const;
+  [[nodiscard]] std::string next();
+  [[nodiscard]] bool start(const std::string& id);
+  [[nodiscard]] Answer<PlanningTask> task_of(const Row& row);
+  void over(const std::string& id, const Result<SearchFront>& found);
+  void finish(const std::string& id, SearchState state, const std::string& front,
+              const std::string& error);
+  void forget(const std::string& id);
+  [[nodiscard]] std::string folder_of(const std::string& id) const;
+
+  Parts parts_;
+  std::optional<Running> running_{};
+  std::string turn_of_{};  ///< whose search began last
+  bool stopped_{false};
+};
+
+}  // namespace popcut::daemon

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+// The best cards of a model as pictures, to choose one from.
+import { useSignal } from '@preact/signals';
+import { useId, useRef } from 'preact/hooks';
+import * as desk from './design_desk';
+import type { Search } from './model';
+import { Button, Meter, Picture, Trouble } from './parts';
+import * as searching from './search_desk';
+import type { Spec } from './spec';
+import { may, stale } from './store';
+import { percent } from './words';
+import { designWords, small } from './words_design';
+
+const words = designWords.search;
+
+function Wishes({ of, again }: { of: string; again: boolean }) {
+  const asked = searching.asked.value;
+  const id = useId();
+  const set = (some: Partial<searching.Asked>): void => { searching.asked.value = { ...asked, ...some }; };
+  return (
+    <form class="search-wishes" onSubmit={(event) => { event.preventDefault(); void searching.begin(of, desk.spec.peek()?.material); }}>
+      <label class="field" for={`${id}m`}><span>{words.minutes}</span>
+        <input id={`${id}m`} type="number" min="0.5" max="600" step="0.5" value={asked.max_minutes}
+          onChange={(event) => set({ max_minutes: Math.max(0.5, Math.min(600, Number(event.currentTarget.value) || 15)) })} />
+      </label>
+      <label class="field" for={`${id}u`}><span>{words.up}</span>
+        <select id={`${id}u`} value={asked.up} onChange={(event) => set({ up: event.currentTarget.value })}>
+          {Object.entries(words.ups).map(([value, text]) => <option key={value} value={value} selected={value === asked.up}>{text}</option>)}
+        </select>
+      </label>
+      <label class="field" for={`${id}e`}><span>{words.effort}</span>
+        <select id={`${id}e`} value={asked.effort} onChange={(event) => set({ effort: Number(event.currentTarget.value) })}>
+          {([[searching.kQuick, words.quick], [searching.kThorough, words.thorough]] as const).map(([value, text]) => (
+            <option key={value} value={value} selected={value === asked.effort}>{text}</option>
+          ))}
+        </select>
+      </label>
+      <button type="submit" class={`button ${again ? 'button-plain' : 'button-primary'}`} disabled={stale.value}>{again ? words.again : words.find}</button>
+    </form>
+  );
+}
+
+/** Pictures side by side; arrow keys go from one to the next. */
+function Found({ of }: { of: Search }) {
+  const list = useRef<HTMLUListElement>(null);
+  const last = of.cards.length;
+  return (
+    <ul ref={list} class="found-cards" aria-label={words.found(last)} onKeyDown={(event) => {
+      const step = event.key === 'ArrowRight' ? 1 : event.key === 'ArrowLeft' ? -1 : 0;
+      if (step === 0) return;
+      const buttons = [...list.current!.querySelectorAll('button')];
+      const next = buttons[buttons.indexOf(document.activeElement as HTMLButtonElement) + step];
+      if (!next) return;
+      event.preventDefault();
+      next.focus();
+    }}>
+      {of.cards.map((card) => {
+        const spec = card.spec as unknown as Spec;
+        const on = desk.spec.value === spec;
+        return (
+          <li key={card.card}>
+            <button type="button" class={on ? 'found-card found-on' : 'found-card'} aria-pressed={on} title={card.settings}
+              onClick={() => desk.begin(spec, { made: true })}>
+              <Picture path={card.links.picture} alt={words.picture(card.card, last)} class="found-picture" />
+              <span class="found-words">
+                <strong>{words.time(card.seconds)}</strong>
+                <span class="figure">{words.error(small(card.error))}</span>
+                {card.card === last && <span class="found-best">{words.best}</span>}
+              </span>
+            </button>
+          </li>
+        );
+      })}
+    </ul>
+  );
+}
+
+function Running({ of }: { of: Search | null }) {
+  const share = of?.progress?.share ?? null;
+  const what = of?.progress?.doing ?? (of ? words.waits : words.begins);
+  return (
+    <div class="search-runs">
+      <p role="status">{words.searching} <span class="muted">{what}{share === null ? '' : `, ${percent(share)}`}</span></p>
+      <Meter share={share ?? 0} label={words.searching} />
+      <Button onClick={searching.cancel}>{words.cancel}</Button>
+    </div>
+  );
+}
+
+/** Above a design that shows a model. */
+export function SearchCards() {
+  const other = useSignal(false);
+  const of = searching.modelOf(desk.spec.value);
+  if (of === null || !may('submitter')) return null;
+  const mine = searching.model.value === of;
+  const search = mine ? searching.search.value : null;
+  const runs = mine && searching.busy.value;
+  const found = search?.state === 'found' ? search : null;
+  const failed = search?.state === 'failed' ? search : null;
+  const problem = mine ? searching.problem.value : null;
+  return (
+    <section class="search" aria-label={words.title}>
+      <div class="row row-between">
+        <h2>{words.title}</h2>
+        {found && <Button kind="quiet" onClick={() => { other.value = !other.value; }}>{other.value ? designWords.close : words.otherWishes}</Button>}
+      </div>
+      {runs && <Running of={search} />}
+      {found && !runs && (
+        <>
+          <p class="muted small" role="status">{words.foundWhat(found.cards.length)}</p>
+          <Found of={found} />
+          {found.notes.length > 0 && <ul class="plain-list small muted server-words">{found.notes.map((note) => <li key={note}>{note}</li>)}</ul>}
+        </>
+      )}
+      {failed && !runs && (
+        <div class="note note-amber" role="alert">
+          <p><strong>{words.nothing}</strong></p>
+          <p class="server-words">{failed.error}</p>
+        </div>
+      )}
+      {problem && <Trouble problem={problem} onClose={() => { searching.problem.value = null; }} />}
+      {!runs && (!found || other.value) && (
+        <>
+          {!found && !failed && !problem && <p class="muted">{words.what}</p>}
+          <Wishes of={of} again={found !== null || failed !== null} />
+        </>
+      )}
+    </section>
+  );
+}

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// The search for the best cards of the model on the desk: what is asked for, how far it is, what it found.
+import { signal } from '@preact/signals';
+import type { Search } from './model';
+import { isProblem, read, send, type ServerProblem } from './server';
+import type { Spec } from './spec';
+
+/** What a person asks for. */
+export interface Asked {
+  max_minutes: number;
+  up: string;
+  effort: number;
+}
+
+export const kQuick = 0.25;
+export const kThorough = 1;
+const kLook_ms = [300, 500, 1000];
+
+export const asked = signal<Asked>({ max_minutes: 15, up: 'any', effort: kQuick });
+/** The asset that is or was searched last. */
+export const model = signal<string | null>(null);
+export const search = signal<Search | null>(null);
+export const problem = signal<ServerProblem | null>(null);
+export const busy = signal(false);   // from the press until the search ends
+
+let turn = 0;
+
+/** The model that a design shows, the id of an asset; null: none. */
+export function modelOf(spec: Spec | null): string | null {
+  const surface = spec?.surface as { type?: unknown; file?: unknown } | undefined;
+  return surface?.type === 'mesh' && typeof surface.file === 'string' && surface.file.startsWith('sha256-') ? surface.file : null;
+}
+
+const pause = (ms: number): Promise<void> => new Promise((done) => setTimeout(done, ms));
+
+async function follow(id: string, mine: number): Promise<void> {
+  for (let looks = 0; mine === turn; looks++) {
+    const now = await read<Search>(`/v1/searches/${encodeURIComponent(id)}`);
+    if (mine !== turn) return;
+    search.value = now;
+    if (now.state !== 'pending') return;
+    await pause(kLook_ms[Math.min(looks, kLook_ms.length - 1)] as number);
+  }
+}
+
+/** Searches the cards of a model, until they are found or something else is searched. The same search is made once. */
+export async function begin(of: string, material?: unknown): Promise<void> {
+  const mine = ++turn;
+  const before = search.peek();
+  if (busy.peek() && before?.state === 'pending') void forget(before.id);
+  model.value = of;
+  search.value = null;
+  problem.value = null;
+  busy.value = true;
+  try {
+    const body = { ...asked.peek(), ...(typeof material === 'string' && material !== '' ? { material } : {}) };
+    const begun = await send<Search>('POST', `/v1/assets/${encodeURIComponent(of)}/search`, { body });
+    if (mine !== turn) return;
+    search.value = begun;
+    await follow(begun.id, mine);
+  } catch (error) {
+    if (!isProblem(error)) throw error;
+    if (mine === turn) problem.value = error;
+  } finally {
+    if (mine === turn) busy.value = false;
+  }
+}
+
+/** What popcutd still searches is not wanted any more; if it is somebody else's too, it goes on for them. */
+async function forget(id: string): Promise<void> {
+  await send('DELETE', `/v1/searches/${encodeURIComponent(id)}`).catch(() => undefined);
+}
+
+export function cancel(): void {
+  const of = search.peek();
+  turn++;
+  busy.value = false;
+  search.value = null;
+  if (of?.state === 'pending') void forget(of.id);
+}

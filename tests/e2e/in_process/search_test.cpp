@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: MIT
+// Searches in a worker process, as popcutd has them made.
+#include <atomic>
+#include <string>
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "daemon/planning/search/search_words.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/planner_bench.hpp"
+
+namespace search_test {
+
+using namespace popcut;
+using namespace popcut::testing;
+using daemon::CardSearchRequest;
+using nlohmann::json;
+using Kind = PlanningTask::Kind;
+
+namespace {
+
+constexpr const char* kModel =
+    "sha256-0000000000000000000000000000000000000000000000000000000000000000";
+
+struct SearchBench {
+  Outcomes outcomes;
+  std::unique_ptr<daemon::Planner> planner;
+
+  explicit SearchBench(const PlanningLimits& limits = {}) {
+    planner = daemon::make_planner(limits, worker_program());
+  }
+  static PlanningTask task(const std::string& mesh, CardSearchRequest request = {}) {
+    request.model = kModel;
+    request.name = "hall";
+    PlanningTask task;
+    task.kind = Kind::Search;
+    task.design_text = mesh;
+    task.options = {{planning::kSearchWords, planning::search_words(request)}};
+    return task;
+  }
+  Result<PlanningOutcome> run(PlanningTask task) {
+    const std::string name = std::to_string(++count_);
+    planner->start(std::move(task), outcomes.slot(name));
+    return outcomes.wait(name);
+  }
+  void refused(const std::string& mesh, const CardSearchRequest& request, const std::string& part) {
+    const auto outcome = run(task(mesh, request));
+    REQUIRE_FALSE(outcome);
+    CHECK_THAT(message(outcome.error()), Catch::Contains(part));
+    CHECK(message(outcome.error()).find(kModel) == std::string::npos);
+  }
+
+ private:
+  int count_{};
+};
+
+CardSearchRequest small() {
+  CardSearchRequest request;
+  request.style = "facets";
+  request.up = "z";
+  request.effort = daemon::kLeastEffort;
+  return request;
+}
+
+std::string hall(bool hole = false) {
+  return tests::obj(tests::box_mesh({0, 0, 0}, {30, 60, 25}, hole));
+}
+
+}  // namespace
+
+TEST_CASE("a worker finds the same cards of a model each time and draws each of them",
+          "[daemon][planner][search]") {
+  SearchBench bench;
+  std::atomic<int> told{0};
+  PlanningTask task = SearchBench::task(hall(), small());
+  task.progress = [&](const daemon::PlanningPhase& phase) {
+    CHECK(phase.done <= 1.0);
+    ++told;
+  };
+  const auto first = bench.run(task);
+  INFO(why(first));
+  REQUIRE(first);
+  CHECK(told > 0);
+  CHECK(first->assets == std::vector<std::string>{kModel});
+  const PlanningFile* const text = file_of(*first, planning::kFrontFile);
+  REQUIRE(text);
+  const auto front = planning::read_front(text->bytes);
+  REQUIRE(front);
+  CHECK(planning::front_text(*front) == text->bytes);
+  REQUIRE_FALSE(front->cards.empty());
+  CHECK(first->files.size() == front->cards.size() + 1);
+  double seconds = 0.0, error = 1e9;
+  for (std::size_t k = 0; k < front->cards.size(); ++k) {
+    const daemon::FoundCardRecord& card = front->cards[k];
+    CAPTURE(k, card.spec);
+    CHECK(card.seconds >= seconds);
+    CHECK(card.error < error);
+    seconds = card.seconds, error = card.error;
+    CHECK(card.folds > 0);
+    const json spec = json::parse(card.spec);
+    CHECK(spec["surface"] == json{{"type", "mesh"}, {"file", kModel}});
+    CHECK(spec["name"] == "hall");
+    const PlanningFile* const png =
+        file_of(*first, planning::thumbnail_file(static_cast<int>(k) + 1));
+    REQUIRE(png);
+    REQUIRE(png->bytes.size() > 24);
+    CHECK(png->bytes.starts_with("\x89PNG"));
+    CHECK(static_cast<unsigned char>(png->bytes[18]) * 256 +
+              static_cast<unsigned char>(png->bytes[19]) ==
+          640);
+  }
+  CHECK(front->cards.back().error < 0.5);  // a hall is what cards are good at
+  const auto again = bench.run(SearchBench::task(hall(), small()));
+  REQUIRE(again);
+  REQUIRE(again->files.size() == first->files.size());
+  for (const PlanningFile& file : first->files)
+    CHECK(file_of(*again, file.name)->bytes == file.bytes);
+}
+
+TEST_CASE("a model with a hole is searched as it is seen and a note says so",
+          "[daemon][planner][search]") {
+  SearchBench bench;
+  const auto outcome = bench.run(SearchBench::task(hall(true), small()));
+  INFO(why(outcome));
+  REQUIRE(outcome);
+  const auto front = planning::read_front(file_of(*outcome, planning::kFrontFile)->bytes);
+  REQUIRE(front);
+  REQUIRE_FALSE(front->notes.empty());
+  CHECK_THAT(front->notes.front(), Catch::Contains("open"));
+  for (const daemon::FoundCardRecord& card : front->cards) CHECK(card.style == "facets");
+}
+
+TEST_CASE("what is no model, or has no card, gives one sentence", "[daemon][planner][search]") {
+  SearchBench bench;
+  bench.refused("hello", small(), "");
+  bench.refused("", small(), "");
+  bench.refused("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", small(), "has no outside");
+  std::string many = "v 0 0 0\nv 50 0 0\nv 0 50 0\nv 0 0 50\n";
+  for (int k = 0; k < 2'000'001; ++k) many += "f 1 2 3\n";
+  bench.refused(many, small(), "at most 2000000 can be searched");
+  CardSearchRequest quick = small();
+  quick.max_minutes = 0.1;
+  bench.refused(hall(), quick, "no card of it is cut within 0.1 minutes");
+  CardSearchRequest on = small();
+  on.mat = "no such mat";
+  bench.refused(hall(), on, "/mat");
+}
+
+TEST_CASE("the words of a search are read back and what is out of range is refused",
+          "[daemon][planner][search]") {
+  const CardSearchRequest request{.model = kModel,
+                                  .name = "a \"vase\"",
+                                  .mat = "12x12",
+                                  .style = "conformal",
+                                  .up = "-y",
+                                  .max_minutes = 7.5,
+                                  .effort = 0.3,
+                                  .seed = 5};
+  const auto read = planning::read_search_words(planning::search_words(request));
+  REQUIRE(read);
+  CHECK(planning::search_words(*read) == planning::search_words(request));
+  const auto refused = [&](const char* name, const json& value) {
+    json words = json::parse(planning::search_words(request));
+    words[name] = value;
+    const auto wrong = planning::read_search_words(words.dump());
+    REQUIRE_FALSE(wrong);
+    CHECK(wrong.error().place == fmt::format("/{}", name));
+  };
+  refused("effort", 1000);
+  refused("effort", 0);
+  refused("up", "north");
+  refused("style", "origami");
+  refused("max_minutes", -1);
+  refused("seed", -1);
+  refused("more", 1);
+  CHECK(planning::design_name("models/Utah teapot.v2.obj") == "Utah teapot.v2");
+  CHECK(planning::design_name("a\nb.obj") == "model");
+  CHECK(planning::design_name("") == "model");
+  CHECK(planning::design_name(std::string(500, 'x')) == "model");
+}
+
+TEST_CASE("figures that no search makes are refused", "[daemon][planner][search]") {
+  daemon::SearchFront front;
+  front.cards.push_back(
+      {.style = "facets", .settings = "facets of 2 mm", .spec = "{\"popcut\":1}"});
+  front.mat_mm = {300, 300};
+  const std::string good = planning::front_text(front);
+  REQUIRE(planning::read_front(good));
+  const auto refused = [&](const char* pointer, const json& value) {
+    json wrong = json::parse(good);
+    wrong[json::json_pointer(pointer)] = value;
+    INFO(pointer);
+    CHECK_FALSE(planning::read_front(wrong.dump()));
+  };
+  refused("/cards", json::array());
+  refused("/cards/0/spec", "[1, 2]");
+  refused("/cards/0/spec", "{");
+  refused("/cards/0/spec", "{\"a\":\"" + std::string(100'000, 'x') + "\"}");
+  refused("/cards/0/error", -1);
+  refused("/cards/0/seconds", 1e300);
+  refused("/cards/0/seconds_range", json{1, -5});
+  refused("/cards/0/settings", "two\nlines");
+  refused("/cards/0/folds", 1.5);
+  refused("/notes", json(200, "a note"));
+  refused("/seen_share", 2);
+  refused("/more", 1);
+}
+
+TEST_CASE("a long search keeps neither plans nor checks waiting and can be cancelled",
+          "[daemon][planner][search]") {
+  SearchBench bench;
+  CardSearchRequest forever;
+  forever.effort = daemon::kMostEffort;
+  const std::string teapot = tests::obj(tests::torus(40, 15, 60));
+  const auto long_one =
+      bench.planner->start(SearchBench::task(teapot, forever), bench.outcomes.slot("search"));
+  bench.planner->start(SearchBench::task(teapot, forever), bench.outcomes.slot("waits"));
+  PlanningTask plan;
+  plan.design_text = text_of_file(source_file("examples/unit.json"));
+  for (const Kind kind : {Kind::Plan, Kind::Check}) {
+    plan.kind = kind;
+    const auto made = bench.run(plan);
+    INFO(why(made));
+    CHECK(made);
+  }
+  CHECK(bench.outcomes.order().size() == 2);
+  bench.planner->cancel(long_one + 1);
+  CHECK(bench.outcomes.wait("waits").error().kind == ErrorKind::Refused);
+  bench.planner->cancel(long_one);
+  CHECK(bench.outcomes.wait("search").error().kind == ErrorKind::Refused);
+}
+
+TEST_CASE("a search that takes more than its limits says what to lower",
+          "[daemon][planner][search]") {
+  PlanningLimits limits;
+  limits.cpu_s = 1;
+  SearchBench bench(limits);
+  CardSearchRequest forever;
+  forever.effort = daemon::kMostEffort;
+  bench.refused(tests::obj(tests::torus(40, 15, 60)), forever, "lower `effort`");
+}
+
+}  // namespace search_test

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+// Cards for a model from a real popcutd: what popcut auto finds, picked, planned and printed; and
+// over the end of popcutd.
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+
+#include "tests/support/meshes.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/running_daemon.hpp"
+
+namespace search_test {
+
+using namespace popcut::testing;
+using popcut::tests::box_mesh;
+using popcut::tests::obj;
+using Json = nlohmann::json;
+
+namespace {
+
+std::string put(RunningDaemon& desk, const std::string& target, const std::string& bytes,
+                const std::string& type = "application/json") {
+  const auto made = desk.ask("POST", target, bytes, type);
+  INFO(made.body);
+  REQUIRE((made.status >= 200 && made.status < 300));
+  return Json::parse(made.body).at("id");
+}
+
+std::string add_hall(RunningDaemon& desk, double high = 25) {
+  return put(desk, "/v1/assets?name=hall.obj", obj(box_mesh({0, 0, 0}, {30, 60, high}, false)),
+             "application/octet-stream");
+}
+
+Json found(RunningDaemon& desk, const std::string& id) {
+  REQUIRE(happens([&] { return desk.get("/v1/searches/" + id)["state"] != "pending"; }, 200));
+  return desk.get("/v1/searches/" + id);
+}
+
+const Json kSmall{{"effort", 0.01}, {"style", "facets"}, {"up", "z"}, {"mat", "12x12"}};
+
+}  // namespace
+
+TEST_CASE("popcutd finds the cards of popcut auto, and a picked one is planned and printed",
+          "[popcutd][search]") {
+  RunningDaemon desk;
+  desk.open();
+  const std::string model = add_hall(desk);
+  const std::string id = put(desk, "/v1/assets/" + model + "/search", kSmall.dump());
+  const Json search = found(desk, id);
+  INFO(search.dump().substr(0, 800));
+  REQUIRE(search["state"] == "found");
+  const std::filesystem::path folder = desk.daemon().folder().path();
+  write_file(folder / "hall.obj", obj(box_mesh({0, 0, 0}, {30, 60, 25}, false)));
+  const Ran ran =
+      run_program({popcut_program(), "auto", "hall.obj", "--effort", "0.01", "--style", "facets",
+                   "--up", "z", "--mat", "12x12", "-q", "--json", "-o", "cards"},
+                  folder);
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  const Json alone = Json::parse(ran.out);
+  REQUIRE(search["cards"].size() == alone["cards"].size());
+  for (std::size_t k = 0; k < alone["cards"].size(); ++k)
+    for (const char* figure : {"error", "seconds", "folds", "cut_mm", "sheet_mm"})
+      CHECK(search["cards"][k][figure] == alone["cards"][k][figure]);
+  CHECK(search["tried"]["designed"] == alone["tried"]["designed"]);
+
+  const std::string of_card = fmt::format("/v1/searches/{}/cards/{}", id, search["cards"].size());
+  const auto png = desk.ask("GET", of_card + ".png");
+  CHECK(png.status == 200);
+  CHECK(png.body.starts_with("\x89PNG"));
+  const std::string design = put(desk, of_card + "/design", R"({"name": "my hall"})");
+  CHECK(desk.get("/v1/designs/" + design)["name"] == "my hall");
+  CHECK(Json::parse(desk.ask("GET", "/v1/designs/" + design + "/content").body) ==
+        search["cards"].back()["spec"]);
+  const std::string plan =
+      put(desk, "/v1/designs/" + design + "/plan",
+          R"({"machine": "cameo3", "options": {"marks": true, "mat": "12x12"}})");
+  REQUIRE(happens([&] { return desk.get("/v1/plans/" + plan)["state"] != "pending"; }));
+  const Json planned = desk.get("/v1/plans/" + plan);
+  INFO(planned.dump().substr(0, 500));
+  REQUIRE(planned["state"] == "planned");
+  const auto page = desk.ask("GET", "/v1/plans/" + plan + "/sheets/1/artwork.pdf?dpi=50");
+  CHECK(page.status == 200);
+  CHECK(page.body.starts_with("%PDF"));
+}
+
+TEST_CASE("a search goes on after popcutd was killed, and is removed with its model",
+          "[popcutd][search]") {
+  RunningDaemon desk;
+  desk.open();
+  const std::string model = add_hall(desk), other = add_hall(desk, 40);
+  const std::string running = put(desk, "/v1/assets/" + model + "/search",
+                                  R"({"effort": 0.02, "style": "facets", "up": "z"})");
+  const std::string waiting = put(desk, "/v1/assets/" + other + "/search", kSmall.dump());
+  REQUIRE(happens([&] {
+    const Json now = desk.get("/v1/searches/" + running);
+    return now["state"] != "pending" || !now["progress"].is_null();
+  }));
+  desk.daemon().signal(SIGKILL);
+  (void)desk.daemon().wait();
+  desk.open();
+  CHECK(found(desk, running)["state"] == "found");
+  CHECK(found(desk, waiting)["state"] == "found");
+  CHECK(desk.ask("DELETE", "/v1/assets/" + model).status == 204);
+  CHECK(desk.ask("GET", "/v1/searches/" + running).status == 404);
+  CHECK(desk.ask("DELETE", "/v1/searches/" + waiting).status == 204);
+  CHECK(happens([&] { return std::filesystem::is_empty(desk.daemon().state() + "/searches"); }));
+}
+
+TEST_CASE("a search is refused with the place of what is wrong", "[popcutd][search]") {
+  RunningDaemon desk;
+  desk.open();
+  const std::string model = add_hall(desk);
+  const auto refused = [&](const std::string& body, const std::string& pointer) {
+    CAPTURE(body);
+    const auto answer = desk.ask("POST", "/v1/assets/" + model + "/search", body);
+    CHECK(answer.status == 422);
+    CHECK(Json::parse(answer.body)["errors"].at(0)["pointer"] == pointer);
+  };
+  refused(R"({"effort": 1000})", "/effort");
+  refused(R"({"effort": 0})", "/effort");
+  refused(R"({"max_minutes": "ten"})", "/max_minutes");
+  refused(R"({"style": "origami"})", "/style");
+  refused(R"({"up": "w"})", "/up");
+  refused(R"({"seed": -1})", "/seed");
+  refused(R"({"mat": "no-such-mat"})", "/mat");
+  refused(R"({"machine": "cameo33"})", "/machine");
+  refused(R"({"material": "papyrus"})", "/material");
+  refused(R"({"efort": 1})", "/efort");
+  CHECK(desk.ask("POST", "/v1/assets/sha256-0/search", "{}").status == 404);
+  const std::string text =
+      put(desk, "/v1/assets?name=a.txt", "no mesh at all", "application/octet-stream");
+  const std::string failed = put(desk, "/v1/assets/" + text + "/search", "{}");
+  const Json why = found(desk, failed);
+  CHECK(why["state"] == "failed");
+  CHECK_FALSE(why["error"].get<std::string>().empty());
+  CHECK(desk.ask("GET", "/v1/searches/" + failed + "/cards/1.png").status == 409);
+}
+
+}  // namespace search_test

@@ -1,0 +1,182 @@
+// The best cards of a model: searched, shown as pictures, picked, printed and cut.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { after, before, test } from 'node:test';
+import { axeSource, closeBrowser, expectComplaints, picture, refused, Server, until, visit } from './harness.mjs';
+
+let server;
+
+before(async () => { server = await Server.start({ devices: [{ id: 'sim:cameo3', time_scale: 100 }] }); });
+after(async () => { await closeBrowser(); await server.remove(); });
+
+/** A house with a gable, `high` mm to the eaves. */
+const house = (high = 40) => Buffer.from([
+  ...[[0, 0], [60, 0], [60, 40], [0, 40]].map(([x, y]) => `v ${x} ${y} 0`),
+  ...[[0, 0], [60, 0], [60, 40], [0, 40]].map(([x, y]) => `v ${x} ${y} ${high}`),
+  `v 0 20 ${high + 25}`, `v 60 20 ${high + 25}`,
+  'f 4 3 2 1', 'f 1 2 6 5', 'f 3 4 8 7', 'f 2 3 7 10 6', 'f 4 1 5 9 8', 'f 5 6 10 9', 'f 7 8 9 10', '',
+].join('\n'));
+
+/** A page at Design whose searches do little work, or what `change` says. */
+async function desk(change = {}) {
+  const visited = await visit(server, { hash: '#/design', motion: 'reduce' });
+  await visited.page.route('**/v1/assets/*/search', (route) => route.continue({
+    postData: JSON.stringify({ ...JSON.parse(route.request().postData()), effort: 0.01, style: 'facets', ...change }),
+  }));
+  await visited.page.locator('.start-card:not(:disabled)').first().waitFor();
+  return visited;
+}
+
+const give = (page, name, buffer) => page.locator('input[type=file]').setInputFiles({ name, mimeType: 'application/octet-stream', buffer });
+const exact = (page) => page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 60_000 });
+const found = (page) => page.locator('.found-card').first().waitFor({ timeout: 120_000 });
+const specOf = (page) => page.evaluate(() => {
+  const { steps, at } = JSON.parse(sessionStorage.getItem('popcut.design.steps'));
+  return JSON.parse(steps[at]);
+});
+
+test('a model gives cards as pictures, and the one that is picked by key is the design until Undo', async () => {
+  const { page, sent, complaints, close } = await desk();
+  await give(page, 'house.obj', house());
+  await exact(page);
+  const placed = await specOf(page);
+  await found(page);
+  const { path } = sent.find((one) => one.path.endsWith('/search'));
+  const asset = path.split('/')[3];
+  assert.equal(placed.surface.file, asset);
+  const search = await server.must('POST', path, { max_minutes: 15, up: 'any', effort: 0.01, style: 'facets' });
+  assert.equal(search.state, 'found');
+  const cards = page.locator('.found-card');
+  assert.equal(await cards.count(), search.cards.length);
+  assert.match(await cards.last().innerText(), /\d min\s+error 0\.\d+\s+most like it/);
+  await until(async () => await page.locator('.found-card img').count() === search.cards.length, 'all pictures are there');
+  for (const image of await page.locator('.found-card img').all()) {
+    assert.deepEqual(await image.evaluate((one) => [one.naturalWidth, one.naturalHeight]), [640, 320]);
+  }
+  await picture(page, 'cards');
+  await page.evaluate(axeSource());
+  const { violations } = await page.evaluate(() => window.axe.run('.search'));
+  assert.deepEqual(violations.map((one) => one.id), []);
+
+  await cards.first().focus();
+  for (let k = 1; k < search.cards.length; k++) await page.keyboard.press('ArrowRight');
+  await page.keyboard.press('Enter');
+  await exact(page);
+  const best = search.cards.at(-1).spec;
+  assert.deepEqual(await specOf(page), best);
+  assert.equal(await cards.last().getAttribute('aria-pressed'), 'true');
+  assert.equal(await page.locator('.found-card[aria-pressed=true]').count(), 1);
+  await picture(page, 'cards-picked');
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await exact(page);
+  assert.deepEqual(await specOf(page), placed);
+  assert.equal(await page.locator('.found-card[aria-pressed=true]').count(), 0);
+  assert.equal(await page.locator('.note-bad').count(), 0);
+
+  // Other wishes are another search.
+  await page.getByRole('button', { name: 'Search for others' }).click();
+  await page.getByLabel('What points up in the file').selectOption('z');
+  await page.getByRole('button', { name: 'Search again' }).click();
+  await until(() => sent.filter((one) => one.path.endsWith('/search')).length === 2, 'it searches again');
+  await found(page);
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('a search that runs can be cancelled, and is begun again', async () => {
+  const { page, sent, complaints, close } = await desk({ effort: 4 });
+  await give(page, 'tall house.obj', house(60));
+  await exact(page);
+  await page.getByText('Searching for the best cards', { exact: false }).waitFor();
+  await page.getByRole('progressbar', { name: 'Searching for the best cards' }).waitFor();
+  await picture(page, 'cards-searching');
+  await page.getByRole('button', { name: 'Cancel' }).click();
+  const gone = await until(() => sent.find((one) => one.method === 'DELETE'), 'the search is removed');
+  assert.match(gone.path, /^\/v1\/searches\/[0-9A-Z]{26}$/);
+  await until(async () => (await server.ask('GET', gone.path)).status === 404, 'popcutd has none any more');
+  assert.equal(await page.getByRole('progressbar').count(), 0);
+  await page.getByRole('button', { name: 'Find the best cards' }).click();
+  await page.getByRole('button', { name: 'Cancel' }).click();
+  assert.equal(await page.locator('.note-bad').count(), 0);
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('where no card is found the page says why, and a design without a model has no search', async () => {
+  const { page, complaints, close } = await desk({ max_minutes: 0.1 });
+  await page.locator('.start-card', { hasText: 'unit' }).click();
+  await exact(page);
+  assert.equal(await page.locator('.search').count(), 0);
+  await give(page, 'wide house.obj', house(30));
+  await page.getByText('No card was found.').waitFor({ timeout: 120_000 });
+  assert.match(await page.locator('.search [role=alert]').innerText(), /no card of it is cut within 0\.1 minutes/);
+  assert.ok(await page.getByRole('button', { name: 'Search again' }).isVisible());
+  await picture(page, 'cards-none');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('a picked card is planned with marks, and its page to print comes as a PDF', async () => {
+  const { page, complaints, close } = await desk();
+  await give(page, 'house.obj', house());
+  await found(page);
+  await page.locator('.found-card').last().click();
+  await exact(page);
+  await page.getByRole('button', { name: 'Cut this…' }).click();
+  await page.getByLabel('Print a picture of the shape', { exact: false }).check();
+  await page.getByRole('combobox', { name: /^Cutter/ }).selectOption('sim:cameo3');
+  await page.getByRole('button', { name: 'Show the sheets' }).click();
+  const button = page.getByRole('button', { name: 'Page to print (PDF)' });
+  await button.waitFor({ timeout: 60_000 });
+  await picture(page, 'cards-print');
+  const [download] = await Promise.all([page.waitForEvent('download', { timeout: 120_000 }), button.click()]);
+  assert.equal(download.suggestedFilename(), 'print-1.pdf');
+  assert.equal(readFileSync(await download.path()).subarray(0, 5).toString(), '%PDF-');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('a sheet that is not planned with marks, or not of a design, has nothing to print', async () => {
+  const svg = '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100"><path fill="none" stroke="#000" d="M10 10H60"/></svg>';
+  const { page, complaints, close } = await visit(server, { hash: '#/design' });
+  for (const [bytes, type, options] of [[svg, 'image/svg+xml', { marks: true }], [JSON.stringify({
+    popcut: 1, name: 'unit', surface: { type: 'revolution', radius: '30' }, units_per_slice: 1, slices: 1, widths_mm: 30,
+  }), 'application/json', {}]]) {
+    const { id } = await server.must('POST', '/v1/designs?name=nothing%20to%20print', bytes, { headers: { 'Content-Type': type } });
+    const plan = await server.must('POST', `/v1/designs/${id}/plan`, { device: 'sim:cameo3', options });
+    await until(async () => (await server.must('GET', `/v1/plans/${plan.id}`)).state === 'planned', 'it is planned', 60_000);
+    await page.evaluate((to) => { location.hash = to; }, `#/sheets/${plan.id}`);
+    await page.getByRole('button', { name: 'Queue it' }).waitFor({ timeout: 60_000 });
+    await page.locator('h1', { hasText: 'nothing to print' }).waitFor();   // it knows the design, then
+    assert.equal(await page.getByRole('button', { name: 'Page to print (PDF)' }).count(), 0);
+  }
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('a book lies on the desk with all its cards and is planned as one', async () => {
+  const { items } = await server.must('GET', '/v1/examples');
+  const book = items.find((one) => one.name === 'lantern').spec;
+  const { page, complaints, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
+  await page.locator('.start-card:not(:disabled)').first().waitFor();
+  await give(page, 'lantern.json', Buffer.from(JSON.stringify(book)));
+  await exact(page);
+  assert.match(await page.locator('[aria-labelledby=figures]').innerText(), /ways to move\s+one movement/);
+  assert.match(await page.locator('[aria-labelledby=figures]').innerText(), /sheet\s+\d{3}/);
+  await picture(page, 'cards-book');
+  await page.getByRole('button', { name: 'Cut this…' }).click();
+  await page.getByRole('button', { name: 'Show the sheets' }).click();
+  await page.getByRole('button', { name: 'Queue it' }).waitFor({ timeout: 60_000 });
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('a person who may only look sees no search', async () => {
+  const { page, close } = await visit(server, { role: 'viewer', hash: '#/design', motion: 'reduce' });
+  expectComplaints(page, refused(403));
+  await page.locator('.start-card:not(:disabled)').first().waitFor();
+  await give(page, 'house.obj', house());
+  await page.locator('.note-bad').waitFor();
+  assert.equal(await page.locator('.search').count(), 0);
+  await close();
+});
