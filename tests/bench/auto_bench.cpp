@@ -146,21 +146,23 @@ struct Made {
 /// The spec as it stands, as large as the mat allows, compared as a person would.
 std::optional<Made> made_of(const CommandBench& bench, json spec) {
   constexpr double kMat_mm = 300.0;
-  for (int k = 0; k < 6; ++k) {
+  bool fits = false;
+  for (int k = 0; k < 9; ++k) {
     bench.write("usual.json", spec);
     if (bench.popcut({"design", "usual.json", "-o", "usual", "-q", "--formats", "fold,report"})
             .exit != 0)
       return std::nullopt;
     const json sheet = bench.read_json("usual/report.json")["sheet_mm"];
     const double large = std::max(sheet[0].get<double>(), sheet[1].get<double>());
-    if (large <= kMat_mm && large >= 0.97 * kMat_mm) break;
+    fits = large <= kMat_mm;
+    if (fits && (large >= 0.97 * kMat_mm || k >= 4)) break;
     const double by = 0.99 * (kMat_mm - 30.0) / (large - 30.0);
-    if (large <= kMat_mm && k >= 4) break;
     for (const char* name : {"scale_mm", "widths_mm"})
       if (spec.contains(name)) spec[name] = by * spec[name].get<double>();
     if (spec.contains("translate_mm"))
       for (json& shift : spec["translate_mm"]) shift = by * shift.get<double>();
   }
+  if (!fits) return std::nullopt;
   const Ran seen = bench.popcut({"compare", "usual/pattern.fold", "model.obj", "--json"});
   if (seen.exit != 0) return std::nullopt;
   const json figures = json::parse(seen.out);

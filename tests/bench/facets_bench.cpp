@@ -237,7 +237,7 @@ TEST_CASE("forty shapes as facets", "[bench]") {
 TEST_CASE("seconds of facets by the points of the sheet", "[bench]") {
   const Shape shape = house(1);
   std::string table;
-  for (const double strip_mm : {16.0, 8.0, 4.0, 2.0, 1.0, 0.5}) {
+  for (const double strip_mm : {16.0, 8.0, 4.0, 2.0, 1.0, 0.5, 0.25}) {
     json asked = spec_of(shape, strip_mm);
     asked["min_panel_mm"] = 0.25;
     asked["scale_mm"] = 3.0;

@@ -3,8 +3,10 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -16,6 +18,7 @@
 #include "core/design/facets/label_pattern.hpp"
 #include "core/design/facets/labelling.hpp"
 #include "core/design/facets/labels.hpp"
+#include "core/design/facets/patch_moves.hpp"
 #include "core/design/facets/strip_chain.hpp"
 #include "core/design/shape_fit.hpp"
 #include "core/formats/lattice/lattice_blob.hpp"
@@ -232,6 +235,98 @@ FacetOptions coarse(double length_mm) {
   options.pitch_mm = options.strip_mm = 2;
   options.to_mm = length_mm;
   return options;
+}
+
+void add_ball(TriangleSoup& soup, const Vec3& middle, double radius) {
+  constexpr int kRings = 24, kSectors = 48;
+  const auto at = [&](int ring, int sector) {
+    const double up = std::numbers::pi * ring / kRings - 0.5 * std::numbers::pi,
+                 turn = 2.0 * std::numbers::pi * sector / kSectors;
+    return Vec3(middle + radius * Vec3(std::cos(up) * std::cos(turn),
+                                       std::cos(up) * std::sin(turn), std::sin(up)));
+  };
+  for (int ring = 0; ring < kRings; ++ring)
+    for (int k = 0; k < kSectors; ++k)
+      soup.add(at(ring, k), at(ring, k + 1), at(ring + 1, k + 1), at(ring + 1, k));
+}
+
+TEST_CASE("curved parts that hold as a lattice come nearer to a ball than those on struts",
+          "[facets]") {
+  TriangleSoup ball;
+  add_ball(ball, {32, 40, 32}, 30);
+  FacetOptions options = coarse(80);
+  const auto lattice = facet_card(ball, options);
+  if (!lattice) FAIL(message(lattice.error()));
+  options.lattice = false;
+  const auto facets = facet_card(ball, options);
+  if (!facets) FAIL(message(facets.error()));
+  CHECK(lattice->pattern.motion.degrees_of_freedom == 1);
+  CHECK(lattice->figures.shifted > 0);
+  CHECK(lattice->moves > 0);
+  CHECK(facets->figures.shifted == 0);
+  CHECK(facets->moves == 0);
+  CHECK(lattice->figures.depth_mean_mm < 0.9 * facets->figures.depth_mean_mm);
+}
+
+TEST_CASE("patches move only to where labels cost less and all holds", "[facets]") {
+  std::mt19937 random(20261126);
+  std::size_t moves = 0;
+  for (int k = 0; k < testing::rounds(6); ++k) {
+    INFO("round " << k);
+    TriangleSoup scene;
+    add_ball(scene, {uniform(random, 10, 30), uniform(random, 15, 35), uniform(random, 10, 30)},
+             uniform(random, 8, 20));
+    add_box(scene, {0, uniform(random, 0, 20), 0},
+            {uniform(random, 5, 40), uniform(random, 25, 50), uniform(random, 5, 40)});
+    FacetGrid grid;
+    grid.step_mm = 0.5, grid.wall = 110, grid.columns = 220, grid.strip_mm = 2, grid.strips = 26;
+    const SheetRaster raster{-55, 0.25, 0, 0.5, 440, 104};
+    const DepthImage image = depth_image(scene, raster, false);
+    const FacetPlanes planes = planes_for(image, grid, 4, 100, 100, false);
+    FacetLimits limits;
+    limits.least_run = 1 + k % 3;
+    Labelling labelling(image, planes, grid, {}, limits);
+    labelling.sweep(4, true);
+    RepairOptions how;
+    how.jumps = how.shifts = true;
+    const double least_mm = limits.least_run * grid.step_mm;
+    REQUIRE(repair(labelling, {55, 55, 3}, least_mm, how));
+    REQUIRE(holding_of(labelling.image(), planes, least_mm).open == 0);
+    const FacetPlanes fine = every_step(planes);
+    Labelling moved(image, fine, grid, {}, limits);
+    for (int s = 0; s < grid.strips; ++s) {
+      std::vector<Label> labels;
+      for (const Label label : std::as_const(labelling).image().strip(s))
+        labels.push_back(fine.find(planes[label]));
+      moved.set(s, labels);
+    }
+    const double before = moved.whole_cost();
+    CHECK(before == Approx(labelling.whole_cost()));
+    const std::size_t made = move_patches(moved, least_mm, kMostRepairWork);
+    moves += made;
+    CHECK(moved.whole_cost() <= before + 1e-6);
+    if (made == 0) CHECK(moved.whole_cost() == Approx(before));
+    CHECK(holding_of(moved.image(), fine, least_mm).open == 0);
+    for (int s = 0; s < grid.strips; ++s)
+      for (const LabelRun& run : runs_of(std::as_const(moved).image().strip(s), fine, grid))
+        CHECK(moved.allows(run));
+    // Without work to do it leaves all as it is.
+    Labelling still = moved;
+    move_patches(still, least_mm, 0);
+    CHECK(still.whole_cost() <= moved.whole_cost() + 1e-6);
+  }
+  CHECK(moves > 0);
+}
+
+TEST_CASE("planes at every step reach as far as those given, and stay those where too many",
+          "[facets]") {
+  const FacetPlanes every = every_step(FacetPlanes({4, -3}, {7}));
+  CHECK(every.size() == 2 + 7 + 7);  // wall and ground, x from -3 to 4, z from 1 to 7
+  for (int at = -3; at <= 4; ++at) CHECK(every.find({true, at}) != kNoLabel);
+  for (int at = 0; at <= 7; ++at) CHECK(every.find({false, at}) != kNoLabel);
+  CHECK(every.find({true, 5}) == kNoLabel);
+  CHECK(every.find({false, -1}) == kNoLabel);
+  CHECK(every_step(FacetPlanes({kMostLabels}, {})).size() == 3);
 }
 
 TEST_CASE("a village of boxes comes out without error and with its own patches", "[facets]") {
