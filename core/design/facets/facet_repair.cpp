@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -36,9 +38,8 @@ class Repairer {
   Result<FacetRepair> run() {
     if (how_.jumps) hold_enclosed();
     LabelImage whole = labelling_.image();
-    fill_enclosed(whole, planes(), min_panel_mm_, true);
-    take(whole);
-    fill_enclosed(whole, planes(), min_panel_mm_);  // a pattern has no faces with holes
+    fill_enclosed(whole, planes(), min_panel_mm_);
+    take(how_.jumps ? with_worthy(whole) : whole);
     const auto first = pattern_of(whole, planes(), card_, min_panel_mm_);
     if (!first) return tl::unexpected(first.error());
     out_.loose_before = first->motion.degrees_of_freedom - 1;
@@ -47,12 +48,14 @@ class Repairer {
     for (int round = 0; state_.open > 0; ++round) {
       tell(progress_, "making loose panels hold");
       round_ = round;
-      if (work_ > how_.most_work) {
+      if (work_ / 2 > how_.most_work) {
         out_.unfinished = true;
         return std::move(out_);
       }
       if (round > most)
         clear_loose();
+      else if (work_ > how_.most_work)
+        give_up_smallest();
       else if (!improve())
         give_up_smallest();
     }
@@ -77,6 +80,7 @@ class Repairer {
     }
     runs_ = strip_runs(image, planes());
     state_ = holding_of(runs_, planes(), grid(), min_panel_mm_);
+    work_ += state_.patches.runs.size();
   }
 
   /// The runs of a strip, and whether each is loose.
@@ -225,6 +229,9 @@ class Repairer {
   }
 
   void add(Move move, std::vector<Move>& moves) {
+    if (std::any_of(move.strips.begin(), move.strips.end(),
+                    [&](const auto& one) { return was_given_up(one.first, one.second); }))
+      return;
     move.cost = extra_cost(move);
     moves.push_back(std::move(move));
   }
@@ -235,7 +242,7 @@ class Repairer {
     for (int round = 0; round < kMostBridges; ++round) {
       LabelImage filled = labelling_.image();
       if (!fill_enclosed(filled, planes(), min_panel_mm_)) return;
-      const std::vector<Floating> all = floating(filled);
+      const std::vector<Floating> all = enclosed(filled, true);
       bool any = false;
       for (const Floating& one : all) {
         const std::optional<Move> move = bridge(one, filled);
@@ -249,21 +256,61 @@ class Repairer {
     }
   }
 
-  /// Stretches of strips, by strip, that hang together and that wall or ground enclose.
+  /// Stretches of strips, by strip, that hang together and that other patches enclose.
   struct Floating {
     struct Stretch {
       int strip{}, begin{}, end{};
     };
     std::vector<Stretch> stretches;
   };
-  /// @param filled  the labels without what is enclosed
-  [[nodiscard]] std::vector<Floating> floating(const LabelImage& filled) const {
+
+  /// The labels without what is enclosed, but with that which is worth a strut.
+  [[nodiscard]] LabelImage with_worthy(const LabelImage& filled) {
+    LabelImage out = filled;
+    for (const Floating& one : enclosed(filled, false))
+      if (is_worth_a_strut(one, filled))
+        for (const Floating::Stretch& stretch : one.stretches) {
+          const auto now = std::as_const(labelling_).image().strip(stretch.strip);
+          std::copy(now.begin() + stretch.begin, now.begin() + stretch.end,
+                    out.strip(stretch.strip).begin() + stretch.begin);
+        }
+    return out;
+  }
+
+  /// Whether to do without what other paper encloses costs far more than a strut for it, which cuts
+  /// that paper: a window in it shows the card, and of most letters no more is there.
+  [[nodiscard]] bool is_worth_a_strut(const Floating& one, const LabelImage& filled) {
+    double loss = 0.0, strut = std::numeric_limits<double>::infinity();
+    bool any = false;
+    for (std::size_t k = 0; k < one.stretches.size();) {
+      const int s = one.stretches[k].strip;
+      const std::vector<Label> now = labels_of(s);
+      const auto then = filled.strip(s);
+      std::vector<Label> paper = now, open = now;
+      for (; k < one.stretches.size() && one.stretches[k].strip == s; ++k)
+        for (int i = one.stretches[k].begin; i < one.stretches[k].end; ++i) {
+          const auto at = static_cast<std::size_t>(i);
+          paper[at] = then[at], open[at] = i < grid().wall ? kWallLabel : kGroundLabel;
+          any = any || (now[at] != kWallLabel && now[at] != kGroundLabel);
+        }
+      loss += std::min(labelling_.distance(s, paper), labelling_.distance(s, open)) -
+              labelling_.distance(s, now);
+      strut = std::min(strut,
+                       labelling_.cost(s, labelling_.best(s, false)) - labelling_.cost(s, now));
+    }
+    return any && loss > kWorthStrut * strut;
+  }
+
+  /// @param filled   the labels without what is enclosed
+  /// @param by_card  by wall or ground; false: by other paper
+  [[nodiscard]] std::vector<Floating> enclosed(const LabelImage& filled, bool by_card) const {
     std::vector<Floating::Stretch> all;
     for (int s = 0; s < grid().strips; ++s) {
       const auto now = labelling_.image().strip(s), then = filled.strip(s);
       const auto is_free = [&](int i) {
         const auto at = static_cast<std::size_t>(i);
-        return now[at] != then[at] && (then[at] == kWallLabel || then[at] == kGroundLabel);
+        return now[at] != then[at] &&
+               (then[at] == kWallLabel || then[at] == kGroundLabel) == by_card;
       };
       for (int i = 0; i < grid().columns; ++i) {
         if (!is_free(i)) continue;
@@ -518,16 +565,25 @@ class Repairer {
     }
     std::sort(moves.begin(), moves.end(),
               [](const Move& a, const Move& b) { return a.cost < b.cost; });
-    if (moves.size() > most_tried_) moves.resize(most_tried_);
+    // Cheap ones first: what costs so much that it would have to hold far more than any yet is not
+    // looked at.
     std::vector<std::pair<double, const Move*>> good;
-    for (const Move& move : moves) {
+    double least_price = std::numeric_limits<double>::infinity(), most_held = 1.0;
+    for (std::size_t k = 0; k < moves.size(); ++k) {
+      const Move& move = moves[k];
+      if (k >= most_tried_ && (!good.empty() || k >= kOnUntilOne * most_tried_)) break;
+      if (move.cost > (kDearer * least_price + 1e-6) * kHoldsMore * most_held) break;
       const double held = looseness(state_) - looseness_after(move);
-      if (held > kLeastHeld) good.emplace_back(std::max(0.0, move.cost) / held, &move);
+      if (held <= kLeastHeld) continue;
+      const double price = std::max(0.0, move.cost) / held;
+      good.emplace_back(price, &move);
+      least_price = std::min(least_price, price), most_held = std::max(most_held, held);
     }
     if (good.empty()) return false;
     std::stable_sort(good.begin(), good.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
-    const double dearest = kDearer * good.front().first + 1e-6;
+    const double dearest =
+        std::max(kDearer * good.front().first, good[good.size() / kMadeOf].first) + 1e-6;
     bool any = false;
     std::vector<std::uint8_t> touched(static_cast<std::size_t>(grid().strips), 0);
     for (const auto& [price, move] : good) {
@@ -569,6 +625,8 @@ class Repairer {
   void give_up_smallest() {
     const std::vector<LoosePatch> loose = loose_patches();
     if (loose.empty()) return clear_loose();
+    for (const LabelBan& cell : loose.front().cells)
+      given_up_.emplace(cell.strip, labels_of(cell.strip));
     if (how_.jumps) {
       take(after(painted_over(loose.front(), false)));
     } else {
@@ -577,6 +635,11 @@ class Repairer {
       take(after(dropped(loose.front())));
     }
     ++out_.dropped;
+  }
+
+  /// Whether a strip had these labels when a patch of it was given up: it does not get them back.
+  [[nodiscard]] bool was_given_up(int s, const std::vector<Label>& labels) const {
+    return given_up_.contains({s, labels});
   }
 
   /// Plain card in the strips that have anything loose; in all of them where none has.
@@ -640,9 +703,13 @@ class Repairer {
                                kMostTriedRoughly = 150;
   static constexpr int kMostTries = 8, kLedgeReach = 8, kMostShift = 8, kShiftRounds = 14,
                        kMostBridges = 4;
+  static constexpr double kWorthStrut = 4.0;   ///< times what a strut costs: that is a guess
   static constexpr double kAside = 0.2;       ///< of its cost, what a strip at the side costs more
   static constexpr double kLeastHeld = 0.05;  ///< less is rounding
   static constexpr double kDearer = 2.0;      ///< than the best move of a round
+  static constexpr std::size_t kMadeOf = 8;       ///< a round makes one of so many good moves
+  static constexpr std::size_t kOnUntilOne = 10;  ///< times `kMostTried`, where none of those holds
+  static constexpr double kHoldsMore = 2.0;   ///< than any move of the round that was looked at
 
   Labelling& labelling_;
   FacetCardSize card_;
@@ -653,6 +720,7 @@ class Repairer {
   LabelHolding state_;
   FacetRepair out_;
   std::vector<int> tries_;  ///< changes of each strip
+  std::set<std::pair<int, std::vector<Label>>> given_up_;
   int round_{};
   std::size_t most_tried_, work_{};
 };

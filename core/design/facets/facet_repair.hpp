@@ -28,15 +28,17 @@ struct FacetRepair {
   bool unfinished{};      ///< it took too long: something is still loose
 };
 
-/// How long repairing may take, in panels of strips that are looked at: about a second.
-inline constexpr std::size_t kMostRepairWork = 20'000'000;
+/// How long repairing may take, in panels of strips that are looked at: some seconds. Cards of a
+/// hand's size take a tenth of it.
+inline constexpr std::size_t kMostRepairWork = 60'000'000;
 
 /// How labels are repaired.
 struct RepairOptions {
   bool jumps{};   ///< strips may be cut across
   bool rough{};   ///< fewer moves are tried, and nothing is improved at the end
   bool shifts{};  ///< panels may go to planes beside their own, so that they hold as a lattice does
-  std::size_t most_work{kMostRepairWork};  ///< after which it stops, `unfinished`
+  /// After which loose patches are only given up; after twice as much it stops, `unfinished`.
+  std::size_t most_work{kMostRepairWork};
 };
 
 /// Changes labels until the card has exactly one freedom and is one piece, by the moves that cost
@@ -46,9 +48,8 @@ struct RepairOptions {
 /// and so meets planes at two places; a loose patch gives its label up. `mobility` then checks the
 /// result. The repair always ends: at worst with the bare card, which has one freedom.
 ///
-/// Patches that others enclose on all sides touch one plane only and so never hold: bare card is
-/// filled at the beginning, others are loose until something holds them. What remains is not
-/// enclosed.
+/// Patches that others enclose on all sides touch one plane only and so never hold: they are filled
+/// at the beginning, or stay, loose until something holds them, where that costs far less.
 ///
 /// @retval Internal  no pattern comes of the labels (a fault of the labels)
 [[nodiscard]] Result<FacetRepair> repair(Labelling& labelling, const FacetCardSize& card,

@@ -226,23 +226,18 @@ LabelPatches patches_of(const StripRuns& strips, const FacetGrid& grid, double m
   return out;
 }
 
-bool fill_enclosed(LabelImage& image, const FacetPlanes& planes, double min_panel_mm,
-                   bool only_bare) {
+bool fill_enclosed(LabelImage& image, const FacetPlanes& planes, double min_panel_mm) {
   const LabelPatches patches = patches_of(image, planes, min_panel_mm);
   const std::vector<std::int32_t> around = PatchGraph(patches).surrounding();
   std::vector<Label> label_of(patches.count);
   for (std::size_t r = 0; r < patches.runs.size(); ++r)
     label_of[patches.patch[r]] = patches.runs[r].label;
-  std::vector<std::uint8_t> stays(patches.count, 0);  // what is inside of a patch
-  for (std::size_t k = 0; only_bare && k < patches.count; ++k)
-    if (around[k] >= 0 && label_of[k] != kWallLabel && label_of[k] != kGroundLabel)
-      stays[static_cast<std::size_t>(around[k])] = 1;
   bool any = false;
   for (int s = 0; s < image.grid.strips; ++s) {
     const auto at = static_cast<std::size_t>(s) + 1;
     for (std::uint32_t r = patches.first_run[at]; r < patches.first_run[at + 1]; ++r) {
       const std::int32_t outer = around[patches.patch[r]];
-      if (outer < 0 || stays[static_cast<std::size_t>(outer)] != 0) continue;
+      if (outer < 0) continue;
       any = true;
       const auto strip = image.strip(s);
       std::fill(strip.begin() + patches.runs[r].begin, strip.begin() + patches.runs[r].end,

@@ -46,12 +46,7 @@ struct LabelPattern {
 
 /// Gives what lies inside of another patch, and touches nothing else, the label of that patch: it
 /// could fall out or flap, and a face with a hole is not written. Whether anything changed.
-///
-/// @param only_bare  only where nothing but wall and ground is inside, as in a letter:
-/// `cut_windows`
-///                   may open it. What stands there can be made to hold
-bool fill_enclosed(LabelImage& image, const FacetPlanes& planes, double min_panel_mm,
-                   bool only_bare = false);
+bool fill_enclosed(LabelImage& image, const FacetPlanes& planes, double min_panel_mm);
 
 /// Patches: connected cells of one label. Their number and the patch of each run, strip by strip.
 struct LabelPatches {
