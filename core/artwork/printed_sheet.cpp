@@ -14,13 +14,6 @@
 namespace popcut {
 namespace {
 
-/// First `first`, then `second`.
-Placement after(const Placement& first, const Placement& second) {
-  const PagePoint zero = second(first({0, 0}));
-  const PagePoint x = second(first({1, 0})), y = second(first({0, 1}));
-  return {x.x - zero.x, y.x - zero.x, zero.x, x.y - zero.y, y.y - zero.y, zero.y};
-}
-
 Placement inverse(const Placement& t) {
   const double d = t.xx * t.yy - t.xy * t.yx;
   Placement out{t.yy / d, -t.xy / d, 0, -t.yx / d, t.xx / d, 0};
@@ -180,32 +173,6 @@ class Printing {
 };
 
 }  // namespace
-
-std::vector<PieceMap> pieces_on_sheet(const Plan& plan, std::size_t sheet) {
-  const PlannedSheet& planned = plan.sheets[sheet];
-  std::vector<PieceMap> out;
-  if (!plan.layout) {
-    const std::vector<PagePoint> once{{0, 0}};
-    for (const PagePoint& copy : plan.copies.empty() ? once : plan.copies) {
-      const Placement moved{1, 0, copy.x, 0, 1, copy.y};
-      out.push_back({after(after(plan.drawing_transform, moved), planned.transform), {}});
-    }
-    return out;
-  }
-  for (const std::uint32_t k : planned.pieces) {
-    const SheetPiece& piece = plan.layout->pieces[k];
-    PieceMap map{after(plan.drawing_transform, piece.transform), {}};
-    const auto add = [&](auto&& corners) {
-      auto& polygon = map.polygons.emplace_back();
-      for (const PagePoint& p : corners) polygon.push_back(piece.transform(p));
-    };
-    add(piece.share);
-    for (const Tab& tab : plan.layout->tabs)
-      if (tab.on == k) add(tab.corners);
-    out.push_back(std::move(map));
-  }
-  return out;
-}
 
 Result<PrintedSheet> printed_sheet(const Artwork& artwork, const Plan& plan, std::size_t sheet,
                                    double pixel_mm, const Trapping& how, double quiet_mm) {

@@ -8,6 +8,7 @@
 
 #include "core/artwork/artwork.hpp"
 #include "core/plan/plan.hpp"
+#include "core/plan/sheet_pieces.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
@@ -18,14 +19,6 @@ struct PrintedSheet {
   PixelFrame frame;
   ColourImage image;
 };
-
-/// How the pattern's page comes onto a sheet: one map for each piece, or copy, that lies on it.
-struct PieceMap {
-  Placement to_sheet;                            ///< pattern's page -> sheet
-  std::vector<std::vector<PagePoint>> polygons;  ///< sheet mm: what is printed; empty: all
-};
-/// The pieces of sheet `sheet` with their tabs, or the whole pattern, or its copies.
-[[nodiscard]] std::vector<PieceMap> pieces_on_sheet(const Plan& plan, std::size_t sheet);
 
 /// What is printed on a sheet. Each piece has its part of the artwork and `bleed_mm` around it; so
 /// beyond a seam, and on a glue tab, is what its partner has there.

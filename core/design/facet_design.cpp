@@ -2,8 +2,11 @@
 #include "core/design/facet_design.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -114,6 +117,67 @@ void add_strips(const FacetCard& card, DesignReport& report) {
   report.units_per_slice.push_back(static_cast<int>(most));
 }
 
+/// How far the target reaches in the corner, within the stretch that is made.
+struct TargetExtent {
+  double x_mm{}, z_mm{};
+  double shut_mm{};  ///< from the spine when the card is shut: x + z
+};
+TargetExtent extent_in_corner(const FacetTarget& target) {
+  TargetExtent out;
+  const std::vector<double>& corners = target.soup.corners;
+  for (std::size_t k = 0; k < corners.size(); k += 3) {
+    const double x = corners[k], v = corners[k + 1], z = corners[k + 2];
+    if (x < 0.0 || z < 0.0 || v < target.from_mm || v > target.to_mm) continue;
+    out.x_mm = std::max(out.x_mm, x), out.z_mm = std::max(out.z_mm, z);
+    out.shut_mm = std::max(out.shut_mm, x + z);
+  }
+  return out;
+}
+
+/// A wall or ground that was asked for and is too short for the shape.
+void warn_of_small_card(const DesignSpec& spec, const FacetTarget& target, DesignReport& report) {
+  constexpr double kUnseen_mm = 0.5;
+  const CardSpec& card = *spec.card;
+  const TargetExtent extent = extent_in_corner(target);
+  const bool inside = card.shut == CardShut::Inside;
+  const double most_z = inside ? extent.shut_mm : extent.z_mm,
+               most_x = inside ? extent.shut_mm : extent.x_mm;
+  std::vector<std::string> short_of, enough;
+  const auto compare = [&](const char* field, const std::optional<double>& given, double needed) {
+    if (!given || *given + kUnseen_mm >= needed) return;
+    short_of.push_back(fmt::format("{} = {:g}", field, *given));
+    enough.push_back(fmt::format("{} at least {:.0f}", field, std::ceil(needed + card.margin_mm)));
+  };
+  compare("wall_mm", card.wall_mm, most_z);
+  compare("ground_mm", card.ground_mm, most_x);
+  if (short_of.empty()) return;
+  report.warnings.push_back(
+      {.code = "flattened_by_card",
+       .message = fmt::format(
+           "the card is too small for your shape, which reaches {:.1f} mm up, {:.1f} mm forward{}, "
+           "but {}: what does not fit is left out or pressed flat; make {} mm, leave {} out, or "
+           "make the shape smaller",
+           extent.z_mm, extent.x_mm,
+           inside ? fmt::format(" and, shut, {:.1f} mm from the spine", extent.shut_mm) : "",
+           fmt::format("{} mm", fmt::join(short_of, " and ")), fmt::join(enough, " and "),
+           short_of.size() == 1 ? "it" : "both")});
+}
+
+/// Parts that hang in the air on a strip of paper.
+void warn_of_hanging_parts(const FacetCard& card, DesignReport& report) {
+  const std::size_t count = card.repaired.bridges;
+  if (count == 0) return;
+  report.warnings.push_back(
+      {.code = "hangs_on_one_strip",
+       .message = fmt::format(
+           "{} of the shape {} neither wall nor ground and {} on one strip of paper {:g} mm wide, "
+           "which bends and tears easily; join {} to the rest of the shape, let {} stand on the "
+           "ground, or make strip_mm larger",
+           count == 1 ? "a part" : fmt::format("{} parts", count), count == 1 ? "touches" : "touch",
+           count == 1 ? "hangs" : "hang each", card.grid.strip_mm, count == 1 ? "it" : "them",
+           count == 1 ? "it" : "them")});
+}
+
 }  // namespace
 
 Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
@@ -145,6 +209,7 @@ Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
   r.degrees_of_freedom = made->pattern.motion.degrees_of_freedom;
   r.pieces = made->pattern.motion.pieces;
   r.fit_nearest = true;
+  r.notes = surface->notes;
   if (is_model(spec.surface)) {
     const TargetPlacement& p = spec.placement;
     const double shift_mm = made->card.margin_mm - made->grid.v_from_mm;
@@ -154,6 +219,8 @@ Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
                                    p.translate_mm[2]};
   }
   add_closing(out.pattern, spec.card->shut, r);
+  warn_of_small_card(spec, *target, r);
+  warn_of_hanging_parts(*made, r);
   out.target.push_back({std::move(*surface)});
   return out;
 }

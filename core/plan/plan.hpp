@@ -44,6 +44,12 @@ struct PlannedSheet {
   [[nodiscard]] const Toolpath& sent_path() const { return sent ? *sent : path; }
 };
 
+/// A part of a drawing that has a name: a card of a book.
+struct DrawnPart {
+  std::string name;  ///< "card 1"
+  Box box;           ///< on the drawing's page, before `Plan::drawing_transform`
+};
+
 /// A plan of one or more sheets, with what it was made from.
 struct Plan {
   std::string name;
@@ -62,6 +68,7 @@ struct Plan {
   double weed_box_mm{};             ///< of the box around the drawing or its copies; 0: none
   std::vector<PagePoint> copies{};  ///< where `per-sheet` put them; empty: one
   std::optional<Layout> layout{};   ///< set if the drawing was split
+  std::vector<DrawnPart> parts{};   ///< what has a name; the caller sets it
   LineWork whole{};                 ///< set if the drawing was split: the cleaned drawing
 };
 
@@ -98,7 +105,11 @@ struct Plan {
 /// (M, V, C for cuts, B for the outline; score and draw by name). Paths have no dashed style. The
 /// root element has `data-popcut="dashes"` where the folds are dashes already, and "sheet" where
 /// they are whole lines: who plans that drawing again must not cut them through.
-[[nodiscard]] std::string sheet_svg(const PlannedSheet& sheet, const std::string& title);
+///
+/// @param print  what is printed on the sheet, SVG elements in its mm: a layer below the others, or
+///               empty
+[[nodiscard]] std::string sheet_svg(const PlannedSheet& sheet, const std::string& title,
+                                    const std::string& print = {});
 
 /// A picture of how the sheets come together, not for cutting: `assembly_svg` of the layout, or for
 /// an unsplit drawing each sheet's outline and folds with its name and its place on the mat.

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/plan/plan.hpp"
+#include "core/plan/sheet_pieces.hpp"
 #include "core/text/json_text.hpp"
 #include "core/text/text_sink.hpp"
 
@@ -82,7 +83,7 @@ Json pieces_json(const Plan& plan, const PlannedSheet& sheet) {
 Json sheet_json(const Plan& plan, const PlannedSheet& sheet, std::size_t number) {
   const KnifeWork& knife = sheet.knife;
   const bool driven = plan.machine.driven();
-  return {
+  Json json{
       {"name", fmt::format("sheet-{:02}", number)},
       {"mat", sheet.mat.name},
       {"area_mm", sheet.area_mm},
@@ -114,6 +115,15 @@ Json sheet_json(const Plan& plan, const PlannedSheet& sheet, std::size_t number)
       {"scored", Json::array()},
       {"overcuts", Json::array()},
       {"lead_ins", Json::array()}};
+  if (!plan.parts.empty()) {
+    json["parts"] = Json::array();
+    for (const PartOnSheet& part : parts_on_sheet(plan, number - 1))
+      json["parts"].push_back({{"name", part.name},
+                               {"box",
+                                {rounded(part.box.x0), rounded(part.box.y0), rounded(part.box.x1),
+                                 rounded(part.box.y1)}}});
+  }
+  return json;
 }
 
 Json points_json(std::span<const PagePoint> points, const Placement& to_sheet) {

@@ -56,9 +56,10 @@ void open_layer(std::string& svg, const Layer& layer, double line_mm) {
 
 }  // namespace
 
-std::string sheet_svg(const PlannedSheet& sheet, const std::string& title) {
+std::string sheet_svg(const PlannedSheet& sheet, const std::string& title,
+                      const std::string& print) {
   std::string svg;
-  svg.reserve(256 + 90 * sheet.path.strokes.size() + 24 * sheet.path.points.size());
+  svg.reserve(512 + print.size() + 90 * sheet.path.strokes.size() + 24 * sheet.path.points.size());
   const KnifeWork& knife = sheet.knife;
   const std::string attributes = fmt::format(
       " data-popcut=\"{}\" data-overcut=\"{:g}\" data-rounds=\"{}\" data-blade-offset=\"{:g}\" "
@@ -66,6 +67,9 @@ std::string sheet_svg(const PlannedSheet& sheet, const std::string& title) {
       sheet.whole_folds ? "sheet" : "dashes", knife.overcut_mm, knife.rounds, knife.blade_offset_mm,
       knife.blade_tools);
   head(svg, sheet.area_mm, title, attributes.c_str());
+  if (!print.empty())
+    svg += "<g id=\"print\" inkscape:groupmode=\"layer\" inkscape:label=\"print\">\n" + print +
+           "</g>\n";
   const double line_mm = seen_line_mm(sheet.area_mm[0], sheet.area_mm[1]);
   for (const Layer& layer : kLayers) {
     bool open = false;

@@ -9,6 +9,7 @@
 
 #include "core/layout/layout.hpp"
 #include "core/layout/sheet.hpp"
+#include "core/plan/sheet_pieces.hpp"
 #include "core/print/footer.hpp"
 #include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
@@ -36,6 +37,29 @@ void put_points(std::string& svg, std::span<const PagePoint> points) {
     append_rounded(svg, points[i].x);
     svg += ' ';
     append_rounded(svg, points[i].y);
+  }
+}
+
+// Around lines on a picture, as dashed as they are, so that they are seen on dark colours too.
+void put_rims(std::string& svg, const LineWork& work) {
+  for (const Operation operation : kOrder) {
+    if (!has(work, operation)) continue;
+    std::string style = legend_entry(operation).style;
+    const auto set = [&](std::string_view name, std::string_view value) {
+      const std::string begin = fmt::format("{}=\"", name);
+      const std::size_t at = style.find(begin) + begin.size();
+      style.replace(at, style.find('"', at) - at, value);
+    };
+    set("stroke-width", "0.7");
+    set("stroke", "#ffffff");
+    fmt::format_to(Out(svg), "<g fill=\"none\" stroke-opacity=\"0.6\" {}>\n", style);
+    for (const DrawnLine& line : work.lines) {
+      if (line.operation != operation) continue;
+      svg += "<path d=\"";
+      put_points(svg, work.points_of(line));
+      svg += "\"/>\n";
+    }
+    svg += "</g>\n";
   }
 }
 
@@ -162,6 +186,15 @@ std::string pieces_in_words(const PlannedSheet& sheet) {
   return words;
 }
 
+// Where labels may not stand.
+std::vector<Box> tab_boxes(const Plan& plan, std::size_t sheet) {
+  std::vector<Box> out;
+  for (const PieceMap& piece : pieces_on_sheet(plan, sheet))
+    for (std::size_t k = 1; k < piece.polygons.size(); ++k)
+      out.push_back(bounds(piece.polygons[k]));
+  return out;
+}
+
 // The tabs of the sheet's pieces, in sheet mm.
 std::string tab_areas(const Plan& plan, const PlannedSheet& sheet) {
   if (!plan.layout) return {};
@@ -194,24 +227,41 @@ std::string page_name(const std::string& name) {
   return shown.substr(0, end) + "…";
 }
 
-Result<std::vector<PrintedPage>> sheet_pages(const Plan& plan) {
+Result<std::string> sheet_lines_svg(const Plan& plan, std::size_t sheet, PageGround ground) {
+  const PlannedSheet& planned = plan.sheets[sheet];
+  if (!planned.lines) return fail(ErrorKind::Internal, "pdf", "the plan has not kept its lines");
+  std::string svg;
+  if (ground == PageGround::Paper)
+    svg = tab_areas(plan, planned);
+  else
+    put_rims(svg, *planned.lines);
+  put_lines(svg, *planned.lines);
+  return svg;
+}
+
+Result<std::vector<PrintedPage>> sheet_pages(const Plan& plan, PageGround ground) {
   std::vector<PrintedPage> pages;
   std::optional<Footer> legend_page;
   const std::string name = page_name(plan.name);
   for (std::size_t i = 0; i < plan.sheets.size(); ++i) {
     const PlannedSheet& sheet = plan.sheets[i];
-    if (!sheet.lines) return fail(ErrorKind::Internal, "pdf", "the plan has not kept its lines");
-    const std::string tabs = tab_areas(plan, sheet);
+    auto drawing = sheet_lines_svg(plan, i, ground);
+    if (!drawing) return tl::unexpected(drawing.error());
+    const bool grey_tabs = ground == PageGround::Paper && !tab_areas(plan, sheet).empty();
     Page page{sheet.area_mm,
               fmt::format("{}: sheet {} of {}", name, i + 1, plan.sheets.size()),
-              {legend_of(*sheet.lines, !tabs.empty()), {}}};
-    page.footer.sentences = {fmt::format("{}: sheet {} of {}{}", name, i + 1, plan.sheets.size(),
-                                         pieces_in_words(sheet)),
-                             which_side(*sheet.lines)};
+              {legend_of(*sheet.lines, grey_tabs), {}}};
+    const std::vector<PartOnSheet> parts = parts_on_sheet(plan, i);
+    page.footer.sentences = {
+        fmt::format("{}: sheet {} of {}{}{}", name, i + 1, plan.sheets.size(),
+                    pieces_in_words(sheet), parts.empty() ? "" : ", " + part_names(parts)),
+        which_side(*sheet.lines)};
     if (auto fits = check_size(page); !fits) return tl::unexpected(fits.error());
-    std::string drawing = tabs;
-    put_lines(drawing, *sheet.lines);
-    pages.push_back(printed(page, drawing, legend_page));
+    constexpr double kPrinted = kPrintSideMm - 5.0;  // what most printers reach
+    *drawing += part_labels_svg(
+        parts, {-kPrinted, -kPrinted, sheet.area_mm[0] + kPrinted, sheet.area_mm[1]},
+        tab_boxes(plan, i));
+    pages.push_back(printed(page, *drawing, legend_page));
   }
   if (plan.layout) {
     constexpr double kAround = 10.0;

@@ -23,6 +23,19 @@ inline constexpr double kLargestPageMm = 5080.0;  ///< what PDF allows: 14400 po
 /// each byte that is not UTF-8.
 [[nodiscard]] std::string page_name(const std::string& name);
 
+/// What lies below the lines of a page.
+enum class PageGround {
+  Paper,
+  Artwork  ///< a picture: lines have a light rim, and tabs no grey, since they have colours
+};
+
+/// The lines of one sheet as they are printed, SVG elements in sheet mm: cuts solid, whole folds
+/// dashed, in the looks of `legend_entry`.
+///
+/// @retval Internal  the sheet has not kept its `lines`
+[[nodiscard]] Result<std::string> sheet_lines_svg(const Plan& plan, std::size_t sheet,
+                                                  PageGround ground);
+
 /// The pages of a plan. One for each sheet, true to scale: what to cut (solid), whole folds
 /// (dashed), tabs in grey, and below it a bar to measure, the legend, the name and number of the
 /// sheet, and which side is up. Where there is no room for the legend, it has a page of its own. A
@@ -31,9 +44,13 @@ inline constexpr double kLargestPageMm = 5080.0;  ///< what PDF allows: 14400 po
 /// Each sheet keeps `kPrintSideMm` and `kPrintFooterMm` free around its area; so a page of a
 /// machine of the language "hand" is as large as its paper.
 ///
+/// Parts that have names (`Plan::parts`) are named below the drawing, and beside them where there
+/// is room.
+///
 /// @param plan  its sheets have `lines`
 /// @retval Infeasible  a page is larger than PDF allows
-[[nodiscard]] Result<std::vector<PrintedPage>> sheet_pages(const Plan& plan);
+[[nodiscard]] Result<std::vector<PrintedPage>> sheet_pages(const Plan& plan,
+                                                           PageGround ground = PageGround::Paper);
 
 /// The page of one pattern, in the same form: wall on top, seen from the side that pops up.
 ///

@@ -2,13 +2,18 @@
 #include "daemon/pictures/artwork_pages.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "core/plan/marks.hpp"
+#include "core/plan/sheet_pieces.hpp"
 #include "core/text/svg_document.hpp"
+#include "daemon/digest/digest.hpp"
 #include "daemon/pictures/artwork_pdf.hpp"
+#include "daemon/pictures/image_reader.hpp"
 
 namespace popcut {
 namespace {
@@ -29,9 +34,7 @@ Result<void> check_page(const std::array<double, 2>& page, const std::array<doub
 /// The lines of the pattern's page on a sheet, piece by piece.
 std::string lines_on_sheet(const std::string& lines, const Plan& plan, std::size_t sheet) {
   if (lines.empty()) return {};
-  const auto& area = plan.sheets[sheet].area_mm;
-  std::string svg = svg_head(fmt::format(
-      "width=\"{0:g}mm\" height=\"{1:g}mm\" viewBox=\"0 0 {0:g} {1:g}\"", area[0], area[1]));
+  std::string svg;
   std::size_t k = 0;
   for (const PieceMap& piece : pieces_on_sheet(plan, sheet)) {
     std::string clip;
@@ -50,7 +53,30 @@ std::string lines_on_sheet(const std::string& lines, const Plan& plan, std::size
                        t.yx, t.xy, t.yy, t.x0, t.y0, lines);
     ++k;
   }
-  return svg + "</svg>\n";
+  return svg;
+}
+
+/// SVG elements in mm of a page as a document.
+std::string document(const std::string& elements, const std::array<double, 2>& page_mm,
+                     const PagePoint& shift_mm) {
+  return svg_head(fmt::format("width=\"{0:g}mm\" height=\"{1:g}mm\" viewBox=\"0 0 {0:g} {1:g}\"",
+                              page_mm[0], page_mm[1])) +
+         fmt::format("<g transform=\"translate({} {})\">\n{}</g>\n</svg>\n", shift_mm.x, shift_mm.y,
+                     elements);
+}
+
+/// Where labels may not stand: marks with what is free around them, and tabs.
+std::vector<Box> kept_clear(const Plan& plan, std::size_t sheet) {
+  constexpr double kQuiet_mm = 2.0;
+  std::vector<Box> out;
+  if (const auto& marks = plan.sheets[sheet].registration)
+    for (const Box& mark : mark_boxes(*marks))
+      out.push_back(
+          {mark.x0 - kQuiet_mm, mark.y0 - kQuiet_mm, mark.x1 + kQuiet_mm, mark.y1 + kQuiet_mm});
+  for (const PieceMap& piece : pieces_on_sheet(plan, sheet))
+    for (std::size_t k = 1; k < piece.polygons.size(); ++k)
+      out.push_back(bounds(piece.polygons[k]));
+  return out;
 }
 
 /// Whether nothing is printed in a part of the sheet.
@@ -74,28 +100,52 @@ void add_bar(ArtworkPage& page, const PrintedSheet& raster, const std::array<dou
   if (left < 32 || !is_free(raster, box) || work.y1 > box.y0) return;
   page.bar = {left, area[1] - kFromEdge};
   page.bar_across_mm = 100;
-  if (with_words) page.words = fmt::format("100 mm: sheet {}", sheet + 1);
+  const std::string names = part_names(parts_on_sheet(plan, sheet));
+  if (with_words)
+    page.words = fmt::format("100 mm: sheet {}{}", sheet + 1, names.empty() ? "" : ", " + names);
 }
 
 }  // namespace
 
 Result<std::string> artwork_sheet_pdf(const Artwork& artwork, const std::string& lines,
                                       const Plan& plan, std::size_t sheet,
-                                      const PrintPageOptions& options) {
+                                      const PrintPageOptions& options, const PrintedPage* lined) {
   const PlannedSheet& planned = plan.sheets[sheet];
+  const auto& area = planned.area_mm;
   ArtworkPage page;
-  page.size_mm = options.page_mm.value_or(planned.area_mm);
-  if (auto fits = check_page(page.size_mm, planned.area_mm); !fits)
-    return tl::unexpected(fits.error());
+  const std::array<double, 2> least =
+      lined ? std::array<double, 2>{lined->width_mm, lined->height_mm} : area;
+  page.size_mm = options.page_mm.value_or(least);
+  if (auto fits = check_page(page.size_mm, least); !fits) return tl::unexpected(fits.error());
   const auto raster = printed_sheet(artwork, plan, sheet, options.pixel_mm, options.trapping);
   if (!raster) return tl::unexpected(raster.error());
   page.stretch = stretch_of(options);
   page.image = lines.empty() ? &raster->image : nullptr;
   page.pixel_mm = options.pixel_mm;
-  page.svg = lines_on_sheet(lines, plan, sheet);
-  page.svg_mm = planned.area_mm;
+  if (lined) page.shift_mm = {kPrintSideMm, kPrintSideMm};
+  page.svg_mm = least;
+  if (!lines.empty())
+    page.svgs.push_back(document(lines_on_sheet(lines, plan, sheet), least, page.shift_mm));
   if (planned.registration) page.marks = mark_boxes(*planned.registration);
-  add_bar(page, *raster, planned.area_mm, plan, sheet, options.words);
+  if (lined) {
+    page.svgs.push_back(lined->svg);
+  } else {
+    add_bar(page, *raster, area, plan, sheet, options.words);
+    std::vector<Box> taken = kept_clear(plan, sheet);
+    if (page.bar_across_mm > 0)
+      taken.push_back(
+          {page.bar.x - 2, page.bar.y - 3, page.bar.x + page.bar_across_mm + 2, page.bar.y + 6});
+    constexpr double kEdge_mm = 3.0;  // what printers leave white, or most of it
+    std::string over = part_labels_svg(parts_on_sheet(plan, sheet),
+                                       {kEdge_mm, kEdge_mm, area[0] - kEdge_mm, area[1] - kEdge_mm},
+                                       std::move(taken));
+    if (options.cut_lines) {
+      const auto drawn = sheet_lines_svg(plan, sheet, PageGround::Artwork);
+      if (!drawn) return tl::unexpected(drawn.error());
+      over += *drawn;
+    }
+    if (!over.empty()) page.svgs.push_back(document(over, least, {}));
+  }
   std::vector<ArtworkPage> pages{page};
   ColourImage behind;
   if (options.back) {
@@ -104,12 +154,65 @@ Result<std::string> artwork_sheet_pdf(const Artwork& artwork, const std::string&
     other.size_mm = page.size_mm;
     other.stretch = page.stretch;
     other.image = &behind;
-    // The sheet's right edge is the left one of the page behind it, whose right part may be empty.
+    // The paper's right edge is the left one of the page behind it, whose right part may be empty.
+    // Both pages are stretched from their left edges.
     other.pixel_mm = options.pixel_mm;
-    other.shift_mm = page.size_mm[0] - static_cast<double>(behind.width) * options.pixel_mm;
+    other.shift_mm = {page.size_mm[0] / page.stretch[0] - page.shift_mm.x -
+                          static_cast<double>(behind.width) * options.pixel_mm,
+                      page.shift_mm.y};
     pages.push_back(other);
   }
   return pdf_of_artwork(pages, fmt::format("{}: sheet {}", plan.name, sheet + 1));
+}
+
+Result<std::string> artwork_sheet_svg(const Artwork& artwork, const std::string& lines,
+                                      const Plan& plan, std::size_t sheet,
+                                      const PrintPageOptions& options) {
+  const PlannedSheet& planned = plan.sheets[sheet];
+  std::string print = lines_on_sheet(lines, plan, sheet);
+  if (print.empty()) {
+    const auto raster = printed_sheet(artwork, plan, sheet, options.pixel_mm, options.trapping);
+    if (!raster) return tl::unexpected(raster.error());
+    const auto png = png_of_image(raster->image);
+    if (!png) return tl::unexpected(png.error());
+    // Pixels are whole: the last row and column may go past the sheet.
+    print = fmt::format(
+        "<image x=\"0\" y=\"0\" width=\"{:.4f}\" height=\"{:.4f}\" "
+        "preserveAspectRatio=\"none\" href=\"data:image/png;base64,{}\"/>\n",
+        static_cast<double>(raster->image.width) * options.pixel_mm,
+        static_cast<double>(raster->image.height) * options.pixel_mm, daemon::base64(*png));
+  }
+  if (planned.registration)
+    for (const Box& mark : mark_boxes(*planned.registration))
+      print += fmt::format("<rect x=\"{:.4f}\" y=\"{:.4f}\" width=\"{:.4f}\" height=\"{:.4f}\"/>\n",
+                           mark.x0, mark.y0, mark.width(), mark.height());
+  return sheet_svg(planned, page_name(fmt::format("{}: sheet {}", plan.name, sheet + 1)), print);
+}
+
+Result<std::string> artwork_sheet_png(const Artwork& artwork, const Plan& plan, std::size_t sheet,
+                                      const PrintPageOptions& options) {
+  const auto raster = printed_sheet(artwork, plan, sheet, options.pixel_mm, options.trapping);
+  if (!raster) return tl::unexpected(raster.error());
+  const Box work = bounds(plan.sheets[sheet].path.points);
+  const double around = options.trapping.bleed_mm, pixel = options.pixel_mm;
+  const ColourImage& from = raster->image;
+  const auto count = [&](double mm) {
+    return static_cast<std::size_t>(std::ceil((mm + 2 * around) / pixel - 1e-9));
+  };
+  ColourImage out(count(work.width()), count(work.height()));
+  // Pixels are whole: half of what is too much goes to either side.
+  const double left = 0.5 * (work.x0 + work.x1) - 0.5 * static_cast<double>(out.width) * pixel;
+  const double top = 0.5 * (work.y0 + work.y1) - 0.5 * static_cast<double>(out.height) * pixel;
+  for (std::size_t j = 0; j < out.height; ++j)
+    for (std::size_t i = 0; i < out.width; ++i) {
+      const PagePoint at = raster->frame.in_pixels({left + (static_cast<double>(i) + 0.5) * pixel,
+                                                    top + (static_cast<double>(j) + 0.5) * pixel});
+      if (at.x < -0.5 || at.y < -0.5 || at.x >= static_cast<double>(from.width) - 0.5 ||
+          at.y >= static_cast<double>(from.height) - 0.5)
+        continue;
+      out.set(i, j, colour_between(from, at.x, at.y));
+    }
+  return png_of_image(on_paper(out));
 }
 
 Result<std::string> scale_page_pdf(const PrintPageOptions& options) {

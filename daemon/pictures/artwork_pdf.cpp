@@ -74,15 +74,15 @@ Result<void> add_artwork(const ArtworkPage& page, cairo_surface_t* surface, cair
     if (const auto status = cairo_surface_status(pixels.get()); status != CAIRO_STATUS_SUCCESS)
       return cannot(cairo_status_to_string(status));
     cairo_save(cairo);
-    cairo_translate(cairo, page.shift_mm, 0);
+    cairo_translate(cairo, page.shift_mm.x, page.shift_mm.y);
     cairo_scale(cairo, page.pixel_mm, page.pixel_mm);
     cairo_set_source_surface(cairo, pixels.get(), 0, 0);
     cairo_pattern_set_filter(cairo_get_source(cairo), CAIRO_FILTER_NEAREST);
     cairo_paint(cairo);
     cairo_restore(cairo);
   }
-  if (!page.svg.empty()) {
-    const auto drawing = read_drawing(page.svg);
+  for (const std::string& svg : page.svgs) {
+    const auto drawing = read_drawing(svg);
     if (!drawing) return tl::unexpected(drawing.error());
     const RsvgRectangle where{0, 0, page.svg_mm[0], page.svg_mm[1]};
     if (auto drawn = draw(*drawing, cairo, where); !drawn) return drawn;

@@ -18,12 +18,12 @@ struct ArtworkPage {
   std::array<double, 2> size_mm{};
   const ColourImage* image{};  ///< null: none; drawn with its own pixel size from the corner on
   double pixel_mm{};
-  double shift_mm{};  ///< of the image, to the right
-  std::string svg{};  ///< lines over the image: a document whose viewBox is in mm, or empty
-  std::array<double, 2> svg_mm{};         ///< its size
-  std::vector<Box> marks{};               ///< filled black
-  std::string words{};                    ///< beside the bars
-  PagePoint bar{};                        ///< where the bars of 100 mm meet: one goes right, one up
+  PagePoint shift_mm{};            ///< of the image, to the right and down
+  std::vector<std::string> svgs;   ///< drawings over the image: documents whose viewBox is in mm
+  std::array<double, 2> svg_mm{};  ///< their size
+  std::vector<Box> marks{};        ///< filled black
+  std::string words{};             ///< beside the bars
+  PagePoint bar{};                 ///< where the bars of 100 mm meet: one goes right, one up
   double bar_across_mm{}, bar_down_mm{};  ///< their lengths; 0: none
   std::array<double, 2> stretch{1, 1};    ///< of all of it, for printers that print too small
 };

@@ -52,8 +52,15 @@ Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sourc
       joined.seams_x.push_back(
           0.5 * (parts[p - 1]->place.v_mm + parts[p - 1]->width_mm + parts[p]->place.v_mm));
     add_warnings(*made, joined.drawing);
-    return DrawingInput{std::move(joined.drawing), spec->material, spec->pens,
-                        std::move(joined.seams_x)};
+    DrawingInput out{std::move(joined.drawing), spec->material, spec->pens,
+                     std::move(joined.seams_x)};
+    for (std::size_t p = 0; made->book && p < parts.size(); ++p) {
+      const Pattern& card = *parts[p];
+      const double x = card.place.v_mm, y = card.place.u_mm;
+      out.parts.push_back({fmt::format("card {}", p + 1),
+                           {x, y, x + card.width_mm, y + card.wall_mm + card.ground_mm}});
+    }
+    return out;
   }
   LineWork drawing = linework_from_pattern(made->parts.front().pattern);
   add_warnings(*made, drawing);

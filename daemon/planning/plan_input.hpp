@@ -11,6 +11,7 @@
 #include "core/design/patches.hpp"
 #include "core/drawing/linework.hpp"
 #include "core/formats/svg/svg_reader.hpp"
+#include "core/plan/plan.hpp"
 #include "core/progress.hpp"
 #include "core/result.hpp"
 
@@ -20,9 +21,10 @@ namespace popcut::planning {
 struct DrawingInput {
   LineWork drawing;
   std::optional<std::string> material;
-  std::string pens{};             ///< a spec's own, see `with_pens`
-  std::vector<double> seams_x{};  ///< split it there, mm from its left edge
-  std::optional<PagePoint> at{};  ///< where it goes on a sheet unless the options say
+  std::string pens{};              ///< a spec's own, see `with_pens`
+  std::vector<double> seams_x{};   ///< split it there, mm from its left edge
+  std::optional<PagePoint> at{};   ///< where it goes on a sheet unless the options say
+  std::vector<DrawnPart> parts{};  ///< of a book: its cards
 };
 
 enum class InputKind : std::uint8_t { Spec, Fold, Svg, Dxf };

@@ -231,6 +231,7 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
   auto planned = plan(std::move(input->drawing), *machine, *material, how);
   if (!planned) return named(planned.error());
   planned->unit_mm = reading->unit_mm;
+  planned->parts = std::move(input->parts);
   PlanJob job{std::move(*planned), {}, {}};
   if (!machine->driven()) return job;
   tell(options.progress, "writing the programs");

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/design/outline/bridges.hpp"
 #include "core/design/outline/drawing_outline.hpp"
 #include "core/design/outline/extrusion.hpp"
 #include "core/design/outline/text_outline.hpp"
@@ -19,7 +20,9 @@ void check(const Result<std::vector<Area>>& areas) {
   }
   if (areas->empty()) std::abort();
   const auto solid = extruded(*areas, 5.0);
-  if (solid ? solid->empty() || solid->size() % 9 != 0 : solid.error().detail.empty()) std::abort();
+  if (solid.empty() || solid.size() % 9 != 0) std::abort();
+  const auto joined = with_bridges(*areas, 2.0);
+  if (joined ? joined->areas.empty() : joined.error().detail.empty()) std::abort();
 }
 
 /// The usual font with three bytes changed for each five of `changes`: a place, and what stands

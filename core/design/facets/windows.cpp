@@ -24,6 +24,8 @@ class WindowCutter {
       : image_(image), planes_(planes), target_(target), deeper_mm_(deeper_mm) {
     least_ = std::max(1, static_cast<int>(std::ceil(min_panel_mm / grid().step_mm - 1e-9)));
     ring_ = std::max(1, static_cast<int>(std::ceil(min_panel_mm / grid().strip_mm - 1e-9)));
+    slit_.assign(static_cast<std::size_t>(grid().strips) * static_cast<std::size_t>(grid().columns),
+                 0);
   }
 
   std::size_t run() {
@@ -42,10 +44,14 @@ class WindowCutter {
       for (std::uint32_t k = 0; k < all.size(); ++k)
         if (window[k] == w) parts.push_back(all[k]);
       if (!is_sound(parts)) continue;
-      ++cut;
-      for (const WindowStretch& part : parts) {
-        const auto strip = image_.strip(part.strip);
-        std::fill(strip.begin() + part.begin, strip.begin() + part.end, kNoLabel);
+      const Label label = label_at(parts.front().strip, parts.front().begin);
+      fill(parts, kNoLabel);
+      open(parts.front(), true);
+      if (is_whole(parts.front())) {
+        ++cut;
+      } else {
+        open(parts.front(), false);
+        fill(parts, label);
       }
     }
     return cut;
@@ -102,8 +108,7 @@ class WindowCutter {
     return a.begin < b.end && b.begin < a.end;
   }
 
-  /// Wide enough to be cut, and of a form that one slit opens: it begins in one strip only, and no
-  /// other window is on the slit's way.
+  /// Wide enough to be cut, and of a form that one slit opens: it begins in one strip only.
   [[nodiscard]] bool is_sound(const std::vector<WindowStretch>& parts) const {
     constexpr double kLeastArea = 4.0;  // mm^2
     double area = 0.0;
@@ -119,15 +124,62 @@ class WindowCutter {
       begins += has_before ? 0 : 1;
     }
     if (area < kLeastArea || begins != 1) return false;
-    const WindowStretch& first = parts.front();
-    const Label label = image_.strip(first.strip)[static_cast<std::size_t>(first.begin)];
-    for (int i = first.begin; i > 0; --i) {  // up to where the patch ends
-      const auto at = static_cast<std::size_t>(i - 1);
-      const Label here = image_.strip(first.strip)[at], before = image_.strip(first.strip - 1)[at];
-      if (here == kNoLabel || before == kNoLabel) return false;
-      if (here != label || before != label) return true;
+    return slit_end(parts.front()) > 0;
+  }
+
+  [[nodiscard]] Label label_at(int s, int column) const {
+    return image_.strip(s)[static_cast<std::size_t>(column)];
+  }
+
+  void fill(const std::vector<WindowStretch>& parts, Label label) {
+    for (const WindowStretch& part : parts) {
+      const auto strip = image_.strip(part.strip);
+      std::fill(strip.begin() + part.begin, strip.begin() + part.end, label);
     }
-    return false;
+  }
+
+  /// The column at which the slit of a window ends, which goes up from it between its first strip
+  /// and the one before: where its patch does in that strip, or at a window above, which has a slit
+  /// of its own.
+  [[nodiscard]] int slit_end(const WindowStretch& first) const {
+    const Label label = label_at(first.strip, first.begin - 1);
+    int i = first.begin;
+    while (i > 0 && label_at(first.strip, i - 1) == label) --i;
+    return i;
+  }
+
+  /// Marks the slit of a window, or takes the marks away.
+  void open(const WindowStretch& first, bool slit) {
+    for (int i = slit_end(first); i < first.begin; ++i) slit_[cell(first.strip, i)] = slit ? 1 : 0;
+  }
+
+  [[nodiscard]] std::size_t cell(int s, int column) const {
+    return static_cast<std::size_t>(s) * static_cast<std::size_t>(grid().columns) +
+           static_cast<std::size_t>(column);
+  }
+
+  /// Whether the patch on both sides of a window's slit is one piece around it: a slit from window
+  /// to window parts the paper between them.
+  [[nodiscard]] bool is_whole(const WindowStretch& first) const {
+    const int column = first.begin - 1;
+    const Label label = label_at(first.strip, column);
+    std::vector<std::uint8_t> reached(slit_.size(), 0);
+    std::vector<std::pair<int, int>> work;
+    const auto reach = [&](int s, int i) {
+      if (s < 0 || i < 0 || s >= grid().strips || i >= grid().columns) return;
+      if (label_at(s, i) != label || std::exchange(reached[cell(s, i)], std::uint8_t{1}) != 0)
+        return;
+      work.emplace_back(s, i);
+    };
+    reach(first.strip, column);
+    while (!work.empty()) {
+      const auto [s, i] = work.back();
+      work.pop_back();
+      reach(s, i - 1), reach(s, i + 1);
+      if (slit_[cell(s, i)] == 0) reach(s - 1, i);
+      if (s + 1 < grid().strips && slit_[cell(s + 1, i)] == 0) reach(s + 1, i);
+    }
+    return reached[cell(first.strip - 1, column)] != 0;
   }
 
   LabelImage& image_;
@@ -135,6 +187,7 @@ class WindowCutter {
   const DepthImage& target_;
   double deeper_mm_;
   int least_{}, ring_{};
+  std::vector<std::uint8_t> slit_;  ///< of each cell, whether a slit parts it from the strip before
 };
 
 }  // namespace

@@ -5,20 +5,25 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <clipper.hpp>
 
+#include "core/geometry/disjoint_sets.hpp"
+#include "core/geometry/sweep_triangles.hpp"
+
 namespace popcut {
 namespace {
 
 constexpr double kUnseen = 1e-5;  // of the whole size: 1 micron of a shape of 100 mm
 constexpr double kSteps = 1e6;    // over the whole size; products stay far below 2^63
+constexpr int kMostRounds = 8;    // one is enough but for lines that cross within a step
 
 /// A ring of many points without those that it strays from by at most `far` without them (Douglas
-/// and Peucker 1973): triangulation takes time as the square of their number.
+/// and Peucker 1973): curves come with more chords than any card shows.
 Ring without_idle_points(const Ring& ring, double far) {
   constexpr std::size_t kMany = 2000;
   const std::size_t n = ring.size();
@@ -50,12 +55,156 @@ Ring without_idle_points(const Ring& ring, double far) {
   return out;
 }
 
-Ring ring_of(const ClipperLib::Path& path, const Vec2& from, double step) {
-  Ring out;
-  out.reserve(path.size());
-  for (const ClipperLib::IntPoint& p : path)
-    out.push_back(from + step * Vec2(static_cast<double>(p.X), static_cast<double>(p.Y)));
-  return out;
+/// Places on a grid of whole numbers.
+struct Grid {
+  Vec2 from;
+  double step{};
+
+  [[nodiscard]] WholePoint on(const Vec2& p) const {
+    const Vec2 at = (p - from) / step;
+    return {std::llround(at[0]), std::llround(at[1])};
+  }
+  [[nodiscard]] Vec2 off(const WholePoint& p) const {
+    return from + step * Vec2(static_cast<double>(p.x), static_cast<double>(p.y));
+  }
+};
+
+/// Closed lines on the grid, one after another, as `sweep_triangles` takes them.
+struct GridLines {
+  std::vector<WholePoint> points;
+  std::vector<std::uint32_t> ends;
+
+  void close() { ends.push_back(static_cast<std::uint32_t>(points.size())); }
+};
+
+/// Triangles that meet along their sides as pieces, with the lines around them.
+class Pieces {
+ public:
+  Pieces(const GridLines& lines, const std::vector<Triangle>& triangles, const Grid& grid)
+      : lines_(lines), triangles_(triangles), grid_(grid), beside_(3 * triangles.size(), kNone) {
+    join_sides();
+  }
+
+  std::vector<Area> run() {
+    DisjointSets sets(triangles_.size());
+    for (std::uint32_t side = 0; side < beside_.size(); ++side)
+      if (beside_[side] != kNone) sets.join(side / 3, beside_[side] / 3);
+    std::vector<std::uint32_t> piece;
+    std::vector<Area> out(sets.number(piece));
+    place_.assign(lines_.points.size(), kNone);
+    std::vector<std::vector<std::uint32_t>> sides(out.size());
+    for (std::uint32_t side = 0; side < beside_.size(); ++side)
+      if (beside_[side] == kNone) sides[piece[side / 3]].push_back(side);
+    std::vector<std::vector<std::uint32_t>> members(out.size());
+    for (std::uint32_t t = 0; t < triangles_.size(); ++t) members[piece[t]].push_back(t);
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      add_lines(sides[k], out[k]);
+      for (const std::uint32_t t : members[k]) {
+        const auto& [a, b, c] = triangles_[t];
+        out[k].triangles.push_back({place_[a], place_[b], place_[c]});
+      }
+    }
+    return out;
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = 0xFFFFFFFF;
+
+  /// Side 3 t + c goes from corner c of triangle t to the next one.
+  [[nodiscard]] std::uint32_t from(std::uint32_t side) const {
+    return triangles_[side / 3][side % 3];
+  }
+  static std::uint32_t next(std::uint32_t side) { return side % 3 == 2 ? side - 2 : side + 1; }
+
+  void join_sides() {
+    struct Side {
+      std::uint32_t low, high, at;
+    };
+    std::vector<Side> sides;
+    sides.reserve(beside_.size());
+    for (std::uint32_t at = 0; at < beside_.size(); ++at) {
+      const std::uint32_t a = from(at), b = from(next(at));
+      sides.push_back({std::min(a, b), std::max(a, b), at});
+    }
+    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+      return std::tie(a.low, a.high, a.at) < std::tie(b.low, b.high, b.at);
+    });
+    for (std::size_t k = 0; k + 1 < sides.size(); ++k)
+      if (sides[k].low == sides[k + 1].low && sides[k].high == sides[k + 1].high)
+        beside_[sides[k].at] = sides[k + 1].at, beside_[sides[k + 1].at] = sides[k].at;
+  }
+
+  /// The lines around a piece. Where it touches itself, a line goes on along the same triangles.
+  void add_lines(const std::vector<std::uint32_t>& sides, Area& out) {
+    std::vector<std::vector<std::uint32_t>> lines;
+    for (const std::uint32_t first : sides) {
+      if (beside_[first] != kNone) continue;  // walked before
+      auto& line = lines.emplace_back();
+      std::uint32_t side = first;
+      do {
+        line.push_back(from(side));
+        std::uint32_t after = next(side);
+        while (beside_[after] != kNone && beside_[after] != kWalked) after = next(beside_[after]);
+        beside_[side] = kWalked;
+        side = after;
+      } while (side != first);
+    }
+    const auto outer =
+        std::find_if(lines.begin(), lines.end(), [&](const auto& line) { return is_left(line); });
+    if (outer != lines.end()) std::rotate(lines.begin(), outer, outer + 1);
+    std::uint32_t places = 0;
+    for (const auto& line : lines) {
+      Ring ring;
+      for (const std::uint32_t p : line) {
+        ring.push_back(grid_.off(lines_.points[p]));
+        place_[p] = places++;
+      }
+      &line == &lines.front() ? void(out.outline = std::move(ring))
+                              : out.holes.push_back(std::move(ring));
+    }
+  }
+
+  [[nodiscard]] bool is_left(const std::vector<std::uint32_t>& line) const {
+    std::int64_t twice = 0;
+    for (std::size_t k = 0; k < line.size(); ++k) {
+      const WholePoint &a = lines_.points[line[k]], &b = lines_.points[line[(k + 1) % line.size()]];
+      twice += a.x * b.y - a.y * b.x;
+    }
+    return twice > 0;
+  }
+
+  static constexpr std::uint32_t kWalked = kNone - 1;
+  const GridLines& lines_;
+  const std::vector<Triangle>& triangles_;
+  const Grid& grid_;
+  std::vector<std::uint32_t> beside_;  ///< of each side, the one that lies over it; or none
+  std::vector<std::uint32_t> place_;   ///< of each point, its number in the piece's lines
+};
+
+/// Moves points to the nearest multiples of `step`.
+void coarsen(GridLines& lines, std::int64_t step) {
+  const auto nearest = [&](std::int64_t value) { return (value + step / 2) / step * step; };
+  for (WholePoint& p : lines.points) p = {nearest(p.x), nearest(p.y)};
+}
+
+/// Lines that bound the same as `lines` do, without crossings but for those that rounding makes.
+/// @return false if they cannot be joined
+bool joined(GridLines& lines, ClipperLib::PolyFillType rule) {
+  ClipperLib::Clipper clipper;
+  std::uint32_t first = 0;
+  for (const std::uint32_t end : lines.ends) {
+    ClipperLib::Path path;
+    for (; first < end; ++first) path.emplace_back(lines.points[first].x, lines.points[first].y);
+    clipper.AddPath(path, ClipperLib::ptSubject, true);  // false: it has no area
+  }
+  ClipperLib::Paths paths;
+  if (!clipper.Execute(ClipperLib::ctUnion, paths, rule, rule)) return false;
+  lines = {};
+  for (const ClipperLib::Path& path : paths) {
+    for (const ClipperLib::IntPoint& p : path) lines.points.push_back({p.X, p.Y});
+    lines.close();
+  }
+  return true;
 }
 
 }  // namespace
@@ -76,36 +225,31 @@ Result<std::vector<Area>> areas_within(const std::vector<Ring>& rings, FillRule 
         too_much(fmt::format("it has {} points; must have at most {}", points, kMostRingPoints)));
   if (points == 0 || !(box.sizes().minCoeff() > 0.0))
     return fail(ErrorKind::Infeasible, "", "has no closed line with an area");
-  const double step = box.sizes().maxCoeff() / kSteps;
-
-  ClipperLib::Clipper clipper(ClipperLib::ioStrictlySimple);
-  bool any = false;
-  for (const Ring& whole : rings) {
-    const Ring ring = without_idle_points(whole, kUnseen * box.sizes().maxCoeff());
-    ClipperLib::Path path;
-    path.reserve(ring.size());
-    for (const Vec2& p : ring) {
-      const Vec2 at = (p - box.min()) / step;
-      path.emplace_back(std::llround(at[0]), std::llround(at[1]));
-    }
-    any = clipper.AddPath(path, ClipperLib::ptSubject, true) || any;  // false: it has no area
+  const Grid grid{box.min(), box.sizes().maxCoeff() / kSteps};
+  GridLines lines;
+  for (const Ring& ring : rings) {
+    for (const Vec2& p : without_idle_points(ring, kUnseen * box.sizes().maxCoeff()))
+      lines.points.push_back(grid.on(p));
+    lines.close();
   }
-  if (!any) return fail(ErrorKind::Infeasible, "", "has no closed line with an area");
-  ClipperLib::PolyTree tree;
-  const auto rule = fill == FillRule::EvenOdd ? ClipperLib::pftEvenOdd : ClipperLib::pftNonZero;
-  if (!clipper.Execute(ClipperLib::ctUnion, tree, rule, rule))
+  // Lines that do not cross need no joining, which takes time as the square of their number.
+  if (fill == FillRule::NonZero && !joined(lines, ClipperLib::pftNonZero))
     return fail(ErrorKind::Malformed, "", "its lines cannot be joined to areas");
-
-  std::vector<Area> out;
-  for (const ClipperLib::PolyNode* node = tree.GetFirst(); node; node = node->GetNext()) {
-    if (node->IsHole()) continue;
-    Area area{ring_of(node->Contour, box.min(), step), {}};
-    for (const ClipperLib::PolyNode* hole : node->Childs)
-      area.holes.push_back(ring_of(hole->Contour, box.min(), step));
-    out.push_back(std::move(area));
+  auto triangles = sweep_triangles(lines.points, lines.ends);
+  // Crossings are rounded to the grid, which can make new ones; on a coarser grid lines that are so
+  // close become one.
+  for (int round = 0; !triangles && round < kMostRounds; ++round) {
+    if (round > 1) coarsen(lines, std::int64_t{1} << (round - 1));
+    if (!joined(lines, ClipperLib::pftEvenOdd))
+      return fail(ErrorKind::Malformed, "", "its lines cannot be joined to areas");
+    triangles = sweep_triangles(lines.points, lines.ends);
   }
-  if (out.empty()) return fail(ErrorKind::Infeasible, "", "has no closed line with an area");
-  return out;
+  if (triangles && triangles->empty())
+    return fail(ErrorKind::Infeasible, "", "has no closed line with an area");
+  if (triangles) return Pieces(lines, *triangles, grid).run();
+  return fail(ErrorKind::Infeasible, "",
+              "has lines that cross each other at more places than can be told apart; simplify it "
+              "where lines lie close together");
 }
 
 }  // namespace popcut

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/geometry/triangulate.hpp"
 #include "core/geometry/vec.hpp"
 #include "core/result.hpp"
 
@@ -15,6 +16,7 @@ using Ring = std::vector<Vec2>;
 struct Area {
   Ring outline;
   std::vector<Ring> holes;
+  std::vector<Triangle> triangles;  ///< of its points: the outline's, then those of each hole
 };
 
 /// What counts as inside where rings lie over each other (SVG 2, 13.4.2).
@@ -23,10 +25,10 @@ enum class FillRule { NonZero, EvenOdd };
 inline constexpr std::size_t kMostRingPoints = 200'000;
 
 /// The pieces that closed lines bound, which may cross themselves and each other. Points are kept
-/// to a millionth of the whole size.
+/// to a millionth of the whole size. O(n log n) for lines that cross O(n) times.
 ///
 /// @retval OutOfRange  more than `kMostRingPoints`, or a coordinate that is not a finite number
-/// @retval Infeasible  they bound no area
+/// @retval Infeasible  they bound no area, or cross so closely that what they bound stays unclear
 [[nodiscard]] Result<std::vector<Area>> areas_within(const std::vector<Ring>& rings, FillRule fill);
 
 }  // namespace popcut

@@ -196,6 +196,9 @@ FieldTable<LoftSpec> loft() {
 }
 
 Shape<double> outline_length() { return shape::number(above(0.0, kMaxLength)); }
+Shape<double> bridge_width() { return shape::number(from(0.0, kMaxLength)); }
+constexpr const char* kBridgeHelp =
+    "width of the bridges that hold a part in a hole; 0: none; if left out 1/15 of the height";
 
 FieldTable<TextSpec> text_fields() {
   return {{
@@ -205,6 +208,7 @@ FieldTable<TextSpec> text_fields() {
                       "DejaVu Sans Bold"),
       field<TextSpec>("height", &TextSpec::height, outline_length(), "height of its capitals"),
       field<TextSpec>("depth", &TextSpec::depth, outline_length(), "from the wall to its front"),
+      field<TextSpec>("bridge", &TextSpec::bridge, bridge_width(), kBridgeHelp),
   }};
 }
 
@@ -216,6 +220,7 @@ FieldTable<OutlineSpec> outline_fields() {
                          "height of the whole; if left out as it is drawn, in mm"),
       field<OutlineSpec>("depth", &OutlineSpec::depth, outline_length(),
                          "from the wall to its front"),
+      field<OutlineSpec>("bridge", &OutlineSpec::bridge, bridge_width(), kBridgeHelp),
   }};
 }
 

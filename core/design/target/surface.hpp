@@ -2,6 +2,9 @@
 #pragma once
 
 #include <functional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/design/target/curve.hpp"
 #include "core/design/target/monotone_fit.hpp"
@@ -51,6 +54,9 @@ class Surface {
   /// formulas the part that stands in the corner over the stretch; of meshes and grids all
   /// triangles, but those that lie on wall or ground, which the card makes.
   [[nodiscard]] TriangleSoup triangles(const TargetStretch& stretch) const;
+
+  /// What became of it that a person would not expect, in sentences.
+  std::vector<std::string> notes;
 
   using Slicer = std::function<Result<SurfaceSlice>(double)>;
   using Tessellator = std::function<TriangleSoup(const TargetStretch&)>;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include <functional>
 
 #include "core/design/target/placement_map.hpp"
@@ -34,8 +37,11 @@ using SolidFunction = std::function<double(double, double, double)>;
                                        FitMode fit, const char* what);
 
 /// The triangles of a surface that has a `solid_word`, before the placement.
+///
+/// @param notes  gets what became of it that a person would not expect (`Surface::notes`)
 [[nodiscard]] Result<TriangleMesh> triangles_of(const SurfaceSpec& spec,
-                                                const SurfaceAssets& assets);
+                                                const SurfaceAssets& assets,
+                                                std::vector<std::string>* notes = nullptr);
 
 /// Slices of triangles that already stand in the corner. `closed`: they bound a solid, so that a
 /// border that is seen is a hole.

@@ -2,9 +2,14 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "core/design/outline/bridges.hpp"
 #include "core/design/outline/drawing_outline.hpp"
 #include "core/design/outline/extrusion.hpp"
 #include "core/design/outline/text_outline.hpp"
@@ -32,8 +37,12 @@ Result<std::string_view> bytes_of(const SurfaceSpec& spec, const SurfaceAssets& 
   return std::string_view(found->second);
 }
 
-Result<TriangleMesh> upright(const Result<std::vector<Area>>& areas, double depth,
-                             const std::string& field) {
+/// Shapes as a solid, those that stand free in a hole joined to what is around them.
+///
+/// @param bridge  none: as wide as is usual for this height
+Result<TriangleMesh> upright(Result<std::vector<Area>> areas, double depth,
+                             std::optional<double> bridge, double height, const std::string& field,
+                             std::vector<std::string>* notes) {
   if (!areas) {
     Error error = areas.error();
     if (error.place == "font" || error.place == "text") {
@@ -42,9 +51,25 @@ Result<TriangleMesh> upright(const Result<std::vector<Area>>& areas, double dept
     }
     return at(field, std::move(error));
   }
-  auto corners = extruded(*areas, depth);
-  if (!corners) return at(field, corners.error());
-  return TriangleMesh{std::move(*corners)};
+  const double width = bridge.value_or(usual_bridge(height));
+  const auto joined = with_bridges(std::move(*areas), width);
+  if (!joined) return at(field, joined.error());
+  if (notes != nullptr && joined->islands > 0)
+    notes->push_back(fmt::format(
+        "{} free in a hole: two bridges of {:.3g} (units of the surface) hold {}; \"bridge\" of "
+        "/surface sets their width, and 0 leaves them out",
+        joined->islands == 1 ? "a part stands" : fmt::format("{} parts stand", joined->islands),
+        width, joined->islands == 1 ? "it" : "each"));
+  return TriangleMesh{extruded(joined->areas, depth)};
+}
+
+/// How high shapes are.
+double height_of(const Result<std::vector<Area>>& areas) {
+  Eigen::AlignedBox2d box;
+  if (areas)
+    for (const Area& area : *areas)
+      for (const Vec2& p : area.outline) box.extend(p);
+  return box.isEmpty() ? 0.0 : box.sizes().y();
 }
 
 /// All triangles but those that lie on wall or ground.
@@ -68,13 +93,18 @@ TriangleSoup standing_triangles(const MeshSlicer& slicer) {
 
 }  // namespace
 
-Result<TriangleMesh> triangles_of(const SurfaceSpec& spec, const SurfaceAssets& assets) {
+Result<TriangleMesh> triangles_of(const SurfaceSpec& spec, const SurfaceAssets& assets,
+                                  std::vector<std::string>* notes) {
   const auto bytes = bytes_of(spec, assets);
   if (!bytes) return tl::unexpected(bytes.error());
   if (const auto* text = std::get_if<TextSpec>(&spec))
-    return upright(text_areas(text->text, *bytes, text->height), text->depth, "text");
-  if (const auto* outline = std::get_if<OutlineSpec>(&spec))
-    return upright(drawing_areas(std::string(*bytes), outline->height), outline->depth, "file");
+    return upright(text_areas(text->text, *bytes, text->height), text->depth, text->bridge,
+                   text->height, "text", notes);
+  if (const auto* outline = std::get_if<OutlineSpec>(&spec)) {
+    auto areas = drawing_areas(std::string(*bytes), outline->height);
+    const double height = height_of(areas);
+    return upright(std::move(areas), outline->depth, outline->bridge, height, "file", notes);
+  }
   const std::string file = asset_of(spec);
   auto mesh = std::holds_alternative<GridSpec>(spec) ? read_height_grid(file, *bytes)
                                                      : read_mesh(file, *bytes);
@@ -112,12 +142,15 @@ Result<Surface> surface_of_triangles(TriangleMesh mesh, FitMode fit, const char*
 
 Result<Surface> surface_of_mesh(const SurfaceSpec& spec, const TargetPlacement& placement,
                                 FitMode fit, const SurfaceAssets& assets) {
-  auto mesh = triangles_of(spec, assets);
+  std::vector<std::string> notes;
+  auto mesh = triangles_of(spec, assets, &notes);
   if (!mesh) return tl::unexpected(mesh.error());
   auto standing = placed(std::move(*mesh), placement);
   if (!standing) return tl::unexpected(standing.error());
   const bool closed = !std::holds_alternative<GridSpec>(spec);
-  return surface_of_triangles(std::move(*standing), fit, solid_word(spec), closed);
+  auto surface = surface_of_triangles(std::move(*standing), fit, solid_word(spec), closed);
+  if (surface) surface->notes = std::move(notes);
+  return surface;
 }
 
 }  // namespace popcut

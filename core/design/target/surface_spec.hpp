@@ -52,9 +52,10 @@ struct MeshSpec {
 /// surface.
 struct TextSpec {
   std::string text;
-  std::string font;     ///< name of a TrueType or OpenType file; empty: `usual_font`
-  double height{30.0};  ///< of its capitals
-  double depth{15.0};   ///< from the wall to its front
+  std::string font;                ///< name of a TrueType or OpenType file; empty: `usual_font`
+  double height{30.0};             ///< of its capitals
+  double depth{15.0};              ///< from the wall to its front
+  std::optional<double> bridge{};  ///< width of bridges to parts in holes; none: `usual_bridge`
 };
 
 /// The shapes of a drawing, upright as its front (`drawing_areas`), in units of the surface.
@@ -62,7 +63,11 @@ struct OutlineSpec {
   std::string file;                ///< name of an SVG or DXF file
   std::optional<double> height{};  ///< of the whole; none: as it is drawn, in mm
   double depth{15.0};              ///< from the wall to its front
+  std::optional<double> bridge{};  ///< width of bridges to parts in holes; none: `usual_bridge`
 };
+
+/// The width of a bridge (`with_bridges`) of letters or a drawing as high as this.
+[[nodiscard]] inline double usual_bridge(double height) { return height / 15.0; }
 
 using SurfaceSpec = std::variant<RevolutionSpec, ProfileSpec, ImplicitSpec, GridSpec, MeshSpec,
                                  LoftSpec, TextSpec, OutlineSpec>;

@@ -11,12 +11,13 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "core/formats/write/profile_svg.hpp"
 #include "core/plan/plan.hpp"
+#include "core/plan/sheet_pieces.hpp"
 #include "core/print/pages.hpp"
 #include "core/text/utf8.hpp"
 #include "core/text/words.hpp"
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/commands/profile_sheets.hpp"
 #include "daemon/cli/options/plan_arguments.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/pictures/pdf.hpp"
@@ -24,85 +25,6 @@
 namespace popcut::cli {
 namespace plan_command {
 namespace {
-
-bool same_line(std::span<const PagePoint> a, std::span<const PagePoint> b) {
-  const auto same = [](const PagePoint& p, const PagePoint& q) { return p.x == q.x && p.y == q.y; };
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), same) ||
-         std::equal(a.begin(), a.end(), b.rbegin(), b.rend(), same);
-}
-
-using Ends = std::array<double, 4>;
-
-Ends ends_of(std::span<const PagePoint> line) {
-  const PagePoint &p = line.front(), &q = line.back();
-  return p.x < q.x || (p.x == q.x && p.y < q.y) ? Ends{p.x, p.y, q.x, q.y}
-                                                : Ends{q.x, q.y, p.x, p.y};
-}
-
-// Each stroke once, however often the material has the cutter go over it, and scored stretches of
-// dashed folds as scores: another program would cut them through.
-LineWork strokes_as_lines(const PlannedSheet& sheet, FoldMode folds, const std::string& title) {
-  const Toolpath& path = sheet.path;
-  LineWork work;
-  work.name = title;
-  work.dashed = folds == FoldMode::Perforate;
-  work.points.reserve(path.points.size());
-  std::set<Ends> scored;
-  for (std::size_t i = 0; i < sheet.scored.size(); ++i) scored.insert(ends_of(sheet.scored[i]));
-  const auto rounds = static_cast<std::size_t>(std::max(1, sheet.knife.rounds));
-  for (std::size_t i = 0; i < path.strokes.size(); ++i) {
-    auto points = path.points_of(path.strokes[i]);
-    if (i > 0 && same_line(path.points_of(path.strokes[i - 1]), points)) continue;
-    Operation operation = path.strokes[i].operation;
-    if (is_cut(operation) && closed(points) && rounds > 1)
-      points = points.first((points.size() - 1) / rounds + 1);
-    if (is_fold(operation) && scored.contains(ends_of(points))) operation = Operation::Score;
-    work.append(operation, points);
-  }
-  return work;
-}
-
-// The mats of that maker keep a quarter of an inch free all round.
-CricutMat cricut_mat(const PlannedSheet& sheet, const Machine& machine) {
-  constexpr double kMmPerInch = 25.4;
-  CricutMat mat;
-  if (machine.language == "cricut") {
-    mat.width_in = std::round(sheet.area_mm[0] / kMmPerInch * 1e4) / 1e4;
-    mat.height_in = std::round(sheet.area_mm[1] / kMmPerInch * 1e4) / 1e4;
-    return mat;
-  }
-  const double inches = sheet.area_mm[1] / kMmPerInch;
-  if (inches > mat.height_in + 0.5 + 1e-6) mat.height_in = 23.5;
-  return mat;
-}
-
-// Adds sheet `number` (from 1) as another program wants it, `sheet-NN-PROFILE.svg`, for the
-// profiles cricut, lightburn and origami-sim; nothing for the others. A sheet that is too large
-// for that program's mat is noted in `warnings`.
-Result<void> add_profile_sheet(Plan& plan, std::size_t number, const std::string& profile,
-                               const std::string& title, OutputFolder& folder) {
-  const PlannedSheet& sheet = plan.sheets[number - 1];
-  const std::string name = fmt::format("sheet-{:02}-{}.svg", number, profile);
-  std::ostringstream out;
-  if (profile == "cricut") {
-    const auto written = write_cricut_svg(strokes_as_lines(sheet, plan.folds, title),
-                                          cricut_mat(sheet, plan.machine), out);
-    if (!written) {
-      plan.warnings.push_back(
-          {.code = "not_written",
-           .message = fmt::format("{} is not written: {}", name, written.error().detail),
-           .place = {.sheet = static_cast<int>(number)}});
-      return {};
-    }
-  } else if (profile == "lightburn") {
-    write_lightburn_svg(strokes_as_lines(sheet, plan.folds, title), sheet.area_mm, out);
-  } else if (profile == "origami-sim" && sheet.lines) {
-    write_origami_sim_svg(*sheet.lines, out);
-  } else {
-    return {};
-  }
-  return folder.add(name, out.str());
-}
 
 struct Options {
   PlanArguments plan;
@@ -177,6 +99,12 @@ double length_of(const Toolpath& path, Operation operation) {
   return mm;
 }
 
+// Which cards of a book are on a sheet.
+void say_parts(const Plan& plan, std::size_t i) {
+  if (const std::string names = part_names(parts_on_sheet(plan, i)); !names.empty())
+    fmt::print(stderr, "           {}\n", names);
+}
+
 // Where popcut does not drive: what is on the sheet, and the file to take on.
 void say_drawing(const Plan& plan, std::size_t i, const std::string& folder,
                  const Formats& formats) {
@@ -191,6 +119,7 @@ void say_drawing(const Plan& plan, std::size_t i, const std::string& folder,
   if (const double mm = length_of(sheet.path, Operation::Score); mm > 0.0)
     fmt::print(stderr, ", score {:.0f} mm of other lines", mm);
   fmt::print(stderr, "\n");
+  say_parts(plan, i);
   const bool cricut = plan.machine.language == "cricut";
   if (cricut || formats.has("svg", plan.machine))
     fmt::print(
@@ -253,6 +182,7 @@ void say(const PlanJob& job, const std::string& folder, const Formats& formats) 
                "{:.1f})\n",
                sheet.travel_mm, sheet.travel_input_mm, sheet.travel_s, minutes(sheet.seconds),
                minutes(sheet.seconds_range[0]), minutes(sheet.seconds_range[1]));
+    say_parts(plan, i);
     if (formats.has("program", plan.machine))
       fmt::print(stderr, "           {}/{}\n", folder, job.program_file(i));
   }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,7 +21,11 @@
 #include "core/layout/sheet.hpp"
 #include "core/machines/machine.hpp"
 #include "core/plan/plan.hpp"
+#include "core/plan/plan_options.hpp"
+#include "core/plan/sheet_pieces.hpp"
+#include "core/print/pages.hpp"
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/commands/profile_sheets.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/options/plan_arguments.hpp"
 #include "daemon/cli/view/long_work.hpp"
@@ -29,6 +34,7 @@
 #include "daemon/files/user_tables.hpp"
 #include "daemon/pictures/artwork_pages.hpp"
 #include "daemon/pictures/image_reader.hpp"
+#include "daemon/pictures/pdf.hpp"
 #include "daemon/planning/views/printed_design.hpp"
 
 namespace popcut::cli {
@@ -43,6 +49,7 @@ struct Options {
   double dpi{300}, trap_mm{0.3}, bleed_mm{1}, shade{}, scale_x{100}, scale_y{100};
   CLI::Option* shade_option{};
   bool clay{false}, bare_card{false}, back{false}, preview{false}, no_marks{false};
+  bool cut_lines{false};
 };
 
 ModelFiles files_beside(const std::filesystem::path& model) {
@@ -116,6 +123,16 @@ Result<PrintMode> mode_of(const Options& options) {
   return mode;
 }
 
+/// The first option that was given and that plans of marked sheets refuse; empty: none.
+std::string unmarked_option(const PlanArguments& plan) {
+  for (const char* name : {"per-sheet", "weed-box", "clip", "scale", "width", "rotate", "mirror"}) {
+    const auto given = plan.options.find(name);
+    if (given == plan.options.end()) continue;
+    if (read_plan_options({*given}) && !read_plan_options({*given, {"marks", "true"}})) return name;
+  }
+  return {};
+}
+
 /// Marks are printed where the cutter looks for them, unless a person says otherwise.
 Result<void> choose_marks(const Options& options, PlanArguments& plan) {
   if (options.no_marks || plan.options.contains("marks")) return {};
@@ -124,7 +141,13 @@ Result<void> choose_marks(const Options& options, PlanArguments& plan) {
   if (!tables) return tl::unexpected(tables.error());
   const auto machine = find_machine(plan.machine.empty() ? "cameo3" : plan.machine, tables->texts);
   // A machine that is not known is an error of the plan.
-  if (machine && machine->driven() && machine->language == "gpgl") plan.options["marks"] = "true";
+  if (!machine || !machine->driven() || machine->language != "gpgl") return {};
+  if (const std::string name = unmarked_option(plan); !name.empty())
+    return fail(ErrorKind::Usage, "--" + name,
+                fmt::format("does not go with registration marks, which popcut prints for {}; "
+                            "leave it out, or print without marks (--no-marks)",
+                            machine->title));
+  plan.options["marks"] = "true";
   return {};
 }
 
@@ -133,6 +156,7 @@ Result<PrintPageOptions> page_options(const Options& options) {
   out.pixel_mm = 25.4 / options.dpi;
   out.trapping = {options.trap_mm, std::max(options.bleed_mm, options.trap_mm)};
   out.back = options.back;
+  out.cut_lines = options.cut_lines;
   out.bars_mm = {options.scale_x, options.scale_y};
   if (options.page.empty()) return out;
   const auto size = parse_size_mm(options.page);
@@ -195,6 +219,20 @@ void say_next(const Options& options, const PlanJob& job) {
              "  next     print {}{} at actual size (100 %, not \"fit to page\"), and measure the "
              "bar of 100 mm\n",
              page(0), sheets == 1 ? "" : " to " + page(sheets - 1));
+  if (job.plan.machine.language == "hand")
+    fmt::print(
+        stderr,
+        "           press the dashed lines, cut the solid ones, the outline last, and fold{}\n",
+        job.plan.layout
+            ? fmt::format("; {}/assembly.pdf shows how to glue the pieces", options.folder)
+            : "");
+  if (job.plan.machine.language == "cricut")
+    fmt::print(
+        stderr,
+        "           or let the Cricut print and cut: in Design Space upload {0}/{1} as a Print "
+        "Then Cut\n           image and {0}/sheet-01-cricut.svg, select both, Align, Center, "
+        "and Attach\n",
+        options.folder, PlanJob::sheet_file(0, "png"));
   if (!job.plan.machine.driven()) return;
   if (!job.marks.empty())
     fmt::print(
@@ -234,9 +272,62 @@ void say(const Options& options, const PlanJob& job, const PrintedDesign& design
              mode == PrintMode::Flat ? ", your picture laid flat"
              : design.coloured       ? ", in the model's colours"
                                      : ", as clay: the model has no colours");
+  for (std::size_t i = 0; i < sheets; ++i)
+    if (const std::string names = part_names(parts_on_sheet(job.plan, i)); !names.empty())
+      fmt::print(stderr, "  sheet {}  {}\n", i + 1, names);
   for (const Warning& warning : job.plan.warnings)
     fmt::print(stderr, "  warning  {}\n", warning.message);
   say_next(options, job);
+}
+
+/// What is printed: pixels, or lines where there are some.
+struct Printed {
+  const Artwork& artwork;
+  const std::string& lines;
+};
+
+/// What other programs than popcut take: the artwork with lines to cut, and for Design Space each
+/// of them alone.
+Result<void> add_for_programs(PlanJob& job, const Printed& printed, const PrintPageOptions& pages,
+                              std::size_t i, OutputFolder& folder) {
+  const auto svg = artwork_sheet_svg(printed.artwork, printed.lines, job.plan, i, pages);
+  if (!svg) return tl::unexpected(svg.error());
+  if (auto done = folder.add(PlanJob::sheet_file(i, "svg"), *svg); !done) return done;
+  if (job.plan.machine.language != "cricut") return {};
+  const std::string title = page_name(fmt::format("{}: sheet {}", job.plan.name, i + 1));
+  if (auto done = add_profile_sheet(job.plan, i + 1, "cricut", title, folder); !done) return done;
+  const auto png = artwork_sheet_png(printed.artwork, job.plan, i, pages);
+  if (!png) return tl::unexpected(png.error());
+  return folder.add(PlanJob::sheet_file(i, "png"), *png);
+}
+
+Result<void> add_sheets(const Options& options, PlanJob& job, const Printed& printed,
+                        const PrintPageOptions& pages, LongWork& work, OutputFolder& folder) {
+  Plan& plan = job.plan;
+  const std::size_t sheets = plan.sheets.size();
+  std::vector<PrintedPage> lined;  // by hand: with margins, a legend, and how to glue
+  if (plan.machine.language == "hand") {
+    auto made = sheet_pages(plan, PageGround::Artwork);
+    if (!made) return tl::unexpected(made.error());
+    lined = std::move(*made);
+    if (auto warning = font_warning(plan.name, PlanJob::sheet_file(0, "pdf")))
+      plan.warnings.push_back(std::move(*warning));
+  }
+  for (std::size_t i = 0; i < sheets; ++i) {
+    work.now("writing the pages", static_cast<double>(i) / static_cast<double>(sheets));
+    const auto pdf = artwork_sheet_pdf(printed.artwork, printed.lines, plan, i, pages,
+                                       lined.empty() ? nullptr : &lined[i]);
+    if (!pdf) return tl::unexpected(pdf.error());
+    if (auto done = folder.add(PlanJob::sheet_file(i, "pdf"), *pdf); !done) return done;
+    if (options.cut_lines || !plan.machine.driven())
+      if (auto done = add_for_programs(job, printed, pages, i, folder); !done) return done;
+    if (job.programs.empty()) continue;
+    if (auto done = folder.add(job.program_file(i), job.programs[i].bytes); !done) return done;
+  }
+  if (lined.size() <= sheets) return {};
+  const auto more = pdf_of_pages(std::span(lined).subspan(sheets), plan.name);
+  if (!more) return tl::unexpected(more.error());
+  return folder.add("assembly.pdf", *more);
 }
 
 Result<void> run_print(Options options, const Globals& globals) {
@@ -248,6 +339,7 @@ Result<void> run_print(Options options, const Globals& globals) {
   const auto pages = page_options(options);
   if (!pages) return tl::unexpected(pages.error());
   const bool asked_for_marks = options.plan.options.contains("marks");
+  options.plan.keep_lines = options.cut_lines;
   if (auto chosen = choose_marks(options, options.plan); !chosen) return chosen;
   PrintedDesign design;
   auto job = plan_input(
@@ -274,15 +366,8 @@ Result<void> run_print(Options options, const Globals& globals) {
   }
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
-  for (std::size_t i = 0; i < job->plan.sheets.size(); ++i) {
-    work.now("writing the pages",
-             static_cast<double>(i) / static_cast<double>(job->plan.sheets.size()));
-    const auto pdf = artwork_sheet_pdf(*artwork, lines, job->plan, i, *pages);
-    if (!pdf) return tl::unexpected(pdf.error());
-    if (auto done = folder->add(PlanJob::sheet_file(i, "pdf"), *pdf); !done) return done;
-    if (job->programs.empty()) continue;
-    if (auto done = folder->add(job->program_file(i), job->programs[i].bytes); !done) return done;
-  }
+  if (auto done = add_sheets(options, *job, {*artwork, lines}, *pages, work, *folder); !done)
+    return done;
   const auto scale = scale_page_pdf(*pages);
   if (!scale) return tl::unexpected(scale.error());
   if (auto done = folder->add("scale.pdf", *scale); !done) return done;
@@ -299,7 +384,8 @@ Result<void> run_print(Options options, const Globals& globals) {
 constexpr const char* kHelp =
     "Print artwork on the sheets of a design, in register with the cut.\n\n"
     "  popcut print cat.json -o pages --machine cameo3 --preview\n"
-    "  popcut print cat.json -o pages --mode flat --image sky.png\n\n"
+    "  popcut print cat.json -o pages --mode flat --image sky.png\n"
+    "  popcut print cat.json -o pages --machine none --mat A4\n\n"
     "INPUT is a design (.json). Seen from half way between ground and wall, the card shows what\n"
     "is printed as if the model itself stood there, however coarse its panels are. Colours come\n"
     "from the mesh of the design (OBJ with MTL) or from --model (also .glb, .gltf), from the same\n"
@@ -307,6 +393,9 @@ constexpr const char* kHelp =
     "'popcut plan' does and writes into DIR:\n\n"
     "  sheet-NN.pdf            the page of each sheet, with the marks that the cutter looks for\n"
     "  sheet-NN.gpgl or .hpgl  the program that cuts it\n"
+    "  sheet-NN.svg            with --cut-lines: artwork and lines as layers, for other programs\n"
+    "  sheet-NN.png, sheet-NN-cricut.svg  for a Cricut: the artwork and the lines, to upload\n"
+    "  assembly.pdf            by hand, where there are several pieces: how to glue them\n"
     "  plan.json               lengths, time and warnings\n"
     "  scale.pdf               two bars of 100 mm, to measure what your printer makes of them\n"
     "  preview.glb             with --preview: the card as it opens, with its artwork\n"
@@ -314,7 +403,8 @@ constexpr const char* kHelp =
     "Print at actual size. Load the sheet with the printed side up and the black square at the\n"
     "upper left. popcut prints the command that cuts it: 'popcut cut' with the same options and\n"
     "--marks. Marks need a cutter that looks for them (Silhouette, Graphtec); name yours with\n"
-    "--machine.";
+    "--machine. To cut by hand, give --machine none and your paper (--mat): the pages then have\n"
+    "the lines to cut and to fold over the artwork, and a legend.";
 
 void add_options(CLI::App& command, Options& options) {
   one_word(command.add_option("--mode", options.mode,
@@ -349,6 +439,9 @@ void add_options(CLI::App& command, Options& options) {
       ->option_text("MM [1]");
   command.add_flag("--bare-card", options.bare_card,
                    "With --mode surface: wall and ground stay paper");
+  command.add_flag("--cut-lines", options.cut_lines,
+                   "Draw the lines to cut (solid) and to fold (dashed) over the artwork, and write "
+                   "sheet-NN.svg; always so for --machine none and Cricuts");
   command.add_flag("--back", options.back,
                    "A second page for the other side of each sheet, mirrored");
   command.add_flag("--no-marks", options.no_marks, "Print no registration marks");

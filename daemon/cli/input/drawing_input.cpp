@@ -73,6 +73,8 @@ Result<DrawingInput> drawing_of_book(const std::string& file, const SvgReadOptio
       for (PagePoint& p : moved) p.x += by;
       out.drawing.append(line.operation, moved);
     }
+    out.parts.push_back(
+        {fmt::format("card {}", i + 1), {box.x0 + by, box.y0, box.x1 + by, box.y1}});
     end = box.x0 + by + box.width();
   }
   return out;

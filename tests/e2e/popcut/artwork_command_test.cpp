@@ -81,6 +81,23 @@ struct Grey {
   }
 };
 
+/// Coloured pixels of a picture (PPM).
+struct Rgb {
+  std::size_t width{}, height{};
+  std::string rgb;
+};
+Rgb read_ppm(const std::string& text) {
+  REQUIRE(text.rfind("P6", 0) == 0);
+  Rgb out;
+  char* at = nullptr;
+  out.width = std::strtoul(text.c_str() + 2, &at, 10);
+  out.height = std::strtoul(at, &at, 10);
+  REQUIRE(std::strtoul(at, &at, 10) == 255);
+  out.rgb = text.substr(static_cast<std::size_t>(at - text.c_str()) + 1);
+  REQUIRE(out.rgb.size() == 3 * out.width * out.height);
+  return out;
+}
+
 /// The rectangle of the marks that a program searches for: height, width, top and left, in units.
 std::array<double, 4> searched(const std::string& program) {
   for (const char* command : {"TB123,", "TB124,"}) {
@@ -130,6 +147,46 @@ TEST_CASE("the marks of a printed page lie where the program of each machine loo
     CHECK_THAT(printed.height(), Catch::WithinAbs(height * unit, within));
   }
   CHECK(machines >= 5);
+}
+
+TEST_CASE("the back of a page lies behind its front, also for printers that scale",
+          "[cli][e2e][artwork]") {
+  const ShellBench bench;
+  for (const char* scale : {"100", "95"})
+    for (const char* machine : {"none", "cameo3"}) {
+      CAPTURE(scale, machine);
+      const Ran ran = bench.popcut({"print", "shell.json", "--clay", "--machine", machine,
+                                    "--no-marks", "--mat", "A4", "--page", "A3", "--dpi", "72",
+                                    "--back", "--scale-x", scale, "-o", "pages", "-q"});
+      CAPTURE(ran.err);
+      REQUIRE(ran.exit == 0);
+      // The middle of what is coloured on the front, from the left, is that of the back from the
+      // right.
+      const auto middle = [&](const char* page) {
+        const Ran drawn = run_program({"/usr/bin/pdftoppm", "-r", "100", "-f", page, "-l", page,
+                                       "-singlefile", "pages/sheet-01.pdf", "page"},
+                                      bench.temp.path());
+        REQUIRE(drawn.exit == 0);
+        const auto picture = read_ppm(text_of_file(bench.temp / "page.ppm"));
+        double low = 1e9, high = -1e9;
+        for (std::size_t k = 0; k + 2 < picture.rgb.size(); k += 3) {
+          const int red = static_cast<unsigned char>(picture.rgb[k]),
+                    green = static_cast<unsigned char>(picture.rgb[k + 1]),
+                    blue = static_cast<unsigned char>(picture.rgb[k + 2]);
+          // Clay, not lines: red more than green more than blue, by little.
+          if (red - green < 20 || red - green > 60 || green - blue < 15 || green - blue > 60)
+            continue;
+          const double x = static_cast<double>((k / 3) % picture.width) * 0.254;
+          low = std::min(low, x), high = std::max(high, x);
+        }
+        REQUIRE(low < high);
+        return std::pair(0.5 * (low + high), static_cast<double>(picture.width) * 0.254);
+      };
+      const auto [front, width] = middle("1");
+      const auto [back, same] = middle("2");
+      CHECK(width == same);
+      CHECK_THAT(back, Catch::WithinAbs(width - front, 0.8));
+    }
 }
 
 TEST_CASE("a printer that scales is answered by the opposite scale", "[cli][e2e][artwork]") {
@@ -305,6 +362,20 @@ TEST_CASE("each card of a book shows its own side of the model", "[cli][e2e][art
                                 "--dpi", "60", "-o", "pages", "-q"});
   CAPTURE(ran.err);
   REQUIRE(ran.exit == 0);
+  // The person who cuts four cards reads which is which.
+  REQUIRE(bench
+              .popcut({"print", "ball.json", "--machine", "none", "--mat", "A3", "--dpi", "60",
+                       "-o", "by-hand", "-q"})
+              .exit == 0);
+  std::string words;
+  for (std::size_t k = 1; k <= bench.read_json("by-hand/plan.json")["sheets"].size(); ++k)
+    words += run_program({"/usr/bin/pdftotext", fmt::format("by-hand/sheet-{:02}.pdf", k), "-"},
+                         bench.temp.path())
+                 .out;
+  for (const char* card : {"card 1", "card 2", "card 3", "card 4"}) {
+    CAPTURE(card, words);
+    CHECK(says(words, card));
+  }
   std::array<std::size_t, 4> seen{};
   const std::size_t sheets = bench.read_json("pages/plan.json")["sheets"].size();
   for (std::size_t k = 1; k <= sheets; ++k) {
@@ -325,6 +396,110 @@ TEST_CASE("each card of a book shows its own side of the model", "[cli][e2e][art
   CAPTURE(seen[0], seen[1], seen[2], seen[3]);
   CHECK(*least > 1000);
   CHECK(*most < 2 * *least);
+}
+
+TEST_CASE("pages to cut by hand have lines over the artwork, exactly where they are planned",
+          "[cli][e2e][artwork]") {
+  const ShellBench bench;
+  const std::vector<std::string> words{"print",      "shell.json", "--mode", "flat",  "--image",
+                                       "yellow.png", "--machine",  "none",   "--mat", "A4",
+                                       "--dpi",      "72",         "-o",     "pages"};
+  const Ran ran = bench.popcut(words);
+  CAPTURE(ran.err);
+  REQUIRE(ran.exit == 0);
+  CHECK(says(ran.err, "cut the solid ones"));
+  CHECK_FALSE(says(ran.err, "popcut cut"));
+  const std::string text =
+      run_program({"/usr/bin/pdftotext", "pages/sheet-01.pdf", "-"}, bench.temp.path()).out;
+  for (const char* entry : {"mountain fold", "valley fold", "cut", "100 mm: measure it"}) {
+    CAPTURE(entry, text);
+    CHECK(says(text, entry));
+  }
+  // The outline is drawn where plan.json says, 8 mm from the paper's edges; yellow is not dark.
+  REQUIRE(
+      bench.popcut({"plan", "shell.json", "--machine", "none", "--mat", "A4", "-o", "plain", "-q"})
+          .exit == 0);
+  const std::string plain = text_of_file(bench.temp / "plain/sheet-01.svg");
+  const std::string svg = text_of_file(bench.temp / "pages/sheet-01.svg");
+  const Box printed = Grey(bench, "pages/sheet-01.pdf", 508).dark(297 - 31);
+  const Ran facts = bench.popcut({"plan", "pages/sheet-01.svg", "--machine", "none", "--mat", "A4",
+                                  "-o", "again", "--json", "-q"});
+  CAPTURE(facts.err);
+  REQUIRE(facts.exit == 0);
+  // Other programs get the same lines, with the picture as a layer that popcut does not cut.
+  CHECK(says(svg, "inkscape:label=\"print\""));
+  CHECK(says(svg, "data:image/png;base64,"));
+  CHECK(says(svg, plain.substr(plain.find("<g id=\"fold"))));
+  CHECK(json::parse(facts.out)["sheets"][0]["cut_mm"].get<double>() ==
+        Approx(bench.read_json("plain/plan.json")["sheets"][0]["cut_mm"].get<double>()));
+  CHECK(printed.x0 > 7.5);
+  CHECK(printed.y0 > 7.5);
+}
+
+TEST_CASE("lines over the artwork of a cutter's page are where its program cuts",
+          "[cli][e2e][artwork]") {
+  const ShellBench bench;
+  const auto made = [&](std::vector<std::string> more) {
+    std::vector<std::string> all{"print",      "shell.json", "--mode",  "flat",      "--image",
+                                 "yellow.png", "--mat",      "130x190", "--machine", "cameo3",
+                                 "--dpi",      "72",         "-o",      "pages",     "-q"};
+    all.insert(all.end(), more.begin(), more.end());
+    REQUIRE(bench.popcut(all).exit == 0);
+    return Grey(bench, "pages/sheet-01.pdf", 254);
+  };
+  const Grey plain = made({});
+  CHECK_FALSE(std::filesystem::exists(bench.temp / "pages/sheet-01.svg"));
+  const std::string program = text_of_file(bench.temp / "pages/sheet-01.gpgl");
+  const Grey lined = made({"--cut-lines", "--back"});
+  CHECK(std::filesystem::exists(bench.temp / "pages/sheet-01.svg"));
+  // The knife does the same; the marks are the outermost that is dark, with lines or without.
+  CHECK(text_of_file(bench.temp / "pages/sheet-01.gpgl") == program);
+  CHECK_THAT(lined.dark(190 - 29).x0, Catch::WithinAbs(plain.dark(190 - 29).x0, 0.11));
+  CHECK_THAT(lined.dark(190 - 29).width(), Catch::WithinAbs(plain.dark(190 - 29).width(), 0.21));
+  const auto darkness = [](const Grey& page) {
+    return std::count_if(page.pixels.begin(), page.pixels.end(),
+                         [](char grey) { return static_cast<unsigned char>(grey) < 128; });
+  };
+  CHECK(darkness(lined) > darkness(plain) + 1000);
+}
+
+TEST_CASE("a Cricut gets the artwork and the lines apart, around one middle",
+          "[cli][e2e][artwork]") {
+  const ShellBench bench;
+  const Ran ran = bench.popcut(
+      {"print", "shell.json", "--machine", "cricut-maker", "--dpi", "100", "-o", "pages"});
+  CAPTURE(ran.err);
+  REQUIRE(ran.exit == 0);
+  CHECK(says(ran.err, "Print Then Cut"));
+  const auto picture = read_image("sheet-01.png", text_of_file(bench.temp / "pages/sheet-01.png"));
+  REQUIRE(picture);
+  const std::string svg = text_of_file(bench.temp / "pages/sheet-01-cricut.svg");
+  CHECK(says(svg, "id=\"cut\""));
+  CHECK_FALSE(says(svg, "<image"));
+  // The picture is 1 mm larger on every side, and nothing of it is trimmed.
+  for (std::size_t k = 3; k < picture->rgba.size(); k += 4) REQUIRE(picture->rgba[k] == 255);
+  Box box;
+  for (std::size_t at = svg.find("d=\"M"); at != std::string::npos;
+       at = svg.find("d=\"M", at + 1)) {
+    const std::size_t end = svg.find('"', at + 3);
+    std::string data = svg.substr(at + 3, end - at - 3);
+    for (char& c : data)
+      if (c == 'M' || c == 'L' || c == 'Z' || c == ',') c = ' ';
+    const char* from = data.c_str();
+    for (char* next = nullptr;; from = next) {
+      PagePoint p;
+      p.x = std::strtod(from, &next);
+      if (next == from) break;
+      from = next;
+      p.y = std::strtod(from, &next);
+      box.add(p);
+    }
+  }
+  constexpr double kPoint_mm = 25.4 / 72;
+  CHECK_THAT(static_cast<double>(picture->width) * 0.254,
+             Catch::WithinAbs(box.width() * kPoint_mm + 2, 0.3));
+  CHECK_THAT(static_cast<double>(picture->height) * 0.254,
+             Catch::WithinAbs(box.height() * kPoint_mm + 2, 0.3));
 }
 
 TEST_CASE("what popcut print cannot print is one line", "[cli][e2e][artwork]") {
@@ -350,7 +525,13 @@ TEST_CASE("what popcut print cannot print is one line", "[cli][e2e][artwork]") {
   refused({"--page", "A4"}, 4, "--page: is 210 x 297 mm, smaller than the sheet of 304.8 x 304.8");
   refused({"--at", "11,11", "--mode", "surface"}, 4, "registration mark");
   refused({"--scale-x", "80"}, 2, "--scale-x");
+  // Nobody asked for the marks: what was asked for is named, and what to type instead.
+  refused({"--scale", "2"}, 2, "--scale: does not go with registration marks");
   refused({"--scale", "2"}, 2, "--no-marks");
+  refused({"--per-sheet", "2"}, 2,
+          "--per-sheet: does not go with registration marks, which popcut prints for");
+  refused({"--per-sheet", "2", "--marks"}, 2, "--per-sheet");
+  refused({"--scale", "x"}, 2, "--scale");
   refused({"--model", "absent.glb"}, 3, "absent.glb");
   std::filesystem::create_directory(bench.temp / "folder");
   REQUIRE(::mkfifo((bench.temp / "pipe").c_str(), 0600) == 0);

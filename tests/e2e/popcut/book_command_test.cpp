@@ -89,6 +89,21 @@ TEST_CASE("a book is designed, verified, compared, planned and opened by its fol
   const json plan = json::parse(planned.out);
   CHECK(plan.at("layout").at("pieces") == 4);
   CHECK(plan.at("layout").at("tabs") == 0);
+  // Each card is named with the sheet that it is on, once, and lies inside the sheet.
+  std::string names;
+  for (std::size_t k = 0; k < plan.at("sheets").size(); ++k) {
+    const json& sheet = plan.at("sheets")[k];
+    CHECK(sheet.at("parts").size() == sheet.at("pieces").size());
+    for (const json& part : sheet.at("parts")) {
+      const std::string name = part.at("name");
+      names += name + ";";
+      CHECK(says(planned.err, name));
+      CHECK(part.at("box")[0].get<double>() >= -1e-6);
+      CHECK(part.at("box")[3].get<double>() <= sheet.at("area_mm")[1].get<double>() + 1e-6);
+      CHECK(part.at("box")[2].get<double>() - part.at("box")[0].get<double>() > 50);
+    }
+  }
+  for (const char* card : {"card 1;", "card 2;", "card 3;", "card 4;"}) CHECK(says(names, card));
   const Ran from_spec = bench.popcut({"plan", "ball.json", "-o", "sheets", "--json"});
   REQUIRE(from_spec.exit == 0);
   double cut = 0.0, cut_of_spec = 0.0;

@@ -568,6 +568,31 @@ TEST_CASE("the inside of a letter is a window, and the letter stays one face", "
   CHECK(sides == Approx(2 * drawn - around));
 }
 
+TEST_CASE("a bridged island has a window above and one below its bridges", "[facets]") {
+  TriangleSoup ring;  // a frame, and in it a block that two level bridges hold
+  add_box(ring, {0, 0, 0}, {20, 60, 8});
+  add_box(ring, {0, 0, 62}, {20, 60, 70});
+  add_box(ring, {0, 0, 8}, {20, 8, 62});
+  add_box(ring, {0, 52, 8}, {20, 60, 62});
+  add_box(ring, {0, 22, 30}, {20, 38, 44});
+  add_box(ring, {0, 8, 35}, {20, 22, 39});
+  add_box(ring, {0, 38, 35}, {20, 52, 39});
+  const auto made = facet_card(ring, coarse(60));
+  if (!made) FAIL(message(made.error()));
+  CHECK(made->windows == 2);
+  CHECK(made->pattern.motion.degrees_of_freedom == 1);
+  CHECK(made->pattern.motion.pieces == 1);
+  // The block is paper, in front of the frame's hole above and below it.
+  const auto label = [&](double v, double z) {
+    const int s = static_cast<int>(v / made->grid.strip_mm);
+    const int column = made->grid.wall + static_cast<int>((20.0 - z) / made->grid.step_mm);
+    return made->labels.strip(s)[static_cast<std::size_t>(column)];
+  };
+  CHECK(label(30, 37) != kNoLabel);
+  CHECK(label(30, 55) == kNoLabel);
+  CHECK(label(30, 26) == kNoLabel);
+}
+
 TEST_CASE("the page shows facets as other designs", "[facets]") {
   const auto spec = parse_design_spec(
       R"j({"popcut": 1, "style": "facets", "surface": {"type": "implicit",
@@ -584,6 +609,51 @@ TEST_CASE("the page shows facets as other designs", "[facets]") {
   const auto blob = lattice_blob(*made, options);
   if (!blob) FAIL(message(blob.error()));
   CHECK(blob->size() > 1000);
+}
+
+/// A design of facets of a solid, with a card or without.
+Design facets_of(const std::string& solid, const std::string& card) {
+  const auto spec = parse_design_spec(
+      R"j({"popcut": 1, "style": "facets", "surface": {"type": "implicit", "f": ")j" + solid +
+      R"j("}, "facets": {"length_mm": 60})j" + card + "}");
+  if (!spec) FAIL(message(spec.error()));
+  auto made = design(*spec);
+  if (!made) FAIL(message(made.error()));
+  return std::move(*made);
+}
+
+/// The warning with this code; empty if there is none.
+std::string warning_of(const Design& made, const std::string& code) {
+  for (const Warning& warning : made.report.warnings)
+    if (warning.code == code) return warning.message;
+  return {};
+}
+
+TEST_CASE("a card that is too small for its shape says what would be large enough", "[facets]") {
+  const std::string box = "max(max(x - 20, abs(y - 30) - 20), z - 30)";
+  const Design made = facets_of(box, R"(, "card": {"wall_mm": 25, "ground_mm": 90})");
+  const std::string said = warning_of(made, "flattened_by_card");
+  CHECK_THAT(said, Catch::Contains("30.0 mm up, 20.0 mm forward and, shut, 49."));
+  CHECK_THAT(said, Catch::Contains("wall_mm = 25 mm") && Catch::Contains("wall_mm at least 65 mm"));
+  CHECK(said.find("ground_mm") == std::string::npos);
+  CHECK(warning_of(facets_of(box, ""), "flattened_by_card").empty());
+  CHECK(warning_of(facets_of(box, R"(, "card": {"wall_mm": 65, "ground_mm": 65})"),
+                   "flattened_by_card")
+            .empty());
+  // What may stick out of the shut card needs only as much as it is high and deep.
+  CHECK(warning_of(facets_of(box, R"(, "card": {"wall_mm": 35, "ground_mm": 40, "shut": "free"})"),
+                   "flattened_by_card")
+            .empty());
+}
+
+TEST_CASE("a part that hangs in the air on one strip is named in a warning", "[facets]") {
+  const Design made = facets_of("max(max(abs(x - 17) - 7, abs(y - 30) - 10), abs(z - 35) - 7)", "");
+  CHECK_THAT(warning_of(made, "hangs_on_one_strip"),
+             Catch::Contains("a part of the shape touches neither wall nor ground") &&
+                 Catch::Contains("strip_mm"));
+  CHECK(
+      warning_of(facets_of("max(max(x - 20, abs(y - 30) - 20), z - 30)", ""), "hangs_on_one_strip")
+          .empty());
 }
 
 TEST_CASE("nothing in the corner is an error that says so", "[facets]") {

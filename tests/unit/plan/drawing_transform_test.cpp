@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
 #include "core/plan/drawing_transform.hpp"
 #include "core/plan/plan.hpp"
+#include "core/plan/sheet_pieces.hpp"
 
 namespace drawing_transform_test {
 
@@ -121,6 +125,37 @@ TEST_CASE("copies lie in rows without touching, and no more than fit", "[core][p
   options.per_sheet = 2;
   options.marks = true;
   CHECK(check_plan_options(options).error().place == "/options/per-sheet");
+}
+
+TEST_CASE("each part of a drawing is named beside it, or reported as without room",
+          "[core][plan]") {
+  const std::vector<PartOnSheet> parts{{"card 1", {20, 20, 60, 80}}, {"card 2", {65, 20, 105, 80}}};
+  std::vector<std::string> without;
+  const std::string svg = part_labels_svg(parts, {0, 0, 120, 100}, {}, &without);
+  CHECK(without.empty());
+  CHECK(part_names(parts) == "card 1, card 2");
+  // No stroke comes within a millimetre of a part.
+  Box all;
+  for (std::size_t at = svg.find("d=\"M"); at != std::string::npos;
+       at = svg.find("d=\"M", at + 1)) {
+    PagePoint p;
+    REQUIRE(std::sscanf(svg.c_str() + at + 4, "%lf %lf", &p.x, &p.y) == 2);
+    all.add(p);
+    for (const PartOnSheet& part : parts) {
+      const Box& b = part.box;
+      const bool beside = p.x < b.x0 - 1 || p.x > b.x1 + 1 || p.y < b.y0 - 1 || p.y > b.y1 + 1;
+      CHECK(beside);
+    }
+  }
+  CHECK(all.x0 >= 0);
+  CHECK(all.y1 <= 100);
+  // What is kept clear stays so; without any room the parts are told.
+  std::vector<std::string> both;
+  CHECK(part_labels_svg(parts, {20, 20, 63, 80}, {}, &both).empty());
+  CHECK(both == std::vector<std::string>{"card 1", "card 2"});
+  const std::string moved = part_labels_svg(parts, {0, 0, 120, 100}, {{0, 80, 120, 100}});
+  CHECK(moved != svg);
+  CHECK_FALSE(moved.empty());
 }
 
 }  // namespace drawing_transform_test

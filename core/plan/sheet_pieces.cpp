@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+#include "core/plan/sheet_pieces.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "core/layout/layout.hpp"
+#include "core/layout/marks.hpp"
+
+namespace popcut {
+namespace {
+
+/// First `first`, then `second`.
+Placement after(const Placement& first, const Placement& second) {
+  const PagePoint zero = second(first({0, 0}));
+  const PagePoint x = second(first({1, 0})), y = second(first({0, 1}));
+  return {x.x - zero.x, y.x - zero.x, zero.x, x.y - zero.y, y.y - zero.y, zero.y};
+}
+
+Box moved(const Box& box, const Placement& map) {
+  Box out;
+  for (const PagePoint& p :
+       {PagePoint{box.x0, box.y0}, {box.x1, box.y0}, {box.x0, box.y1}, {box.x1, box.y1}})
+    out.add(map(p));
+  return out;
+}
+
+Box common(const Box& a, const Box& b) {
+  return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
+}
+
+bool overlap(const Box& a, const Box& b) {
+  return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
+}
+
+Box around(const Box& box, double mm) {
+  return {box.x0 - mm, box.y0 - mm, box.x1 + mm, box.y1 + mm};
+}
+
+constexpr double kLetter_mm = 2.2;
+constexpr double kOff_mm = 1.2;  // from what it names: colours go 1 mm past it
+
+std::string in_letters(const std::string& name) {
+  std::string out = name;
+  for (char& letter : out)
+    letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
+  return out;
+}
+
+/// A place for a label: the corner where its box begins, and whether it runs downward.
+struct LabelPlace {
+  Box box;
+  bool down{};
+};
+
+std::optional<LabelPlace> place_beside(const Box& part, const PagePoint& size, const Box& room,
+                                       const std::vector<Box>& taken) {
+  const auto [wide, high] = size;
+  const auto box_at = [](double x, double y, double w, double h) {
+    return Box{x, y, x + w, y + h};
+  };
+  std::vector<LabelPlace> places;
+  const double right = part.x1 - wide, middle = 0.5 * (part.x0 + right);
+  for (const double x : {part.x0, middle, right})
+    for (const double y : {part.y1 + kOff_mm, part.y0 - kOff_mm - high})
+      places.push_back({box_at(x, y, wide, high), false});
+  const double last = part.y1 - wide, centre = 0.5 * (part.y0 + last);
+  for (const double y : {part.y0, centre, last})
+    for (const double x : {part.x1 + kOff_mm, part.x0 - kOff_mm - high})
+      places.push_back({box_at(x, y, high, wide), true});
+  for (const LabelPlace& place : places) {
+    const Box& b = place.box;
+    if (b.x0 < room.x0 || b.y0 < room.y0 || b.x1 > room.x1 || b.y1 > room.y1) continue;
+    if (std::none_of(taken.begin(), taken.end(), [&](const Box& t) { return overlap(t, b); }))
+      return place;
+  }
+  return std::nullopt;
+}
+
+void put_letters(std::string& svg, const std::string& letters, const LabelPlace& place) {
+  for (const auto& line : single_stroke(letters, kLetter_mm)) {
+    svg += "<path d=\"";
+    for (std::size_t k = 0; k < line.size(); ++k) {
+      // Its origin is on the baseline, a letter's height below the upper edge.
+      const double x = line[k].x, y = line[k].y + kLetter_mm;
+      const PagePoint p = place.down ? PagePoint{place.box.x1 - y, place.box.y0 + x}
+                                     : PagePoint{place.box.x0 + x, place.box.y0 + y};
+      svg += fmt::format("{}{:.2f} {:.2f}", k == 0 ? 'M' : 'L', p.x, p.y);
+    }
+    svg += "\"/>\n";
+  }
+}
+
+}  // namespace
+
+std::vector<PieceMap> pieces_on_sheet(const Plan& plan, std::size_t sheet) {
+  const PlannedSheet& planned = plan.sheets[sheet];
+  std::vector<PieceMap> out;
+  if (!plan.layout) {
+    const std::vector<PagePoint> once{{0, 0}};
+    for (const PagePoint& copy : plan.copies.empty() ? once : plan.copies) {
+      const Placement moved{1, 0, copy.x, 0, 1, copy.y};
+      out.push_back({after(after(plan.drawing_transform, moved), planned.transform), {}});
+    }
+    return out;
+  }
+  for (const std::uint32_t k : planned.pieces) {
+    const SheetPiece& piece = plan.layout->pieces[k];
+    PieceMap map{after(plan.drawing_transform, piece.transform), {}};
+    const auto add = [&](auto&& corners) {
+      auto& polygon = map.polygons.emplace_back();
+      for (const PagePoint& p : corners) polygon.push_back(piece.transform(p));
+    };
+    add(piece.share);
+    for (const Tab& tab : plan.layout->tabs)
+      if (tab.on == k) add(tab.corners);
+    out.push_back(std::move(map));
+  }
+  return out;
+}
+
+std::vector<PartOnSheet> parts_on_sheet(const Plan& plan, std::size_t sheet) {
+  constexpr double kLeast_mm = 1.0;
+  std::vector<PartOnSheet> out;
+  if (plan.parts.empty()) return out;
+  const std::vector<PieceMap> pieces = pieces_on_sheet(plan, sheet);
+  for (const DrawnPart& part : plan.parts)
+    for (const PieceMap& piece : pieces) {
+      Box box = moved(part.box, piece.to_sheet);
+      if (!piece.polygons.empty()) box = common(box, bounds(piece.polygons.front()));
+      if (box.width() > kLeast_mm && box.height() > kLeast_mm) out.push_back({part.name, box});
+    }
+  return out;
+}
+
+std::string part_names(std::span<const PartOnSheet> parts) {
+  std::vector<std::string> names;
+  for (const PartOnSheet& part : parts)
+    if (std::find(names.begin(), names.end(), part.name) == names.end()) names.push_back(part.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string part_labels_svg(std::span<const PartOnSheet> parts, const Box& room,
+                            std::vector<Box> taken, std::vector<std::string>* without) {
+  for (const PartOnSheet& part : parts) taken.push_back(around(part.box, 1.0));
+  std::string svg;
+  for (const PartOnSheet& part : parts) {
+    const std::string letters = in_letters(part.name);
+    const PagePoint size = single_stroke_size(letters, kLetter_mm);
+    const auto place = place_beside(part.box, size, room, taken);
+    if (!place) {
+      if (without != nullptr) without->push_back(part.name);
+      continue;
+    }
+    taken.push_back(place->box);
+    put_letters(svg, letters, *place);
+  }
+  if (svg.empty()) return svg;
+  return "<g id=\"parts\" fill=\"none\" stroke=\"#000000\" stroke-width=\"0.25\" "
+         "stroke-linecap=\"round\">\n" +
+         svg + "</g>\n";
+}
+
+}  // namespace popcut
