@@ -14,6 +14,7 @@
 #include "core/design/target/mesh_reader.hpp"
 #include "core/text/words.hpp"
 #include "daemon/cli/input/drawn_pattern.hpp"
+#include "daemon/cli/input/model_file.hpp"
 #include "daemon/cli/view/long_work.hpp"
 #include "daemon/client/command_words.hpp"
 #include "daemon/files/output_folder.hpp"
@@ -24,12 +25,12 @@ namespace model_search_parts {
 namespace {
 
 Result<TriangleMesh> read_model(const std::string& file, const std::string& bytes) {
-  if (!is_mesh_file(file)) {
+  if (!is_model_file(file)) {
     if (is_design_spec(bytes))
       return fail(ErrorKind::OutOfRange, file,
                   fmt::format("is a design already; type: popcut design {} -o DIR", file));
     if (is_pattern(bytes))
-      return fail(ErrorKind::OutOfRange, file, "is a pattern; give a 3D model (.stl, .obj)");
+      return fail(ErrorKind::OutOfRange, file, "is a pattern; give a 3D model (.stl, .obj, .glb)");
   }
   return read_mesh(file, bytes);
 }
@@ -37,18 +38,13 @@ Result<TriangleMesh> read_model(const std::string& file, const std::string& byte
 }  // namespace
 }  // namespace model_search_parts
 
-bool is_mesh_file(const std::string& file) {
-  const std::string ending = std::filesystem::path(file).extension().string();
-  return same_word(ending, ".stl") || same_word(ending, ".obj");
-}
-
 Result<SearchedModel> search_model(const ModelSearchOptions& options,
                                    const std::filesystem::path& spec_folder, bool shows_progress,
                                    const std::function<bool()>& stopped) {
   using namespace model_search_parts;
   LongWork work(shows_progress, "reading the model");
   SearchedModel out;
-  auto bytes = read_file(options.model);
+  auto bytes = read_model_file(options.model);
   if (!bytes) return tl::unexpected(bytes.error());
   out.bytes = std::move(*bytes);
   planning::SearchRequest request;

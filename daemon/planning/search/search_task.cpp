@@ -46,7 +46,7 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
   if (!material) return tl::unexpected(within("/material", material.error()));
   planning::SearchRequest request;
   auto mesh = read_mesh("", task.design);
-  if (!mesh) return tl::unexpected(mesh.error());
+  if (!mesh) return tl::unexpected(within(wanted->name, mesh.error()));
   task.design = {};  // its memory
   request.mesh = std::move(*mesh);
   request.model = {wanted->name, wanted->model, name};
