@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "core/design/target/mesh_reader.hpp"
+#include "core/search/choices.hpp"
 #include "core/text/words.hpp"
 #include "daemon/cli/input/drawn_pattern.hpp"
 #include "daemon/cli/input/model_file.hpp"
@@ -71,19 +72,11 @@ Result<SearchedModel> search_model(const ModelSearchOptions& options,
   request.plan.machine = options.machine, request.plan.material = material;
   request.plan.mat = options.mat;
   request.plan.marks = options.marks;
-  const auto& styles = style_choices();
-  request.styles = *std::find_if(styles.begin(), styles.end(), [&](const StyleChoice& style) {
-    return style.name == options.style;
-  });
+  request.styles = style_choice(options.style);
   request.up = up_side(options.up), request.front = up_side(options.front);
   request.cards = options.cards;
-  if (request.cards > 1 && request.front)
-    return fail(ErrorKind::Usage, "--front",
-                "is for cards; a book shows the model from all sides, so leave it out");
-  if (upright_turns(request.up, request.front).empty())
-    return fail(
-        ErrorKind::Usage, "--front",
-        fmt::format("is \"{}\", along the axis that --up says; give another axis", options.front));
+  if (const auto fit = check_choices(options.style, options.cards, options.up, options.front); !fit)
+    return tl::unexpected(client::on_command_line(fit.error()));
   request.most_s = 60.0 * options.max_minutes;
   request.effort = options.effort, request.seed = options.seed;
   request.threads =

@@ -15,7 +15,6 @@
 
 #include "core/design/book_fit.hpp"
 #include "core/formats/fold/fold_writer.hpp"
-#include "core/plan/marks.hpp"
 #include "core/search/book_standing.hpp"
 #include "core/search/coarse_mesh.hpp"
 #include "core/search/halving.hpp"
@@ -29,6 +28,7 @@
 #include "daemon/planning/plan_job.hpp"
 #include "daemon/planning/search/opened_pattern.hpp"
 #include "daemon/planning/search/parallel.hpp"
+#include "daemon/planning/search/searched_mat.hpp"
 
 namespace popcut::planning {
 namespace {
@@ -139,10 +139,6 @@ class CardSearch {
       : request_(request), styles_(styles_for_cards(request.styles, request.cards)) {}
 
   Result<FoundCards> run() {
-    if (!styles_.facets && styles_.lattices.empty())
-      return fail(
-          ErrorKind::Usage, "/style",
-          fmt::format("facets make books of 4 cards only, and you ask for {}", request_.cards));
     if (auto done = look_at_mesh(); !done) return tl::unexpected(done.error());
     if (auto done = look_at_machine(); !done) return tl::unexpected(done.error());
     find_ways();
@@ -202,20 +198,11 @@ class CardSearch {
     return {};
   }
 
-  /// The area of the mat, from a plan of the test shape; wrong options end the search here.
   Result<void> look_at_machine() {
-    PlanOptions options = request_.plan;
-    const auto job = make_plan_job(
-        options, request_.tables, [](const SvgReadOptions&) { return test_shape_input(); }, "");
-    if (!job) return tl::unexpected(job.error());
-    out_.machine = job->plan.machine;
-    if (!out_.machine.driven())
-      return fail(ErrorKind::Usage, "/machine",
-                  fmt::format("popcut knows no cutting times of {}, by which cards are chosen; "
-                              "choose a `machine` that popcut drives",
-                              out_.machine.title));
-    out_.area_mm = job->plan.sheets.front().area_mm;
-    room_mm_ = options.marks ? room_within_marks_mm(out_.area_mm) : out_.area_mm;
+    auto mat = searched_mat(request_.plan, request_.tables);
+    if (!mat) return tl::unexpected(mat.error());
+    out_.machine = std::move(mat->machine);
+    out_.area_mm = mat->area_mm, room_mm_ = mat->room_mm;
     return {};
   }
 

@@ -103,10 +103,11 @@ inline constexpr double kLeastCover = 0.02;
 /// Of books, all cards are designed and planned together, and as many times fewer books are tried.
 /// They are compared from all around, without their pages, and verified as `popcut verify` does it.
 ///
+/// What is asked for goes together (`check_choices`).
+///
 /// @retval Refused     it was stopped
 /// @retval OutOfRange  the mesh has no area or too many triangles
-/// @retval Usage       an option of the plan, or a style of which no book of so many cards can be
-///                     made; place is `pointer_to` it
+/// @retval Usage       an option of the plan; place is `pointer_to` it
 /// @retval Infeasible  no card shows the model, or none is cut within `most_s`; the detail says
 ///                     what share of it can be seen, and how many cards would show more
 [[nodiscard]] Result<FoundCards> search_cards(const SearchRequest& request);

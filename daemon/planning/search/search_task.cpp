@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/planning/search/search_task.hpp"
 
-#include <algorithm>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
 #include "core/design/target/mesh_reader.hpp"
 #include "core/machines/machine.hpp"
+#include "core/search/choices.hpp"
 #include "daemon/planning/plan_job.hpp"
 #include "daemon/planning/search/card_search.hpp"
 #include "daemon/planning/search/found_front.hpp"
@@ -21,12 +21,6 @@ namespace {
 
 constexpr double kSecondsAMinute = 60.0;
 constexpr const char* kUsualPaper = "paper-220";
-
-const StyleChoice& style_named(const std::string& name) {
-  const auto& choices = style_choices();
-  return *std::find_if(choices.begin(), choices.end(),
-                       [&](const StyleChoice& style) { return style.name == name; });
-}
 
 }  // namespace
 }  // namespace search_task_parts
@@ -52,9 +46,12 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
   request.model = {wanted->name, wanted->model, name};
   request.material = *material;
   request.plan.machine = tables->machine, request.plan.material = name;
-  request.plan.mat = wanted->mat;
+  request.plan.mat = wanted->mat, request.plan.marks = wanted->marks;
   request.tables = tables->texts;
-  request.styles = style_named(wanted->style), request.up = up_side(wanted->up);
+  request.styles = style_choice(wanted->style), request.up = up_side(wanted->up);
+  request.front = up_side(wanted->front), request.cards = wanted->cards;
+  if (const auto fit = check_choices(wanted->style, wanted->cards, wanted->up, wanted->front); !fit)
+    return tl::unexpected(in_request(fit.error()));
   request.most_s = kSecondsAMinute * wanted->max_minutes;
   request.effort = wanted->effort, request.seed = static_cast<std::uint64_t>(wanted->seed);
   request.threads = 1;  // a worker may start none

@@ -11,14 +11,23 @@
 
 namespace popcut::planning {
 
+likeness::Scene pictured_scene(const FoundCard& card, int pixels) {
+  likeness::Scene scene;
+  scene.pixels = pixels;
+  if (card.made.book) {
+    scene.views = likeness::round_views();
+    return scene;
+  }
+  scene.views = likeness::cone_views();
+  scene.corner = likeness::Corner{};
+  return scene;
+}
+
 Result<std::string> thumbnail_png(const FoundCard& card) {
   constexpr int kSide = kThumbnailHeight_px, kBytes = 3;
   static_assert(kThumbnailWidth_px == 2 * kSide);
-  likeness::Scene scene;
-  scene.views = likeness::cone_views();
-  scene.views.resize(1);  // the diagonal
-  scene.pixels = kSide;
-  scene.corner = likeness::Corner{};
+  likeness::Scene scene = pictured_scene(card, kSide);
+  scene.views.resize(1);
   const likeness::Target target(card.target, scene);
   const likeness::Frame frame = target.frame(0);
   const auto jump_mm = static_cast<float>(likeness::kWithin * target.box().diagonal());
