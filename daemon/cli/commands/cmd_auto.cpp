@@ -59,9 +59,9 @@ Result<void> add_card(SearchedModel& model, std::size_t k, OutputFolder& folder)
     card.made.book->fit = book_fit(card.made);
     if (auto done = add_book_files(card.made, {}, folder); !done) return done;
   }
-  const auto picture =
-      card_picture(card, fmt::format("{}, {:.1f} minutes: error {:.4f}", name,
-                                     card.cost.seconds / 60.0, card.figures.error()));
+  const auto picture = card_picture(model.found, card,
+                                    fmt::format("{}, {:.1f} minutes: error {:.4f}", name,
+                                                card.cost.seconds / 60.0, card.figures.error()));
   if (!picture) return tl::unexpected(picture.error());
   if (auto done = folder.add("thumbnail.png", *picture); !done) return done;
   for (std::size_t part = 0; part < card.made.parts.size(); ++part) {

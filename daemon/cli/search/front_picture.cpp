@@ -104,9 +104,11 @@ std::string front_folder(const planning::FoundCard& card, std::size_t k) {
   return fmt::format("{}-{:02}", card.made.book ? "book" : "card", k + 1);
 }
 
-Result<std::string> card_picture(const planning::FoundCard& card, const std::string& title) {
-  const likeness::Target aim(card.target, planning::pictured_scene(card, 64));
-  return compare_picture(aim, card.target, card.structure, title);
+Result<std::string> card_picture(const planning::FoundCards& found, const planning::FoundCard& card,
+                                 const std::string& title) {
+  const std::vector<float> around = planning::model_around(found, card);
+  const likeness::Target aim(around, planning::pictured_scene(card, 64));
+  return compare_picture(aim, around, card.structure, title);
 }
 
 Result<std::string> front_picture(const planning::FoundCards& found, const std::string& title) {
@@ -125,8 +127,9 @@ Result<std::string> front_picture(const planning::FoundCards& found, const std::
     if (part) svg += *part;
     return part.has_value();
   };
-  auto part = tile(0, likeness::Target(best.target, planning::pictured_scene(best, kPixels)),
-                   best.target, likeness::kModelColour,
+  const std::vector<float> around_best = planning::model_around(found, best);
+  auto part = tile(0, likeness::Target(around_best, planning::pictured_scene(best, kPixels)),
+                   around_best, likeness::kModelColour,
                    {"the model",
                     fmt::format("{} can show {:.0f} % of it",
                                 best.made.book ? fmt::format("{} cards", best.made.parts.size())
@@ -137,7 +140,9 @@ Result<std::string> front_picture(const planning::FoundCards& found, const std::
   for (std::size_t k = 0; k < found.front.size(); ++k) {
     const FoundCard& card = found.front[k];
     const bool is_best = k + 1 == found.front.size();
-    part = tile(k + 1, likeness::Target(card.target, planning::pictured_scene(card, kPixels)),
+    part = tile(k + 1,
+                likeness::Target(planning::model_around(found, card),
+                                 planning::pictured_scene(card, kPixels)),
                 card.structure, likeness::kPaperColour,
                 {fmt::format("{}: {:.1f} min, error {:.3f}{}", k + 1, card.cost.seconds / 60.0,
                              card.figures.error(), is_best ? ", the best" : ""),

@@ -83,7 +83,7 @@ Result<SearchedModel> search_model(const ModelSearchOptions& options,
       options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
   request.progress = work.progress();
   request.stopped = stopped;
-  auto cards = planning::search_cards(request);
+  auto cards = planning::search_cards(std::move(request));
   if (!cards) {
     const Error why = client::on_command_line(tables->with_file(cards.error()));
     const bool of_model = why.kind != ErrorKind::Usage && why.kind != ErrorKind::Refused;

@@ -56,7 +56,7 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
   request.effort = wanted->effort, request.seed = static_cast<std::uint64_t>(wanted->seed);
   request.threads = 1;  // a worker may start none
   request.progress = progress;
-  const auto found = search_cards(request);
+  const auto found = search_cards(std::move(request));
   if (!found) return tl::unexpected(in_request(found.error()));
   tell(progress, "drawing the cards");
   daemon::PlanningOutcome outcome;
@@ -65,7 +65,7 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
   if (auto done = add(kFrontFile, front_text(figures_of(*found))); !done)
     return tl::unexpected(done.error());
   for (std::size_t k = 0; k < found->front.size(); ++k) {
-    auto png = thumbnail_png(found->front[k]);
+    auto png = thumbnail_png(*found, found->front[k]);
     if (!png) return tl::unexpected(png.error());
     if (auto done = add(thumbnail_file(static_cast<int>(k) + 1), std::move(*png)); !done)
       return tl::unexpected(done.error());

@@ -23,12 +23,13 @@ likeness::Scene pictured_scene(const FoundCard& card, int pixels) {
   return scene;
 }
 
-Result<std::string> thumbnail_png(const FoundCard& card) {
+Result<std::string> thumbnail_png(const FoundCards& found, const FoundCard& card) {
   constexpr int kSide = kThumbnailHeight_px, kBytes = 3;
   static_assert(kThumbnailWidth_px == 2 * kSide);
   likeness::Scene scene = pictured_scene(card, kSide);
   scene.views.resize(1);
-  const likeness::Target target(card.target, scene);
+  const std::vector<float> around = model_around(found, card);
+  const likeness::Target target(around, scene);
   const likeness::Frame frame = target.frame(0);
   const auto jump_mm = static_cast<float>(likeness::kWithin * target.box().diagonal());
   likeness::DepthImage image;
@@ -36,7 +37,7 @@ Result<std::string> thumbnail_png(const FoundCard& card) {
     likeness::draw(frame, what, image);
     return likeness::shaded(image, frame.pitch_mm(), jump_mm, colour);
   };
-  const likeness::Pixels model = shown(card.target, likeness::kModelColour);
+  const likeness::Pixels model = shown(around, likeness::kModelColour);
   const likeness::Pixels made = shown(card.structure, likeness::kPaperColour);
   if (model.size != kSide || made.size != kSide)
     return fail(ErrorKind::Internal, "thumbnail", "its two halves have other sizes");

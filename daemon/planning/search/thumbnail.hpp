@@ -20,6 +20,6 @@ inline constexpr int kThumbnailWidth_px = 640, kThumbnailHeight_px = 320;
 /// frame, as a PNG without words: it needs no fonts.
 ///
 /// @retval Internal  libpng cannot write it
-[[nodiscard]] Result<std::string> thumbnail_png(const FoundCard& card);
+[[nodiscard]] Result<std::string> thumbnail_png(const FoundCards& found, const FoundCard& card);
 
 }  // namespace popcut::planning
