@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "core/artwork/colour_mesh_reader.hpp"
 
+#include <fmt/format.h>
+
 #include "core/design/target/mesh_reader.hpp"
+#include "core/text/file_kind.hpp"
 #include "core/text/words.hpp"
 
 namespace popcut {
@@ -16,6 +19,10 @@ bool ends_with(const std::string& name, std::string_view ending) {
 
 Result<ColourMesh> read_colour_mesh(const std::string& name, std::string_view bytes,
                                     const ModelFiles& files, bool with_colours) {
+  if (const auto foreign = foreign_kind(bytes);
+      !foreign.empty() && (ends_with(name, ".glb") || ends_with(name, ".gltf")))
+    return fail(ErrorKind::Malformed, name,
+                fmt::format("is {}; give a 3D model as a GLB, glTF, OBJ or STL file", foreign));
   if (ends_with(name, ".glb") || ends_with(name, ".gltf"))
     return read_colour_gltf(name, bytes, files, with_colours);
   // Says what is wrong with a file, and that its counts are sane, before its colours are read.

@@ -88,6 +88,12 @@ const std::vector<StyleChoice>& style_choices() {
   return choices;
 }
 
+const StyleChoice& style_choice(std::string_view name) {
+  const auto& choices = style_choices();
+  return *std::find_if(choices.begin(), choices.end(),
+                       [&](const StyleChoice& style) { return style.name == name; });
+}
+
 std::string_view style_name(const Candidate& candidate) {
   if (candidate.style == DesignStyle::Facets) return "facets";
   return std::find_if(

@@ -40,6 +40,9 @@ struct StyleChoice {
 /// "any", "lattice", "facets", and each lattice by its name.
 [[nodiscard]] const std::vector<StyleChoice>& style_choices();
 
+/// The one of that name. @param name  one of theirs
+[[nodiscard]] const StyleChoice& style_choice(std::string_view name);
+
 /// "facets", or the name of its lattice.
 [[nodiscard]] std::string_view style_name(const Candidate& candidate);
 

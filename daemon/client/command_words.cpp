@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/client/command_words.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -14,13 +15,15 @@ namespace {
 
 using Words = std::pair<std::string_view, std::string_view>;
 
-constexpr std::array<Words, 29> kOptions{{
+constexpr std::array<Words, 32> kOptions{{
     {"/before", "--before"},
     {"/blank", "--blank"},
+    {"/cards", "--cards"},
     {"/copies", "--copies"},
     {"/design", "INPUT"},
     {"/device", "--device"},
     {"/from_path", "--from"},
+    {"/front", "--front"},
     {"/good", "RESULT"},
     {"/i_accept_double_cut", "--accept-double-cut"},
     {"/job", "JOB"},
@@ -37,6 +40,7 @@ constexpr std::array<Words, 29> kOptions{{
     {"/sheet", "SHEET"},
     {"/site", "--site"},
     {"/skip_in_doubt", "--skip-in-doubt"},
+    {"/style", "--style"},
     {"?after", "--after"},
     {"?by", "--by"},
     {"?from", "--from"},
@@ -77,6 +81,7 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
 void replace_plan_options(std::string& text) {
   for (const PlanOption& option : plan_option_table())
     replace_all(text, fmt::format("`{}`", option.name), fmt::format("--{}", option.name));
+  replace_all(text, "`up`", "--up");  // of a search
 }
 
 }  // namespace
@@ -146,9 +151,11 @@ std::string in_command_words(std::string text) {
 }
 
 Error on_command_line(Error error) {
-  const bool of_plan = error.place.starts_with("/options/") || error.place == "/machine" ||
-                       error.place == "/material";
-  if (of_plan) error.place = option_for(error.place);
+  constexpr std::array<std::string_view, 5> kBeside{"/machine", "/material", "/cards", "/front",
+                                                    "/style"};
+  if (error.place.starts_with("/options/") ||
+      std::find(kBeside.begin(), kBeside.end(), error.place) != kBeside.end())
+    error.place = option_for(error.place);
   replace_plan_options(error.detail);
   return error;
 }

@@ -32,8 +32,8 @@ namespace popcut::client {
 /// 12x24".
 [[nodiscard]] std::string in_command_words(std::string text);
 
-/// Words an error about a plan option for the command line: place "/options/mat" becomes "--mat",
-/// and so do options in its text. Other errors stay unchanged.
+/// Words an error about an option of a plan or a search for the command line: place "/options/mat"
+/// becomes "--mat", and so do options in its text. Other errors stay unchanged.
 [[nodiscard]] Error on_command_line(Error error);
 
 /// A word of a command line, in single quotes for a shell where it needs them.

@@ -195,9 +195,11 @@ struct CardSearchRequest {
   std::string model;   ///< id of an asset, a mesh
   std::string name{};  ///< of the designs of its cards; the service takes that of the asset
   std::string material{}, device{}, machine{}, mat{};
-  std::string style{"any"}, up{"any"};  ///< words of core/search
-  double max_minutes{15};               ///< of cutting
-  double effort{1};                     ///< `kLeastEffort` to `kMostEffort`
+  std::string style{"any"}, up{"any"}, front{"any"};  ///< words of core/search
+  int cards{1};                                       ///< of a book; 1: a card alone
+  bool marks{false};       ///< cards fit between the registration marks of a printed sheet
+  double max_minutes{15};  ///< of cutting
+  double effort{1};        ///< `kLeastEffort` to `kMostEffort`
   std::int64_t seed{1};
 };
 
@@ -210,7 +212,8 @@ struct FoundCardRecord {
   double seconds{};  ///< of cutting, by the model of the machine
   std::array<double, 2> seconds_range{};
   double cut_mm{}, fold_mm{};
-  std::array<double, 2> sheet_mm{};  ///< across and along the spine
+  std::array<double, 2> sheet_mm{};  ///< across and along the spine, of a book each of its sheets
+  std::optional<double> page_mm{};   ///< of a book: how far a page reaches from the spine
   int folds{};
   std::vector<Warning> warnings{};
   std::string spec;  ///< JSON; its mesh is the id of the asset

@@ -81,9 +81,14 @@ Result<std::optional<ColourMesh>> model_of(const Wanted& wanted, const DesignSpe
   const auto bytes = assets.find(id);
   if (bytes == assets.end())
     return fail(ErrorKind::OutOfRange, "?model", fmt::format("there is no asset {}", id));
-  auto mesh =
-      read_colour_mesh(named(id, bytes->second), bytes->second, no_files_beside(), !wanted.clay);
-  if (!mesh) return tl::unexpected(mesh.error());
+  const std::string name = named(id, bytes->second);
+  auto mesh = read_colour_mesh(name, bytes->second, no_files_beside(), !wanted.clay);
+  if (!mesh) {
+    Error error = mesh.error();
+    if (error.place.starts_with(name))
+      error.place.replace(0, name.size(), wanted.model.empty() ? id : "?model");
+    return tl::unexpected(std::move(error));
+  }
   if (wanted.clay) make_clay(*mesh);
   return std::optional(std::move(*mesh));
 }

@@ -143,4 +143,36 @@ std::string obj(const TriangleMesh& mesh) {
   return out;
 }
 
+std::string corner_bytes(const TriangleMesh& mesh) {
+  return {reinterpret_cast<const char*>(mesh.corners.data()), mesh.corners.size() * sizeof(float)};
+}
+
+std::string gltf(const TriangleMesh& mesh, const std::string& buffer, const std::string& nodes) {
+  const std::size_t bytes = mesh.corners.size() * sizeof(float);
+  return fmt::format(
+      R"({{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0]}}],
+"nodes": {}, "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}],
+"buffers": [{{"byteLength": {}{}}}], "bufferViews": [{{"buffer": 0, "byteLength": {}}}],
+"accessors": [{{"bufferView": 0, "componentType": 5126, "count": {}, "type": "VEC3"}}]}})",
+      nodes, bytes, buffer.empty() ? "" : fmt::format(R"(, "uri": "{}")", buffer), bytes,
+      3 * mesh.size());
+}
+
+std::string glb(const TriangleMesh& mesh, const std::string& nodes) {
+  std::string json = gltf(mesh, "", nodes);
+  while (json.size() % 4 != 0) json += ' ';
+  const std::string binary = corner_bytes(mesh);
+  std::string out = "glTF";
+  const auto put = [&](std::size_t number) {
+    const auto word = static_cast<std::uint32_t>(number);
+    out.append(reinterpret_cast<const char*>(&word), sizeof word);
+  };
+  constexpr std::size_t kHead = 12, kChunkHead = 8, kJson = 0x4E4F534A, kBinary = 0x004E4942;
+  put(2), put(kHead + 2 * kChunkHead + json.size() + binary.size());
+  put(json.size()), put(kJson);
+  out += json;
+  put(binary.size()), put(kBinary);
+  return out + binary;
+}
+
 }  // namespace popcut::tests

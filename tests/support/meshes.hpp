@@ -27,5 +27,14 @@ using Point = std::array<double, 3>;
 [[nodiscard]] std::string binary_stl(const TriangleMesh& mesh);
 [[nodiscard]] std::string text_stl(const TriangleMesh& mesh);
 [[nodiscard]] std::string obj(const TriangleMesh& mesh);
+/// A .gltf whose mesh is in the file `buffer` beside it (`corner_bytes`), or with `buffer` empty in
+/// the chunk after it.
+/// @param nodes  JSON; the first one is the scene, mesh 0 is the mesh
+[[nodiscard]] std::string gltf(const TriangleMesh& mesh, const std::string& buffer,
+                               const std::string& nodes = R"([{"mesh": 0}])");
+[[nodiscard]] std::string corner_bytes(const TriangleMesh& mesh);
+/// The same as one file.
+[[nodiscard]] std::string glb(const TriangleMesh& mesh,
+                              const std::string& nodes = R"([{"mesh": 0}])");
 
 }  // namespace popcut::tests

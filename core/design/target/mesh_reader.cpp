@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "core/geometry/triangulate.hpp"
+#include "core/text/file_kind.hpp"
 #include "core/text/words.hpp"
 
 namespace popcut {
@@ -35,11 +36,17 @@ Result<void> too_many(const std::string& name, std::size_t count) {
 
 constexpr std::size_t kStlHead = 84, kStlTriangle = 50;
 
-bool is_binary_stl(std::string_view bytes) {
+/// Is it just as long as its head says? Whatever that head begins with, it is one.
+bool is_whole_binary_stl(std::string_view bytes) {
   if (bytes.size() < kStlHead) return false;
   std::uint32_t count = 0;
   std::memcpy(&count, bytes.data() + 80, 4);
-  if (bytes.size() == kStlHead + kStlTriangle * static_cast<std::size_t>(count)) return true;
+  return bytes.size() == kStlHead + kStlTriangle * static_cast<std::size_t>(count);
+}
+
+bool is_binary_stl(std::string_view bytes) {
+  if (bytes.size() < kStlHead) return false;
+  if (is_whole_binary_stl(bytes)) return true;
   // A text file begins with "solid" and holds no zero bytes.
   return bytes.substr(0, 5) != "solid" ||
          bytes.substr(0, 1000).find('\0') != std::string_view::npos;
@@ -240,17 +247,25 @@ Result<TriangleMesh> read_obj(const std::string& name, std::string_view bytes) {
 }  // namespace
 
 Result<TriangleMesh> read_mesh(const std::string& name, std::string_view bytes) {
+  if (const auto foreign = foreign_kind(bytes); !foreign.empty() && !is_whole_binary_stl(bytes))
+    return fail(ErrorKind::Malformed, name,
+                fmt::format("is {}; give a 3D model as an STL, OBJ or GLB file", foreign));
   std::string kind = extension(name);
-  // A name without an ending, as assets have, says nothing. An OBJ is text with vertices in it.
+  // A name without an ending, as assets have, says nothing. An OBJ is text with vertices in it,
+  // a .gltf begins with a brace.
   if (kind.empty()) {
     const bool stl = bytes.substr(0, 5) == "solid" || bytes.find('\0') != std::string_view::npos;
-    kind = stl ? "stl" : "obj";
+    const bool gltf =
+        bytes.substr(0, 4) == "glTF" || trimmed(bytes.substr(0, 256)).starts_with('{');
+    kind = gltf ? "gltf" : stl ? "stl" : "obj";
   }
+  if (kind == "glb" || kind == "gltf") return read_gltf_mesh(name, bytes);
   if (kind == "obj") return read_obj(name, bytes);
   if (kind == "stl")
     return is_binary_stl(bytes) ? read_binary_stl(name, bytes) : read_text_stl(name, bytes);
-  return fail(ErrorKind::Malformed, name,
-              fmt::format("is a \"{}\" file; meshes are read from .stl and .obj", kind));
+  return fail(
+      ErrorKind::Malformed, name,
+      fmt::format("is a \"{}\" file; meshes are read from .stl, .obj, .glb and .gltf", kind));
 }
 
 }  // namespace popcut

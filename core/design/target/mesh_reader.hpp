@@ -14,14 +14,18 @@
 
 namespace popcut {
 
-/// Reads the triangles of an STL (text or binary) or OBJ file; polygons are cut into triangles, all
-/// parts of the file together. Nothing beside `bytes` is opened: an OBJ's materials are left out.
+/// Reads the triangles of an STL (text or binary), OBJ or glTF 2.0 file (.glb, or .gltf with its
+/// mesh inside); polygons are cut into triangles, all parts of the file together. Nothing beside
+/// `bytes` is opened: materials are left out.
 /// Counts are checked against the bytes that are there before memory is taken.
 ///
 /// @param name  file name, for its extension (without one the bytes tell) and for errors
-/// @retval Malformed   neither STL nor OBJ, broken, cut off, without faces
+/// @retval Malformed   none of these (the text says what else it is, if that can be told),
+///                     broken, cut off, without faces
 /// @retval OutOfRange  more than `kMaxTriangles`, or a coordinate that is not a finite number
 [[nodiscard]] Result<TriangleMesh> read_mesh(const std::string& name, std::string_view bytes);
+/// The same of a glTF file, whatever its name.
+[[nodiscard]] Result<TriangleMesh> read_gltf_mesh(const std::string& name, std::string_view bytes);
 
 /// A polygon as triangles of its corners, counted from its first: a fan where it is convex, else by
 /// its ears, as it is seen from where it looks largest. What is no simple polygon is a fan too.

@@ -77,7 +77,8 @@ TriangleSoup standing_triangles(const MeshSlicer& slicer) {
   TriangleSoup out;
   const std::vector<float>& corners = slicer.mesh().corners;
   const double touch = 1e-6 * (slicer.high_mm() - slicer.low_mm());
-  out.corners.reserve(corners.size());
+  out.corners.resize(corners.size());
+  double* to = out.corners.data();
   for (std::size_t k = 0; k < corners.size(); k += 9) {
     bool on_wall = true, on_ground = true;
     for (std::size_t c = k; c < k + 9; c += 3) {
@@ -85,9 +86,9 @@ TriangleSoup standing_triangles(const MeshSlicer& slicer) {
       on_ground = on_ground && std::abs(static_cast<double>(corners[c + 2])) <= touch;
     }
     if (on_wall || on_ground) continue;
-    const auto at = corners.begin() + static_cast<std::ptrdiff_t>(k);
-    out.corners.insert(out.corners.end(), at, at + 9);
+    for (std::size_t c = k; c < k + 9; ++c) *to++ = static_cast<double>(corners[c]);
   }
+  out.corners.resize(static_cast<std::size_t>(to - out.corners.data()));
   return out;
 }
 

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "core/text/file_kind.hpp"
+#include "core/text/words.hpp"
 #include "core/verify/target/target_surface.hpp"
 
 namespace popcut::verify {
@@ -113,10 +115,13 @@ Result<TargetTriangles> read_obj(const std::string& name, std::string_view text)
   return out;
 }
 
-bool is_obj(const std::string& name) {
-  const std::string_view ending =
-      std::string_view(name).substr(name.size() < 4 ? 0 : name.size() - 4);
-  return ending == ".obj" || ending == ".OBJ";
+bool ends_with(const std::string& name, std::string_view ending) {
+  return name.size() >= ending.size() &&
+         same_word(std::string_view(name).substr(name.size() - ending.size()), ending);
+}
+
+bool is_gltf(const std::string& name, const std::string& bytes) {
+  return bytes.starts_with("glTF") || ends_with(name, ".gltf") || ends_with(name, ".glb");
 }
 
 bool is_binary_stl(const std::string& bytes) {
@@ -168,10 +173,15 @@ Result<Table> read_table(const std::string& name, std::string_view text) {
 }  // namespace
 
 Result<TargetTriangles> read_target_mesh(const std::string& name, const std::string& bytes) {
-  auto read = is_obj(name)           ? read_obj(name, bytes)
-              : is_binary_stl(bytes) ? read_binary_stl(name, bytes)
-                                     : read_text_stl(name, bytes);
-  if (read && read->size() == 0) return wrong(name, 0, "has no triangles; give an STL or OBJ file");
+  if (const auto foreign = foreign_kind(bytes); !foreign.empty() && !is_binary_stl(bytes))
+    return wrong(name, 0,
+                 fmt::format("is {}; give a 3D model as an STL, OBJ or GLB file", foreign));
+  auto read = is_gltf(name, bytes)      ? read_target_gltf(name, bytes)
+              : ends_with(name, ".obj") ? read_obj(name, bytes)
+              : is_binary_stl(bytes)    ? read_binary_stl(name, bytes)
+                                        : read_text_stl(name, bytes);
+  if (read && read->size() == 0)
+    return wrong(name, 0, "has no triangles; give an STL, OBJ or GLB file");
   return read;
 }
 

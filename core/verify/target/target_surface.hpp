@@ -124,11 +124,15 @@ struct DrawnStation {
 [[nodiscard]] std::unique_ptr<TargetSurface> solid_target(TargetFormula f,
                                                           const TargetPlacement& placement);
 
-/// Reads binary and text STL, and OBJ (decided by `name`).
+/// Reads binary and text STL, OBJ (decided by `name`), and glTF with all of its mesh in the file.
 ///
 /// @retval Malformed   invalid or without faces
 /// @retval OutOfRange  more than ten million triangles, or a coordinate that is not finite
 [[nodiscard]] Result<TargetTriangles> read_target_mesh(const std::string& name,
+                                                       const std::string& bytes);
+/// The triangles of a glTF 2.0 file, .glb or .gltf, its nodes put together; in units and axes of
+/// the file. As `read_target_mesh`.
+[[nodiscard]] Result<TargetTriangles> read_target_gltf(const std::string& name,
                                                        const std::string& bytes);
 /// Reads heights over a grid from CSV (x values in the first row, y values in the first column).
 /// Each cell becomes two triangles that share the diagonal from the smallest to the largest x and

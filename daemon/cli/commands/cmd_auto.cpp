@@ -59,9 +59,9 @@ Result<void> add_card(SearchedModel& model, std::size_t k, OutputFolder& folder)
     card.made.book->fit = book_fit(card.made);
     if (auto done = add_book_files(card.made, {}, folder); !done) return done;
   }
-  const auto picture =
-      card_picture(card, fmt::format("{}, {:.1f} minutes: error {:.4f}", name,
-                                     card.cost.seconds / 60.0, card.figures.error()));
+  const auto picture = card_picture(model.found, card,
+                                    fmt::format("{}, {:.1f} minutes: error {:.4f}", name,
+                                                card.cost.seconds / 60.0, card.figures.error()));
   if (!picture) return tl::unexpected(picture.error());
   if (auto done = folder.add("thumbnail.png", *picture); !done) return done;
   for (std::size_t part = 0; part < card.made.parts.size(); ++part) {
@@ -125,7 +125,8 @@ constexpr const char* kHelp =
     "Find the best cards for a 3D model.\n\n"
     "  popcut auto teapot.obj -o teapot\n"
     "  popcut auto house.obj --up y --machine cameo3 --mat A4 --marks -o house    # to print\n\n"
-    "MODEL is a mesh (STL, OBJ). popcut tries styles, ways to stand, sizes and finenesses, and\n"
+    "MODEL is a mesh (STL, OBJ, GLB). popcut tries styles, ways to stand, sizes and finenesses, "
+    "and\n"
     "keeps the cards of which no other looks more like the model and is cut as quickly. Each\n"
     "passes 'popcut verify --dof 1'. With --cards it finds books, which show the model from all\n"
     "sides. popcut writes into DIR:\n\n"
@@ -204,7 +205,8 @@ void register_auto(CLI::App& app, const Globals& globals, Run& run) {
   using namespace auto_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("auto", kHelp);
-  command->add_option("MODEL", options->search.model, "The model: a mesh (.stl, .obj)")->required();
+  command->add_option("MODEL", options->search.model, "The model: a mesh (.stl, .obj, .glb, .gltf)")
+      ->required();
   command
       ->add_option("-o,--output", options->folder,
                    "Folder for the cards, required; created if it does not exist")

@@ -271,7 +271,7 @@ void register_compare(CLI::App& app, const Globals& globals, Run& run) {
       ->required();
   command
       ->add_option("TARGET", options->target,
-                   "The model: a mesh (.stl, .obj), heights (.csv) or a design (.json)")
+                   "The model: a mesh (.stl, .obj, .glb), heights (.csv) or a design (.json)")
       ->required();
   command->add_option(
       "MORE", options->more,

@@ -38,6 +38,7 @@
 #include "daemon/cli/commands/book_files.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
 #include "daemon/cli/input/drawn_pattern.hpp"
+#include "daemon/cli/input/model_file.hpp"
 #include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/cli/options/angles.hpp"
 #include "daemon/cli/options/option_value.hpp"
@@ -393,7 +394,7 @@ constexpr double kModelEffort = 0.25;
 
 Result<GivenDesign> given_design(const Options& options, const Globals& globals) {
   GivenDesign out;
-  if (!is_mesh_file(options.spec)) {
+  if (!is_model_file(options.spec)) {
     auto text = spec_text(options.spec);
     if (!text) return tl::unexpected(text.error());
     out.text = std::move(*text);
@@ -441,8 +442,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   if (!given) return tl::unexpected(given.error());
   std::optional<LongWork> work(std::in_place, !globals.quiet, "reading the design");
   auto spec = parse_design_spec(given->text);
-  if (!spec && is_pattern(given->text)) return tl::unexpected(already_designed(options.spec));
-  if (!spec) return tl::unexpected(within(options.spec, spec.error()));
+  if (!spec) return tl::unexpected(no_design_spec(options.spec, given->text, spec.error()));
   const auto material = material_of(*spec, options.spec);
   if (!material) return tl::unexpected(material.error());
   planning::suit_material(*material, *spec);
@@ -534,7 +534,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
 }
 
 Result<void> place(const Options& options, const Globals& globals) {
-  if (is_mesh_file(options.spec))
+  if (is_model_file(options.spec))
     return fail(ErrorKind::Usage, "command line",
                 fmt::format("--place moves the shape of a design, and {} is a 3D model; type: "
                             "popcut design {} -o DIR",
@@ -542,8 +542,7 @@ Result<void> place(const Options& options, const Globals& globals) {
   const auto text = spec_text(options.spec);
   if (!text) return tl::unexpected(text.error());
   auto spec = parse_design_spec(*text);
-  if (!spec && is_pattern(*text)) return tl::unexpected(already_designed(options.spec));
-  if (!spec) return tl::unexpected(within(options.spec, spec.error()));
+  if (!spec) return tl::unexpected(no_design_spec(options.spec, *text, spec.error()));
   const auto material = material_of(*spec, options.spec);
   if (!material) return tl::unexpected(material.error());
   planning::suit_material(*material, *spec);  // what is tried is what will be designed
@@ -581,7 +580,8 @@ constexpr const char* kHelp =
     "  popcut design --example sphere > sphere.json\n"
     "  popcut design sphere.json -o sphere\n\n"
     "SPEC describes the shape (a formula, a table of heights or a 3D model) and how finely to\n"
-    "slice it; - reads it from standard input. It can also be a 3D model (STL, OBJ): then popcut\n"
+    "slice it; - reads it from standard input. It can also be a 3D model (STL, OBJ, GLB): then "
+    "popcut\n"
     "makes the best card that a short search finds, and writes its design too (spec.json);\n"
     "'popcut auto' searches longer. The lengths of a design are mm, and its axes are:\n\n"
     "      z\n"
@@ -620,9 +620,9 @@ void register_design(CLI::App& app, const Globals& globals, Run& run) {
   using namespace design_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("design", kHelp);
-  command->add_option(
-      "SPEC", options->spec,
-      "The design: a JSON file, or -; --schema prints its format. Or a 3D model (.stl, .obj)");
+  command->add_option("SPEC", options->spec,
+                      "The design: a JSON file, or -; --schema prints its format. Or a 3D model "
+                      "(.stl, .obj, .glb)");
   command
       ->add_option("-o,--output", options->folder,
                    "Folder for the files; created if it does not exist")

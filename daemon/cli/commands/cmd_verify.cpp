@@ -14,6 +14,7 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/input/book_input.hpp"
 #include "daemon/cli/input/drawn_pattern.hpp"
+#include "daemon/cli/input/model_file.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/view/long_work.hpp"
 #include "daemon/files/output_folder.hpp"
@@ -101,7 +102,7 @@ Result<void> run_verify(const Options& options, const Globals& globals) {
     auto spec = read_file(options.target, kSpecLimitBytes);
     if (!spec) return tl::unexpected<Error>(spec.error());
     for (const std::string& name : target_files_of(*spec)) {
-      auto bytes = read_file(std::filesystem::path(options.target).parent_path() / name);
+      auto bytes = read_model_file(std::filesystem::path(options.target).parent_path() / name);
       if (!bytes) return tl::unexpected<Error>(within(options.target, bytes.error()));
       verify.target_files.emplace(name, std::move(*bytes));
     }

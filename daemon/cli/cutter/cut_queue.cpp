@@ -14,6 +14,7 @@
 #include "core/design/spec/spec.hpp"
 #include "core/text/utf8.hpp"
 #include "daemon/cli/input/drawing_input.hpp"
+#include "daemon/cli/input/model_file.hpp"
 #include "daemon/cli/view/job_follow.hpp"
 #include "daemon/cli/view/job_view.hpp"
 #include "daemon/cli/view/long_work.hpp"
@@ -45,7 +46,7 @@ Result<void> upload_assets(Api& api, Json& value, const std::string& pointer,
   if (value.is_object() && is_asset(value)) {
     const auto name = value["file"].get<std::string>();
     const auto path = std::filesystem::path(spec_file).parent_path() / name;
-    const auto bytes = read_file(path);
+    const auto bytes = read_model_file(path);
     if (!bytes) return tl::unexpected(within(spec_file, within(pointer + "/file", bytes.error())));
     if (!globals.quiet)
       fmt::print(stderr, "uploading {} ({} bytes)\n", path.string(), bytes->size());

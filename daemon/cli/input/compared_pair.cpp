@@ -15,12 +15,14 @@
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/geometry/triangulate.hpp"
 #include "core/geometry/vec.hpp"
+#include "core/text/file_kind.hpp"
 #include "core/text/words.hpp"
 #include "core/verify/sheet/check.hpp"
 #include "core/verify/target/target.hpp"
 #include "core/verify/verify.hpp"
 #include "daemon/cli/input/compared_book.hpp"
 #include "daemon/cli/input/drawn_pattern.hpp"
+#include "daemon/cli/input/model_file.hpp"
 #include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/planning/judge/opened_card.hpp"
@@ -33,10 +35,6 @@ constexpr std::uintmax_t kPatternLimitBytes = 1u << 29;
 
 bool has_ending(const std::string& file, std::string_view ending) {
   return same_word(std::filesystem::path(file).extension().string(), ending);
-}
-
-bool is_mesh(const std::string& file) {
-  return has_ending(file, ".stl") || has_ending(file, ".obj");
 }
 
 Result<std::vector<float>> mesh_triangles(const std::string& file, const std::string& bytes) {
@@ -152,7 +150,7 @@ Result<SpecSurface> read_spec(const std::string& file, const std::string& text,
   }
   verify::TargetFiles files;
   for (const std::string& name : target_files_of(text)) {
-    auto bytes = read_file(std::filesystem::path(file).parent_path() / name);
+    auto bytes = read_model_file(std::filesystem::path(file).parent_path() / name);
     if (!bytes) return tl::unexpected(within(file, bytes.error()));
     files.emplace(name, std::move(*bytes));
   }
@@ -212,10 +210,10 @@ Result<ComparedStructure> read_structure(const std::string& file, std::optional<
                                          const Progress& progress) {
   using namespace compared_pair;
   tell(progress, "reading the pattern", kUnknownPart);
-  auto text = read_file(file, is_mesh(file) ? std::uintmax_t{1} << 30 : kPatternLimitBytes);
+  auto text = is_model_file(file) ? read_model_file(file) : read_file(file, kPatternLimitBytes);
   if (!text) return tl::unexpected(std::move(text.error()));
   ComparedStructure out;
-  if (is_mesh(file)) {
+  if (is_model_file(file)) {
     auto triangles = mesh_triangles(file, *text);
     if (!triangles) return tl::unexpected(std::move(triangles.error()));
     out.triangles = std::move(*triangles);
@@ -231,6 +229,11 @@ Result<ComparedStructure> read_structure(const std::string& file, std::optional<
     text = fold_of_drawing(*text, file, "auto", out.notes);
     if (!text) return tl::unexpected(std::move(text.error()));
   }
+  if (const auto foreign = foreign_kind(*text); !foreign.empty())
+    return fail(
+        ErrorKind::Malformed, file,
+        fmt::format("is {}; give a pattern (.fold, .svg, .dxf) or a 3D model (.stl, .obj, .glb)",
+                    foreign));
   auto card = planning::open_card(*text, psi_rad, progress);
   if (!card && is_design_spec(*text)) return tl::unexpected(not_yet_designed(file, "compare"));
   if (!card && !psi_rad)
@@ -259,19 +262,20 @@ Result<ComparedTarget> read_compared_target(const std::string& file,
                                             const GivenPlacement& given, const Progress& progress) {
   using namespace compared_pair;
   tell(progress, "reading the model", kUnknownPart);
-  auto bytes = read_file(file);
+  auto bytes = read_model_file(file);
   if (!bytes) return tl::unexpected(bytes.error());
-  if (!is_mesh(file) && is_pattern(*bytes))
-    return fail(ErrorKind::OutOfRange, file,
-                "is a pattern; give the model after the pattern: a mesh (STL, OBJ) or a design");
-  if (!is_mesh(file) && is_design_spec(*bytes) && structure.is_book) {
+  if (!is_model_file(file) && is_pattern(*bytes))
+    return fail(
+        ErrorKind::OutOfRange, file,
+        "is a pattern; give the model after the pattern: a mesh (STL, OBJ, GLB) or a design");
+  if (!is_model_file(file) && is_design_spec(*bytes) && structure.is_book) {
     if (given.is_given() || given.fit)
       return fail(ErrorKind::Usage, "command line",
                   "a design says where its surface stands; leave out --scale, --rotate, --move and "
                   "--fit");
     return read_book_target(file, *bytes, structure);
   }
-  if (!is_mesh(file) && is_design_spec(*bytes)) {
+  if (!is_model_file(file) && is_design_spec(*bytes)) {
     if (given.is_given() || given.fit)
       return fail(ErrorKind::Usage, "command line",
                   "a design says where its surface stands; leave out --scale, --rotate, --move and "

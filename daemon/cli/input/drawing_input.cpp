@@ -12,6 +12,7 @@
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/text/words.hpp"
 #include "daemon/cli/input/book_input.hpp"
+#include "daemon/cli/input/model_file.hpp"
 #include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/client/command_words.hpp"
 #include "daemon/files/output_folder.hpp"
@@ -83,8 +84,7 @@ Result<DrawingInput> drawing_of_book(const std::string& file, const SvgReadOptio
 }  // namespace
 
 Error neither_design_nor_drawing(const std::string& file) {
-  const std::string ending = std::filesystem::path(file).extension().string();
-  if (same_word(ending, ".stl") || same_word(ending, ".obj"))
+  if (is_model_file(file))
     return {ErrorKind::Malformed, file,
             fmt::format("is a 3D model; 'popcut auto {} -o cards' makes cards of it: give the "
                         "spec.json of one",

@@ -8,7 +8,9 @@
 
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/svg/svg_reader.hpp"
+#include "core/text/file_kind.hpp"
 #include "core/text/words.hpp"
+#include "daemon/cli/input/model_file.hpp"
 #include "daemon/client/command_words.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "daemon/planning/plan_input.hpp"
@@ -72,8 +74,7 @@ Error not_yet_designed(const std::string& file, const std::string& command) {
 }
 
 Result<void> check_no_model(const std::string& file, const std::string& command) {
-  const std::string ending = std::filesystem::path(file).extension().string();
-  if (!same_word(ending, ".stl") && !same_word(ending, ".obj")) return {};
+  if (!is_model_file(file)) return {};
   return fail(
       ErrorKind::Malformed, file,
       fmt::format("is a 3D model, and {0} reads a pattern; 'popcut auto {1} -o cards' makes "
@@ -87,12 +88,20 @@ bool is_pattern(const std::string& text) {
   return json.is_object() && json.contains("vertices_coords");
 }
 
-Error already_designed(const std::string& file) {
-  return {ErrorKind::Malformed, file,
-          fmt::format("is a pattern or a drawing already, and design makes one from a design spec; "
-                      "'popcut verify {0}' checks it, 'popcut deploy {0} -o poses' opens it, "
-                      "'popcut plan {0} -o plan' lays it out for cutting",
-                      client::quoted(file))};
+Error no_design_spec(const std::string& file, const std::string& text, const Error& why) {
+  if (is_pattern(text))
+    return {ErrorKind::Malformed, file,
+            fmt::format("is a pattern or a drawing already, and design makes one from a design "
+                        "spec; 'popcut verify {0}' checks it, 'popcut deploy {0} -o poses' opens "
+                        "it, 'popcut plan {0} -o plan' lays it out for cutting",
+                        client::quoted(file))};
+  if (const auto foreign = foreign_kind(text); !foreign.empty())
+    return {
+        ErrorKind::Malformed, file,
+        fmt::format("is {}; give a design (.json) or a 3D model (.stl, .obj, .glb), or start from "
+                    "an example: popcut design --example sphere > sphere.json",
+                    foreign)};
+  return within(file, why);
 }
 
 }  // namespace popcut::cli

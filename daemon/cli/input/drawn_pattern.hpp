@@ -37,7 +37,7 @@ namespace popcut::cli {
 /// @param command  the command that was given it: "verify", "deploy"
 [[nodiscard]] Error not_yet_designed(const std::string& file, const std::string& command);
 
-/// Refuses a 3D model (STL, OBJ, by its name) where a pattern belongs, and says how one is made.
+/// Refuses a 3D model (by its name) where a pattern belongs, and says how one is made.
 ///
 /// @retval Malformed  it is a model
 [[nodiscard]] Result<void> check_no_model(const std::string& file, const std::string& command);
@@ -45,7 +45,11 @@ namespace popcut::cli {
 /// Is it a pattern or a drawing (FOLD, SVG) rather than a design spec?
 [[nodiscard]] bool is_pattern(const std::string& text);
 
-/// What to say of a pattern where a design spec belongs.
-[[nodiscard]] Error already_designed(const std::string& file);
+/// What to say of a text that is no design spec where one belongs: what it is, as far as that can
+/// be told, and what to type for it.
+///
+/// @param why  what the reader of specs said
+[[nodiscard]] Error no_design_spec(const std::string& file, const std::string& text,
+                                   const Error& why);
 
 }  // namespace popcut::cli

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "core/design/placement.hpp"
+#include "daemon/cli/input/model_file.hpp"
 #include "daemon/cli/view/long_work.hpp"
-#include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
 
@@ -19,7 +19,7 @@ Result<void> load_asset(const DesignSpec& spec, const std::string& spec_file,
   const std::string name = asset_of(spec.surface);
   if (name.empty() || assets.contains(name)) return {};
   const auto path = std::filesystem::path(spec_file).parent_path() / name;
-  auto bytes = read_file(path);
+  auto bytes = read_model_file(path);
   if (!bytes)
     return tl::unexpected(
         within(fmt::format("{}/surface/{}", place, asset_field(*spec.surface)), bytes.error()));

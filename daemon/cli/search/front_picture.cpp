@@ -12,6 +12,7 @@
 #include "daemon/cli/view/compare_picture.hpp"
 #include "daemon/digest/digest.hpp"
 #include "daemon/pictures/png.hpp"
+#include "daemon/planning/search/thumbnail.hpp"
 
 namespace popcut::cli {
 namespace front_picture_parts {
@@ -21,20 +22,6 @@ using planning::FoundCard;
 using planning::FoundCards;
 
 constexpr int kPixels = 480, kTile = 240, kGap = 12, kTop = 44, kWords = 58, kAcross = 4;
-
-/// Cards are seen along the diagonal first, books from the first of the sides from which they are
-/// compared.
-likeness::Scene scene_of(const FoundCard& card, int pixels) {
-  likeness::Scene scene;
-  scene.pixels = pixels;
-  if (card.made.book) {
-    scene.views = likeness::round_views();
-    return scene;
-  }
-  scene.views = likeness::cone_views();
-  scene.corner = likeness::Corner{};
-  return scene;
-}
 
 /// Places of the page's tiles, in rows.
 struct Place {
@@ -117,9 +104,11 @@ std::string front_folder(const planning::FoundCard& card, std::size_t k) {
   return fmt::format("{}-{:02}", card.made.book ? "book" : "card", k + 1);
 }
 
-Result<std::string> card_picture(const planning::FoundCard& card, const std::string& title) {
-  const likeness::Target aim(card.target, front_picture_parts::scene_of(card, 64));
-  return compare_picture(aim, card.target, card.structure, title);
+Result<std::string> card_picture(const planning::FoundCards& found, const planning::FoundCard& card,
+                                 const std::string& title) {
+  const std::vector<float> around = planning::model_around(found, card);
+  const likeness::Target aim(around, planning::pictured_scene(card, 64));
+  return compare_picture(aim, around, card.structure, title);
 }
 
 Result<std::string> front_picture(const planning::FoundCards& found, const std::string& title) {
@@ -138,8 +127,9 @@ Result<std::string> front_picture(const planning::FoundCards& found, const std::
     if (part) svg += *part;
     return part.has_value();
   };
-  auto part = tile(0, likeness::Target(best.target, scene_of(best, kPixels)), best.target,
-                   likeness::kModelColour,
+  const std::vector<float> around_best = planning::model_around(found, best);
+  auto part = tile(0, likeness::Target(around_best, planning::pictured_scene(best, kPixels)),
+                   around_best, likeness::kModelColour,
                    {"the model",
                     fmt::format("{} can show {:.0f} % of it",
                                 best.made.book ? fmt::format("{} cards", best.made.parts.size())
@@ -150,8 +140,10 @@ Result<std::string> front_picture(const planning::FoundCards& found, const std::
   for (std::size_t k = 0; k < found.front.size(); ++k) {
     const FoundCard& card = found.front[k];
     const bool is_best = k + 1 == found.front.size();
-    part = tile(k + 1, likeness::Target(card.target, scene_of(card, kPixels)), card.structure,
-                likeness::kPaperColour,
+    part = tile(k + 1,
+                likeness::Target(planning::model_around(found, card),
+                                 planning::pictured_scene(card, kPixels)),
+                card.structure, likeness::kPaperColour,
                 {fmt::format("{}: {:.1f} min, error {:.3f}{}", k + 1, card.cost.seconds / 60.0,
                              card.figures.error(), is_best ? ", the best" : ""),
                  settings(card.candidate),

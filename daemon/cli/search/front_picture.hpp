@@ -14,7 +14,8 @@ namespace popcut::cli {
 /// A card beside its model, from three sides (PNG): as `popcut compare` draws it.
 ///
 /// @retval Internal  the libraries cannot draw it
-[[nodiscard]] Result<std::string> card_picture(const planning::FoundCard& card,
+[[nodiscard]] Result<std::string> card_picture(const planning::FoundCards& found,
+                                               const planning::FoundCard& card,
                                                const std::string& title);
 
 /// All cards of the front on one page (SVG): the model first, then each card from the diagonal with

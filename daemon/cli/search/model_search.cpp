@@ -12,8 +12,10 @@
 #include <fmt/format.h>
 
 #include "core/design/target/mesh_reader.hpp"
+#include "core/search/choices.hpp"
 #include "core/text/words.hpp"
 #include "daemon/cli/input/drawn_pattern.hpp"
+#include "daemon/cli/input/model_file.hpp"
 #include "daemon/cli/view/long_work.hpp"
 #include "daemon/client/command_words.hpp"
 #include "daemon/files/output_folder.hpp"
@@ -24,12 +26,12 @@ namespace model_search_parts {
 namespace {
 
 Result<TriangleMesh> read_model(const std::string& file, const std::string& bytes) {
-  if (!is_mesh_file(file)) {
+  if (!is_model_file(file)) {
     if (is_design_spec(bytes))
       return fail(ErrorKind::OutOfRange, file,
                   fmt::format("is a design already; type: popcut design {} -o DIR", file));
     if (is_pattern(bytes))
-      return fail(ErrorKind::OutOfRange, file, "is a pattern; give a 3D model (.stl, .obj)");
+      return fail(ErrorKind::OutOfRange, file, "is a pattern; give a 3D model (.stl, .obj, .glb)");
   }
   return read_mesh(file, bytes);
 }
@@ -37,18 +39,13 @@ Result<TriangleMesh> read_model(const std::string& file, const std::string& byte
 }  // namespace
 }  // namespace model_search_parts
 
-bool is_mesh_file(const std::string& file) {
-  const std::string ending = std::filesystem::path(file).extension().string();
-  return same_word(ending, ".stl") || same_word(ending, ".obj");
-}
-
 Result<SearchedModel> search_model(const ModelSearchOptions& options,
                                    const std::filesystem::path& spec_folder, bool shows_progress,
                                    const std::function<bool()>& stopped) {
   using namespace model_search_parts;
   LongWork work(shows_progress, "reading the model");
   SearchedModel out;
-  auto bytes = read_file(options.model);
+  auto bytes = read_model_file(options.model);
   if (!bytes) return tl::unexpected(bytes.error());
   out.bytes = std::move(*bytes);
   planning::SearchRequest request;
@@ -75,26 +72,18 @@ Result<SearchedModel> search_model(const ModelSearchOptions& options,
   request.plan.machine = options.machine, request.plan.material = material;
   request.plan.mat = options.mat;
   request.plan.marks = options.marks;
-  const auto& styles = style_choices();
-  request.styles = *std::find_if(styles.begin(), styles.end(), [&](const StyleChoice& style) {
-    return style.name == options.style;
-  });
+  request.styles = style_choice(options.style);
   request.up = up_side(options.up), request.front = up_side(options.front);
   request.cards = options.cards;
-  if (request.cards > 1 && request.front)
-    return fail(ErrorKind::Usage, "--front",
-                "is for cards; a book shows the model from all sides, so leave it out");
-  if (upright_turns(request.up, request.front).empty())
-    return fail(
-        ErrorKind::Usage, "--front",
-        fmt::format("is \"{}\", along the axis that --up says; give another axis", options.front));
+  if (const auto fit = check_choices(options.style, options.cards, options.up, options.front); !fit)
+    return tl::unexpected(client::on_command_line(fit.error()));
   request.most_s = 60.0 * options.max_minutes;
   request.effort = options.effort, request.seed = options.seed;
   request.threads =
       options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
   request.progress = work.progress();
   request.stopped = stopped;
-  auto cards = planning::search_cards(request);
+  auto cards = planning::search_cards(std::move(request));
   if (!cards) {
     const Error why = client::on_command_line(tables->with_file(cards.error()));
     const bool of_model = why.kind != ErrorKind::Usage && why.kind != ErrorKind::Refused;

@@ -33,9 +33,6 @@ struct SearchedModel {
   planning::FoundCards found;
 };
 
-/// Is it a mesh, by its name (.stl, .obj)?
-[[nodiscard]] bool is_mesh_file(const std::string& file);
-
 /// Reads a mesh and searches its best cards (`planning::search_cards`).
 ///
 /// @param spec_folder  where specs will be, from which they name the mesh

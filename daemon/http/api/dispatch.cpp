@@ -19,15 +19,16 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kDesignTypes{"application/json", "application/dxf",
                                                        "image/svg+xml", "image/vnd.dxf"};
-constexpr std::array<std::string_view, 9> kAssetTypes{"application/octet-stream",
-                                                      "application/json",
-                                                      "application/dxf",
-                                                      "image/svg+xml",
-                                                      "image/vnd.dxf",
-                                                      "model/obj",
-                                                      "model/stl",
-                                                      "text/csv",
-                                                      "model/x.stl-binary"};
+constexpr std::array<std::string_view, 10> kAssetTypes{"application/octet-stream",
+                                                       "application/json",
+                                                       "application/dxf",
+                                                       "image/svg+xml",
+                                                       "image/vnd.dxf",
+                                                       "model/gltf-binary",
+                                                       "model/obj",
+                                                       "model/stl",
+                                                       "text/csv",
+                                                       "model/x.stl-binary"};
 
 // Of a body that anyone may send: a word, no more.
 constexpr std::uint64_t kOpenBytes = 1024;

@@ -22,6 +22,9 @@ CardSearchRequest read_search(FieldReader& fields) {
   wanted.mat = fields.text("mat", "", line(64));
   wanted.style = styles[fields.word("style", 0, styles)];
   wanted.up = up_words()[fields.word("up", 0, up_words())];
+  wanted.front = up_words()[fields.word("front", 0, up_words())];
+  wanted.cards = fields.integer("cards", wanted.cards, 1, kMostCards);
+  wanted.marks = fields.boolean("marks", wanted.marks);
   wanted.max_minutes =
       fields.number("max_minutes", wanted.max_minutes, kLeastMinutes, kMostMinutes);
   wanted.effort = fields.number("effort", wanted.effort, kLeastEffort, kMostEffort);

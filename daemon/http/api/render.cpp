@@ -238,6 +238,7 @@ ordered_json card_json(const FoundCardRecord& card, std::size_t number, const st
   const std::string own = fmt::format("{}/cards/{}", self, number);
   ordered_json out{{"card", number}};
   out.update(figures_json(card));
+  if (!card.page_mm) out["page_mm"] = nullptr;
   out["warnings"] = ordered_json::parse(warnings_json(card.warnings), nullptr, false);
   out["spec"] = ordered_json::parse(card.spec, nullptr, false);
   out["links"] = {{"picture", own + ".png"}, {"design", own + "/design"}};
@@ -276,6 +277,9 @@ ordered_json to_json(const SearchRecord& search) {
           {"max_minutes", request.max_minutes},
           {"style", request.style},
           {"up", request.up},
+          {"front", request.front},
+          {"marks", request.marks},
+          {"book", request.cards > 1 ? ordered_json{{"cards", request.cards}} : ordered_json()},
           {"effort", request.effort},
           {"seed", request.seed},
           {"progress", std::move(progress)},

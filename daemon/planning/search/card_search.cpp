@@ -15,7 +15,6 @@
 
 #include "core/design/book_fit.hpp"
 #include "core/formats/fold/fold_writer.hpp"
-#include "core/plan/marks.hpp"
 #include "core/search/book_standing.hpp"
 #include "core/search/coarse_mesh.hpp"
 #include "core/search/halving.hpp"
@@ -29,6 +28,7 @@
 #include "daemon/planning/plan_job.hpp"
 #include "daemon/planning/search/opened_pattern.hpp"
 #include "daemon/planning/search/parallel.hpp"
+#include "daemon/planning/search/searched_mat.hpp"
 
 namespace popcut::planning {
 namespace {
@@ -87,8 +87,8 @@ likeness::Scene scene_of(int pixels, bool is_book, std::size_t around) {
 
 /// A mesh, as designs read it and as they are compared with it.
 struct Model {
-  Model(TriangleMesh triangles, const std::vector<Way>& ways, int pixels, bool is_book)
-      : mesh(std::move(triangles)), targets(ways.size()), pixels_(pixels), is_book_(is_book) {
+  Model(const TriangleMesh& triangles, const std::vector<Way>& ways, int pixels, bool is_book)
+      : mesh(triangles), targets(ways.size()), pixels_(pixels), is_book_(is_book) {
     assets.emplace(kAsset, stl_bytes(mesh));
   }
   /// The target of a way, made once.
@@ -102,7 +102,7 @@ struct Model {
     return *targets[k];
   }
 
-  TriangleMesh mesh;
+  const TriangleMesh& mesh;
   SurfaceAssets assets;
   std::vector<std::unique_ptr<const likeness::Target>> targets;
 
@@ -139,10 +139,6 @@ class CardSearch {
       : request_(request), styles_(styles_for_cards(request.styles, request.cards)) {}
 
   Result<FoundCards> run() {
-    if (!styles_.facets && styles_.lattices.empty())
-      return fail(
-          ErrorKind::Usage, "/style",
-          fmt::format("facets make books of 4 cards only, and you ask for {}", request_.cards));
     if (auto done = look_at_mesh(); !done) return tl::unexpected(done.error());
     if (auto done = look_at_machine(); !done) return tl::unexpected(done.error());
     find_ways();
@@ -202,20 +198,11 @@ class CardSearch {
     return {};
   }
 
-  /// The area of the mat, from a plan of the test shape; wrong options end the search here.
   Result<void> look_at_machine() {
-    PlanOptions options = request_.plan;
-    const auto job = make_plan_job(
-        options, request_.tables, [](const SvgReadOptions&) { return test_shape_input(); }, "");
-    if (!job) return tl::unexpected(job.error());
-    out_.machine = job->plan.machine;
-    if (!out_.machine.driven())
-      return fail(ErrorKind::Usage, "/machine",
-                  fmt::format("popcut knows no cutting times of {}, by which cards are chosen; "
-                              "choose a `machine` that popcut drives",
-                              out_.machine.title));
-    out_.area_mm = job->plan.sheets.front().area_mm;
-    room_mm_ = options.marks ? room_within_marks_mm(out_.area_mm) : out_.area_mm;
+    auto mat = searched_mat(request_.plan, request_.tables);
+    if (!mat) return tl::unexpected(mat.error());
+    out_.machine = std::move(mat->machine);
+    out_.area_mm = mat->area_mm, room_mm_ = mat->room_mm;
     return {};
   }
 
@@ -264,7 +251,7 @@ class CardSearch {
   /// Ways to stand: the best by what is seen along the diagonal, straight ones, and as the file
   /// stands.
   void find_ways() {
-    const TriangleMesh coarse = coarse_mesh(request_.mesh, kCoarseCells, kCoarseTriangles);
+    const TriangleMesh& coarse = this->coarse();
     if (is_book()) return find_book_ways(coarse);
     const auto judged = [&](const std::vector<std::array<double, 3>>& turns, Part part) {
       std::vector<Way> ways(turns.size());
@@ -467,8 +454,7 @@ class CardSearch {
   }
 
   Result<void> try_coarsely() {
-    Model model(coarse_mesh(request_.mesh, kCoarseCells, kCoarseTriangles), ways_, kCoarse.pixels,
-                is_book());
+    Model model(coarse(), ways_, kCoarse.pixels, is_book());
     for (const Candidate& usual : usual_candidates(styles_, request_.cards)) {
       add_trial(usual);
       Candidate as_it_stands = usual;  // the last way is as the file stands
@@ -491,16 +477,16 @@ class CardSearch {
     for (const Trial& trial : trials_)
       if (!trial.judged.made && refusal_.empty()) refusal_ = trial.why;
     halve(count(kFine, 4), 1, true);
-    Model model(coarse_mesh(request_.mesh, kCarefulCells, kCarefulTriangles), ways_,
-                kCareful.pixels, is_book());
-    judge_all(0, model, kCareful, "designing the best of them", {0.32, 0.68}, true);
+    Model model(careful(), ways_, kCareful.pixels, is_book());
+    is_whole_mesh_ = model.mesh.size() == request_.mesh.size();
+    // Else they are designed again, and each would keep its mesh until then.
+    judge_all(0, model, kCareful, "designing the best of them", {0.32, 0.68}, is_whole_mesh_);
     if (is_stopped()) return stopped();
     const std::size_t from = trials_.size();
     add_changed(count(kFineChanged, 2), count(kFineParents, 1), false);
-    judge_all(from, model, kCareful, "designing cards like the best", {0.68, 0.9}, true);
+    judge_all(from, model, kCareful, "designing cards like the best", {0.68, 0.9}, is_whole_mesh_);
     if (is_stopped()) return stopped();
     out_.counts.planned = trials_.size();
-    is_whole_mesh_ = model.mesh.size() == request_.mesh.size();
     return {};
   }
 
@@ -540,7 +526,10 @@ class CardSearch {
       return;
     }
     card->candidate = trial.candidate, card->spec = trial.spec, card->cost = trial.cost;
-    card->made = trial.made;
+    card->made = std::move(trial.made);
+    // The surface of each part holds the mesh; only books look at it once more.
+    if (!is_book())
+      for (Design& part : card->made.parts) part.target.clear();
     out.error = card->figures.error();
     out.card = std::move(*card);
   }
@@ -558,12 +547,12 @@ class CardSearch {
     if (is_behind(opened->triangles)) return fail(ErrorKind::Infeasible, "", kBehind);
     FoundCard card;
     card.placement = *opened->model;
-    card.target = likeness::placed(request_.mesh.corners, card.placement);
+    const std::vector<float> target = likeness::placed(request_.mesh.corners, card.placement);
     card.structure = std::move(opened->triangles);
     likeness::Scene scene = scene_of(kComparePixels, false, 0);
     scene.views = likeness::cone_views(opened->corner.opening_rad);
     scene.corner = opened->corner;
-    card.figures = likeness::Target(card.target, scene).measure(card.structure);
+    card.figures = likeness::Target(target, scene).measure(card.structure);
     card.folds = opened->folds;
     return card;
   }
@@ -583,10 +572,10 @@ class CardSearch {
     if (!opened.model) return nowhere();
     FoundCard card;
     card.placement = *opened.model;
-    card.target = likeness::placed(request_.mesh.corners, card.placement);
+    const std::vector<float> target = likeness::placed(request_.mesh.corners, card.placement);
     card.structure = std::move(opened.triangles);
     const likeness::Scene scene = scene_of(kComparePixels, true, likeness::round_views().size());
-    card.figures = likeness::Target(card.target, scene).measure(card.structure);
+    card.figures = likeness::Target(target, scene).measure(card.structure);
     card.folds = opened.folds;
     return card;
   }
@@ -601,7 +590,8 @@ class CardSearch {
     // Usual ones are compared to the end; of the others those that may be in the front.
     halve(count(kFinal, 4), 2, false);
     std::vector<Trial> last = std::move(trials_);
-    Model whole(is_whole_mesh_ ? TriangleMesh{} : request_.mesh, ways_, kComparePixels, is_book());
+    const TriangleMesh none;
+    Model whole(is_whole_mesh_ ? none : request_.mesh, ways_, kComparePixels, is_book());
     std::vector<Finished> finished(last.size());
     for_each(last.size(), "verifying the best cards", {0.9, 1.0},
              [&](std::size_t, std::size_t k) { finish_trial(last[k], whole, finished[k]); });
@@ -651,8 +641,7 @@ class CardSearch {
   /// Of the model's area, along the diagonal of a way, or those of all cards.
   [[nodiscard]] double seen_share_of(const Way& way) const {
     TriangleMesh standing;
-    standing.corners =
-        standing_model(coarse_mesh(request_.mesh, kCarefulCells, kCarefulTriangles), way);
+    standing.corners = standing_model(careful(), way);
     if (is_book()) return seen_share(standing, diagonals_of_book(request_.cards));
     const std::array diagonal{Vec3(1.0, 0.0, 1.0)};
     return seen_share(standing, diagonal);
@@ -677,10 +666,9 @@ class CardSearch {
     double seen = 0.0;
     for (const Way& way : ways_) seen = std::max(seen, seen_share_of(way));
     std::string more;
-    const TriangleMesh coarse = coarse_mesh(request_.mesh, kCarefulCells, kCarefulTriangles);
     for (const int cards : {4, 6, 8, 12}) {
       if (cards <= request_.cards) continue;
-      const double share = share_of_book(coarse, cards);
+      const double share = share_of_book(careful(), cards);
       if (share < kMostOfIt && cards < 12) continue;
       more = fmt::format("; {} cards around one spine would see {:.0f} %", cards, 100.0 * share);
       break;
@@ -693,7 +681,17 @@ class CardSearch {
                     more, why.empty() ? "" : "; the first design failed: ", why));
   }
 
+  [[nodiscard]] const TriangleMesh& coarse() const {
+    if (!coarse_) coarse_ = coarse_mesh(request_.mesh, kCoarseCells, kCoarseTriangles);
+    return *coarse_;
+  }
+  [[nodiscard]] const TriangleMesh& careful() const {
+    if (!careful_) careful_ = coarse_mesh(request_.mesh, kCarefulCells, kCarefulTriangles);
+    return *careful_;
+  }
+
   const SearchRequest& request_;
+  mutable std::optional<TriangleMesh> coarse_, careful_;  ///< made once, by the caller's thread
   StyleChoice styles_;
   FoundCards out_;
   std::array<double, 2> room_mm_{};  ///< for a card: the area, or what lies between its marks
@@ -707,6 +705,14 @@ class CardSearch {
 
 }  // namespace
 
-Result<FoundCards> search_cards(const SearchRequest& request) { return CardSearch(request).run(); }
+std::vector<float> model_around(const FoundCards& found, const FoundCard& card) {
+  return likeness::placed(found.mesh.corners, card.placement);
+}
+
+Result<FoundCards> search_cards(SearchRequest request) {
+  auto found = CardSearch(request).run();
+  if (found) found->mesh = std::move(request.mesh);
+  return found;
+}
 
 }  // namespace popcut::planning

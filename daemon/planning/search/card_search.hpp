@@ -54,8 +54,7 @@ struct FoundCard {
   CuttingCost cost;
   likeness::Figures figures;  ///< as `popcut compare` has them
   likeness::ModelPlacement placement;
-  std::vector<float> structure;  ///< the opened card, and
-  std::vector<float> target;     ///< the model around it, as `likeness::Triangles`
+  std::vector<float> structure;  ///< the opened card, as `likeness::Triangles`
   std::size_t folds{};
 };
 
@@ -83,7 +82,12 @@ struct FoundCards {
   std::vector<std::string> notes;  ///< about the mesh and the search, a sentence each
   Machine machine;
   std::array<double, 2> area_mm{};  ///< of the mat that the tool reaches
+  TriangleMesh mesh;                ///< that was searched
 };
+
+/// The model as it stands around a card that was found, as `likeness::Triangles`. It is large, and
+/// so no part of a card.
+[[nodiscard]] std::vector<float> model_around(const FoundCards& found, const FoundCard& card);
 
 /// Triangles above which a mesh is refused: each of some hundred designs looks at all of them.
 inline constexpr std::size_t kMostSearchedTriangles = 2'000'000;
@@ -103,12 +107,13 @@ inline constexpr double kLeastCover = 0.02;
 /// Of books, all cards are designed and planned together, and as many times fewer books are tried.
 /// They are compared from all around, without their pages, and verified as `popcut verify` does it.
 ///
+/// What is asked for goes together (`check_choices`).
+///
 /// @retval Refused     it was stopped
 /// @retval OutOfRange  the mesh has no area or too many triangles
-/// @retval Usage       an option of the plan, or a style of which no book of so many cards can be
-///                     made; place is `pointer_to` it
+/// @retval Usage       an option of the plan; place is `pointer_to` it
 /// @retval Infeasible  no card shows the model, or none is cut within `most_s`; the detail says
 ///                     what share of it can be seen, and how many cards would show more
-[[nodiscard]] Result<FoundCards> search_cards(const SearchRequest& request);
+[[nodiscard]] Result<FoundCards> search_cards(SearchRequest request);
 
 }  // namespace popcut::planning

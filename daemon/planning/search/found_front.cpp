@@ -16,9 +16,12 @@ daemon::FoundCardRecord record_of(const FoundCard& card) {
   out.cover = f.cover, out.excess = f.excess;
   out.seconds = card.cost.seconds, out.seconds_range = card.cost.seconds_range;
   out.cut_mm = card.cost.cut_mm, out.fold_mm = card.cost.fold_mm;
-  out.sheet_mm = {card.made.u_mm, card.made.v_mm};
+  out.sheet_mm = {card.made.u_mm, card.made.book ? card.made.book->width_mm : card.made.v_mm};
+  if (card.made.book) out.page_mm = card.made.book->page_mm;
   out.folds = static_cast<int>(card.folds);
-  out.warnings = card.made.parts.front().report.warnings;
+  for (const Design& part : card.made.parts)
+    out.warnings.insert(out.warnings.end(), part.report.warnings.begin(),
+                        part.report.warnings.end());
   out.spec = card.spec;
   return out;
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/planning/search/search_task.hpp"
 
-#include <algorithm>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
 #include "core/design/target/mesh_reader.hpp"
 #include "core/machines/machine.hpp"
+#include "core/search/choices.hpp"
 #include "daemon/planning/plan_job.hpp"
 #include "daemon/planning/search/card_search.hpp"
 #include "daemon/planning/search/found_front.hpp"
@@ -21,12 +21,6 @@ namespace {
 
 constexpr double kSecondsAMinute = 60.0;
 constexpr const char* kUsualPaper = "paper-220";
-
-const StyleChoice& style_named(const std::string& name) {
-  const auto& choices = style_choices();
-  return *std::find_if(choices.begin(), choices.end(),
-                       [&](const StyleChoice& style) { return style.name == name; });
-}
 
 }  // namespace
 }  // namespace search_task_parts
@@ -46,20 +40,23 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
   if (!material) return tl::unexpected(within("/material", material.error()));
   planning::SearchRequest request;
   auto mesh = read_mesh("", task.design);
-  if (!mesh) return tl::unexpected(mesh.error());
+  if (!mesh) return tl::unexpected(within(wanted->name, mesh.error()));
   task.design = {};  // its memory
   request.mesh = std::move(*mesh);
   request.model = {wanted->name, wanted->model, name};
   request.material = *material;
   request.plan.machine = tables->machine, request.plan.material = name;
-  request.plan.mat = wanted->mat;
+  request.plan.mat = wanted->mat, request.plan.marks = wanted->marks;
   request.tables = tables->texts;
-  request.styles = style_named(wanted->style), request.up = up_side(wanted->up);
+  request.styles = style_choice(wanted->style), request.up = up_side(wanted->up);
+  request.front = up_side(wanted->front), request.cards = wanted->cards;
+  if (const auto fit = check_choices(wanted->style, wanted->cards, wanted->up, wanted->front); !fit)
+    return tl::unexpected(in_request(fit.error()));
   request.most_s = kSecondsAMinute * wanted->max_minutes;
   request.effort = wanted->effort, request.seed = static_cast<std::uint64_t>(wanted->seed);
   request.threads = 1;  // a worker may start none
   request.progress = progress;
-  const auto found = search_cards(request);
+  const auto found = search_cards(std::move(request));
   if (!found) return tl::unexpected(in_request(found.error()));
   tell(progress, "drawing the cards");
   daemon::PlanningOutcome outcome;
@@ -68,7 +65,7 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
   if (auto done = add(kFrontFile, front_text(figures_of(*found))); !done)
     return tl::unexpected(done.error());
   for (std::size_t k = 0; k < found->front.size(); ++k) {
-    auto png = thumbnail_png(found->front[k]);
+    auto png = thumbnail_png(*found, found->front[k]);
     if (!png) return tl::unexpected(png.error());
     if (auto done = add(thumbnail_file(static_cast<int>(k) + 1), std::move(*png)); !done)
       return tl::unexpected(done.error());

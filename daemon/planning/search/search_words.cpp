@@ -56,6 +56,7 @@ daemon::FoundCardRecord read_card(FieldReader& fields) {
   card.seconds = figure("seconds"), card.seconds_range = pair_of(fields, "seconds_range");
   card.cut_mm = figure("cut_mm"), card.fold_mm = figure("fold_mm");
   card.sheet_mm = pair_of(fields, "sheet_mm");
+  if (fields.has("page_mm")) card.page_mm = figure("page_mm");
   card.folds = fields.integer("folds", {}, 0, kMostCount);
   card.warnings = daemon::warnings_from_json(fields.text("warnings", {}));
   daemon::shorten(card.warnings, kMostCardWarnings, kMostNote);
@@ -81,10 +82,16 @@ std::string design_name(const std::string& file) {
 }
 
 std::string search_words(const daemon::CardSearchRequest& request) {
-  const nlohmann::ordered_json words{{"model", request.model}, {"name", request.name},
-                                     {"mat", request.mat},     {"style", request.style},
-                                     {"up", request.up},       {"max_minutes", request.max_minutes},
-                                     {"seed", request.seed},   {"effort", request.effort}};
+  nlohmann::ordered_json words{{"model", request.model}, {"name", request.name},
+                               {"mat", request.mat},     {"style", request.style},
+                               {"up", request.up},       {"max_minutes", request.max_minutes},
+                               {"seed", request.seed},   {"effort", request.effort}};
+  // What earlier versions did not know stands here only where it says something: then a search of
+  // theirs is still the same.
+  const daemon::CardSearchRequest usual;
+  if (request.cards != usual.cards) words["cards"] = request.cards;
+  if (request.front != usual.front) words["front"] = request.front;
+  if (request.marks) words["marks"] = true;
   return words.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
@@ -101,6 +108,9 @@ Result<daemon::CardSearchRequest> read_search_words(std::string_view words) {
   request.mat = fields.text("mat", {});
   request.style = styles[fields.word("style", {}, styles)];
   request.up = up_words()[fields.word("up", {}, up_words())];
+  request.cards = fields.integer("cards", request.cards, 1, kMostCards);
+  request.front = up_words()[fields.word("front", 0, up_words())];
+  request.marks = fields.boolean("marks", false);
   request.max_minutes =
       fields.number("max_minutes", {}, daemon::kLeastMinutes, daemon::kMostMinutes);
   request.effort = fields.number("effort", {}, daemon::kLeastEffort, daemon::kMostEffort);

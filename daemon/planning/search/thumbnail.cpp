@@ -11,15 +11,25 @@
 
 namespace popcut::planning {
 
-Result<std::string> thumbnail_png(const FoundCard& card) {
+likeness::Scene pictured_scene(const FoundCard& card, int pixels) {
+  likeness::Scene scene;
+  scene.pixels = pixels;
+  if (card.made.book) {
+    scene.views = likeness::round_views();
+    return scene;
+  }
+  scene.views = likeness::cone_views();
+  scene.corner = likeness::Corner{};
+  return scene;
+}
+
+Result<std::string> thumbnail_png(const FoundCards& found, const FoundCard& card) {
   constexpr int kSide = kThumbnailHeight_px, kBytes = 3;
   static_assert(kThumbnailWidth_px == 2 * kSide);
-  likeness::Scene scene;
-  scene.views = likeness::cone_views();
-  scene.views.resize(1);  // the diagonal
-  scene.pixels = kSide;
-  scene.corner = likeness::Corner{};
-  const likeness::Target target(card.target, scene);
+  likeness::Scene scene = pictured_scene(card, kSide);
+  scene.views.resize(1);
+  const std::vector<float> around = model_around(found, card);
+  const likeness::Target target(around, scene);
   const likeness::Frame frame = target.frame(0);
   const auto jump_mm = static_cast<float>(likeness::kWithin * target.box().diagonal());
   likeness::DepthImage image;
@@ -27,7 +37,7 @@ Result<std::string> thumbnail_png(const FoundCard& card) {
     likeness::draw(frame, what, image);
     return likeness::shaded(image, frame.pitch_mm(), jump_mm, colour);
   };
-  const likeness::Pixels model = shown(card.target, likeness::kModelColour);
+  const likeness::Pixels model = shown(around, likeness::kModelColour);
   const likeness::Pixels made = shown(card.structure, likeness::kPaperColour);
   if (model.size != kSide || made.size != kSide)
     return fail(ErrorKind::Internal, "thumbnail", "its two halves have other sizes");

@@ -9,9 +9,10 @@
 
 #include <fmt/format.h>
 
-#include "core/layout/sheet.hpp"
-#include "daemon/planning/plan_job.hpp"
+#include "core/search/choices.hpp"
 #include "daemon/planning/search/search_words.hpp"
+#include "daemon/planning/search/searched_mat.hpp"
+#include "daemon/planning/task_inputs.hpp"
 
 namespace popcut::daemon {
 namespace search_repository_parts {
@@ -77,6 +78,29 @@ tl::unexpected<Problem> too_many(std::string detail) {
   return tl::unexpected(std::move(full));
 }
 
+Problem not_valid(const Error& error) {
+  return invalid_value(error.place, "value", error.detail, "the search is not valid");
+}
+
+/// Whether a card can be planned so at all.
+Answer<void> check_plan(const CardSearchRequest& request, const std::string& machine_json,
+                        const std::string& material_json) {
+  planning::WorkerTask rows;
+  rows.machine_json = machine_json, rows.material_json = material_json;
+  const auto tables = planning::tables_of(rows);
+  if (!tables) return tl::unexpected(problem_from(tables.error()));
+  PlanOptions options;
+  options.machine = tables->machine, options.material = tables->material;
+  options.mat = request.mat, options.marks = request.marks;
+  const auto mat = planning::searched_mat(options, tables->texts);
+  if (mat) return {};
+  Error error = mat.error();
+  // A search has these beside its other members.
+  constexpr std::string_view kPlan = "/options";
+  if (error.place.starts_with(kPlan)) error.place.erase(0, kPlan.size());
+  return tl::unexpected(not_valid(error));
+}
+
 tl::unexpected<Problem> no_search(const std::string& id) {
   return refuse(ProblemKind::NotFound, fmt::format("there is no search {:?}", id));
 }
@@ -127,6 +151,9 @@ SearchRecord SearchRepository::record_of(const Row& row) const {
   if (running_ && running_->id == row.id && row.state == SearchState::Pending) {
     record.doing = running_->phase.doing.empty() ? "reading the model" : running_->phase.doing;
     if (running_->phase.done >= 0) record.share = running_->phase.done;
+  } else if (row.state == SearchState::Pending && !row.planner.empty() &&
+             row.planner != parts_.store.node().name) {
+    record.doing = fmt::format("searching at node {}", row.planner);
   }
   return record;
 }
@@ -143,30 +170,20 @@ Answer<SearchRecord> SearchRepository::request(const Principal& who,
   });
 }
 
-Answer<void> SearchRepository::check_mat(const std::string& machine, const std::string& mat) {
-  if (mat.empty()) return {};
-  const Answer<std::vector<popcut::Machine>> all = parts_.plans.machines();
-  if (!all) return tl::unexpected(all.error());
-  for (const popcut::Machine& one : *all)
-    if (one.name == machine)
-      if (const auto chosen = choose_mat(one, mat); !chosen)
-        return tl::unexpected(
-            invalid_value("/mat", "value", chosen.error().detail, "the mat is not valid"));
-  return {};
-}
-
 Answer<SearchRepository::Row> SearchRepository::row_for(const Principal& who,
                                                         const CardSearchRequest& request) {
   const auto label = first_of(
       parts_.store.db().rows("SELECT name FROM asset WHERE id=?", request.model), first_text);
   if (!label)
     return refuse(ProblemKind::NotFound, fmt::format("there is no asset {:?}", request.model));
+  if (const auto fit = check_choices(request.style, request.cards, request.up, request.front); !fit)
+    return tl::unexpected(not_valid(fit.error()));
   const Answer<MaterialRecord> material = parts_.plans.material_named(
       request.material.empty() ? std::string(kUsualMaterial) : request.material);
   if (!material) return tl::unexpected(material.error());
   const auto machine = parts_.plans.machine_for(request.device, request.machine, material->id, "");
   if (!machine) return tl::unexpected(machine.error());
-  if (const auto fits = check_mat(machine->name, request.mat); !fits)
+  if (const auto fits = check_plan(request, machine->json, material->json); !fits)
     return tl::unexpected(fits.error());
   CardSearchRequest wanted = request;
   wanted.name = planning::design_name(*label);
@@ -293,15 +310,17 @@ void SearchRepository::forget(const std::string& id) {
   });
 }
 
-// All who wait get their turn, one after another.
+// All who wait get their turn, one after another. One that is this node's, which makes none now, is
+// one whose end could not be recorded: the database was away just then.
 std::string SearchRepository::next() {
   struct Waiting {
     std::string id, owner;
   };
   const auto first = first_of(
-      parts_.store.db().rows("SELECT id, owner FROM search WHERE state='pending' AND planner='' "
-                             "ORDER BY CASE WHEN owner>? THEN 0 ELSE 1 END, owner, id LIMIT 1",
-                             turn_of_),
+      parts_.store.db().rows("SELECT id, owner FROM search WHERE state='pending' AND planner IN "
+                             "('', ?) ORDER BY CASE WHEN owner>? THEN 0 ELSE 1 END, owner, id "
+                             "LIMIT 1",
+                             parts_.store.node().name, turn_of_),
       [](const Rows& rows) {
         return Waiting{rows.text(0), rows.text(1)};
       });
@@ -349,10 +368,11 @@ bool SearchRepository::start(const std::string& id) {
   bool is_mine = false;
   // Before it begins: if popcutd dies of it, the next start knows; and no other node begins it.
   const Answer<void> noted = parts_.store.change([&]() -> Answer<void> {
-    is_mine = parts_.store.db().run(
-                  "UPDATE search SET begun=begun+1, planner=?, planner_epoch=? WHERE id=? AND "
-                  "state='pending' AND planner=''",
-                  parts_.store.node().name, parts_.store.node().epoch, id) == 1;
+    is_mine =
+        parts_.store.db().run(
+            "UPDATE search SET begun=begun+1, planner=?, planner_epoch=? WHERE id=? AND "
+            "state='pending' AND planner IN ('', ?)",
+            parts_.store.node().name, parts_.store.node().epoch, id, parts_.store.node().name) == 1;
     return {};
   });
   if (!noted) return true;

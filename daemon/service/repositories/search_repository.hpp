@@ -60,8 +60,6 @@ class SearchRepository : public Searches {
   [[nodiscard]] std::optional<Row> row(const std::string& id);
   /// The one of that key that is pending or found.
   [[nodiscard]] std::optional<Row> row_of_key(const std::string& key);
-  /// @retval Validation  the machine has no such mat
-  [[nodiscard]] Answer<void> check_mat(const std::string& machine, const std::string& mat);
   [[nodiscard]] Answer<Row> found_row(const std::string& id);
   [[nodiscard]] Answer<Row> row_for(const Principal& who, const CardSearchRequest& request);
   [[nodiscard]] Answer<Row> find_or_add(const Principal& who, Row row);

@@ -25,7 +25,7 @@ const deg = (radians: number): number => (radians * 180) / Math.PI;
 const kPatterns: Record<string, string> = {
   fold: 'application/json', svg: 'image/svg+xml', dxf: 'image/vnd.dxf',
 };
-const kModels: Record<string, string> = { stl: 'model/stl', obj: 'model/obj' };
+const kModels: Record<string, string> = { stl: 'model/stl', obj: 'model/obj', glb: 'model/gltf-binary' };
 
 function stem(name: string): string {
   return name.replace(/\.[^.]*$/, '').slice(0, 120);
@@ -498,7 +498,7 @@ export default function Design({ rest }: { rest: string }) {
     <div class={over.value ? 'design-drop design-over' : 'design-drop'}
       onDragOver={(event) => { event.preventDefault(); over.value = true; }} onDragLeave={() => { over.value = false; }}
       onDrop={(event) => { event.preventDefault(); over.value = false; take(event.dataTransfer?.files); }}>
-      <input ref={file} type="file" class="visually-hidden" tabIndex={-1} aria-hidden="true" accept=".json,.fold,.svg,.dxf,.stl,.obj"
+      <input ref={file} type="file" class="visually-hidden" tabIndex={-1} aria-hidden="true" accept=".json,.fold,.svg,.dxf,.stl,.obj,.glb"
         onChange={(event) => { take(event.currentTarget.files); event.currentTarget.value = ''; }} />
       {empty ? <Start onOpen={onOpen}>{messages}</Start> : <>{messages}<Desk onOpen={onOpen} /></>}
     </div>

@@ -22,7 +22,7 @@ export const designWords = localized({
     draw: 'Draw a shape',
     drawWhat: 'A line is enough. You can change everything afterwards.',
     open: 'Open a file',
-    openWhat: 'A spec (JSON), a pattern (FOLD, SVG, DXF) or a model (STL, OBJ). You can also drop it here.',
+    openWhat: 'A spec (JSON), a pattern (FOLD, SVG, DXF) or a model (STL, OBJ, GLB). You can also drop it here.',
     again: 'Go on with your last design',
     loading: 'Reading the examples…',
   },
@@ -214,7 +214,7 @@ export const designWords = localized({
     'not-a-spec': 'This is not a spec of popcut: it has no "popcut": 1.',
   } as Record<string, string>,
   open: {
-    unknown: (name: string): string => `popcut reads JSON, FOLD, SVG, DXF, STL and OBJ; "${name}" is none of them.`,
+    unknown: (name: string): string => `popcut reads JSON, FOLD, SVG, DXF, STL, OBJ and GLB; "${name}" is none of them.`,
     tooLarge: (name: string, most: string): string => `"${name}" is larger than the ${most} that popcutd takes.`,
     placing: 'Turning the model so that the card reaches most of it…',
     uploading: 'Sending the file…',

@@ -120,6 +120,21 @@ TEST_CASE("a worker finds the same cards of a model each time and draws each of 
     CHECK(file_of(*again, file.name)->bytes == file.bytes);
 }
 
+TEST_CASE("a worker finds the cards of a GLB as of the same STL", "[daemon][planner][search]") {
+  SearchBench bench;
+  const TriangleMesh mesh = tests::box_mesh({0, 0, 0}, {30, 60, 25}, false);
+  const auto front_of = [&](const std::string& bytes) {
+    const auto outcome = bench.run(SearchBench::task(bytes, small()));
+    INFO(why(outcome));
+    REQUIRE(outcome);
+    return file_of(*outcome, planning::kFrontFile)->bytes;
+  };
+  CHECK(front_of(tests::glb(mesh)) == front_of(tests::binary_stl(mesh)));
+  bench.refused(tests::gltf(mesh, "mesh.bin"), small(), "keeps its mesh in mesh.bin beside it");
+  bench.refused("\x89PNG\r\n\x1a\n" + std::string(200, '\0'), small(),
+                "hall: is a PNG picture; give a 3D model");
+}
+
 TEST_CASE("a model with a hole is searched as it is seen and a note says so",
           "[daemon][planner][search]") {
   SearchBench bench;
@@ -156,6 +171,8 @@ TEST_CASE("the words of a search are read back and what is out of range is refus
                                   .mat = "12x12",
                                   .style = "conformal",
                                   .up = "-y",
+                                  .front = "x",
+                                  .marks = true,
                                   .max_minutes = 7.5,
                                   .effort = 0.3,
                                   .seed = 5};

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
@@ -211,6 +212,54 @@ TEST_CASE("popcut design takes a model and makes the best card of a short search
   check_refused(bench.popcut({"design", "houses.obj", "--place", "whole"}), 2, "--place");
 }
 
+TEST_CASE("a GLB and a glTF with its mesh beside it become the cards of the same OBJ",
+          "[cli][e2e][auto]") {
+  const AutoBench bench;
+  const TriangleMesh hall = box_mesh({0, 0, 0}, {30, 60, 25}, false);
+  write_file(bench.temp / "hall.obj", obj(hall));
+  write_file(bench.temp / "hall.glb", glb(hall));
+  write_file(bench.temp / "hall.gltf", gltf(hall, "its%20mesh.bin"));
+  write_file(bench.temp / "its mesh.bin", corner_bytes(hall));
+  std::vector<json> fronts;
+  for (const char* name : {"hall.obj", "hall.glb", "hall.gltf"}) {
+    CAPTURE(name);
+    const Ran ran = bench.popcut({"auto", name, "-o", std::string(name) + ".d", "--effort", "0.01",
+                                  "--style", "facets", "--up", "z", "-q", "--json"});
+    INFO(ran.err);
+    REQUIRE(ran.exit == 0);
+    json front = json::parse(ran.out);
+    front.erase("model");
+    fronts.push_back(std::move(front));
+    // What it found is designed again, planned, judged and printed from the same file.
+    const std::string best = std::string(name) + ".d/" + fronts.back()["best"].get<std::string>();
+    const std::string fold = text_of_file(bench.temp / best / "pattern.fold");
+    REQUIRE(bench.popcut({"design", best + "/spec.json", "-o", "again", "-q"}).exit == 0);
+    CHECK(text_of_file(bench.temp / "again/pattern.fold") == fold);
+    const Ran compared = bench.popcut({"compare", "again/pattern.fold", name, "--json"});
+    INFO(compared.err);
+    REQUIRE(compared.exit == 0);
+    CHECK(json::parse(compared.out)["placement"]["from"] == "pattern");
+    CHECK(bench.popcut({"print", best + "/spec.json", "-o", "printed", "-q"}).exit == 0);
+  }
+  CHECK(fronts[1] == fronts[0]);
+  CHECK(fronts[2] == fronts[0]);
+  // Of lattices verify reads the model for itself.
+  bench.write("lattice.json", {{"popcut", 1},
+                               {"surface", {{"type", "mesh"}, {"file", "hall.gltf"}}},
+                               {"fit", "nearest"},
+                               {"units_per_slice", 5},
+                               {"slices", 8},
+                               {"widths_mm", 6}});
+  REQUIRE(bench.popcut({"design", "lattice.json", "-o", "lattice", "-q"}).exit == 0);
+  const Ran checked =
+      bench.popcut({"verify", "lattice/pattern.fold", "--target", "lattice.json", "-q"});
+  INFO(checked.err);
+  CHECK(checked.exit == 0);
+  fs::remove(bench.temp / "its mesh.bin");
+  check_refused(bench.popcut({"auto", "hall.gltf", "-o", "never"}), 3,
+                "hall.gltf: /buffers/0: is in its mesh.bin, which is no file");
+}
+
 TEST_CASE("a search says in one line what is wrong, and writes nothing", "[cli][e2e][auto]") {
   const AutoBench bench;
   const auto refused = [&](std::vector<std::string> words, int exit, const std::string& part) {
@@ -226,6 +275,17 @@ TEST_CASE("a search says in one line what is wrong, and writes nothing", "[cli][
   refused({"empty.stl"}, 3, "empty.stl");
   write_file(bench.temp / "words.obj", "v 0 0\nf 1 2 3\n");
   refused({"words.obj"}, 3, "words.obj");
+  const std::string png = "\x89PNG\r\n\x1a\n" + std::string(500, '\0');
+  for (const char* name : {"picture.png", "picture.stl", "picture.glb"}) {
+    write_file(bench.temp / name, png);
+    refused({name}, 3, fmt::format("{}: is a PNG picture; give a 3D model", name));
+  }
+  check_refused(bench.popcut({"design", "picture.png", "-o", "never"}), 3,
+                "picture.png: is a PNG picture; give a design (.json) or a 3D model");
+  check_refused(bench.popcut({"compare", "picture.png", "houses.obj"}), 3,
+                "picture.png: is a PNG picture; give a pattern");
+  check_refused(bench.popcut({"compare", "houses.obj", "picture.png"}), 3,
+                "picture.png: is a PNG picture; give a 3D model");
   write_file(bench.temp / "flat.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n");
   refused({"flat.obj"}, 3, "flat.obj: has no outside");
   bench.write("design.json", {{"popcut", 1},
@@ -238,6 +298,9 @@ TEST_CASE("a search says in one line what is wrong, and writes nothing", "[cli][
   refused({"houses.obj", "--machine", "cameo9"}, 2, "cameo9");
   refused({"houses.obj", "--material", "gold"}, 2, "--material");
   refused({"houses.obj", "--mat", "25x25"}, 4, "houses.obj: no card shows it");
+  refused({"houses.obj", "--mat", "25x25", "--marks"}, 4,
+          "--mat: has no room for a card between registration marks; use a larger one");
+  refused({"houses.obj", "--mat", "10x10"}, 4, "--mat: has no room for a card; use a larger one");
   refused({"houses.obj", "--max-minutes", "0.1"}, 4, "the quickest that was found takes");
   refused({"houses.obj", "--style", "origami"}, 2, "--style");
   refused({"houses.obj", "--up", "w"}, 2, "--up");

@@ -15,6 +15,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/e2e/popcutd/fleet_cuts.hpp"
+#include "tests/support/meshes.hpp"
 #include "tests/support/paths.hpp"
 
 namespace fleet_test {
@@ -135,6 +136,38 @@ TEST_CASE("a node killed with the knife down: interrupted everywhere, retried by
   fleet[1].await_state(job, "done");
   CHECK(fleet.lines_cut(2, kLines).size() == kLines);
   CHECK(cut_twice(fleet, job) == 0);
+}
+
+TEST_CASE("a node killed while it searches: another finds the cards, and all nodes show them",
+          "[fleet]") {
+  NEEDS_POSTGRES();
+  FleetNodes fleet;
+  fleet.open();
+  const auto put = [&](const std::string& target, const std::string& bytes, const char* type) {
+    const auto made = fleet[1].ask("POST", target, bytes, type);
+    INFO(made.body);
+    REQUIRE((made.status >= 200 && made.status < 300));
+    return Json::parse(made.body).at("id").get<std::string>();
+  };
+  const std::string hall = tests::obj(tests::box_mesh({0, 0, 0}, {30, 60, 25}, false));
+  const std::string model = put("/v1/assets?name=hall.obj", hall, "application/octet-stream");
+  const std::string id =
+      put("/v1/assets/" + model + "/search",
+          R"({"effort": 0.03, "style": "facets", "up": "z", "marks": true})", "application/json");
+  REQUIRE(happens([&] { return !fleet[1].get("/v1/searches/" + id)["progress"].is_null(); }));
+  CHECK(fleet[2].get("/v1/searches/" + id)["progress"]["doing"] == "searching at node room-1");
+  fleet.kill(1);
+  REQUIRE(happens([&] { return fleet[2].get("/v1/searches/" + id)["state"] != "pending"; }, 200));
+  const Json found = fleet[2].get("/v1/searches/" + id);
+  INFO(found.dump().substr(0, 800));
+  REQUIRE(found["state"] == "found");
+  CHECK(found["marks"] == true);
+  fleet.open(1);
+  CHECK(fleet[1].get("/v1/searches/" + id)["cards"] == found["cards"]);
+  for (int k : {1, 2})
+    CHECK(happens([&] {
+      return fleet[k].ask("GET", "/v1/searches/" + id + "/cards/1.png").body.starts_with("\x89PNG");
+    }));
 }
 
 TEST_CASE("a node killed and back before anybody misses it tells what it was cutting", "[fleet]") {

@@ -401,6 +401,11 @@ TEST_CASE("the artwork of a planned sheet is that of popcut print, and so is the
   const std::string named =
       put("/v1/assets?name=named.obj", "mtllib a.mtl\n" + obj, "application/octet-stream");
   refused(sheets + "1/artwork.pdf?model=" + named, 422, "as one GLB");
+  const std::string picture =
+      put("/v1/assets?name=a.png", "\x89PNG\r\n\x1a\n" + std::string(500, '\0'),
+          "application/octet-stream");
+  refused(sheets + "1/artwork.pdf?model=" + picture, 422,
+          "?model: is a PNG picture; give a 3D model");
   const std::string away =
       put("/v1/assets?name=away.obj", "v 900 900 900\nv 901 900 900\nv 900 901 900\nf 1 2 3\n",
           "application/octet-stream");

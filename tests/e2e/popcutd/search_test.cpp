@@ -89,6 +89,80 @@ TEST_CASE("popcutd finds the cards of popcut auto, and a picked one is planned a
   CHECK(page.body.starts_with("%PDF"));
 }
 
+TEST_CASE("popcutd finds the books of popcut auto, and a picked one is planned card by card",
+          "[popcutd][search]") {
+  RunningDaemon desk;
+  desk.open();
+  const std::string model = add_hall(desk);
+  Json wanted = kSmall;
+  wanted["cards"] = 4, wanted["marks"] = true, wanted["mat"] = "150x150";
+  const std::string id = put(desk, "/v1/assets/" + model + "/search", wanted.dump());
+  const Json search = found(desk, id);
+  INFO(search.dump().substr(0, 1200));
+  REQUIRE(search["state"] == "found");
+  CHECK(search["book"] == Json{{"cards", 4}});
+  CHECK(search["marks"] == true);
+  CHECK(search["front"] == "any");
+  const std::filesystem::path folder = desk.daemon().folder().path();
+  write_file(folder / "hall.obj", obj(box_mesh({0, 0, 0}, {30, 60, 25}, false)));
+  const Ran ran = run_program({popcut_program(), "auto",   "hall.obj", "--effort", "0.01",
+                               "--style",        "facets", "--up",     "z",        "--machine",
+                               "cameo3",         "--mat",  "150x150",  "--cards",  "4",
+                               "--marks",        "-q",     "--json",   "-o",       "books"},
+                              folder);
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  const Json alone = Json::parse(ran.out);
+  REQUIRE(search["cards"].size() == alone["cards"].size());
+  for (std::size_t k = 0; k < alone["cards"].size(); ++k)
+    for (const char* figure : {"error", "seconds", "folds", "cut_mm", "sheet_mm", "page_mm"})
+      CHECK(search["cards"][k][figure] == alone["cards"][k][figure]);
+
+  const Json& best = search["cards"].back();
+  CHECK(best["spec"]["book"]["cards"] == 4);
+  const std::string of_book = fmt::format("/v1/searches/{}/cards/{}", id, search["cards"].size());
+  CHECK(desk.ask("GET", of_book + ".png").body.starts_with("\x89PNG"));
+  const std::string design = put(desk, of_book + "/design", "{}");
+  const std::string plan =
+      put(desk, "/v1/designs/" + design + "/plan",
+          R"({"machine": "cameo3", "options": {"marks": true, "mat": "150x150"}})");
+  REQUIRE(happens([&] { return desk.get("/v1/plans/" + plan)["state"] != "pending"; }));
+  const Json planned = desk.get("/v1/plans/" + plan);
+  INFO(planned.dump().substr(0, 800));
+  REQUIRE(planned["state"] == "planned");
+  CHECK(planned["sheets_total"] == 4);
+  const double lines_mm = best["cut_mm"].get<double>() + best["fold_mm"].get<double>();
+  CHECK_THAT(planned["length_mm"].get<double>(), Catch::WithinRel(lines_mm, 0.01));
+}
+
+TEST_CASE("popcutd turns the model's front out of the card as popcut auto does",
+          "[popcutd][search]") {
+  RunningDaemon desk;
+  desk.open();
+  const std::string model = add_hall(desk);
+  Json wanted = kSmall;
+  wanted["front"] = "-x", wanted["marks"] = true;
+  const Json search = found(desk, put(desk, "/v1/assets/" + model + "/search", wanted.dump()));
+  INFO(search.dump().substr(0, 1200));
+  REQUIRE(search["state"] == "found");
+  CHECK(search["book"].is_null());
+  const std::filesystem::path folder = desk.daemon().folder().path();
+  write_file(folder / "hall.obj", obj(box_mesh({0, 0, 0}, {30, 60, 25}, false)));
+  const Ran ran = run_program(
+      {popcut_program(), "auto", "hall.obj", "--effort", "0.01", "--style", "facets", "--up", "z",
+       "--front", "-x", "--marks", "--mat", "12x12", "-q", "--json", "-o", "cards"},
+      folder);
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  const Json alone = Json::parse(ran.out);
+  REQUIRE(search["cards"].size() == alone["cards"].size());
+  for (std::size_t k = 0; k < alone["cards"].size(); ++k) {
+    for (const char* figure : {"error", "seconds", "sheet_mm"})
+      CHECK(search["cards"][k][figure] == alone["cards"][k][figure]);
+    CHECK(search["cards"][k]["page_mm"].is_null());
+  }
+}
+
 TEST_CASE("a search goes on after popcutd was killed, and is removed with its model",
           "[popcutd][search]") {
   RunningDaemon desk;
@@ -132,6 +206,16 @@ TEST_CASE("a search is refused with the place of what is wrong", "[popcutd][sear
   refused(R"({"machine": "cameo33"})", "/machine");
   refused(R"({"material": "papyrus"})", "/material");
   refused(R"({"efort": 1})", "/efort");
+  refused(R"({"cards": 2})", "/cards");
+  refused(R"({"cards": 13})", "/cards");
+  refused(R"({"cards": "4"})", "/cards");
+  refused(R"({"cards": 6, "style": "facets"})", "/style");
+  refused(R"({"cards": 4, "front": "x"})", "/front");
+  refused(R"({"up": "z", "front": "-z"})", "/front");
+  refused(R"({"front": "w"})", "/front");
+  refused(R"({"marks": "yes"})", "/marks");
+  refused(R"({"marks": true, "machine": "hpgl-generic", "mat": "300x300"})", "/marks");
+  refused(R"({"machine": "cricut-maker"})", "/machine");
   CHECK(desk.ask("POST", "/v1/assets/sha256-0/search", "{}").status == 404);
   const std::string text =
       put(desk, "/v1/assets?name=a.txt", "no mesh at all", "application/octet-stream");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 
 #include <catch2/catch.hpp>
@@ -104,6 +105,30 @@ TEST_CASE("the same search is made once and another seed is another search", "[d
   CHECK(ask(bench, {.model = model})->id == first);
 }
 
+TEST_CASE("books, a front and marks are kept with a search, and what is usual is not written down",
+          "[daemon][service]") {
+  ServiceBench bench;
+  const std::string model = add_model(bench, "slow");
+  const std::string usual = ask(bench, {.model = model})->id;
+  REQUIRE(bench.wait([&] { return bench.planner.started == 1; }));
+  const std::string usual_words = bench.planner.last_task().options.at("search");
+  for (const char* member : {"cards", "front", "marks"})
+    CHECK(usual_words.find(member) == std::string::npos);  // as versions before them wrote it
+  const std::string book = ask(bench, {.model = model, .cards = 4, .marks = true})->id;
+  const std::string house = ask(bench, {.model = model, .up = "z", .front = "-y"})->id;
+  CHECK(std::set{usual, book, house}.size() == 3);
+  bench.crash();
+  bench.planner.release();
+  REQUIRE(bench.start() == "");
+  for (const std::string& id : {usual, book, house})
+    REQUIRE(comes_to(bench, id, SearchState::Found));
+  CHECK(find(bench, usual)->request.cards == 1);
+  CHECK(find(bench, book)->request.cards == 4);
+  CHECK(find(bench, book)->request.marks);
+  CHECK(find(bench, house)->request.front == "-y");
+  CHECK(ask(bench, {.model = model, .cards = 4, .marks = true})->id == book);
+}
+
 TEST_CASE("a search that fails says why and is made again when it is asked for again",
           "[daemon][service]") {
   ServiceBench bench;
@@ -131,6 +156,14 @@ TEST_CASE("a search is refused for what is no asset or no option", "[daemon][ser
   CHECK(pointer({.model = model, .machine = "cameo33"}) == "/machine");
   CHECK(pointer({.model = model, .material = "paper-22"}) == "/material");
   CHECK(pointer({.model = model, .device = "sim:nowhere"}) == "/device");
+  CHECK(pointer({.model = model, .machine = "cricut-maker"}) == "/machine");
+  CHECK(pointer({.model = model, .machine = "hpgl-generic", .mat = "300x300", .marks = true}) ==
+        "/marks");
+  CHECK(pointer({.model = model, .mat = "25x25", .marks = true}) == "/mat");
+  CHECK(pointer({.model = model, .cards = 2}) == "/cards");
+  CHECK(pointer({.model = model, .style = "facets", .cards = 6}) == "/style");
+  CHECK(pointer({.model = model, .front = "y", .cards = 4}) == "/front");
+  CHECK(pointer({.model = model, .up = "z", .front = "-z"}) == "/front");
 }
 
 TEST_CASE("a search that waits or runs can be deleted and the next begins", "[daemon][service]") {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <array>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -8,6 +10,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/design/target/mesh_reader.hpp"
+#include "core/verify/target/target_surface.hpp"
 #include "tests/support/meshes.hpp"
 
 namespace target_readers_test {
@@ -16,6 +19,21 @@ using namespace popcut;
 using namespace popcut::tests;
 
 namespace {
+
+/// RFC 4648.
+std::string base64(const std::string& bytes) {
+  constexpr const char* kLetters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (std::size_t k = 0; k < bytes.size(); k += 3) {
+    std::uint32_t three = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+      three = three << 8 | (k + i < bytes.size() ? static_cast<unsigned char>(bytes[k + i]) : 0U);
+    for (std::size_t i = 0; i < 4; ++i)
+      out += k + i > bytes.size() ? '=' : kLetters[three >> (18 - 6 * i) & 63];
+  }
+  return out;
+}
 
 Error refused(const Result<TriangleMesh>& result) {
   if (result) FAIL("it was read");
@@ -41,6 +59,89 @@ TEST_CASE("STL of both kinds and OBJ give the same triangles", "[core][mesh]") {
   }
 }
 
+TEST_CASE("a glTF gives the triangles of its scene, and verify's own reader the same",
+          "[core][mesh]") {
+  const TriangleMesh ball = icosphere(12.5, 2);
+  const auto plain = read_mesh("ball.glb", glb(ball));
+  REQUIRE(plain);
+  CHECK(plain->corners == ball.corners);
+  // Turned by 90 degrees about x (y to z), twice as large, then moved.
+  const char* const nodes = R"([{"translation": [1, 2, 3], "children": [1]},
+      {"rotation": [0.70710678118654752, 0, 0, 0.70710678118654752], "scale": [2, 2, 2], "mesh": 0}])";
+  const std::string bytes = glb(ball, nodes);
+  for (const char* name : {"ball.glb", "sha256-0", "BALL.GLB"}) {
+    const auto turned = read_mesh(name, bytes);
+    REQUIRE(turned);
+    REQUIRE(turned->size() == ball.size());
+    for (std::size_t k = 0; k < ball.corners.size(); k += 3) {
+      CHECK_THAT(turned->corners[k], Catch::WithinAbs(1 + 2 * ball.corners[k], 1e-4));
+      CHECK_THAT(turned->corners[k + 1], Catch::WithinAbs(2 - 2 * ball.corners[k + 2], 1e-4));
+      CHECK_THAT(turned->corners[k + 2], Catch::WithinAbs(3 + 2 * ball.corners[k + 1], 1e-4));
+    }
+    const auto judged = verify::read_target_mesh(name, bytes);
+    REQUIRE(judged);
+    REQUIRE(judged->corners.size() == turned->corners.size());
+    for (std::size_t k = 0; k < ball.corners.size(); ++k)
+      CHECK_THAT(judged->corners[k], Catch::WithinAbs(turned->corners[k], 1e-4));
+  }
+}
+
+TEST_CASE("vertices of a glTF may be interleaved, and its indices of each size", "[core][mesh]") {
+  // Four corners of a square, 16 bytes apart, then two triangles as indices.
+  const auto [type, bytes_each] = GENERATE(table<int, int>({{5121, 1}, {5123, 2}, {5125, 4}}));
+  CAPTURE(type);
+  std::string buffer;
+  for (const std::array<float, 4> corner :
+       {std::array<float, 4>{0, 0, 0, 9}, {2, 0, 0, 9}, {2, 2, 0, 9}, {0, 2, 0, 9}})
+    buffer.append(reinterpret_cast<const char*>(corner.data()), sizeof corner);
+  for (const std::uint32_t index : {0, 1, 2, 0, 2, 3})
+    buffer.append(reinterpret_cast<const char*>(&index), static_cast<std::size_t>(bytes_each));
+  const std::string text = fmt::format(
+      R"({{"asset": {{"version": "2.0"}}, "scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0}}],
+"meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "indices": 1}},
+                            {{"attributes": {{"POSITION": 0}}, "mode": 1}}]}}],
+"buffers": [{{"byteLength": {}, "uri": "data:application/octet-stream;base64,{}"}}],
+"bufferViews": [{{"buffer": 0, "byteLength": 64, "byteStride": 16}},
+                {{"buffer": 0, "byteOffset": 64, "byteLength": {}}}],
+"accessors": [{{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}},
+              {{"bufferView": 1, "componentType": {}, "count": 6, "type": "SCALAR"}}]}})",
+      buffer.size(), base64(buffer), 6 * bytes_each, type);
+  const auto mesh = read_mesh("square.gltf", text);
+  if (!mesh) FAIL(message(mesh.error()));
+  CHECK(mesh->corners == std::vector<float>{0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 0, 0, 2, 2, 0, 0, 2, 0});
+  const auto judged = verify::read_target_mesh("square.gltf", text);
+  if (!judged) FAIL(message(judged.error()));
+  CHECK(judged->corners == mesh->corners);
+}
+
+TEST_CASE("a glTF that is broken, or keeps its mesh in another file, says so", "[core][mesh]") {
+  const TriangleMesh ball = icosphere(1.0, 1);
+  const auto broken = [](const std::string& name, const std::string& bytes,
+                         const std::string& part) {
+    const Error error = refused(read_mesh(name, bytes));
+    CHECK(error.place.starts_with(name));
+    CHECK_THAT(error.detail, Catch::Contains(part));
+    const auto judged = verify::read_target_mesh(name, bytes);
+    REQUIRE_FALSE(judged);
+    CHECK(judged.error().place == name);
+    CHECK_FALSE(judged.error().detail.empty());
+  };
+  broken("a.gltf", gltf(ball, "ball.bin"), "keeps its mesh in ball.bin beside it; save the model");
+  broken("a.glb", glb(ball).substr(0, 500), "save the model again");
+  broken("a.glb", glb(ball, R"([{"children": [0], "mesh": 0}])"), "lies in");
+  // Each node lies twice in the one above: 2^40 of them.
+  std::string nodes = "[";
+  for (int k = 1; k <= 40; ++k) nodes += fmt::format(R"({{"children": [{0}, {0}]}}, )", k);
+  broken("a.glb", glb(ball, nodes + R"({"mesh": 0}])"), "lies in two nodes");
+  broken("a.glb", glb(ball, R"([{"mesh": 7}])"), "is not there");
+  broken("a.glb", glb(ball, "[{}]"), "has no triangles");
+  std::string lying = glb(ball);
+  lying.replace(lying.find("\"count\": 240"), 12, "\"count\": 999");
+  broken("a.glb", lying, "announces 999 values");
+  broken("a.gltf", "{}", "");
+  broken("a.gltf", "no JSON", "");
+}
+
 TEST_CASE("polygons and indices of every kind in an OBJ are read and its other lines are not",
           "[core][mesh]") {
   const auto mesh = read_mesh("quad.obj",
@@ -48,6 +149,41 @@ TEST_CASE("polygons and indices of every kind in an OBJ are read and its other l
                               "vt 0 0\nvn 0 0 1\nv 0 1 0\r\nf 1/1/1 2//1 -2/1 -1\ncurv2 9 9\n");
   if (!mesh) FAIL(message(mesh.error()));
   CHECK(mesh->size() == 2);
+}
+
+TEST_CASE("a file that is no mesh is called what it is, whatever its name says", "[core][mesh]") {
+  using namespace std::string_view_literals;
+  const auto [bytes, kind] = GENERATE(
+      table<std::string_view, const char*>({{"\x89PNG\r\n\x1a\n\0\0\0\rIHDR"sv, "a PNG picture"},
+                                            {"\xFF\xD8\xFF\xE0\0\x10JFIF"sv, "a JPEG picture"},
+                                            {"RIFF\x24\0\0\0WEBPVP8 "sv, "a WebP picture"},
+                                            {"%PDF-1.7\n"sv, "a PDF document"},
+                                            {"PK\x03\x04\x14\0"sv, "3MF"},
+                                            {"ply\nformat ascii 1.0\n"sv, "a PLY model"},
+                                            {"ISO-10303-21;\nHEADER;"sv, "a STEP model"},
+                                            {"<?xml version=\"1.0\"?>\n<svg/>"sv, "an SVG drawing"},
+                                            {"\n<!DOCTYPE html>\n<html>"sv, "a web page"}}));
+  CAPTURE(kind);
+  const std::string file = std::string(bytes) + std::string(2000, '\0');
+  for (const char* name : {"model.stl", "model.obj", "model", "picture.png"}) {
+    const Error error = refused(read_mesh(name, file));
+    CHECK(error.kind == ErrorKind::Malformed);
+    CHECK(error.place == name);
+    CHECK_THAT(error.detail, Catch::StartsWith("is ") && Catch::Contains(kind) &&
+                                 Catch::Contains("; give a 3D model as an STL"));
+    CHECK_THAT(refused(read_mesh(name, bytes)).detail, Catch::Contains(kind));
+  }
+}
+
+TEST_CASE("a binary STL may begin with any bytes", "[core][mesh]") {
+  const TriangleMesh ball = icosphere(1.0, 1);
+  for (const std::string head : {"\x89PNG\r\n", "PK\x03\x04", "ply\n", "<svg"}) {
+    std::string stl = binary_stl(ball);
+    stl.replace(0, head.size(), head);
+    const auto read = read_mesh("ball.stl", stl);
+    REQUIRE(read);
+    CHECK(read->corners == ball.corners);
+  }
 }
 
 TEST_CASE("an incomplete or invalid mesh file is refused with its place", "[core][mesh]") {

@@ -136,6 +136,34 @@ struct Fleet {
   int cards{0};
 };
 
+/// A search of a model that is made when the planner is let go.
+std::string slow_search(Node& node) {
+  const std::string bytes = "slow model";
+  const Answer<Asset> model = node.bench.on([&](LiveService& s) {
+    const std::string path = node.bench.folder() + "/incoming/asset";
+    test::write_text(path, bytes);
+    return s.designs.add_asset(node.bench.student,
+                               {path, sha256_hex(bytes), bytes.size(), "vase.obj"});
+  });
+  REQUIRE(model);
+  const Answer<SearchRecord> asked = node.bench.on([&](LiveService& s) {
+    return s.searches.request(node.bench.student, {.model = model->id, .cards = 4, .marks = true});
+  });
+  REQUIRE(asked);
+  return asked->id;
+}
+
+std::optional<SearchRecord> search_at(Node& node, const std::string& id) {
+  const Answer<SearchRecord> found =
+      node.bench.on([&](LiveService& s) { return s.searches.find(id); });
+  return found ? std::optional(*found) : std::nullopt;
+}
+
+bool is_found(Node& node, const std::string& id) {
+  const auto record = search_at(node, id);
+  return record && record->state == SearchState::Found;
+}
+
 bool is_skipped() {
   const std::string why = PostgresServer::why_not();
   if (!why.empty()) WARN("skipped: " << why);
@@ -310,6 +338,69 @@ TEST_CASE("a node that dies with the knife down leaves its job interrupted", "[f
   CHECK(fleet.is(fleet.b, job, JobState::Done));
   CHECK(fleet.sql("SELECT string_agg(blank || ' ' || end_kind, ', ' ORDER BY id) FROM attempt") ==
         "1 crash, 2 done");
+}
+
+TEST_CASE("a search whose node dies is made by another, and its cards are at all nodes",
+          "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet;
+  const std::string id = slow_search(fleet.a);
+  REQUIRE(fleet.until([&] { return fleet.a.bench.planner.started == 1; }));
+  // The others say who has it.
+  CHECK(search_at(fleet.b, id)->doing == "searching at node a");
+  fleet.kill(fleet.a);
+  REQUIRE(fleet.until([&] { return fleet.b.bench.planner.started == 1; }));
+  CHECK(search_at(fleet.b, id)->request.cards == 4);
+  fleet.b.bench.planner.release();
+  REQUIRE(fleet.until([&] { return is_found(fleet.b, id); }));
+  fleet.restart(fleet.a);
+  REQUIRE(fleet.until([&] { return is_found(fleet.a, id); }));
+  for (Node* node : {&fleet.a, &fleet.b})
+    CHECK(fleet.until([&] {
+      return node->bench.on([&](LiveService& s) { return s.searches.picture(id, 2); }).has_value();
+    }));
+  CHECK(fleet.a.bench.planner.started == 1);
+}
+
+TEST_CASE("a search of a node that does not answer for a while is found once", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet;
+  const std::string id = slow_search(fleet.a);
+  REQUIRE(fleet.until([&] { return fleet.a.bench.planner.started == 1; }));
+  fleet.a.partition();
+  REQUIRE(fleet.until([&] { return fleet.b.bench.planner.started == 1; }));
+  const bool is_first = GENERATE(true, false);
+  CAPTURE(is_first);
+  if (is_first) fleet.b.bench.planner.release();
+  if (is_first) REQUIRE(fleet.until([&] { return is_found(fleet.b, id); }));
+  fleet.a.heal();
+  fleet.a.bench.planner.release();
+  fleet.b.bench.planner.release();
+  for (Node* node : {&fleet.a, &fleet.b}) REQUIRE(fleet.until([&] { return is_found(*node, id); }));
+  CHECK(fleet.sql("SELECT count(*) FROM event WHERE data LIKE '%\"state\":\"found\"%'") == "1");
+}
+
+TEST_CASE("a search that ends just as the database is away is found all the same", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet;
+  const std::string id = slow_search(fleet.a);
+  REQUIRE(fleet.until([&] { return fleet.a.bench.planner.started == 1; }));
+  fleet.a.proxy.cut_at("COMMIT", FaultProxy::Lost::Request, "UPDATE search SET state");
+  fleet.a.bench.planner.release();
+  CHECK(fleet.until([&] { return is_found(fleet.b, id); }));
+  CHECK_FALSE(fleet.a.proxy.cut_to_come());
+}
+
+TEST_CASE("a search of which several nodes died fails and says so", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet;
+  const std::string id = slow_search(fleet.a);
+  REQUIRE(fleet.until([&] { return fleet.a.bench.planner.started == 1; }));
+  fleet.sql("UPDATE search SET begun = 3");
+  fleet.kill(fleet.a);
+  REQUIRE(fleet.until([&] { return search_at(fleet.b, id)->state == SearchState::Failed; }));
+  CHECK_THAT(search_at(fleet.b, id)->error, Catch::Contains("popcutd ended 3 times"));
+  CHECK(fleet.b.bench.planner.started == 0);
 }
 
 TEST_CASE("a cut goes on without the database and its end is told later", "[fleet]") {

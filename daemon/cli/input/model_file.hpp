@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "core/result.hpp"
+
+namespace popcut::cli {
+
+/// Is it a 3D model, by its name (.stl, .obj, .glb, .gltf)?
+[[nodiscard]] bool is_model_file(const std::filesystem::path& file);
+
+/// Reads a file that a design names. A .gltf gets the buffers that lie beside it put into it, so
+/// that whoever reads it needs no other file; its pictures stay where they are.
+///
+/// @retval Malformed   it cannot be read, or one of its buffers
+/// @retval OutOfRange  larger than files may be
+[[nodiscard]] Result<std::string> read_model_file(const std::filesystem::path& file);
+
+}  // namespace popcut::cli
