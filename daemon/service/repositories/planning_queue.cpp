@@ -345,8 +345,23 @@ std::string PlanningQueue::next() {
   return {};
 }
 
+// What this node has and does not make is one whose end could not be recorded, as when the database
+// of a fleet was away just then: nobody else would take it up.
+void PlanningQueue::take_up_unrecorded() {
+  for (const std::string& id : std::exchange(unrecorded_, {})) {
+    const Answer<void> given = parts_.store.change([&]() -> Answer<void> {
+      const auto plan = plans_.find(id);
+      if (plan && plan->state == PlanState::Pending && plan->planner == parts_.store.node().name)
+        plans_.give_back(id, 0);
+      return {};
+    });
+    if (!given) unrecorded_.insert(id);
+  }
+}
+
 void PlanningQueue::pump() {
   if (stopped_ || parts_.store.degraded() || parts_.store.full()) return;
+  take_up_unrecorded();
   try {
     while (running_.size() < static_cast<std::size_t>(parts_.options.plans_at_once)) {
       const std::string id = next();
@@ -452,10 +467,11 @@ void PlanningQueue::over(const std::string& id, Result<PlanningOutcome> outcome)
 }
 
 void PlanningQueue::ended_in_order(const std::string& id) {
-  (void)parts_.store.change([&]() -> Answer<void> {
+  const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {
     plans_.give_back(id, 0);
     return {};
   });
+  if (!stored) unrecorded_.insert(id);
 }
 
 // A part of the sheets in each turn; only the last one makes them a plan.
@@ -491,6 +507,7 @@ void PlanningQueue::keep(const std::string& id, const std::shared_ptr<PlanningOu
   }
   running_.erase(id);
   asked_.erase(id);
+  if (!stored) unrecorded_.insert(id);
   if (is_gone && is_removed(id)) parts_.aside.remove(folder_of(id));
   if (stored && !is_gone && ended) ended(id);
   pump();
@@ -510,6 +527,7 @@ void PlanningQueue::fail_plan(const std::string& id, const std::string& why) {
         fmt::format(R"("plan":"{}","state":"failed","error":{})", id, json_text(why)));
     return {};
   });
+  if (!stored) unrecorded_.insert(id);
   if (stored && ended) ended(id);
 }
 

@@ -113,6 +113,7 @@ class PlanningQueue : public Plans {
   void over(const std::string& id, Result<PlanningOutcome> outcome);
   void keep(const std::string& id, const std::shared_ptr<PlanningOutcome>& made, std::size_t from);
   void ended_in_order(const std::string& id);
+  void take_up_unrecorded();
   [[nodiscard]] bool remove_some_of(const std::string& design);
   void remove_more_of(const std::string& design);
   void read_on(const std::shared_ptr<PlanRecord>& record,
@@ -127,7 +128,8 @@ class PlanningQueue : public Plans {
   std::map<std::string, std::uint64_t> running_;  ///< task of the planner by plan
   std::deque<Hurried> hurried_;
   std::string turn_of_{};        ///< who had the last turn
-  std::set<std::string> asked_;  ///< by themselves, not by a job
+  std::set<std::string> asked_;       ///< by themselves, not by a job
+  std::set<std::string> unrecorded_;  ///< plans that are over, which could not be stored
   bool stopped_{false};
 };
 

@@ -391,6 +391,14 @@ TEST_CASE("a search that ends just as the database is away is found all the same
   CHECK_FALSE(fleet.a.proxy.cut_to_come());
 }
 
+TEST_CASE("a plan that ends just as the database is away is made all the same", "[fleet]") {
+  if (is_skipped()) return;
+  Fleet fleet;
+  fleet.a.proxy.cut_at("COMMIT", FaultProxy::Lost::Request, "UPDATE plan SET state");
+  fleet.ready();
+  CHECK_FALSE(fleet.a.proxy.cut_to_come());
+}
+
 TEST_CASE("a search of which several nodes died fails and says so", "[fleet]") {
   if (is_skipped()) return;
   Fleet fleet;
