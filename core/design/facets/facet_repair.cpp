@@ -295,8 +295,8 @@ class Repairer {
         }
       loss += std::min(labelling_.distance(s, paper), labelling_.distance(s, open)) -
               labelling_.distance(s, now);
-      strut = std::min(strut,
-                       labelling_.cost(s, labelling_.best(s, false)) - labelling_.cost(s, now));
+      strut =
+          std::min(strut, labelling_.cost(s, labelling_.best(s, false)) - labelling_.cost(s, now));
     }
     return any && loss > kWorthStrut * strut;
   }
@@ -691,7 +691,7 @@ class Repairer {
       std::copy(strut.without.begin(), strut.without.end(), image.strip(strut.strip).begin());
       LabelImage filled = image;
       if (fill_enclosed(filled, planes(), min_panel_mm_)) {
-        ++out_.bridges;
+        ++(falls_into_card(image, filled) ? out_.bridges : out_.inner);
         return true;
       }
       const auto made = pattern_of(image, planes(), card_, min_panel_mm_);
@@ -699,17 +699,26 @@ class Repairer {
     });
   }
 
+  /// Whether wall or ground takes the place of something.
+  static bool falls_into_card(const LabelImage& image, const LabelImage& filled) {
+    for (std::size_t k = 0; k < image.label.size(); ++k)
+      if (filled.label[k] != image.label[k] &&
+          (filled.label[k] == kWallLabel || filled.label[k] == kGroundLabel))
+        return true;
+    return false;
+  }
+
   static constexpr std::size_t kMostDrops = 8, kMostPaintings = 60, kMostTried = 600,
                                kMostTriedRoughly = 150;
   static constexpr int kMostTries = 8, kLedgeReach = 8, kMostShift = 8, kShiftRounds = 14,
                        kMostBridges = 4;
-  static constexpr double kWorthStrut = 4.0;   ///< times what a strut costs: that is a guess
+  static constexpr double kWorthStrut = 4.0;  ///< times what a strut costs: that is a guess
   static constexpr double kAside = 0.2;       ///< of its cost, what a strip at the side costs more
   static constexpr double kLeastHeld = 0.05;  ///< less is rounding
   static constexpr double kDearer = 2.0;      ///< than the best move of a round
-  static constexpr std::size_t kMadeOf = 8;       ///< a round makes one of so many good moves
+  static constexpr std::size_t kMadeOf = 8;   ///< a round makes one of so many good moves
   static constexpr std::size_t kOnUntilOne = 10;  ///< times `kMostTried`, where none of those holds
-  static constexpr double kHoldsMore = 2.0;   ///< than any move of the round that was looked at
+  static constexpr double kHoldsMore = 2.0;       ///< than any move of the round that was looked at
 
   Labelling& labelling_;
   FacetCardSize card_;

@@ -25,6 +25,7 @@ struct FacetRepair {
   int dropped{};       ///< patches that were given up
   std::vector<FacetStrut> struts;
   std::size_t bridges{};  ///< strips that hold what wall or ground would enclose otherwise
+  std::size_t inner{};    ///< strips that hold what other paper would enclose otherwise
   bool unfinished{};      ///< it took too long: something is still loose
 };
 

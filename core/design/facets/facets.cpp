@@ -334,7 +334,7 @@ class FacetMaker {
     f.shifted = out.repaired.shifted;
     f.moves = out.moves;
     f.dropped = out.repaired.dropped;
-    f.struts = out.repaired.struts.size() + out.repaired.bridges;
+    f.struts = out.repaired.struts.size() + out.repaired.bridges + out.repaired.inner;
   }
 
   const TriangleSoup& target_;

@@ -127,7 +127,7 @@ class PlanningQueue : public Plans {
   PlanTable plans_;
   std::map<std::string, std::uint64_t> running_;  ///< task of the planner by plan
   std::deque<Hurried> hurried_;
-  std::string turn_of_{};        ///< who had the last turn
+  std::string turn_of_{};             ///< who had the last turn
   std::set<std::string> asked_;       ///< by themselves, not by a job
   std::set<std::string> unrecorded_;  ///< plans that are over, which could not be stored
   bool stopped_{false};

@@ -96,8 +96,9 @@ TEST_CASE("a model alone becomes a front of cards that are verified, made again 
 
 TEST_CASE("the same seed gives the same cards, whatever the threads", "[cli][e2e][auto]") {
   const AutoBench bench;
-  REQUIRE(bench.search({"--threads", "1", "--seed", "7", "-q"}, "one").exit == 0);
-  REQUIRE(bench.search({"--threads", "2", "--seed", "7", "-q"}, "two").exit == 0);
+  for (const auto& [threads, folder] : {std::pair{"1", "one"}, {"2", "two"}})
+    REQUIRE(bench.search({"--threads", threads, "--seed", "7", "--mat", "150x150", "-q"}, folder)
+                .exit == 0);
   const auto files = files_below(bench.temp / "one");
   CHECK(files == files_below(bench.temp / "two"));
   for (const std::string& file : files) {
@@ -109,7 +110,8 @@ TEST_CASE("the same seed gives the same cards, whatever the threads", "[cli][e2e
 TEST_CASE("a search keeps to the style, the upright axis and the time that it is given",
           "[cli][e2e][auto]") {
   const AutoBench bench;
-  const Ran ran = bench.search({"--style", "facets", "--up", "z", "--max-minutes", "3", "-q"});
+  const Ran ran = bench.search(
+      {"--style", "facets", "--up", "z", "--mat", "200x200", "--max-minutes", "3", "-q"});
   INFO(ran.err);
   REQUIRE(ran.exit == 0);
   const json front = bench.read_json("out/front.json");

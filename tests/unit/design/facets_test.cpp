@@ -242,8 +242,8 @@ void add_ball(TriangleSoup& soup, const Vec3& middle, double radius) {
   const auto at = [&](int ring, int sector) {
     const double up = std::numbers::pi * ring / kRings - 0.5 * std::numbers::pi,
                  turn = 2.0 * std::numbers::pi * sector / kSectors;
-    return Vec3(middle + radius * Vec3(std::cos(up) * std::cos(turn),
-                                       std::cos(up) * std::sin(turn), std::sin(up)));
+    return Vec3(middle + radius * Vec3(std::cos(up) * std::cos(turn), std::cos(up) * std::sin(turn),
+                                       std::sin(up)));
   };
   for (int ring = 0; ring < kRings; ++ring)
     for (int k = 0; k < kSectors; ++k)
