@@ -39,7 +39,7 @@ class Repairer {
     if (how_.jumps) hold_enclosed();
     LabelImage whole = labelling_.image();
     fill_enclosed(whole, planes(), min_panel_mm_);
-    take(how_.jumps ? with_worthy(whole) : whole);
+    take(how_.shifts ? with_worthy(whole) : whole);
     const auto first = pattern_of(whole, planes(), card_, min_panel_mm_);
     if (!first) return tl::unexpected(first.error());
     out_.loose_before = first->motion.degrees_of_freedom - 1;

@@ -43,7 +43,7 @@ TriangleMesh houses() {
 struct AutoBench : CommandBench {
   AutoBench() { write_file(temp / "houses.obj", obj(houses())); }
   [[nodiscard]] Ran search(std::vector<std::string> more, const std::string& folder = "out") const {
-    std::vector<std::string> words{"auto", "houses.obj", "-o", folder, "--effort", "0.08"};
+    std::vector<std::string> words{"auto", "houses.obj", "-o", folder, "--effort", "0.04"};
     words.insert(words.end(), more.begin(), more.end());
     return popcut(words);
   }
@@ -94,6 +94,7 @@ TEST_CASE("a model alone becomes a front of cards that are verified, made again 
   CHECK(says(picture, "the best"));
 }
 
+#if !defined(__SANITIZE_ADDRESS__)  // long; shorter searches run with sanitizers
 TEST_CASE("the same seed gives the same cards, whatever the threads", "[cli][e2e][auto]") {
   const AutoBench bench;
   for (const auto& [threads, folder] : {std::pair{"1", "one"}, {"2", "two"}})
@@ -106,6 +107,7 @@ TEST_CASE("the same seed gives the same cards, whatever the threads", "[cli][e2e
     CHECK(text_of_file(bench.temp / "one" / file) == text_of_file(bench.temp / "two" / file));
   }
 }
+#endif
 
 TEST_CASE("a search keeps to the style, the upright axis and the time that it is given",
           "[cli][e2e][auto]") {
@@ -133,6 +135,7 @@ TEST_CASE("a search keeps to the style, the upright axis and the time that it is
   }
 }
 
+#if !defined(__SANITIZE_ADDRESS__)  // long; shorter searches run with sanitizers
 TEST_CASE("a model becomes a front of books that are verified, made again and fit the mat",
           "[cli][e2e][auto]") {
   const auto [cards, style] = GENERATE(std::pair{"4", "facets"}, std::pair{"6", "slices"});
@@ -171,7 +174,9 @@ TEST_CASE("a model becomes a front of books that are verified, made again and fi
   const json seen = json::parse(compared.out);
   CHECK_THAT(seen["error"].get<double>(), WithinAbs(error, 1e-6));
 }
+#endif
 
+#if !defined(__SANITIZE_ADDRESS__)  // long; shorter searches run with sanitizers
 TEST_CASE("the front of a model faces out of the card, and cards to print fit between the marks",
           "[cli][e2e][auto]") {
   const AutoBench bench;
@@ -197,7 +202,9 @@ TEST_CASE("the front of a model faces out of the card, and cards to print fit be
   CHECK(says(ran.out, "popcut print out/" + front["best"].get<std::string>() +
                           "/spec.json --machine cameo3 --mat A4 -o printed"));
 }
+#endif
 
+#if !defined(__SANITIZE_ADDRESS__)  // long; shorter searches run with sanitizers
 TEST_CASE("popcut design takes a model and makes the best card of a short search",
           "[cli][e2e][auto]") {
   const AutoBench bench;
@@ -213,6 +220,7 @@ TEST_CASE("popcut design takes a model and makes the best card of a short search
   CHECK(fs::exists(bench.temp / "card/spec.json"));
   check_refused(bench.popcut({"design", "houses.obj", "--place", "whole"}), 2, "--place");
 }
+#endif
 
 TEST_CASE("a GLB and a glTF with its mesh beside it become the cards of the same OBJ",
           "[cli][e2e][auto]") {
