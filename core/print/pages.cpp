@@ -40,6 +40,15 @@ void put_points(std::string& svg, std::span<const PagePoint> points) {
   }
 }
 
+void put_paths(std::string& svg, const LineWork& work, Operation operation) {
+  for (const DrawnLine& line : work.lines) {
+    if (line.operation != operation) continue;
+    svg += "<path d=\"";
+    put_points(svg, work.points_of(line));
+    svg += "\"/>\n";
+  }
+}
+
 // Around lines on a picture, as dashed as they are, so that they are seen on dark colours too.
 void put_rims(std::string& svg, const LineWork& work) {
   for (const Operation operation : kOrder) {
@@ -53,12 +62,7 @@ void put_rims(std::string& svg, const LineWork& work) {
     set("stroke-width", "0.7");
     set("stroke", "#ffffff");
     fmt::format_to(Out(svg), "<g fill=\"none\" stroke-opacity=\"0.6\" {}>\n", style);
-    for (const DrawnLine& line : work.lines) {
-      if (line.operation != operation) continue;
-      svg += "<path d=\"";
-      put_points(svg, work.points_of(line));
-      svg += "\"/>\n";
-    }
+    put_paths(svg, work, operation);
     svg += "</g>\n";
   }
 }
@@ -69,12 +73,7 @@ void put_lines(std::string& svg, const LineWork& work) {
     if (!has(work, operation)) continue;
     fmt::format_to(Out(svg), "<g id=\"{}\" fill=\"none\" stroke-linecap=\"butt\" {}>\n",
                    operation_name(operation), legend_entry(operation).style);
-    for (const DrawnLine& line : work.lines) {
-      if (line.operation != operation) continue;
-      svg += "<path d=\"";
-      put_points(svg, work.points_of(line));
-      svg += "\"/>\n";
-    }
+    put_paths(svg, work, operation);
     svg += "</g>\n";
   }
 }

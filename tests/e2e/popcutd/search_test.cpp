@@ -41,6 +41,18 @@ Json found(RunningDaemon& desk, const std::string& id) {
   return desk.get("/v1/searches/" + id);
 }
 
+/// The plan of a design with marks on a mat, once it is made.
+std::string planned_with_marks(RunningDaemon& desk, const std::string& design,
+                               const std::string& mat) {
+  const Json wanted{{"machine", "cameo3"}, {"options", {{"marks", true}, {"mat", mat}}}};
+  const std::string plan = put(desk, "/v1/designs/" + design + "/plan", wanted.dump());
+  REQUIRE(happens([&] { return desk.get("/v1/plans/" + plan)["state"] != "pending"; }));
+  const Json planned = desk.get("/v1/plans/" + plan);
+  INFO(planned.dump().substr(0, 800));
+  REQUIRE(planned["state"] == "planned");
+  return plan;
+}
+
 const Json kSmall{{"effort", 0.01}, {"style", "facets"}, {"up", "z"}, {"mat", "12x12"}};
 
 }  // namespace
@@ -77,13 +89,7 @@ TEST_CASE("popcutd finds the cards of popcut auto, and a picked one is planned a
   CHECK(desk.get("/v1/designs/" + design)["name"] == "my hall");
   CHECK(Json::parse(desk.ask("GET", "/v1/designs/" + design + "/content").body) ==
         search["cards"].back()["spec"]);
-  const std::string plan =
-      put(desk, "/v1/designs/" + design + "/plan",
-          R"({"machine": "cameo3", "options": {"marks": true, "mat": "12x12"}})");
-  REQUIRE(happens([&] { return desk.get("/v1/plans/" + plan)["state"] != "pending"; }));
-  const Json planned = desk.get("/v1/plans/" + plan);
-  INFO(planned.dump().substr(0, 500));
-  REQUIRE(planned["state"] == "planned");
+  const std::string plan = planned_with_marks(desk, design, "12x12");
   const auto page = desk.ask("GET", "/v1/plans/" + plan + "/sheets/1/artwork.pdf?dpi=50");
   CHECK(page.status == 200);
   CHECK(page.body.starts_with("%PDF"));
@@ -123,13 +129,7 @@ TEST_CASE("popcutd finds the books of popcut auto, and a picked one is planned c
   const std::string of_book = fmt::format("/v1/searches/{}/cards/{}", id, search["cards"].size());
   CHECK(desk.ask("GET", of_book + ".png").body.starts_with("\x89PNG"));
   const std::string design = put(desk, of_book + "/design", "{}");
-  const std::string plan =
-      put(desk, "/v1/designs/" + design + "/plan",
-          R"({"machine": "cameo3", "options": {"marks": true, "mat": "150x150"}})");
-  REQUIRE(happens([&] { return desk.get("/v1/plans/" + plan)["state"] != "pending"; }));
-  const Json planned = desk.get("/v1/plans/" + plan);
-  INFO(planned.dump().substr(0, 800));
-  REQUIRE(planned["state"] == "planned");
+  const Json planned = desk.get("/v1/plans/" + planned_with_marks(desk, design, "150x150"));
   CHECK(planned["sheets_total"] == 4);
   const double lines_mm = best["cut_mm"].get<double>() + best["fold_mm"].get<double>();
   CHECK_THAT(planned["length_mm"].get<double>(), Catch::WithinRel(lines_mm, 0.01));
