@@ -55,7 +55,7 @@ set(libraries
   "boost/beast.* : daemon/(client|http)"
   "spdlog/.* : daemon/(http|popcutd)"
   "CLI/.* : daemon/(cli|popcut|popcutd)"
-  "tiny_gltf[.]h : core/(deploy|formats/gltf)"
+  "tiny_gltf[.]h : core/(deploy|formats/gltf|verify/target)"
   "librsvg/.* : daemon/pictures"
   "cairo.* : daemon/pictures"
   "fontconfig/.* : daemon/pictures"
