@@ -17,14 +17,16 @@ const house = (high = 40) => Buffer.from([
   'f 4 3 2 1', 'f 1 2 6 5', 'f 3 4 8 7', 'f 2 3 7 10 6', 'f 4 1 5 9 8', 'f 5 6 10 9', 'f 7 8 9 10', '',
 ].join('\n'));
 
-/** A page at Design whose searches do little work, or what `change` says. */
+/** A page at Design whose searches do little work, or what `change` says; `asked`: what the page wanted of them. */
 async function desk(change = {}) {
   const visited = await visit(server, { hash: '#/design', motion: 'reduce' });
-  await visited.page.route('**/v1/assets/*/search', (route) => route.continue({
-    postData: JSON.stringify({ ...JSON.parse(route.request().postData()), effort: 0.01, style: 'facets', ...change }),
-  }));
+  const asked = [];
+  await visited.page.route('**/v1/assets/*/search', (route) => {
+    asked.push(JSON.parse(route.request().postData()));
+    return route.continue({ postData: JSON.stringify({ ...asked.at(-1), effort: 0.01, style: 'facets', ...change }) });
+  });
   await visited.page.locator('.start-card:not(:disabled)').first().waitFor();
-  return visited;
+  return { ...visited, asked };
 }
 
 const give = (page, name, buffer) => page.locator('input[type=file]').setInputFiles({ name, mimeType: 'application/octet-stream', buffer });
@@ -36,7 +38,7 @@ const specOf = (page) => page.evaluate(() => {
 });
 
 test('a model gives cards as pictures, and the one that is picked by key is the design until Undo', async () => {
-  const { page, sent, complaints, close } = await desk();
+  const { page, sent, asked, complaints, close } = await desk();
   await give(page, 'house.obj', house());
   await exact(page);
   const placed = await specOf(page);
@@ -76,9 +78,36 @@ test('a model gives cards as pictures, and the one that is picked by key is the 
   // Other wishes are another search.
   await page.getByRole('button', { name: 'Search for others' }).click();
   await page.getByLabel('What points up in the file').selectOption('z');
+  await page.getByLabel('What faces you in the file').selectOption('-x');
+  await page.getByLabel('Leave room for registration marks').check();
   await page.getByRole('button', { name: 'Search again' }).click();
-  await until(() => sent.filter((one) => one.path.endsWith('/search')).length === 2, 'it searches again');
+  await until(() => asked.length === 2, 'it searches again');
+  assert.deepEqual(asked[0], { max_minutes: 15, cards: 1, up: 'any', front: 'any', effort: 0.25, marks: false });
+  assert.deepEqual(asked[1], { max_minutes: 15, cards: 1, up: 'z', front: '-x', effort: 0.25, marks: true });
   await found(page);
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('a book of cards is searched, picked and planned', async () => {
+  const { page, asked, complaints, close } = await desk();
+  await give(page, 'house.obj', house(50));
+  await found(page);
+  await page.getByRole('button', { name: 'Search for others' }).click();
+  await page.getByLabel('One card or a book').selectOption('4');
+  assert.equal(await page.getByLabel('What faces you in the file').count(), 0);
+  await page.getByRole('button', { name: 'Search again' }).click();
+  await until(() => asked.length === 2, 'it searches again');
+  assert.deepEqual(asked[1], { max_minutes: 15, cards: 4, up: 'any', effort: 0.25, marks: false });
+  await page.getByRole('progressbar', { name: 'Searching for the best cards' }).waitFor({ state: 'detached', timeout: 120_000 });
+  await found(page);
+  await page.locator('.found-card').last().click();
+  await exact(page);
+  assert.equal((await specOf(page)).book.cards, 4);
+  await picture(page, 'cards-found-book');
+  await page.getByRole('button', { name: 'Cut this…' }).click();
+  await page.getByRole('button', { name: 'Show the sheets' }).click();
+  await page.getByRole('button', { name: 'Queue it' }).waitFor({ timeout: 120_000 });
   assert.deepEqual(complaints, []);
   await close();
 });

@@ -13,9 +13,9 @@ constexpr bool kWithSanitizer = true;
 constexpr bool kWithSanitizer = false;
 #endif
 
-/// True if a test is to take a part of its rounds: with a sanitizer, where each takes several times
-/// as long. POPCUT_ROUNDS=all takes all of them there too ('./run soak sanitizers'), and "few" the
-/// part without one.
+/// True if a test is to take a part of its rounds. POPCUT_ROUNDS says so: "few" in './run test',
+/// "all" in './run test --all' and './run soak sanitizers'. A program that is run by hand takes
+/// all, but with a sanitizer, where each round takes several times as long.
 [[nodiscard]] inline bool fewer_rounds() {
   const char* const wanted = std::getenv("POPCUT_ROUNDS");
   return wanted == nullptr ? kWithSanitizer : std::string_view(wanted) == "few";

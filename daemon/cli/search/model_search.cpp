@@ -20,6 +20,7 @@
 #include "daemon/client/command_words.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
+#include "daemon/planning/search/freed_memory.hpp"
 
 namespace popcut::cli {
 namespace model_search_parts {
@@ -83,6 +84,7 @@ Result<SearchedModel> search_model(const ModelSearchOptions& options,
       options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
   request.progress = work.progress();
   request.stopped = stopped;
+  planning::keep_freed_memory();
   auto cards = planning::search_cards(std::move(request));
   if (!cards) {
     const Error why = client::on_command_line(tables->with_file(cards.error()));

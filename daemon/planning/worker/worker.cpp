@@ -20,6 +20,7 @@
 
 #include "daemon/planning/confinement.hpp"
 #include "daemon/planning/frames.hpp"
+#include "daemon/planning/search/freed_memory.hpp"
 #include "daemon/planning/search/search_task.hpp"
 #include "daemon/planning/task_json.hpp"
 #include "daemon/planning/work.hpp"
@@ -148,8 +149,10 @@ Result<daemon::PlanningOutcome> guarded(Pipes& pipes, bool serves) {
   try {
     Result<WorkerTask> task = pipes.read();
     if (!task) return tl::unexpected(task.error());
-    if (task->kind == daemon::PlanningTask::Kind::Search)
+    if (task->kind == daemon::PlanningTask::Kind::Search) {
+      keep_freed_memory();
       return search(*task, add, phases_to(pipes));
+    }
     return perform(std::move(*task), add, phases_to(pipes));
   } catch (const std::bad_alloc&) {
     return too_large();

@@ -4,7 +4,7 @@ import { useSignal } from '@preact/signals';
 import { useId, useRef } from 'preact/hooks';
 import * as desk from './design_desk';
 import type { Search } from './model';
-import { Button, Meter, Picture, Trouble } from './parts';
+import { Button, Choice, Meter, Picture, Tick, Trouble } from './parts';
 import * as searching from './search_desk';
 import type { Spec } from './spec';
 import { may, stale } from './store';
@@ -12,6 +12,9 @@ import { percent } from './words';
 import { designWords, small } from './words_design';
 
 const words = designWords.search;
+
+const kSides = Object.entries(words.sides) as [string, string][];
+const kEfforts: [string, string][] = [[String(searching.kQuick), words.quick], [String(searching.kThorough), words.thorough]];
 
 function Wishes({ of, again }: { of: string; again: boolean }) {
   const asked = searching.asked.value;
@@ -23,18 +26,12 @@ function Wishes({ of, again }: { of: string; again: boolean }) {
         <input id={`${id}m`} type="number" min="0.5" max="600" step="0.5" value={asked.max_minutes}
           onChange={(event) => set({ max_minutes: Math.max(0.5, Math.min(600, Number(event.currentTarget.value) || 15)) })} />
       </label>
-      <label class="field" for={`${id}u`}><span>{words.up}</span>
-        <select id={`${id}u`} value={asked.up} onChange={(event) => set({ up: event.currentTarget.value })}>
-          {Object.entries(words.ups).map(([value, text]) => <option key={value} value={value} selected={value === asked.up}>{text}</option>)}
-        </select>
-      </label>
-      <label class="field" for={`${id}e`}><span>{words.effort}</span>
-        <select id={`${id}e`} value={asked.effort} onChange={(event) => set({ effort: Number(event.currentTarget.value) })}>
-          {([[searching.kQuick, words.quick], [searching.kThorough, words.thorough]] as const).map(([value, text]) => (
-            <option key={value} value={value} selected={value === asked.effort}>{text}</option>
-          ))}
-        </select>
-      </label>
+      <Choice label={words.cards} value={String(asked.cards)} options={searching.kCards.map((n) => [String(n), words.cardsOf(n)])}
+        onChange={(n) => set({ cards: Number(n) })} />
+      <Choice label={words.up} value={asked.up} options={kSides} onChange={(up) => set({ up })} />
+      {asked.cards === 1 && <Choice label={words.front} value={asked.front} options={kSides} onChange={(front) => set({ front })} />}
+      <Choice label={words.effort} value={String(asked.effort)} options={kEfforts} onChange={(effort) => set({ effort: Number(effort) })} />
+      <Tick checked={asked.marks} onChange={(marks) => set({ marks })}>{words.marks}</Tick>
       <button type="submit" class={`button ${again ? 'button-plain' : 'button-primary'}`} disabled={stale.value}>{again ? words.again : words.find}</button>
     </form>
   );

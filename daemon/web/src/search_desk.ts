@@ -8,15 +8,19 @@ import type { Spec } from './spec';
 /** What a person asks for. */
 export interface Asked {
   max_minutes: number;
+  cards: number;   // of a book around one spine; 1: a card alone
   up: string;
+  front: string;   // of a card alone
   effort: number;
+  marks: boolean;
 }
 
 export const kQuick = 0.25;
 export const kThorough = 1;
+export const kCards = [1, 3, 4, 5, 6, 8, 12];
 const kLook_ms = [300, 500, 1000];
 
-export const asked = signal<Asked>({ max_minutes: 15, up: 'any', effort: kQuick });
+export const asked = signal<Asked>({ max_minutes: 15, cards: 1, up: 'any', front: 'any', effort: kQuick, marks: false });
 /** The asset that is or was searched last. */
 export const model = signal<string | null>(null);
 export const search = signal<Search | null>(null);
@@ -53,7 +57,8 @@ export async function begin(of: string, material?: unknown): Promise<void> {
   problem.value = null;
   busy.value = true;
   try {
-    const body = { ...asked.peek(), ...(typeof material === 'string' && material !== '' ? { material } : {}) };
+    const { front, ...wishes } = asked.peek();
+    const body = { ...wishes, ...(wishes.cards === 1 ? { front } : {}), ...(typeof material === 'string' && material !== '' ? { material } : {}) };
     const begun = await send<Search>('POST', `/v1/assets/${encodeURIComponent(of)}/search`, { body });
     if (mine !== turn) return;
     search.value = begun;

@@ -61,6 +61,7 @@ CardSearchRequest small() {
   CardSearchRequest request;
   request.style = "facets";
   request.up = "z";
+  request.mat = "100x100";
   request.effort = daemon::kLeastEffort;
   return request;
 }
@@ -120,7 +121,8 @@ TEST_CASE("a worker finds the same cards of a model each time and draws each of 
     CHECK(file_of(*again, file.name)->bytes == file.bytes);
 }
 
-TEST_CASE("a worker finds the cards of a GLB as of the same STL", "[daemon][planner][search]") {
+TEST_CASE("a worker finds the cards of a GLB as of the same STL",
+          "[daemon][planner][search][long]") {
   SearchBench bench;
   const TriangleMesh mesh = tests::box_mesh({0, 0, 0}, {30, 60, 25}, false);
   const auto front_of = [&](const std::string& bytes) {
@@ -136,7 +138,7 @@ TEST_CASE("a worker finds the cards of a GLB as of the same STL", "[daemon][plan
 }
 
 TEST_CASE("a model with a hole is searched as it is seen and a note says so",
-          "[daemon][planner][search]") {
+          "[daemon][planner][search][long]") {
   SearchBench bench;
   const auto outcome = bench.run(SearchBench::task(hall(true), small()));
   INFO(why(outcome));

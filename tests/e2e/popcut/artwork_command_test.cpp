@@ -117,7 +117,7 @@ std::array<double, 4> searched(const std::string& program) {
 }
 
 TEST_CASE("the marks of a printed page lie where the program of each machine looks for them",
-          "[cli][e2e][artwork]") {
+          "[cli][e2e][artwork][long]") {
   const ShellBench bench;
   int machines = 0;
   const json listed = json::parse(bench.popcut({"machines", "--json"}).out);

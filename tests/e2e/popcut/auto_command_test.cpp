@@ -94,11 +94,10 @@ TEST_CASE("a model alone becomes a front of cards that are verified, made again 
   CHECK(says(picture, "the best"));
 }
 
-#if !defined(__SANITIZE_ADDRESS__)  // long; shorter searches run with sanitizers
-TEST_CASE("the same seed gives the same cards, whatever the threads", "[cli][e2e][auto]") {
+TEST_CASE("the same seed gives the same cards, whatever the threads", "[cli][e2e][auto][long]") {
   const AutoBench bench;
   for (const auto& [threads, folder] : {std::pair{"1", "one"}, {"2", "two"}})
-    REQUIRE(bench.search({"--threads", threads, "--seed", "7", "--mat", "150x150", "-q"}, folder)
+    REQUIRE(bench.search({"--threads", threads, "--seed", "7", "--mat", "110x110", "-q"}, folder)
                 .exit == 0);
   const auto files = files_below(bench.temp / "one");
   CHECK(files == files_below(bench.temp / "two"));
@@ -107,13 +106,12 @@ TEST_CASE("the same seed gives the same cards, whatever the threads", "[cli][e2e
     CHECK(text_of_file(bench.temp / "one" / file) == text_of_file(bench.temp / "two" / file));
   }
 }
-#endif
 
 TEST_CASE("a search keeps to the style, the upright axis and the time that it is given",
           "[cli][e2e][auto]") {
   const AutoBench bench;
   const Ran ran = bench.search(
-      {"--style", "facets", "--up", "z", "--mat", "200x200", "--max-minutes", "3", "-q"});
+      {"--style", "facets", "--up", "z", "--mat", "150x150", "--max-minutes", "3", "-q"});
   INFO(ran.err);
   REQUIRE(ran.exit == 0);
   const json front = bench.read_json("out/front.json");
@@ -126,18 +124,17 @@ TEST_CASE("a search keeps to the style, the upright axis and the time that it is
     CHECK(spec["rotate_deg"][1] == 0.0);
   }
   // A small mat makes small cards.
-  REQUIRE(bench.search({"--mat", "150x150", "--style", "lattice", "-q"}).exit == 0);
+  REQUIRE(bench.search({"--mat", "120x120", "--style", "lattice", "-q"}).exit == 0);
   const json small = bench.read_json("out/front.json");
   REQUIRE_FALSE(small["cards"].empty());
   for (const json& card : small["cards"]) {
     CHECK(card["settings"]["style"] != "facets");
-    for (const json& side : card["sheet_mm"]) CHECK(side <= 150.0);
+    for (const json& side : card["sheet_mm"]) CHECK(side <= 120.0);
   }
 }
 
-#if !defined(__SANITIZE_ADDRESS__)  // long; shorter searches run with sanitizers
 TEST_CASE("a model becomes a front of books that are verified, made again and fit the mat",
-          "[cli][e2e][auto]") {
+          "[cli][e2e][auto][long]") {
   const auto [cards, style] = GENERATE(std::pair{"4", "facets"}, std::pair{"6", "slices"});
   CAPTURE(cards, style);
   if (std::string_view(cards) == "6" && fewer_rounds()) return;  // as the other, and slower
@@ -174,11 +171,9 @@ TEST_CASE("a model becomes a front of books that are verified, made again and fi
   const json seen = json::parse(compared.out);
   CHECK_THAT(seen["error"].get<double>(), WithinAbs(error, 1e-6));
 }
-#endif
 
-#if !defined(__SANITIZE_ADDRESS__)  // long; shorter searches run with sanitizers
 TEST_CASE("the front of a model faces out of the card, and cards to print fit between the marks",
-          "[cli][e2e][auto]") {
+          "[cli][e2e][auto][long]") {
   const AutoBench bench;
   const std::vector<std::string> cutter{"--machine", "cameo3", "--mat", "A4"};
   std::vector<std::string> words{"--up", "z", "--front", "-y", "--marks"};
@@ -202,11 +197,9 @@ TEST_CASE("the front of a model faces out of the card, and cards to print fit be
   CHECK(says(ran.out, "popcut print out/" + front["best"].get<std::string>() +
                           "/spec.json --machine cameo3 --mat A4 -o printed"));
 }
-#endif
 
-#if !defined(__SANITIZE_ADDRESS__)  // long; shorter searches run with sanitizers
 TEST_CASE("popcut design takes a model and makes the best card of a short search",
-          "[cli][e2e][auto]") {
+          "[cli][e2e][auto][long]") {
   const AutoBench bench;
   const Ran ran = bench.popcut({"design", "houses.obj", "-o", "card"});
   INFO(ran.err);
@@ -220,10 +213,9 @@ TEST_CASE("popcut design takes a model and makes the best card of a short search
   CHECK(fs::exists(bench.temp / "card/spec.json"));
   check_refused(bench.popcut({"design", "houses.obj", "--place", "whole"}), 2, "--place");
 }
-#endif
 
 TEST_CASE("a GLB and a glTF with its mesh beside it become the cards of the same OBJ",
-          "[cli][e2e][auto]") {
+          "[cli][e2e][auto][long]") {
   const AutoBench bench;
   const TriangleMesh hall = box_mesh({0, 0, 0}, {30, 60, 25}, false);
   write_file(bench.temp / "hall.obj", obj(hall));
@@ -233,8 +225,9 @@ TEST_CASE("a GLB and a glTF with its mesh beside it become the cards of the same
   std::vector<json> fronts;
   for (const char* name : {"hall.obj", "hall.glb", "hall.gltf"}) {
     CAPTURE(name);
-    const Ran ran = bench.popcut({"auto", name, "-o", std::string(name) + ".d", "--effort", "0.01",
-                                  "--style", "facets", "--up", "z", "-q", "--json"});
+    const Ran ran =
+        bench.popcut({"auto", name, "-o", std::string(name) + ".d", "--effort", "0.01", "--style",
+                      "facets", "--up", "z", "--mat", "100x100", "-q", "--json"});
     INFO(ran.err);
     REQUIRE(ran.exit == 0);
     json front = json::parse(ran.out);
@@ -341,7 +334,8 @@ TEST_CASE("open and crossing meshes are made, and a note says what they are", "[
   const TriangleMesh tower = box_mesh({20, 20, 5}, {40, 35, 45}, false);
   mesh.corners.insert(mesh.corners.end(), tower.corners.begin(), tower.corners.end());
   write_file(bench.temp / "torn.stl", binary_stl(mesh));
-  const Ran ran = bench.popcut({"auto", "torn.stl", "-o", "out", "--effort", "0.02"});
+  const Ran ran =
+      bench.popcut({"auto", "torn.stl", "-o", "out", "--effort", "0.02", "--mat", "100x100"});
   INFO(ran.err);
   REQUIRE(ran.exit == 0);
   CHECK(says(ran.out, "the mesh is open: 4 edges have one triangle only"));

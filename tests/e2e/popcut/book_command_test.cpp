@@ -179,7 +179,7 @@ TEST_CASE("what a book folder cannot be used for is said in one line", "[cli][e2
 }
 
 TEST_CASE("a book of facets is designed, verified and compared with its design",
-          "[cli][e2e][book]") {
+          "[cli][e2e][book][long]") {
   const Bench bench;
   bench.write("house.json", json::parse(
                                 R"j({"popcut":1,"style":"facets","surface":{"type":"implicit",

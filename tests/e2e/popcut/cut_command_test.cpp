@@ -57,7 +57,7 @@ TEST_CASE("a planned program draws its sheet on the simulated cutter", "[cli][e2
   }
 }
 
-TEST_CASE("simulate compares a program with a pattern and its plan", "[cli][e2e]") {
+TEST_CASE("simulate compares a program with a pattern and its plan", "[cli][e2e][long]") {
   for (const std::string example : {"unit", "fig2a", "cylinder", "sphere", "saddle", "no card"}) {
     CAPTURE(example);
     const Bench bench;

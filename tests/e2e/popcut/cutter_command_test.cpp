@@ -301,8 +301,8 @@ TEST_CASE("a stop while a sheet parks asks for no further sheet", "[cli][e2e][pt
     popcut.type("y\n");
     REQUIRE(popcut.shows("parking"));
     popcut.signal(number);
-    CHECK_FALSE(popcut.shows("Load sheet 2 of 2"));
     CHECK(popcut.ended() == 5);
+    CHECK_FALSE(says(popcut.shown, "Load sheet 2 of 2"));
     CHECK(says(popcut.shown, "sheet 1: is cut; stopped as you asked before sheet 2"));
   }
 }

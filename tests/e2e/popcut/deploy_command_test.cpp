@@ -261,7 +261,7 @@ TEST_CASE("ezdxf reads the DXF of every example with the sheet's extents", "[cli
   }
 }
 
-TEST_CASE("the Khronos validator finds no fault in any animation", "[cli][e2e][glb]") {
+TEST_CASE("the Khronos validator finds no fault in any animation", "[cli][e2e][glb][long]") {
   const std::string npm = source_file("build/npm");
   if (!fs::exists(npm + "/node_modules/gltf-validator")) {
     WARN("skipped: build/npm has no gltf-validator ('./run test' puts it there where npm is)");

@@ -95,7 +95,8 @@ TEST_CASE("a synchronous standby takes over while the knife is down and nothing 
   CHECK(cut_twice(fleet, job) + cut_twice(fleet, next) == 0);
 }
 
-TEST_CASE("a standby takes over just as a cut ends, which is recorded once", "[fleet][failover]") {
+TEST_CASE("a standby takes over just as a cut ends, which is recorded once",
+          "[fleet][failover][long]") {
   NEEDS_POSTGRES();
   const bool is_stored = GENERATE(true, false);
   CAPTURE(is_stored);
@@ -127,7 +128,7 @@ TEST_CASE("a standby takes over just as a cut ends, which is recorded once", "[f
   CHECK(cut_twice(fleet, job) == 0);
 }
 
-TEST_CASE("a START that no standby confirmed moves no knife", "[fleet][failover]") {
+TEST_CASE("a START that no standby confirmed moves no knife", "[fleet][failover][long]") {
   NEEDS_POSTGRES();
   const bool is_stored = GENERATE(true, false);
   CAPTURE(is_stored);
@@ -169,7 +170,7 @@ TEST_CASE("a START that no standby confirmed moves no knife", "[fleet][failover]
 }
 
 TEST_CASE("a standby that never got the START takes over while the knife is down",
-          "[fleet][failover]") {
+          "[fleet][failover][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = 2, .standby = Standby::Asynchronous});
   fleet.open();
@@ -234,7 +235,7 @@ TEST_CASE("a standby that never got the START takes over after the sheet was cut
 }
 
 TEST_CASE("a standby that never got the START takes over and its node is dead: nobody arms",
-          "[fleet][failover]") {
+          "[fleet][failover][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = kSlow, .standby = Standby::Asynchronous});
   fleet.open();
@@ -275,7 +276,7 @@ TEST_CASE("a standby that never got the START takes over and its node is dead: n
 }
 
 TEST_CASE("two databases take writes: only where all nodes are is a sheet armed",
-          "[fleet][failover]") {
+          "[fleet][failover][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.proxies = true, .standby = Standby::Asynchronous});
   fleet.open();

@@ -60,7 +60,7 @@ int status_of_new_job(RunningDaemon& node, const std::string& design) {
 }  // namespace
 
 TEST_CASE("clocks that are hours or years wrong change no lease and no time of a job",
-          "[fleet][machines]") {
+          "[fleet][machines][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = kSlow});
   std::vector<std::unique_ptr<FaultPage>> pages;
@@ -114,7 +114,7 @@ TEST_CASE("clocks that are hours or years wrong change no lease and no time of a
 }
 
 TEST_CASE("a database whose disk is full ends no cut and takes no work until it has room",
-          "[fleet][machines]") {
+          "[fleet][machines][long]") {
   NEEDS_POSTGRES();
   TempFolder place;
   std::filesystem::permissions(place.path(), std::filesystem::perms{0755});
@@ -173,7 +173,7 @@ TEST_CASE("a database whose disk is full ends no cut and takes no work until it 
   cut_one(fleet, 1);
 }
 
-TEST_CASE("a node whose disk is full starts nothing and loses nothing", "[fleet][machines]") {
+TEST_CASE("a node whose disk is full starts nothing and loses nothing", "[fleet][machines][long]") {
   NEEDS_POSTGRES();
   const bool during = GENERATE(false, true);
   CAPTURE(during);

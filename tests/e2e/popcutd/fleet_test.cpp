@@ -139,7 +139,7 @@ TEST_CASE("a node killed with the knife down: interrupted everywhere, retried by
 }
 
 TEST_CASE("a node killed while it searches: another finds the cards, and all nodes show them",
-          "[fleet]") {
+          "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet;
   fleet.open();
@@ -184,7 +184,7 @@ TEST_CASE("a node killed and back before anybody misses it tells what it was cut
 }
 
 TEST_CASE("a node that no network reaches finishes its sheet, and the truth comes later",
-          "[fleet]") {
+          "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = kSlow, .proxies = true});
   fleet.open();
@@ -201,7 +201,7 @@ TEST_CASE("a node that no network reaches finishes its sheet, and the truth come
   CHECK(fleet.run_sql("SELECT count(*) FROM popcut.attempt WHERE started_at IS NOT NULL") == "1");
 }
 
-TEST_CASE("a cut that nobody acted on is taken up again while it goes on", "[fleet]") {
+TEST_CASE("a cut that nobody acted on is taken up again while it goes on", "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = 1, .proxies = true});
   fleet.open();
@@ -218,7 +218,7 @@ TEST_CASE("a cut that nobody acted on is taken up again while it goes on", "[fle
   CHECK(fleet.lines_cut(2, kLines).size() < kLines);
 }
 
-TEST_CASE("whoever took a new blank meanwhile is right and nothing is cut twice", "[fleet]") {
+TEST_CASE("whoever took a new blank meanwhile is right and nothing is cut twice", "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = 1, .proxies = true});
   fleet.open();
@@ -268,7 +268,7 @@ TEST_CASE("a database killed and started during a cut costs nothing", "[fleet]")
 }
 
 TEST_CASE("a database that hangs or is gone does not keep a person from stopping the knife",
-          "[fleet]") {
+          "[fleet][long]") {
   NEEDS_POSTGRES();
   const bool frozen = GENERATE(true, false);
   const std::string action = frozen ? "pause" : "cancel";
@@ -295,7 +295,7 @@ TEST_CASE("a database that hangs or is gone does not keep a person from stopping
 }
 
 TEST_CASE("a database that answers with errors does not keep a person from stopping the knife",
-          "[fleet]") {
+          "[fleet][long]") {
   NEEDS_POSTGRES();
   const std::string breaks =
       GENERATE("REVOKE popcut_node FROM popcut_n_room_1", "ALTER TABLE popcut.idem RENAME TO gone",
@@ -610,7 +610,7 @@ TEST_CASE("a program that was changed after it was planned is not cut", "[fleet]
 }
 
 TEST_CASE("a database that was put back to before a start does not offer the blank again",
-          "[fleet]") {
+          "[fleet][long]") {
   NEEDS_POSTGRES();
   const bool finished = GENERATE(false, true);
   CAPTURE(finished);

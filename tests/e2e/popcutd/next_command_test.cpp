@@ -288,7 +288,7 @@ struct Hand {
 }  // namespace
 
 TEST_CASE("a shift at two cutters is worked with the printed commands alone",
-          "[popcutd][cli][next]") {
+          "[popcutd][cli][next][long]") {
   const TempFolder scripts;
   const std::string left = (scripts / "left.json").string();
   const std::string right = (scripts / "right.json").string();

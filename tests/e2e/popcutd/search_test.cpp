@@ -53,12 +53,12 @@ std::string planned_with_marks(RunningDaemon& desk, const std::string& design,
   return plan;
 }
 
-const Json kSmall{{"effort", 0.01}, {"style", "facets"}, {"up", "z"}, {"mat", "12x12"}};
+const Json kSmall{{"effort", 0.01}, {"style", "facets"}, {"up", "z"}, {"mat", "150x150"}};
 
 }  // namespace
 
 TEST_CASE("popcutd finds the cards of popcut auto, and a picked one is planned and printed",
-          "[popcutd][search]") {
+          "[popcutd][search][long]") {
   RunningDaemon desk;
   desk.open();
   const std::string model = add_hall(desk);
@@ -70,7 +70,7 @@ TEST_CASE("popcutd finds the cards of popcut auto, and a picked one is planned a
   write_file(folder / "hall.obj", obj(box_mesh({0, 0, 0}, {30, 60, 25}, false)));
   const Ran ran =
       run_program({popcut_program(), "auto", "hall.obj", "--effort", "0.01", "--style", "facets",
-                   "--up", "z", "--mat", "12x12", "-q", "--json", "-o", "cards"},
+                   "--up", "z", "--mat", "150x150", "-q", "--json", "-o", "cards"},
                   folder);
   INFO(ran.err);
   REQUIRE(ran.exit == 0);
@@ -96,7 +96,7 @@ TEST_CASE("popcutd finds the cards of popcut auto, and a picked one is planned a
 }
 
 TEST_CASE("popcutd finds the books of popcut auto, and a picked one is planned card by card",
-          "[popcutd][search]") {
+          "[popcutd][search][long]") {
   RunningDaemon desk;
   desk.open();
   const std::string model = add_hall(desk);
@@ -136,7 +136,7 @@ TEST_CASE("popcutd finds the books of popcut auto, and a picked one is planned c
 }
 
 TEST_CASE("popcutd turns the model's front out of the card as popcut auto does",
-          "[popcutd][search]") {
+          "[popcutd][search][long]") {
   RunningDaemon desk;
   desk.open();
   const std::string model = add_hall(desk);
@@ -150,7 +150,7 @@ TEST_CASE("popcutd turns the model's front out of the card as popcut auto does",
   write_file(folder / "hall.obj", obj(box_mesh({0, 0, 0}, {30, 60, 25}, false)));
   const Ran ran = run_program(
       {popcut_program(), "auto", "hall.obj", "--effort", "0.01", "--style", "facets", "--up", "z",
-       "--front", "-x", "--marks", "--mat", "12x12", "-q", "--json", "-o", "cards"},
+       "--front", "-x", "--marks", "--mat", "150x150", "-q", "--json", "-o", "cards"},
       folder);
   INFO(ran.err);
   REQUIRE(ran.exit == 0);
@@ -168,8 +168,9 @@ TEST_CASE("a search goes on after popcutd was killed, and is removed with its mo
   RunningDaemon desk;
   desk.open();
   const std::string model = add_hall(desk), other = add_hall(desk, 40);
-  const std::string running = put(desk, "/v1/assets/" + model + "/search",
-                                  R"({"effort": 0.02, "style": "facets", "up": "z"})");
+  const std::string running =
+      put(desk, "/v1/assets/" + model + "/search",
+          R"({"effort": 0.02, "style": "facets", "up": "z", "mat": "150x150"})");
   const std::string waiting = put(desk, "/v1/assets/" + other + "/search", kSmall.dump());
   REQUIRE(happens([&] {
     const Json now = desk.get("/v1/searches/" + running);
