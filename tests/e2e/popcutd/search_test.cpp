@@ -68,10 +68,10 @@ TEST_CASE("popcutd finds the cards of popcut auto, and a picked one is planned a
   REQUIRE(search["state"] == "found");
   const std::filesystem::path folder = desk.daemon().folder().path();
   write_file(folder / "hall.obj", obj(box_mesh({0, 0, 0}, {30, 60, 25}, false)));
-  const Ran ran =
-      run_program({popcut_program(), "auto", "hall.obj", "--effort", "0.01", "--style", "facets",
-                   "--up", "z", "--mat", "150x150", "-q", "--json", "-o", "cards"},
-                  folder);
+  const Ran ran = run_program(
+      {popcut_program(), "auto", "hall.obj", "--effort", "0.01", "--style", "facets", "--up", "z",
+       "--machine", "cameo3", "--mat", "150x150", "-q", "--json", "-o", "cards"},
+      folder);
   INFO(ran.err);
   REQUIRE(ran.exit == 0);
   const Json alone = Json::parse(ran.out);
@@ -149,8 +149,9 @@ TEST_CASE("popcutd turns the model's front out of the card as popcut auto does",
   const std::filesystem::path folder = desk.daemon().folder().path();
   write_file(folder / "hall.obj", obj(box_mesh({0, 0, 0}, {30, 60, 25}, false)));
   const Ran ran = run_program(
-      {popcut_program(), "auto", "hall.obj", "--effort", "0.01", "--style", "facets", "--up", "z",
-       "--front", "-x", "--marks", "--mat", "150x150", "-q", "--json", "-o", "cards"},
+      {popcut_program(), "auto",    "hall.obj", "--effort", "0.01",    "--style",   "facets",
+       "--up",           "z",       "--front",  "-x",       "--marks", "--machine", "cameo3",
+       "--mat",          "150x150", "-q",       "--json",   "-o",      "cards"},
       folder);
   INFO(ran.err);
   REQUIRE(ran.exit == 0);
