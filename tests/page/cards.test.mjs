@@ -124,8 +124,12 @@ test('a search that runs can be cancelled, and is begun again', async () => {
   assert.match(gone.path, /^\/v1\/searches\/[0-9A-Z]{26}$/);
   await until(async () => (await server.ask('GET', gone.path)).status === 404, 'popcutd has none any more');
   assert.equal(await page.getByRole('progressbar').count(), 0);
+  // Cancelled while popcutd still begins it.
+  const begun = page.waitForResponse((answer) => answer.request().method() === 'POST' && answer.url().endsWith('/search'));
   await page.getByRole('button', { name: 'Find the best cards' }).click();
   await page.getByRole('button', { name: 'Cancel' }).click();
+  const second = await (await begun).json();
+  await until(async () => (await server.ask('GET', `/v1/searches/${second.id}`)).status === 404, 'popcutd has none any more');
   assert.equal(await page.locator('.note-bad').count(), 0);
   assert.deepEqual(complaints, []);
   await close();

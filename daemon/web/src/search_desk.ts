@@ -29,6 +29,14 @@ export const busy = signal(false);   // from the press until the search ends
 
 let turn = 0;
 
+/** Requests that begin and remove searches, one after the other: the same search is one at popcutd, however often it is begun. */
+let line: Promise<unknown> = Promise.resolve();
+function inLine<T>(what: () => Promise<T>): Promise<T> {
+  const mine = line.then(what);
+  line = mine.catch(() => undefined);
+  return mine;
+}
+
 /** The model that a design shows, the id of an asset; null: none. */
 export function modelOf(spec: Spec | null): string | null {
   const surface = spec?.surface as { type?: unknown; file?: unknown } | undefined;
@@ -51,7 +59,7 @@ async function follow(id: string, mine: number): Promise<void> {
 export async function begin(of: string, material?: unknown): Promise<void> {
   const mine = ++turn;
   const before = search.peek();
-  if (busy.peek() && before?.state === 'pending') void forget(before.id);
+  if (busy.peek() && before?.state === 'pending') forget(before.id);
   model.value = of;
   search.value = null;
   problem.value = null;
@@ -59,8 +67,14 @@ export async function begin(of: string, material?: unknown): Promise<void> {
   try {
     const { front, ...wishes } = asked.peek();
     const body = { ...wishes, ...(wishes.cards === 1 ? { front } : {}), ...(typeof material === 'string' && material !== '' ? { material } : {}) };
-    const begun = await send<Search>('POST', `/v1/assets/${encodeURIComponent(of)}/search`, { body });
-    if (mine !== turn) return;
+    const begun = await inLine(async () => {
+      if (mine !== turn) return null;
+      const made = await send<Search>('POST', `/v1/assets/${encodeURIComponent(of)}/search`, { body });
+      if (mine === turn) return made;
+      if (made.state === 'pending') await remove(made.id);   // cancelled while popcutd began it
+      return null;
+    });
+    if (begun === null || mine !== turn) return;
     search.value = begun;
     await follow(begun.id, mine);
   } catch (error) {
@@ -72,7 +86,11 @@ export async function begin(of: string, material?: unknown): Promise<void> {
 }
 
 /** What popcutd still searches is not wanted any more; if it is somebody else's too, it goes on for them. */
-async function forget(id: string): Promise<void> {
+function forget(id: string): void {
+  void inLine(() => remove(id));
+}
+
+async function remove(id: string): Promise<void> {
   await send('DELETE', `/v1/searches/${encodeURIComponent(id)}`).catch(() => undefined);
 }
 
@@ -81,5 +99,5 @@ export function cancel(): void {
   turn++;
   busy.value = false;
   search.value = null;
-  if (of?.state === 'pending') void forget(of.id);
+  if (of?.state === 'pending') forget(of.id);
 }

@@ -246,7 +246,7 @@ export const designWords = localized({
     what: 'popcut tries styles, sides and sizes, and shows you the cards that look most like your model for each time of cutting.',
     minutes: 'Minutes of cutting, at most',
     cards: 'One card or a book',
-    cardsOf: (n: number): string => (n === 1 ? 'one card, seen from its front' : `a book of ${n} cards, seen from all sides`),
+    cardsOf: (n: number): string => (n === 1 ? 'one card' : `a book of ${n} cards`),
     up: 'What points up in the file',
     front: 'What faces you in the file',
     sides: { any: 'any side', x: 'x', y: 'y', z: 'z', '-x': '-x', '-y': '-y', '-z': '-z' } as Record<string, string>,

@@ -285,7 +285,8 @@ TEST_CASE("each limit of a preview ends it alone and says so", "[daemon][preview
   }
   SECTION("memory, wherever it runs out") {
     // With less, there is no room for the libraries of the worker, and it cannot be started.
-    for (std::uint64_t mib = 96; mib <= 192; mib += 8) {
+    const auto apart = static_cast<std::uint64_t>(step_of(8, 4));
+    for (std::uint64_t mib = 96; mib <= 192; mib += apart) {
       CAPTURE(mib);
       PreviewLimits limits = quick_limits(60);
       limits.quick.memory_bytes = mib << 20;

@@ -15,6 +15,7 @@
 #include "tests/support/at_terminal.hpp"
 #include "tests/support/command_bench.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/rounds.hpp"
 
 namespace design_command_test {
 
@@ -80,6 +81,7 @@ TEST_CASE("every shipped example becomes a pattern with one degree of freedom",
   std::istringstream list(bench.design({"--list"}).out);
   int examples = 0;
   for (std::string line; std::getline(list, line); ++examples) {
+    if (examples % step_of(1, 3) != 0) continue;  // the next case designs each of them, too
     const std::string name = line.substr(0, line.find(' '));
     CAPTURE(name);
     const Ran ran = bench.design({kExamples + name + ".json", "-o", name, "--json"});
@@ -154,10 +156,11 @@ TEST_CASE("README's design and every example can be made as they are, in paper o
     specs.emplace_back(name, json::parse(text_of_file(kExamples + name + ".json")));
   }
   REQUIRE(specs.size() == 16);
+  int heavier = 0;
   for (auto& [name, spec] : specs) {
     bench.write(name + ".json", spec);
     check_makeable(bench, name + ".json", name);
-    if (!spec.contains("material")) continue;
+    if (!spec.contains("material") || ++heavier % step_of(1, 3) != 0) continue;
     spec["material"] = "paper-220";
     bench.write(name + "-220.json", spec);
     check_makeable(bench, name + "-220.json", name + "-220");
