@@ -153,18 +153,24 @@ void check_promises(ServiceBench& bench, const Folder& folder, Told& told) {
 /// In the suite not all writes to one file in a row, in a soak each call.
 bool every_call() { return std::getenv("POPCUT_EVERY_CALL") != nullptr; }
 
-/// The calls that are chosen: all but some of the writes that stand between others of their kind;
-/// with fewer rounds every fourth one of these.
+/// The calls that are chosen: all but some of the writes that stand between others of their kind.
+/// With fewer rounds every fourth one of these, and more of them where there are few.
 std::vector<int> chosen(const std::vector<std::string>& calls) {
-  constexpr std::size_t kOf = 20;
-  const auto apart = static_cast<std::size_t>(testing::step_of(1, 4));
-  std::vector<int> all;
-  for (std::size_t i = 0; i < calls.size(); ++i) {
-    const bool repeated = calls[i] == "pwrite" && i > 0 && i + 1 < calls.size() &&
-                          calls[i - 1] == "pwrite" && calls[i + 1] == "pwrite";
-    if (every_call() || (!repeated && i % apart == 0) || i % kOf == 0)
-      all.push_back(static_cast<int>(i) + 1);
-  }
+  constexpr std::size_t kOf = 20, kLeast = 12;
+  const auto repeated = [&](std::size_t i) {
+    return calls[i] == "pwrite" && i > 0 && i + 1 < calls.size() && calls[i - 1] == "pwrite" &&
+           calls[i + 1] == "pwrite";
+  };
+  std::vector<int> of_note, all;
+  for (std::size_t i = 0; i < calls.size(); ++i)
+    if (!repeated(i)) of_note.push_back(static_cast<int>(i) + 1);
+  const std::size_t apart = std::clamp<std::size_t>(
+      of_note.size() / kLeast, 1, static_cast<std::size_t>(testing::step_of(1, 4)));
+  for (std::size_t i = 0; i < calls.size(); ++i)
+    if (every_call() || i % kOf == 0) all.push_back(static_cast<int>(i) + 1);
+  for (std::size_t k = 0; k < of_note.size(); k += apart) all.push_back(of_note[k]);
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
 }
 

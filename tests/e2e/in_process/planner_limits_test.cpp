@@ -107,7 +107,8 @@ TEST_CASE("a worker has nothing but its pipes and its limits", "[daemon][planner
   if (!kSanitized) CHECK(says("as: 3221225472\n"));
 }
 
-TEST_CASE("the daemon survives anything that a worker sends and reports it", "[daemon][planner]") {
+TEST_CASE("the daemon survives anything that a worker sends and reports it",
+          "[daemon][planner][long]") {
   PlanningLimits limits;
   limits.output_bytes = 8u << 20;
   limits.cpu_s = 1;
@@ -204,7 +205,8 @@ TEST_CASE("a planner that was killed from outside is tried again twice at most",
   CHECK(comes_true([] { return children().empty(); }));
 }
 
-TEST_CASE("a worker that takes too long is killed and the next one works", "[daemon][planner]") {
+TEST_CASE("a worker that takes too long is killed and the next one works",
+          "[daemon][planner][long]") {
   PlanningLimits limits;
   limits.wall_s = 0.5;
   Bench bench(limits, probe_program());
@@ -247,7 +249,7 @@ TEST_CASE("a cancelled task ends within a second and leaves nothing behind", "[d
   CHECK(quickest_s < 1);
 }
 
-TEST_CASE("tasks start in order and never more at once than allowed", "[daemon][planner]") {
+TEST_CASE("tasks start in order and never more at once than allowed", "[daemon][planner][long]") {
   PlanningLimits limits;
   limits.processes = 2;
   Bench bench(limits, probe_program());
@@ -329,7 +331,7 @@ TEST_CASE("a design that needs too much memory is refused and the next one is pl
   CHECK(bench.run(text_of_file(source_file("examples/sphere.json"))));
 }
 
-TEST_CASE("hostile designs hit a limit and never affect a running cut", "[daemon][planner]") {
+TEST_CASE("hostile designs hit a limit and never affect a running cut", "[daemon][planner][long]") {
   PlanningLimits limits;
   limits.cpu_s = kSanitized ? 8 : 2;
   limits.wall_s = 240;

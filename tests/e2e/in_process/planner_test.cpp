@@ -122,7 +122,7 @@ TEST_CASE("a slow design is drawn when it is planned and not when it is checked"
   }
 }
 
-TEST_CASE("an invalid design is reported with the place", "[daemon][planner]") {
+TEST_CASE("an invalid design is reported with the place", "[daemon][planner][long]") {
   Bench bench;
   const auto check = [&](const std::string& text) { return bench.task(Kind::Check, text); };
   bench.refused(check(""), ErrorKind::Malformed, "", "empty");
@@ -166,7 +166,7 @@ TEST_CASE("an invalid design is reported with the place", "[daemon][planner]") {
   bench.refused(options, ErrorKind::Internal, options.design_path, "cannot be read");
 }
 
-TEST_CASE("a plan has the same bytes as popcut plan every time", "[daemon][planner]") {
+TEST_CASE("a plan has the same bytes as popcut plan every time", "[daemon][planner][long]") {
   Bench bench;
   for (const char* example : {"sphere", "packaging", "facade"}) {
     CAPTURE(example);
@@ -214,7 +214,7 @@ TEST_CASE("a plan has the same bytes as popcut plan every time", "[daemon][plann
   }
 }
 
-TEST_CASE("a spec's mesh is an asset named by its id", "[daemon][planner]") {
+TEST_CASE("a spec's mesh is an asset named by its id", "[daemon][planner][long]") {
   Bench bench;
   // An id has no ending: the bytes tell what they are.
   const auto mesh = tests::sphere_mesh(70, 40, 60);
@@ -245,7 +245,7 @@ TEST_CASE("a spec's mesh is an asset named by its id", "[daemon][planner]") {
   CHECK(seen->files.at(0).bytes.find("<path") != std::string::npos);
 }
 
-TEST_CASE("machine material and options of a task are obeyed", "[daemon][planner]") {
+TEST_CASE("machine material and options of a task are obeyed", "[daemon][planner][long]") {
   Bench bench;
   auto task = bench.task(Kind::Plan, kSvg);
   const auto usual = bench.run(task);

@@ -150,7 +150,7 @@ TEST_CASE("the marks of a printed page lie where the program of each machine loo
 }
 
 TEST_CASE("the back of a page lies behind its front, also for printers that scale",
-          "[cli][e2e][artwork]") {
+          "[cli][e2e][artwork][long]") {
   const ShellBench bench;
   for (const char* scale : {"100", "95"})
     for (const char* machine : {"none", "cameo3"}) {
@@ -205,7 +205,7 @@ TEST_CASE("a printer that scales is answered by the opposite scale", "[cli][e2e]
 }
 
 TEST_CASE("popcut print writes pages, programs and a preview, and the same again",
-          "[cli][e2e][artwork]") {
+          "[cli][e2e][artwork][long]") {
   const ShellBench bench;
   const std::vector<std::string> words{"print",  "shell.json", "--mat", "12x12",  "--machine",
                                        "cameo3", "--dpi",      "100",   "--back", "--preview",
@@ -229,7 +229,7 @@ TEST_CASE("popcut print writes pages, programs and a preview, and the same again
 }
 
 TEST_CASE("the picture of a printed design shows the model, and the card from two sides",
-          "[cli][e2e][artwork]") {
+          "[cli][e2e][artwork][long]") {
   const ShellBench bench;
   const auto tiles_of = [&](std::vector<std::string> more) {
     std::vector<std::string> all{"print",     "shell.json", "--no-marks", "--dpi", "72",

@@ -52,7 +52,7 @@ struct AutoBench : CommandBench {
 }  // namespace
 
 TEST_CASE("a model alone becomes a front of cards that are verified, made again and fit the mat",
-          "[cli][e2e][auto]") {
+          "[cli][e2e][auto][long]") {
   const AutoBench bench;
   const Ran ran = bench.search({"--mat", "12x12", "--json"});
   INFO(ran.err);
@@ -108,7 +108,7 @@ TEST_CASE("the same seed gives the same cards, whatever the threads", "[cli][e2e
 }
 
 TEST_CASE("a search keeps to the style, the upright axis and the time that it is given",
-          "[cli][e2e][auto]") {
+          "[cli][e2e][auto][long]") {
   const AutoBench bench;
   const Ran ran = bench.search(
       {"--style", "facets", "--up", "z", "--mat", "150x150", "--max-minutes", "3", "-q"});
@@ -328,7 +328,8 @@ TEST_CASE("a search of more triangles than it takes says how many it takes", "[c
   CHECK_FALSE(fs::exists(bench.temp / "never"));
 }
 
-TEST_CASE("open and crossing meshes are made, and a note says what they are", "[cli][e2e][auto]") {
+TEST_CASE("open and crossing meshes are made, and a note says what they are",
+          "[cli][e2e][auto][long]") {
   const AutoBench bench;
   TriangleMesh mesh = box_mesh({0, 0, 0}, {30, 60, 25}, true);
   const TriangleMesh tower = box_mesh({20, 20, 5}, {40, 35, 45}, false);

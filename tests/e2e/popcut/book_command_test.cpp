@@ -118,7 +118,7 @@ TEST_CASE("a book is designed, verified, compared, planned and opened by its fol
   CHECK(fs::exists(bench.temp / "poses/book.glb"));
 }
 
-TEST_CASE("what a book folder cannot be used for is said in one line", "[cli][e2e][book]") {
+TEST_CASE("what a book folder cannot be used for is said in one line", "[cli][e2e][book][long]") {
   const Bench bench;
   write_ball(bench, 3);
   REQUIRE(

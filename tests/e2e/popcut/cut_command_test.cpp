@@ -30,7 +30,7 @@ struct Bench : CommandBench {
 
 }  // namespace
 
-TEST_CASE("a planned program draws its sheet on the simulated cutter", "[cli][e2e]") {
+TEST_CASE("a planned program draws its sheet on the simulated cutter", "[cli][e2e][long]") {
   for (const char* machine : {"cameo3", "cameo", "cameo4", "cameo5", "portrait3", "hpgl-generic"}) {
     CAPTURE(machine);
     const Bench bench;
@@ -138,7 +138,7 @@ TEST_CASE("a program file is sent as it is, after a rehearsal", "[cli][e2e]") {
 }
 
 TEST_CASE("copies, sizes, turns and settings of one job together are cut as the design says",
-          "[cli][e2e]") {
+          "[cli][e2e][long]") {
   const Bench bench;
   const std::string spec = source_file("examples/unit.json");
   REQUIRE(bench.popcut({"design", spec, "-o", "design", "-q"}).exit == 0);

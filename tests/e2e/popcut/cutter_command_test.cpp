@@ -34,7 +34,7 @@ struct Bench : CommandBench {
 }  // namespace
 
 TEST_CASE("the simulated cutter fails as its fault file says and the ledger reports the rest",
-          "[cli][e2e][faults]") {
+          "[cli][e2e][faults][long]") {
   const Bench bench;
   struct Case {
     const char* faults;
@@ -186,7 +186,7 @@ TEST_CASE("a sheet with registration marks is cut relative to the marks that are
   refused({"--mark-form", "wide"}, 2, "--mark-form: is \"wide\"; one of arm, line");
 }
 
-TEST_CASE("the test shape is cut on every machine of the table", "[cli][e2e]") {
+TEST_CASE("the test shape is cut on every machine of the table", "[cli][e2e][long]") {
   const Bench bench;
   const json machines = json::parse(bench.popcut({"machines", "--json"}).out);
   std::size_t count = 0;
@@ -283,7 +283,7 @@ TEST_CASE("cut asks before each sheet and ends if the answer is no", "[cli][e2e]
   CHECK(says(popcut.shown, "sheet 2 was not started"));
 }
 
-TEST_CASE("a stop while a sheet parks asks for no further sheet", "[cli][e2e][pty]") {
+TEST_CASE("a stop while a sheet parks asks for no further sheet", "[cli][e2e][pty][long]") {
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
     CAPTURE(number);
     const TempFolder desk, cutter_room;

@@ -43,7 +43,8 @@ struct Bench : CommandBench {
 
 }  // namespace
 
-TEST_CASE("a spec and its FOLD and its SVG files plan to the same sheet", "[cli][e2e][plan]") {
+TEST_CASE("a spec and its FOLD and its SVG files plan to the same sheet",
+          "[cli][e2e][plan][long]") {
   const Bench bench;
   for (const char* example : {"unit", "sphere"}) {
     CAPTURE(example);

@@ -50,7 +50,7 @@ TEST_CASE("a model whose numbers are no millimetres says which scale makes a car
 }
 
 TEST_CASE("a mesh from elsewhere becomes a sound pattern with its error in the report",
-          "[cli][e2e][target]") {
+          "[cli][e2e][target][long]") {
   const fs::path teapot = source_file("../shared/data/meshes/teapot.obj");
   if (!fs::exists(teapot)) {
     WARN("skipped: the public mesh is not here");
@@ -133,7 +133,8 @@ TEST_CASE("a placement is tried with the smallest panel of its material", "[cli]
   CHECK(fine.err.find(limit) == std::string::npos);
 }
 
-TEST_CASE("grids and solids become sound patterns from the command line", "[cli][e2e][target]") {
+TEST_CASE("grids and solids become sound patterns from the command line",
+          "[cli][e2e][target][long]") {
   const Bench bench;
   std::string csv = ",0,10,20,30,40\n";
   for (int y = 0; y <= 60; y += 20)
