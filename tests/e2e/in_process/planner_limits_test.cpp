@@ -108,7 +108,7 @@ TEST_CASE("a worker has nothing but its pipes and its limits", "[daemon][planner
 }
 
 TEST_CASE("the daemon survives anything that a worker sends and reports it",
-          "[daemon][planner][long]") {
+          "[daemon][planner]") {
   PlanningLimits limits;
   limits.output_bytes = 8u << 20;
   limits.cpu_s = 1;
@@ -331,7 +331,7 @@ TEST_CASE("a design that needs too much memory is refused and the next one is pl
   CHECK(bench.run(text_of_file(source_file("examples/sphere.json"))));
 }
 
-TEST_CASE("hostile designs hit a limit and never affect a running cut", "[daemon][planner][long]") {
+TEST_CASE("hostile designs hit a limit and never affect a running cut", "[daemon][planner]") {
   PlanningLimits limits;
   limits.cpu_s = kSanitized ? 8 : 2;
   limits.wall_s = 240;

@@ -122,7 +122,7 @@ TEST_CASE("a slow design is drawn when it is planned and not when it is checked"
   }
 }
 
-TEST_CASE("an invalid design is reported with the place", "[daemon][planner][long]") {
+TEST_CASE("an invalid design is reported with the place", "[daemon][planner]") {
   Bench bench;
   const auto check = [&](const std::string& text) { return bench.task(Kind::Check, text); };
   bench.refused(check(""), ErrorKind::Malformed, "", "empty");

@@ -30,7 +30,7 @@ struct Bench : CommandBench {
 
 }  // namespace
 
-TEST_CASE("a planned program draws its sheet on the simulated cutter", "[cli][e2e][long]") {
+TEST_CASE("a planned program draws its sheet on the simulated cutter", "[cli][e2e]") {
   for (const char* machine : {"cameo3", "cameo", "cameo4", "cameo5", "portrait3", "hpgl-generic"}) {
     CAPTURE(machine);
     const Bench bench;
