@@ -107,8 +107,7 @@ TEST_CASE("a worker has nothing but its pipes and its limits", "[daemon][planner
   if (!kSanitized) CHECK(says("as: 3221225472\n"));
 }
 
-TEST_CASE("the daemon survives anything that a worker sends and reports it",
-          "[daemon][planner]") {
+TEST_CASE("the daemon survives anything that a worker sends and reports it", "[daemon][planner]") {
   PlanningLimits limits;
   limits.output_bytes = 8u << 20;
   limits.cpu_s = 1;

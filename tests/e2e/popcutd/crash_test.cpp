@@ -380,7 +380,7 @@ std::uint32_t seed() {
 }  // namespace
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-TEST_CASE("popcutd uses less than 20 MB of memory when idle", "[daemon][memory]") {
+TEST_CASE("popcutd uses less than 20 MB of memory when idle", "[daemon][memory][long]") {
   DaemonProcess daemon(popcutd_program());
   REQUIRE(daemon.start());
   // A moment after it serves it gives back what only its start needed.
@@ -397,7 +397,8 @@ TEST_CASE("popcutd uses less than 20 MB of memory when idle", "[daemon][memory]"
 }
 #endif
 
-TEST_CASE("killed at any time popcutd loses no job and no stroke is cut twice", "[daemon][crash]") {
+TEST_CASE("killed at any time popcutd loses no job and no stroke is cut twice",
+          "[daemon][crash][long]") {
   Crash crash(seed(), 40);
   CAPTURE(seed());
   REQUIRE(crash.start());
@@ -425,7 +426,7 @@ TEST_CASE("killed at any time popcutd loses no job and no stroke is cut twice", 
 }
 
 TEST_CASE("killed at any write popcutd loses no job and no stroke is cut twice",
-          "[daemon][crash]") {
+          "[daemon][crash][long]") {
   Crash crash(seed() + 1000, 40);
   CAPTURE(seed());
   REQUIRE(crash.start());
@@ -463,7 +464,7 @@ TEST_CASE("killed at any write popcutd loses no job and no stroke is cut twice",
 }
 
 TEST_CASE("killed at any system call of its start popcutd starts the next time",
-          "[daemon][crash]") {
+          "[daemon][crash][long]") {
   Crash crash(seed() + 2000, 40);
   CAPTURE(seed());
   REQUIRE(crash.start());
@@ -494,7 +495,8 @@ TEST_CASE("killed at any system call of its start popcutd starts the next time",
   crash.report("killed at its start", static_cast<int>(calls / step));
 }
 
-TEST_CASE("killed at any system call of its end popcutd starts the next time", "[daemon][crash]") {
+TEST_CASE("killed at any system call of its end popcutd starts the next time",
+          "[daemon][crash][long]") {
   Crash crash(seed() + 3000, 40);
   CAPTURE(seed());
   REQUIRE(crash.start());

@@ -69,7 +69,7 @@ bool printable(const std::string& text) {
 }  // namespace
 
 TEST_CASE("after any fault of a cutter its job ends with a true ledger and nothing restarts",
-          "[popcutd][faults]") {
+          "[popcutd][faults][long]") {
   Wrongs wrongs;
   // A cable pulled at bytes of some strokes, and between them.
   for (int byte = 400; byte < 520; byte += 5)
@@ -138,7 +138,7 @@ TEST_CASE("after any fault of a cutter its job ends with a true ledger and nothi
 }
 
 TEST_CASE("a cutter that takes no data shows as busy and is cancelled at once",
-          "[popcutd][faults]") {
+          "[popcutd][faults][long]") {
   Wrongs wrongs;
   wrongs.time_scale = 12;
   wrongs.all = {{R"("at_path": 5, "kind": "nak", "seconds": 100000)", "", "", ""},
@@ -184,7 +184,7 @@ TEST_CASE("a cutter that takes no data shows as busy and is cancelled at once",
   CHECK(quickest_s < 1);  // the other may have met a machine that was busy otherwise
 }
 
-TEST_CASE("popcutd ends in time although a cutter takes no data", "[popcutd][faults]") {
+TEST_CASE("popcutd ends in time although a cutter takes no data", "[popcutd][faults][long]") {
   Wrongs wrongs;
   wrongs.time_scale = 20;
   wrongs.all = {{R"("at_path": 5, "kind": "nak", "seconds": 100000)", "", "", ""},
@@ -214,7 +214,8 @@ TEST_CASE("popcutd ends in time although a cutter takes no data", "[popcutd][fau
   }
 }
 
-TEST_CASE("a cutter's replies reach terminals and pages only as plain text", "[popcutd][faults]") {
+TEST_CASE("a cutter's replies reach terminals and pages only as plain text",
+          "[popcutd][faults][long]") {
   // Escape sequences in both forms, a tag, and what ends a JSON text.
   const std::string evil =
       R"(\u001b[2J\u001b]0;owned\u0007<img src=x onerror=alert(1)>\"}\u009b31m V1.0)";
@@ -262,7 +263,8 @@ TEST_CASE("a cutter's replies reach terminals and pages only as plain text", "[p
   }
 }
 
-TEST_CASE("a name is plain text and never a path or an escape sequence", "[popcutd][faults]") {
+TEST_CASE("a name is plain text and never a path or an escape sequence",
+          "[popcutd][faults][long]") {
   RunningDaemon popcutd;
   popcutd.open();
   const std::string svg = RunningDaemon::lines_svg(3);

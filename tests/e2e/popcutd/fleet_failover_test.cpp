@@ -68,7 +68,7 @@ std::string job_for_any(FleetNodes& fleet, int lines = kLines) {
 }  // namespace
 
 TEST_CASE("a synchronous standby takes over while the knife is down and nothing is lost",
-          "[fleet][failover]") {
+          "[fleet][failover][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = kSlow, .standby = Standby::Synchronous});
   fleet.open();
@@ -204,7 +204,7 @@ TEST_CASE("a standby that never got the START takes over while the knife is down
 }
 
 TEST_CASE("a standby that never got the START takes over after the sheet was cut",
-          "[fleet][failover]") {
+          "[fleet][failover][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.standby = Standby::Asynchronous});
   fleet.open();

@@ -224,7 +224,7 @@ TEST_CASE("a node whose disk is full starts nothing and loses nothing", "[fleet]
 }
 
 TEST_CASE("without the database a token that is known stops a knife and does nothing else",
-          "[fleet][machines]") {
+          "[fleet][machines][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 1, .time_scale = 0.5});
   fleet.open();

@@ -67,7 +67,7 @@ Refusal refusal_of(const std::string& section) {
 
 }  // namespace
 
-TEST_CASE("a job queued at one node is armed, started and seen at the other", "[fleet]") {
+TEST_CASE("a job queued at one node is armed, started and seen at the other", "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet;
   fleet.open();
@@ -79,7 +79,7 @@ TEST_CASE("a job queued at one node is armed, started and seen at the other", "[
   CHECK(wrong_in(fleet[1].ledger(job), 5, {0, 1, 2, 3, 4}) == "");
 }
 
-TEST_CASE("only a person at the cutter's node arms, starts and resumes", "[fleet]") {
+TEST_CASE("only a person at the cutter's node arms, starts and resumes", "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = kSlow});
   fleet.open();
@@ -115,7 +115,7 @@ TEST_CASE("only a person at the cutter's node arms, starts and resumes", "[fleet
 }
 
 TEST_CASE("a node killed with the knife down: interrupted everywhere, retried by a person there",
-          "[fleet]") {
+          "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = kSlow});
   fleet.open();
@@ -170,7 +170,8 @@ TEST_CASE("a node killed while it searches: another finds the cards, and all nod
     }));
 }
 
-TEST_CASE("a node killed and back before anybody misses it tells what it was cutting", "[fleet]") {
+TEST_CASE("a node killed and back before anybody misses it tells what it was cutting",
+          "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = kSlow, .lease_s = 30, .beat_s = 1});
   fleet.open();
@@ -247,7 +248,7 @@ TEST_CASE("whoever took a new blank meanwhile is right and nothing is cut twice"
       10));
 }
 
-TEST_CASE("a database killed and started during a cut costs nothing", "[fleet]") {
+TEST_CASE("a database killed and started during a cut costs nothing", "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = kSlow});
   fleet.open();
@@ -314,7 +315,7 @@ TEST_CASE("a database that answers with errors does not keep a person from stopp
 }
 
 TEST_CASE("nobody changes where an armed sheet begins, nor where a person let it go on",
-          "[fleet]") {
+          "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 1, .time_scale = kSlow});
   fleet.open();
@@ -341,7 +342,7 @@ TEST_CASE("nobody changes where an armed sheet begins, nor where a person let it
   CHECK(refusal(fleet[1], job, "arm", sheet_1()).empty());
 }
 
-TEST_CASE("marks of a cut that was paused without the database reach it later", "[fleet]") {
+TEST_CASE("marks of a cut that was paused without the database reach it later", "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 1, .time_scale = kSlow});
   fleet.open();
@@ -364,7 +365,7 @@ TEST_CASE("marks of a cut that was paused without the database reach it later", 
 }
 
 TEST_CASE("without its database a node serves what is local, and begins when it is there",
-          "[fleet]") {
+          "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 1});
   fleet.server().stop();
@@ -387,7 +388,7 @@ TEST_CASE("without its database a node serves what is local, and begins when it 
   fleet[1].await_state(job, "done");
 }
 
-TEST_CASE("a fleet that will not do is refused with code 78 and one sentence", "[fleet]") {
+TEST_CASE("a fleet that will not do is refused with code 78 and one sentence", "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 1, .tcp = true});
   PostgresServer& server = fleet.server();
@@ -426,7 +427,7 @@ TEST_CASE("a fleet that will not do is refused with code 78 and one sentence", "
           "fleet.password_file");
 }
 
-TEST_CASE("a node with a password from a file comes by TCP", "[fleet]") {
+TEST_CASE("a node with a password from a file comes by TCP", "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 1, .tcp = true});
   TempFolder folder;
@@ -438,7 +439,7 @@ TEST_CASE("a node with a password from a file comes by TCP", "[fleet]") {
   CHECK_FALSE(says(node.daemon().log(), FleetNodes::kPassword));
 }
 
-TEST_CASE("a node's name is for one popcutd at a time", "[fleet]") {
+TEST_CASE("a node's name is for one popcutd at a time", "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 1});
   fleet.open();
@@ -456,7 +457,7 @@ TEST_CASE("a node's name is for one popcutd at a time", "[fleet]") {
 }
 
 TEST_CASE("two nodes with a cutter of one id: the second says so and cuts nothing with it",
-          "[fleet]") {
+          "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet;
   fleet.open(1);
@@ -476,7 +477,7 @@ TEST_CASE("two nodes with a cutter of one id: the second says so and cuts nothin
   CHECK(happens([&] { return twin.device_state(FleetNodes::device(1)) == "idle"; }, 10));
 }
 
-TEST_CASE("a token made at one node opens all, and one that is revoked none", "[fleet]") {
+TEST_CASE("a token made at one node opens all, and one that is revoked none", "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet;
   fleet.open();
@@ -504,7 +505,7 @@ TEST_CASE("a token made at one node opens all, and one that is revoked none", "[
   CHECK(since(revoked) < 1.5);
 }
 
-TEST_CASE("events are the same at all nodes, in the same order, without a gap", "[fleet]") {
+TEST_CASE("events are the same at all nodes, in the same order, without a gap", "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 3});
   fleet.open();
@@ -552,7 +553,8 @@ TEST_CASE("events are the same at all nodes, in the same order, without a gap", 
   }
 }
 
-TEST_CASE("a node that begins asks for all journals at once, however many it keeps", "[fleet]") {
+TEST_CASE("a node that begins asks for all journals at once, however many it keeps",
+          "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 1, .proxies = true});
   fleet.open();
@@ -583,7 +585,7 @@ TEST_CASE("a node that begins asks for all journals at once, however many it kee
                       std::filesystem::directory_iterator()) >= kCuts);
 }
 
-TEST_CASE("a program that was changed after it was planned is not cut", "[fleet]") {
+TEST_CASE("a program that was changed after it was planned is not cut", "[fleet][long]") {
   NEEDS_POSTGRES();
   FleetNodes fleet;
   fleet.open();

@@ -109,7 +109,7 @@ const char* const kStall = R"j({"popcut": 1, "faults": [{"at_path": 6, "kind": "
 
 }  // namespace
 
-TEST_CASE("every refusal names a command that cures it", "[popcutd][cli][next]") {
+TEST_CASE("every refusal names a command that cures it", "[popcutd][cli][next][long]") {
   const TempFolder scripts;
   const std::string stall = (scripts / "stall.json").string();
   write_file(stall, kStall);
@@ -340,7 +340,7 @@ TEST_CASE("a shift at two cutters is worked with the printed commands alone",
 }
 
 TEST_CASE("a watched job that popcutd no longer has leaves the view and is asked for no more",
-          "[popcutd][cli][next]") {
+          "[popcutd][cli][next][long]") {
   Shop shop("");
   shop.open();
   const std::string gone = shop.queue("sim:cameo3"), ended = shop.queue("sim:cameo3");

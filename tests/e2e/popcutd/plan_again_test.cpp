@@ -62,7 +62,7 @@ bool warns(const Json& job, const std::string& code) {
 }  // namespace
 
 TEST_CASE("a job is planned for the cutter that is set up for its material",
-          "[popcutd][cli][plan-again]") {
+          "[popcutd][cli][plan-again][long]") {
   const Desk desk("materials = [\"pp-150\"]\n");
   const Json here = desk.job(desk.ready({"--material", "pp-150"}));
   CHECK(here["load"]["machine"] == "portrait3");
@@ -72,7 +72,7 @@ TEST_CASE("a job is planned for the cutter that is set up for its material",
 }
 
 TEST_CASE("where two models would do popcut says which it chose and how to choose the other",
-          "[popcutd][cli][plan-again]") {
+          "[popcutd][cli][plan-again][long]") {
   const Desk desk;
   const std::string id = desk.ready();
   const Json job = desk.job(id);
@@ -100,7 +100,7 @@ TEST_CASE("where two models would do popcut says which it chose and how to choos
 }
 
 TEST_CASE("another cutter or material is refused with the command that plans again",
-          "[popcutd][cli][plan-again]") {
+          "[popcutd][cli][plan-again][long]") {
   const Desk desk;
   const std::string id = desk.ready();
   const Ran device = desk.popcut({"change", id, "--device", "sim:portrait3"});
@@ -116,7 +116,7 @@ TEST_CASE("another cutter or material is refused with the command that plans aga
 }
 
 TEST_CASE("a job for a site waits until a cutter stands there or it is for any site",
-          "[popcutd][cli][plan-again]") {
+          "[popcutd][cli][plan-again][long]") {
   const Desk desk;
   const std::string id = desk.ready({"--site", "top floor"});
   CHECK(desk.job(id)["site"] == "top floor");
@@ -138,7 +138,7 @@ TEST_CASE("a job for a site waits until a cutter stands there or it is for any s
   CHECK(desk.popcut({"arm", id}).exit == 0);
 }
 
-TEST_CASE("a job of which something was cut keeps its plan", "[popcutd][cli][plan-again]") {
+TEST_CASE("a job of which something was cut keeps its plan", "[popcutd][cli][plan-again][long]") {
   const Desk desk;
   const std::string id = desk.ready({"--copies", "2"});
   const Json before = desk.job(id);

@@ -81,7 +81,7 @@ long waits_above(const std::string& metrics, const std::string& bucket) {
 
 }  // namespace
 
-TEST_CASE("a preview leaves no row, no event and no file", "[popcutd][preview]") {
+TEST_CASE("a preview leaves no row, no event and no file", "[popcutd][preview][long]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   const std::size_t events = desk.get("/v1/events?after=0&limit=200")["items"].size();
@@ -101,7 +101,7 @@ TEST_CASE("a preview leaves no row, no event and no file", "[popcutd][preview]")
 }
 
 TEST_CASE("a material of the user is known in previews and files as it is in plans",
-          "[popcutd][preview]") {
+          "[popcutd][preview][long]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   RawConnection admin(desk.daemon().socket());
@@ -142,7 +142,7 @@ TEST_CASE("a material of the user is known in previews and files as it is in pla
   CHECK(fetch(design + "/files/report.json").headers.at("etag") != report.headers.at("etag"));
 }
 
-TEST_CASE("a page that closes at any moment leaves nothing at work", "[popcutd][preview]") {
+TEST_CASE("a page that closes at any moment leaves nothing at work", "[popcutd][preview][long]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   const std::string body = wanted(sphere(50, 40), "exact");
@@ -164,7 +164,7 @@ TEST_CASE("a page that closes at any moment leaves nothing at work", "[popcutd][
   CHECK(page.receive().status == 200);
 }
 
-TEST_CASE("a cut does not wait for a hundred previews", "[popcutd][preview]") {
+TEST_CASE("a cut does not wait for a hundred previews", "[popcutd][preview][long]") {
   RunningDaemon desk(1, kMore + "json_bytes = 262144\nconnections = 256\n");
   desk.open();
   const std::string job = desk.ready_job(desk.design(RunningDaemon::lines_svg(300)));
@@ -191,7 +191,7 @@ TEST_CASE("a cut does not wait for a hundred previews", "[popcutd][preview]") {
   CHECK(children_of(desk.daemon().pid()).size() <= 2);
 }
 
-TEST_CASE("popcutd that ends during previews leaves no process", "[popcutd][preview]") {
+TEST_CASE("popcutd that ends during previews leaves no process", "[popcutd][preview][long]") {
   for (const int signal : {SIGTERM, SIGKILL}) {
     RunningDaemon desk(0, kMore);
     desk.open();
@@ -208,7 +208,7 @@ TEST_CASE("popcutd that ends during previews leaves no process", "[popcutd][prev
   }
 }
 
-TEST_CASE("the lattice of a stored design is kept by who has it", "[popcutd][preview]") {
+TEST_CASE("the lattice of a stored design is kept by who has it", "[popcutd][preview][long]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   const auto made = desk.ask("POST", "/v1/designs", sphere(6, 5).dump());
@@ -231,7 +231,7 @@ TEST_CASE("the lattice of a stored design is kept by who has it", "[popcutd][pre
   CHECK(get("").body == first.body);
 }
 
-TEST_CASE("pictures are made once, kept, and gone with their design", "[popcutd][preview]") {
+TEST_CASE("pictures are made once, kept, and gone with their design", "[popcutd][preview][long]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   const auto upload = [&](const Json& spec) {
@@ -278,7 +278,8 @@ TEST_CASE("pictures are made once, kept, and gone with their design", "[popcutd]
   CHECK(get(id, "deployed.svg").status == 404);
 }
 
-TEST_CASE("files of a design are those of popcut design, byte for byte", "[popcutd][preview]") {
+TEST_CASE("files of a design are those of popcut design, byte for byte",
+          "[popcutd][preview][long]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   Json spec = sphere(6, 5);
@@ -340,7 +341,7 @@ std::string rows_above_bar(const std::filesystem::path& folder, const std::strin
 }  // namespace
 
 TEST_CASE("the artwork of a planned sheet is that of popcut print, and so is the program",
-          "[popcutd][preview][artwork]") {
+          "[popcutd][preview][artwork][long]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   const std::filesystem::path folder = desk.daemon().folder().path();
