@@ -78,7 +78,7 @@ struct Desk : DaemonWithCli {
 
 }  // namespace
 
-TEST_CASE("devices lists popcutd's devices with their states", "[popcutd][cli]") {
+TEST_CASE("devices lists popcutd's devices with their states", "[popcutd][cli][long]") {
   Desk desk("[[device]]\nid = \"sim:portrait3\"\nmaterials = [\"pp-150\"]\ntime_scale = 0\n");
   const Ran alone = desk.popcut({"devices"});
   CHECK(alone.exit == 0);
@@ -110,7 +110,7 @@ TEST_CASE("devices lists popcutd's devices with their states", "[popcutd][cli]")
   CHECK(says(none.err, "did you mean sim:cameo3"));
 }
 
-TEST_CASE("a test cut goes through popcutd with a person at each step", "[popcutd][cli]") {
+TEST_CASE("a test cut goes through popcutd with a person at each step", "[popcutd][cli][long]") {
   Desk desk;
   desk.open();
   CHECK(desk.popcut({"cut", "--test", "--copies", "2"}).exit == 2);
@@ -126,7 +126,7 @@ TEST_CASE("a test cut goes through popcutd with a person at each step", "[popcut
   CHECK(desk.job(id)["state"] == "done");
 }
 
-TEST_CASE("a refusal names the command to type", "[popcutd][cli]") {
+TEST_CASE("a refusal names the command to type", "[popcutd][cli][long]") {
   Desk desk;
   desk.open();
   const Ran mat = desk.popcut({"cut", kUnit, "--device", "sim:cameo33"});
@@ -166,7 +166,7 @@ TEST_CASE("a refusal names the command to type", "[popcutd][cli]") {
   CHECK(some["items"].size() == 2);
 }
 
-TEST_CASE("jobs are listed in the order of the queue", "[popcutd][cli]") {
+TEST_CASE("jobs are listed in the order of the queue", "[popcutd][cli][long]") {
   Desk desk;
   desk.open();
   std::vector<std::string> ids;
@@ -194,7 +194,7 @@ TEST_CASE("jobs are listed in the order of the queue", "[popcutd][cli]") {
   CHECK(listed() == ids);
 }
 
-TEST_CASE("metrics have all documented names and name no user", "[popcutd][cli]") {
+TEST_CASE("metrics have all documented names and name no user", "[popcutd][cli][long]") {
   Desk desk;
   desk.open();
   const std::string id = desk.queue({kUnit, "--name", "secret name"});
@@ -235,7 +235,7 @@ TEST_CASE("metrics have all documented names and name no user", "[popcutd][cli]"
   }
 }
 
-TEST_CASE("a file whose name is not UTF-8 is queued under a UTF-8 name", "[popcutd][cli]") {
+TEST_CASE("a file whose name is not UTF-8 is queued under a UTF-8 name", "[popcutd][cli][long]") {
   Desk desk;
   desk.open();
   const std::string odd = (desk.daemon.folder() / "un\xFFit\x01.json").string();
@@ -243,7 +243,8 @@ TEST_CASE("a file whose name is not UTF-8 is queued under a UTF-8 name", "[popcu
   CHECK(desk.job(desk.queue({odd}))["name"] == "un\xEF\xBF\xBDit ");
 }
 
-TEST_CASE("without a terminal a job that needs a person is reported at once", "[popcutd][cli]") {
+TEST_CASE("without a terminal a job that needs a person is reported at once",
+          "[popcutd][cli][long]") {
   Desk desk;
   desk.open();
   const std::string popcut = popcut_program();
@@ -259,7 +260,7 @@ TEST_CASE("without a terminal a job that needs a person is reported at once", "[
   CHECK(says(text_of_file(desk.daemon.folder() / "told.txt"), "is cancelled by "));
 }
 
-TEST_CASE("Ctrl-C stops watching and does not stop the job", "[popcutd][cli]") {
+TEST_CASE("Ctrl-C stops watching and does not stop the job", "[popcutd][cli][long]") {
   Desk desk;
   desk.open();
   AtTerminal person(popcut_program(), {"cut", kUnit, "--wait"}, desk.daemon.folder());
@@ -272,7 +273,7 @@ TEST_CASE("Ctrl-C stops watching and does not stop the job", "[popcutd][cli]") {
   CHECK(jobs[0]["state"] == "ready");
 }
 
-TEST_CASE("the live view fits a small terminal and ends with Ctrl-C", "[popcutd][cli]") {
+TEST_CASE("the live view fits a small terminal and ends with Ctrl-C", "[popcutd][cli][long]") {
   Desk desk;
   desk.open();
   for (int k = 0; k < 8; ++k) (void)desk.queue({kUnit, "--name", "a name that is far too long"});
@@ -316,7 +317,8 @@ TEST_CASE("the live view fits a small terminal and ends with Ctrl-C", "[popcutd]
   }
 }
 
-TEST_CASE("the user's machines and materials and SVG profiles reach popcutd", "[popcutd][cli]") {
+TEST_CASE("the user's machines and materials and SVG profiles reach popcutd",
+          "[popcutd][cli][long]") {
   Desk desk("[[device]]\nid = \"sim:ours\"\ntime_scale = 0\n");
   desk.table("machines.json",
              R"({"popcut": 1, "machines": [{"name": "ours", "like": "cameo3", "title": "Ours"}]})");
@@ -348,7 +350,7 @@ TEST_CASE("the user's machines and materials and SVG profiles reach popcutd", "[
   CHECK(says(desk.daemon.log(), "svg_profiles.json: /svg_profiles/0"));
 }
 
-TEST_CASE("SIGHUP applies what does not disturb a cut and names the rest", "[popcutd][cli]") {
+TEST_CASE("SIGHUP applies what does not disturb a cut and names the rest", "[popcutd][cli][long]") {
   Desk desk;
   desk.open();
   const std::string id = desk.queue();
