@@ -434,7 +434,7 @@ std::string words_of(const std::map<std::string, int>& states) {
 }  // namespace
 
 TEST_CASE("a fleet in which everything dies cuts nothing twice and loses no job",
-          "[fleet][oracle]") {
+          "[fleet][oracle][long]") {
   if (const std::string why = PostgresServer::why_not(); !why.empty()) {
     WARN("skipped: " << why);
     return;

@@ -137,7 +137,7 @@ struct Desk : DaemonWithCli {
 }  // namespace
 
 TEST_CASE("popcut open opens the page in the browser with a word that works once",
-          "[popcutd][open]") {
+          "[popcutd][open][long]") {
   Screen screen;
   screen.browser();
   Desk desk;
@@ -160,7 +160,7 @@ TEST_CASE("popcut open opens the page in the browser with a word that works once
   CHECK(says(ran.out, "opened " + page.base));
 }
 
-TEST_CASE("popcut open prints the address where no browser opens it", "[popcutd][open]") {
+TEST_CASE("popcut open prints the address where no browser opens it", "[popcutd][open][long]") {
   Desk desk;
   const auto printed = [&](const Ran& ran) {
     INFO(ran.out << ran.err);
@@ -200,7 +200,7 @@ TEST_CASE("popcut open prints the address where no browser opens it", "[popcutd]
   }
 }
 
-TEST_CASE("popcut open starts a popcutd that goes on if none runs", "[popcutd][open]") {
+TEST_CASE("popcut open starts a popcutd that goes on if none runs", "[popcutd][open][long]") {
   Screen screen;
   screen.browser();
   TempFolder home;
@@ -260,7 +260,7 @@ TEST_CASE("popcut open starts a popcutd that goes on if none runs", "[popcutd][o
   }
 }
 
-TEST_CASE("popcut open says what a popcutd without TCP needs", "[popcutd][open]") {
+TEST_CASE("popcut open says what a popcutd without TCP needs", "[popcutd][open][long]") {
   TempFolder folder;
   Environment environment;
   DaemonProcess daemon(popcutd_program());

@@ -165,7 +165,7 @@ TEST_CASE("popcutd turns the model's front out of the card as popcut auto does",
 }
 
 TEST_CASE("a search goes on after popcutd was killed, and is removed with its model",
-          "[popcutd][search]") {
+          "[popcutd][search][long]") {
   RunningDaemon desk;
   desk.open();
   const std::string model = add_hall(desk), other = add_hall(desk, 40);
@@ -188,7 +188,7 @@ TEST_CASE("a search goes on after popcutd was killed, and is removed with its mo
   CHECK(happens([&] { return std::filesystem::is_empty(desk.daemon().state() + "/searches"); }));
 }
 
-TEST_CASE("a search is refused with the place of what is wrong", "[popcutd][search]") {
+TEST_CASE("a search is refused with the place of what is wrong", "[popcutd][search][long]") {
   RunningDaemon desk;
   desk.open();
   const std::string model = add_hall(desk);

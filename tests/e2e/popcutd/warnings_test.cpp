@@ -51,7 +51,7 @@ Json member(const Json& all, const std::string& code) {
 }  // namespace
 
 TEST_CASE("what may spoil a cut is shown when it is queued and accepted once before it is armed",
-          "[popcutd][cli][warnings]") {
+          "[popcutd][cli][warnings][long]") {
   const Desk desk;
   const Ran queued = desk.popcut({"cut", (desk.daemon.folder() / "box.svg").string()});
   const std::string id = first_line(queued.out);
@@ -87,7 +87,7 @@ TEST_CASE("what may spoil a cut is shown when it is queued and accepted once bef
 }
 
 TEST_CASE("a person at a terminal is asked before a cut that may be spoiled",
-          "[popcutd][cli][warnings]") {
+          "[popcutd][cli][warnings][long]") {
   const Desk desk;
   const std::string id = desk.ready();
   for (const bool yes : {false, true}) {
@@ -101,7 +101,7 @@ TEST_CASE("a person at a terminal is asked before a cut that may be spoiled",
 }
 
 TEST_CASE("the refusal over HTTP names the warnings and the request that accepts them",
-          "[popcutd][warnings]") {
+          "[popcutd][warnings][long]") {
   const Desk desk;
   const std::string id = desk.ready();
   const auto arm = [&](const Json& body) {
@@ -128,7 +128,7 @@ TEST_CASE("the refusal over HTTP names the warnings and the request that accepts
 }
 
 TEST_CASE("a drawing whose colours nobody explained is refused where it is queued",
-          "[popcutd][cli][warnings][reading]") {
+          "[popcutd][cli][warnings][reading][long]") {
   const Desk desk;
   const auto file = desk.daemon.folder() / "colours.svg";
   write_file(file, R"(<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="80mm" )"
@@ -148,7 +148,7 @@ TEST_CASE("a drawing whose colours nobody explained is refused where it is queue
 }
 
 TEST_CASE("popcutd takes no job for a machine that popcut does not drive",
-          "[popcutd][cli][warnings]") {
+          "[popcutd][cli][warnings][long]") {
   const Desk desk;
   for (const char* machine : {"cricut-maker", "none"}) {
     CAPTURE(machine);
