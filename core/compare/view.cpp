@@ -47,6 +47,15 @@ std::vector<View> round_views(std::size_t count) {
   return views;
 }
 
+View risen_view(double turn_rad, double rise_rad) {
+  View view;
+  view.toward = Vec3(std::cos(turn_rad) * std::cos(rise_rad), std::sin(rise_rad),
+                     std::sin(turn_rad) * std::cos(rise_rad));
+  view.right = unit(cross(Vec3(0, 1, 0), view.toward));
+  view.up = cross(view.toward, view.right);
+  return view;
+}
+
 Box box_of(Triangles triangles) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   Box box{Vec3(kFar, kFar, kFar), Vec3(-kFar, -kFar, -kFar)};

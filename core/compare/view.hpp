@@ -32,6 +32,10 @@ struct View {
 /// `count` views square to the spine, evenly all around it, from the ground (x) to the height.
 [[nodiscard]] std::vector<View> round_views(std::size_t count = 36);
 
+/// A view from `turn_rad` about the spine, which stands upright, and from `rise_rad` above the
+/// plane square to it.
+[[nodiscard]] View risen_view(double turn_rad, double rise_rad);
+
 /// The smallest box with its sides along the axes; empty (`low` above `high`) without triangles.
 struct Box {
   Vec3 low, high;

@@ -712,12 +712,11 @@ class Repairer {
                                kMostTriedRoughly = 150;
   static constexpr int kMostTries = 8, kLedgeReach = 8, kMostShift = 8, kShiftRounds = 14,
                        kMostBridges = 4;
-  static constexpr double kWorthStrut =
-      4.0;                               ///< times the cost of a strut, which is only estimated
-  static constexpr double kAside = 0.2;  ///< of its cost, what a strip at the side costs more
-  static constexpr double kLeastHeld = 0.05;      ///< less is rounding
-  static constexpr double kDearer = 2.0;          ///< than the best move of a round
-  static constexpr std::size_t kMadeOf = 8;       ///< a round makes one of so many good moves
+  static constexpr double kWorthStrut = 4.0;  ///< times the estimated cost of a strut
+  static constexpr double kAside = 0.2;       ///< of its cost, what a strip at the side costs more
+  static constexpr double kLeastHeld = 0.05;  ///< less is rounding
+  static constexpr double kDearer = 2.0;      ///< than the best move of a round
+  static constexpr std::size_t kMadeOf = 8;   ///< a round makes one of so many good moves
   static constexpr std::size_t kOnUntilOne = 10;  ///< times `kMostTried`, where none of those holds
   static constexpr double kHoldsMore = 2.0;       ///< than any move of the round that was looked at
 

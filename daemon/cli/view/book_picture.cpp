@@ -2,7 +2,6 @@
 #include "daemon/cli/view/book_picture.hpp"
 
 #include <array>
-#include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -19,16 +18,6 @@ namespace {
 
 constexpr int kSides = 8, kPixels = 440, kTile = 220, kGap = 6, kTop = 34, kLeft = 92;
 constexpr double kFromAbove_rad = 20.0 / 180.0 * std::numbers::pi;
-
-/// A view from `turn_rad` about the spine, which stands upright.
-likeness::View side_view(double turn_rad) {
-  likeness::View view;
-  view.toward = Vec3(std::cos(turn_rad) * std::cos(kFromAbove_rad), std::sin(kFromAbove_rad),
-                     std::sin(turn_rad) * std::cos(kFromAbove_rad));
-  view.right = unit(cross(Vec3(0, 1, 0), view.toward));
-  view.up = cross(view.toward, view.right);
-  return view;
-}
 
 struct Row {
   const char* name;
@@ -66,8 +55,9 @@ Result<std::string> book_picture(const BookScene& scene, const std::string& titl
     const likeness::Box box = r == 0 ? around : likeness::box_of(*rows[1].triangles);
     svg += words(kGap, top + kTile / 2, 12, rows[r].name);
     for (int k = 0; k < kSides; ++k) {
-      const likeness::Frame frame{side_view(2.0 * std::numbers::pi * (k + 0.5) / kSides),
-                                  box.centre(), box.diagonal(), kPixels};
+      const double turn_rad = 2.0 * std::numbers::pi * (k + 0.5) / kSides;
+      const likeness::Frame frame{likeness::risen_view(turn_rad, kFromAbove_rad), box.centre(),
+                                  box.diagonal(), kPixels};
       likeness::draw(frame, *rows[r].triangles, image);
       const auto pixels =
           likeness::shaded(image, frame.pitch_mm(),

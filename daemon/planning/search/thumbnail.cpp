@@ -2,7 +2,6 @@
 #include "daemon/planning/search/thumbnail.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
@@ -12,28 +11,15 @@
 #include "daemon/pictures/png.hpp"
 
 namespace popcut::planning {
-namespace {
-
-/// A view from above, turned about the spine, which stands upright.
-likeness::View from_above(double turn_rad) {
-  constexpr double kRise = 25 * std::numbers::pi / 180.0;
-  likeness::View view;
-  view.toward = Vec3(std::cos(kRise) * std::cos(turn_rad), std::sin(kRise),
-                     std::cos(kRise) * std::sin(turn_rad));
-  view.right = unit(cross(Vec3(0, 1, 0), view.toward));
-  view.up = cross(view.toward, view.right);
-  return view;
-}
-
-}  // namespace
 
 likeness::Scene pictured_scene(const FoundCard& card, int pixels) {
   likeness::Scene scene;
   scene.pixels = pixels;
   if (card.made.book) {
     // Over a corner, so that a box shows three of its sides.
-    constexpr double kFirst = 40 * std::numbers::pi / 180.0, kThird = std::numbers::pi * 2.0 / 3.0;
-    for (const int k : {0, 1, 2}) scene.views.push_back(from_above(kFirst + k * kThird));
+    constexpr double kDegree = std::numbers::pi / 180.0;
+    for (const int turn : {40, 160, 280})
+      scene.views.push_back(likeness::risen_view(turn * kDegree, 25 * kDegree));
     return scene;
   }
   scene.views = likeness::cone_views();

@@ -12,8 +12,8 @@ namespace popcut::planning {
 /// Width and height of a thumbnail.
 inline constexpr int kThumbnailWidth_px = 640, kThumbnailHeight_px = 320;
 
-/// From where a card is drawn: along the diagonal first. Of a book: from above, from
-/// three sides.
+/// From where a card is drawn: along the diagonal first. Of a book: from three
+/// sides, from above.
 [[nodiscard]] likeness::Scene pictured_scene(const FoundCard& card, int pixels);
 
 /// The model and beside it the card that was found, in the first view of that scene and in the same
