@@ -36,7 +36,8 @@ template <typename Visit>
 void each_near_cut(std::span<const CutLine> cuts, const PixelFrame& frame, double reach_mm,
                    double beyond_mm, const Visit& visit) {
   for (std::size_t k = 0; k < cuts.size(); ++k) {
-    const auto& [from, to] = cuts[k];
+    const PagePoint& from = cuts[k].from;
+    const PagePoint& to = cuts[k].to;
     const double length = distance(from, to);
     if (!(length > 0)) continue;
     const double ex = (to.x - from.x) / length, ey = (to.y - from.y) / length;

@@ -14,7 +14,6 @@
 #include <chrono>
 #include <cstring>
 #include <fstream>
-#include <ranges>
 #include <set>
 #include <string>
 #include <system_error>
@@ -202,7 +201,7 @@ void OutputFolder::discard() noexcept {
     fs::remove_all(folder_ / kAside, error);
     ::close(std::exchange(lock_, -1));
   }
-  for (const fs::path& made : std::ranges::reverse_view(made_)) ::rmdir(made.c_str());
+  for (auto made = made_.rbegin(); made != made_.rend(); ++made) ::rmdir(made->c_str());
   made_.clear();
 }
 

@@ -114,8 +114,8 @@ class Splitter {
 
  private:
   void meet(std::uint32_t e, std::uint32_t f, std::size_t& crossings) {
-    const bool touched = touch(e, f) | touch(f, e);
-    if (touched) return;
+    const bool touched = touch(e, f);
+    if (touch(f, e) || touched) return;
     const auto [a, b] = ends(e);
     const auto [c, d] = ends(f);
     const Vec2 p = b - a;
