@@ -76,25 +76,32 @@ struct Allowed {
   std::vector<scmp_arg_cmp> arguments{};
 };
 
+/// A condition on the lower 32 bits of an argument. The macros of libseccomp need extensions of C.
+scmp_arg_cmp argument(unsigned index, scmp_compare comparison, scmp_datum_t a, scmp_datum_t b = 0) {
+  return {index, comparison, static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b)};
+}
+
 std::vector<Allowed> allowed_calls() {
   const auto self = static_cast<scmp_datum_t>(::getpid());
   const auto thread = static_cast<scmp_datum_t>(::syscall(SYS_gettid));
   constexpr scmp_datum_t kRun = PROT_EXEC, kNoFile = MAP_ANONYMOUS;
   std::vector<Allowed> calls{
       // its pipes
-      {SCMP_SYS(read), {SCMP_A0_32(SCMP_CMP_EQ, STDIN_FILENO)}},
-      {SCMP_SYS(write), {SCMP_A0_32(SCMP_CMP_EQ, STDOUT_FILENO)}},
-      {SCMP_SYS(write), {SCMP_A0_32(SCMP_CMP_EQ, STDERR_FILENO)}},
-      {SCMP_SYS(writev), {SCMP_A0_32(SCMP_CMP_EQ, STDOUT_FILENO)}},
-      {SCMP_SYS(writev), {SCMP_A0_32(SCMP_CMP_EQ, STDERR_FILENO)}},
+      {SCMP_SYS(read), {argument(0, SCMP_CMP_EQ, STDIN_FILENO)}},
+      {SCMP_SYS(write), {argument(0, SCMP_CMP_EQ, STDOUT_FILENO)}},
+      {SCMP_SYS(write), {argument(0, SCMP_CMP_EQ, STDERR_FILENO)}},
+      {SCMP_SYS(writev), {argument(0, SCMP_CMP_EQ, STDOUT_FILENO)}},
+      {SCMP_SYS(writev), {argument(0, SCMP_CMP_EQ, STDERR_FILENO)}},
       {SCMP_SYS(close)},
       // memory: never a file, and nothing that can be written and run
       {SCMP_SYS(brk)},
       {SCMP_SYS(mmap),
-       {SCMP_A2_32(SCMP_CMP_MASKED_EQ, kRun, 0), SCMP_A3_32(SCMP_CMP_MASKED_EQ, kNoFile, kNoFile)}},
+       {argument(2, SCMP_CMP_MASKED_EQ, kRun, 0),
+        argument(3, SCMP_CMP_MASKED_EQ, kNoFile, kNoFile)}},
       {SCMP_SYS(mmap2),
-       {SCMP_A2_32(SCMP_CMP_MASKED_EQ, kRun, 0), SCMP_A3_32(SCMP_CMP_MASKED_EQ, kNoFile, kNoFile)}},
-      {SCMP_SYS(mprotect), {SCMP_A2_32(SCMP_CMP_MASKED_EQ, kRun, 0)}},
+       {argument(2, SCMP_CMP_MASKED_EQ, kRun, 0),
+        argument(3, SCMP_CMP_MASKED_EQ, kNoFile, kNoFile)}},
+      {SCMP_SYS(mprotect), {argument(2, SCMP_CMP_MASKED_EQ, kRun, 0)}},
       {SCMP_SYS(munmap)},
       {SCMP_SYS(mremap)},
       {SCMP_SYS(madvise)},
@@ -102,7 +109,7 @@ std::vector<Allowed> allowed_calls() {
       {SCMP_SYS(futex_time64)},
       // what the C library asks before it sorts in memory or starts a heap
       {SCMP_SYS(sysinfo)},
-      {SCMP_SYS(sched_getaffinity), {SCMP_A0_32(SCMP_CMP_EQ, 0)}},
+      {SCMP_SYS(sched_getaffinity), {argument(0, SCMP_CMP_EQ, 0)}},
       {SCMP_SYS(sched_yield)},
       {SCMP_SYS(getrandom)},
       // time
@@ -114,7 +121,7 @@ std::vector<Allowed> allowed_calls() {
       // its end, by a signal to itself too
       {SCMP_SYS(getpid)},
       {SCMP_SYS(gettid)},
-      {SCMP_SYS(tgkill), {SCMP_A0_32(SCMP_CMP_EQ, self), SCMP_A1_32(SCMP_CMP_EQ, thread)}},
+      {SCMP_SYS(tgkill), {argument(0, SCMP_CMP_EQ, self), argument(1, SCMP_CMP_EQ, thread)}},
       {SCMP_SYS(rt_sigaction)},
       {SCMP_SYS(rt_sigprocmask)},
       {SCMP_SYS(rt_sigreturn)},
@@ -127,7 +134,7 @@ std::vector<Allowed> allowed_calls() {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   // Builds for tests only: the runtime of a sanitizer asks for its limits and how it was called.
   for (const int call : {SCMP_SYS(prlimit64), SCMP_SYS(getrlimit)})
-    calls.push_back({call, {SCMP_A2_64(SCMP_CMP_EQ, 0)}});
+    calls.push_back({call, {scmp_arg_cmp{2, SCMP_CMP_EQ, 0, 0}}});
 #endif
   return calls;
 }
