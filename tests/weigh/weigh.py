@@ -2,7 +2,8 @@
 """What popcut weighs: CPU seconds of a build by folder, CPU seconds of the suite by label, lines, and exact counts.
 
 usage: weigh.py reference BUILD          measure the units, and keep them in BUILD/weigh/units.json
-       weigh.py report BUILD ...         print the weight of each build, and compare it with the budget
+       weigh.py report BUILD ... [--budget FILE]
+                                         print the weight of each build, and compare it with the budget
        weigh.py lines                    print lines by folder
 
 BUILD is a build folder, such as build/dev. GNU time writes the log files there: BUILD/weigh/build.log, one line for
@@ -237,8 +238,8 @@ def report_lines():
         print(f"  {layer + ', all':36}{sum(h['C++'] for h in here):12,}{sum(h['other'] for h in here):12,}")
 
 
-def report(builds):
-    budget = json.loads((HERE / "budget.json").read_text())
+def report(builds, budget_file):
+    budget = json.loads(budget_file.read_text())
     judge = Judge(budget)
     report_lines()
     for build in builds:
@@ -257,13 +258,17 @@ def report(builds):
 
 
 def main(words):
+    budget = HERE / "budget.json"
+    if words[-2:-1] == ["--budget"]:
+        budget = Path(words[-1])
+        words = words[:-2]
     if len(words) > 1 and words[0] in ("reference", "report"):
         builds = [Path(word) for word in words[1:]]
         for build in builds:
             if not (build / "CMakeCache.txt").is_file():
                 sys.exit(f"weigh: {build} is not a build folder; use: ./run weigh")
         if words[0] == "report":
-            report(builds)
+            report(builds, budget)
         else:
             for build in builds:
                 print(f"{build.name}: {measure_units(build)}")
