@@ -134,9 +134,9 @@ class Watchdog {
 /// Hears whether the server warns. A commit gives no other warning than that its wait for a standby
 /// was given up: it is done here, and lost if that standby takes over now. The warning is in the
 /// server's language, and has no code of its own.
-class StandbyEar final : public pqxx::errorhandler {
+class StandbyListener final : public pqxx::errorhandler {
  public:
-  explicit StandbyEar(pqxx::connection& connection) : pqxx::errorhandler(connection) {}
+  explicit StandbyListener(pqxx::connection& connection) : pqxx::errorhandler(connection) {}
   bool operator()(const char[]) noexcept override {
     has_warned = true;
     return false;  // nobody else hears of it
@@ -413,7 +413,7 @@ struct PostgresDatabase::Line {
       const std::lock_guard hold(found->lock);
       if (!found->is_over) return false;
       connection = std::move(found->connection);
-      if (connection) standby = std::make_unique<StandbyEar>(*connection);
+      if (connection) standby = std::make_unique<StandbyListener>(*connection);
       if (!connection) why = found->fault;
       refused = found->refused;
     }
@@ -462,7 +462,7 @@ struct PostgresDatabase::Line {
   Options options;
   std::vector<std::string> hosts;  ///< how to reach each
   std::unique_ptr<pqxx::connection> connection;
-  std::unique_ptr<StandbyEar> standby;
+  std::unique_ptr<StandbyListener> standby;
   std::unordered_map<std::string, std::string> prepared;  ///< names by text
   int next_name{0};
   std::string kept;  ///< statements that go with the next one, each with its semicolon

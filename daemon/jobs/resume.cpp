@@ -96,8 +96,8 @@ tl::expected<void, std::string> may_resume(const std::vector<FateRun>& runs,
   return tl::unexpected<std::string>(fmt::format("{}", fmt::join(reasons, "; ")));
 }
 
-std::vector<ResumeRequest> ways_to_resume(const std::vector<FateRun>& runs,
-                                          const ResumeRequest& wanted, const ResumeFacts& facts) {
+std::vector<ResumeRequest> possible_resumes(const std::vector<FateRun>& runs,
+                                            const ResumeRequest& wanted, const ResumeFacts& facts) {
   constexpr std::size_t kMost = 3;
   std::vector<std::int64_t> starts{wanted.from_path};
   for (const FateRun& run : runs) {
@@ -106,23 +106,25 @@ std::vector<ResumeRequest> ways_to_resume(const std::vector<FateRun>& runs,
   }
   for (const FateRun& run : runs)
     if (run.fate == PathFate::InDoubt) starts.push_back(run.paths.first);
-  std::vector<ResumeRequest> ways;
+  std::vector<ResumeRequest> resumes;
   // What the person wanted first, then what cuts nothing twice.
   for (const bool twice : {false, true})
     for (const std::int64_t from : starts) {
-      ResumeRequest way{.from_path = from,
-                        .re_registered = wanted.re_registered || !facts.same_device_session};
+      ResumeRequest resume{.from_path = from,
+                           .re_registered = wanted.re_registered || !facts.same_device_session};
       for (const FateRun& run : runs) {
-        if (run.fate == PathFate::InDoubt && run.paths.last < from) way.skip_in_doubt = true;
-        if (run.fate != PathFate::NotSent && run.paths.last >= from) way.accept_double_cut = true;
+        if (run.fate == PathFate::InDoubt && run.paths.last < from) resume.skip_in_doubt = true;
+        if (run.fate != PathFate::NotSent && run.paths.last >= from)
+          resume.accept_double_cut = true;
       }
-      const bool known = std::any_of(ways.begin(), ways.end(), [&](const ResumeRequest& one) {
+      const bool known = std::any_of(resumes.begin(), resumes.end(), [&](const ResumeRequest& one) {
         return one.from_path == from;
       });
-      const bool now = way.accept_double_cut == twice || from == wanted.from_path;
-      if (ways.size() < kMost && !known && now && may_resume(runs, way, facts)) ways.push_back(way);
+      const bool now = resume.accept_double_cut == twice || from == wanted.from_path;
+      if (resumes.size() < kMost && !known && now && may_resume(runs, resume, facts))
+        resumes.push_back(resume);
     }
-  return ways;
+  return resumes;
 }
 
 }  // namespace popcut::daemon

@@ -53,8 +53,8 @@ struct ResumeFacts {
 
 /// Complete requests that `may_resume` lets pass, at most three, with no more allowed than each
 /// needs: as near to `wanted` as can be, then those that cut nothing twice before those that may.
-[[nodiscard]] std::vector<ResumeRequest> ways_to_resume(const std::vector<FateRun>& runs,
-                                                        const ResumeRequest& wanted,
-                                                        const ResumeFacts& facts);
+[[nodiscard]] std::vector<ResumeRequest> possible_resumes(const std::vector<FateRun>& runs,
+                                                          const ResumeRequest& wanted,
+                                                          const ResumeFacts& facts);
 
 }  // namespace popcut::daemon

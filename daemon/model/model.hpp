@@ -244,7 +244,7 @@ struct SearchRecord {
 
 /// A complete request that is possible now: an action, and its body as JSON. "change" is a PATCH of
 /// the job.
-struct Way {
+struct NextAction {
   std::string action;
   std::string body;
   std::string device{};  ///< of an action of a device (reset, enable)
@@ -294,7 +294,8 @@ struct Job {
   std::optional<Attention> attention{};
   std::optional<TimeMs> armed_until{};  ///< while it is armed: when that lapses
   std::vector<std::string> actions{};   ///< allowed now
-  std::vector<Way> ways{};              ///< of one job that was asked for: requests that pass now
+  std::vector<NextAction>
+      next_actions{};  ///< of one job that was asked for: requests that pass now
 };
 
 struct JobCreate {

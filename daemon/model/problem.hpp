@@ -58,8 +58,8 @@ struct Problem {
   std::string state{};                         ///< current state (StateConflict, Stale)
   std::vector<std::string> allowed_actions{};  ///< allowed now (StateConflict, Stale)
   std::optional<int> retry_after_s{};
-  std::vector<Way> ways{};  ///< complete requests that would pass now
-  std::string warnings{};   ///< of the job, as JSON, where they are the reason; else empty
+  std::vector<NextAction> next_actions{};  ///< complete requests that would pass now
+  std::string warnings{};  ///< of the job, as JSON, where they are the reason; else empty
 };
 
 template <typename T>

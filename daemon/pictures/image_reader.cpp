@@ -61,7 +61,7 @@ void say_nothing(j_common_ptr) {}
 
 /// Of what libjpeg would only warn of, an end in the middle is an error: it fills the rest with
 /// grey.
-void heed(j_common_ptr info, int level) {
+void on_message(j_common_ptr info, int level) {
   const int code = info->err->msg_code;
   if (level < 0 && (code == JWRN_JPEG_EOF || code == JWRN_HIT_MARKER)) leave(info);
 }
@@ -74,7 +74,7 @@ bool decode_jpeg(std::string_view bytes, JpegErrors& errors, void* user,
   info.err = jpeg_std_error(&errors);
   errors.error_exit = leave;
   errors.output_message = say_nothing;
-  errors.emit_message = heed;
+  errors.emit_message = on_message;
   if (setjmp(errors.back) != 0) {
     jpeg_destroy_decompress(&info);
     return false;

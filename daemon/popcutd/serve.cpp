@@ -321,18 +321,18 @@ void Daemon::begin_listening() {
       const bool is_there =
           database.listen("popcut", kListenSeconds, [this, is_called](const std::string& news) {
             if (news == config_.fleet.node) return;
-            const bool is_event = news != kAccessNews;
+            const bool is_event = news != kAccessChanged;
             if (is_event && is_called->exchange(true)) return;
             thread_->post(ServiceThread::Lane::Asking, [this, news, is_event, is_called] {
               if (is_event) is_called->store(false);
-              service_->hear_fleet(news);
+              service_->on_fleet_notice(news);
             });
           });
       // What was said meanwhile was not heard.
       if (is_there && !was_there)
         thread_->post(ServiceThread::Lane::Asking, [this] {
-          service_->hear_fleet(kAccessNews);
-          service_->hear_fleet("");
+          service_->on_fleet_notice(kAccessChanged);
+          service_->on_fleet_notice("");
         });
       was_there = is_there;
       if (!is_there) std::this_thread::sleep_for(std::chrono::milliseconds(200));

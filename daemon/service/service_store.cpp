@@ -43,10 +43,10 @@ void ServiceStore::follow_up() {
   if (in_fleet())
     try_to([&] {
       for (const Event& event : events) own_.insert(event.data);
-      hear_news();
+      deliver_new_events();
     });
   else
-    for (const Event& event : events) try_to([&] { tell(event); });
+    for (const Event& event : events) try_to([&] { publish(event); });
   for (const auto& work : after) try_to(work);
 }
 
@@ -95,26 +95,26 @@ Answer<void> ServiceStore::bring(const std::string& name) {
 }
 
 // Whoever listens misses none that others caused while the database was away.
-void ServiceStore::begin_news() {
+void ServiceStore::begin_delivery() {
   const std::int64_t last = db().number("SELECT last FROM event_counter");
-  if (!std::exchange(has_news_, true) || last < told_) told_ = last;
+  if (!std::exchange(has_delivered_, true) || last < last_delivered_) last_delivered_ = last;
 }
 
-void ServiceStore::hear_news() {
+void ServiceStore::deliver_new_events() {
   constexpr int kAtOnce = 500;
   // A listener may cause another event. The loop below comes to that one in its turn.
-  if (db().in_transaction() || hears_) return;
-  struct Hearing {
-    bool& hears;
-    explicit Hearing(bool& flag) : hears(flag) { hears = true; }
-    ~Hearing() { hears = false; }
-  } const hearing(hears_);
+  if (db().in_transaction() || is_delivering_) return;
+  struct Delivering {
+    bool& flag_;
+    explicit Delivering(bool& flag) : flag_(flag) { flag_ = true; }
+    ~Delivering() { flag_ = false; }
+  } const delivering(is_delivering_);
   number_events();
   bool from_others = false;
   for (int count = 1; count > 0;) {
     std::vector<Event> news = all_of(
         db().rows("SELECT seq, kind, time, job, data FROM event WHERE seq>? ORDER BY seq LIMIT ?",
-                  told_, kAtOnce),
+                  last_delivered_, kAtOnce),
         [](const Rows& one) {
           Event event;
           one.read(0, std::tie(event.seq, event.kind, event.time, event.job, event.data));
@@ -122,18 +122,18 @@ void ServiceStore::hear_news() {
         });
     count = static_cast<int>(news.size());
     for (const Event& event : news) {
-      told_ = event.seq;
-      tell(event);
+      last_delivered_ = event.seq;
+      publish(event);
       const auto own = own_.find(event.data.substr(event.data.find(',') + 1));
       if (own != own_.end())
         own_.erase(own);
-      else if (on_others) {
-        on_others(event);
+      else if (on_remote_event) {
+        on_remote_event(event);
         from_others = true;
       }
     }
   }
-  if (from_others && on_others_heard) on_others_heard();
+  if (from_others && after_remote_events) after_remote_events();
 }
 
 bool ServiceStore::was_overtaken(const StoreFault& fault) const {
@@ -141,7 +141,7 @@ bool ServiceStore::was_overtaken(const StoreFault& fault) const {
   return fault.kind() == FaultKind::Again || (fault.kind() == FaultKind::Constraint && in_fleet());
 }
 
-void ServiceStore::tell(const Event& event) {
+void ServiceStore::publish(const Event& event) {
   for (const auto& listener : listeners_) listener(event);
 }
 

@@ -19,7 +19,7 @@
 namespace popcut::daemon {
 
 /// What nodes of a fleet tell each other when credentials have ended or have another role.
-inline constexpr const char* kAccessNews = ":access";
+inline constexpr const char* kAccessChanged = ":access";
 
 /// The store as the parts of the service use it: transactions with what follows from them, events,
 /// audit, and what a failing disk means.
@@ -107,18 +107,18 @@ class ServiceStore {
   /// `"state":"ready","rev":3`.
   void emit(const std::string& kind, const std::string& job, const std::string& members);
   /// Calls the listeners at once; nothing is stored.
-  void tell(const Event& event);
+  void publish(const Event& event);
   /// In a fleet: tells of the events that are stored and were not told of yet, whoever caused them.
-  void hear_news();
+  void deliver_new_events();
   /// Called too for those that other nodes caused.
-  std::function<void(const Event&)> on_others{};
+  std::function<void(const Event&)> on_remote_event{};
   /// After some of them, once for all.
-  std::function<void()> on_others_heard{};
+  std::function<void()> after_remote_events{};
   /// The last event that was told of.
-  [[nodiscard]] std::int64_t heard() const { return told_; }
+  [[nodiscard]] std::int64_t last_delivered() const { return last_delivered_; }
   /// The events from now on are news; after that, those since the last that was told of, unless the
   /// database is an earlier one.
-  void begin_news();
+  void begin_delivery();
   void listen(std::function<void(const Event&)> listener) {
     listeners_.push_back(std::move(listener));
   }
@@ -178,8 +178,8 @@ class ServiceStore {
   std::vector<std::function<void()>> after_;
   std::vector<Event> events_;  ///< of this transaction; in a fleet numbered after its commit
   NodeMark node_;
-  std::int64_t told_{0};  ///< in a fleet: the last event that was told of
-  bool hears_{false}, has_news_{false};
+  std::int64_t last_delivered_{0};  ///< in a fleet: the last event that was told of
+  bool is_delivering_{false}, has_delivered_{false};
   /// What events of this node say after their number that were not told of yet.
   std::multiset<std::string> own_{};
   std::vector<std::function<void(const Event&)>> listeners_;

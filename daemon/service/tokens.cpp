@@ -183,8 +183,8 @@ void Tokens::changed_elsewhere() {
   for (const auto& listener : listeners_) listener();
 }
 
-void Tokens::tell_change() {
-  if (store_.in_fleet()) (void)store_.db().number("SELECT pg_notify('popcut', ?)", kAccessNews);
+void Tokens::notify_access_change() {
+  if (store_.in_fleet()) (void)store_.db().number("SELECT pg_notify('popcut', ?)", kAccessChanged);
   store_.after_commit([this] {
     known_.clear();
     for (const auto& listener : listeners_) listener();
@@ -244,7 +244,7 @@ Answer<void> Tokens::delete_token(const Principal& who, const std::string& id) {
     // Its sessions go with it.
     store_.db().run("DELETE FROM token WHERE id=?", id);
     store_.audit(who.name, "delete-token", id, "");
-    tell_change();
+    notify_access_change();
     return {};
   });
 }
@@ -292,7 +292,7 @@ Answer<void> Tokens::end_session(const Principal& who, const std::string& id) {
       return refuse(ProblemKind::NotFound, "there is no session " + id + " of yours");
     store_.db().run("DELETE FROM session WHERE id=?", id);
     store_.audit(who.name, "end-session", id, found->principal);
-    tell_change();
+    notify_access_change();
     return {};
   });
 }
@@ -383,7 +383,7 @@ void Tokens::make_room_for_session(const std::string& principal) {
       "DELETE FROM session WHERE id IN (SELECT id FROM session WHERE principal=? "
       "ORDER BY expires LIMIT ?)",
       principal, held - kSessionsOfOne + 1);
-  tell_change();
+  notify_access_change();
 }
 
 Answer<NewToken> Tokens::open_session(const std::string& one_shot) {

@@ -88,7 +88,7 @@ class Tokens : public Access {
   [[nodiscard]] bool make_room_for_pairing(const std::string& place);
   void make_room_for_word(const std::string& principal);
   void make_room_for_session(const std::string& principal);
-  void tell_change();
+  void notify_access_change();
   ServiceStore& store_;
   PrincipalTitles& titles_;
   const ServiceOptions& options_;

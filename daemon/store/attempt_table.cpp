@@ -150,7 +150,8 @@ bool AttemptTable::knows(const std::string& attempt) {
   return db_.number("SELECT EXISTS(SELECT 1 FROM attempt WHERE id=?)", attempt) != 0;
 }
 
-std::vector<std::pair<std::string, TimeMs>> AttemptTable::told(std::span<const std::string> ids) {
+std::vector<std::pair<std::string, TimeMs>> AttemptTable::known_among(
+    std::span<const std::string> ids) {
   constexpr std::size_t kAtOnce = 1000;
   std::vector<std::pair<std::string, TimeMs>> all;
   for (; !ids.empty(); ids = ids.subspan(std::min(kAtOnce, ids.size()))) {

@@ -97,7 +97,8 @@ class AttemptTable {
   [[nodiscard]] bool knows(const std::string& attempt);
   /// In a fleet: those of `ids` that the database knows and nobody took for lost, each with the
   /// time of its creation.
-  [[nodiscard]] std::vector<std::pair<std::string, TimeMs>> told(std::span<const std::string> ids);
+  [[nodiscard]] std::vector<std::pair<std::string, TimeMs>> known_among(
+      std::span<const std::string> ids);
   [[nodiscard]] std::vector<FateRun> fates(const std::string& attempt);
 
   void put_sheet(const std::string& job, int sheet, int blank, int segment, std::string_view state,

@@ -60,7 +60,7 @@ Answer<Job> FakeJobs::find(const std::string& id) {
 // Asked for each event that is heard: no test means this one when it tells the next to fail.
 Answer<Job> FakeJobs::brief(const std::string& id) {
   Answer<Job> found = lookup(job_map, id, "job");
-  if (found) found->ways.clear();
+  if (found) found->next_actions.clear();
   return found;
 }
 

@@ -253,7 +253,7 @@ void Rules::recover(int p) {
   if (node.owes == folder_of(p)) node.owes = 0;
 }
 
-void Rules::take_back_start(int p) {
+void Rules::revoke_start(int p) {
   Process& one = world_.processes[at(p)];
   Attempt& attempt = world_.now.attempts[one.id];
   if (attempt.present != 0 && (attempt.open != 0 || attempt.end == End::Lost)) {

@@ -98,7 +98,7 @@ class Rules {
   /// False: the attempt has ended, and the end is not written.
   bool write_end(int id, End result, int taken);
   /// A START of which nothing was sent.
-  void take_back_start(int p);
+  void revoke_start(int p);
 
   // The knife.
   void cut(int p);

@@ -182,7 +182,7 @@ class Steps {
     const bool under_way = world_.stray.kind == Stray::Start && world_.stray.id == one.id;
     if (one.doing == Doing::Unsure && one.recovered != 0 && look().calls(p) &&
         (!under_way || flaw_ == Flaw::StartDecidedTooEarly))
-      step(Do::Resolves, p, 0, [p](World&, Rules& rules) { rules.take_back_start(p); });
+      step(Do::Resolves, p, 0, [p](World&, Rules& rules) { rules.revoke_start(p); });
     if (flaw_ == Flaw::TakesBackByGuess && one.up != 0 && one.linked != 0 && one.recovered != 0 &&
         one.epoch == world_.now.nodes[at(node_of(p))].epoch && one.doing == Doing::Idle)
       guess(p);
@@ -234,7 +234,7 @@ class Steps {
       if (world_.now.attempts[at(id)].open != 0 && world_.made[at(id)].process == p)
         step(Do::Guesses, p, 0, [p, id](World& w, Rules& rules) {
           w.processes[at(p)].id = static_cast<Byte>(id);
-          rules.take_back_start(p);
+          rules.revoke_start(p);
         });
   }
 

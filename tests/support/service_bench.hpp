@@ -128,14 +128,14 @@ class ServiceBench {
   void stop() {
     if (thread_) thread_->stop();
     service_.reset();
-    bury_thread();
+    join_thread();
     store_.reset();
   }
   /// Ends as a killed process does: nothing is moved, flushed or marked.
   void crash() {
     thread_->stop();
     service_.reset();
-    bury_thread();
+    join_thread();
     store_->give_up();
     store_.reset();
     cutters.forget();
@@ -268,7 +268,7 @@ class ServiceBench {
  private:
   std::shared_ptr<void> database_{};
   // The planner outlives it and may still want to tell it something.
-  void bury_thread() {
+  void join_thread() {
     if (thread_) buried_.push_back(std::move(thread_));
   }
   std::unique_ptr<daemon::Store> store_;

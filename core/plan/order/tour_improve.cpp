@@ -54,7 +54,7 @@ Improved improve(TourStops& stops, const NearNodes& near, TourOrder& order,
     if (cost == std::numeric_limits<double>::infinity()) continue;
     search.descend(always);
     if (search.gained() < before - 1e-12)
-      search.take_back(before);
+      search.revert(before);
     else
       search.keep();
   }

@@ -52,14 +52,14 @@ class TourSearch {
     return true;
   }
 
-  /// Marks the state to which `take_back` returns.
+  /// Marks the state to which `revert` returns.
   void keep() {
     done_.clear();
     takes_note_ = true;
   }
 
   /// Undoes everything since the last `keep`, when `gained` had the given value.
-  void take_back(double gained) {
+  void revert(double gained) {
     gained_ = gained;
     settled_ = NearNodes::kNone;
     for (std::size_t i = done_.size(); i-- > 0;) {

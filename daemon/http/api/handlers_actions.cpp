@@ -84,7 +84,8 @@ void act_on_job(const Request& request, Service& service, JobAction action,
       [action](FieldReader& fields) { return read_action(fields, action); });
   if (!wanted) {
     Problem problem = wanted.error();
-    if (const Answer<Job> job = service.jobs.find(request.params[0])) problem.ways = job->ways;
+    if (const Answer<Job> job = service.jobs.find(request.params[0]))
+      problem.next_actions = job->next_actions;
     return reply(problem_response(problem, request));
   }
   const bool any_rev =

@@ -142,12 +142,12 @@ Response problem_response(const Problem& problem, std::string_view instance,
     body["state"] = problem.state;
     body["allowed_actions"] = problem.allowed_actions;
   }
-  if (!problem.ways.empty()) {
-    ordered_json& ways = body["ways"] = ordered_json::array();
-    for (const Way& way : problem.ways) {
-      ways.push_back({{"action", way.action}, {"body", ordered_json::parse(way.body)}});
-      if (!way.device.empty()) ways.back()["device"] = way.device;
-      if (!way.job.empty()) ways.back()["job"] = way.job;
+  if (!problem.next_actions.empty()) {
+    ordered_json& actions = body["ways"] = ordered_json::array();
+    for (const NextAction& action : problem.next_actions) {
+      actions.push_back({{"action", action.action}, {"body", ordered_json::parse(action.body)}});
+      if (!action.device.empty()) actions.back()["device"] = action.device;
+      if (!action.job.empty()) actions.back()["job"] = action.job;
     }
   }
   if (!problem.warnings.empty())

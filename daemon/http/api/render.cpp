@@ -88,13 +88,13 @@ class ObjectText {
     begin(name);
     out_ += value;
   }
-  void ways(std::string_view name, const std::vector<Way>& ways) {
+  void next_actions(std::string_view name, const std::vector<NextAction>& actions) {
     begin(name);
     out_ += '[';
-    for (const Way& way : ways) {
+    for (const NextAction& action : actions) {
       fmt::format_to(std::back_inserter(out_), R"({}{{"action":"{}","body":{})",
-                     &way == &ways.front() ? "" : ",", way.action, way.body);
-      for (const auto& [key, value] : {std::pair{"device", &way.device}, {"job", &way.job}}) {
+                     &action == &actions.front() ? "" : ",", action.action, action.body);
+      for (const auto& [key, value] : {std::pair{"device", &action.device}, {"job", &action.job}}) {
         if (value->empty()) continue;
         begin(key);
         quote(*value);
@@ -344,7 +344,7 @@ std::string job_text(const Job& job) {
     out.null("attention");
   out.time_or_null("armed_until", job.armed_until);
   out.texts("actions", job.actions);
-  if (!job.ways.empty()) out.ways("ways", job.ways);
+  if (!job.next_actions.empty()) out.next_actions("ways", job.next_actions);
   out.object("links", links_text(job));
   return out.whole();
 }

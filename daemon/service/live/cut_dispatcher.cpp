@@ -85,7 +85,8 @@ Answer<Job> CutDispatcher::act(const Principal& who, const std::string& id, std:
       // Whoever is refused learns the whole request that is not.
       const auto refused = [&](Problem problem) {
         const bool writes = !parts_.store.degraded() && !stopping_;
-        if (problem.ways.empty() && writes) problem.ways = ways(before, &request);
+        if (problem.next_actions.empty() && writes)
+          problem.next_actions = next_actions(before, &request);
         return tl::unexpected(std::move(problem));
       };
       if (step_of(JobRepository::facts_of(row), request.action) == Step::Refused)
@@ -194,7 +195,7 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
           ? std::string("all suitable devices are busy; wait until one is free")
           : fmt::format("name the device that holds the sheet: {}", fmt::join(fitting, ", ")));
   for (const std::string& one : fitting)
-    unnamed.ways.push_back(
+    unnamed.next_actions.push_back(
         {"arm", fmt::format(R"({{"sheet":{},"blank":{},"device":{}{}}})", row.sheet, row.blank,
                             json_text(one), accepting(row))});
   return tl::unexpected(std::move(unnamed));
@@ -431,7 +432,7 @@ void CutDispatcher::tick() {
   for (const auto& [job, arm] : armed_here_)
     if (arm.until_ms <= now) over.push_back(job);
   for (const std::string& job : over) lapse(job, "arm_expired");
-  tell_again();
+  repeat_progress();
   if (parts_.store.degraded()) return;
   record_pauses();
   std::vector<std::shared_ptr<Cut>> refused;
@@ -519,7 +520,7 @@ void CutDispatcher::doubt_start() {
   if (!starting_.empty() && !cuts(starting_)) doubtful_.insert(starting_);
 }
 
-bool CutDispatcher::take_back(const AttemptRow& attempt) {
+bool CutDispatcher::revoke_start(const AttemptRow& attempt) {
   if (!doubtful_.contains(attempt.id) || parts_.intents.has(attempt.id)) return false;
   const Answer<void> noted = parts_.store.change([&]() -> Answer<void> {
     // Waits for the transaction of that START, if it is still under way.
@@ -537,7 +538,7 @@ bool CutDispatcher::take_back(const AttemptRow& attempt) {
   return true;
 }
 
-void CutDispatcher::heed(const std::string& job) {
+void CutDispatcher::apply_remote_request(const std::string& job) {
   const auto found = cuts_.find(job);
   if (found == cuts_.end() || found->second->over) return;
   Cut& cut = *found->second;

@@ -51,7 +51,8 @@ class CutDispatcher : public Cutting {
   /// session of its device, and with popcutd.
   [[nodiscard]] bool knows_place(const JobRow& row, const std::string& device) const;
   /// Complete requests that pass now, those nearest to `wanted` (or nullptr) first.
-  [[nodiscard]] std::vector<Way> ways(const JobRow& row, const ActionRequest* wanted = nullptr);
+  [[nodiscard]] std::vector<NextAction> next_actions(const JobRow& row,
+                                                     const ActionRequest* wanted = nullptr);
   /// Arms that have lived too long, and ends that could not be written yet.
   void tick();
   /// These devices went away: jobs that were armed for them are ready again.
@@ -78,14 +79,14 @@ class CutDispatcher : public Cutting {
   /// Takes back a START of this run whose answer was lost: the knife never moved.
   ///
   /// @return false: it is none of these; its journal says what was sent
-  [[nodiscard]] bool take_back(const AttemptRow& attempt);
+  [[nodiscard]] bool revoke_start(const AttemptRow& attempt);
   /// What others ask of a job that is cut here.
-  void heed(const std::string& job);
+  void apply_remote_request(const std::string& job);
   [[nodiscard]] bool cutting() const { return !cuts_.empty(); }
 
  private:
-  [[nodiscard]] std::vector<Way> ways_to_arm(const JobRow& row, const ActionRequest* wanted);
-  [[nodiscard]] std::vector<Way> ways_of_armed(const JobRow& row);
+  [[nodiscard]] std::vector<NextAction> arm_actions(const JobRow& row, const ActionRequest* wanted);
+  [[nodiscard]] std::vector<NextAction> actions_when_armed(const JobRow& row);
   /// Whether what was armed is still valid.
   [[nodiscard]] bool arm_lives(const std::string& job);
   /// What is known of the blank in the cutter; nothing if it was never started.
@@ -125,8 +126,8 @@ class CutDispatcher : public Cutting {
   /// Takes note of what kept a journal from being written. True: it may be tried once more.
   [[nodiscard]] bool unwritten(const StoreFault& fault);
   void progressed(Cut& cut, const SessionProgress& progress);
-  void tell_progress(Cut& cut, const JobRow& row);
-  void tell_again();
+  void publish_progress(Cut& cut, const JobRow& row);
+  void repeat_progress();
   void record_pauses();
   void ended(const std::shared_ptr<Cut>& cut, const SessionEnd& end);
   [[nodiscard]] Answer<void> record_end(Cut& cut, const SessionEnd& end);

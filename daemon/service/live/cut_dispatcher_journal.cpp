@@ -180,7 +180,7 @@ Answer<std::shared_ptr<CutDispatcher::Cut>> CutDispatcher::prepare(const JobRow&
   // Arming it again would not help.
   const auto lost = [&](std::string detail) {
     Problem problem = JobRepository::conflict(row, std::move(detail));
-    problem.ways = {{std::string(name_of(JobAction::Cancel)), "{}"}};
+    problem.next_actions = {{std::string(name_of(JobAction::Cancel)), "{}"}};
     return tl::unexpected(std::move(problem));
   };
   if (!stored)
@@ -282,7 +282,7 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const Actio
     if (fault.kind() != FaultKind::Constraint) throw;
     Problem used = JobRepository::conflict(
         row, "this blank was started before; disarm it and use a new one with retry-sheet");
-    used.ways = {{std::string(name_of(JobAction::Disarm)), "{}"}};
+    used.next_actions = {{std::string(name_of(JobAction::Disarm)), "{}"}};
     return tl::unexpected(std::move(used));
   }
   parts_.jobs.take(row, Step::ToCutting, "");
@@ -430,27 +430,27 @@ void CutDispatcher::progressed(Cut& cut, const SessionProgress& progress) {
   });
   const std::int64_t now = parts_.store.monotonic();
   if (!noted || (!turned && now - cut.told_ms < kTellMs)) return;
-  tell_progress(cut, *shown_row);
+  publish_progress(cut, *shown_row);
 }
 
 // A cutter that says nothing for a while still gets its events: whoever watches sees that the
 // line is alive.
-void CutDispatcher::tell_again() {
+void CutDispatcher::repeat_progress() {
   const std::int64_t now = parts_.store.monotonic();
   for (const auto& [job, cut] : cuts_) {
     if (cut->over || cut->told.strokes == 0 || now - cut->told_ms < kTellAgainMs) continue;
     (void)parts_.store.look([&, one = cut.get()]() -> Answer<void> {
-      if (const Answer<JobRow> row = parts_.jobs.row(one->job)) tell_progress(*one, *row);
+      if (const Answer<JobRow> row = parts_.jobs.row(one->job)) publish_progress(*one, *row);
       return {};
     });
   }
 }
 
-void CutDispatcher::tell_progress(Cut& cut, const JobRow& row) {
+void CutDispatcher::publish_progress(Cut& cut, const JobRow& row) {
   const SessionProgress& progress = cut.told;
   const std::array<double, 2> left_s = parts_.jobs.shown(row).remaining_s;
   cut.told_ms = parts_.store.monotonic();
-  parts_.store.tell(
+  parts_.store.publish(
       {.seq = 0,
        .kind = "progress",
        .time = parts_.store.now(),

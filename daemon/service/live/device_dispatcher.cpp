@@ -81,10 +81,11 @@ Answer<void> DeviceDispatcher::take(const Principal& who, const DeviceRecord& de
       Problem busy{ProblemKind::StateConflict, id + " holds a sheet of job " + device.job};
       // What frees it: an armed sheet is taken back, a cut is given up.
       if (row)
-        busy.ways = {{.action = std::string(name_of(
-                          row->state == JobState::Armed ? JobAction::Disarm : JobAction::Cancel)),
-                      .body = "{}",
-                      .job = row->id}};
+        busy.next_actions = {
+            {.action = std::string(
+                 name_of(row->state == JobState::Armed ? JobAction::Disarm : JobAction::Cancel)),
+             .body = "{}",
+             .job = row->id}};
       return tl::unexpected(std::move(busy));
     }
     if (resetting_)
@@ -93,7 +94,7 @@ Answer<void> DeviceDispatcher::take(const Principal& who, const DeviceRecord& de
   } else if (request.action == "test-cut") {
     if (const auto there = parts_.devices.usable(id); !there) {
       Problem unusable = there.error();
-      unusable.ways = parts_.devices.cures(id);
+      unusable.next_actions = parts_.devices.remedies(id);
       return tl::unexpected(std::move(unusable));
     }
     const Answer<Job> job = parts_.jobs.create_test(who, id, request.material);

@@ -49,11 +49,11 @@ bool FleetWatch::has_own_life() const {
 void FleetWatch::begin_life() {
   has_begun_ = false;
   lease_.begin();
-  tell_generation();
-  parts_.store.begin_news();
+  log_generation();
+  parts_.store.begin_delivery();
   // A START that had no answer before another database took over.
   for (const AttemptRow& open : parts_.jobs.attempts().open())
-    if (!parts_.dispatcher.cuts(open.id)) (void)parts_.dispatcher.take_back(open);
+    if (!parts_.dispatcher.cuts(open.id)) (void)parts_.dispatcher.revoke_start(open);
   if (const Answer<void> recovered =
           recover(parts_.store, parts_.jobs, parts_.intents,
                   [this](const std::string& attempt) { return parts_.dispatcher.cuts(attempt); });
@@ -74,7 +74,7 @@ void FleetWatch::begin_life() {
 }
 
 // A timeline, and when a node last saw that the database is an earlier one.
-void FleetWatch::tell_generation() const {
+void FleetWatch::log_generation() const {
   const std::string &before = lease_.generation_before(), &now = lease_.generation();
   if (before.empty() || before == now) return;
   const auto same = [&](std::size_t from, std::size_t to) {
@@ -98,7 +98,7 @@ void FleetWatch::note(const StoreFault& fault) {
 void FleetWatch::tick() {
   if (has_left_) return;  // what was ended in order must not begin again before the process ends
   try {
-    lease_.saw(parts_.store.heard());
+    lease_.saw(parts_.store.last_delivered());
     if (!has_begun_) return begin_life();
     const std::int64_t now = parts_.store.monotonic();
     const auto between_ms = static_cast<std::int64_t>(parts_.options.fleet.beat_s * 1000);
@@ -107,8 +107,8 @@ void FleetWatch::tick() {
       beat_ms_ = now;
       beat();
     }
-    if (has_begun_) parts_.store.hear_news();
-    lease_.saw(parts_.store.heard());
+    if (has_begun_) parts_.store.deliver_new_events();
+    lease_.saw(parts_.store.last_delivered());
   } catch (const StoreFault& fault) {
     // Another popcutd has begun in this one's name, or the database is away.
     if (fault.kind() == FaultKind::Refused) has_begun_ = false;
@@ -136,7 +136,8 @@ void FleetWatch::beat() {
 void FleetWatch::settle() {
   in_doubt_ = false;
   for (const AttemptRow& open : parts_.jobs.attempts().open())
-    if (!parts_.dispatcher.cuts(open.id) && !parts_.dispatcher.take_back(open)) return begin_life();
+    if (!parts_.dispatcher.cuts(open.id) && !parts_.dispatcher.revoke_start(open))
+      return begin_life();
 }
 
 void FleetWatch::close_lost_nodes() {

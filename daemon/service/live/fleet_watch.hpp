@@ -46,7 +46,7 @@ class FleetWatch {
  private:
   [[nodiscard]] bool has_own_life() const;
   void begin_life();
-  void tell_generation() const;
+  void log_generation() const;
   void settle();
   void beat();
   void close_lost_nodes();

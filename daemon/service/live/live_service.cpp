@@ -101,7 +101,7 @@ struct Parts {
     };
     plans.ended = [this](const std::string& plan) { jobs.plan_ended(plan); };
     jobs.live = [this](const std::string& job) { return dispatcher.live(job); };
-    jobs.ways = [this](const JobRow& row) { return dispatcher.ways(row); };
+    jobs.next_actions = [this](const JobRow& row) { return dispatcher.next_actions(row); };
     jobs.knows_place = [this](const JobRow& row) {
       return dispatcher.knows_place(row, row.requested_device);
     };
@@ -186,7 +186,7 @@ class AssembledService final : private PartsHolder, public Operations, public Li
     parts_.plans.stop();
     parts_.searches.stop();
   }
-  void hear_fleet(const std::string& news) override;
+  void on_fleet_notice(const std::string& news) override;
   void leave_fleet() override {
     if (parts_.fleet) parts_.fleet->end();
   }
@@ -206,8 +206,8 @@ class AssembledService final : private PartsHolder, public Operations, public Li
   Answer<void> begin_alone();
   Answer<void> begin_in_fleet();
   void share_again();
-  void heed(const Event& event);
-  void heed_rest();
+  void on_remote_event(const Event& event);
+  void after_remote_events();
   void prune();
   [[nodiscard]] Answer<void> may_copy(const Principal& who) const;
   void in_slices(const char* name, std::function<Answer<bool>()> step,
@@ -250,8 +250,8 @@ Answer<void> AssembledService::begin_in_fleet() {
     parts_.searches.pump();
     share_again();
   };
-  parts_.store.on_others = [this](const Event& event) { heed(event); };
-  parts_.store.on_others_heard = [this] { heed_rest(); };
+  parts_.store.on_remote_event = [this](const Event& event) { on_remote_event(event); };
+  parts_.store.after_remote_events = [this] { after_remote_events(); };
   return parts_.fleet->begin();
 }
 
@@ -270,10 +270,10 @@ void AssembledService::share_again() {
 }
 
 // What another node did may concern what this one is doing.
-void AssembledService::heed(const Event& event) {
+void AssembledService::on_remote_event(const Event& event) {
   if (event.kind == "device") others_changed_ = true;
   if (event.kind == "job") {
-    parts_.dispatcher.heed(event.job);
+    parts_.dispatcher.apply_remote_request(event.job);
     const bool is_over = event.data.find(R"("state":"cancelled")") != std::string::npos;
     if (event.data.find(R"("state":"queued")") != std::string::npos) others_queued_ = true;
     if (is_over)
@@ -284,7 +284,7 @@ void AssembledService::heed(const Event& event) {
   }
 }
 
-void AssembledService::heed_rest() {
+void AssembledService::after_remote_events() {
   if (std::exchange(others_changed_, false))
     (void)parts_.store.look([&]() -> Answer<void> {
       parts_.registry.load_others();
@@ -293,12 +293,12 @@ void AssembledService::heed_rest() {
   if (std::exchange(others_queued_, false)) parts_.plans.pump();
 }
 
-void AssembledService::hear_fleet(const std::string& news) {
+void AssembledService::on_fleet_notice(const std::string& news) {
   name_turn("news of the fleet");
   if (!parts_.fleet) return;
-  if (news == kAccessNews) return parts_.tokens.changed_elsewhere();
+  if (news == kAccessChanged) return parts_.tokens.changed_elsewhere();
   try {
-    parts_.store.hear_news();
+    parts_.store.deliver_new_events();
   } catch (const StoreFault& fault) {
     parts_.store.note(fault);
   }

@@ -20,8 +20,8 @@ class LiveService : public Service {
   /// Cuts that end from now on do so because popcutd stops: interrupted, reason `shutdown`. No new
   /// cut begins. Then `Cutters::stop_all`, from any thread but the service's.
   virtual void stopping() = 0;
-  /// In a fleet: another node told this one something (`kAccessNews`, else: there are events).
-  virtual void hear_fleet(const std::string& news) = 0;
+  /// In a fleet: another node told this one something (`kAccessChanged`, else: there are events).
+  virtual void on_fleet_notice(const std::string& news) = 0;
   /// In a fleet: ends this node in order. After the cuts have ended.
   virtual void leave_fleet() = 0;
   /// Periodic work: expired arms, old rows, the disk. `make_service` calls it once

@@ -341,7 +341,7 @@ Answer<void> DeviceRegistry::usable(const std::string& id) const {
   return {};
 }
 
-std::vector<Way> DeviceRegistry::cures(const std::string& id) const {
+std::vector<NextAction> DeviceRegistry::remedies(const std::string& id) const {
   const auto found = entries_.find(id);
   if (found == entries_.end()) return {};
   if (!found->second.record.enabled) return {{.action = "enable", .body = "{}", .device = id}};

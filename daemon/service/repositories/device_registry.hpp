@@ -54,7 +54,7 @@ class DeviceRegistry {
   /// Changes whenever the device has been away: what was in it may have moved.
   [[nodiscard]] std::string session_of(const std::string& id) const;
 
-  /// Whether a plan for this device would cure why that one cannot be cut on it.
+  /// Whether a plan for this device would remedy why that one cannot be cut on it.
   [[nodiscard]] bool wants_own_plan(const std::string& id, const PlanRow& plan) const;
   /// Why a plan cannot be cut on a device for a job of that site (empty: any); empty: it can.
   [[nodiscard]] std::string misfit(const std::string& id, const PlanRow& plan,
@@ -66,7 +66,7 @@ class DeviceRegistry {
   [[nodiscard]] Answer<void> usable(const std::string& id) const;
   /// What makes a device usable again, as far as popcutd can: empty if it is usable, or if a person
   /// must plug it in.
-  [[nodiscard]] std::vector<Way> cures(const std::string& id) const;
+  [[nodiscard]] std::vector<NextAction> remedies(const std::string& id) const;
 
   /// In a transaction.
   void set_enabled(const std::string& id, bool enabled);

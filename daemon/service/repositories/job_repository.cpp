@@ -182,7 +182,7 @@ void JobRepository::plan_is_at(const std::string& plan, const PlanningPhase& pha
   constexpr int kMostTold = 20;  // jobs of one plan
   (void)parts_.store.look([&]() -> Answer<void> {
     for (const JobRow& row : jobs_.waiting_for(plan, JobState::Planning, kMostTold))
-      parts_.store.tell(
+      parts_.store.publish(
           {.seq = 0,
            .kind = "progress",
            .time = parts_.store.now(),
@@ -395,9 +395,9 @@ Answer<void> JobRepository::check_site(const JobRow& row, const JobPatch& reques
   JobRow there = row;
   there.requested_device = device;
   if (!request.site)
-    problem.ways = {way_to_change(there, device, request.plan_again)};
+    problem.next_actions = {change_action(there, device, request.plan_again)};
   else if (row.segment == 1)
-    problem.ways = {
+    problem.next_actions = {
         {"change", fmt::format(R"({{"device":"","site":{}{}}})", json_text(*request.site),
                                request.plan_again ? R"(,"plan_again":true)" : "")}};
   return tl::unexpected(std::move(problem));
@@ -432,7 +432,7 @@ Answer<Job> JobRepository::patch(const Principal& who, const std::string& id, st
                                           "another plan"));
     if (request.device && !request.device->empty()) {
       const auto with_others = [&](Problem problem) {
-        problem.ways = other_devices(*row);
+        problem.next_actions = other_devices(*row);
         return tl::unexpected(std::move(problem));
       };
       if (!parts_.devices.find(*request.device))
@@ -444,9 +444,9 @@ Answer<Job> JobRepository::patch(const Principal& who, const std::string& id, st
               plan && !request.plan_again ? parts_.devices.misfit(*request.device, *plan, "") : "";
           !why.empty()) {
         Problem problem = invalid_value("/device", "value", why);
-        problem.ways = other_devices(*row);
-        if (auto way = way_to_plan_again(*row, *request.device, *plan))
-          problem.ways.insert(problem.ways.begin(), std::move(*way));
+        problem.next_actions = other_devices(*row);
+        if (auto action = plan_again_action(*row, *request.device, *plan))
+          problem.next_actions.insert(problem.next_actions.begin(), std::move(*action));
         return tl::unexpected(std::move(problem));
       }
     }

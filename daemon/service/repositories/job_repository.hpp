@@ -55,11 +55,12 @@ class JobRepository : public Jobs {
   Answer<Job> patch(const Principal& who, const std::string& id, std::int64_t if_match,
                     const JobPatch& request) override;
   /// The request that plans a job for a device; nothing if the device or the job does not need it.
-  [[nodiscard]] std::optional<Way> way_to_plan_again(const JobRow& row, const std::string& device,
-                                                     const PlanRow& plan);
+  [[nodiscard]] std::optional<NextAction> plan_again_action(const JobRow& row,
+                                                            const std::string& device,
+                                                            const PlanRow& plan);
   /// The request that makes a job one for that device, where it stands.
-  [[nodiscard]] Way way_to_change(const JobRow& row, const std::string& device,
-                                  bool plan_again = false) const;
+  [[nodiscard]] NextAction change_action(const JobRow& row, const std::string& device,
+                                         bool plan_again = false) const;
   Answer<void> remove(const Principal& who, const std::string& id) override;
   Answer<Page<Job>> queue(const std::string& device, const PageRequest& request) override;
   Answer<Job> hold(const Principal& who, const std::string& id, bool held) override;
@@ -114,9 +115,9 @@ class JobRepository : public Jobs {
   /// What a running cut knows; set by the dispatcher of cuts.
   std::function<const LiveCut*(const std::string& job)> live{};
   /// Complete requests that pass now.
-  std::function<std::vector<Way>(const JobRow&)> ways{};
+  std::function<std::vector<NextAction>(const JobRow&)> next_actions{};
   /// The same, each with the job's id, for those who did not ask about this job.
-  [[nodiscard]] std::vector<Way> ways_of(const JobRow& row) const;
+  [[nodiscard]] std::vector<NextAction> next_actions_of(const JobRow& row) const;
   /// Whether the sheet that a job continues with is still where it was registered; set
   /// likewise.
   std::function<bool(const JobRow&)> knows_place{};
@@ -125,7 +126,7 @@ class JobRepository : public Jobs {
   /// The problem with complete requests that pass now.
   [[nodiscard]] tl::unexpected<Problem> refused(const JobRow& row, Problem problem) const;
   /// The devices that a job could change to.
-  [[nodiscard]] std::vector<Way> other_devices(const JobRow& row) const;
+  [[nodiscard]] std::vector<NextAction> other_devices(const JobRow& row) const;
   [[nodiscard]] bool lost_its_place(const JobRow& row) const;
   [[nodiscard]] std::string warnings_of(const JobRow& row) const;
   [[nodiscard]] std::vector<std::string> actions_of(const JobRow& row) const;

@@ -23,14 +23,15 @@ std::vector<Warning> JobRepository::choice_warnings(const std::string& material,
                                   choice.device, choice.machine, fmt::join(choice.others, ", "))}};
 }
 
-std::optional<Way> JobRepository::way_to_plan_again(const JobRow& row, const std::string& device,
-                                                    const PlanRow& plan) {
+std::optional<NextAction> JobRepository::plan_again_action(const JobRow& row,
+                                                           const std::string& device,
+                                                           const PlanRow& plan) {
   if (!parts_.devices.wants_own_plan(device, plan) || !may_plan_again(row)) return std::nullopt;
-  return way_to_change(row, device, true);
+  return change_action(row, device, true);
 }
 
-Way JobRepository::way_to_change(const JobRow& row, const std::string& device,
-                                 bool plan_again) const {
+NextAction JobRepository::change_action(const JobRow& row, const std::string& device,
+                                        bool plan_again) const {
   const bool is_there = parts_.devices.wrong_site(device, row.site).empty();
   std::string members;
   if (is_there || plan_again || !row.requested_device.empty())

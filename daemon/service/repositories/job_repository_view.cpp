@@ -30,21 +30,21 @@ bool JobRepository::lost_its_place(const JobRow& row) const {
   return row.state == JobState::Ready && row.segment > 1 && knows_place && !knows_place(row);
 }
 
-std::vector<Way> JobRepository::ways_of(const JobRow& row) const {
-  std::vector<Way> all = ways ? ways(row) : std::vector<Way>{};
-  for (Way& way : all)
-    if (way.device.empty() && way.job.empty()) way.job = row.id;
+std::vector<NextAction> JobRepository::next_actions_of(const JobRow& row) const {
+  std::vector<NextAction> all = next_actions ? next_actions(row) : std::vector<NextAction>{};
+  for (NextAction& one : all)
+    if (one.device.empty() && one.job.empty()) one.job = row.id;
   return all;
 }
 
 tl::unexpected<Problem> JobRepository::refused(const JobRow& row, Problem problem) const {
-  if (problem.ways.empty()) problem.ways = ways_of(row);
+  if (problem.next_actions.empty()) problem.next_actions = next_actions_of(row);
   return tl::unexpected(std::move(problem));
 }
 
-std::vector<Way> JobRepository::other_devices(const JobRow& row) const {
+std::vector<NextAction> JobRepository::other_devices(const JobRow& row) const {
   constexpr std::size_t kMost = 3;
-  std::vector<Way> all;
+  std::vector<NextAction> all;
   const auto plan = const_cast<JobRepository*>(this)->parts_.plans.table().find(row.plan);
   if (!plan || row.segment > 1) return all;
   for (const std::string& id : parts_.devices.fitting(*plan, row.site))
@@ -245,8 +245,8 @@ Answer<Job> JobRepository::find(const std::string& id) {
       const bool may_go_on =
           found.state == JobState::Interrupted ||
           (found.state == JobState::Ready &&
-           (found.segment > 1 || !parts_.devices.cures(found.requested_device).empty()));
-      if (may_go_on && ways) job.ways = ways(found);
+           (found.segment > 1 || !parts_.devices.remedies(found.requested_device).empty()));
+      if (may_go_on && next_actions) job.next_actions = next_actions(found);
       return job;
     });
   });

@@ -177,7 +177,7 @@ class Recovery {
     if (!store_.in_fleet()) return;
     std::vector<std::string> ids;
     for (const auto& [attempt, trail] : trails_) ids.push_back(attempt);
-    for (const auto& [id, created] : jobs_.attempts().told(ids)) {
+    for (const auto& [id, created] : jobs_.attempts().known_among(ids)) {
       note_ended(id, created);
       trails_.erase(id);
     }

@@ -235,7 +235,7 @@ TEST_CASE("who is refused a resume learns all reasons and requests that pass", "
   const auto why = may_resume(runs, {.from_path = 5}, away).error();
   CHECK(why.find("re-registered") != std::string::npos);
   CHECK(why.find("paths 4..5 are in doubt") != std::string::npos);
-  const auto ways = ways_to_resume(runs, {.from_path = 5}, away);
+  const auto ways = possible_resumes(runs, {.from_path = 5}, away);
   REQUIRE(ways.size() == 2);
   CHECK(ways[0].from_path == 6);
   CHECK(ways[0].re_registered);
@@ -245,8 +245,8 @@ TEST_CASE("who is refused a resume learns all reasons and requests that pass", "
   CHECK(ways[1].accept_double_cut);
   CHECK_FALSE(ways[1].skip_in_doubt);
   // What was wanted comes first if more words make it right.
-  CHECK(ways_to_resume(runs, {.from_path = 0}, away).front().from_path == 0);
-  CHECK(ways_to_resume(runs, {.from_path = 99}, away).front().from_path == 6);
+  CHECK(possible_resumes(runs, {.from_path = 0}, away).front().from_path == 0);
+  CHECK(possible_resumes(runs, {.from_path = 99}, away).front().from_path == 6);
   // All of any: each passes, and nothing in it can be left out.
   std::mt19937 random(20261123);
   for (int round = 0; round < 2000; ++round) {
@@ -257,7 +257,7 @@ TEST_CASE("who is refused a resume learns all reasons and requests that pass", "
     const auto mixed = merged_fates(strokes, {given});
     const ResumeFacts facts{.strokes = strokes, .same_device_session = random() % 2 == 0};
     const ResumeRequest wanted{.from_path = static_cast<std::int64_t>(random() % 14) - 1};
-    const auto all = ways_to_resume(mixed, wanted, facts);
+    const auto all = possible_resumes(mixed, wanted, facts);
     CAPTURE(round, strokes, wanted.from_path);
     if (may_resume(mixed, wanted, facts)) CHECK(all.front().from_path == wanted.from_path);
     for (const ResumeRequest& way : all) {

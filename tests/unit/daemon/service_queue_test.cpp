@@ -341,9 +341,9 @@ TEST_CASE("a job for a site is cut only by cutters that stand there", "[daemon][
   CHECK(refused.kind == ProblemKind::StateConflict);
   CHECK(refused.detail ==
         "sim:b is at site ground floor; the job is for site upstairs; change its site first");
-  REQUIRE_FALSE(refused.ways.empty());
-  CHECK(refused.ways.front().action == "change");
-  CHECK(refused.ways.front().body == R"({"site":"ground floor"})");
+  REQUIRE_FALSE(refused.next_actions.empty());
+  CHECK(refused.next_actions.front().action == "change");
+  CHECK(refused.next_actions.front().body == R"({"site":"ground floor"})");
 
   const auto patch = [&](const JobPatch& wanted) {
     return bench.on([&](LiveService& s) {
@@ -352,8 +352,8 @@ TEST_CASE("a job for a site is cut only by cutters that stand there", "[daemon][
   };
   const Problem at_device = patch({.device = "sim:a"}).error();
   CHECK(at_device.errors.at(0).pointer == "/device");
-  REQUIRE(at_device.ways.size() == 1);
-  CHECK(at_device.ways.front().body == R"({"device":"sim:a","site":"ground floor"})");
+  REQUIRE(at_device.next_actions.size() == 1);
+  CHECK(at_device.next_actions.front().body == R"({"device":"sim:a","site":"ground floor"})");
   CHECK(patch({.site = std::string(257, 'x')}).error().errors.at(0).pointer == "/site");
   CHECK(patch({.site = "a\nb"}).error().errors.at(0).pointer == "/site");
   const auto list = [&](const std::string& site) {
@@ -368,8 +368,8 @@ TEST_CASE("a job for a site is cut only by cutters that stand there", "[daemon][
   CHECK(bench.job(job.id).warnings == "[]");
   const Problem at_site = patch({.site = "upstairs"}).error();
   CHECK(at_site.errors.at(0).pointer == "/site");
-  REQUIRE(at_site.ways.size() == 1);
-  CHECK(at_site.ways.front().body == R"({"device":"","site":"upstairs"})");
+  REQUIRE(at_site.next_actions.size() == 1);
+  CHECK(at_site.next_actions.front().body == R"({"device":"","site":"upstairs"})");
   CHECK(queue(bench, "sim:a").size() == 2);
   CHECK(bench.act(job.id, JobAction::Arm)->device == "sim:a");
   CHECK(patch({.site = ""}).error().kind == ProblemKind::StateConflict);
@@ -434,8 +434,8 @@ TEST_CASE("a job for a site without cutters is planned for those that there are"
   bench.cutters.plug("sim:z", "idle", "cameo4");
   bench.on([](LiveService& s) { s.tick(); });
   const Problem refused = bench.act(job.id, {.action = JobAction::Arm, .device = "sim:z"}).error();
-  REQUIRE_FALSE(refused.ways.empty());
-  CHECK(refused.ways.front().body == R"({"device":"sim:z","site":"","plan_again":true})");
+  REQUIRE_FALSE(refused.next_actions.empty());
+  CHECK(refused.next_actions.front().body == R"({"device":"sim:z","site":"","plan_again":true})");
 }
 
 TEST_CASE("a test cut is armed by a person like any other job", "[daemon][service]") {

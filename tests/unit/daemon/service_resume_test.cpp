@@ -194,7 +194,7 @@ TEST_CASE("a job paused on a disabled cutter waits until it is enabled", "[daemo
 }
 
 // A request from its words in the answer.
-ActionRequest request_of(const Way& way) {
+ActionRequest request_of(const NextAction& way) {
   const auto body = nlohmann::json::parse(way.body);
   ActionRequest request{.action = job_action_from(way.action).value()};
   if (body.contains("sheet")) request.sheet = body.at("sheet").get<int>();
@@ -232,19 +232,19 @@ TEST_CASE("a refused action names complete requests and each of them passes", "[
     if (wrong == ConfirmResult) request.good = true;
     const Problem refused = act(request).error();
     CAPTURE(refused.detail);
-    REQUIRE_FALSE(refused.ways.empty());
-    count = refused.ways.size();
-    CAPTURE(refused.ways[k].action, refused.ways[k].body);
+    REQUIRE_FALSE(refused.next_actions.empty());
+    count = refused.next_actions.size();
+    CAPTURE(refused.next_actions[k].action, refused.next_actions[k].body);
     // The job itself says the same.
-    CHECK_FALSE(shown(bench, lost).ways.empty());
-    const auto passed = act(request_of(refused.ways[k]));
+    CHECK_FALSE(shown(bench, lost).next_actions.empty());
+    const auto passed = act(request_of(refused.next_actions[k]));
     CHECK(passed);
-    if (refused.ways[k].action != "resume-from" || !passed) continue;
+    if (refused.next_actions[k].action != "resume-from" || !passed) continue;
     // So does the next step.
     const Problem next = act({.action = Start}).error();
-    REQUIRE_FALSE(next.ways.empty());
-    CHECK(next.ways.front().action == "arm");
-    CHECK(act(request_of(next.ways.front())));
+    REQUIRE_FALSE(next.next_actions.empty());
+    CHECK(next.next_actions.front().action == "arm");
+    CHECK(act(request_of(next.next_actions.front())));
   }
 }
 

@@ -163,11 +163,11 @@ TEST_CASE("a job says whether it is a test cut, and a brief answer has no ways",
   });
   CHECK(bench.job(device.test_job).is_test);
   const Job torn = broken(bench);
-  CHECK_FALSE(torn.ways.empty());
+  CHECK_FALSE(torn.next_actions.empty());
   const auto brief = [&](const std::string& id) {
     return bench.on([&](LiveService& s) { return s.jobs.brief(id); });
   };
-  CHECK(brief(torn.id)->ways.empty());
+  CHECK(brief(torn.id)->next_actions.empty());
   CHECK(brief(torn.id)->rev == torn.rev);
   CHECK(brief("01JD0000000000000000000000").error().kind == ProblemKind::NotFound);
 }

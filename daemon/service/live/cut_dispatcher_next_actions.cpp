@@ -11,7 +11,7 @@
 namespace popcut::daemon {
 namespace {
 
-Way resume_way(const ResumeRequest& one) {
+NextAction resume_action(const ResumeRequest& one) {
   std::string body = fmt::format(R"({{"from_path":{},"registration":"{}")", one.from_path,
                                  one.re_registered ? "re-registered" : "kept");
   if (one.skip_in_doubt) body += R"(,"skip_in_doubt":true)";
@@ -55,35 +55,36 @@ bool CutDispatcher::arm_lives(const std::string& job) {
 }
 
 // Arms as they pass now; else what makes a device ready for it.
-std::vector<Way> CutDispatcher::ways_to_arm(const JobRow& row, const ActionRequest* wanted) {
+std::vector<NextAction> CutDispatcher::arm_actions(const JobRow& row, const ActionRequest* wanted) {
   const auto plan = parts_.plans.table().find(row.plan);
   const auto sheet = parts_.jobs.current_sheet(row);
   if (!plan || plan->state != PlanState::Planned || !sheet || sheet->index_sha256.empty() ||
       !parts_.intents.why_blocked(row.id).empty())
     return {{std::string(name_of(JobAction::Cancel)), "{}"}};
   const DeviceRegistry& devices = parts_.devices;
-  std::vector<Way> others, as_wanted;
+  std::vector<NextAction> others, as_wanted;
   std::vector<std::string> free, busy;
   for (const DeviceRecord& device : devices.list()) {
     const bool usable = devices.usable(device.id).has_value();
     const bool is_wanted = wanted != nullptr && wanted->device == device.id;
     if (!devices.misfit(device.id, *plan, "").empty()) {
-      if (auto way = usable ? parts_.jobs.way_to_plan_again(row, device.id, *plan) : std::nullopt)
-        (is_wanted ? as_wanted : others).push_back(std::move(*way));
+      if (auto action =
+              usable ? parts_.jobs.plan_again_action(row, device.id, *plan) : std::nullopt)
+        (is_wanted ? as_wanted : others).push_back(std::move(*action));
       continue;
     }
     const bool taken = parts_.jobs.table().on_device(device.id).has_value();
     const bool is_for_other = !row.requested_device.empty() && row.requested_device != device.id;
     if (is_for_other || !devices.wrong_site(device.id, row.site).empty()) {
       if (!usable || taken || (row.segment > 1 && is_for_other)) continue;
-      (is_wanted ? as_wanted : others).push_back(parts_.jobs.way_to_change(row, device.id));
+      (is_wanted ? as_wanted : others).push_back(parts_.jobs.change_action(row, device.id));
     } else if (usable) {
       (taken ? busy : free).push_back(device.id);
     } else {
-      for (Way& cure : devices.cures(device.id)) others.push_back(std::move(cure));
+      for (NextAction& remedy : devices.remedies(device.id)) others.push_back(std::move(remedy));
     }
   }
-  std::vector<Way> all = as_wanted;
+  std::vector<NextAction> all = as_wanted;
   for (const std::string& id : free)
     all.push_back({std::string(name_of(JobAction::Arm)),
                    fmt::format(R"({{"sheet":{},"blank":{}{}}})", row.sheet, row.blank,
@@ -96,7 +97,7 @@ std::vector<Way> CutDispatcher::ways_to_arm(const JobRow& row, const ActionReque
   for (const std::string& id : busy)
     if (const auto holder = parts_.jobs.table().on_device(id);
         holder && holder->state != JobState::Cutting) {
-      const std::vector<Way> theirs = parts_.jobs.ways_of(*holder);
+      const std::vector<NextAction> theirs = parts_.jobs.next_actions_of(*holder);
       all.insert(all.end(), theirs.begin(), theirs.end());
     }
   all.insert(all.end(), others.begin(), others.end());
@@ -104,8 +105,8 @@ std::vector<Way> CutDispatcher::ways_to_arm(const JobRow& row, const ActionReque
 }
 
 // Start, unless it would be refused: then what helps.
-std::vector<Way> CutDispatcher::ways_of_armed(const JobRow& row) {
-  const Way disarm{std::string(name_of(JobAction::Disarm)), "{}"};
+std::vector<NextAction> CutDispatcher::actions_when_armed(const JobRow& row) {
+  const NextAction disarm{std::string(name_of(JobAction::Disarm)), "{}"};
   const auto plan = parts_.plans.table().find(row.plan);
   const bool may = arm_lives(row.id) && plan && parts_.devices.usable(row.device) &&
                    parts_.devices.misfit(row.device, *plan, row.site).empty() &&
@@ -113,13 +114,14 @@ std::vector<Way> CutDispatcher::ways_of_armed(const JobRow& row) {
   if (may && !row.held)
     return {{std::string(name_of(JobAction::Start)), fmt::format("{{\"sheet\":{}}}", row.sheet)},
             disarm};
-  std::vector<Way> all = parts_.devices.cures(row.device);
+  std::vector<NextAction> all = parts_.devices.remedies(row.device);
   all.push_back(disarm);
   return all;
 }
 
-std::vector<Way> CutDispatcher::ways(const JobRow& row, const ActionRequest* wanted) {
-  std::vector<Way> all;
+std::vector<NextAction> CutDispatcher::next_actions(const JobRow& row,
+                                                    const ActionRequest* wanted) {
+  std::vector<NextAction> all;
   const std::string sheet = fmt::format("{{\"sheet\":{}}}", row.sheet);
   const std::vector<JobAction> allowed = allowed_actions(JobRepository::facts_of(row));
   const auto may = [&](JobAction action) {
@@ -130,31 +132,31 @@ std::vector<Way> CutDispatcher::ways(const JobRow& row, const ActionRequest* wan
   };
   if (row.held && !is_terminal(row.state))
     all.push_back({"release", fmt::format("{{\"job\":\"{}\"}}", row.id)});
-  const auto append = [&](const std::vector<Way>& more) {
+  const auto append = [&](const std::vector<NextAction>& more) {
     all.insert(all.end(), more.begin(), more.end());
   };
-  if (row.state == JobState::Armed) append(ways_of_armed(row));
+  if (row.state == JobState::Armed) append(actions_when_armed(row));
   if (may(JobAction::Resume)) {
-    const std::vector<Way> cures = parts_.devices.cures(row.device);
+    const std::vector<NextAction> remedies = parts_.devices.remedies(row.device);
     const auto device = parts_.devices.find(row.device);
     if (device && !device->enabled)
-      append(cures);
+      append(remedies);
     else
       add(JobAction::Resume, "{}");
   }
   if (row.state == JobState::Cutting) add(JobAction::Pause, "{}");
   if (row.state == JobState::Ready && may(JobAction::Arm) && knows_place(row, row.requested_device))
-    append(ways_to_arm(row, wanted));
+    append(arm_actions(row, wanted));
   const bool interrupted = row.state == JobState::Interrupted;
-  if (interrupted) append(parts_.devices.cures(row.device));
+  if (interrupted) append(parts_.devices.remedies(row.device));
   const std::optional<ResumeState> state =
       may(JobAction::ResumeFrom) ? resume_state(row) : std::nullopt;
   if (state) {
     ResumeRequest request{.from_path = row.state == JobState::Ready ? row.first_stroke : -1};
     if (wanted != nullptr && wanted->from_path) request.from_path = *wanted->from_path;
     if (wanted != nullptr) request.re_registered = wanted->registration == "re-registered";
-    for (const ResumeRequest& one : ways_to_resume(state->runs, request, state->facts))
-      all.push_back(resume_way(one));
+    for (const ResumeRequest& one : possible_resumes(state->runs, request, state->facts))
+      all.push_back(resume_action(one));
   }
   if (interrupted || row.segment > 1) add(JobAction::RetrySheet, sheet);
   const bool whole =
