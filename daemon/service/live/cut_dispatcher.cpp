@@ -6,8 +6,6 @@
 #include <fmt/format.h>
 
 #include "daemon/model/warnings.hpp"
-#include "daemon/service/live/running_cut.hpp"
-#include "daemon/service/repositories/recovery.hpp"
 #include "daemon/service/repositories/reports.hpp"
 
 namespace popcut::daemon {
@@ -46,115 +44,113 @@ std::string why_none(const DeviceRegistry& devices, const PlanRow& plan, const s
 
 }  // namespace
 
-Answer<void> CutDispatcher::check_words(const JobRow& row, const ActionRequest& request) const {
+Answer<void> CutDispatcher::check_members(const JobRow& row, const ActionRequest& request) const {
   if (needs_sheet(request.action) && !request.sheet)
     return tl::unexpected(invalid_value("/sheet", "missing", fmt::format("must be {}", row.sheet)));
   if (const auto fine = check_text(request.reason, 2000, "/reason"); !fine)
     return tl::unexpected(fine.error());
   if (request.action == JobAction::ConfirmResult && !request.good)
     return tl::unexpected(invalid_value("/good", "missing", "must be true or false"));
-  if (request.action != JobAction::ResumeFrom) return {};
-  if (!request.from_path)
-    return tl::unexpected(invalid_value("/from_path", "missing", "must be a path"));
-  if (request.registration != "kept" && request.registration != "re-registered")
-    return tl::unexpected(invalid_value("/registration",
-                                        request.registration.empty() ? "missing" : "value",
-                                        "must be \"kept\" or \"re-registered\""));
+  if (request.action == JobAction::ResumeFrom) {
+    if (!request.from_path)
+      return tl::unexpected(invalid_value("/from_path", "missing", "must be a path"));
+    if (request.registration != "kept" && request.registration != "re-registered")
+      return tl::unexpected(invalid_value("/registration",
+                                          request.registration.empty() ? "missing" : "value",
+                                          "must be \"kept\" or \"re-registered\""));
+  }
+  if (request.sheet && *request.sheet != row.sheet)
+    return tl::unexpected(JobRepository::conflict(
+        row, fmt::format("the current sheet is {}, not {}", row.sheet, *request.sheet)));
+  if (request.blank && *request.blank != row.blank)
+    return tl::unexpected(JobRepository::conflict(
+        row, fmt::format("the current blank is {}, not {}", row.blank, *request.blank)));
   return {};
 }
 
 Answer<Job> CutDispatcher::act(const Principal& who, const std::string& id, std::int64_t if_match,
                                const ActionRequest& request) {
-  JobRepository& jobs = parts_.jobs;
-  const bool to_the_knife =
+  const bool stops_knife =
       request.action == JobAction::Pause || request.action == JobAction::Cancel;
   try {
     // Not const: it is moved out, since a copy of an Answer ends the program without memory.
     Answer<Job> done = parts_.store.change([&]() -> Answer<Job> {
-      Answer<JobRow> found = jobs.row(id);
-      if (!found) return tl::unexpected(found.error());
-      JobRow& row = *found;
-      const Role needed = role_for(request.action, row.owner == who.name);
+      Answer<JobRow> row = parts_.jobs.row(id);
+      if (!row) return tl::unexpected(row.error());
+      const Role needed = role_for(request.action, row->owner == who.name);
       if (who.role < needed)
         return refuse(
             ProblemKind::Forbidden,
             fmt::format("{} requires the role {}", name_of(request.action), name_of(needed)));
-      if (const auto fresh = JobRepository::check_rev(row, if_match); !fresh)
+      if (const auto fresh = JobRepository::check_rev(*row, if_match); !fresh)
         return tl::unexpected(fresh.error());
-      const JobRow before = row;
-      // Whoever is refused learns the whole request that is not.
-      const auto refused = [&](Problem problem) {
-        const bool writes = !parts_.store.degraded() && !stopping_;
-        if (problem.next_actions.empty() && writes)
-          problem.next_actions = next_actions(before, &request);
-        return tl::unexpected(std::move(problem));
-      };
-      if (step_of(JobRepository::facts_of(row), request.action) == Step::Refused)
-        return refused(JobRepository::conflict(
-            row, fmt::format("{} is not possible while the job is {}{}", name_of(request.action),
-                             row.held ? "held and " : "", name_of(row.state))));
-      if (const auto fine = check_words(row, request); !fine) return refused(fine.error());
-      if (request.sheet && *request.sheet != row.sheet)
-        return refused(JobRepository::conflict(
-            row, fmt::format("the current sheet is {}, not {}", row.sheet, *request.sheet)));
-      if (request.blank && *request.blank != row.blank)
-        return refused(JobRepository::conflict(
-            row, fmt::format("the current blank is {}, not {}", row.blank, *request.blank)));
-      const std::string detail = audit_detail(request, row);
-      const Answer<void> taken = [&]() -> Answer<void> {
-        switch (request.action) {
-          case JobAction::Arm:
-            return arm(who, row, request);
-          case JobAction::Disarm:
-            jobs.attempts().disarm(id);
-            parts_.programs.forget(id);
-            jobs.take(row, Step::ToReady, "disarmed");
-            return {};
-          case JobAction::Start:
-            return start(who, row, request);
-          case JobAction::Pause:
-            return pause(row);
-          case JobAction::Resume:
-            return resume(row);
-          case JobAction::Cancel:
-            return cancel(who, row, request);
-          case JobAction::ConfirmResult:
-            return confirm(row, request);
-          case JobAction::RetrySheet:
-            return retry(row);
-          case JobAction::SkipSheet:
-            jobs.finish_sheet(row, "skipped", "skipped");
-            return {};
-          case JobAction::ResumeFrom:
-            return resume_from(row, request);
-        }
-        return {};
-      }();
-      if (!taken) return refused(taken.error());
-      parts_.store.audit(who.name, name_of(request.action), id, detail);
-      return jobs.shown(row);
+      const JobRow before = *row;
+      Answer<Job> acted = act_on(who, *row, request);
+      // Whoever is refused gets complete requests that are not.
+      const bool may_write = !parts_.store.degraded() && !parts_.cuts.is_stopping();
+      if (!acted && acted.error().next_actions.empty() && may_write)
+        acted.error().next_actions = next_actions(before, &request);
+      return acted;
     });
-    const bool unwritten = !done && (done.error().kind == ProblemKind::DiskFull ||
-                                     done.error().kind == ProblemKind::Unavailable);
-    if (unwritten && to_the_knife) stop_unrecorded(who, id, request.action);
+    const bool is_unrecorded = !done && (done.error().kind == ProblemKind::DiskFull ||
+                                         done.error().kind == ProblemKind::Unavailable);
+    if (is_unrecorded && stops_knife) stop_unrecorded(who, id, request.action);
     return done;
   } catch (const StoreFault&) {
-    if (to_the_knife) stop_unrecorded(who, id, request.action);
+    if (stops_knife) stop_unrecorded(who, id, request.action);
     throw;
   }
 }
 
+Answer<Job> CutDispatcher::act_on(const Principal& who, JobRow& row, const ActionRequest& request) {
+  if (step_of(JobRepository::facts_of(row), request.action) == Step::Refused)
+    return tl::unexpected(JobRepository::conflict(
+        row, fmt::format("{} is not possible while the job is {}{}", name_of(request.action),
+                         row.held ? "held and " : "", name_of(row.state))));
+  if (const auto fine = check_members(row, request); !fine) return tl::unexpected(fine.error());
+  const std::string detail = audit_detail(request, row);
+  if (const auto changed = change(who, row, request); !changed)
+    return tl::unexpected(changed.error());
+  parts_.store.audit(who.name, name_of(request.action), row.id, detail);
+  return parts_.jobs.shown(row);
+}
+
+Answer<void> CutDispatcher::change(const Principal& who, JobRow& row,
+                                   const ActionRequest& request) {
+  switch (request.action) {
+    case JobAction::Arm:
+      return arm(who, row, request);
+    case JobAction::Disarm:
+      return disarm(row);
+    case JobAction::Start:
+      return start(who, row);
+    case JobAction::Pause:
+      return pause(row);
+    case JobAction::Resume:
+      return resume(row);
+    case JobAction::Cancel:
+      return cancel(who, row, request);
+    case JobAction::ConfirmResult:
+      return confirm(row, request);
+    case JobAction::RetrySheet:
+      return retry(row);
+    case JobAction::SkipSheet:
+      parts_.jobs.finish_sheet(row, "skipped", "skipped");
+      return {};
+    case JobAction::ResumeFrom:
+      return resume_from(row, request);
+  }
+  return {};
+}
+
 // Pausing and stopping are safe at any time, so they do not wait for the disk.
 void CutDispatcher::stop_unrecorded(const Principal& who, const std::string& id, JobAction action) {
-  const auto found = cuts_.find(id);
-  if (found == cuts_.end() || who.role < role_for(action, found->second->owner == who.name)) return;
-  if (action == JobAction::Pause) {
-    found->second->pause_asked = true;
-    parts_.cutters.pause(found->second->device);
-  } else {
-    found->second->cancel_asked = true;
-    parts_.cutters.cancel(found->second->device);
-  }
+  const Cut* const cut = parts_.cuts.of_job(id);
+  if (cut == nullptr || who.role < role_for(action, cut->owner == who.name)) return;
+  if (action == JobAction::Pause)
+    parts_.cuts.pause_unrecorded(id);
+  else
+    parts_.cuts.cancel(id, cut->attempt.device);
 }
 
 Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const ActionRequest& request,
@@ -204,8 +200,7 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
 Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionRequest& request) {
   if (const auto sound = parts_.store.accepts_arming(); !sound)
     return tl::unexpected(sound.error());
-  if (may_cut)
-    if (const auto may = may_cut(); !may) return tl::unexpected(may.error());
+  if (const auto may = parts_.cuts.may_cut(); !may) return tl::unexpected(may.error());
   const auto plan = parts_.plans.table().find(row.plan);
   if (!plan || plan->state != PlanState::Planned)
     return tl::unexpected(
@@ -232,14 +227,14 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
   if (const auto sheet = parts_.jobs.current_sheet(row))
     if (const auto here = parts_.plans.bring_sheet(row.plan, sheet->number); !here)
       return tl::unexpected(here.error());
-  if (const auto asked = asked_from_.find(row.id); asked != asked_from_.end() &&
-                                                   asked->second.segment == row.segment &&
-                                                   asked->second.first_stroke != row.first_stroke)
+  const auto known = next_.find(row.id);
+  const Waiting waiting = known == next_.end() ? Waiting{} : waiting_of(known->second);
+  if (waiting.resume_at && waiting.resume_at->segment == row.segment &&
+      waiting.resume_at->first_stroke != row.first_stroke)
     return tl::unexpected(JobRepository::conflict(
-        row,
-        fmt::format("this sheet would go on from path {}, but a person asked here for path {}; "
-                    "use a new blank with retry-sheet",
-                    row.first_stroke, asked->second.first_stroke)));
+        row, fmt::format("this sheet would resume at path {}, but a person asked here for path {}; "
+                         "use a new blank with retry-sheet",
+                         row.first_stroke, waiting.resume_at->first_stroke)));
   row.device = *device;
   row.operator_name = who.name;
   parts_.jobs.take(row, Step::ToArmed, "");
@@ -251,13 +246,22 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
                               .operator_name = who.name,
                               .armed = parts_.store.now(),
                               .invocation = parts_.store.invocation()});
-  const std::int64_t until = parts_.store.monotonic() + parts_.options.arm_s * 1000;
-  parts_.store.after_commit([this, id = row.id, until, segment = row.segment,
-                             first = row.first_stroke, folder = parts_.plans.folder_of(row.plan),
+  const Armed armed{.until_ms = parts_.store.monotonic() + parts_.options.arm_s * 1000,
+                    .start = {row.segment, row.first_stroke},
+                    .waiting = waiting};
+  parts_.store.after_commit([this, id = row.id, armed, folder = parts_.plans.folder_of(row.plan),
                              sheet = parts_.jobs.current_sheet(row)] {
-    armed_here_[id] = {until, segment, first};
+    next_[id] = armed;
     if (sheet) parts_.programs.want(id, folder, sheet->number);
   });
+  return {};
+}
+
+Answer<void> CutDispatcher::disarm(JobRow& row) {
+  parts_.jobs.attempts().disarm(row.id);
+  parts_.programs.forget(row.id);
+  parts_.jobs.take(row, Step::ToReady, "disarmed");
+  parts_.store.after_commit([this, id = row.id] { forget_arm(id); });
   return {};
 }
 
@@ -282,8 +286,9 @@ Answer<void> CutDispatcher::accept_warnings(JobRow& row, const ActionRequest& re
 
 bool CutDispatcher::knows_place(const JobRow& row, const std::string& device) const {
   if (row.segment == 1) return true;
-  const auto placed = placed_.find(row.id);
-  return placed != placed_.end() && placed->second == parts_.devices.session_of(device);
+  const auto known = next_.find(row.id);
+  return known != next_.end() &&
+         waiting_of(known->second).placed_in == parts_.devices.session_of(device);
 }
 
 Answer<void> CutDispatcher::check_place(const JobRow& row, const std::string& device) const {
@@ -293,6 +298,120 @@ Answer<void> CutDispatcher::check_place(const JobRow& row, const std::string& de
                        "sheet again and use resume-from with registration \"re-registered\" from "
                        "path {}, or use a new blank with retry-sheet",
                        device, row.first_stroke)));
+}
+
+Answer<void> CutDispatcher::check_armed(const JobRow& row, const std::optional<PlanRow>& plan) {
+  const auto stored = parts_.jobs.attempts().armed(row.id);
+  const Armed* const here = valid_arm(row.id);
+  if (!stored || here == nullptr)
+    return tl::unexpected(JobRepository::conflict(row, "arming has expired; disarm and arm again"));
+  const bool is_same = plan && stored->sheet == row.sheet && stored->blank == row.blank &&
+                       here->start == CutStart{row.segment, row.first_stroke} &&
+                       stored->device == row.device && stored->plan_sha256 == plan->sha256;
+  if (is_same) return {};
+  return tl::unexpected(JobRepository::conflict(
+      row, "the armed sheet is not the one that would be cut; disarm and arm again"));
+}
+
+Answer<void> CutDispatcher::check_device(const JobRow& row, const PlanRow& plan) const {
+  if (const auto fine = parts_.devices.usable(row.device); !fine)
+    return tl::unexpected(fine.error());
+  if (const std::string why = parts_.devices.misfit(row.device, plan, row.site); !why.empty())
+    return tl::unexpected(JobRepository::conflict(
+        row, fmt::format("{} can no longer cut this: {}", row.device, why)));
+  if (const auto known = check_place(row, row.device); !known) return tl::unexpected(known.error());
+  const auto device = parts_.devices.find(row.device);
+  if (device->state == "idle" || device->state == "attention") return {};
+  return tl::unexpected(JobRepository::conflict(
+      row, fmt::format("{} is {}{}{}; start when it is idle", row.device, device->state,
+                       device->reasons.empty() ? "" : ": ", fmt::join(device->reasons, ", "))));
+}
+
+Answer<CutDispatcher::ReadySheet> CutDispatcher::ready_sheet(const JobRow& row) {
+  const auto sheet = parts_.jobs.current_sheet(row);
+  if (!sheet)
+    return tl::unexpected(JobRepository::conflict(row, "the job's plan has no such sheet"));
+  auto found = parts_.programs.find(row.id, parts_.plans.folder_of(row.plan), sheet->number);
+  if (!found) {
+    Problem reading{ProblemKind::Unavailable,
+                    "the program of this sheet is large and still being read; start again in a "
+                    "moment"};
+    reading.retry_after_s = 1;
+    return tl::unexpected(std::move(reading));
+  }
+  Result<ProgramShelf::Program>& stored = *found;
+  // Arming it again would not help.
+  const auto lost = [&](std::string detail) {
+    Problem problem = JobRepository::conflict(row, std::move(detail));
+    problem.next_actions = {{std::string(name_of(JobAction::Cancel)), "{}"}};
+    return tl::unexpected(std::move(problem));
+  };
+  if (!stored)
+    return lost("the stored program cannot be read; create the job again: " +
+                message(stored.error()));
+  // What was armed is what is cut: a stored program that changed is not.
+  EncodedProgram& program = stored->stored.program;
+  const bool is_same = stored->sha256 == sheet->program_sha256 &&
+                       stored->stored.index_sha256 == sheet->index_sha256 &&
+                       static_cast<int>(program.strokes.size()) == sheet->paths;
+  if (!is_same)
+    return lost("the stored program is not the one that was planned; create the job again");
+  return ReadySheet{*sheet, std::move(program)};
+}
+
+Answer<void> CutDispatcher::start(const Principal& who, JobRow& row) {
+  if (parts_.cuts.is_stopping()) return refuse(ProblemKind::Unavailable, "popcutd is stopping");
+  if (const auto here = check_node(row.device); !here) return tl::unexpected(here.error());
+  if (const auto may = parts_.cuts.may_cut(); !may) return tl::unexpected(may.error());
+  const std::optional<PlanRow> plan = parts_.plans.table().find(row.plan);
+  if (const auto armed = check_armed(row, plan); !armed) return tl::unexpected(armed.error());
+  if (const auto fine = check_device(row, *plan); !fine) return tl::unexpected(fine.error());
+  row.operator_name = who.name;
+  Answer<ReadySheet> sheet = ready_sheet(row);
+  if (!sheet) return tl::unexpected(sheet.error());
+  const TimeMs now = parts_.store.now();
+  auto cut = std::make_shared<Cut>();
+  cut->attempt = {.id = parts_.store.new_id(),
+                  .job = row.id,
+                  .sheet = row.sheet,
+                  .blank = row.blank,
+                  .segment = row.segment,
+                  .first_stroke = row.first_stroke,
+                  .strokes = static_cast<std::int64_t>(sheet->program.strokes.size()),
+                  .device = row.device,
+                  .device_session = parts_.devices.session_of(row.device),
+                  .operator_name = who.name,
+                  .plan_sha256 = plan->sha256,
+                  .invocation = parts_.store.invocation(),
+                  .created = now,
+                  .started = now};
+  cut->owner = row.owner;
+  cut->length_mm = sheet->plan.cut_mm + sheet->plan.fold_mm;
+  cut->dots = sheet->program.dots;
+  cut->marks = {.first = row.first_stroke,
+                .certain = row.first_stroke - 1,
+                .taken = row.first_stroke - 1,
+                .intended = row.first_stroke - 1};
+  CutOrder order{.attempt = cut->attempt.id,
+                 .device = row.device,
+                 .program = std::move(sheet->program),
+                 .area_mm = sheet->plan.area_mm,
+                 .first_stroke = row.first_stroke};
+  parts_.store.after_commit([this, id = row.id] {
+    next_.erase(id);
+    parts_.programs.forget(id);
+  });
+  try {
+    parts_.cuts.start(std::move(cut), std::move(order));
+  } catch (const StoreFault& fault) {
+    if (fault.kind() != FaultKind::Constraint) throw;
+    Problem used = JobRepository::conflict(
+        row, "this blank was started before; disarm it and use a new one with retry-sheet");
+    used.next_actions = {{std::string(name_of(JobAction::Disarm)), "{}"}};
+    return tl::unexpected(std::move(used));
+  }
+  parts_.jobs.take(row, Step::ToCutting, "");
+  return {};
 }
 
 Answer<void> CutDispatcher::pause(JobRow& row) {
@@ -305,9 +424,9 @@ Answer<void> CutDispatcher::pause(JobRow& row) {
 }
 
 Answer<void> CutDispatcher::resume(JobRow& row) {
-  if (stopping_) return refuse(ProblemKind::Unavailable, "popcutd is stopping");
+  if (parts_.cuts.is_stopping()) return refuse(ProblemKind::Unavailable, "popcutd is stopping");
   if (const auto here = check_node(row.device); !here) return tl::unexpected(here.error());
-  if (!cuts_.contains(row.id))
+  if (parts_.cuts.of_job(row.id) == nullptr)
     return tl::unexpected(JobRepository::conflict(row, "its cut has already ended"));
   if (const auto device = parts_.devices.find(row.device); !device || !device->enabled)
     return tl::unexpected(JobRepository::conflict(
@@ -320,7 +439,7 @@ Answer<void> CutDispatcher::resume(JobRow& row) {
     parts_.jobs.save(row);
   }
   parts_.store.after_commit([this, id = row.id, device = row.device] {
-    if (const auto cut = cuts_.find(id); cut != cuts_.end()) cut->second->pause_asked = false;
+    parts_.cuts.forget_pause(id);
     parts_.cutters.resume(device);
   });
   return {};
@@ -330,10 +449,8 @@ Answer<void> CutDispatcher::cancel(const Principal& who, JobRow& row,
                                    const ActionRequest& request) {
   const std::string reason = request.reason.empty() ? "cancelled by " + who.name : request.reason;
   if (row.state == JobState::Cutting || row.state == JobState::Paused) {
-    parts_.store.after_commit([this, id = row.id, device = row.device] {
-      if (const auto cut = cuts_.find(id); cut != cuts_.end()) cut->second->cancel_asked = true;
-      parts_.cutters.cancel(device);
-    });
+    parts_.store.after_commit(
+        [this, id = row.id, device = row.device] { parts_.cuts.cancel(id, device); });
     if (row.asked == "cancel") return {};
     row.asked = "cancel";
     row.reason = reason;
@@ -377,7 +494,7 @@ Answer<void> CutDispatcher::retry(JobRow& row) {
   row.first_stroke = 0;
   row.paths_certain = row.paths_sent = 0;
   parts_.jobs.take(row, Step::ToReady, "retry");
-  placed_.erase(row.id);
+  next_.erase(row.id);
   return {};
 }
 
@@ -401,10 +518,13 @@ Answer<void> CutDispatcher::resume_from(JobRow& row, const ActionRequest& reques
   row.segment = last->segment + 1;
   row.first_stroke = *request.from_path;
   row.requested_device = last->device;
-  placed_[row.id] = parts_.devices.session_of(last->device);
-  parts_.store.after_commit([this, id = row.id, from = AskedFrom{row.segment, row.first_stroke}] {
-    asked_from_[id] = from;
-  });
+  // At once, because the answer to this request says whether the place is known.
+  const std::string session = parts_.devices.session_of(last->device);
+  waiting_of(next_[row.id]).placed_in = session;
+  parts_.store.after_commit(
+      [this, id = row.id, session, at = CutStart{row.segment, row.first_stroke}] {
+        next_[id] = Waiting{.placed_in = session, .resume_at = at};
+      });
   parts_.jobs.take(row, Step::ToReady, "resume");
   return {};
 }
@@ -420,31 +540,27 @@ void CutDispatcher::lapse(const std::string& job, const std::string& reason) {
     parts_.jobs.take(*row, step_of(row->state, JobEvent::ArmLapses), reason);
     return {};
   });
-  // What could not be written is tried again; until then `start` looks at the time itself.
+  // What could not be written is tried again. Until then `valid_arm` looks at the time itself.
   if (!done) return;
-  armed_here_.erase(job);
+  forget_arm(job);
   parts_.programs.forget(job);
+}
+
+void CutDispatcher::forget_arm(const std::string& job) {
+  const auto found = next_.find(job);
+  if (found == next_.end() || !std::holds_alternative<Armed>(found->second)) return;
+  Waiting waiting = std::move(std::get<Armed>(found->second).waiting);
+  found->second = std::move(waiting);
 }
 
 void CutDispatcher::tick() {
   const std::int64_t now = parts_.store.monotonic();
   std::vector<std::string> over;
-  for (const auto& [job, arm] : armed_here_)
-    if (arm.until_ms <= now) over.push_back(job);
+  for (const auto& [job, next] : next_)
+    if (const auto* const armed = std::get_if<Armed>(&next);
+        armed != nullptr && armed->until_ms <= now)
+      over.push_back(job);
   for (const std::string& job : over) lapse(job, "arm_expired");
-  repeat_progress();
-  if (parts_.store.degraded()) return;
-  record_pauses();
-  std::vector<std::shared_ptr<Cut>> refused;
-  for (const auto& [job, cut] : cuts_)
-    if (cut->refusal) refused.push_back(cut);
-  for (const auto& cut : refused) record_refusal(cut);
-  // A cut that is held, or that the database missed, has no progress that would tell it.
-  for (const auto& [job, cut] : cuts_)
-    if (cut->unmarked) (void)intended(*cut, cut->marks.intended);
-  if (late_.empty()) return;
-  const std::vector<LateEnd> late = std::exchange(late_, {});
-  for (const LateEnd& one : late) ended(one.cut, one.end);
 }
 
 void CutDispatcher::devices_gone(const std::vector<std::string>& devices) {
@@ -463,100 +579,12 @@ Answer<void> CutDispatcher::check_node(const std::string& device) const {
   return {};
 }
 
-bool CutDispatcher::cuts(const std::string& attempt) const {
-  return std::any_of(cuts_.begin(), cuts_.end(),
-                     [&](const auto& one) { return one.second->attempt == attempt; });
-}
-
-std::string CutDispatcher::job_on(const std::string& device) const {
-  for (const auto& [job, cut] : cuts_)
-    if (cut->device == device) return job;
-  return {};
-}
-
 void CutDispatcher::forget_arms() {
-  for (const auto& [job, arm] : armed_here_) parts_.programs.forget(job);
-  armed_here_.clear();
-}
-
-// True: it goes on.
-bool CutDispatcher::take_up_one(Cut& cut) {
-  switch (take_up(parts_.jobs, cut.attempt, cut.phase == SessionPhase::Held)) {
-    case TakeUp::Goes:
-      return true;
-    case TakeUp::Superseded:
-      cut.superseded = true;
-      return false;
-    case TakeUp::Ended:
-      return false;
+  for (auto& [job, next] : next_) {
+    if (!std::holds_alternative<Armed>(next)) continue;
+    parts_.programs.forget(job);
+    forget_arm(job);
   }
-  return false;
-}
-
-void CutDispatcher::take_up_cuts() {
-  for (const auto& [job, cut] : cuts_) {
-    if (cut->over) continue;  // its end takes it up
-    const Answer<void> taken = parts_.store.change([&, one = cut.get()]() -> Answer<void> {
-      (void)take_up_one(*one);
-      return {};
-    });
-    if (!taken || !cut->superseded) continue;
-    parts_.store.log(
-        fmt::format("job {} sheet {}: while this node did not answer, somebody decided otherwise; "
-                    "the cut stops",
-                    cut->job, cut->sheet));
-    parts_.cutters.cancel(cut->device);
-  }
-}
-
-// What a person asked for while the database did not answer.
-void CutDispatcher::record_pauses() {
-  for (const auto& [job, cut] : cuts_)
-    if (cut->pause_asked && cut->phase == SessionPhase::Held && !cut->over)
-      progressed(*cut, SessionProgress(cut->told));
-}
-
-void CutDispatcher::doubt_start() {
-  if (!starting_.empty() && !cuts(starting_)) doubtful_.insert(starting_);
-}
-
-bool CutDispatcher::revoke_start(const AttemptRow& attempt) {
-  if (!doubtful_.contains(attempt.id) || parts_.intents.has(attempt.id)) return false;
-  const Answer<void> noted = parts_.store.change([&]() -> Answer<void> {
-    // Waits for the transaction of that START, if it is still under way.
-    (void)parts_.store.db().number("SELECT rev FROM job WHERE id=? FOR UPDATE", attempt.job);
-    const auto open = parts_.jobs.attempts().find(attempt.id);
-    if (!open || open->ended) return {};
-    Answer<JobRow> row = parts_.jobs.row(attempt.job);
-    parts_.jobs.attempts().never_started(attempt.id, parts_.store.now());
-    if (row && !is_terminal(row->state))
-      parts_.jobs.take_left(*row, step_of(row->state, JobEvent::CutRefused),
-                            "the database went away during the start; nothing was sent");
-    return {};
-  });
-  if (noted) doubtful_.erase(attempt.id);
-  return true;
-}
-
-void CutDispatcher::apply_remote_request(const std::string& job) {
-  const auto found = cuts_.find(job);
-  if (found == cuts_.end() || found->second->over) return;
-  Cut& cut = *found->second;
-  (void)parts_.store.look([&]() -> Answer<void> {
-    const Answer<JobRow> row = parts_.jobs.row(job);
-    if (!row) return {};
-    if (row->asked == "cancel" && !cut.cancel_asked) {
-      cut.cancel_asked = true;
-      parts_.cutters.cancel(cut.device);
-    } else if (row->asked == "pause") {
-      parts_.cutters.pause(cut.device);
-    }
-    return {};
-  });
-}
-
-void CutDispatcher::stop_cuts() {
-  for (const auto& [job, cut] : cuts_) parts_.cutters.cancel(cut->device);
 }
 
 }  // namespace popcut::daemon

@@ -4,14 +4,13 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "daemon/jobs/resume.hpp"
+#include "daemon/service/live/cut_states.hpp"
 #include "daemon/service/live/program_shelf.hpp"
-#include "daemon/service/repositories/job_repository.hpp"
-#include "daemon/store/intent_journal.hpp"
+#include "daemon/service/live/running_cuts.hpp"
 
 namespace popcut::daemon {
 
@@ -22,85 +21,57 @@ struct ResumeState {
   ResumeFacts facts{};
 };
 
-/// Where people's actions and the cutters meet: arms, starts, journals of running cuts and their
-/// ends.
+/// What people ask of a job's current sheet: arm, start, pause, resume, cancel, ... From START on,
+/// `RunningCuts` has the sheet.
 class CutDispatcher : public Cutting {
  public:
   struct Parts {
     ServiceStore& store;
-    ServiceThread& thread;
-    Cutters& cutters;
     JobRepository& jobs;
     PlanningQueue& plans;
     ProgramShelf& programs;
     DeviceRegistry& devices;
     IntentJournals& intents;
+    RunningCuts& cuts;
+    Cutters& cutters;
     const ServiceOptions& options;
-    std::shared_ptr<void> alive;
   };
-  explicit CutDispatcher(Parts parts) : parts_(std::move(parts)) {}
-  ~CutDispatcher() override;
+  explicit CutDispatcher(Parts parts) : parts_(parts) {}
 
   Answer<Job> act(const Principal& who, const std::string& id, std::int64_t if_match,
                   const ActionRequest& request) override;
-  /// What must reach the knife although nothing can be written; written when it can be.
   void stop_unrecorded(const Principal& who, const std::string& id, JobAction action) override;
 
-  [[nodiscard]] const LiveCut* live(const std::string& job) const;
-  /// Whether the sheet is still where it was registered. This knowledge ends with the
-  /// session of its device, and with popcutd.
+  /// Whether the sheet is still where it was registered. This knowledge ends with the session of
+  /// its device, and with popcutd.
   [[nodiscard]] bool knows_place(const JobRow& row, const std::string& device) const;
-  /// Complete requests that pass now, those nearest to `wanted` (or nullptr) first.
+  /// Complete requests that are possible now, those nearest to `wanted` (or nullptr) first.
   [[nodiscard]] std::vector<NextAction> next_actions(const JobRow& row,
                                                      const ActionRequest* wanted = nullptr);
-  /// Arms that have lived too long, and ends that could not be written yet.
+  /// Disarms sheets whose time for START is over.
   void tick();
-  /// These devices went away: jobs that were armed for them are ready again.
+  /// Disarms the sheets that were armed in these devices.
   void devices_gone(const std::vector<std::string>& devices);
-  /// Ends all cuts at the end of their strokes, because the store can no longer record them.
-  void stop_cuts();
-  void stopping() { stopping_ = true; }
-
-  // In a fleet.
-
-  /// Why nothing may be armed or started now; set by `FleetWatch`.
-  std::function<Answer<void>()> may_cut{};
-  /// Whether that attempt is cut here now, or its end is not recorded yet.
-  [[nodiscard]] bool cuts(const std::string& attempt) const;
-  /// The job that is cut there now; empty: none.
-  [[nodiscard]] std::string job_on(const std::string& device) const;
-  /// What was armed is armed no more: the node began again.
+  /// In a fleet, when the node begins again: nothing is armed any more.
   void forget_arms();
-  /// Cuts that another node called lost go on, or stop if a person decided otherwise meanwhile.
-  void take_up_cuts();
-  /// The answer of the database to the last change is lost: if that was a START, nobody knows yet
-  /// whether it is stored.
-  void doubt_start();
-  /// Takes back a START of this run whose answer was lost: the knife never moved.
-  ///
-  /// @return false: it is none of these; its journal says what was sent
-  [[nodiscard]] bool revoke_start(const AttemptRow& attempt);
-  /// What others ask of a job that is cut here.
-  void apply_remote_request(const std::string& job);
-  [[nodiscard]] bool cutting() const { return !cuts_.empty(); }
 
  private:
   [[nodiscard]] std::vector<NextAction> arm_actions(const JobRow& row, const ActionRequest* wanted);
   [[nodiscard]] std::vector<NextAction> actions_when_armed(const JobRow& row);
-  /// Whether what was armed is still valid.
-  [[nodiscard]] bool arm_lives(const std::string& job);
+  /// What was armed here, if START may still follow; nullptr: arming has expired, or was revoked.
+  [[nodiscard]] const Armed* valid_arm(const std::string& job);
   /// What is known of the blank in the cutter; nothing if it was never started.
   [[nodiscard]] std::optional<ResumeState> resume_state(const JobRow& row);
-  class Journal;
-  friend class Journal;
-  struct Cut;
 
   // Each in a transaction; `row` is changed and written.
+  [[nodiscard]] Answer<Job> act_on(const Principal& who, JobRow& row, const ActionRequest& request);
+  [[nodiscard]] Answer<void> change(const Principal& who, JobRow& row,
+                                    const ActionRequest& request);
   [[nodiscard]] Answer<void> arm(const Principal& who, JobRow& row, const ActionRequest& request);
   [[nodiscard]] Answer<std::string> choose_device(const JobRow& row, const ActionRequest& request,
                                                   const PlanRow& plan) const;
-  [[nodiscard]] Answer<void> start(const Principal& who, JobRow& row, const ActionRequest& request);
-  [[nodiscard]] Answer<std::shared_ptr<Cut>> prepare(const JobRow& row);
+  [[nodiscard]] Answer<void> disarm(JobRow& row);
+  [[nodiscard]] Answer<void> start(const Principal& who, JobRow& row);
   [[nodiscard]] Answer<void> pause(JobRow& row);
   [[nodiscard]] Answer<void> resume(JobRow& row);
   [[nodiscard]] Answer<void> cancel(const Principal& who, JobRow& row,
@@ -108,55 +79,32 @@ class CutDispatcher : public Cutting {
   [[nodiscard]] Answer<void> confirm(JobRow& row, const ActionRequest& request);
   [[nodiscard]] Answer<void> retry(JobRow& row);
   [[nodiscard]] Answer<void> resume_from(JobRow& row, const ActionRequest& request);
+
+  // Each refuses, or does nothing.
+  [[nodiscard]] Answer<void> check_armed(const JobRow& row, const std::optional<PlanRow>& plan);
+  [[nodiscard]] Answer<void> check_device(const JobRow& row, const PlanRow& plan) const;
   [[nodiscard]] Answer<void> check_place(const JobRow& row, const std::string& device) const;
-  /// Whether the cutter is at this node.
+  /// The cutter is at this node.
   [[nodiscard]] Answer<void> check_node(const std::string& device) const;
-  [[nodiscard]] bool take_up_one(Cut& cut);
+  [[nodiscard]] Answer<void> check_members(const JobRow& row, const ActionRequest& request) const;
+
+  /// The sheet to cut next and its program, as they were planned.
+  struct ReadySheet {
+    SheetPlan plan;
+    EncodedProgram program;
+  };
+  [[nodiscard]] Answer<ReadySheet> ready_sheet(const JobRow& row);
   /// Takes what the request accepts; refused while a warning that spoils a cut is left.
   [[nodiscard]] static Answer<void> accept_warnings(JobRow& row, const ActionRequest& request);
   /// The member of an `arm` that accepts the warnings of a job, with a comma; empty: none is left.
   [[nodiscard]] static std::string accepting(const JobRow& row);
-  [[nodiscard]] Answer<void> check_words(const JobRow& row, const ActionRequest& request) const;
+  /// Disarms a job for another reason than a request. What could not be written is tried again.
   void lapse(const std::string& job, const std::string& reason);
-  void hand_over(const std::shared_ptr<Cut>& cut);
-  void record_refusal(const std::shared_ptr<Cut>& cut);
-
-  // For the journal, on the service's thread.
-  [[nodiscard]] Result<void> intended(Cut& cut, std::int64_t last);
-  /// Takes note of what kept a journal from being written. True: it may be tried once more.
-  [[nodiscard]] bool unwritten(const StoreFault& fault);
-  void progressed(Cut& cut, const SessionProgress& progress);
-  void publish_progress(Cut& cut, const JobRow& row);
-  void repeat_progress();
-  void record_pauses();
-  void ended(const std::shared_ptr<Cut>& cut, const SessionEnd& end);
-  [[nodiscard]] Answer<void> record_end(Cut& cut, const SessionEnd& end);
+  /// Forgets that the sheet of a job was armed here.
+  void forget_arm(const std::string& job);
 
   Parts parts_;
-  std::map<std::string, std::shared_ptr<Cut>> cuts_;  ///< by job
-  struct LateEnd {
-    std::shared_ptr<Cut> cut;
-    SessionEnd end;
-  };
-  std::vector<LateEnd> late_;  ///< ends that could not be written yet
-  /// What was armed here, by job: nobody else changes where its cut begins.
-  struct ArmedHere {
-    std::int64_t until_ms{};  ///< monotonic
-    int segment{};
-    std::int64_t first_stroke{};
-  };
-  std::map<std::string, ArmedHere> armed_here_;
-  /// What a person said last with resume-from, by job.
-  struct AskedFrom {
-    int segment{};
-    std::int64_t first_stroke{};
-  };
-  std::map<std::string, AskedFrom> asked_from_;
-  /// By job that goes on with a sheet: the session of its device in which the sheet was in place.
-  std::map<std::string, std::string> placed_;
-  bool stopping_{false};
-  std::string starting_{};            ///< the attempt of the last START
-  std::set<std::string> doubtful_{};  ///< of STARTs whose answer was lost
+  std::map<std::string, NextCut> next_{};  ///< by job
 };
 
 }  // namespace popcut::daemon

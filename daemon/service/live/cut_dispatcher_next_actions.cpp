@@ -47,11 +47,13 @@ std::optional<ResumeState> CutDispatcher::resume_state(const JobRow& row) {
                                                           parts_.devices.session_of(last->device)}};
 }
 
-bool CutDispatcher::arm_lives(const std::string& job) {
-  const auto armed = parts_.jobs.attempts().armed(job);
-  const auto here = armed_here_.find(job);
-  return armed && armed->invocation == parts_.store.invocation() && here != armed_here_.end() &&
-         here->second.until_ms > parts_.store.monotonic();
+const Armed* CutDispatcher::valid_arm(const std::string& job) {
+  const auto stored = parts_.jobs.attempts().armed(job);
+  const auto found = next_.find(job);
+  if (!stored || stored->invocation != parts_.store.invocation() || found == next_.end())
+    return nullptr;
+  const auto* const armed = std::get_if<Armed>(&found->second);
+  return armed != nullptr && armed->until_ms > parts_.store.monotonic() ? armed : nullptr;
 }
 
 // Arms as they pass now; else what makes a device ready for it.
@@ -108,7 +110,7 @@ std::vector<NextAction> CutDispatcher::arm_actions(const JobRow& row, const Acti
 std::vector<NextAction> CutDispatcher::actions_when_armed(const JobRow& row) {
   const NextAction disarm{std::string(name_of(JobAction::Disarm)), "{}"};
   const auto plan = parts_.plans.table().find(row.plan);
-  const bool may = arm_lives(row.id) && plan && parts_.devices.usable(row.device) &&
+  const bool may = valid_arm(row.id) != nullptr && plan && parts_.devices.usable(row.device) &&
                    parts_.devices.misfit(row.device, *plan, row.site).empty() &&
                    knows_place(row, row.device);
   if (may && !row.held)

@@ -18,7 +18,7 @@ std::vector<DeviceRecord> DeviceDispatcher::list() {
     // The cutters are here, also when the database of the fleet is not.
     if (!parts_.store.in_fleet()) throw;
     parts_.store.note(fault);
-    for (DeviceRecord& one : all) one.job = parts_.dispatcher.job_on(one.id);
+    for (DeviceRecord& one : all) one.job = parts_.cuts.job_on(one.id);
   }
   return all;
 }
@@ -31,7 +31,7 @@ Answer<DeviceRecord> DeviceDispatcher::find(const std::string& id) {
       if (const auto row = parts_.jobs.table().on_device(id)) found->job = row->id;
     } catch (const StoreFault&) {
       if (!parts_.store.in_fleet()) throw;
-      found->job = parts_.dispatcher.job_on(id);
+      found->job = parts_.cuts.job_on(id);
     }
     return *found;
   });

@@ -21,6 +21,7 @@ class DeviceDispatcher : public Devices {
     Cutters& cutters;
     DeviceRegistry& devices;
     JobRepository& jobs;
+    RunningCuts& cuts;
     CutDispatcher& dispatcher;
     std::shared_ptr<void> alive;
   };

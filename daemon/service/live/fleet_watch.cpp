@@ -15,11 +15,8 @@ FleetWatch::FleetWatch(Parts parts)
               .url = parts_.options.fleet.url,
               .version = parts_.options.fleet.version,
               .lease_s = parts_.options.fleet.lease_s}) {
-  parts_.store.on_doubt = [this] {
-    in_doubt_ = true;
-    parts_.dispatcher.doubt_start();
-  };
-  parts_.dispatcher.may_cut = [this] { return may_cut(); };
+  parts_.store.on_doubt = [this] { in_doubt_ = true; };
+  parts_.cuts.may_cut = [this] { return may_cut(); };
 }
 
 Answer<void> FleetWatch::begin() {
@@ -53,14 +50,14 @@ void FleetWatch::begin_life() {
   parts_.store.begin_delivery();
   // A START that had no answer before another database took over.
   for (const AttemptRow& open : parts_.jobs.attempts().open())
-    if (!parts_.dispatcher.cuts(open.id)) (void)parts_.dispatcher.revoke_start(open);
+    if (!parts_.cuts.has(open.id)) (void)parts_.cuts.revoke_start(open);
   if (const Answer<void> recovered =
           recover(parts_.store, parts_.jobs, parts_.intents,
-                  [this](const std::string& attempt) { return parts_.dispatcher.cuts(attempt); });
+                  [this](const std::string& attempt) { return parts_.cuts.has(attempt); });
       !recovered)
     throw StoreFault(FaultKind::Away, recovered.error().detail);
   parts_.dispatcher.forget_arms();
-  parts_.dispatcher.take_up_cuts();
+  parts_.cuts.reclaim();
   lease_.reported();
   has_begun_ = true;
   in_doubt_ = false;
@@ -136,8 +133,7 @@ void FleetWatch::beat() {
 void FleetWatch::settle() {
   in_doubt_ = false;
   for (const AttemptRow& open : parts_.jobs.attempts().open())
-    if (!parts_.dispatcher.cuts(open.id) && !parts_.dispatcher.revoke_start(open))
-      return begin_life();
+    if (!parts_.cuts.has(open.id) && !parts_.cuts.revoke_start(open)) return begin_life();
 }
 
 void FleetWatch::close_lost_nodes() {

@@ -20,6 +20,7 @@ class FleetWatch {
     JobRepository& jobs;
     DeviceRegistry& devices;
     IntentJournals& intents;
+    RunningCuts& cuts;
     CutDispatcher& dispatcher;
     const ServiceOptions& options;
   };

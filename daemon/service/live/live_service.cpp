@@ -75,11 +75,11 @@ struct Parts {
         searches({store, thread, planner, chores, designs, plans, options, alive}),
         jobs({store, thread, plans, registry, titles, options, alive}),
         programs(reading, options.read_program),
-        dispatcher(
-            {store, thread, cutters, jobs, plans, programs, registry, intents, options, alive}),
-        device_dispatcher({store, thread, cutters, registry, jobs, dispatcher, alive}) {
+        cuts({store, thread, cutters, jobs, registry, intents, options, alive}),
+        dispatcher({store, jobs, plans, programs, registry, intents, cuts, cutters, options}),
+        device_dispatcher({store, thread, cutters, registry, jobs, cuts, dispatcher, alive}) {
     if (store.in_fleet()) {
-      fleet.emplace(FleetWatch::Parts{store, jobs, registry, intents, dispatcher, options});
+      fleet.emplace(FleetWatch::Parts{store, jobs, registry, intents, cuts, dispatcher, options});
       // So that a journal says from which machine and folder it is.
       options.invocation = store.node().mark() + options.invocation.substr(0, 16);
     }
@@ -100,12 +100,15 @@ struct Parts {
       jobs.plan_is_at(plan, phase);
     };
     plans.ended = [this](const std::string& plan) { jobs.plan_ended(plan); };
-    jobs.live = [this](const std::string& job) { return dispatcher.live(job); };
+    jobs.live = [this](const std::string& job) {
+      const Cut* const cut = cuts.of_job(job);
+      return cut == nullptr ? nullptr : &cut->live;
+    };
     jobs.next_actions = [this](const JobRow& row) { return dispatcher.next_actions(row); };
     jobs.knows_place = [this](const JobRow& row) {
       return dispatcher.knows_place(row, row.requested_device);
     };
-    store.on_degraded = [this] { dispatcher.stop_cuts(); };
+    store.on_degraded = [this] { cuts.stop_all(); };
     calendar.moved = [this](std::int64_t by_ms) {
       store.db().run("UPDATE idem SET expires=expires+?", by_ms);
     };
@@ -128,6 +131,7 @@ struct Parts {
   SearchRepository searches;
   JobRepository jobs;
   ProgramShelf programs;
+  RunningCuts cuts;
   CutDispatcher dispatcher;
   DeviceDispatcher device_dispatcher;
   std::optional<FleetWatch> fleet;
@@ -182,7 +186,7 @@ class AssembledService final : private PartsHolder, public Operations, public Li
                        std::function<void(Answer<std::string>)> done) override;
 
   void stopping() override {
-    parts_.dispatcher.stopping();
+    parts_.cuts.stopping();
     parts_.plans.stop();
     parts_.searches.stop();
   }
@@ -273,7 +277,7 @@ void AssembledService::share_again() {
 void AssembledService::on_remote_event(const Event& event) {
   if (event.kind == "device") others_changed_ = true;
   if (event.kind == "job") {
-    parts_.dispatcher.apply_remote_request(event.job);
+    parts_.cuts.apply_remote_request(event.job);
     const bool is_over = event.data.find(R"("state":"cancelled")") != std::string::npos;
     if (event.data.find(R"("state":"queued")") != std::string::npos) others_queued_ = true;
     if (is_over)
@@ -441,7 +445,7 @@ Answer<void> AssembledService::may_copy(const Principal& who) const {
                   "the database is a PostgreSQL that all nodes share; back it up with PostgreSQL's "
                   "own tools: docs/fleet.md says how");
   // The copy takes from the disk what a cut's journal needs.
-  if (parts_.dispatcher.cutting())
+  if (parts_.cuts.any())
     return refuse(ProblemKind::StateConflict,
                   "a sheet is being cut; try again when it is finished");
   if (copying_)
@@ -558,6 +562,7 @@ void AssembledService::tick() {
   parts_.store.recover_disk();
   if (parts_.fleet) parts_.fleet->tick();
   parts_.dispatcher.tick();
+  parts_.cuts.tick();
   parts_.device_dispatcher.look();
   if (parts_.store.degraded()) return;
   if (!parts_.store.full()) parts_.jobs.catch_up();

@@ -378,6 +378,18 @@ void JobRepository::finish_sheet(JobRow& row, const std::string& sheet_state,
   save(row);
 }
 
+void JobRepository::count_paths(JobRow& row, int sheet, int blank, std::int64_t strokes) {
+  std::vector<std::vector<FateRun>> fates;
+  for (const AttemptRow& attempt : attempts_.of_sheet(row.id, sheet))
+    if (attempt.blank == blank) fates.push_back(attempts_.fates(attempt.id));
+  row.paths_certain = row.paths_sent = 0;
+  for (const FateRun& run : merged_fates(strokes, fates)) {
+    const std::int64_t count = run.paths.last - run.paths.first + 1;
+    if (run.fate == PathFate::Certain) row.paths_certain += count;
+    if (run.fate != PathFate::NotSent) row.paths_sent += count;
+  }
+}
+
 std::optional<SheetPlan> JobRepository::current_sheet(const JobRow& row) {
   if (row.sheet == 0) return std::nullopt;
   const int plan_sheets = row.sheets_total / std::max(1, row.copies);

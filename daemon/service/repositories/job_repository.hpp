@@ -90,6 +90,8 @@ class JobRepository : public Jobs {
   /// The current sheet is over ("done" or "skipped"): the next one, or the end.
   void finish_sheet(JobRow& row, const std::string& sheet_state, const std::string& reason);
   void set_attention(JobRow& row, const std::string& kind, const std::string& text) const;
+  /// Counts in `row` the strokes of a blank that are certain, and those that may have been cut.
+  void count_paths(JobRow& row, int sheet, int blank, std::int64_t strokes);
 
   [[nodiscard]] static JobFacts facts_of(const JobRow& row);
   [[nodiscard]] Job shown(const JobRow& row) const;

@@ -29,19 +29,6 @@ std::string forgotten_text(const std::string& job, const std::string& loss) {
       job, loss.empty() || loss.starts_with("the database") ? "" : fmt::format(" ({})", loss));
 }
 
-// How many strokes of the blank are certain, and how many may have been cut.
-void count_paths(JobRepository& jobs, JobRow& row, int sheet, int blank, std::int64_t strokes) {
-  std::vector<std::vector<FateRun>> fates;
-  for (const AttemptRow& attempt : jobs.attempts().of_sheet(row.id, sheet))
-    if (attempt.blank == blank) fates.push_back(jobs.attempts().fates(attempt.id));
-  row.paths_certain = row.paths_sent = 0;
-  for (const FateRun& run : merged_fates(strokes, fates)) {
-    const std::int64_t count = run.paths.last - run.paths.first + 1;
-    if (run.fate == PathFate::Certain) row.paths_certain += count;
-    if (run.fate != PathFate::NotSent) row.paths_sent += count;
-  }
-}
-
 class Recovery {
  public:
   Recovery(ServiceStore& store, JobRepository& jobs, IntentJournals& intents,
@@ -128,7 +115,7 @@ class Recovery {
       if (!verdict.loss.empty())
         tell(open.job, open.sheet, verdict.loss, open.first_stroke, verdict.doubt_upto);
       if (!row || is_terminal(row->state)) continue;
-      count_paths(jobs_, *row, open.sheet, open.blank, open.strokes);
+      jobs_.count_paths(*row, open.sheet, open.blank, open.strokes);
       jobs_.table().update(*row);
       record_usage(
           store_, *row,
@@ -165,7 +152,7 @@ class Recovery {
     if (!row || row->state != JobState::Interrupted || row->sheet != lost.sheet ||
         row->blank != lost.blank)
       return;
-    count_paths(jobs_, *row, lost.sheet, lost.blank, lost.strokes);
+    jobs_.count_paths(*row, lost.sheet, lost.blank, lost.strokes);
     jobs_.set_attention(*row, "in_doubt", crash_text(row->id, verdict.loss));
     row->reason = "crash";
     jobs_.save(*row);
@@ -269,7 +256,7 @@ class Recovery {
     }
     row.device = head.device;
     row.operator_name = head.operator_name;
-    count_paths(jobs_, row, row.sheet, row.blank, head.strokes);
+    jobs_.count_paths(row, row.sheet, row.blank, head.strokes);
     const std::string from(name_of(row.state));
     jobs_.set_attention(row, "in_doubt", forgotten_text(row.id, beside));
     // "lost": its cut goes on here, and is taken up again right after this.
@@ -410,7 +397,7 @@ Answer<void> close_lost_node(ServiceStore& store, JobRepository& jobs, const std
       attempts.crash(open, store.now(), open.strokes - 1, why, "lost");
       Answer<JobRow> row = jobs.row(open.job);
       if (!row || is_terminal(row->state)) continue;
-      count_paths(jobs, *row, open.sheet, open.blank, open.strokes);
+      jobs.count_paths(*row, open.sheet, open.blank, open.strokes);
       jobs.set_attention(
           *row, "in_doubt",
           fmt::format("node {} has not answered for a while, and may still be cutting this sheet; "
@@ -444,7 +431,8 @@ Answer<void> close_lost_node(ServiceStore& store, JobRepository& jobs, const std
   });
 }
 
-TakeUp take_up(JobRepository& jobs, const std::string& attempt, bool held) {
+TakeUp take_up(ServiceStore& store, JobRepository& jobs, const std::string& attempt, bool held) {
+  if (!store.in_fleet()) return TakeUp::Goes;
   const auto known = jobs.attempts().find(attempt);
   if (!known) return TakeUp::Superseded;
   // The state is what the knife does, whatever of it a database that went back forgot.

@@ -39,9 +39,10 @@ enum class TakeUp : std::uint8_t {
   Superseded,  ///< a person decided otherwise meanwhile: its end changes nothing but its record
   Ended,       ///< its end is recorded
 };
-/// Brings the job in step with such a cut, in a transaction.
+/// Brings the job in step with such a cut, in a transaction. Without a fleet every cut goes on.
 ///
 /// @param held  whether its tool is up, because a person asked for a pause
-[[nodiscard]] TakeUp take_up(JobRepository& jobs, const std::string& attempt, bool held);
+[[nodiscard]] TakeUp take_up(ServiceStore& store, JobRepository& jobs, const std::string& attempt,
+                             bool held);
 
 }  // namespace popcut::daemon

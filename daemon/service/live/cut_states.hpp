@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "daemon/service/repositories/job_repository.hpp"
+#include "daemon/store/intent_journal.hpp"
+#include "device/session/session.hpp"
+
+namespace popcut::daemon {
+
+// What this run of popcutd knows of jobs and cuts beyond what the database says. Each state has the
+// data that is valid in it, and no other. They follow each other in this way:
+//
+//   Waiting --arm--> Armed --START--> InDoubt --committed--> Running --session over--> Ended
+//      ^               |                 |                      |                        |
+//      +--disarm-------+              revoked           the cutter refuses           recorded
+//                                                            Refused --recorded
+//
+// `Waiting` and `Armed` are states of a job, in which it is not cut. The others are states of an
+// attempt, which begins with a START and is forgotten when its end is recorded.
+
+/// The part of a sheet with which a cut begins.
+struct CutStart {
+  int segment{1};
+  std::int64_t first_stroke{};
+  friend bool operator==(const CutStart&, const CutStart&) = default;
+};
+
+/// Nothing is armed at this node.
+struct Waiting {
+  /// The session of the cutter in which the sheet was registered; empty: nobody knows its place.
+  std::string placed_in{};
+  /// Where a person last asked to resume the sheet.
+  std::optional<CutStart> resume_at{};
+};
+
+/// A person armed the sheet at this node. START may follow until `until_ms`.
+struct Armed {
+  std::int64_t until_ms{};  ///< monotonic
+  CutStart start{};         ///< what was armed: START cuts this, or nothing
+  Waiting waiting{};        ///< what is valid again when the sheet is no longer armed
+};
+
+/// What is known of the next cut of a job.
+using NextCut = std::variant<Waiting, Armed>;
+
+/// What stays known in both states.
+[[nodiscard]] inline const Waiting& waiting_of(const NextCut& next) {
+  const Armed* const armed = std::get_if<Armed>(&next);
+  return armed != nullptr ? armed->waiting : std::get<Waiting>(next);
+}
+[[nodiscard]] inline Waiting& waiting_of(NextCut& next) {
+  return const_cast<Waiting&>(waiting_of(std::as_const(next)));
+}
+
+/// An attempt, from its START on. It stays the same in all states.
+struct Cut {
+  AttemptRow attempt;  ///< as it was stored
+  std::string owner;   ///< of the job
+  double length_mm{};  ///< of all cuts and folds of the sheet
+  std::vector<std::uint32_t> dots;
+  std::unique_ptr<IntentJournal>
+      intents;  ///< for the cutter's thread, once the cutter has the sheet
+
+  // On the service's thread.
+  AttemptMarks marks;                  ///< what is recorded
+  LiveCut live;                        ///< what a job shows meanwhile
+  std::int64_t marked_ms{-1'000'000};  ///< in a fleet: when the database got the marks last
+  bool is_unmarked{false};             ///< in a fleet: the database does not have the last ones yet
+
+  // What the cutter's thread says, under the lock.
+  struct Settled {
+    std::int64_t certain{-1}, taken{-1};  ///< last strokes
+    std::uint64_t bytes{};
+    bool is_new{false};
+  };
+  std::mutex mutex;
+  Settled settled;
+  std::optional<SessionProgress> news;  ///< nobody has looked at it yet
+
+  [[nodiscard]] std::uint64_t bytes_taken() {
+    const std::lock_guard lock(mutex);
+    return settled.bytes;
+  }
+};
+
+/// The database was asked to store the START and has not confirmed it. The knife has not moved. If
+/// the answer is lost, the START is revoked once the database can be asked again.
+struct InDoubt {};
+
+/// The cutter has the sheet.
+struct Running {
+  std::shared_ptr<Cut> cut;
+  bool is_pause_unrecorded{false};  ///< a person asked for a pause while nothing could be stored
+  bool is_cancelled{false};         ///< a person cancelled it
+  SessionProgress progress{};       ///< the last one
+  std::string attention{};          ///< kind of the attention that the job shows meanwhile
+  std::int64_t published_ms{-1'000'000};  ///< when progress was last published
+
+  /// Whether the tool is up and waits.
+  [[nodiscard]] bool is_held() const { return progress.phase == SessionPhase::Held; }
+};
+
+/// The cutter did not take the sheet: no byte was sent. This is not recorded yet.
+struct Refused {
+  std::shared_ptr<Cut> cut;
+  std::string why;
+};
+
+/// The session is over. Its end is not recorded yet.
+struct Ended {
+  std::shared_ptr<Cut> cut;
+  SessionEnd end;
+  bool is_cancelled{false};  ///< as while it was cut
+  bool was_held{false};      ///< the tool was up, because of a pause
+};
+
+using CutState = std::variant<InDoubt, Running, Refused, Ended>;
+
+[[nodiscard]] inline Refused to_refused(const Running& running, std::string why) {
+  return {running.cut, std::move(why)};
+}
+[[nodiscard]] inline Ended to_ended(const Running& running, SessionEnd end) {
+  return {running.cut, std::move(end), running.is_cancelled, running.is_held()};
+}
+
+/// The attempt in this state; nullptr while it is in doubt.
+[[nodiscard]] inline Cut* cut_of(const CutState& state) {
+  struct {
+    Cut* operator()(const InDoubt&) const { return nullptr; }
+    Cut* operator()(const Running& one) const { return one.cut.get(); }
+    Cut* operator()(const Refused& one) const { return one.cut.get(); }
+    Cut* operator()(const Ended& one) const { return one.cut.get(); }
+  } constexpr kCut;
+  return std::visit(kCut, state);
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,625 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/service/live/running_cuts.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "daemon/service/live/cut_verdict.hpp"
+#include "daemon/service/repositories/recovery.hpp"
+#include "daemon/service/repositories/reports.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+constexpr std::int64_t kPublishEvery_ms = 500;
+// `tick` comes once a second, so that events are 2 s apart at most.
+constexpr std::int64_t kRepeatAfter_ms = 1000;
+constexpr double kBusy_s = 5;  // longer than a cutter with a full buffer accepts nothing
+
+bool is_paused_at_panel(const SessionProgress& progress) {
+  return progress.phase == SessionPhase::Paused || progress.asks;
+}
+
+/// The kind of what a person should see to while a cut goes on; empty: nothing.
+std::string attention_meanwhile(const SessionProgress& progress) {
+  if (is_paused_at_panel(progress)) return "device_fault";
+  return progress.mute_s >= kBusy_s ? "device_busy" : "";
+}
+
+std::string text_of_attention(const SessionProgress& progress) {
+  if (progress.phase == SessionPhase::Paused)
+    return "paused at the machine's panel; continue there";
+  if (progress.asks)
+    return "the machine was paused at its panel and is ready now, and popcut cannot tell whether "
+           "it went on; look at it: resume if it did, cancel if it was cancelled there";
+  if (progress.mute_s < kBusy_s) return "";
+  return "the machine accepts no data; check whether it is jammed or waits for input at its panel";
+}
+
+Error given_up(const std::string& why) {
+  return {ErrorKind::Unwritable, "", "the cut stops because it cannot be recorded: " + why};
+}
+
+IntentHead head_of(const AttemptRow& row) {
+  return {.attempt = row.id,
+          .job = row.job,
+          .sheet = row.sheet,
+          .blank = row.blank,
+          .segment = row.segment,
+          .first_stroke = row.first_stroke,
+          .strokes = row.strokes,
+          .device = row.device,
+          .device_session = row.device_session,
+          .operator_name = row.operator_name,
+          .plan_sha256 = row.plan_sha256,
+          .invocation = row.invocation,
+          .created = row.created};
+}
+
+}  // namespace
+
+/// What the cutter's thread records. It may outlive `RunningCuts`, which `alive_` shows.
+class RunningCuts::Journal final : public CutJournal {
+ public:
+  Journal(RunningCuts& cuts, std::shared_ptr<Cut> cut)
+      : cuts_(cuts), thread_(cuts.parts_.thread), alive_(cuts.parts_.alive), cut_(std::move(cut)) {}
+
+  Result<void> intend(std::int64_t last_stroke) override {
+    using Clock = std::chrono::steady_clock;
+    Result<void> done = tl::unexpected(given_up("popcutd is stopping"));
+    const Clock::time_point begun = Clock::now();
+    try {
+      // On this thread, because others wait for the service's: first in the files beside the
+      // database, then in the database, so that neither can lose its end unnoticed.
+      if (const Result<void> beside = intend_beside(last_stroke); !beside) return beside;
+      // In a fleet the files are enough: a database that does not answer must not end a cut.
+      if (cuts_.parts_.store.in_fleet()) return mark_when_there(last_stroke);
+      thread_.run(ServiceThread::Lane::Cutting, [&] {
+        const auto here = alive_.lock();
+        if (!here) return;
+        note_wait();
+        done = cuts_.intended(*cut_, last_stroke);
+      });
+    } catch (const std::exception& fault) {
+      done = tl::unexpected(given_up(fault.what()));
+    }
+    waited_s_ = std::chrono::duration<double>(Clock::now() - begun).count();
+    return done;
+  }
+
+  // Recorded with the next `intend`, with progress, or at the end: one commit for each step. If a
+  // crash loses it, more is in doubt, never less.
+  Result<void> settle(std::int64_t certain, std::int64_t taken,
+                      std::uint64_t bytes_taken) override {
+    const std::lock_guard lock(cut_->mutex);
+    Cut::Settled& settled = cut_->settled;
+    settled = {.certain = std::max(settled.certain, certain),
+               .taken = std::max(settled.taken, taken),
+               .bytes = std::max(settled.bytes, bytes_taken),
+               .is_new = true};
+    return {};
+  }
+
+  void progress(const SessionProgress& progress) override {
+    {
+      const std::lock_guard lock(cut_->mutex);
+      const bool is_waiting = cut_->news.has_value();
+      cut_->news = progress;
+      if (is_waiting) return;
+    }
+    post([cuts = &cuts_, cut = cut_] {
+      std::optional<SessionProgress> latest;
+      {
+        const std::lock_guard lock(cut->mutex);
+        latest = std::exchange(cut->news, std::nullopt);
+      }
+      Running* const running = cuts->find_running(cut->attempt.id);
+      if (latest && running != nullptr) cuts->progressed(*running, *latest);
+    });
+  }
+
+  void ended(const SessionEnd& end) override {
+    try {
+      thread_.run(ServiceThread::Lane::Cutting, [&] {
+        const auto here = alive_.lock();
+        if (!here) return;
+        note_wait();
+        cuts_.ended(cut_->attempt.id, end);
+      });
+    } catch (const std::exception&) {
+      // There was no memory. The tick records what is in this state.
+      thread_.post(ServiceThread::Lane::Asking, [cuts = &cuts_, cut = cut_, alive = alive_, end] {
+        const auto here = alive.lock();
+        if (!here) return;
+        if (const Running* const running = cuts->find_running(cut->attempt.id))
+          cuts->cuts_.at(cut->attempt.id) = to_ended(*running, end);
+      });
+    }
+  }
+
+ private:
+  template <typename Work>
+  void post(Work work) {
+    thread_.post(ServiceThread::Lane::Cutting, [work = std::move(work), alive = alive_] {
+      if (const auto here = alive.lock()) work();
+    });
+  }
+
+  Result<void> mark_when_there(std::int64_t last_stroke) {
+    post([cuts = &cuts_, cut = cut_, last_stroke] { (void)cuts->intended(*cut, last_stroke); });
+    return {};
+  }
+
+  Result<void> intend_beside(std::int64_t last_stroke) {
+    for (bool again = true;; again = false) {
+      try {
+        cut_->intents->intend(last_stroke);
+        return {};
+      } catch (const StoreFault& fault) {
+        bool may = false;
+        thread_.run(ServiceThread::Lane::Cutting, [&] {
+          if (const auto here = alive_.lock()) may = cuts_.may_write_again(fault);
+        });
+        if (!again || !may) return tl::unexpected(given_up(fault.what()));
+      }
+    }
+  }
+
+  /// On the service's thread: how long the stream to the cutter waited the last time.
+  void note_wait() {
+    if (const auto waited = std::exchange(waited_s_, std::nullopt))
+      cuts_.parts_.store.note_stream_wait(*waited);
+  }
+
+  RunningCuts& cuts_;
+  ServiceThread& thread_;
+  std::weak_ptr<void> alive_;
+  std::shared_ptr<Cut> cut_;
+  std::optional<double> waited_s_{};
+};
+
+// 1. Look-ups.
+
+Running* RunningCuts::find_running(const std::string& attempt) {
+  const auto found = cuts_.find(attempt);
+  return found == cuts_.end() ? nullptr : std::get_if<Running>(&found->second);
+}
+
+Running* RunningCuts::find_running_of(const std::string& job) {
+  for (auto& [attempt, state] : cuts_)
+    if (auto* const running = std::get_if<Running>(&state);
+        running != nullptr && running->cut->attempt.job == job)
+      return running;
+  return nullptr;
+}
+
+template <typename State>
+std::vector<std::string> RunningCuts::all_in() const {
+  std::vector<std::string> attempts;
+  for (const auto& [attempt, state] : cuts_)
+    if (std::holds_alternative<State>(state)) attempts.push_back(attempt);
+  return attempts;
+}
+
+const Cut* RunningCuts::of_job(const std::string& job) const {
+  const Cut* latest = nullptr;
+  for (const auto& [attempt, state] : cuts_)
+    if (const Cut* const cut = cut_of(state); cut != nullptr && cut->attempt.job == job)
+      latest = cut;
+  return latest;
+}
+
+bool RunningCuts::has(const std::string& attempt) const {
+  const auto found = cuts_.find(attempt);
+  return found != cuts_.end() && cut_of(found->second) != nullptr;
+}
+
+bool RunningCuts::any() const {
+  return std::any_of(cuts_.begin(), cuts_.end(),
+                     [](const auto& one) { return cut_of(one.second) != nullptr; });
+}
+
+std::string RunningCuts::job_on(const std::string& device) const {
+  for (const auto& [attempt, state] : cuts_)
+    if (const Cut* const cut = cut_of(state); cut != nullptr && cut->attempt.device == device)
+      return cut->attempt.job;
+  return {};
+}
+
+// 2. START.
+
+// The journal comes before the database, and both before the knife. What follows the commit takes
+// no memory outside `hand_over`.
+void RunningCuts::start(std::shared_ptr<Cut> cut, CutOrder order) {
+  const AttemptRow& attempt = cut->attempt;
+  CutState& state = cuts_[attempt.id];
+  state = InDoubt{};
+  try {
+    cut->intents = parts_.intents.begin(head_of(attempt));
+    parts_.store.fenced(parts_.jobs.attempts().start(attempt));
+  } catch (const StoreFault& fault) {
+    if (fault.kind() == FaultKind::Constraint) cuts_.erase(attempt.id);
+    throw;
+  }
+  auto kept = std::make_shared<CutOrder>(std::move(order));
+  parts_.store.after_commit([this, cut = std::move(cut), kept, &state] {
+    cut->intents->keep();
+    state = Running{.cut = cut};
+    hand_over(cut->attempt.id, std::move(*kept));
+  });
+}
+
+void RunningCuts::hand_over(const std::string& attempt, CutOrder order) {
+  CutState& state = cuts_.at(attempt);
+  const Running& running = std::get<Running>(state);
+  std::string why;
+  try {
+    // The answer to the START may have come so late that others think this node is lost.
+    if (const auto may = may_cut(); !may) {
+      why = may.error().detail;
+    } else {
+      auto journal = std::make_shared<Journal>(*this, running.cut);
+      const Result<void> taken = parts_.cutters.cut(std::move(order), std::move(journal));
+      if (taken) return;
+      why = message(taken.error());
+    }
+  } catch (const std::bad_alloc&) {
+    why = "out of memory";  // so short that it needs none
+  }
+  state = to_refused(running, std::move(why));
+  record_refusal(attempt);
+}
+
+// No byte was sent, so the same blank may be started again.
+void RunningCuts::record_refusal(const std::string& attempt) {
+  const Refused& refused = std::get<Refused>(cuts_.at(attempt));
+  try {
+    const Answer<void> recorded = parts_.store.change([&]() -> Answer<void> {
+      AttemptTable& attempts = parts_.jobs.attempts();
+      // In a fleet another node may have called it lost, and a person may have acted on that.
+      const bool is_ours = take_up(parts_.store, parts_.jobs, attempt, false) == TakeUp::Goes;
+      Answer<JobRow> row = parts_.jobs.row(refused.cut->attempt.job);
+      if (!row && !is_ours) return {};
+      if (!row) return tl::unexpected(row.error());
+      const auto known = attempts.find(attempt);
+      if (known && (!known->ended || known->end_kind == "lost"))
+        attempts.never_started(attempt, parts_.store.now());
+      if (is_ours)
+        parts_.jobs.take_left(*row, step_of(row->state, JobEvent::CutRefused), refused.why);
+      return {};
+    });
+    if (!recorded) return;  // the tick tries again
+    parts_.intents.ended(attempt);
+    cuts_.erase(attempt);
+  } catch (const std::bad_alloc&) {  // the tick tries again
+  }
+}
+
+bool RunningCuts::revoke_start(const AttemptRow& attempt) {
+  const auto found = cuts_.find(attempt.id);
+  if (found == cuts_.end() || !std::holds_alternative<InDoubt>(found->second) ||
+      parts_.intents.has(attempt.id))
+    return false;
+  const Answer<void> noted = parts_.store.change([&]() -> Answer<void> {
+    // This waits for the transaction of that START, if it is not over yet.
+    (void)parts_.store.db().number("SELECT rev FROM job WHERE id=? FOR UPDATE", attempt.job);
+    const auto open = parts_.jobs.attempts().find(attempt.id);
+    if (!open || open->ended) return {};
+    Answer<JobRow> row = parts_.jobs.row(attempt.job);
+    parts_.jobs.attempts().never_started(attempt.id, parts_.store.now());
+    if (row && !is_terminal(row->state))
+      parts_.jobs.take_left(*row, step_of(row->state, JobEvent::CutRefused),
+                            "the database went away during the start; nothing was sent");
+    return {};
+  });
+  if (noted) cuts_.erase(found);
+  return true;
+}
+
+// 3. While it is cut.
+
+bool RunningCuts::may_write_again(const StoreFault& fault) {
+  parts_.store.note(fault);
+  return fault.kind() == FaultKind::Full && parts_.store.folder().free_reserve();
+}
+
+Result<void> RunningCuts::intended(Cut& cut, std::int64_t last_stroke) {
+  name_turn("intent of a cut");
+  ServiceStore& store = parts_.store;
+  if (store.degraded()) return tl::unexpected(given_up("the database failed"));
+  if (find_running(cut.attempt.id) == nullptr) return tl::unexpected(given_up("it has ended"));
+  AttemptMarks marks = cut.marks;
+  Cut::Settled settled;
+  {
+    const std::lock_guard lock(cut.mutex);
+    settled = cut.settled;
+    cut.settled.is_new = false;
+  }
+  marks.certain = std::max(marks.certain, settled.certain);
+  marks.taken = std::max(marks.taken, settled.taken);
+  marks.intended = std::max(marks.intended, last_stroke);
+  const auto note_marks = [&] {
+    cut.marks = marks;
+    cut.live.certain = marks.certain + 1;
+    cut.live.sent = std::max(marks.certain, marks.taken) + 1;
+  };
+  const auto store_marks = [&] {
+    return store.change([&]() -> Answer<void> {
+      parts_.jobs.attempts().mark(cut.attempt.id, marks, settled.bytes);
+      return {};
+    });
+  };
+  if (!store.in_fleet()) {
+    if (const Answer<void> done = store_marks(); !done)
+      return tl::unexpected(given_up(done.error().detail));
+    note_marks();
+    return {};
+  }
+  // The files beside the database have the intent. The database gets it now and then, if it
+  // answers.
+  note_marks();
+  cut.is_unmarked = true;
+  const std::int64_t now = store.monotonic();
+  const auto between_ms = static_cast<std::int64_t>(parts_.options.fleet.mark_s * 1000);
+  if (now - cut.marked_ms < between_ms || !may_cut()) return {};
+  cut.marked_ms = now;
+  if (store_marks()) cut.is_unmarked = false;
+  return {};
+}
+
+void RunningCuts::progressed(Running& running, const SessionProgress& progress) {
+  name_turn("progress of a cut");
+  Cut& cut = *running.cut;
+  bool is_new = false;
+  {
+    const std::lock_guard lock(cut.mutex);
+    is_new = cut.settled.is_new;
+  }
+  if (is_new && !parts_.store.degraded()) (void)intended(cut, cut.marks.intended);
+  cut.live.seconds_left = progress.seconds_left;
+  cut.live.done = static_cast<std::int64_t>(progress.strokes_done);
+  if (progress.strokes > 0)
+    cut.live.cut_share =
+        static_cast<double>(progress.strokes_done) / static_cast<double>(progress.strokes);
+  const bool is_new_phase = std::exchange(running.progress, progress).phase != progress.phase;
+  std::optional<JobRow> shown;
+  const Answer<void> noted = parts_.store.look([&]() -> Answer<void> {
+    Answer<JobRow> row = parts_.jobs.row(cut.attempt.job);
+    if (!row) return tl::unexpected(row.error());
+    show_progress(running, *row);
+    shown = std::move(*row);
+    return {};
+  });
+  const std::int64_t since_ms = parts_.store.monotonic() - running.published_ms;
+  if (noted && (is_new_phase || since_ms >= kPublishEvery_ms)) publish(running, *shown);
+}
+
+// What of the last progress changes the job: a pause that has come into effect, and what a person
+// should see to.
+void RunningCuts::show_progress(Running& running, JobRow& row) {
+  const SessionProgress& progress = running.progress;
+  const bool is_paused = running.is_held() &&
+                         (row.asked == "pause" || progress.asks || running.is_pause_unrecorded) &&
+                         row.state == JobState::Cutting;
+  const std::string attention = attention_meanwhile(progress);
+  if (!is_paused && attention == running.attention) return;
+  const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {
+    if (is_paused) parts_.jobs.take(row, step_of(row.state, JobEvent::CutHeld), "");
+    if (attention != running.attention) {
+      row.reason = is_paused_at_panel(progress) ? "panel_pause" : attention;
+      parts_.jobs.set_attention(row, attention, text_of_attention(progress));
+      parts_.jobs.save(row);
+    }
+    return {};
+  });
+  if (!stored) return;
+  running.attention = attention;
+  if (is_paused) running.is_pause_unrecorded = false;
+}
+
+void RunningCuts::publish(Running& running, const JobRow& row) {
+  const SessionProgress& progress = running.progress;
+  const Cut& cut = *running.cut;
+  const std::array<double, 2> left_s = parts_.jobs.shown(row).remaining_s;
+  running.published_ms = parts_.store.monotonic();
+  parts_.store.publish(
+      {.seq = 0,
+       .kind = "progress",
+       .time = parts_.store.now(),
+       .job = cut.attempt.job,
+       .data = fmt::format(
+           R"({{"seq":0,"kind":"progress","job":"{}","state":"{}","rev":{},"sheet":{},"phase":"{}","paths_certain":{},"paths_sent":{},"paths_done":{},"paths":{},"seconds_left":{:.1f},"remaining_s":[{:.1f},{:.1f}]}})",
+           cut.attempt.job, name_of(row.state), row.rev, cut.attempt.sheet, name_of(progress.phase),
+           cut.live.certain, cut.live.sent, progress.strokes_done, progress.strokes,
+           std::max(0.0, progress.seconds_left), left_s[0], left_s[1])});
+}
+
+void RunningCuts::pause_unrecorded(const std::string& job) {
+  Running* const running = find_running_of(job);
+  if (running == nullptr) return;
+  running->is_pause_unrecorded = true;
+  parts_.cutters.pause(running->cut->attempt.device);
+}
+
+void RunningCuts::forget_pause(const std::string& job) {
+  if (Running* const running = find_running_of(job)) running->is_pause_unrecorded = false;
+}
+
+void RunningCuts::cancel(const std::string& job, const std::string& device) {
+  if (Running* const running = find_running_of(job)) running->is_cancelled = true;
+  parts_.cutters.cancel(device);
+}
+
+void RunningCuts::apply_remote_request(const std::string& job) {
+  Running* const running = find_running_of(job);
+  if (running == nullptr) return;
+  (void)parts_.store.look([&]() -> Answer<void> {
+    const Answer<JobRow> row = parts_.jobs.row(job);
+    if (!row) return {};
+    const std::string& device = running->cut->attempt.device;
+    if (row->asked == "cancel" && !running->is_cancelled) {
+      running->is_cancelled = true;
+      parts_.cutters.cancel(device);
+    } else if (row->asked == "pause") {
+      parts_.cutters.pause(device);
+    }
+    return {};
+  });
+}
+
+void RunningCuts::stop_all() {
+  for (const auto& [attempt, state] : cuts_)
+    if (const auto* const running = std::get_if<Running>(&state))
+      parts_.cutters.cancel(running->cut->attempt.device);
+}
+
+void RunningCuts::reclaim() {
+  for (const std::string& attempt : all_in<Running>()) {
+    const Running* const running = find_running(attempt);
+    if (running == nullptr) continue;
+    const AttemptRow& row = running->cut->attempt;
+    TakeUp found = TakeUp::Goes;
+    const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {
+      found = take_up(parts_.store, parts_.jobs, attempt, running->is_held());
+      return {};
+    });
+    if (!stored || found != TakeUp::Superseded) continue;
+    parts_.store.log(
+        fmt::format("job {} sheet {}: while this node did not answer, somebody decided otherwise; "
+                    "the cut stops",
+                    row.job, row.sheet));
+    parts_.cutters.cancel(row.device);
+  }
+}
+
+void RunningCuts::tick() {
+  const std::int64_t now = parts_.store.monotonic();
+  // A cutter that says nothing for a while still gets its events, so that whoever watches sees that
+  // the connection works.
+  for (auto& [attempt, state] : cuts_) {
+    auto* const running = std::get_if<Running>(&state);
+    if (running == nullptr || running->progress.strokes == 0 ||
+        now - running->published_ms < kRepeatAfter_ms)
+      continue;
+    (void)parts_.store.look([&]() -> Answer<void> {
+      if (const Answer<JobRow> row = parts_.jobs.row(running->cut->attempt.job))
+        publish(*running, *row);
+      return {};
+    });
+  }
+  if (parts_.store.degraded()) return;
+  for (const std::string& attempt : all_in<Running>())
+    if (Running* const one = find_running(attempt); one->is_pause_unrecorded && one->is_held())
+      progressed(*one, SessionProgress(one->progress));
+  for (const std::string& attempt : all_in<Refused>()) record_refusal(attempt);
+  // A cut that is held has no progress with which its marks would be stored.
+  for (const std::string& attempt : all_in<Running>())
+    if (Cut& cut = *find_running(attempt)->cut; cut.is_unmarked)
+      (void)intended(cut, cut.marks.intended);
+  for (const std::string& attempt : all_in<Ended>()) try_to_record_end(attempt);
+}
+
+// 4. Its end.
+
+void RunningCuts::ended(const std::string& attempt, const SessionEnd& end) {
+  name_turn("end of a cut");
+  const Running* const running = find_running(attempt);
+  if (running == nullptr) return;
+  cuts_.at(attempt) = to_ended(*running, end);
+  try_to_record_end(attempt);
+}
+
+// After a failed write nothing is written any more: the next start finds the job cutting, and says
+// so. What fails otherwise is tried again by the tick.
+void RunningCuts::try_to_record_end(const std::string& attempt) {
+  const Ended& ended = std::get<Ended>(cuts_.at(attempt));
+  const Answer<void> recorded =
+      parts_.store.change([&]() -> Answer<void> { return record_end(ended); });
+  if (!recorded) {
+    const AttemptRow& row = ended.cut->attempt;
+    return parts_.store.log(fmt::format("the end of job {} sheet {} could not be recorded yet: {}",
+                                        row.job, row.sheet, recorded.error().detail));
+  }
+  cuts_.erase(attempt);
+  parts_.intents.ended(attempt);
+}
+
+Answer<void> RunningCuts::record_end(const Ended& ended) {
+  Cut& cut = *ended.cut;
+  const AttemptRow& attempt = cut.attempt;
+  const SessionEnd& end = ended.end;
+  switch (take_up(parts_.store, parts_.jobs, attempt.id, ended.was_held)) {
+    case TakeUp::Goes:
+      break;
+    case TakeUp::Superseded:
+      record_superseded(ended);
+      return {};
+    case TakeUp::Ended:
+      return {};
+  }
+  Answer<JobRow> row = parts_.jobs.row(attempt.job);
+  if (!row) return tl::unexpected(row.error());
+  const std::vector<FateRun> runs =
+      fate_runs(end.fates, cut.dots, attempt.first_stroke, attempt.strokes);
+  CutVerdict verdict = verdict_on(end, runs, is_stopping_);
+  const bool is_cancelled = ended.is_cancelled || row->asked == "cancel";
+  if (is_cancelled && !verdict.complete) verdict.kind = "cancelled";
+  std::string status = end.error ? message(*end.error) : end.confirmed ? "ready" : "";
+  for (const std::string& remark : end.remarks) status += (status.empty() ? "" : "; ") + remark;
+  parts_.jobs.attempts().finish(attempt.id, parts_.store.now(), verdict.kind, status,
+                                cut.bytes_taken(), runs);
+  std::int64_t certain = 0;
+  for (const FateRun& run : runs)
+    if (run.fate == PathFate::Certain) certain += run.paths.last - run.paths.first + 1;
+  const double cut_mm = attempt.strokes == 0 ? 0
+                                             : cut.length_mm * static_cast<double>(certain) /
+                                                   static_cast<double>(attempt.strokes);
+  record_usage(parts_.store, *row,
+               {.operator_name = attempt.operator_name,
+                .device = attempt.device,
+                .sheet = attempt.sheet,
+                .seconds = end.seconds,
+                .cut_mm = cut_mm,
+                .sheets = verdict.complete ? 1 : 0});
+  parts_.devices.count_sheet(attempt.device, cut_mm, verdict.complete);
+  parts_.jobs.count_paths(*row, attempt.sheet, attempt.blank, attempt.strokes);
+  change_job(*row, verdict, is_cancelled);
+  return {};
+}
+
+// The record of its strokes is true all the same. A database that went back so far that it does not
+// know the job has no place for it; the journal stays.
+void RunningCuts::record_superseded(const Ended& ended) {
+  const AttemptRow& attempt = ended.cut->attempt;
+  const SessionEnd& end = ended.end;
+  if (parts_.jobs.attempts().knows(attempt.id))
+    parts_.jobs.attempts().finish(
+        attempt.id, parts_.store.now(), "superseded", end.error ? message(*end.error) : "",
+        ended.cut->bytes_taken(),
+        fate_runs(end.fates, ended.cut->dots, attempt.first_stroke, attempt.strokes));
+  parts_.store.emit("notice", attempt.job,
+                    fmt::format(R"("sheet":{},"state":"superseded")", attempt.sheet));
+}
+
+void RunningCuts::change_job(JobRow& row, const CutVerdict& verdict, bool is_cancelled) {
+  JobRepository& jobs = parts_.jobs;
+  if (verdict.complete) {
+    const std::string reason = is_cancelled ? row.reason : "";
+    jobs.take(row, step_of(row.state, JobEvent::CutCompletes), "");
+    // A cancel that came after the last stroke of the last sheet came too late.
+    if (is_cancelled && !is_terminal(row.state)) jobs.take(row, Step::ToCancelled, reason);
+  } else if (is_cancelled) {
+    jobs.take(row, step_of(row.state, JobEvent::CutStops), row.reason);
+  } else {
+    jobs.set_attention(row, verdict.attention, verdict.text);
+    jobs.take(
+        row,
+        step_of(row.state, verdict.unconfirmed ? JobEvent::CutUnconfirmed : JobEvent::CutBreaks),
+        verdict.kind);
+  }
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "daemon/devices/cutters.hpp"
+#include "daemon/service/live/cut_states.hpp"
+#include "daemon/service/live/cut_verdict.hpp"
+
+namespace popcut::daemon {
+
+/// The attempts of this node from START until their end is recorded: their journals, their progress
+/// and what people ask of them meanwhile. On the service's thread.
+///
+/// The knife moves only after START is in the journal and in the database, and strokes are sent
+/// only after their intent is. What could not be recorded is tried again by `tick`.
+class RunningCuts {
+ public:
+  struct Parts {
+    ServiceStore& store;
+    ServiceThread& thread;
+    Cutters& cutters;
+    JobRepository& jobs;
+    DeviceRegistry& devices;
+    IntentJournals& intents;
+    const ServiceOptions& options;
+    std::shared_ptr<void> alive;
+  };
+  explicit RunningCuts(Parts parts) : parts_(std::move(parts)) {}
+
+  /// Stores a START, in a transaction; after its commit the cutter gets the sheet.
+  ///
+  /// @throws StoreFault  Constraint: the blank was started before
+  void start(std::shared_ptr<Cut> cut, CutOrder order);
+  /// Pauses at the next end of a stroke. Recorded later, since nothing can be stored now.
+  void pause_unrecorded(const std::string& job);
+  /// A pause is over before it was recorded.
+  void forget_pause(const std::string& job);
+  /// Stops `device` at the next end of a stroke, and notes that a person wanted it.
+  void cancel(const std::string& job, const std::string& device);
+  /// Stops all cuts at the next end of a stroke, because the store can no longer record them.
+  void stop_all();
+  /// Cuts that end from now on do so because popcutd stops.
+  void stopping() { is_stopping_ = true; }
+  [[nodiscard]] bool is_stopping() const { return is_stopping_; }
+  /// Publishes progress again, and records what could not be recorded.
+  void tick();
+
+  /// What is known of the cut of a job; nullptr if the job is not cut here.
+  [[nodiscard]] const Cut* of_job(const std::string& job) const;
+  /// Whether that attempt is cut here now, or its end is not recorded yet.
+  [[nodiscard]] bool has(const std::string& attempt) const;
+  /// Whether anything is cut here.
+  [[nodiscard]] bool any() const;
+  /// The job that is cut on this device; empty if there is none.
+  [[nodiscard]] std::string job_on(const std::string& device) const;
+
+  // In a fleet.
+
+  /// Why nothing may be armed or started now; set by `FleetWatch`.
+  std::function<Answer<void>()> may_cut = [] { return Answer<void>(); };
+  /// Resumes the record of cuts that another node called lost, and stops those of which a person
+  /// has decided otherwise meanwhile.
+  void reclaim();
+  /// Revokes a START of this run that the database has and did not confirm. The knife never moved.
+  ///
+  /// @return false  this is no such START; its journal says what was sent
+  [[nodiscard]] bool revoke_start(const AttemptRow& attempt);
+  /// Does what the database says another node was asked: pause or cancel.
+  void apply_remote_request(const std::string& job);
+
+ private:
+  class Journal;
+  friend class Journal;
+  [[nodiscard]] Running* find_running(const std::string& attempt);
+  [[nodiscard]] Running* find_running_of(const std::string& job);
+  /// The attempts in that state.
+  template <typename State>
+  [[nodiscard]] std::vector<std::string> all_in() const;
+
+  void hand_over(const std::string& attempt, CutOrder order);
+  void record_refusal(const std::string& attempt);
+  [[nodiscard]] Result<void> intended(Cut& cut, std::int64_t last_stroke);
+  [[nodiscard]] bool may_write_again(const StoreFault& fault);
+  void progressed(Running& running, const SessionProgress& progress);
+  void show_progress(Running& running, JobRow& row);
+  void publish(Running& running, const JobRow& row);
+  void ended(const std::string& attempt, const SessionEnd& end);
+  void try_to_record_end(const std::string& attempt);
+  [[nodiscard]] Answer<void> record_end(const Ended& ended);
+  void record_superseded(const Ended& ended);
+  void change_job(JobRow& row, const CutVerdict& verdict, bool is_cancelled);
+
+  Parts parts_;
+  std::map<std::string, CutState> cuts_{};  ///< by attempt
+  bool is_stopping_{false};
+};
+
+}  // namespace popcut::daemon
