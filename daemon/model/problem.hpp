@@ -66,14 +66,25 @@ template <typename T>
 using Answer = tl::expected<T, Problem>;
 
 /// Shorthand for returning a problem from a function that yields an `Answer`.
-[[nodiscard]] inline tl::unexpected<Problem> refuse(ProblemKind kind, std::string detail) {
-  return tl::unexpected<Problem>(Problem{kind, std::move(detail)});
+///
+/// @param retry_after_s  after which time the same request may pass
+[[nodiscard]] inline tl::unexpected<Problem> refuse(ProblemKind kind, std::string detail,
+                                                    std::optional<int> retry_after_s = {}) {
+  Problem problem{kind, std::move(detail)};
+  problem.retry_after_s = retry_after_s;
+  return tl::unexpected<Problem>(std::move(problem));
 }
 
 /// One invalid value: 422 with its pointer, code and what would be right.
 /// `detail` is "POINTER is not valid" if it is empty.
 [[nodiscard]] Problem invalid_value(const std::string& pointer, std::string code,
                                     std::string advice, std::string detail = {});
+[[nodiscard]] inline tl::unexpected<Problem> refuse_value(const std::string& pointer,
+                                                          std::string code, std::string advice,
+                                                          std::string detail = {}) {
+  return tl::unexpected(
+      invalid_value(pointer, std::move(code), std::move(advice), std::move(detail)));
+}
 
 /// "validation", "state-conflict", ...: the last part of the type's URI.
 [[nodiscard]] std::string_view slug_of(ProblemKind kind);

@@ -5,6 +5,19 @@
 #include <nlohmann/json.hpp>
 
 namespace popcut::daemon {
+namespace {
+
+/// The files of a popcutd that shares nothing.
+class OwnFiles final : public SharedFiles {
+ public:
+  Result<void> keep(const std::string&, const std::string&) override { return {}; }
+  bool keep_small(const std::string&) override { return true; }
+  Found fetch(const std::string&) override { return Found::Here; }
+  std::vector<std::string> names(const std::string&) override { return {}; }
+  void forget(const std::string&) override {}
+};
+
+}  // namespace
 
 ServiceStore::ServiceStore(Store& store, const ServiceOptions& options)
     : store_(store), options_(options) {
@@ -83,14 +96,17 @@ void ServiceStore::number_events() {
     if (db().number("SELECT event_number(?)", node_.name) == 0) return;
 }
 
+SharedFiles& ServiceStore::files() {
+  static OwnFiles own;
+  return store_.files() == nullptr ? own : *store_.files();
+}
+
 Answer<void> ServiceStore::bring(const std::string& name) {
-  if (files() == nullptr) return {};
   return look([&]() -> Answer<void> {
-    if (files()->fetch(name) != SharedFiles::Found::Coming) return {};
-    Problem coming{ProblemKind::Unavailable,
-                   "this file is on its way from the fleet's database; ask again in a moment"};
-    coming.retry_after_s = 1;
-    return tl::unexpected(std::move(coming));
+    if (files().fetch(name) != SharedFiles::Found::Coming) return {};
+    return refuse(ProblemKind::Unavailable,
+                  "this file is on its way from the fleet's database; ask again in a moment",
+                  /*retry_after_s=*/1);
   });
 }
 
@@ -203,22 +219,20 @@ Problem ServiceStore::degraded_problem() const {
 
 Problem ServiceStore::problem_of(const StoreFault& fault) const {
   switch (fault.kind()) {
-    case FaultKind::Away: {
-      Problem away{ProblemKind::Unavailable,
-                   fmt::format("the database of the fleet does not answer: {}", fault.what())};
-      away.retry_after_s = 2;
-      return away;
-    }
+    case FaultKind::Away:
+      return refuse(ProblemKind::Unavailable,
+                    fmt::format("the database of the fleet does not answer: {}", fault.what()),
+                    /*retry_after_s=*/2)
+          .value();
     case FaultKind::InDoubt:
       return {ProblemKind::Unavailable,
               "the database of the fleet went away while this was stored; look whether it was done "
               "before you send it again"};
-    case FaultKind::Again: {
-      Problem busy{ProblemKind::Unavailable,
-                   "others change the same at this moment; send the request again"};
-      busy.retry_after_s = 1;
-      return busy;
-    }
+    case FaultKind::Again:
+      return refuse(ProblemKind::Unavailable,
+                    "others change the same at this moment; send the request again",
+                    /*retry_after_s=*/1)
+          .value();
     case FaultKind::Refused:
       return {ProblemKind::StateConflict, fault.what()};
     case FaultKind::Full:

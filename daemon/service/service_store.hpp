@@ -34,8 +34,8 @@ class ServiceStore {
   [[nodiscard]] const std::string& invocation() const { return options_.invocation; }
   /// Whether other popcutd share the database.
   [[nodiscard]] bool in_fleet() const { return store_.file() == nullptr; }
-  /// The files that all of them need; nullptr: this popcutd is alone.
-  [[nodiscard]] SharedFiles* files() { return store_.files(); }
+  /// The files that all of them need. Without a fleet nothing is shared, and every file is here.
+  [[nodiscard]] SharedFiles& files();
   /// Makes a file be in the state folder if another node has it.
   ///
   /// @retval Unavailable  it is large and on its way: ask again

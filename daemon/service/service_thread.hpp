@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <utility>
 
 #include "daemon/model/turns.hpp"
 
@@ -41,6 +42,33 @@ class ServiceThread {
  private:
   struct State;
   std::unique_ptr<State> state_;
+};
+
+/// Gives work to the service's thread for an owner that may be gone when its turn comes: then it
+/// does not run. From any thread.
+class Poster {
+ public:
+  using Lane = ServiceThread::Lane;
+
+  Poster(ServiceThread& thread, std::weak_ptr<void> owner)
+      : thread_(&thread), owner_(std::move(owner)) {}
+  /// As `ServiceThread::post`.
+  void operator()(std::function<void()> work, Lane lane = Lane::Asking) const {
+    thread_->post(lane, while_owned(std::move(work)));
+  }
+  /// As `ServiceThread::run`.
+  void run(Lane lane, std::function<void()> work) const {
+    thread_->run(lane, while_owned(std::move(work)));
+  }
+
+ private:
+  [[nodiscard]] std::function<void()> while_owned(std::function<void()> work) const {
+    return [owner = owner_, work = std::move(work)] {
+      if (const auto here = owner.lock()) work();
+    };
+  }
+  ServiceThread* thread_;
+  std::weak_ptr<void> owner_;
 };
 
 }  // namespace popcut::daemon

@@ -196,12 +196,10 @@ Answer<NewToken> Tokens::create_token(const Principal& who, const std::string& n
   if (who.role < Role::Admin)
     return refuse(ProblemKind::Forbidden, "only an admin may create tokens");
   if (name.empty() || name.size() > 120)
-    return tl::unexpected(
-        invalid_value("/name", "range", "must have 1 to 120 characters", "the name is not valid"));
+    return refuse_value("/name", "range", "must have 1 to 120 characters", "the name is not valid");
   if (lifetime_s && (*lifetime_s < 1 || *lifetime_s > kLongestLifetimeS))
-    return tl::unexpected(invalid_value("/lifetime_s", "range",
-                                        fmt::format("must be 1..{}", kLongestLifetimeS),
-                                        "the lifetime is not valid"));
+    return refuse_value("/lifetime_s", "range", fmt::format("must be 1..{}", kLongestLifetimeS),
+                        "the lifetime is not valid");
   return store_.change([&]() -> Answer<NewToken> {
     std::optional<TimeMs> expires;
     if (lifetime_s) expires = store_.now() + std::int64_t{*lifetime_s} * 1000;

@@ -68,15 +68,13 @@ bool Tokens::make_room_for_pairing(const std::string& place) {
 
 Answer<NewPairing> Tokens::ask_pairing(const std::string& name, const std::string& place) {
   if (name.empty() || name.size() > 480)
-    return tl::unexpected(
-        invalid_value("/name", "range", "must have 1 to 120 characters", "the name is not valid"));
+    return refuse_value("/name", "range", "must have 1 to 120 characters", "the name is not valid");
   forget_late_pairings();
   if (!make_room_for_pairing(place)) {
-    Problem full{ProblemKind::Unavailable,
-                 fmt::format("{} tablets wait to be let in already; try again in a few minutes",
-                             pairings_.size())};
-    full.retry_after_s = 60;
-    return tl::unexpected(std::move(full));
+    return refuse(ProblemKind::Unavailable,
+                  fmt::format("{} tablets wait to be let in already; try again in a few minutes",
+                              pairings_.size()),
+                  /*retry_after_s=*/60);
   }
   const std::string secret = base64url(random_bytes(32));
   Pairing one{.id = store_.new_id(),

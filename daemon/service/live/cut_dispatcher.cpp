@@ -46,25 +46,23 @@ std::string why_none(const DeviceRegistry& devices, const PlanRow& plan, const s
 
 Answer<void> CutDispatcher::check_members(const JobRow& row, const ActionRequest& request) const {
   if (needs_sheet(request.action) && !request.sheet)
-    return tl::unexpected(invalid_value("/sheet", "missing", fmt::format("must be {}", row.sheet)));
+    return refuse_value("/sheet", "missing", fmt::format("must be {}", row.sheet));
   if (const auto fine = check_text(request.reason, 2000, "/reason"); !fine)
     return tl::unexpected(fine.error());
   if (request.action == JobAction::ConfirmResult && !request.good)
-    return tl::unexpected(invalid_value("/good", "missing", "must be true or false"));
+    return refuse_value("/good", "missing", "must be true or false");
   if (request.action == JobAction::ResumeFrom) {
-    if (!request.from_path)
-      return tl::unexpected(invalid_value("/from_path", "missing", "must be a path"));
+    if (!request.from_path) return refuse_value("/from_path", "missing", "must be a path");
     if (request.registration != "kept" && request.registration != "re-registered")
-      return tl::unexpected(invalid_value("/registration",
-                                          request.registration.empty() ? "missing" : "value",
-                                          "must be \"kept\" or \"re-registered\""));
+      return refuse_value("/registration", request.registration.empty() ? "missing" : "value",
+                          "must be \"kept\" or \"re-registered\"");
   }
   if (request.sheet && *request.sheet != row.sheet)
-    return tl::unexpected(JobRepository::conflict(
-        row, fmt::format("the current sheet is {}, not {}", row.sheet, *request.sheet)));
+    return JobRepository::refuse_state(
+        row, fmt::format("the current sheet is {}, not {}", row.sheet, *request.sheet));
   if (request.blank && *request.blank != row.blank)
-    return tl::unexpected(JobRepository::conflict(
-        row, fmt::format("the current blank is {}, not {}", row.blank, *request.blank)));
+    return JobRepository::refuse_state(
+        row, fmt::format("the current blank is {}, not {}", row.blank, *request.blank));
   return {};
 }
 
@@ -104,9 +102,9 @@ Answer<Job> CutDispatcher::act(const Principal& who, const std::string& id, std:
 
 Answer<Job> CutDispatcher::act_on(const Principal& who, JobRow& row, const ActionRequest& request) {
   if (step_of(JobRepository::facts_of(row), request.action) == Step::Refused)
-    return tl::unexpected(JobRepository::conflict(
+    return JobRepository::refuse_state(
         row, fmt::format("{} is not possible while the job is {}{}", name_of(request.action),
-                         row.held ? "held and " : "", name_of(row.state))));
+                         row.held ? "held and " : "", name_of(row.state)));
   if (const auto fine = check_members(row, request); !fine) return tl::unexpected(fine.error());
   const std::string detail = audit_detail(request, row);
   if (const auto changed = change(who, row, request); !changed)
@@ -158,20 +156,19 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
   const DeviceRegistry& devices = parts_.devices;
   if (!request.device.empty() && !row.requested_device.empty() &&
       request.device != row.requested_device)
-    return tl::unexpected(JobRepository::conflict(
+    return JobRepository::refuse_state(
         row,
         fmt::format("the job is for {}, not for {}{}", row.requested_device, request.device,
-                    row.segment > 1 ? ", which holds its sheet" : "; change its device first")));
+                    row.segment > 1 ? ", which holds its sheet" : "; change its device first"));
   std::string device = request.device.empty() ? row.requested_device : request.device;
   if (!device.empty()) {
     if (!devices.find(device)) return tl::unexpected(devices.unknown(device, "/device"));
     if (const auto fine = devices.usable(device); !fine) return tl::unexpected(fine.error());
     if (const std::string why = devices.wrong_site(device, row.site); !why.empty())
-      return tl::unexpected(
-          JobRepository::conflict(row, fmt::format("{} {}; change its site first", device, why)));
+      return JobRepository::refuse_state(row,
+                                         fmt::format("{} {}; change its site first", device, why));
     if (const std::string why = devices.misfit(device, plan, row.site); !why.empty())
-      return tl::unexpected(
-          JobRepository::conflict(row, fmt::format("{} cannot cut this: {}", device, why)));
+      return JobRepository::refuse_state(row, fmt::format("{} cannot cut this: {}", device, why));
     return device;
   }
   std::vector<std::string> fitting = devices.fitting(plan, row.site);
@@ -203,25 +200,23 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
   if (const auto may = parts_.cuts.may_cut(); !may) return tl::unexpected(may.error());
   const auto plan = parts_.plans.table().find(row.plan);
   if (!plan || plan->state != PlanState::Planned)
-    return tl::unexpected(
-        JobRepository::conflict(row, "the job's plan is gone; create the job again"));
+    return JobRepository::refuse_state(row, "the job's plan is gone; create the job again");
   if (!request.plan_sha256.empty() && request.plan_sha256 != plan->sha256)
-    return tl::unexpected(JobRepository::conflict(
-        row, "the plan is " + plan->sha256 + ", not the one in the request"));
+    return JobRepository::refuse_state(
+        row, "the plan is " + plan->sha256 + ", not the one in the request");
   if (const auto sheet = parts_.jobs.current_sheet(row); !sheet || sheet->index_sha256.empty())
-    return tl::unexpected(JobRepository::conflict(
+    return JobRepository::refuse_state(
         row,
         "an earlier popcutd made this job's plan and did not protect it from changes; create the "
-        "job again"));
+        "job again");
   if (const std::string why = parts_.intents.why_blocked(row.id); !why.empty())
-    return tl::unexpected(JobRepository::conflict(row, why));
+    return JobRepository::refuse_state(row, why);
   const Answer<std::string> device = choose_device(row, request, *plan);
   if (!device) return tl::unexpected(device.error());
   if (const auto known = check_place(row, *device); !known) return tl::unexpected(known.error());
   if (const auto other = parts_.jobs.table().on_device(*device))
-    return tl::unexpected(JobRepository::conflict(
-        row,
-        fmt::format("{} holds a sheet of job {} ({})", *device, other->id, name_of(other->state))));
+    return JobRepository::refuse_state(row, fmt::format("{} holds a sheet of job {} ({})", *device,
+                                                        other->id, name_of(other->state)));
   if (const auto accepted = accept_warnings(row, request); !accepted)
     return tl::unexpected(accepted.error());
   if (const auto sheet = parts_.jobs.current_sheet(row))
@@ -231,10 +226,10 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
   const Waiting waiting = known == next_.end() ? Waiting{} : waiting_of(known->second);
   if (waiting.resume_at && waiting.resume_at->segment == row.segment &&
       waiting.resume_at->first_stroke != row.first_stroke)
-    return tl::unexpected(JobRepository::conflict(
+    return JobRepository::refuse_state(
         row, fmt::format("this sheet would resume at path {}, but a person asked here for path {}; "
                          "use a new blank with retry-sheet",
-                         row.first_stroke, waiting.resume_at->first_stroke)));
+                         row.first_stroke, waiting.resume_at->first_stroke));
   row.device = *device;
   row.operator_name = who.name;
   parts_.jobs.take(row, Step::ToArmed, "");
@@ -293,51 +288,49 @@ bool CutDispatcher::knows_place(const JobRow& row, const std::string& device) co
 
 Answer<void> CutDispatcher::check_place(const JobRow& row, const std::string& device) const {
   if (knows_place(row, device)) return {};
-  return tl::unexpected(JobRepository::conflict(
+  return JobRepository::refuse_state(
       row, fmt::format("{} or popcutd restarted, so the sheet's position is unknown; align the "
                        "sheet again and use resume-from with registration \"re-registered\" from "
                        "path {}, or use a new blank with retry-sheet",
-                       device, row.first_stroke)));
+                       device, row.first_stroke));
 }
 
 Answer<void> CutDispatcher::check_armed(const JobRow& row, const std::optional<PlanRow>& plan) {
   const auto stored = parts_.jobs.attempts().armed(row.id);
   const Armed* const here = valid_arm(row.id);
   if (!stored || here == nullptr)
-    return tl::unexpected(JobRepository::conflict(row, "arming has expired; disarm and arm again"));
+    return JobRepository::refuse_state(row, "arming has expired; disarm and arm again");
   const bool is_same = plan && stored->sheet == row.sheet && stored->blank == row.blank &&
                        here->start == CutStart{row.segment, row.first_stroke} &&
                        stored->device == row.device && stored->plan_sha256 == plan->sha256;
   if (is_same) return {};
-  return tl::unexpected(JobRepository::conflict(
-      row, "the armed sheet is not the one that would be cut; disarm and arm again"));
+  return JobRepository::refuse_state(
+      row, "the armed sheet is not the one that would be cut; disarm and arm again");
 }
 
 Answer<void> CutDispatcher::check_device(const JobRow& row, const PlanRow& plan) const {
   if (const auto fine = parts_.devices.usable(row.device); !fine)
     return tl::unexpected(fine.error());
   if (const std::string why = parts_.devices.misfit(row.device, plan, row.site); !why.empty())
-    return tl::unexpected(JobRepository::conflict(
-        row, fmt::format("{} can no longer cut this: {}", row.device, why)));
+    return JobRepository::refuse_state(
+        row, fmt::format("{} can no longer cut this: {}", row.device, why));
   if (const auto known = check_place(row, row.device); !known) return tl::unexpected(known.error());
   const auto device = parts_.devices.find(row.device);
   if (device->state == "idle" || device->state == "attention") return {};
-  return tl::unexpected(JobRepository::conflict(
+  return JobRepository::refuse_state(
       row, fmt::format("{} is {}{}{}; start when it is idle", row.device, device->state,
-                       device->reasons.empty() ? "" : ": ", fmt::join(device->reasons, ", "))));
+                       device->reasons.empty() ? "" : ": ", fmt::join(device->reasons, ", ")));
 }
 
 Answer<CutDispatcher::ReadySheet> CutDispatcher::ready_sheet(const JobRow& row) {
   const auto sheet = parts_.jobs.current_sheet(row);
-  if (!sheet)
-    return tl::unexpected(JobRepository::conflict(row, "the job's plan has no such sheet"));
+  if (!sheet) return JobRepository::refuse_state(row, "the job's plan has no such sheet");
   auto found = parts_.programs.find(row.id, parts_.plans.folder_of(row.plan), sheet->number);
   if (!found) {
-    Problem reading{ProblemKind::Unavailable,
-                    "the program of this sheet is large and still being read; start again in a "
-                    "moment"};
-    reading.retry_after_s = 1;
-    return tl::unexpected(std::move(reading));
+    return refuse(ProblemKind::Unavailable,
+                  "the program of this sheet is large and still being read; start again in a "
+                  "moment",
+                  /*retry_after_s=*/1);
   }
   Result<ProgramShelf::Program>& stored = *found;
   // Arming it again would not help.
@@ -427,10 +420,10 @@ Answer<void> CutDispatcher::resume(JobRow& row) {
   if (parts_.cuts.is_stopping()) return refuse(ProblemKind::Unavailable, "popcutd is stopping");
   if (const auto here = check_node(row.device); !here) return tl::unexpected(here.error());
   if (parts_.cuts.of_job(row.id) == nullptr)
-    return tl::unexpected(JobRepository::conflict(row, "its cut has already ended"));
+    return JobRepository::refuse_state(row, "its cut has already ended");
   if (const auto device = parts_.devices.find(row.device); !device || !device->enabled)
-    return tl::unexpected(JobRepository::conflict(
-        row, row.device + " is disabled; an admin can enable it with the action enable"));
+    return JobRepository::refuse_state(
+        row, row.device + " is disabled; an admin can enable it with the action enable");
   if (row.state == JobState::Paused) {
     parts_.jobs.take(row, Step::ToCutting, "");
   } else {
@@ -475,10 +468,10 @@ Answer<void> CutDispatcher::confirm(JobRow& row, const ActionRequest& request) {
   const Answer<Ledger> ledger = parts_.jobs.ledger(row.id, row.sheet);
   if (!ledger) return tl::unexpected(ledger.error());
   if (!ledger->not_sent.empty())
-    return tl::unexpected(JobRepository::conflict(
+    return JobRepository::refuse_state(
         row, fmt::format("paths {}..{} were not cut, so the sheet is not finished; resume from "
                          "there, retry the sheet or skip it",
-                         ledger->not_sent.front().first, ledger->not_sent.front().last)));
+                         ledger->not_sent.front().first, ledger->not_sent.front().last));
   record_usage(
       parts_.store, row,
       {.operator_name = row.operator_name, .device = row.device, .sheet = row.sheet, .sheets = 1});
@@ -501,20 +494,19 @@ Answer<void> CutDispatcher::retry(JobRow& row) {
 Answer<void> CutDispatcher::resume_from(JobRow& row, const ActionRequest& request) {
   const std::optional<ResumeState> state = resume_state(row);
   if (!state)
-    return tl::unexpected(
-        JobRepository::conflict(row, "this blank was never started; arm and start it"));
+    return JobRepository::refuse_state(row, "this blank was never started; arm and start it");
   const AttemptRow* const last = &state->last;
   if (const auto here = check_node(last->device); !here) return tl::unexpected(here.error());
   const auto plan = parts_.plans.table().find(row.plan);
   if (!plan || plan->sha256 != last->plan_sha256)
-    return tl::unexpected(JobRepository::conflict(row, "the plan is not the one that was cut"));
+    return JobRepository::refuse_state(row, "the plan is not the one that was cut");
   const auto may = may_resume(state->runs,
                               {.from_path = *request.from_path,
                                .re_registered = request.registration == "re-registered",
                                .accept_double_cut = request.accept_double_cut,
                                .skip_in_doubt = request.skip_in_doubt},
                               state->facts);
-  if (!may) return tl::unexpected(JobRepository::conflict(row, may.error()));
+  if (!may) return JobRepository::refuse_state(row, may.error());
   row.segment = last->segment + 1;
   row.first_stroke = *request.from_path;
   row.requested_device = last->device;

@@ -111,12 +111,9 @@ Answer<void> DeviceDispatcher::take(const Principal& who, const DeviceRecord& de
 void DeviceDispatcher::reset(const std::string& id) {
   if (reset_thread_.joinable()) reset_thread_.join();
   resetting_ = true;
-  reset_thread_ = std::thread([this, id, thread = &parts_.thread, cutters = &parts_.cutters,
-                               alive = std::weak_ptr<void>(parts_.alive)] {
+  reset_thread_ = std::thread([this, id, post = parts_.post, cutters = &parts_.cutters] {
     const Result<void> done = cutters->reset(id);
-    thread->post(ServiceThread::Lane::Asking, [this, id, alive, done] {
-      const auto here = alive.lock();
-      if (!here) return;
+    post([this, id, done] {
       resetting_ = false;
       (void)parts_.store.change([&]() -> Answer<void> {
         parts_.store.emit("notice", "",

@@ -17,13 +17,12 @@ class DeviceDispatcher : public Devices {
  public:
   struct Parts {
     ServiceStore& store;
-    ServiceThread& thread;
+    Poster post;
     Cutters& cutters;
     DeviceRegistry& devices;
     JobRepository& jobs;
     RunningCuts& cuts;
     CutDispatcher& dispatcher;
-    std::shared_ptr<void> alive;
   };
   explicit DeviceDispatcher(Parts parts) : parts_(std::move(parts)) {}
   ~DeviceDispatcher() override;  ///< waits for a reset that is under way

@@ -196,12 +196,11 @@ std::string FleetWatch::metrics() {
 
 Answer<void> FleetWatch::may_cut() const {
   if (has_begun_ && lease_.holds()) return {};
-  Problem away{
+  return refuse(
       ProblemKind::Unavailable,
       fmt::format("this node has no lease of the fleet's database, so it starts nothing{}{}",
-                  why_.empty() ? "" : ": ", why_)};
-  away.retry_after_s = 2;
-  return tl::unexpected(std::move(away));
+                  why_.empty() ? "" : ": ", why_),
+      /*retry_after_s=*/2);
 }
 
 }  // namespace popcut::daemon

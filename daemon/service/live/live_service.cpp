@@ -70,14 +70,14 @@ struct Parts {
         materials(store, options),
         chores(thread),
         reading(thread),
-        designs(store, thread, planner, options.previewer, chores, alive),
-        plans({store, thread, planner, chores, designs, materials, registry, options, alive}),
-        searches({store, thread, planner, chores, designs, plans, options, alive}),
-        jobs({store, thread, plans, registry, titles, options, alive}),
+        designs(store, post, planner, options.previewer, chores),
+        plans({store, post, planner, chores, designs, materials, registry, options}),
+        searches({store, post, planner, chores, designs, plans, options}),
+        jobs({store, post, plans, registry, titles, options}),
         programs(reading, options.read_program),
-        cuts({store, thread, cutters, jobs, registry, intents, options, alive}),
+        cuts({store, post, cutters, jobs, registry, intents, options}),
         dispatcher({store, jobs, plans, programs, registry, intents, cuts, cutters, options}),
-        device_dispatcher({store, thread, cutters, registry, jobs, cuts, dispatcher, alive}) {
+        device_dispatcher({store, post, cutters, registry, jobs, cuts, dispatcher}) {
     if (store.in_fleet()) {
       fleet.emplace(FleetWatch::Parts{store, jobs, registry, intents, cuts, dispatcher, options});
       // So that a journal says from which machine and folder it is.
@@ -117,6 +117,7 @@ struct Parts {
   std::shared_ptr<void> alive{std::make_shared<int>(0)};
   Store& raw;
   ServiceThread& thread;
+  Poster post{thread, alive};  ///< for as long as these parts live
   Cutters& cutters;
   ServiceStore store;
   Calendar calendar;
@@ -214,8 +215,8 @@ class AssembledService final : private PartsHolder, public Operations, public Li
   void after_remote_events();
   void prune();
   [[nodiscard]] Answer<void> may_copy(const Principal& who) const;
-  void in_slices(const char* name, std::function<Answer<bool>()> step,
-                 std::function<void(const Answer<bool>&)> done);
+  void in_slices(const char* name, const std::function<Answer<bool>()>& step,
+                 const std::function<void(const Answer<bool>&)>& done);
   void copy(const std::string& path, std::function<Answer<std::string>()> finish,
             std::function<void(Answer<std::string>)> done);
   bool copying_{false};
@@ -225,19 +226,15 @@ class AssembledService final : private PartsHolder, public Operations, public Li
 Answer<void> AssembledService::begin() {
   const Answer<void> begun = parts_.fleet ? begin_in_fleet() : begin_alone();
   if (!begun) return begun;
-  const std::weak_ptr<void> alive = parts_.alive;
-  parts_.cutters.on_change([this, alive, thread = &parts_.thread] {
-    thread->post(ServiceThread::Lane::Asking, [this, alive] {
-      if (const auto here = alive.lock()) parts_.device_dispatcher.look();
-    });
-  });
+  parts_.cutters.on_change(
+      [this, post = parts_.post] { post([this] { parts_.device_dispatcher.look(); }); });
   parts_.device_dispatcher.look();
   if (!parts_.fleet) {
     parts_.jobs.plans_ended_before();
     parts_.plans.pump();
     parts_.searches.pump();
   }
-  parts_.thread.every(1000, [this, alive] {
+  parts_.thread.every(1000, [this, alive = std::weak_ptr<void>(parts_.alive)] {
     if (const auto here = alive.lock()) tick();
   });
   return {};
@@ -261,8 +258,7 @@ Answer<void> AssembledService::begin_in_fleet() {
 
 // Large assets that this node took and did not get into the database before it ended.
 void AssembledService::share_again() {
-  SharedFiles* const files = parts_.store.files();
-  if (files == nullptr) return;
+  SharedFiles* const files = &parts_.store.files();
   for (const std::string& id : all_of(
            parts_.store.db().rows("SELECT id FROM asset WHERE NOT EXISTS (SELECT 1 FROM blob WHERE "
                                   "blob.path='assets/' || asset.id)"),
@@ -424,17 +420,12 @@ void AssembledService::usage(std::optional<TimeMs> from, std::optional<TimeMs> t
 
 // Calls `step` in this turn and in as many more as it takes until it gives true or a problem, then
 // `done`. Others have their turns between.
-void AssembledService::in_slices(const char* name, std::function<Answer<bool>()> step,
-                                 std::function<void(const Answer<bool>&)> done) {
+void AssembledService::in_slices(const char* name, const std::function<Answer<bool>()>& step,
+                                 const std::function<void(const Answer<bool>&)>& done) {
   name_turn(name);
   Answer<bool> over = step();
   if (!over || *over) return done(over);
-  parts_.thread.post(ServiceThread::Lane::Asking,
-                     [this, name, step = std::move(step), done = std::move(done),
-                      alive = std::weak_ptr<void>(parts_.alive)]() mutable {
-                       if (const auto here = alive.lock())
-                         in_slices(name, std::move(step), std::move(done));
-                     });
+  parts_.post([this, name, step, done] { in_slices(name, step, done); });
 }
 
 Answer<void> AssembledService::may_copy(const Principal& who) const {

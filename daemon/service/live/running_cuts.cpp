@@ -61,11 +61,14 @@ IntentHead head_of(const AttemptRow& row) {
 
 }  // namespace
 
-/// What the cutter's thread records. It may outlive `RunningCuts`, which `alive_` shows.
+/// What the cutter's thread records. It may outlive `RunningCuts`, which only posted work touches.
 class RunningCuts::Journal final : public CutJournal {
  public:
   Journal(RunningCuts& cuts, std::shared_ptr<Cut> cut)
-      : cuts_(cuts), thread_(cuts.parts_.thread), alive_(cuts.parts_.alive), cut_(std::move(cut)) {}
+      : cuts_(cuts),
+        post_(cuts.parts_.post),
+        is_in_fleet_(cuts.parts_.store.in_fleet()),
+        cut_(std::move(cut)) {}
 
   Result<void> intend(std::int64_t last_stroke) override {
     using Clock = std::chrono::steady_clock;
@@ -76,10 +79,12 @@ class RunningCuts::Journal final : public CutJournal {
       // database, then in the database, so that neither can lose its end unnoticed.
       if (const Result<void> beside = intend_beside(last_stroke); !beside) return beside;
       // In a fleet the files are enough: a database that does not answer must not end a cut.
-      if (cuts_.parts_.store.in_fleet()) return mark_when_there(last_stroke);
-      thread_.run(ServiceThread::Lane::Cutting, [&] {
-        const auto here = alive_.lock();
-        if (!here) return;
+      if (is_in_fleet_) {
+        post_([cuts = &cuts_, cut = cut_, last_stroke] { (void)cuts->intended(*cut, last_stroke); },
+              Poster::Lane::Cutting);
+        return {};
+      }
+      post_.run(Poster::Lane::Cutting, [&] {
         note_wait();
         done = cuts_.intended(*cut_, last_stroke);
       });
@@ -110,30 +115,28 @@ class RunningCuts::Journal final : public CutJournal {
       cut_->news = progress;
       if (is_waiting) return;
     }
-    post([cuts = &cuts_, cut = cut_] {
-      std::optional<SessionProgress> latest;
-      {
-        const std::lock_guard lock(cut->mutex);
-        latest = std::exchange(cut->news, std::nullopt);
-      }
-      Running* const running = cuts->find_running(cut->attempt.id);
-      if (latest && running != nullptr) cuts->progressed(*running, *latest);
-    });
+    post_(
+        [cuts = &cuts_, cut = cut_] {
+          std::optional<SessionProgress> latest;
+          {
+            const std::lock_guard lock(cut->mutex);
+            latest = std::exchange(cut->news, std::nullopt);
+          }
+          Running* const running = cuts->find_running(cut->attempt.id);
+          if (latest && running != nullptr) cuts->progressed(*running, *latest);
+        },
+        Poster::Lane::Cutting);
   }
 
   void ended(const SessionEnd& end) override {
     try {
-      thread_.run(ServiceThread::Lane::Cutting, [&] {
-        const auto here = alive_.lock();
-        if (!here) return;
+      post_.run(Poster::Lane::Cutting, [&] {
         note_wait();
         cuts_.ended(cut_->attempt.id, end);
       });
     } catch (const std::exception&) {
       // There was no memory. The tick records what is in this state.
-      thread_.post(ServiceThread::Lane::Asking, [cuts = &cuts_, cut = cut_, alive = alive_, end] {
-        const auto here = alive.lock();
-        if (!here) return;
+      post_([cuts = &cuts_, cut = cut_, end] {
         if (const Running* const running = cuts->find_running(cut->attempt.id))
           cuts->cuts_.at(cut->attempt.id) = to_ended(*running, end);
       });
@@ -141,18 +144,6 @@ class RunningCuts::Journal final : public CutJournal {
   }
 
  private:
-  template <typename Work>
-  void post(Work work) {
-    thread_.post(ServiceThread::Lane::Cutting, [work = std::move(work), alive = alive_] {
-      if (const auto here = alive.lock()) work();
-    });
-  }
-
-  Result<void> mark_when_there(std::int64_t last_stroke) {
-    post([cuts = &cuts_, cut = cut_, last_stroke] { (void)cuts->intended(*cut, last_stroke); });
-    return {};
-  }
-
   Result<void> intend_beside(std::int64_t last_stroke) {
     for (bool again = true;; again = false) {
       try {
@@ -160,9 +151,7 @@ class RunningCuts::Journal final : public CutJournal {
         return {};
       } catch (const StoreFault& fault) {
         bool may = false;
-        thread_.run(ServiceThread::Lane::Cutting, [&] {
-          if (const auto here = alive_.lock()) may = cuts_.may_write_again(fault);
-        });
+        post_.run(Poster::Lane::Cutting, [&] { may = cuts_.may_write_again(fault); });
         if (!again || !may) return tl::unexpected(given_up(fault.what()));
       }
     }
@@ -175,8 +164,8 @@ class RunningCuts::Journal final : public CutJournal {
   }
 
   RunningCuts& cuts_;
-  ServiceThread& thread_;
-  std::weak_ptr<void> alive_;
+  Poster post_;
+  bool is_in_fleet_;
   std::shared_ptr<Cut> cut_;
   std::optional<double> waited_s_{};
 };

@@ -21,13 +21,12 @@ class RunningCuts {
  public:
   struct Parts {
     ServiceStore& store;
-    ServiceThread& thread;
+    Poster post;
     Cutters& cutters;
     JobRepository& jobs;
     DeviceRegistry& devices;
     IntentJournals& intents;
     const ServiceOptions& options;
-    std::shared_ptr<void> alive;
   };
   explicit RunningCuts(Parts parts) : parts_(std::move(parts)) {}
 

@@ -16,7 +16,6 @@ namespace {
 constexpr std::string_view kColumns = "id, name, kind, owner, bytes, created, assets, media_type";
 constexpr std::uint64_t kSpecBytes = 1u << 20;  // longer ones name their material in the request
 constexpr std::uint64_t kNewSpecBytes = 64u << 10;  // of one that is being uploaded
-constexpr std::uint64_t kScanBytes = 64u << 20;
 constexpr std::size_t kMostKept = 1000;  // materials of designs, in memory
 constexpr std::string_view kPreview = "preview.svg";
 
@@ -123,8 +122,7 @@ std::string material_in(const std::string& path, std::uint64_t most) {
 Answer<void> check_text(const std::string& text, std::size_t most, const std::string& pointer,
                         bool lines_allowed) {
   const auto wrong = [&](const char* code, std::string advice) {
-    return tl::unexpected(
-        invalid_value(pointer, code, std::move(advice), pointer + " is not valid"));
+    return refuse_value(pointer, code, std::move(advice), pointer + " is not valid");
   };
   if (text.size() > most) return wrong("range", fmt::format("must be at most {} bytes", most));
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -162,7 +160,7 @@ void DesignRepository::add(const Principal& who, Upload upload, std::string medi
     return done(**before);
   }
   // What it refers to may have been uploaded at another node.
-  if (store_.files() != nullptr && upload.bytes <= kNewSpecBytes)
+  if (store_.in_fleet() && upload.bytes <= kNewSpecBytes)
     for (const std::string& asset : digests_in(upload.path, kNewSpecBytes))
       if (const auto here = store_.bring("assets/" + asset); !here) return give_up(here.error());
   PlanningTask task;
@@ -173,22 +171,20 @@ void DesignRepository::add(const Principal& who, Upload upload, std::string medi
   if (media_type.find("json") != std::string::npos && upload.bytes <= kNewSpecBytes)
     task.material_json = row_of_material(material_in(upload.path, kNewSpecBytes));
   const std::string preview = store_.folder().at("previews/sha256-" + upload.sha256 + ".svg");
-  planner_.start(std::move(task), [this, alive = std::weak_ptr<void>(alive_), thread = &thread_,
-                                   files = store_.files(), who, upload, media_type, name, preview,
-                                   done = std::move(done)](Result<PlanningOutcome> outcome) {
-    keep_preview(outcome, preview);
-    // Before there is a row of it: whoever sees the design can have it.
-    if (outcome && files != nullptr)
-      if (const Result<void> kept = files->keep("designs/sha256-" + upload.sha256, upload.path);
-          !kept)
-        outcome = tl::unexpected(kept.error());
-    thread->post(ServiceThread::Lane::Asking,
-                 [this, alive, who, upload, media_type, name, done,
-                  held = std::make_shared<Result<PlanningOutcome>>(std::move(outcome))] {
-                   if (const auto here = alive.lock())
-                     checked(who, upload, media_type, name, std::move(*held), done);
-                 });
-  });
+  planner_.start(
+      std::move(task), [this, post = post_, files = &store_.files(), who, upload, media_type, name,
+                        preview, done = std::move(done)](Result<PlanningOutcome> outcome) {
+        keep_preview(outcome, preview);
+        // Before there is a row of it: whoever sees the design can have it.
+        if (outcome)
+          if (const Result<void> kept = files->keep("designs/sha256-" + upload.sha256, upload.path);
+              !kept)
+            outcome = tl::unexpected(kept.error());
+        post([this, who, upload, media_type, name, done,
+              held = std::make_shared<Result<PlanningOutcome>>(std::move(outcome))] {
+          checked(who, upload, media_type, name, std::move(*held), done);
+        });
+      });
 }
 
 void DesignRepository::checked(const Principal& who, const Upload& upload,
@@ -264,9 +260,9 @@ Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& up
                       .created = store_.now()};
     store_.db().insert("asset(id, bytes, created, name, owner)", id, asset.bytes, asset.created,
                        asset.name, asset.owner);
-    if (store_.files() != nullptr && !store_.files()->keep_small("assets/" + id))
+    if (!store_.files().keep_small("assets/" + id))
       store_.after_commit([this, id] {
-        aside_.run([files = store_.files(), id] { (void)files->keep("assets/" + id); });
+        aside_.run([files = &store_.files(), id] { (void)files->keep("assets/" + id); });
       });
     store_.audit(who.name, "add-asset", id, "");
     return asset;
@@ -304,7 +300,7 @@ Answer<std::string> DesignRepository::content(const std::string& id) {
 
 Answer<Design> DesignRepository::here(const std::string& id) {
   Answer<Design> design = find(id);
-  if (!design || store_.files() == nullptr) return design;
+  if (!design) return design;
   if (const auto brought = store_.bring("designs/" + id); !brought)
     return tl::unexpected(brought.error());
   for (const std::string& asset : design->assets)
@@ -328,7 +324,7 @@ Answer<void> DesignRepository::remove(const Principal& who, const std::string& i
           ProblemKind::StateConflict,
           fmt::format("job {} uses this design; finish or cancel the job first", used.text(0)));
     store_.db().run("DELETE FROM design WHERE id=?", id);
-    if (store_.files() != nullptr) store_.files()->forget("designs/" + id);
+    store_.files().forget("designs/" + id);
     store_.audit(who.name, "delete-design", id, design->name);
     if (removed) removed(id);
     store_.after_commit([this, id] {
@@ -377,18 +373,17 @@ void DesignRepository::preview(const std::string& id,
   if (const auto bytes = std::filesystem::file_size(place, ignored); !ignored && bytes > 0) {
     return read_aside(place, std::move(done));
   }
-  planner_.start(
-      task_for(*design, PlanningTask::Kind::Check),
-      [thread = &thread_, place, done = std::move(done)](Result<PlanningOutcome> outcome) {
-        Answer<std::string> svg = refuse(ProblemKind::NotFound, "this design has no preview");
-        if (!outcome)
-          svg = tl::unexpected(problem_from(outcome.error()));
-        else if (const std::string* bytes = file_of(*outcome, kPreview))
-          svg = *bytes;
-        if (svg) (void)write_file(place, *svg);
-        thread->post(ServiceThread::Lane::Asking,
-                     [svg = std::move(svg), done]() mutable { done(std::move(svg)); });
-      });
+  planner_.start(task_for(*design, PlanningTask::Kind::Check),
+                 [post = post_, place, done = std::move(done)](Result<PlanningOutcome> outcome) {
+                   Answer<std::string> svg =
+                       refuse(ProblemKind::NotFound, "this design has no preview");
+                   if (!outcome)
+                     svg = tl::unexpected(problem_from(outcome.error()));
+                   else if (const std::string* bytes = file_of(*outcome, kPreview))
+                     svg = *bytes;
+                   if (svg) (void)write_file(place, *svg);
+                   post([svg = std::move(svg), done]() mutable { done(std::move(svg)); });
+                 });
 }
 
 }  // namespace popcut::daemon

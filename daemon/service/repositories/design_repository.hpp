@@ -21,14 +21,13 @@ namespace popcut::daemon {
 class DesignRepository : public Designs {
  public:
   /// @param previewer  may be null: then nothing is shown
-  DesignRepository(ServiceStore& store, ServiceThread& thread, Planner& planner,
-                   std::shared_ptr<Previewer> previewer, Aside& aside, std::shared_ptr<void> alive)
+  DesignRepository(ServiceStore& store, Poster post, Planner& planner,
+                   std::shared_ptr<Previewer> previewer, Aside& aside)
       : store_(store),
-        thread_(thread),
+        post_(std::move(post)),
         planner_(planner),
         previewer_(std::move(previewer)),
-        aside_(aside),
-        alive_(std::move(alive)) {}
+        aside_(aside) {}
 
   using Added = std::function<void(Answer<Design>)>;
   void add(const Principal& who, Upload upload, std::string media_type, std::string name,
@@ -88,7 +87,7 @@ class DesignRepository : public Designs {
                                      PlanningTask::Kind kind) const;
   [[nodiscard]] std::string row_of_material(const std::string& name) const;
   ServiceStore& store_;
-  ServiceThread& thread_;
+  Poster post_;
   Planner& planner_;
   std::shared_ptr<Previewer> previewer_;
   Aside& aside_;
@@ -103,7 +102,6 @@ class DesignRepository : public Designs {
   };
   std::map<std::string, std::vector<PictureWanted>> drawing_{};  ///< who waits, by the design's id
   std::map<std::string, std::string> materials_{};               ///< what `own_material` has read
-  std::shared_ptr<void> alive_;
 };
 
 /// Checks text from people: no control characters, at most `most` bytes.

@@ -78,7 +78,7 @@ Answer<void> DesignRepository::remove_asset(const Principal& who, const std::str
                                 one ? "refers" : "refer", one ? "that design" : "those designs"));
     }
     store_.db().run("DELETE FROM asset WHERE id=?", id);
-    if (store_.files() != nullptr) store_.files()->forget("assets/" + id);
+    store_.files().forget("assets/" + id);
     store_.audit(who.name, "delete-asset", id, "");
     if (asset_removed) asset_removed(id);
     store_.after_commit([this, id] { remove_tree(store_.folder().at("assets/" + id)); });

@@ -127,8 +127,7 @@ void DesignRepository::picture(const Principal& who, const std::string& id, cons
   waiting.push_back({name, std::move(done)});
   if (waiting.size() > 1) return;
   PreviewTask task{task_for(*design, PlanningTask::Kind::Picture), who.name};
-  previewer_->start(std::move(task), [this, id, alive = std::weak_ptr<void>(alive_),
-                                      thread = &thread_,
+  previewer_->start(std::move(task), [this, id, post = post_,
                                       folder = &store_.folder()](Answer<PlanningOutcome> outcome) {
     // A design that gives no picture is not tried again and again.
     if (!outcome && outcome.error().kind == ProblemKind::Validation) {
@@ -139,11 +138,7 @@ void DesignRepository::picture(const Principal& who, const std::string& id, cons
     if (outcome)
       for (const PlanningFile& file : outcome->files)
         (void)write_file(folder->at("previews/" + id + "." + file.name), file.bytes);
-    thread->post(
-        ServiceThread::Lane::Asking,
-        [this, alive, id, made = std::make_shared<Answer<PlanningOutcome>>(std::move(outcome))] {
-          if (const auto here = alive.lock()) pictures_made(id, *made);
-        });
+    post([this, id, made = std::move(outcome)] { pictures_made(id, made); });
   });
 }
 

@@ -68,12 +68,11 @@ Answer<Job> JobRepository::create(const Principal& who, const JobCreate& request
       return add(who, request, *plan);
     }
     const auto plan = parts_.plans.table().find(request.plan);
-    if (!plan) return tl::unexpected(invalid_value("/plan", "unknown", "must be the id of a plan"));
+    if (!plan) return refuse_value("/plan", "unknown", "must be the id of a plan");
     if (plan->state == PlanState::Failed)
-      return tl::unexpected(invalid_value("/plan", "value", "this plan failed: " + plan->error));
+      return refuse_value("/plan", "value", "this plan failed: " + plan->error);
     if (!request.material.empty() && request.material != plan->material)
-      return tl::unexpected(
-          invalid_value("/material", "value", "this plan is for " + plan->material));
+      return refuse_value("/material", "value", "this plan is for " + plan->material);
     return add(who, request, *plan);
   });
 }
@@ -96,19 +95,16 @@ Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
                                const PlanRow& plan) {
   ServiceStore& store = parts_.store;
   if (jobs_.open_count() >= parts_.options.queue_jobs) {
-    Problem full{ProblemKind::QueueFull,
-                 fmt::format("the queue is full ({} jobs); finish or cancel some first",
-                             parts_.options.queue_jobs)};
-    full.retry_after_s = 60;
-    return tl::unexpected(std::move(full));
+    return refuse(ProblemKind::QueueFull,
+                  fmt::format("the queue is full ({} jobs); finish or cancel some first",
+                              parts_.options.queue_jobs),
+                  /*retry_after_s=*/60);
   }
-  if (const std::int64_t own = jobs_.open_count_of(who.name); own >= parts_.options.jobs_each) {
-    Problem full{
+  if (const std::int64_t own = jobs_.open_count_of(who.name); own >= parts_.options.jobs_each)
+    return refuse(
         ProblemKind::QueueFull,
-        fmt::format("{} jobs of yours are not finished; finish or cancel some first", own)};
-    full.retry_after_s = 60;
-    return tl::unexpected(std::move(full));
-  }
+        fmt::format("{} jobs of yours are not finished; finish or cancel some first", own),
+        /*retry_after_s=*/60);
   if (const auto waits = parts_.plans.await(who, plan); !waits)
     return tl::unexpected(waits.error());
   const TimeMs created = store.now();
@@ -128,14 +124,13 @@ Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
   row.tags = json_list(request.tags);
   const std::int64_t sheets = std::int64_t{plan.sheets} * request.copies;
   if (plan.state == PlanState::Planned && sheets > parts_.options.sheets_per_job)
-    return tl::unexpected(
-        invalid_value("/copies", "range",
-                      fmt::format("{} copies make {} sheets; a job has at most {}", request.copies,
-                                  sheets, parts_.options.sheets_per_job)));
+    return refuse_value("/copies", "range",
+                        fmt::format("{} copies make {} sheets; a job has at most {}",
+                                    request.copies, sheets, parts_.options.sheets_per_job));
   // A plan that waits to be made has its machine and material, and no area yet.
   if (!request.device.empty())
     if (const std::string why = parts_.devices.misfit(request.device, plan, row.site); !why.empty())
-      return tl::unexpected(invalid_value("/device", "value", why));
+      return refuse_value("/device", "value", why);
   if (request.device.empty() && request.plan.empty())
     row.warnings = warnings_json(choice_warnings(plan.material, row.site));
   jobs_.insert(row);
@@ -223,12 +218,8 @@ void JobRepository::plan_ended_some(const std::string& id) {
     left_over_.erase(id);
   else
     left_over_.insert(id);
-  // In several goes, so that what a cut writes down waits for none of them long.
-  if (more)
-    parts_.thread.post(ServiceThread::Lane::Asking,
-                       [this, id, alive = std::weak_ptr<void>(parts_.alive)] {
-                         if (const auto here = alive.lock()) plan_ended_some(id);
-                       });
+  // The rest in another turn, so that a running cut does not wait long for its record.
+  if (more) parts_.post([this, id] { plan_ended_some(id); });
 }
 
 void JobRepository::catch_up() {
@@ -428,7 +419,7 @@ Answer<Job> JobRepository::patch(const Principal& who, const std::string& id, st
       return refused(
           *row, conflict(*row, "a job can be changed only while it is queued, planning or ready"));
     if (request.priority && (*request.priority < -10 || *request.priority > 10))
-      return tl::unexpected(invalid_value("/priority", "range", "must be -10..10"));
+      return refuse_value("/priority", "range", "must be -10..10");
     if (request.name)
       if (const auto fine = check_text(*request.name, 480, "/name"); !fine)
         return tl::unexpected(fine.error());
@@ -439,9 +430,9 @@ Answer<Job> JobRepository::patch(const Principal& who, const std::string& id, st
       if (const auto fine = check_text(*request.site, kMostSiteBytes, "/site"); !fine)
         return tl::unexpected(fine.error());
     if (request.material && !request.plan_again)
-      return tl::unexpected(invalid_value("/material", "value",
-                                          "needs plan_again: true, because another material needs "
-                                          "another plan"));
+      return refuse_value("/material", "value",
+                          "needs plan_again: true, because another material needs "
+                          "another plan");
     if (request.device && !request.device->empty()) {
       const auto with_others = [&](Problem problem) {
         problem.next_actions = other_devices(*row);
@@ -485,7 +476,7 @@ Answer<void> JobRepository::remove(const Principal& who, const std::string& id) 
     if (who.role < Role::Operator && !same_owner(who, *row))
       return refuse(ProblemKind::Forbidden, "only an operator may delete someone else's job");
     if (!is_terminal(row->state))
-      return tl::unexpected(conflict(*row, "only a finished job can be deleted; cancel it first"));
+      return refuse_state(*row, "only a finished job can be deleted; cancel it first");
     parts_.store.db().run("UPDATE job SET deleted=1, rev=rev+1 WHERE id=?", id);
     parts_.store.audit(who.name, "delete-job", id, row->name);
     parts_.store.emit(
@@ -526,23 +517,20 @@ Answer<Job> JobRepository::move(const Principal& who, const std::string& id,
   return parts_.store.change([&]() -> Answer<Job> {
     Answer<JobRow> row = this->row(id);
     if (!row) return tl::unexpected(row.error());
-    if (is_terminal(row->state)) return tl::unexpected(conflict(*row, "this job has ended"));
+    if (is_terminal(row->state)) return refuse_state(*row, "this job has ended");
     if (before.empty()) {
       row->position = jobs_.last_position() + kPositionStep;
     } else {
       if (before == id)
-        return tl::unexpected(
-            invalid_value("/before", "value", "must not be the job that is moved"));
+        return refuse_value("/before", "value", "must not be the job that is moved");
       const Answer<JobRow> next = this->row(before);
-      if (!next)
-        return tl::unexpected(invalid_value("/before", "unknown", "must be the id of a job"));
+      if (!next) return refuse_value("/before", "unknown", "must be the id of a job");
       if (next->priority != row->priority || is_terminal(next->state))
-        return tl::unexpected(
-            invalid_value("/before", "value", "must be a waiting job with the same priority"));
+        return refuse_value("/before", "value", "must be a waiting job with the same priority");
       const auto place = jobs_.make_room(*next, id);
       if (!place)
-        return tl::unexpected(
-            conflict(*row, "too many jobs were moved to this place; move it before another job"));
+        return refuse_state(*row,
+                            "too many jobs were moved to this place; move it before another job");
       row->position = *place;
     }
     save(*row);

@@ -31,12 +31,11 @@ class JobRepository : public Jobs {
  public:
   struct Parts {
     ServiceStore& store;
-    ServiceThread& thread;
+    Poster post;
     PlanningQueue& plans;
     DeviceRegistry& devices;
     PrincipalTitles& titles;
     const ServiceOptions& options;
-    std::shared_ptr<void> alive;
   };
   explicit JobRepository(Parts parts)
       : parts_(std::move(parts)),
@@ -97,6 +96,9 @@ class JobRepository : public Jobs {
   [[nodiscard]] Job shown(const JobRow& row) const;
   /// 409 with the state and the allowed actions.
   [[nodiscard]] static Problem conflict(const JobRow& row, std::string detail);
+  [[nodiscard]] static tl::unexpected<Problem> refuse_state(const JobRow& row, std::string detail) {
+    return tl::unexpected(conflict(row, std::move(detail)));
+  }
   /// 412 unless `if_match` is the job's revision.
   [[nodiscard]] static Answer<void> check_rev(const JobRow& row, std::int64_t if_match);
 

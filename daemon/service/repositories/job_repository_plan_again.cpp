@@ -50,17 +50,17 @@ bool JobRepository::may_plan_again(const JobRow& row) {
 Answer<void> JobRepository::plan_again(const Principal& who, JobRow& row, const JobPatch& request) {
   const auto before = parts_.plans.table().find(row.plan);
   if (!before || !may_plan_again(row))
-    return tl::unexpected(conflict(
+    return refuse_state(
         row,
         "sheets of this job were cut already, so it keeps its plan; create a new job for the "
-        "other cutter"));
+        "other cutter");
   const std::string device = request.device.value_or(row.requested_device);
   const Answer<PlanRow> plan =
       parts_.plans.plan_again(who, *before, device, request.material.value_or(""), row.site);
   if (!plan) return tl::unexpected(plan.error());
   if (const std::string why = device.empty() ? "" : parts_.devices.misfit(device, *plan, row.site);
       !why.empty())
-    return tl::unexpected(invalid_value("/device", "value", why));
+    return refuse_value("/device", "value", why);
   row.plan = plan->id;
   row.material = plan->material;
   row.requested_device = device;

@@ -43,12 +43,11 @@ Answer<std::string> checked_row(const std::string& id, const std::string& json,
   auto parsed = parse_json(json, 32);
   if (!parsed) return tl::unexpected(problem_from(parsed.error()));
   if (!parsed->is_object())
-    return tl::unexpected(
-        invalid_value("", "type", "must be an object", "a material must be a JSON object"));
+    return refuse_value("", "type", "must be an object", "a material must be a JSON object");
   nlohmann::json row = std::move(*parsed);
   if (row.contains("name") && row["name"] != id)
-    return tl::unexpected(invalid_value("/name", "value", fmt::format("must be {:?} or absent", id),
-                                        "the name differs from the one in the path"));
+    return refuse_value("/name", "value", fmt::format("must be {:?} or absent", id),
+                        "the name differs from the one in the path");
   row["name"] = id;
   nlohmann::json table;
   table["popcut"] = 1;
@@ -118,9 +117,8 @@ Answer<MaterialRecord> MaterialRepository::put(const Principal& who, const std::
   if (who.role < Role::Admin)
     return refuse(ProblemKind::Forbidden, "only an admin may change materials");
   if (!is_name(id))
-    return tl::unexpected(invalid_value("/name", "format",
-                                        "must be 1 to 60 characters of a-z 0-9 - _ .",
-                                        "the material's name is not valid"));
+    return refuse_value("/name", "format", "must be 1 to 60 characters of a-z 0-9 - _ .",
+                        "the material's name is not valid");
   return store_.change([&]() -> Answer<MaterialRecord> {
     const Answer<MaterialRecord> before = find(id);
     if (before && if_match != before->rev) return tl::unexpected(stale(before->rev));

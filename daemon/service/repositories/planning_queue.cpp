@@ -72,7 +72,7 @@ PlanRecord record_of(const PlanRow& row, std::vector<SheetPlan> sheets) {
 
 // The files of a plan, before anyone hears of it. Runs on a thread of the planner's.
 Result<PlanningOutcome> with_files_kept(Result<PlanningOutcome> outcome, const std::string& folder,
-                                        SharedFiles* shared, const std::string& plan) {
+                                        SharedFiles& shared, const std::string& plan) {
   if (!outcome) return outcome;
   std::vector<std::pair<std::string, std::string_view>> files;
   for (const PlanningFile& file : outcome->files) files.emplace_back(file.name, file.bytes);
@@ -84,9 +84,7 @@ Result<PlanningOutcome> with_files_kept(Result<PlanningOutcome> outcome, const s
     if (index != outcome->files.end()) sheet.index_sha256 = sha256_hex(index->bytes);
   }
   if (Result<void> kept = write_folder(folder, files); !kept) return tl::unexpected(kept.error());
-  if (shared != nullptr)
-    if (Result<void> kept = shared->keep("plans/" + plan); !kept)
-      return tl::unexpected(kept.error());
+  if (Result<void> kept = shared.keep("plans/" + plan); !kept) return tl::unexpected(kept.error());
   outcome->files.clear();
   outcome->files.shrink_to_fit();
   shorten(outcome->warnings, kMostWarnings, kLongestWarning);
@@ -121,10 +119,9 @@ void add_totals(PlanRow& row, const std::vector<SheetPlan>& sheets) {
 }  // namespace
 
 Answer<void> PlanningQueue::bring_sheet(const std::string& plan, int sheet) {
-  if (parts_.store.files() == nullptr) return {};
   const std::string stem = fmt::format("plans/{}/sheet-{:02}.", plan, sheet);
   return parts_.store.look([&]() -> Answer<void> {
-    for (const std::string& name : parts_.store.files()->names(stem))
+    for (const std::string& name : parts_.store.files().names(stem))
       if (const auto here = parts_.store.bring(name); !here) return here;
     return {};
   });
@@ -144,9 +141,8 @@ Answer<PlanningQueue::MachineRow> PlanningQueue::machine_for(const std::string& 
       return tl::unexpected(parts_.devices.unknown(device, "/device"));
     const std::string of_device = parts_.devices.machine_of(device);
     if (!name.empty() && !of_device.empty() && name != of_device)
-      return tl::unexpected(invalid_value("/machine", "value",
-                                          fmt::format("{} is a {}", device, of_device),
-                                          "device and machine do not match"));
+      return refuse_value("/machine", "value", fmt::format("{} is a {}", device, of_device),
+                          "device and machine do not match");
     if (name.empty()) name = of_device;
   }
   if (name.empty()) name = parts_.devices.machine_for(material, site).machine;
@@ -166,7 +162,7 @@ Answer<MaterialRecord> PlanningQueue::material_named(const std::string& name) {
   Answer<MaterialRecord> found = parts_.materials.find(name);
   if (found || found.error().kind != ProblemKind::NotFound) return found;
   const std::string detail = found.error().detail;
-  return tl::unexpected(invalid_value("/material", "unknown", detail, detail));
+  return refuse_value("/material", "unknown", detail, detail);
 }
 
 Answer<PlanRecord> PlanningQueue::request(const Principal& who, const PlanRequest& request) {
@@ -189,8 +185,8 @@ Answer<PlanRow> PlanningQueue::plan_for(const Principal& who, const PlanRequest&
   const Answer<Design> design = parts_.designs.find(request.design);
   if (!design) {
     if (design.error().kind != ProblemKind::NotFound) return tl::unexpected(design.error());
-    return tl::unexpected(invalid_value(
-        "/design", "unknown", "must be the id of an uploaded design", design.error().detail));
+    return refuse_value("/design", "unknown", "must be the id of an uploaded design",
+                        design.error().detail);
   }
   std::string material =
       request.material.empty() ? parts_.designs.own_material(*design) : request.material;
@@ -255,13 +251,11 @@ Answer<PlanRow> PlanningQueue::test_plan_for(const Principal& who, const std::st
 
 Answer<void> PlanningQueue::await(const Principal& who, const PlanRow& plan) {
   if (plan.state != PlanState::Pending || plans_.has_asked(plan.id, who.name)) return {};
-  if (const std::int64_t own = plans_.asked_by(who.name); own >= parts_.options.plans_each) {
-    Problem full{
+  if (const std::int64_t own = plans_.asked_by(who.name); own >= parts_.options.plans_each)
+    return refuse(
         ProblemKind::QueueFull,
-        fmt::format("{} plans of yours are waiting; try again when some of them are made", own)};
-    full.retry_after_s = 60;
-    return tl::unexpected(std::move(full));
-  }
+        fmt::format("{} plans of yours are waiting; try again when some of them are made", own),
+        /*retry_after_s=*/60);
   plans_.ask(plan.id, who.name);
   return {};
 }
@@ -282,10 +276,9 @@ Answer<PlanRow> PlanningQueue::find_or_add(const Principal& who, PlanRow row) {
   }
   const std::int64_t waiting = store.db().number("SELECT count(*) FROM plan WHERE state='pending'");
   if (waiting >= parts_.options.queue_jobs) {
-    Problem full{ProblemKind::QueueFull,
-                 fmt::format("{} plans are waiting; try again later", waiting)};
-    full.retry_after_s = 60;
-    return tl::unexpected(std::move(full));
+    return refuse(ProblemKind::QueueFull,
+                  fmt::format("{} plans are waiting; try again later", waiting),
+                  /*retry_after_s=*/60);
   }
   row.id = store.new_id();
   row.created = store.now();
@@ -410,23 +403,19 @@ bool PlanningQueue::start(const std::string& id) {
   if (!noted) return false;
   if (!is_mine) return true;
   running_[id] = 0;
-  task.progress = [this, id, thread = &parts_.thread,
-                   alive = std::weak_ptr<void>(parts_.alive)](const PlanningPhase& phase) {
-    thread->post(ServiceThread::Lane::Asking, [this, id, alive, phase] {
+  task.progress = [this, id, post = parts_.post](const PlanningPhase& phase) {
+    post([this, id, phase] {
       name_turn("phase of a plan");
-      if (const auto here = alive.lock(); here && is_at && running_.contains(id)) is_at(id, phase);
+      if (is_at && running_.contains(id)) is_at(id, phase);
     });
   };
   // It may be over before its number is known, but what is posted runs only after this.
   running_[id] = parts_.planner.start(
-      std::move(task),
-      [this, id, folder = folder_of(id), files = parts_.store.files(), thread = &parts_.thread,
-       alive = std::weak_ptr<void>(parts_.alive)](Result<PlanningOutcome> made) {
+      std::move(task), [this, id, folder = folder_of(id), files = &parts_.store.files(),
+                        post = parts_.post](Result<PlanningOutcome> made) {
         auto kept = std::make_shared<Result<PlanningOutcome>>(
-            with_files_kept(std::move(made), folder, files, id));
-        thread->post(ServiceThread::Lane::Asking, [this, id, alive, kept] {
-          if (const auto here = alive.lock()) over(id, std::move(*kept));
-        });
+            with_files_kept(std::move(made), folder, *files, id));
+        post([this, id, kept] { over(id, std::move(*kept)); });
       });
   if (begun) begun(id);
   return true;
@@ -498,13 +487,8 @@ void PlanningQueue::keep(const std::string& id, const std::shared_ptr<PlanningOu
     parts_.store.emit("notice", "", fmt::format(R"("plan":"{}","state":"planned")", id));
     return {};
   });
-  if (stored && !is_gone && !is_last) {
-    parts_.thread.post(ServiceThread::Lane::Asking, [this, id, made, next = from + count,
-                                                     alive = std::weak_ptr<void>(parts_.alive)] {
-      if (const auto here = alive.lock()) keep(id, made, next);
-    });
-    return;
-  }
+  if (stored && !is_gone && !is_last)
+    return parts_.post([this, id, made, next = from + count] { keep(id, made, next); });
   running_.erase(id);
   asked_.erase(id);
   if (!stored) unrecorded_.insert(id);
@@ -591,24 +575,21 @@ bool PlanningQueue::remove_some_of(const std::string& design) {
 }
 
 void PlanningQueue::remove_more_of(const std::string& design) {
-  parts_.thread.post(ServiceThread::Lane::Asking,
-                     [this, design, alive = std::weak_ptr<void>(parts_.alive)] {
-                       const auto here = alive.lock();
-                       if (!here) return;
-                       name_turn("plans of a removed design");
-                       bool all = true;
-                       const Answer<void> removed = parts_.store.change([&]() -> Answer<void> {
-                         // Uploaded again meanwhile, it may have new ones.
-                         all = parts_.designs.find(design).has_value() || remove_some_of(design);
-                         return {};
-                       });
-                       if (removed && !all) remove_more_of(design);
-                     });
+  parts_.post([this, design] {
+    name_turn("plans of a removed design");
+    bool all = true;
+    const Answer<void> removed = parts_.store.change([&]() -> Answer<void> {
+      // Uploaded again meanwhile, it may have new ones.
+      all = parts_.designs.find(design).has_value() || remove_some_of(design);
+      return {};
+    });
+    if (removed && !all) remove_more_of(design);
+  });
 }
 
 void PlanningQueue::forget(const std::string& id) {
   parts_.store.db().run("DELETE FROM plan WHERE id=?", id);
-  if (parts_.store.files() != nullptr) parts_.store.files()->forget("plans/" + id + "/");
+  parts_.store.files().forget("plans/" + id + "/");
   parts_.store.after_commit([this, id] {
     asked_.erase(id);
     std::erase_if(hurried_, [&](const Hurried& one) { return one.plan == id; });
@@ -663,10 +644,7 @@ void PlanningQueue::read_on(const std::shared_ptr<PlanRecord>& record,
   });
   if (!more) return done(tl::unexpected(more.error()));
   if (!*more) return done(std::move(*record));
-  parts_.thread.post(ServiceThread::Lane::Asking,
-                     [this, record, done, alive = std::weak_ptr<void>(parts_.alive)] {
-                       if (const auto here = alive.lock()) read_on(record, done);
-                     });
+  parts_.post([this, record, done] { read_on(record, done); });
 }
 
 Answer<std::string> PlanningQueue::file(const std::string& id, const std::string& name) {

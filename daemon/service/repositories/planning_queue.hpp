@@ -23,14 +23,13 @@ class PlanningQueue : public Plans {
  public:
   struct Parts {
     ServiceStore& store;
-    ServiceThread& thread;
+    Poster post;
     Planner& planner;
     Aside& aside;
     DesignRepository& designs;
     MaterialRepository& materials;
     DeviceRegistry& devices;
     const ServiceOptions& options;
-    std::shared_ptr<void> alive;
   };
   explicit PlanningQueue(Parts parts) : parts_(std::move(parts)), plans_(parts_.store.db()) {}
 

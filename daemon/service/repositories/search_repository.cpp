@@ -49,7 +49,7 @@ SearchState state_from(const std::string& word) {
 /// The figures of what a worker found, once its pictures are in the folder. On a thread of the
 /// planner's.
 Result<SearchFront> with_pictures_kept(Result<PlanningOutcome> outcome, const std::string& folder,
-                                       SharedFiles* shared, const std::string& id) {
+                                       SharedFiles& shared, const std::string& id) {
   if (!outcome) return tl::unexpected(outcome.error());
   Result<SearchFront> front = fail(ErrorKind::Internal, "worker", "it made no figures");
   for (const PlanningFile& file : outcome->files)
@@ -66,16 +66,12 @@ Result<SearchFront> with_pictures_kept(Result<PlanningOutcome> outcome, const st
   }
   if (Result<void> kept = write_folder(folder, pictures); !kept)
     return tl::unexpected(kept.error());
-  if (shared != nullptr)
-    if (Result<void> kept = shared->keep("searches/" + id); !kept)
-      return tl::unexpected(kept.error());
+  if (Result<void> kept = shared.keep("searches/" + id); !kept) return tl::unexpected(kept.error());
   return front;
 }
 
 tl::unexpected<Problem> too_many(std::string detail) {
-  Problem full{ProblemKind::QueueFull, std::move(detail)};
-  full.retry_after_s = kRetry_s;
-  return tl::unexpected(std::move(full));
+  return refuse(ProblemKind::QueueFull, std::move(detail), /*retry_after_s=*/kRetry_s);
 }
 
 Problem not_valid(const Error& error) {
@@ -299,7 +295,7 @@ void SearchRepository::remove_all_of(const std::string& model) {
 
 void SearchRepository::forget(const std::string& id) {
   parts_.store.db().run("DELETE FROM search WHERE id=?", id);
-  if (parts_.store.files() != nullptr) parts_.store.files()->forget("searches/" + id + "/");
+  parts_.store.files().forget("searches/" + id + "/");
   parts_.store.emit("notice", "", fmt::format(R"("search":"{}","state":"removed")", id));
   parts_.store.after_commit([this, id] {
     // What a planner still makes of it goes when that is over.
@@ -378,23 +374,18 @@ bool SearchRepository::start(const std::string& id) {
   if (!noted) return true;
   if (!is_mine) return false;
   running_ = Running{.id = id};
-  task->progress = [this, id, thread = &parts_.thread,
-                    alive = std::weak_ptr<void>(parts_.alive)](const PlanningPhase& phase) {
-    thread->post(ServiceThread::Lane::Asking, [this, id, alive, phase] {
+  task->progress = [this, id, post = parts_.post](const PlanningPhase& phase) {
+    post([this, id, phase] {
       name_turn("phase of a search");
-      if (const auto here = alive.lock(); here && running_ && running_->id == id)
-        running_->phase = phase;
+      if (running_ && running_->id == id) running_->phase = phase;
     });
   };
   // It may be over before its number is known, but what is posted runs only after this.
   running_->task = parts_.planner.start(
-      std::move(*task),
-      [this, id, folder = folder_of(id), files = parts_.store.files(), thread = &parts_.thread,
-       alive = std::weak_ptr<void>(parts_.alive)](Result<PlanningOutcome> made) {
-        auto kept = std::make_shared<Result<SearchFront>>(
-            with_pictures_kept(std::move(made), folder, files, id));
-        thread->post(ServiceThread::Lane::Asking, [this, id, alive, kept] {
-          if (const auto here = alive.lock()) over(id, *kept);
+      std::move(*task), [this, id, folder = folder_of(id), files = &parts_.store.files(),
+                         post = parts_.post](Result<PlanningOutcome> made) {
+        post([this, id, found = with_pictures_kept(std::move(made), folder, *files, id)] {
+          over(id, found);
         });
       });
   return true;
@@ -425,11 +416,10 @@ void SearchRepository::over(const std::string& id, const Result<SearchFront>& fo
   const Answer<bool> is_there =
       parts_.store.look([&]() -> Answer<bool> { return row(id).has_value(); });
   if (is_there && !*is_there) {
-    if (parts_.store.files() != nullptr)
-      (void)parts_.store.change([&]() -> Answer<void> {
-        parts_.store.files()->forget("searches/" + id + "/");
-        return {};
-      });
+    (void)parts_.store.change([&]() -> Answer<void> {
+      parts_.store.files().forget("searches/" + id + "/");
+      return {};
+    });
     parts_.aside.remove(folder_of(id));
   }
   pump();

@@ -18,13 +18,12 @@ class SearchRepository : public Searches {
  public:
   struct Parts {
     ServiceStore& store;
-    ServiceThread& thread;
+    Poster post;
     Planner& planner;
     Aside& aside;
     DesignRepository& designs;
     PlanningQueue& plans;
     const ServiceOptions& options;
-    std::shared_ptr<void> alive;
   };
   explicit SearchRepository(Parts parts) : parts_(std::move(parts)) {}
 
