@@ -33,11 +33,11 @@ struct Aside::State {
       lock.unlock();
       try {
         task.work();
-      } catch (const std::exception&) {  // what came of it `then` knows
+      } catch (const std::exception&) {  // `then` sees the result
       }
       try {
         if (task.then) thread.post(ServiceThread::Lane::Asking, std::move(task.then));
-      } catch (const std::exception&) {  // no memory: whoever waits has patience of its own
+      } catch (const std::exception&) {  // no memory; those who wait have a time limit
       }
       task = {};
       lock.lock();

@@ -9,21 +9,21 @@
 
 namespace popcut::daemon {
 
-/// A thread for what takes long and needs neither the store nor the service: reading, hashing and
-/// removing files, checking a copy of the database. One thing after another.
+/// A thread for work that takes long and needs neither the store nor the service: to read, hash and
+/// remove files, or to check a copy of the database. One task after another.
 class Aside {
  public:
   explicit Aside(ServiceThread& thread);
-  /// Ends what runs, and drops the rest.
+  /// Waits for the task that runs, and drops the rest.
   ~Aside();
   Aside(const Aside&) = delete;
   Aside& operator=(const Aside&) = delete;
 
-  /// Runs `work` there, then `then` on the service's thread (lane Asking). What `work` throws is
-  /// dropped, and `then` runs all the same. From the service's thread.
+  /// Runs `work` there, then `then` on the service's thread (lane Asking), also if `work` throws.
+  /// Call this on the service's thread.
   void run(std::function<void()> work, std::function<void()> then = {});
-  /// Removes a file or a folder with all that is in it. Its name is free at once; what remains
-  /// below another name after a crash, the next start removes (see `StateFolder::open`).
+  /// Removes a file or a folder with its content. The name is free at once. After a crash the next
+  /// start removes what remains under another name (see `StateFolder::open`).
   void remove(const std::string& path);
 
  private:

@@ -28,7 +28,7 @@ void Calendar::load() {
 }
 
 void Calendar::follow() {
-  // The clock of a fleet is its database's, which is looked after.
+  // A fleet uses the clock of its database, which an administrator keeps right.
   if (store_.in_fleet()) {
     believed_ = claimed_ = store_.now();
     return;

@@ -8,17 +8,19 @@
 
 namespace popcut::daemon {
 
-/// The login name of a user in the system's list of users; empty if it has none.
+/// The login name of a user of this system; empty if there is none.
 [[nodiscard]] std::string login_name(uid_t user);
 
-/// What people call a principal. Each is looked up once: a token's name does not change, and a list
-/// of jobs names the same few again and again.
+/// What people call a principal. Each title is looked up once: names of tokens do not change, and
+/// lists of jobs repeat the same few principals.
 class PrincipalTitles {
  public:
   PrincipalTitles(ServiceStore& store, const ServiceOptions& options)
       : store_(store), options_(options) {}
-  /// "Ben's tablet" for "token:01J...", "ana" for "uid:1000"; the name of the principal itself for
-  /// a token that was deleted, and a user without a login name. Throws StoreFault.
+  /// "Ben's tablet" for "token:01J...", "ana" for "uid:1000". For a deleted token, or a user
+  /// without a login name, the principal itself.
+  ///
+  /// @throws StoreFault
   [[nodiscard]] std::string of(const std::string& principal);
 
  private:

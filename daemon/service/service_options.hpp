@@ -20,53 +20,53 @@ class Previewer;
 /// A sheet's program as it is stored.
 struct StoredProgram {
   EncodedProgram program;
-  std::string index_sha256;  ///< of the file that says what the program's bytes are for
+  std::string index_sha256;  ///< of the index of the program: which bytes cut which stroke
 };
-/// The name of that file in a plan's folder: "sheet-01.program.json".
+/// The name of the index in the folder of a plan: "sheet-01.program.json".
 [[nodiscard]] std::string index_name(int sheet);
 
 /// A node of a fleet; used if the store's database is shared.
 struct FleetOptions {
   std::string node{};     ///< its name
-  std::string url{};      ///< where people reach its page
-  std::string site{};     ///< where its cutters stand
+  std::string url{};      ///< of its page
+  std::string site{};     ///< of its cutters
   std::string version{};  ///< of popcutd
   double lease_s{30}, beat_s{5};
   double mark_s{1};               ///< between marks of a cut in the database
-  bool has_database_clock{true};  ///< so that all nodes go by one clock; false: this machine's
+  bool has_database_clock{true};  ///< all nodes use the clock of the database; false: their own
 };
 
-/// Limits and hooks of a service. The defaults are those of the manual.
+/// Limits and hooks of a service. The manual states the defaults.
 struct ServiceOptions {
   std::int64_t arm_s{600};          ///< how long START may be pressed after arming
-  std::int64_t queue_jobs{50'000};  ///< jobs that are not ended
-  std::int64_t jobs_each{25'000};   ///< of one principal that are not ended
-  std::int64_t plans_each{1000};    ///< that one principal waits for
-  std::int64_t searches_each{8};    ///< that one principal waits for
+  std::int64_t queue_jobs{50'000};  ///< most jobs that have not ended
+  std::int64_t jobs_each{25'000};   ///< the same of one principal
+  std::int64_t plans_each{1000};    ///< most plans for which one principal waits
+  std::int64_t searches_each{8};    ///< most searches for which one principal waits
   int sheets_per_job{10'000};
-  int plans_at_once{2};  ///< given to the planner; the others wait in the store
-  std::uint64_t least_free_bytes{16u << 20};  ///< less on the disk: no new work
+  int plans_at_once{2};                       ///< that the planner has; others wait in the store
+  std::uint64_t least_free_bytes{16u << 20};  ///< on the disk; with less, new work is refused
   std::int64_t keep_keys_ms{7LL * 86'400'000};
   std::int64_t keep_events_ms{30LL * 86'400'000};
   std::int64_t session_ms{12LL * 3'600'000};          ///< of a page, counted from its last request
   std::int64_t longest_session_ms{7LL * 86'400'000};  ///< of a page, however much it is used
   LocalUsers users{};                                 ///< roles of the users of the unix socket
-  std::int64_t believe_ms{24LL * 3'600'000};  ///< run time after which a clock that jumped is right
+  std::int64_t believe_ms{24LL * 3'600'000};  ///< run time until a jump of the clock is believed
   std::vector<std::string> tables{};          ///< users' tables of machines and materials, as text
-  /// Materials that a device is set up for; a device that is not listed takes any.
+  /// Materials for which a device is set up; a device without an entry takes any material.
   std::map<std::string, std::vector<std::string>> device_materials{};
-  /// Makes what people see while they design; null: nothing is.
+  /// Makes previews; null: there are none.
   std::shared_ptr<Previewer> previewer{};
   FleetOptions fleet{};
   std::string invocation{};  ///< of this run; empty: INVOCATION_ID or a new one
 
   /// Reads the program of a sheet from a plan's folder, as the planner's files hold it.
   std::function<Result<StoredProgram>(const std::string& folder, int sheet)> read_program{};
-  std::function<void(const std::string& line)> log{};  ///< what an administrator should see
-  /// The login name of a user, or nothing; empty: the system's list of users.
+  std::function<void(const std::string& line)> log{};  ///< lines for an administrator
+  /// The login name of a user, or an empty text; the default asks the system.
   std::function<std::string(uid_t)> user_name{};
-  std::function<TimeMs()> wall_ms{};             ///< empty: the system's clock
-  std::function<std::int64_t()> monotonic_ms{};  ///< empty: CLOCK_MONOTONIC
+  std::function<TimeMs()> wall_ms{};             ///< default: the system's clock
+  std::function<std::int64_t()> monotonic_ms{};  ///< default: CLOCK_MONOTONIC
 };
 
 /// The options that may change while it runs.

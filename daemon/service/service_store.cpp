@@ -21,8 +21,8 @@ class OwnFiles final : public SharedFiles {
 
 ServiceStore::ServiceStore(Store& store, const ServiceOptions& options)
     : store_(store), options_(options) {
-  // Ids go on after the greatest there is, also when the clock was put back.
-  // In a fleet they need not: the clock is the database's.
+  // New ids are greater than all others, also when the clock was put back. In a fleet the clock is
+  // that of the database.
   if (!in_fleet())
     for (const char* sql : {"SELECT max(id) FROM job", "SELECT max(id) FROM plan",
                             "SELECT max(id) FROM attempt", "SELECT max(id) FROM token"}) {
@@ -38,10 +38,10 @@ void ServiceStore::forget_after(const Marks& marks) {
 }
 
 void ServiceStore::follow_up() {
-  // What follows may change something again, with events and follow-ups of its own.
+  // The effects may change something again, with events and effects of their own.
   const std::vector<Event> events = std::exchange(events_, {});
   const std::vector<std::function<void()>> after = std::exchange(after_, {});
-  // It is committed: whoever stumbles over the news must not keep the rest from happening.
+  // This is committed, so a listener that fails must not prevent the other effects.
   const auto try_to = [this](const auto& work) {
     try {
       work();
@@ -90,7 +90,7 @@ void ServiceStore::store_events() {
 }
 
 void ServiceStore::number_events() {
-  // Others may add some all the time; the next turn goes on.
+  // Others may add events all the time; the next turn continues.
   constexpr int kMostTimes = 10;
   for (int times = 0; times < kMostTimes; ++times)
     if (db().number("SELECT event_number(?)", node_.name) == 0) return;
@@ -110,7 +110,7 @@ Answer<void> ServiceStore::bring(const std::string& name) {
   });
 }
 
-// Whoever listens misses none that others caused while the database was away.
+// Listeners miss no event that another node caused while the database was away.
 void ServiceStore::begin_delivery() {
   const std::int64_t last = db().number("SELECT last FROM event_counter");
   if (!std::exchange(has_delivered_, true) || last < last_delivered_) last_delivered_ = last;
@@ -118,7 +118,7 @@ void ServiceStore::begin_delivery() {
 
 void ServiceStore::deliver_new_events() {
   constexpr int kAtOnce = 500;
-  // A listener may cause another event. The loop below comes to that one in its turn.
+  // A listener may cause another event, which the loop below finds.
   if (db().in_transaction() || is_delivering_) return;
   struct Delivering {
     bool& flag_;
@@ -153,7 +153,7 @@ void ServiceStore::deliver_new_events() {
 }
 
 bool ServiceStore::was_overtaken(const StoreFault& fault) const {
-  // In a fleet what was looked at before may not hold any more when it is written.
+  // In a fleet another node may have changed what was read before.
   return fault.kind() == FaultKind::Again || (fault.kind() == FaultKind::Constraint && in_fleet());
 }
 
@@ -191,7 +191,7 @@ std::string ServiceStore::moved_away() const {
 
 void ServiceStore::note(const StoreFault& fault) {
   if (in_fleet()) {
-    // The database looks after its own disk. What it says of it ends no cut here.
+    // The database looks after its own disk. Its faults end no cut here.
     if (fault.kind() == FaultKind::InDoubt && on_doubt) on_doubt();
     return;
   }
@@ -225,12 +225,13 @@ Problem ServiceStore::problem_of(const StoreFault& fault) const {
                     /*retry_after_s=*/2)
           .value();
     case FaultKind::InDoubt:
-      return {ProblemKind::Unavailable,
-              "the database of the fleet went away while this was stored; look whether it was done "
-              "before you send it again"};
+      return {
+          ProblemKind::Unavailable,
+          "the database of the fleet went away while this was stored; check whether it was done "
+          "before you send it again"};
     case FaultKind::Again:
       return refuse(ProblemKind::Unavailable,
-                    "others change the same at this moment; send the request again",
+                    "another request changes the same at this moment; send the request again",
                     /*retry_after_s=*/1)
           .value();
     case FaultKind::Refused:
@@ -238,7 +239,8 @@ Problem ServiceStore::problem_of(const StoreFault& fault) const {
     case FaultKind::Full:
       if (in_fleet())
         return {ProblemKind::DiskFull,
-                "the disk of the fleet's database is full; tell who runs it, and send the request "
+                "the disk of the fleet's database is full; tell its administrator, and send the "
+                "request "
                 "again when it has space"};
       return {ProblemKind::DiskFull,
               "the disk is full; free some space and send the request again"};

@@ -18,11 +18,11 @@
 
 namespace popcut::daemon {
 
-/// What nodes of a fleet tell each other when credentials have ended or have another role.
+/// What nodes of a fleet notify each other of when credentials have ended or have another role.
 inline constexpr const char* kAccessChanged = ":access";
 
-/// The store as the parts of the service use it: transactions with what follows from them, events,
-/// audit, and what a failing disk means.
+/// The store as the parts of the service use it: transactions and their effects, events, audit, and
+/// what happens when a disk fails.
 class ServiceStore {
  public:
   ServiceStore(Store& store, const ServiceOptions& options);
@@ -36,11 +36,11 @@ class ServiceStore {
   [[nodiscard]] bool in_fleet() const { return store_.file() == nullptr; }
   /// The files that all of them need. Without a fleet nothing is shared, and every file is here.
   [[nodiscard]] SharedFiles& files();
-  /// Makes a file be in the state folder if another node has it.
+  /// Fetches a file that another node has into the state folder.
   ///
-  /// @retval Unavailable  it is large and on its way: ask again
+  /// @retval Unavailable  the file is large and still being fetched; ask again
   [[nodiscard]] Answer<void> bring(const std::string& name);
-  /// Who this is among them; changed by `NodeLease`.
+  /// Which node of the fleet this is; changed by `NodeLease`.
   [[nodiscard]] const NodeMark& node() const { return node_; }
   [[nodiscard]] NodeMark& node() { return node_; }
   /// Takes note of the fence of a START.
@@ -49,11 +49,11 @@ class ServiceStore {
   /// For a row that was made at `created`: lists look for it by the time in its id.
   [[nodiscard]] std::string new_id(TimeMs created) { return ulids_.next(created); }
 
-  /// Runs `effect`, which gives an Answer, in a transaction. A problem, or a fault of the store,
-  /// undoes it all. On a full disk the reserve is given up and it runs once more; and a few times
-  /// if another node of a fleet changed the same.
+  /// Runs `effect`, which returns an Answer, in a transaction. A problem or a fault of the store
+  /// rolls it back. On a full disk this frees the reserve and runs `effect` once more. If another
+  /// node of a fleet changed the same rows, it runs `effect` a few times more.
   ///
-  /// Inside another one it is a part of that, and a fault goes up to it.
+  /// Inside another transaction it is a part of that one, which also gets the faults.
   template <typename Effect>
   auto change(const Effect& effect) -> decltype(effect()) {
     const bool nested = db().in_transaction();
@@ -77,19 +77,18 @@ class ServiceStore {
         if (nested) throw;
         note(fault);
         if (tries == 0 && fault.kind() == FaultKind::Full && folder().free_reserve()) continue;
-        // A row that others hold for seconds is not waited for again: a cutter may need this
-        // thread.
+        // Do not wait again for a row that others hold for seconds: a cutter may need this thread.
         const bool is_early = monotonic() - begun < kMostTrying_ms;
         if (tries < kMostTries && is_early && was_overtaken(fault)) continue;
         return tl::unexpected(problem_of(fault));
       } catch (...) {
-        // Out of memory, say: what would have followed must not follow the next commit.
+        // For example there is no memory. These effects must not follow the next commit.
         forget_after(marks);
         throw;
       }
     }
   }
-  /// Runs `look`, which gives an Answer and changes nothing.
+  /// Runs `look`, which returns an Answer and changes nothing.
   template <typename Look>
   auto look(const Look& look) -> decltype(look()) {
     try {
@@ -100,24 +99,24 @@ class ServiceStore {
       return tl::unexpected(problem_of(fault));
     }
   }
-  /// Runs `work` once the transaction is committed; never if it is undone.
+  /// Runs `work` after the commit of the transaction, and never after a rollback.
   void after_commit(std::function<void()> work) { after_.push_back(std::move(work)); }
 
   /// Stores an event, in a transaction. `members` are JSON members after those that all have:
   /// `"state":"ready","rev":3`.
   void emit(const std::string& kind, const std::string& job, const std::string& members);
-  /// Calls the listeners at once; nothing is stored.
+  /// Calls the listeners now, without storing the event.
   void publish(const Event& event);
-  /// In a fleet: tells of the events that are stored and were not told of yet, whoever caused them.
+  /// In a fleet: publishes the stored events of all nodes that were not published here yet.
   void deliver_new_events();
-  /// Called too for those that other nodes caused.
+  /// Called also for each event of another node.
   std::function<void(const Event&)> on_remote_event{};
-  /// After some of them, once for all.
+  /// Called once after a number of these.
   std::function<void()> after_remote_events{};
-  /// The last event that was told of.
+  /// The last event that was published here.
   [[nodiscard]] std::int64_t last_delivered() const { return last_delivered_; }
-  /// The events from now on are news; after that, those since the last that was told of, unless the
-  /// database is an earlier one.
+  /// Begins to publish with the next event that is stored. When called again, it goes on after the
+  /// last published event, unless the database went back to an earlier one.
   void begin_delivery();
   void listen(std::function<void(const Event&)> listener) {
     listeners_.push_back(std::move(listener));
@@ -126,31 +125,32 @@ class ServiceStore {
              const std::string& detail);
   void log(const std::string& line) const;
 
-  /// Takes note of what went wrong: a full disk, or one that fails.
+  /// Notes a fault: the disk is full, or it fails.
   void note(const StoreFault& fault);
   void note_full();
-  /// Takes note that a file could not be kept, and says why.
+  /// Notes that a file could not be kept, and returns the problem.
   [[nodiscard]] Problem unkept(const Error& error);
-  /// After a failed write nothing more is written until popcutd restarts.
+  /// Whether a write failed. Then nothing more is written until popcutd restarts.
   [[nodiscard]] bool degraded() const { return degraded_; }
   [[nodiscard]] bool full() const { return full_; }
-  /// Why no new work is taken; none: it is.
+  /// Refuses while no new work is accepted.
   [[nodiscard]] Answer<void> accepts_work() const;
-  /// Why no knife may be armed yet; none: it may.
+  /// Refuses while no sheet may be armed.
   [[nodiscard]] Answer<void> accepts_arming() const;
-  /// The outcome of the check of all of the database; empty: it is sound.
+  /// Takes the result of the check of the whole database; empty means that it is sound.
   void checked(const std::string& damage);
-  /// Takes the reserve again when there is room.
+  /// Reserves disk space again when there is enough.
   void recover_disk();
   std::function<void()> on_degraded{};
-  /// In a fleet: what was asked of the database last may have been done, or not.
+  /// In a fleet: called when the answer to a commit is lost, so that nobody knows whether it
+  /// happened.
   std::function<void()> on_doubt{};
 
   [[nodiscard]] Problem problem_of(const StoreFault& fault) const;
 
   struct Figures {
     Histogram commits{{0.001, 0.003, 0.01, 0.03, 0.1, 1}};
-    /// Of a cutter's stream, until what it intends is on the disk.
+    /// How long the stream to a cutter waits until its intent is on the disk.
     Histogram stream_waits{{0.001, 0.003, 0.01, 0.03, 0.1, 1}};
   };
   [[nodiscard]] const Figures& figures() const { return figures_; }
@@ -178,9 +178,9 @@ class ServiceStore {
   std::vector<std::function<void()>> after_;
   std::vector<Event> events_;  ///< of this transaction; in a fleet numbered after its commit
   NodeMark node_;
-  std::int64_t last_delivered_{0};  ///< in a fleet: the last event that was told of
+  std::int64_t last_delivered_{0};  ///< in a fleet: the last event that was published here
   bool is_delivering_{false}, has_delivered_{false};
-  /// What events of this node say after their number that were not told of yet.
+  /// The events of this node that are not published yet, without their numbers.
   std::multiset<std::string> own_{};
   std::vector<std::function<void(const Event&)>> listeners_;
   std::string degraded_why_;

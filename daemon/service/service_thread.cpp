@@ -30,7 +30,7 @@ struct ServiceThread::State {
   bool ending{false};
   std::thread thread;
 
-  // Puts what is due into the lane of those who ask; gives when the next is.
+  // Queues the periodic work whose time has come, and returns the time of the next.
   Clock::time_point queue_due() {
     const Clock::time_point now = Clock::now();
     Clock::time_point next = now + std::chrono::hours(1);
@@ -73,9 +73,9 @@ struct ServiceThread::State {
       const TurnClock clock;
       try {
         work();
-        work = {};  // what it holds goes in this turn, too
+        work = {};  // destroys what it holds in this turn, too
       } catch (...) {
-        // Nobody waits for it (`run` brings faults to its caller), and the cuts go on.
+        // Nobody waits for this work (`run` passes faults to its caller), and cuts must continue.
       }
       note(is_asking ? of_asking : of_cutting, clock, lock);
     }
@@ -116,7 +116,7 @@ bool ServiceThread::run(Lane lane, const std::function<void()>& work) {
     } catch (...) {
       fault = std::current_exception();
     }
-    // Notified under the lock: whoever waits destroys both as soon as it has it.
+    // Notify under the lock, because the waiting thread destroys both as soon as it has the lock.
     const std::lock_guard lock(mutex);
     done = true;
     over.notify_one();

@@ -11,7 +11,7 @@
 namespace popcut::daemon {
 
 /// The one thread that owns the store and the service. It has three lanes: work of a running cut
-/// comes before requests that stop a knife, and those before all others.
+/// comes first, then requests that stop a knife, then everything else.
 class ServiceThread {
  public:
   enum class Lane { Cutting, Urgent, Asking };
@@ -22,21 +22,23 @@ class ServiceThread {
   ServiceThread(const ServiceThread&) = delete;
   ServiceThread& operator=(const ServiceThread&) = delete;
 
-  /// Queues `work`; never blocks. False: the thread is ending and will not run it.
+  /// Queues `work`; never blocks.
+  ///
+  /// @return false  the thread is ending and will not run it
   bool post(Lane lane, std::function<void()> work);
   /// Runs `work` there and waits for it; what it throws is thrown here. From the thread itself it
   /// runs at once. (What is thrown by posted work is dropped.)
   bool run(Lane lane, const std::function<void()>& work);
-  /// How many wait, of all lanes.
+  /// How much work waits in all lanes.
   [[nodiscard]] std::size_t waiting() const;
   /// Runs `work` every `period_ms` in the lane Asking.
   void every(int period_ms, std::function<void()> work);
   void stop();
-  /// What each lane's turns came to so far (Urgent is part of Asking). A turn holds up all that
-  /// wait, also those who stop a knife: none may take time in proportion to what a client sends or
-  /// to what is stored.
+  /// How long the turns of each lane took so far (Urgent counts as Asking). Everything else waits
+  /// during a turn, also a request that stops a knife. So the time of a turn must not grow with
+  /// what a client sends or with what is stored.
   [[nodiscard]] Turns turns(Lane lane) const;
-  /// Forgets what it measured so far.
+  /// Forgets the measured times.
   void forget_turns();
 
  private:
@@ -44,8 +46,8 @@ class ServiceThread {
   std::unique_ptr<State> state_;
 };
 
-/// Gives work to the service's thread for an owner that may be gone when its turn comes: then it
-/// does not run. From any thread.
+/// Gives work to the service's thread, from any thread, on behalf of an owner. If the owner is gone
+/// when the work has its turn, the work does not run.
 class Poster {
  public:
   using Lane = ServiceThread::Lane;

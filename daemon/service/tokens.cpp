@@ -13,10 +13,10 @@ namespace {
 
 constexpr std::int64_t kOneShotMs = 60'000;
 constexpr std::size_t kMostOneShots = 100;
-constexpr std::size_t kOneShotsOfOne = 10;   // of one principal: nobody takes them all
+constexpr std::size_t kOneShotsOfOne = 10;   // of one principal
 constexpr std::int64_t kSessionsOfOne = 32;  // of one principal; the one that ends first goes
 constexpr int kLongestLifetimeS = 10 * 366 * 86'400;
-// A session's end is moved on at most so often, so that reading writes nearly nothing.
+// A session is extended at most so often, so that reading requests write nearly nothing.
 constexpr std::int64_t kExtendMs = 10 * 60'000;
 constexpr std::size_t kMostKnown = 1000;
 constexpr std::int64_t kKnown_ms = 3'600'000;  // longer than a cut, and than people wait
@@ -61,7 +61,7 @@ struct Tokens::Session {
   std::string via{}, principal{}, secret{};
   TimeMs created{}, expires{}, ends{};
   std::string name{};          ///< of a tablet
-  std::optional<Role> most{};  ///< its role is no more than this
+  std::optional<Role> most{};  ///< the highest role that it may have
 };
 
 // The owner of a token that has not expired; nothing if there is none.
@@ -97,13 +97,13 @@ std::optional<Tokens::Session> Tokens::session(const std::string& id) {
     one.user = LocalUser{static_cast<uid_t>(rows.integer(1)), groups_from(rows.text(2))};
   if (!rows.null(3)) one.via = rows.text(3);
   rows.read(4, std::tie(one.principal, one.secret, one.created, one.expires, one.ends, one.name));
-  // One that cannot be read lets nobody do more than look.
+  // A role that cannot be read counts as the lowest one.
   if (const std::string most = rows.text(10); !most.empty())
     one.most = role_from(most).value_or(Role::Viewer);
   return one;
 }
 
-// What the session may do now, as its root may; nothing if it has ended, or its root has.
+// The principal of a session, with the role that its root has now; nothing if either has ended.
 std::optional<Principal> Tokens::root_of(const Session& session) {
   const TimeMs now = store_.now();
   const TimeMs end = std::min(session.expires, session.ends);
@@ -113,7 +113,7 @@ std::optional<Principal> Tokens::root_of(const Session& session) {
   };
   Principal owner{.name = session.principal, .credential = session.id, .left_ms = end - now};
   if (session.user) {
-    // A user's number means somebody else on another machine.
+    // On another machine the same user number belongs to another person.
     if (!is_of_this_machine(session.principal)) return std::nullopt;
     const std::optional<Role> role = role_of(*session.user, options_.users, ::getuid());
     if (!role) return std::nullopt;
@@ -138,7 +138,7 @@ std::optional<Principal> Tokens::with_session(const std::string& id, std::string
   if (!owner) return std::nullopt;
   const TimeMs later = std::min(store_.now() + options_.session_ms, found->ends);
   if (found->expires + kExtendMs <= later) {
-    // If it cannot be written the session ends earlier, no more.
+    // If this cannot be written, the session only ends earlier.
     (void)store_.change([&]() -> Answer<void> {
       store_.db().run("UPDATE session SET expires=? WHERE id=?", later, id);
       return {};
@@ -163,9 +163,9 @@ std::optional<Principal> Tokens::authenticate(std::string_view bearer) {
   } catch (const StoreFault& fault) {
     store_.note(fault);
     if (!store_.in_fleet()) return std::nullopt;
-    // Whoever stands at a cutter must be able to stop it; all else needs the database anyway.
+    // A person at a cutter must be able to stop it. Everything else needs the database anyway.
     if (std::optional<Principal> owner = known(parts->id, parts->secret)) return owner;
-    // It is not known: whoever takes this for a no would throw a good token away.
+    // The token may be valid, so this must not look like a refusal.
     throw;
   }
 }
@@ -285,7 +285,7 @@ std::optional<SessionRecord> Tokens::session_of(const std::string& credential) {
 Answer<void> Tokens::end_session(const Principal& who, const std::string& id) {
   return store_.change([&]() -> Answer<void> {
     const std::optional<Session> found = session(id);
-    // Whose a session is, is nobody else's business.
+    // Do not tell whether the session of someone else exists.
     if (!found || (who.role < Role::Admin && found->principal != who.name))
       return refuse(ProblemKind::NotFound, "there is no session " + id + " of yours");
     store_.db().run("DELETE FROM session WHERE id=?", id);
@@ -320,7 +320,7 @@ void Tokens::users_changed() {
   for (const auto& listener : listeners_) listener();
 }
 
-// What a session of `who` begins with: its root and its end; nothing if the root has ended.
+// A new session of `who` with its root and its end; nothing if the root has ended.
 std::optional<Tokens::Session> Tokens::beginning(const Principal& who) {
   const TimeMs now = store_.now();
   Session fresh{
@@ -344,8 +344,9 @@ std::optional<Tokens::Session> Tokens::beginning(const Principal& who) {
   return fresh;
 }
 
-// Of one principal the oldest word goes first; of all, the oldest of whoever has most.
-void Tokens::make_room_for_word(const std::string& principal) {
+// A principal with too many codes loses the oldest; if there are too many in all, the principal
+// that has most of them does.
+void Tokens::make_room_for_one_shot(const std::string& principal) {
   std::map<std::string, std::size_t> counts;
   for (const auto& [digest, word] : one_shots_) ++counts[word.principal.name];
   std::string whose;
@@ -367,7 +368,7 @@ void Tokens::make_room_for_word(const std::string& principal) {
 
 Answer<std::string> Tokens::create_one_shot(const Principal& who) {
   tidy();
-  make_room_for_word(who.name);
+  make_room_for_one_shot(who.name);
   const std::string word = base64url(random_bytes(32));
   one_shots_[sha256_hex(word)] = {who, store_.monotonic() + kOneShotMs};
   return word;

@@ -16,8 +16,8 @@ namespace popcut::daemon {
 
 /// Tokens, and the sessions of pages. Only the digest of a secret is stored.
 ///
-/// A session has a root: a token, or a user of the unix socket. It is never more than that. Each
-/// request has the role that the root has then, and whatever ends the root ends the session.
+/// A session has a root: a token, or a user of the unix socket. A request of the session never has
+/// a higher role than the root has at that moment, and the session ends with its root.
 class Tokens : public Access {
  public:
   Tokens(ServiceStore& store, PrincipalTitles& titles, const ServiceOptions& options)
@@ -44,8 +44,8 @@ class Tokens : public Access {
   Answer<std::optional<NewToken>> collect_pairing(const std::string& secret) override;
   /// Forgets what has expired.
   void tidy();
-  /// Ends the sessions of users who have no role any more. To be called when it starts, and when
-  /// the users have changed.
+  /// Ends the sessions of users who no longer have a role. Call this at the start and when the
+  /// users have changed.
   void users_changed();
   /// In a fleet: another node ended credentials, or changed their roles.
   void changed_elsewhere();
@@ -55,14 +55,14 @@ class Tokens : public Access {
     Principal principal;
     std::int64_t until_ms{};  ///< monotonic
   };
-  /// A tablet that waits, or was let in and has not come for its session.
+  /// A tablet that waits to be allowed, or that is allowed and has not collected its session.
   struct Pairing {
     std::string id, code, secret_sha256, name, place;
     std::int64_t until_ms{};                ///< monotonic
-    std::optional<Principal> allowed_by{};  ///< then its code is used
+    std::optional<Principal> allowed_by{};  ///< nothing while the tablet waits
     Role role{};
   };
-  /// Who was let in, and by what.
+  /// A principal that was authenticated lately, and its secret.
   struct Known {
     std::string secret_sha256;
     Principal principal;
@@ -84,16 +84,16 @@ class Tokens : public Access {
   [[nodiscard]] std::optional<SessionRecord> record_of(const Session& session);
   [[nodiscard]] std::string new_code() const;
   void forget_late_pairings();
-  /// False: all places are taken, and none of them by somebody who has several.
+  /// @return false  twenty tablets wait, no two of them at one place
   [[nodiscard]] bool make_room_for_pairing(const std::string& place);
-  void make_room_for_word(const std::string& principal);
+  void make_room_for_one_shot(const std::string& principal);
   void make_room_for_session(const std::string& principal);
   void notify_access_change();
   ServiceStore& store_;
   PrincipalTitles& titles_;
   const ServiceOptions& options_;
-  std::map<std::string, Known, std::less<>> known_;  ///< in a fleet: by id, those let in lately
-  std::map<std::string, OneShot> one_shots_;         ///< by the digest of the word
+  std::map<std::string, Known, std::less<>> known_;  ///< in a fleet, by id of the credential
+  std::map<std::string, OneShot> one_shots_;         ///< by the digest of the code
   std::vector<Pairing> pairings_{};                  ///< not stored: a restart ends them
   std::vector<std::function<void()>> listeners_;
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Tablets: one shows a code, a person who is signed in types it, and it gets a session of theirs.
+// Part of daemon/service/tokens.hpp: pairing. A tablet shows a code, a person who is signed in
+// types it, and the tablet gets a session with that person's root.
 #include <algorithm>
 #include <map>
 
@@ -13,10 +14,10 @@ namespace {
 constexpr std::int64_t kPairingMs = 5 * 60'000;
 constexpr std::size_t kMostPairings = 20;
 constexpr std::size_t kCodeDigits = 6;
-// None that look alike: no 0 and O, no 1, I and L.
+// Without letters and digits that look alike: 0 and O, 1, I and L.
 constexpr std::string_view kCodeLetters = "ABCDEFGHJKMNPQRSTUVWXYZ23456789";
 
-// As a person types it: in any case, with blanks or dashes between.
+// People type a code in any case, with blanks or dashes in it.
 std::string plain_code(std::string_view typed) {
   std::string code;
   for (const char c : typed) {
@@ -33,7 +34,7 @@ std::string Tokens::new_code() const {
     return std::any_of(pairings_.begin(), pairings_.end(),
                        [&](const Pairing& one) { return one.code == code; });
   };
-  // Bytes beyond the last whole number of alphabets are thrown away, so that all are as likely.
+  // Greater bytes are not used, so that all letters are equally likely.
   constexpr std::size_t kFair = 256 / kCodeLetters.size() * kCodeLetters.size();
   std::string code;
   while (code.size() < kCodeDigits || is_taken(code)) {
@@ -49,7 +50,7 @@ void Tokens::forget_late_pairings() {
   std::erase_if(pairings_, [&](const Pairing& one) { return one.until_ms <= now; });
 }
 
-// Whoever asks again and again loses their own oldest code, and nobody else's.
+// A place that asks again and again loses its own oldest code.
 bool Tokens::make_room_for_pairing(const std::string& place) {
   if (pairings_.size() < kMostPairings) return true;
   std::map<std::string, int> waiting;
@@ -72,7 +73,7 @@ Answer<NewPairing> Tokens::ask_pairing(const std::string& name, const std::strin
   forget_late_pairings();
   if (!make_room_for_pairing(place)) {
     return refuse(ProblemKind::Unavailable,
-                  fmt::format("{} tablets wait to be let in already; try again in a few minutes",
+                  fmt::format("{} tablets wait to be allowed already; try again in a few minutes",
                               pairings_.size()),
                   /*retry_after_s=*/60);
   }
@@ -90,9 +91,9 @@ Answer<NewPairing> Tokens::ask_pairing(const std::string& name, const std::strin
 Answer<AllowedPairing> Tokens::allow_pairing(const Principal& who, const std::string& code,
                                              Role role) {
   if (role > who.role)
-    return refuse(ProblemKind::Forbidden,
-                  fmt::format("you are {}; a tablet that you let in can be no more than that",
-                              name_of(who.role)));
+    return refuse(
+        ProblemKind::Forbidden,
+        fmt::format("you are {}; you cannot give a tablet a higher role", name_of(who.role)));
   forget_late_pairings();
   const std::string typed = plain_code(code);
   const auto found = std::find_if(pairings_.begin(), pairings_.end(), [&](const Pairing& one) {
@@ -100,10 +101,10 @@ Answer<AllowedPairing> Tokens::allow_pairing(const Principal& who, const std::st
   });
   if (found == pairings_.end())
     return refuse(ProblemKind::NotFound,
-                  "no tablet waits with this code; a code is good for five minutes, and once");
+                  "no tablet waits with this code; a code is valid once, for five minutes");
   found->allowed_by = who;
   found->role = role;
-  found->until_ms = store_.monotonic() + kPairingMs;  // to come for its session
+  found->until_ms = store_.monotonic() + kPairingMs;  // in which the tablet collects its session
   return AllowedPairing{found->name, role};
 }
 
@@ -114,9 +115,10 @@ Answer<std::optional<NewToken>> Tokens::collect_pairing(const std::string& secre
     return equal_in_constant_time(one.secret_sha256, digest);
   });
   const auto gone = [] {
-    return refuse(ProblemKind::NotFound,
-                  "this pairing has ended: nobody let the tablet in in time, or it has its session "
-                  "already; ask for a new code");
+    return refuse(
+        ProblemKind::NotFound,
+        "this pairing has ended: it was not allowed in time, or has been used already; ask "
+        "for a new code");
   };
   if (found == pairings_.end()) return gone();
   if (!found->allowed_by) return std::optional<NewToken>();
@@ -124,7 +126,7 @@ Answer<std::optional<NewToken>> Tokens::collect_pairing(const std::string& secre
   Answer<std::optional<NewToken>> made = store_.change([&]() -> Answer<std::optional<NewToken>> {
     return begin_session(*one.allowed_by, one.name, one.role);
   });
-  if (!made) return made;  // the disk is full, say: it may come again
+  if (!made) return made;  // for example the disk is full; the tablet can try again
   std::erase_if(pairings_, [&](const Pairing& other) { return other.id == one.id; });
   if (!*made) return gone();
   return made;

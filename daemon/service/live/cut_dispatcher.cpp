@@ -32,7 +32,7 @@ std::string audit_detail(const ActionRequest& request, const JobRow& row) {
   return detail;
 }
 
-// Why those that are there cannot cut a plan: " (sim:a: it is set up for ...)"; empty: none is.
+// Why usable devices cannot cut a plan: " (sim:a: it is set up for ...)"; empty: there are none.
 std::string why_none(const DeviceRegistry& devices, const PlanRow& plan, const std::string& site) {
   constexpr std::size_t kMost = 3;
   std::vector<std::string> reasons;

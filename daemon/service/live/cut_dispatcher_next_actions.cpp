@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Part of daemon/service/live/cut_dispatcher.hpp: complete requests that pass now, so that nobody
-// is refused twice for what was known the first time.
+// Part of daemon/service/live/cut_dispatcher.hpp: complete requests that are possible now. Nobody
+// is refused twice for reasons that were known the first time.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -56,7 +56,7 @@ const Armed* CutDispatcher::valid_arm(const std::string& job) {
   return armed != nullptr && armed->until_ms > parts_.store.monotonic() ? armed : nullptr;
 }
 
-// Arms as they pass now; else what makes a device ready for it.
+// Requests to arm the sheet; else requests that make a device ready for it.
 std::vector<NextAction> CutDispatcher::arm_actions(const JobRow& row, const ActionRequest* wanted) {
   const auto plan = parts_.plans.table().find(row.plan);
   const auto sheet = parts_.jobs.current_sheet(row);
@@ -95,7 +95,7 @@ std::vector<NextAction> CutDispatcher::arm_actions(const JobRow& row, const Acti
                                     : R"(,"device":)" + json_text(id)) +
                                    accepting(row))});
   if (!all.empty()) return all;
-  // A job that holds a device is armed, cutting or paused. While it cuts one can but wait.
+  // A job that holds a device is armed, cutting or paused. While it is cutting, one can only wait.
   for (const std::string& id : busy)
     if (const auto holder = parts_.jobs.table().on_device(id);
         holder && holder->state != JobState::Cutting) {
@@ -106,7 +106,7 @@ std::vector<NextAction> CutDispatcher::arm_actions(const JobRow& row, const Acti
   return all;
 }
 
-// Start, unless it would be refused: then what helps.
+// START; if it would be refused, requests that make it possible.
 std::vector<NextAction> CutDispatcher::actions_when_armed(const JobRow& row) {
   const NextAction disarm{std::string(name_of(JobAction::Disarm)), "{}"};
   const auto plan = parts_.plans.table().find(row.plan);

@@ -10,15 +10,15 @@
 
 namespace popcut::daemon {
 
-/// What a session's end means, in the words that are stored.
+/// What the end of a session means for the job.
 struct CutVerdict {
   std::string kind;         ///< "done", "device_gone", "panel_stop", ...
   std::string attention;    ///< kind of the attention that an interrupted job gets
   std::string text;         ///< for people
-  bool complete{false};     ///< all certain, and the device said that it rests
-  bool unconfirmed{false};  ///< all sent, but the device did not confirm it
+  bool complete{false};     ///< all strokes are certain, and the device reported that it rests
+  bool unconfirmed{false};  ///< all was sent, but the device did not confirm it
 };
-/// `runs` are the fates of the strokes that were to be cut, dots aside.
+/// @param runs  the fates of the strokes that were to be cut, from `fate_runs`
 [[nodiscard]] CutVerdict verdict_on(const SessionEnd& end, const std::vector<FateRun>& runs,
                                     bool stopping);
 /// The fates of strokes `first ..` as runs. Dots, which are never sent, share the fate of the

@@ -15,7 +15,7 @@ std::vector<DeviceRecord> DeviceDispatcher::list() {
     for (DeviceRecord& one : all)
       if (const auto row = parts_.jobs.table().on_device(one.id)) one.job = row->id;
   } catch (const StoreFault& fault) {
-    // The cutters are here, also when the database of the fleet is not.
+    // The cutters of this node do not need the database of the fleet.
     if (!parts_.store.in_fleet()) throw;
     parts_.store.note(fault);
     for (DeviceRecord& one : all) one.job = parts_.cuts.job_on(one.id);
@@ -59,11 +59,11 @@ Answer<DeviceRecord> DeviceDispatcher::act(const Principal& who, const std::stri
   });
   if (!done) return tl::unexpected(done.error());
   if (enabling) {
-    // The book knows it after the commit, which may be that of a transaction around this one.
+    // The registry takes it after the commit, which may be that of an outer transaction.
     const bool enabled = request.action == "enable";
     if (device->enabled != enabled) ++device->rev;
     device->enabled = enabled;
-    // Disabling takes back what was armed there.
+    // What was armed there is disarmed.
     if (!enabled) parts_.dispatcher.devices_gone({id});
   }
   device->test_job = test_job;
@@ -79,7 +79,7 @@ Answer<void> DeviceDispatcher::take(const Principal& who, const DeviceRecord& de
     if (!device.job.empty()) {
       const Answer<JobRow> row = parts_.jobs.row(device.job);
       Problem busy{ProblemKind::StateConflict, id + " holds a sheet of job " + device.job};
-      // What frees it: an armed sheet is taken back, a cut is given up.
+      // To free the device, disarm the sheet or cancel the job.
       if (row)
         busy.next_actions = {
             {.action = std::string(
@@ -107,7 +107,7 @@ Answer<void> DeviceDispatcher::take(const Principal& who, const DeviceRecord& de
   return {};
 }
 
-// Resetting waits for the device, so it has a thread of its own.
+// A reset waits for the device, so it has its own thread.
 void DeviceDispatcher::reset(const std::string& id) {
   if (reset_thread_.joinable()) reset_thread_.join();
   resetting_ = true;

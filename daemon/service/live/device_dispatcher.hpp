@@ -11,8 +11,7 @@
 
 namespace popcut::daemon {
 
-/// Requests for the cutters themselves, not for a job: list, enable, disable,
-/// reset, test-cut.
+/// Requests for the cutters themselves, not for a job: list, enable, disable, reset, test-cut.
 class DeviceDispatcher : public Devices {
  public:
   struct Parts {
@@ -25,7 +24,7 @@ class DeviceDispatcher : public Devices {
     CutDispatcher& dispatcher;
   };
   explicit DeviceDispatcher(Parts parts) : parts_(std::move(parts)) {}
-  ~DeviceDispatcher() override;  ///< waits for a reset that is under way
+  ~DeviceDispatcher() override;  ///< waits for a reset that has begun
   DeviceDispatcher(const DeviceDispatcher&) = delete;
   DeviceDispatcher& operator=(const DeviceDispatcher&) = delete;
 

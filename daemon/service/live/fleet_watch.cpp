@@ -33,7 +33,7 @@ Answer<void> FleetWatch::begin() {
   return {};
 }
 
-// Then it waits for the end of that lease; whoever started this popcutd need do nothing.
+// Whether the lease that is in the way is one of this node's own. Then it only waits for its end.
 bool FleetWatch::has_own_life() const {
   try {
     return lease_.is_own_life();
@@ -42,13 +42,14 @@ bool FleetWatch::has_own_life() const {
   }
 }
 
-// The epoch is committed before anything is read: no start of the one before is still under way.
+// The new epoch is committed before anything is read, so that no START of the earlier epoch can
+// still be stored after that.
 void FleetWatch::begin_life() {
   has_begun_ = false;
   lease_.begin();
   log_generation();
   parts_.store.begin_delivery();
-  // A START that had no answer before another database took over.
+  // A START whose answer was lost before another database took over.
   for (const AttemptRow& open : parts_.jobs.attempts().open())
     if (!parts_.cuts.has(open.id)) (void)parts_.cuts.revoke_start(open);
   if (const Answer<void> recovered =
@@ -70,7 +71,7 @@ void FleetWatch::begin_life() {
   parts_.devices.load_others();
 }
 
-// A timeline, and when a node last saw that the database is an earlier one.
+// A generation is a timeline, a dot, and when a node last saw that the database went back.
 void FleetWatch::log_generation() const {
   const std::string &before = lease_.generation_before(), &now = lease_.generation();
   if (before.empty() || before == now) return;
@@ -93,13 +94,13 @@ void FleetWatch::note(const StoreFault& fault) {
 }
 
 void FleetWatch::tick() {
-  if (has_left_) return;  // what was ended in order must not begin again before the process ends
+  if (has_left_) return;  // a node that gave up its lease must not begin again
   try {
     lease_.saw(parts_.store.last_delivered());
     if (!has_begun_) return begin_life();
     const std::int64_t now = parts_.store.monotonic();
     const auto between_ms = static_cast<std::int64_t>(parts_.options.fleet.beat_s * 1000);
-    // After a doubt first of all: the database may be another one now.
+    // After a lost answer at once, since the database may be another one now.
     if (in_doubt_ || now - beat_ms_ >= between_ms) {
       beat_ms_ = now;
       beat();
@@ -107,7 +108,7 @@ void FleetWatch::tick() {
     if (has_begun_) parts_.store.deliver_new_events();
     lease_.saw(parts_.store.last_delivered());
   } catch (const StoreFault& fault) {
-    // Another popcutd has begun in this one's name, or the database is away.
+    // Another popcutd has begun with this name, or the database does not answer.
     if (fault.kind() == FaultKind::Refused) has_begun_ = false;
     note(fault);
   }
@@ -128,8 +129,8 @@ void FleetWatch::beat() {
   close_lost_nodes();
 }
 
-// What the database calls open and nobody cuts here: a START whose answer was lost is taken back,
-// since the knife moves only after the answer. Of anything else the journals know more.
+// Looks for attempts that are open in the database, but not cut here. A START whose answer was lost
+// is revoked, since the knife moves only after the answer. Of any other the journals know more.
 void FleetWatch::settle() {
   in_doubt_ = false;
   for (const AttemptRow& open : parts_.jobs.attempts().open())

@@ -11,8 +11,9 @@
 
 namespace popcut::daemon {
 
-/// This popcutd as a node of a fleet: it begins when the database is there, beats, compares its
-/// journals, closes what lost nodes leave, and hears what others do. On the service's thread.
+/// This popcutd as a node of a fleet. When the database answers, the node begins, renews its lease,
+/// compares its journals with the database, closes the work of lost nodes, and publishes the events
+/// of others. On the service's thread.
 class FleetWatch {
  public:
   struct Parts {
@@ -28,20 +29,20 @@ class FleetWatch {
   FleetWatch(const FleetWatch&) = delete;
   FleetWatch& operator=(const FleetWatch&) = delete;
 
-  /// Begins. A database that is away is no failure: it begins when it is there.
+  /// Begins. If the database does not answer, that is no failure: `tick` begins later.
   ///
   /// @retval StateConflict  another popcutd has this node's name
   [[nodiscard]] Answer<void> begin();
-  /// Begins if it has not, beats, and hears what others did. About once a second.
+  /// Begins if it has not, renews the lease, and publishes events of others. About once a second.
   void tick();
-  /// The node ends in order.
+  /// Gives up the lease.
   void end();
-  /// Whether it may arm and start; if not, why.
+  /// Refuses while this node may not arm and start.
   [[nodiscard]] Answer<void> may_cut() const;
   [[nodiscard]] const NodeLease& lease() const { return lease_; }
-  /// OpenMetrics lines of this node and of all that it knows.
+  /// OpenMetrics lines about this node and the other ones.
   [[nodiscard]] std::string metrics();
-  /// Called once, when the database was there for the first time.
+  /// Called once, when the database answered for the first time.
   std::function<void()> on_begun{};
 
  private:

@@ -28,7 +28,7 @@ constexpr int kCheckpointPages = 500;
 constexpr std::size_t kEndedJournals = 50;
 constexpr int kPrunedAtOnce = 500;
 constexpr int kMostEvents = 1000;
-constexpr std::int64_t kAfter_ms = 24 * 3'600'000;  // an event later than that has a wrong clock
+constexpr std::int64_t kAfter_ms = 24 * 3'600'000;  // an event from after that had a wrong clock
 constexpr std::int64_t kUsageAtOnce = 10'000;
 constexpr int kPagesAtOnce = 500;
 
@@ -40,7 +40,7 @@ ServiceOptions completed(ServiceOptions options) {
     options.monotonic_ms = [] {
       return duration_cast<milliseconds>(steady_clock::now().time_since_epoch()).count();
     };
-  // Never the same for two runs: a service manager's own id is not kept over a fork in tests.
+  // Two runs never have the same: the id of a service manager is the same after a fork in tests.
   if (options.invocation.empty()) {
     const char* const given = std::getenv("INVOCATION_ID");
     options.invocation =
@@ -53,7 +53,7 @@ ServiceOptions completed(ServiceOptions options) {
   return options;
 }
 
-/// The parts, in the order in which they need each other.
+/// The parts. Each needs only parts above it.
 struct Parts {
   Parts(Store& disk, ServiceThread& service_thread, Planner& planner, Cutters& all_cutters,
         ServiceOptions given)
@@ -80,7 +80,7 @@ struct Parts {
         device_dispatcher({store, post, cutters, registry, jobs, cuts, dispatcher}) {
     if (store.in_fleet()) {
       fleet.emplace(FleetWatch::Parts{store, jobs, registry, intents, cuts, dispatcher, options});
-      // So that a journal says from which machine and folder it is.
+      // So a journal shows from which machine and folder it is.
       options.invocation = store.node().mark() + options.invocation.substr(0, 16);
     }
     if (store.in_fleet() && options.fleet.has_database_clock) {
@@ -138,7 +138,7 @@ struct Parts {
   std::optional<FleetWatch> fleet;
 };
 
-/// A base, so that the parts are there before what refers to them.
+/// A base class, so that the parts are made before the service that refers to them.
 struct PartsHolder {
   Parts parts_;
 };
@@ -173,7 +173,7 @@ class AssembledService final : private PartsHolder, public Operations, public Li
     const std::string own = turns_text(parts_.thread) + parts_.cutters.metrics();
     if (!parts_.fleet)
       return metrics_text(parts_.store, parts_.jobs.table(), parts_.registry.list()) + own;
-    // Those of the node are there, also when the database is not.
+    // The metrics of the node do not need the database.
     try {
       return metrics_text(parts_.store, parts_.jobs.table(), parts_.registry.list()) + own +
              parts_.fleet->metrics();
@@ -191,7 +191,7 @@ class AssembledService final : private PartsHolder, public Operations, public Li
     parts_.plans.stop();
     parts_.searches.stop();
   }
-  void on_fleet_notice(const std::string& news) override;
+  void on_fleet_notice(const std::string& notice) override;
   void leave_fleet() override {
     if (parts_.fleet) parts_.fleet->end();
   }
@@ -220,7 +220,8 @@ class AssembledService final : private PartsHolder, public Operations, public Li
   void copy(const std::string& path, std::function<Answer<std::string>()> finish,
             std::function<void(Answer<std::string>)> done);
   bool copying_{false};
-  bool others_changed_{false}, others_queued_{false};  ///< in the news that is heard now
+  // Since `after_remote_events`: other nodes changed devices, or queued jobs.
+  bool others_changed_{false}, others_queued_{false};
 };
 
 Answer<void> AssembledService::begin() {
@@ -240,7 +241,7 @@ Answer<void> AssembledService::begin() {
   return {};
 }
 
-// Without the database it begins, too: to show the cutters, and to finish what they cut.
+// Begins also without the database, to show the cutters and to finish what they cut.
 Answer<void> AssembledService::begin_in_fleet() {
   parts_.fleet->on_begun = [this] {
     parts_.tokens.users_changed();
@@ -256,7 +257,8 @@ Answer<void> AssembledService::begin_in_fleet() {
   return parts_.fleet->begin();
 }
 
-// Large assets that this node took and did not get into the database before it ended.
+// Shares the large assets that this node accepted, but did not store in the database before it
+// ended.
 void AssembledService::share_again() {
   SharedFiles* const files = &parts_.store.files();
   for (const std::string& id : all_of(
@@ -269,7 +271,7 @@ void AssembledService::share_again() {
     });
 }
 
-// What another node did may concern what this one is doing.
+// What another node did may concern a cut or a plan of this one.
 void AssembledService::on_remote_event(const Event& event) {
   if (event.kind == "device") others_changed_ = true;
   if (event.kind == "job") {
@@ -293,10 +295,10 @@ void AssembledService::after_remote_events() {
   if (std::exchange(others_queued_, false)) parts_.plans.pump();
 }
 
-void AssembledService::on_fleet_notice(const std::string& news) {
+void AssembledService::on_fleet_notice(const std::string& notice) {
   name_turn("news of the fleet");
   if (!parts_.fleet) return;
-  if (news == kAccessChanged) return parts_.tokens.changed_elsewhere();
+  if (notice == kAccessChanged) return parts_.tokens.changed_elsewhere();
   try {
     parts_.store.deliver_new_events();
   } catch (const StoreFault& fault) {
@@ -310,7 +312,7 @@ Answer<void> AssembledService::begin_alone() {
   try {
     parts_.raw.mark_in_use();
   } catch (const StoreFault&) {
-    // On a full disk popcutd starts too: to show what there is, and to let people make room.
+    // popcutd starts also on a full disk, so that people can see it and free space.
     if (!parts_.raw.folder().free_reserve()) throw;
     parts_.store.note_full();
     parts_.raw.mark_in_use();
@@ -324,12 +326,12 @@ Answer<void> AssembledService::begin_alone() {
 Answer<Rendered> AssembledService::once(const Principal& who, const IdempotentRequest& request,
                                         const std::function<Rendered()>& effect) {
   if (request.key.empty()) return effect();
-  // What is not kept is undone, so it is carried out of the transaction by hand.
+  // A response that is not kept rolls the transaction back, and is returned from here.
   std::optional<Rendered> unkept;
   Answer<Rendered> answer = parts_.store.change([&]() -> Answer<Rendered> {
     unkept.reset();
     Database& db = parts_.store.db();
-    // In a fleet the same may come to two nodes at once.
+    // In a fleet two nodes may get the same request at once.
     db.hold(fmt::format("idem {} {}", who.name, request.key));
     Rows kept = db.rows(
         "SELECT request, status, body, etag, location, expires FROM idem WHERE principal=? AND "
@@ -418,8 +420,8 @@ void AssembledService::usage(std::optional<TimeMs> from, std::optional<TimeMs> t
       });
 }
 
-// Calls `step` in this turn and in as many more as it takes until it gives true or a problem, then
-// `done`. Others have their turns between.
+// Calls `step` in this turn and in further turns until it returns true or a problem, then `done`.
+// Other work has its turns in between.
 void AssembledService::in_slices(const char* name, const std::function<Answer<bool>()>& step,
                                  const std::function<void(const Answer<bool>&)>& done) {
   name_turn(name);
@@ -435,7 +437,7 @@ Answer<void> AssembledService::may_copy(const Principal& who) const {
     return refuse(ProblemKind::StateConflict,
                   "the database is a PostgreSQL that all nodes share; back it up with PostgreSQL's "
                   "own tools: docs/fleet.md says how");
-  // The copy takes from the disk what a cut's journal needs.
+  // The copy takes disk space that the journal of a cut may need.
   if (parts_.cuts.any())
     return refuse(ProblemKind::StateConflict,
                   "a sheet is being cut; try again when it is finished");
@@ -444,7 +446,8 @@ Answer<void> AssembledService::may_copy(const Principal& who) const {
   return {};
 }
 
-// Copies the database to `path` in slices; then `finish` runs aside, and what it gives is told.
+// Copies the database to `path` in slices, then runs `finish` on another thread; `done` gets its
+// result.
 void AssembledService::copy(const std::string& path, std::function<Answer<std::string>()> finish,
                             std::function<void(Answer<std::string>)> done) {
   auto copy = std::make_shared<std::unique_ptr<SlicedCopy>>();
@@ -458,7 +461,7 @@ void AssembledService::copy(const std::string& path, std::function<Answer<std::s
   in_slices(
       "pages of a copy",
       [this, copy] {
-        // A fault of the copy's own disk is none of the database.
+        // A fault of the disk of the copy is not a fault of the database.
         try {
           return Answer<bool>((*copy)->step(kPagesAtOnce));
         } catch (const StoreFault& fault) {
@@ -525,7 +528,7 @@ void AssembledService::check_integrity(const Principal& who,
       fresh, [fresh]() -> Answer<std::string> { return verdict_on_copy(fresh); }, std::move(done));
 }
 
-// A few at a time, so that nobody waits for it.
+// Deletes a few old rows at a time, so that nobody waits long.
 void AssembledService::prune() {
   (void)parts_.store.change([&]() -> Answer<void> {
     const TimeMs now = parts_.calendar.now();
@@ -534,8 +537,9 @@ void AssembledService::prune() {
         "DELETE FROM idem WHERE (principal, key) IN (SELECT principal, key FROM idem WHERE "
         "expires<=? LIMIT ?)",
         now, kPrunedAtOnce);
-    // All before the first that is recent, so that there is never a gap: one whose clock was wrong
-    // goes with its neighbours. The last one stays, for the numbers to go on from it.
+    // Delete all events before the first recent one, so that there is never a gap: an event whose
+    // clock was wrong goes with its neighbours. The last event stays, since numbers continue from
+    // it.
     db.run(
         "WITH first AS (SELECT seq, time FROM event ORDER BY seq LIMIT ?) "
         "DELETE FROM event WHERE seq IN (SELECT seq FROM first) AND "
@@ -587,7 +591,7 @@ Result<std::unique_ptr<LiveService>> make_service(Store& store, ServiceThread& t
                                                   ServiceOptions options) {
   Result<std::unique_ptr<LiveService>> made =
       fail(ErrorKind::Internal, "", "the service's thread has ended");
-  // A database that passed its checks may still hold what makes no sense.
+  // A database that passed its checks may still hold invalid values.
   const auto give_up = [&](bool damaged, const std::string& why) {
     store.give_up();
     made = damaged ? fail(ErrorKind::Malformed, "", store.set_aside_as("is damaged: " + why))
@@ -599,7 +603,7 @@ Result<std::unique_ptr<LiveService>> make_service(Store& store, ServiceThread& t
           std::make_unique<AssembledService>(store, thread, planner, cutters, std::move(options));
       if (const Answer<void> begun = service->begin(); begun)
         made = std::move(service);
-      else if (store.file() == nullptr)  // nothing is wrong with what is on this disk
+      else if (store.file() == nullptr)  // nothing is wrong with the files on this disk
         made = fail(begun.error().kind == ProblemKind::StateConflict ? ErrorKind::Malformed
                                                                      : ErrorKind::Refused,
                     "fleet", begun.error().detail);

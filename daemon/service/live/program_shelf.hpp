@@ -15,8 +15,8 @@
 
 namespace popcut::daemon {
 
-/// The programs of sheets that will soon be cut. A large one is read, and its digest taken, on
-/// another thread while a person goes from arming to START; a small one is read at once.
+/// The programs of sheets that will soon be cut. A large one is read and hashed on another thread,
+/// between arming and START. A small one is read at once.
 class ProgramShelf {
  public:
   using Read = std::function<Result<StoredProgram>(const std::string& folder, int sheet)>;
@@ -29,10 +29,9 @@ class ProgramShelf {
   ProgramShelf(const ProgramShelf&) = delete;
   ProgramShelf& operator=(const ProgramShelf&) = delete;
 
-  /// Begins to read it if it is large. `job` has one program on the shelf.
+  /// Begins to read the program if it is large. It replaces the earlier one of `job`.
   void want(const std::string& job, const std::string& folder, int sheet);
-  /// The program, which stays on the shelf until `forget`; nothing: it is still being read, ask
-  /// again.
+  /// The program, which is kept until `forget`; nothing while it is still being read.
   [[nodiscard]] std::optional<Result<Program>> find(const std::string& job,
                                                     const std::string& folder, int sheet);
   void forget(const std::string& job) { shelf_.erase(job); }

@@ -16,7 +16,7 @@ namespace {
 constexpr std::string_view kColumns = "id, name, kind, owner, bytes, created, assets, media_type";
 constexpr std::uint64_t kSpecBytes = 1u << 20;  // longer ones name their material in the request
 constexpr std::uint64_t kNewSpecBytes = 64u << 10;  // of one that is being uploaded
-constexpr std::size_t kMostKept = 1000;  // materials of designs, in memory
+constexpr std::size_t kMostKept = 1000;             // materials of designs, in memory
 constexpr std::string_view kPreview = "preview.svg";
 
 Design design_of(const Rows& rows) {
@@ -39,7 +39,7 @@ const std::string* file_of(const PlanningOutcome& outcome, std::string_view name
   return nullptr;
 }
 
-// The names of assets, whole, that stand anywhere in a file.
+// The complete names of assets that are anywhere in a file.
 std::set<std::string> digests_in(const std::string& path, std::uint64_t limit) {
   constexpr std::string_view kBegin = "sha256-";
   constexpr std::size_t kDigits = 64;
@@ -56,8 +56,9 @@ std::set<std::string> digests_in(const std::string& path, std::uint64_t limit) {
   return all;
 }
 
-// On a thread of the planner's: it is large, and is synced. It can be drawn again at any time, so
-// it may be lost, and it is that of the design's bytes, so it may be there without the design.
+// Runs on a thread of the planner, because a preview is large and is synced. A preview may be lost,
+// because it can be drawn again. It may also exist without its design, because it follows from the
+// bytes of the design.
 void keep_preview(Result<PlanningOutcome>& outcome, const std::string& place) {
   if (!outcome) return;
   if (const std::string* const preview = file_of(*outcome, kPreview))
@@ -66,55 +67,22 @@ void keep_preview(Result<PlanningOutcome>& outcome, const std::string& place) {
   outcome->files.shrink_to_fit();
 }
 
-/// Finds the text at "/material" of a spec without building it: a hostile one may hold a million
-/// values. nlohmann's interface decides its names.
-class MaterialFinder : public nlohmann::json_sax<nlohmann::json> {
- public:
-  [[nodiscard]] const std::string& material() const { return material_; }
-  bool null() override { return other(); }
-  bool boolean(bool) override { return other(); }
-  bool number_integer(number_integer_t) override { return other(); }
-  bool number_unsigned(number_unsigned_t) override { return other(); }
-  bool number_float(number_float_t, const string_t&) override { return other(); }
-  bool binary(binary_t&) override { return other(); }
-  bool string(string_t& text) override {
-    if (is_next_) material_ = text;
-    return !is_next_;  // nothing more is wanted
-  }
-  bool start_object(std::size_t) override {
-    ++depth_;
-    return other();
-  }
-  bool key(string_t& name) override {
-    is_next_ = depth_ == 1 && name == "material";
-    return true;
-  }
-  bool end_object() override {
-    --depth_;
-    return true;
-  }
-  bool start_array(std::size_t) override { return depth_ > 0 && other(); }
-  bool end_array() override { return true; }
-  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
-    return false;
-  }
-
- private:
-  bool other() {
-    is_next_ = false;
-    return true;
-  }
-  std::string material_;
-  int depth_{0};
-  bool is_next_{false};
-};
-
+// The text at "/material" of a spec. The spec is not kept while it is read, because a hostile one
+// may hold a million values.
 std::string material_in(const std::string& path, std::uint64_t most) {
-  const auto text = read_whole(path, most);
-  if (!text) return {};
-  MaterialFinder finder;
-  (void)nlohmann::json::sax_parse(*text, &finder);
-  return finder.material();
+  using Json = nlohmann::json;
+  std::optional<std::string> found;
+  bool is_next = false;
+  const auto take = [&](int depth, Json::parse_event_t event, const Json& value) {
+    const bool is_material = std::exchange(is_next, false);
+    if (event == Json::parse_event_t::key)
+      is_next = depth == 1 && value == "material";
+    else if (event == Json::parse_event_t::value && is_material && !found && value.is_string())
+      found = value.get<std::string>();
+    return event == Json::parse_event_t::object_start && depth == 0;
+  };
+  if (const auto text = read_whole(path, most)) (void)Json::parse(*text, take, false);
+  return found.value_or("");
 }
 
 }  // namespace
@@ -159,7 +127,7 @@ void DesignRepository::add(const Principal& who, Upload upload, std::string medi
     remove_tree(upload.path);
     return done(**before);
   }
-  // What it refers to may have been uploaded at another node.
+  // Its assets may have been uploaded at another node.
   if (store_.in_fleet() && upload.bytes <= kNewSpecBytes)
     for (const std::string& asset : digests_in(upload.path, kNewSpecBytes))
       if (const auto here = store_.bring("assets/" + asset); !here) return give_up(here.error());
@@ -175,7 +143,7 @@ void DesignRepository::add(const Principal& who, Upload upload, std::string medi
       std::move(task), [this, post = post_, files = &store_.files(), who, upload, media_type, name,
                         preview, done = std::move(done)](Result<PlanningOutcome> outcome) {
         keep_preview(outcome, preview);
-        // Before there is a row of it: whoever sees the design can have it.
+        // Before the design has a row, so that every node that sees the design can fetch it.
         if (outcome)
           if (const Result<void> kept = files->keep("designs/sha256-" + upload.sha256, upload.path);
               !kept)
@@ -205,7 +173,7 @@ Answer<Design> DesignRepository::store(const Principal& who, const Upload& uploa
                                        const PlanningOutcome& outcome) {
   const std::string id = "sha256-" + upload.sha256;
   return store_.change([&]() -> Answer<Design> {
-    // Another upload of the same bytes may have been quicker.
+    // Another upload of the same bytes may have been faster.
     if (const auto before = row(id)) return *before;
     if (const auto there = check_assets(outcome.assets); !there)
       return tl::unexpected(there.error());
@@ -344,7 +312,7 @@ PlanningTask DesignRepository::task_for(const Design& design, PlanningTask::Kind
   task.design_kind = design.kind;
   (void)row(design.id, &task.media_type);
   if (design.kind == "spec") task.material_json = row_of_material(own_material(design));
-  // One that is not there yet is reported by the planner, with its place in the spec.
+  // The planner reports a missing asset, with its place in the spec.
   for (const std::string& asset : design.assets)
     if (std::string place = store_.folder().at("assets/" + asset); exists(place))
       task.asset_paths[asset] = std::move(place);

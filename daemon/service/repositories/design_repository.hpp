@@ -17,10 +17,10 @@
 
 namespace popcut::daemon {
 
-/// Designs and what they refer to: files named by the digest of their bytes, and a row for each.
+/// Designs and assets: files named by the digest of their bytes, and a row for each.
 class DesignRepository : public Designs {
  public:
-  /// @param previewer  may be null: then nothing is shown
+  /// @param previewer  may be null; then there are no previews
   DesignRepository(ServiceStore& store, Poster post, Planner& planner,
                    std::shared_ptr<Previewer> previewer, Aside& aside)
       : store_(store),
@@ -38,9 +38,10 @@ class DesignRepository : public Designs {
   Page<Design> list(const PageRequest& request) override;
   Answer<Design> find(const std::string& id) override;
   Answer<std::string> content(const std::string& id) override;
-  /// As `find`, with its file and its assets in the state folder: of another node they are fetched.
+  /// As `find`; also fetches its file and its assets into the state folder if another node has
+  /// them.
   ///
-  /// @retval Unavailable  they are on their way
+  /// @retval Unavailable  they are still being fetched
   [[nodiscard]] Answer<Design> here(const std::string& id);
   Answer<void> remove(const Principal& who, const std::string& id) override;
   void preview(const std::string& id, std::function<void(Answer<std::string>)> done) override;
@@ -53,22 +54,23 @@ class DesignRepository : public Designs {
   CallOff file(const Principal& who, const std::string& id, const std::string& name, int part,
                Shown done) override;
 
-  /// Has the previewer make the file `name`, and tells `done` what is in it.
+  /// Has the previewer make the file `name`, and calls `done` with its content.
   CallOff show(PreviewTask task, std::string name, Shown done);
-  /// Where an asset is stored; of another node it is fetched.
+  /// The path of an asset, which is fetched if another node has it.
   ///
-  /// @retval NotFound     there is none
-  /// @retval Unavailable  it is on its way
+  /// @retval NotFound     there is no such asset
+  /// @retval Unavailable  it is still being fetched
   [[nodiscard]] Answer<std::string> asset_place(const std::string& id);
   /// The planner's task for a stored design: its bytes, kind and assets.
   [[nodiscard]] PlanningTask task_for(const Design& design, PlanningTask::Kind kind);
-  /// The material that a spec names; empty: none.
+  /// The material that a spec names; empty if it names none.
   [[nodiscard]] std::string own_material(const Design& design);
-  /// The row of a material as JSON, of the usual one for an empty name; empty: there is none.
+  /// The row of a material as JSON, for an empty name that of the usual one; empty if there is no
+  /// such material.
   std::function<std::string(const std::string& name)> material_row{};
-  /// Called when a design is removed, in the same transaction.
+  /// Called in the transaction that removes a design.
   std::function<void(const std::string& design)> removed{};
-  /// The same of an asset.
+  /// Called in the transaction that removes an asset.
   std::function<void(const std::string& asset)> asset_removed{};
 
  private:
@@ -78,9 +80,9 @@ class DesignRepository : public Designs {
                                      const std::string& media_type, const std::string& name,
                                      const PlanningOutcome& outcome);
   [[nodiscard]] std::optional<Design> row(const std::string& id, std::string* media_type = nullptr);
-  /// Some of the designs that refer to an asset.
+  /// The first designs that refer to an asset.
   [[nodiscard]] std::vector<std::string> designs_with(const std::string& asset);
-  /// None of them was removed while a design was looked at.
+  /// Refuses if an asset was removed while the design was checked.
   [[nodiscard]] Answer<void> check_assets(const std::vector<std::string>& assets);
   /// The task of a spec that is not stored.
   [[nodiscard]] PreviewTask task_for(const Principal& who, const PreviewRequest& request,
@@ -91,17 +93,17 @@ class DesignRepository : public Designs {
   Planner& planner_;
   std::shared_ptr<Previewer> previewer_;
   Aside& aside_;
-  /// Where a picture of a design is kept.
+  /// The path of a picture of a design.
   [[nodiscard]] std::string picture_place(const std::string& id, const std::string& name) const;
   void pictures_made(const std::string& id, const Answer<PlanningOutcome>& outcome);
-  /// Reads what is kept, beside the service's thread.
+  /// Reads a stored file on another thread.
   void read_aside(const std::string& place, Shown done);
   struct PictureWanted {
     std::string name;
     Shown done;
   };
-  std::map<std::string, std::vector<PictureWanted>> drawing_{};  ///< who waits, by the design's id
-  std::map<std::string, std::string> materials_{};               ///< what `own_material` has read
+  std::map<std::string, std::vector<PictureWanted>> drawing_{};  ///< requests that wait, by design
+  std::map<std::string, std::string> materials_{};  ///< results of `own_material`, by design
 };
 
 /// Checks text from people: no control characters, at most `most` bytes.

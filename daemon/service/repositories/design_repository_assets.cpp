@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Assets that are there already: the list of them, and removing one.
+// Part of daemon/service/repositories/design_repository.hpp: the list of assets, and their removal.
 #include <fmt/format.h>
 
 #include "daemon/service/repositories/design_repository.hpp"

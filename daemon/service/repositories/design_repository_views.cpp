@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What somebody looks at: made by the previewer, and not stored.
+// Part of daemon/service/repositories/design_repository.hpp: views, which the previewer makes.
 #include <filesystem>
 #include <utility>
 
@@ -129,7 +129,7 @@ void DesignRepository::picture(const Principal& who, const std::string& id, cons
   PreviewTask task{task_for(*design, PlanningTask::Kind::Picture), who.name};
   previewer_->start(std::move(task), [this, id, post = post_,
                                       folder = &store_.folder()](Answer<PlanningOutcome> outcome) {
-    // A design that gives no picture is not tried again and again.
+    // A design without a picture must not be tried again and again.
     if (!outcome && outcome.error().kind == ProblemKind::Validation) {
       outcome = PlanningOutcome{};
       for (const char* const one : {"deployed.svg", "pattern.svg"})
@@ -154,7 +154,7 @@ void DesignRepository::pictures_made(const std::string& id,
     else
       one.done(tl::unexpected(outcome.error()));
   }
-  // It was removed meanwhile: its pictures go too.
+  // If the design was removed meanwhile, remove its pictures, too.
   if (!find(id))
     for (const char* const name : {"deployed.svg", "pattern.svg"})
       aside_.remove(picture_place(id, name));

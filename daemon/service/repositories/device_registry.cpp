@@ -29,14 +29,13 @@ void DeviceRegistry::load() {
                           record.width_mm, record.length_mm, record.enabled, record.sheets_done,
                           record.cut_mm, record.node, record.site));
     record.state = "absent";
-    // The others and the database go by what is stored.
+    // Other nodes read the site from the database.
     if (record.site != options_.fleet.site) unstored_ = true, ++record.rev;
-    entries_[record.id] = {.record = record, .machine = {}, .sessions = 0, .kept = true};
+    entries_[record.id] = {.record = record, .machine = {}, .sessions = 0};
   }
 }
 
 void DeviceRegistry::load_others() {
-  if (!store_.in_fleet()) return;
   std::set<std::string> seen;
   Rows rows = store_.db().rows(
       "SELECT device.id, rev, model, title, simulated, width_mm, length_mm, enabled, sheets_done, "
@@ -62,30 +61,25 @@ void DeviceRegistry::load_others() {
       record.reasons = {fmt::format("node {} does not answer", record.node)};
     }
     Entry& entry = entries_[record.id];
-    // One of the same id is plugged in here. What is not was carried to the other node.
+    // A device of the same id is plugged in here. If not, it was carried to the other node.
     const bool is_here =
-        !entry.record.id.empty() && !is_remote(entry) && entry.record.state != "absent";
+        !entry.record.id.empty() && !entry.is_remote && entry.record.state != "absent";
     if (is_here) {
-      // A node that is gone has it no more.
+      // A node that does not answer no longer has it.
       const std::string taken_by = is_away(record.state) ? std::string() : record.node;
       if (taken_by.empty() && !entry.taken_by.empty()) unstored_ = true;
       entry.taken_by = taken_by;
       continue;
     }
-    entry = {.record = std::move(record),
-             .machine = machine,
-             .sessions = 0,
-             .kept = true,
-             .remote = true};
+    entry = {.record = std::move(record), .machine = machine, .sessions = 0, .is_remote = true};
   }
-  std::erase_if(entries_, [&](const auto& one) {
-    return is_remote(one.second) && !seen.contains(one.first);
-  });
+  std::erase_if(entries_,
+                [&](const auto& one) { return one.second.is_remote && !seen.contains(one.first); });
 }
 
 bool DeviceRegistry::is_elsewhere(const std::string& id) const {
   const auto found = entries_.find(id);
-  return found != entries_.end() && is_remote(found->second);
+  return found != entries_.end() && found->second.is_remote;
 }
 
 Problem DeviceRegistry::elsewhere(const std::string& id) const {
@@ -96,7 +90,7 @@ Problem DeviceRegistry::elsewhere(const std::string& id) const {
 }
 
 const std::string& DeviceRegistry::site_of(const Entry& entry) const {
-  return is_remote(entry) ? entry.record.site : options_.fleet.site;
+  return entry.is_remote ? entry.record.site : options_.fleet.site;
 }
 
 bool DeviceRegistry::has_site(const std::string& site) const {
@@ -113,20 +107,20 @@ std::string DeviceRegistry::wrong_site(const std::string& id, const std::string&
 }
 
 const std::vector<std::string>* DeviceRegistry::materials_of(const std::string& id) const {
-  if (const auto found = entries_.find(id); found != entries_.end() && is_remote(found->second))
+  if (const auto found = entries_.find(id); found != entries_.end() && found->second.is_remote)
     return found->second.record.materials.empty() ? nullptr : &found->second.record.materials;
   const auto set_up = options_.device_materials.find(id);
   return set_up == options_.device_materials.end() ? nullptr : &set_up->second;
 }
 
-// What the bus knows goes over what the store knows. True if anything that is shown has changed.
+// Takes what the bus reports. True if anything has changed that people see.
 bool DeviceRegistry::take_in(Entry& entry, const DeviceRecord& fresh) {
   DeviceRecord& record = entry.record;
   const bool changed = record.state != fresh.state || record.reasons != fresh.reasons ||
                        record.firmware != fresh.firmware || record.model != fresh.model ||
                        record.title != fresh.title || record.width_mm != fresh.width_mm ||
                        record.length_mm != fresh.length_mm;
-  // It may have been away for less time than it takes to look.
+  // It may have been away between two calls.
   if ((is_away(record.state) && !is_away(fresh.state)) || record.plugs != fresh.plugs)
     ++entry.sessions;
   record.plugs = fresh.plugs;
@@ -151,8 +145,8 @@ std::vector<std::string> DeviceRegistry::refresh() {
     listed.insert(fresh.id);
     const bool is_new = !entries_.contains(fresh.id);
     Entry& entry = entries_[fresh.id];
-    if (!is_new && is_remote(entry)) {
-      // It was plugged in here, and a node that is gone had it before; or two have the same.
+    if (!is_new && entry.is_remote) {
+      // It was moved here from a node that does not answer; or two cutters have the same id.
       const std::string before = entry.record.node;
       const bool is_free = is_away(entry.record.state);
       entry = {};
@@ -172,7 +166,7 @@ std::vector<std::string> DeviceRegistry::refresh() {
     if (was_there && is_away(entry.record.state)) gone.push_back(fresh.id);
   }
   for (auto& [id, entry] : entries_) {
-    if (listed.contains(id) || entry.record.state == "absent" || is_remote(entry)) continue;
+    if (listed.contains(id) || entry.record.state == "absent" || entry.is_remote) continue;
     entry.record.state = "absent";
     entry.record.reasons.clear();
     changed.push_back(&entry);
@@ -182,9 +176,9 @@ std::vector<std::string> DeviceRegistry::refresh() {
   for (Entry* entry : changed) ++entry->record.rev;
   if (unstored_)
     for (auto& [id, entry] : entries_)
-      if (!is_remote(entry) && std::find(changed.begin(), changed.end(), &entry) == changed.end())
+      if (!entry.is_remote && std::find(changed.begin(), changed.end(), &entry) == changed.end())
         changed.push_back(&entry);
-  // If it cannot be stored it is known all the same, and stored later.
+  // What cannot be stored now is stored later.
   const Answer<void> stored = store_.change([&]() -> Answer<void> {
     for (Entry* entry : changed) {
       keep(*entry);
@@ -214,7 +208,7 @@ void DeviceRegistry::keep(const Entry& entry) {
 DeviceRecord DeviceRegistry::shown(const Entry& entry) const {
   DeviceRecord record = entry.record;
   record.machine = entry.machine;
-  if (!is_remote(entry)) record.node = store_.node().name;
+  if (!entry.is_remote) record.node = store_.node().name;
   record.site = site_of(entry);
   if (const auto* const materials = materials_of(record.id)) record.materials = *materials;
   if (!entry.taken_by.empty()) {
@@ -321,7 +315,7 @@ Answer<void> DeviceRegistry::usable(const std::string& id) const {
   const auto found = entries_.find(id);
   if (found == entries_.end()) return tl::unexpected(unknown(id, "/device"));
   const DeviceRecord& record = found->second.record;
-  if (is_remote(found->second)) return tl::unexpected(elsewhere(id));
+  if (found->second.is_remote) return tl::unexpected(elsewhere(id));
   if (!found->second.taken_by.empty())
     return refuse(ProblemKind::StateConflict,
                   fmt::format("node {} has a cutter of the id {}, too; unplug one of them, or give "

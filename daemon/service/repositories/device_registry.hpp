@@ -13,59 +13,59 @@
 namespace popcut::daemon {
 
 /// The cutters that are connected, and those that were: what the bus reports, joined with what the
-/// store keeps of each. In a fleet also those of the other nodes, as these last told.
+/// store keeps of each. In a fleet also those of other nodes, as these last reported.
 class DeviceRegistry {
  public:
   DeviceRegistry(ServiceStore& store, Cutters& cutters, const ServiceOptions& options)
       : store_(store), cutters_(cutters), options_(options) {}
 
-  /// Reads what is kept of one's own. Once.
+  /// Reads what the store keeps of the devices of this node. Once.
   void load();
-  /// Reads those of the other nodes.
+  /// In a fleet: reads the devices of the other nodes.
   void load_others();
-  /// Whether another node has it.
+  /// Whether the device is at another node.
   [[nodiscard]] bool is_elsewhere(const std::string& id) const;
-  /// Why it can only be used at its node, with the way there.
+  /// Refuses what is possible only at the node of a device; names this node.
   [[nodiscard]] Problem elsewhere(const std::string& id) const;
-  /// Reads the cutters again; gives the ids of those that went away.
+  /// Reads the cutters again; returns the ids of those that went away.
   std::vector<std::string> refresh();
 
   [[nodiscard]] std::vector<DeviceRecord> list() const;
   [[nodiscard]] std::optional<DeviceRecord> find(const std::string& id) const;
-  /// "no device sim:x; did you mean sim:cameo3?"
+  /// "there is no device sim:x; did you mean sim:cameo3?"
   [[nodiscard]] Problem unknown(const std::string& id, const std::string& pointer) const;
-  /// Name of the machine's row in the table; empty if it is not there.
+  /// The name of its machine in the table; empty if the table does not have it.
   [[nodiscard]] std::string machine_of(const std::string& id) const;
-  /// For which machine to plan when nobody names a device.
+  /// The machine to plan for if a request names no device.
   struct MachineChoice {
     std::string device{}, machine{};    ///< empty: no device is known
     bool is_set_up{true};               ///< false: all devices are set up for other materials
-    std::vector<std::string> others{};  ///< devices of other models that would do as well
+    std::vector<std::string> others{};  ///< equally suitable devices of other models
   };
-  /// A device that is set up for the material, else one that is set up for nothing special; among
-  /// them one that is connected, the first by its id. Those at `site` before all others.
+  /// Prefers, in this order: a device at `site`; one that is set up for the material, else one that
+  /// is set up for no special material; one that is connected; the first by id.
   [[nodiscard]] MachineChoice machine_for(const std::string& material,
                                           const std::string& site) const;
-  /// Whether any device stands there.
+  /// Whether any device is at this site.
   [[nodiscard]] bool has_site(const std::string& site) const;
-  /// Why a device does not stand where a job is to be cut: "is at site a; the job is for site b";
-  /// empty: it does, or the job may be cut anywhere.
+  /// Why a job of `site` cannot use a device: "is at site a; the job is for site b"; empty: it can,
+  /// or the job may be cut anywhere.
   [[nodiscard]] std::string wrong_site(const std::string& id, const std::string& site) const;
-  /// Changes whenever the device has been away: what was in it may have moved.
+  /// An id that changes whenever the device was away, because its sheet may have moved then.
   [[nodiscard]] std::string session_of(const std::string& id) const;
 
-  /// Whether a plan for this device would remedy why that one cannot be cut on it.
+  /// Whether a new plan for this device can be cut on it, unlike this one.
   [[nodiscard]] bool wants_own_plan(const std::string& id, const PlanRow& plan) const;
-  /// Why a plan cannot be cut on a device for a job of that site (empty: any); empty: it can.
+  /// Why a plan cannot be cut on a device, for a job of that site (empty: any site); empty: it can.
   [[nodiscard]] std::string misfit(const std::string& id, const PlanRow& plan,
                                    const std::string& site) const;
   /// Devices that are connected, enabled and suitable.
   [[nodiscard]] std::vector<std::string> fitting(const PlanRow& plan,
                                                  const std::string& site) const;
-  /// Whether a sheet may be loaded there; if not, the problem.
+  /// Refuses unless a sheet may be loaded into the device.
   [[nodiscard]] Answer<void> usable(const std::string& id) const;
-  /// What makes a device usable again, as far as popcutd can: empty if it is usable, or if a person
-  /// must plug it in.
+  /// Requests that make a device usable again; none if it is usable, or if a person must plug it
+  /// in.
   [[nodiscard]] std::vector<NextAction> remedies(const std::string& id) const;
 
   /// In a transaction.
@@ -77,11 +77,9 @@ class DeviceRegistry {
     DeviceRecord record;
     std::string machine;
     int sessions{0};
-    bool kept{false};        ///< there is a row of it
-    bool remote{false};      ///< of another node
-    std::string taken_by{};  ///< a node that has a cutter of the same id, and had it first
+    bool is_remote{false};   ///< it is at another node
+    std::string taken_by{};  ///< the node that had a cutter of the same id first
   };
-  [[nodiscard]] static bool is_remote(const Entry& entry) { return entry.remote; }
   [[nodiscard]] const std::string& site_of(const Entry& entry) const;
   [[nodiscard]] const std::vector<std::string>* materials_of(const std::string& id) const;
   [[nodiscard]] bool is_set_up_for(const std::string& id, const std::string& material) const;
@@ -92,7 +90,7 @@ class DeviceRegistry {
   Cutters& cutters_;
   const ServiceOptions& options_;
   std::map<std::string, Entry> entries_;
-  bool unstored_{false};  ///< what changed could not be stored yet
+  bool unstored_{false};  ///< a change could not be stored yet
 };
 
 }  // namespace popcut::daemon

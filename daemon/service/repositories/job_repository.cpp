@@ -14,7 +14,7 @@ constexpr int kAtOnce = 200;  // jobs of one plan that change in one transaction
 constexpr std::int64_t kPositionStep = std::int64_t{1} << 20;
 constexpr std::size_t kMostTags = 20;
 constexpr std::size_t kMostSiteBytes = 256;
-// In each job of a list; its plan has all of them.
+// Each job of a list shows only these warnings; the plan has all.
 constexpr std::size_t kWarningsOfJob = 10, kWarningOfJob = 300;  // how many, and their bytes
 
 bool same_owner(const Principal& who, const JobRow& row) { return who.name == row.owner; }
@@ -127,7 +127,7 @@ Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
     return refuse_value("/copies", "range",
                         fmt::format("{} copies make {} sheets; a job has at most {}",
                                     request.copies, sheets, parts_.options.sheets_per_job));
-  // A plan that waits to be made has its machine and material, and no area yet.
+  // A plan that is not made yet has a machine and a material, but no area.
   if (!request.device.empty())
     if (const std::string why = parts_.devices.misfit(request.device, plan, row.site); !why.empty())
       return refuse_value("/device", "value", why);
@@ -158,7 +158,7 @@ void JobRepository::apply_plan(JobRow& row, const PlanRow& plan) {
   row.low_s = plan.low_s * row.copies;
   row.high_s = plan.high_s * row.copies;
   row.unaccepted = spoiling_codes(plan.warnings);
-  std::vector<Warning> warnings = warnings_from_json(row.warnings);  // what the job's own are
+  std::vector<Warning> warnings = warnings_from_json(row.warnings);  // those of the job itself
   warnings.insert(warnings.end(), plan.warnings.begin(), plan.warnings.end());
   shorten(warnings, kWarningsOfJob, kWarningOfJob);
   row.warnings = warnings_json(warnings);
@@ -174,9 +174,9 @@ void JobRepository::plan_begun(const std::string& plan) {
 }
 
 void JobRepository::plan_is_at(const std::string& plan, const PlanningPhase& phase) {
-  constexpr int kMostTold = 20;  // jobs of one plan
+  constexpr int kMostPublished = 20;  // jobs of one plan
   (void)parts_.store.look([&]() -> Answer<void> {
-    for (const JobRow& row : jobs_.waiting_for(plan, JobState::Planning, kMostTold))
+    for (const JobRow& row : jobs_.waiting_for(plan, JobState::Planning, kMostPublished))
       parts_.store.publish(
           {.seq = 0,
            .kind = "progress",
@@ -213,7 +213,7 @@ void JobRepository::plan_ended_some(const std::string& id) {
     }
     return {};
   });
-  // A disk that is full now may have room later: then `catch_up` does it.
+  // If the disk is full, `catch_up` tries again later.
   if (stored)
     left_over_.erase(id);
   else
@@ -246,7 +246,7 @@ void JobRepository::set_attention(JobRow& row, const std::string& kind,
   row.attention_since = kind.empty() ? 0 : parts_.store.now();
 }
 
-// What a person has to put into the cutter.
+// What a person must load into the cutter, as JSON.
 std::string JobRepository::load_of(const JobRow& row) {
   const auto sheet = current_sheet(row);
   const auto plan = parts_.plans.table().find(row.plan);
@@ -348,7 +348,7 @@ void JobRepository::finish_sheet(JobRow& row, const std::string& sheet_state,
     ++row.sheet;
     row.blank = row.segment = 1;
     row.first_stroke = 0;
-    // A database that went back to an earlier state may know of a start that came later.
+    // If the database went back to an earlier state, it may know a START of this later sheet.
     if (const auto begun = attempts_.last_begun(row.id, row.sheet)) {
       row.blank = begun->blank;
       row.segment = begun->segment;
@@ -387,7 +387,7 @@ std::optional<SheetPlan> JobRepository::current_sheet(const JobRow& row) {
   return parts_.plans.table().sheet(row.plan, plan_sheet(row, row.sheet, plan_sheets));
 }
 
-// Of a change that names a device or a site: the job's device stands at the job's site.
+// After a change, the device of a job must be at the site of the job.
 Answer<void> JobRepository::check_site(const JobRow& row, const JobPatch& request) const {
   if (!request.site && !request.device) return {};
   const std::string device = request.device.value_or(row.requested_device);

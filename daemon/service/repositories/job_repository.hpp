@@ -25,8 +25,7 @@ struct LiveCut {
   double seconds_left{-1};         ///< of the sheet; below 0: not known yet
 };
 
-/// The jobs as rows, and the ways in which a row changes. Actions at a cutter are in
-/// `CutDispatcher`.
+/// The jobs as rows, and their changes. Actions at a cutter are in `CutDispatcher`.
 class JobRepository : public Jobs {
  public:
   struct Parts {
@@ -43,7 +42,7 @@ class JobRepository : public Jobs {
         attempts_(parts_.store.db(), parts_.store.node()) {}
 
   Answer<Job> create(const Principal& who, const JobCreate& request) override;
-  /// The material's test shape as a job for that device; an empty material is the usual one.
+  /// A job that cuts the test shape of a material; an empty material is the usual one.
   [[nodiscard]] Answer<Job> create_test(const Principal& who, const std::string& device,
                                         const std::string& material);
   Answer<Page<Job>> list(const JobFilter& filter, const PageRequest& request) override;
@@ -53,11 +52,11 @@ class JobRepository : public Jobs {
   Answer<Ledger> ledger(const std::string& id, int sheet) override;
   Answer<Job> patch(const Principal& who, const std::string& id, std::int64_t if_match,
                     const JobPatch& request) override;
-  /// The request that plans a job for a device; nothing if the device or the job does not need it.
+  /// The request that plans a job again for a device; nothing if that is not needed or possible.
   [[nodiscard]] std::optional<NextAction> plan_again_action(const JobRow& row,
                                                             const std::string& device,
                                                             const PlanRow& plan);
-  /// The request that makes a job one for that device, where it stands.
+  /// The request that changes the device of a job, and its site if the device is elsewhere.
   [[nodiscard]] NextAction change_action(const JobRow& row, const std::string& device,
                                          bool plan_again = false) const;
   Answer<void> remove(const Principal& who, const std::string& id) override;
@@ -65,24 +64,25 @@ class JobRepository : public Jobs {
   Answer<Job> hold(const Principal& who, const std::string& id, bool held) override;
   Answer<Job> move(const Principal& who, const std::string& id, const std::string& before) override;
 
-  /// Updates the jobs of a plan when it is being made and when it has ended; many in several steps.
+  /// Updates the jobs of a plan when the plan begins and ends; many of them in several turns.
   void plan_begun(const std::string& plan);
-  /// Tells those who listen what the plan of a job is at; nothing is stored.
+  /// Publishes the progress of a plan for each of its jobs; nothing is stored.
   void plan_is_at(const std::string& plan, const PlanningPhase& phase);
   void plan_ended(const std::string& plan);
-  /// The same for all plans whose end was stored and whose jobs were not updated, because popcutd,
-  /// or in a fleet the node that made them, ended in between.
+  /// The same for all plans whose jobs were not updated, because popcutd, or the node that made
+  /// them, ended before that.
   void plans_ended_before();
   /// Repeats updates that could not be stored.
   void catch_up();
 
-  // For those who change jobs, in a transaction.
+  // For classes that change jobs, in a transaction.
   [[nodiscard]] JobTable& table() { return jobs_; }
   [[nodiscard]] AttemptTable& attempts() { return attempts_; }
   [[nodiscard]] Answer<JobRow> row(const std::string& id);
   /// Takes a step: state, reason, attention, the sheet's row, the event. Writes the row.
   void take(JobRow& row, Step step, const std::string& reason);
-  /// The same when the knife's end was not a person's doing: a job that was to be cancelled is.
+  /// The same after a cut ended by itself. In a fleet, a job that a person cancelled meanwhile is
+  /// cancelled.
   void take_left(JobRow& row, Step step, const std::string& reason);
   /// Writes the row without a step, with its event.
   void save(JobRow& row);
@@ -107,27 +107,26 @@ class JobRepository : public Jobs {
     return row.sheets_total == 0 || plan_sheets == 0 ? 0 : (k - 1) % plan_sheets + 1;
   }
   [[nodiscard]] std::optional<SheetPlan> current_sheet(const JobRow& row);
-  /// Why a job that names no device is planned for the one that it is planned for.
+  /// Warnings about the device that popcutd chose for a job without one.
   [[nodiscard]] std::vector<Warning> choice_warnings(const std::string& material,
                                                      const std::string& site) const;
-  /// Whether nothing of it was cut.
+  /// Whether nothing of the job was cut.
   [[nodiscard]] bool may_plan_again(const JobRow& row);
   [[nodiscard]] Answer<void> plan_again(const Principal& who, JobRow& row, const JobPatch& request);
   /// `JobRow::load` of the current sheet.
   [[nodiscard]] std::string load_of(const JobRow& row);
 
-  /// What a running cut knows; set by the dispatcher of cuts.
+  /// What a running cut knows; nullptr if the job is not cut here.
   std::function<const LiveCut*(const std::string& job)> live{};
-  /// Complete requests that pass now.
+  /// Complete requests that are possible now.
   std::function<std::vector<NextAction>(const JobRow&)> next_actions{};
-  /// The same, each with the job's id, for those who did not ask about this job.
+  /// The same, each with the id of the job, for a problem about another job.
   [[nodiscard]] std::vector<NextAction> next_actions_of(const JobRow& row) const;
-  /// Whether the sheet that a job continues with is still where it was registered; set
-  /// likewise.
+  /// Whether the sheet with which a job continues is still where it was registered.
   std::function<bool(const JobRow&)> knows_place{};
 
  private:
-  /// The problem with complete requests that pass now.
+  /// The problem, with complete requests that are possible now.
   [[nodiscard]] tl::unexpected<Problem> refused(const JobRow& row, Problem problem) const;
   /// The devices that a job could change to.
   [[nodiscard]] std::vector<NextAction> other_devices(const JobRow& row) const;

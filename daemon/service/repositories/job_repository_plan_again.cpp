@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Part of daemon/service/repositories/job_repository.hpp: which cutter a job is planned for, and
-// another plan for another one.
+// Part of daemon/service/repositories/job_repository.hpp: the cutter for which a job is planned,
+// and a new plan for another cutter.
 #include <fmt/format.h>
 
 #include "daemon/model/warnings.hpp"
@@ -41,7 +41,7 @@ NextAction JobRepository::change_action(const JobRow& row, const std::string& de
   return {"change", fmt::format("{{{}}}", members.substr(1))};
 }
 
-// Of a sheet that was cut the rest must come from the same plan.
+// After a part of a sheet is cut, the rest must come from the same plan.
 bool JobRepository::may_plan_again(const JobRow& row) {
   return step_of(row.state, JobEvent::PlansAgain) != Step::Refused && row.sheet <= 1 &&
          row.segment == 1 && row.done_paths == 0 && attempts_.of_sheet(row.id, 1).empty();

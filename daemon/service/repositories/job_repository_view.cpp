@@ -96,7 +96,7 @@ std::optional<TimeMs> JobRepository::armed_until(const JobRow& row) const {
   return arm->armed + parts_.options.arm_s * 1000;
 }
 
-// The stored ones, and what may be otherwise by now.
+// The stored warnings, and those that depend on the present devices.
 std::string JobRepository::warnings_of(const JobRow& row) const {
   if (row.site.empty() || is_terminal(row.state) || parts_.devices.has_site(row.site))
     return row.warnings;
@@ -200,7 +200,7 @@ Answer<Page<Job>> JobRepository::list(const JobFilter& filter, const PageRequest
 }
 
 Answer<Page<Job>> JobRepository::queue(const std::string& device, const PageRequest& request) {
-  constexpr int kMostLooked = 2000;  // rows of one request, fitting or not
+  constexpr int kMostRead = 2000;  // rows for one request, fitting or not
   std::optional<QueuePlace> after;
   if (!request.cursor.empty()) {
     after = queue_place_from(request.cursor);
@@ -220,7 +220,7 @@ Answer<Page<Job>> JobRepository::queue(const std::string& device, const PageRequ
       }
       return known->second;
     };
-    for (int looked = 0; looked < kMostLooked; looked += request.limit + 1) {
+    for (int read = 0; read < kMostRead; read += request.limit + 1) {
       const JobTable::QueueSlice slice = jobs_.queue(device, after, request.limit + 1);
       for (const JobRow& row : slice.jobs) {
         if (page.items.size() == static_cast<std::size_t>(request.limit)) {

@@ -37,7 +37,7 @@ Problem stale(std::int64_t rev) {
   return problem;
 }
 
-// The row whole, if it is a material's.
+// The whole row, if it describes a material.
 Answer<std::string> checked_row(const std::string& id, const std::string& json,
                                 const std::vector<std::string>& tables) {
   auto parsed = parse_json(json, 32);
@@ -54,7 +54,7 @@ Answer<std::string> checked_row(const std::string& id, const std::string& json,
   table["materials"] = nlohmann::json::array({row});
   std::vector<std::string> texts = tables;
   texts.push_back(table.dump());
-  // Who sent a row has seen no table: an error is shown by its place in the row.
+  // The request has a row and no table, so an error gets its place in the row.
   const std::string in_table = fmt::format("table {}: /materials/0", texts.size());
   const auto in_row = [&](Error error) {
     if (error.place.starts_with(in_table)) error.place.erase(0, in_table.size());

@@ -11,7 +11,7 @@
 
 namespace popcut::daemon {
 
-/// What is cut if nobody names a material.
+/// The material if a request names none.
 inline constexpr const char* kUsualMaterial = "paper-220";
 
 /// The tables of materials, machines and SVG profiles: the built-in ones, users' own, and the
@@ -29,7 +29,7 @@ class MaterialRepository : public Materials {
   Answer<void> remove(const Principal& who, const std::string& id, std::int64_t if_match) override;
   /// The row of a machine as JSON.
   [[nodiscard]] Answer<std::string> machine_row(const std::string& name);
-  /// The row of an SVG profile of a user's table as JSON; empty for one that is built in, or none.
+  /// The row of an SVG profile of a user's table as JSON; empty if no such table has it.
   [[nodiscard]] std::string profile_row(const std::string& name);
 
  private:

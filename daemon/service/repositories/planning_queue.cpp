@@ -16,7 +16,7 @@
 namespace popcut::daemon {
 namespace {
 
-/// Whether there is such a plan, and it has what planning makes.
+/// Refuses unless the plan exists and is made.
 template <typename Row>
 Answer<void> check_planned(const std::optional<Row>& plan, const std::string& id) {
   if (!plan) return refuse(ProblemKind::NotFound, fmt::format("there is no plan {:?}", id));
@@ -29,11 +29,11 @@ Answer<void> check_planned(const std::optional<Row>& plan, const std::string& id
 constexpr const char* kUsualMachine = "cameo3";
 constexpr std::size_t kMostHurried = 1000;
 constexpr std::size_t kMostWarnings = 200, kLongestWarning = 1000;
-// A plan that was being made each time when popcutd died may be why.
+// If popcutd died so often while it made a plan, the plan may be the cause.
 constexpr int kMostBegun = 10, kMostBegunInFleet = 3;
-// Plans of one owner that are looked at for one that is not being made already.
+// How many plans of an owner are read to find one that is not being made already.
 constexpr int kLooked = 8;
-// Beside a plan's options as they were given: the row that the SVG profile had then.
+// An option that popcutd adds to those of a plan: the row of its SVG profile at that time.
 constexpr const char* kProfileRow = "svg-profile-row";
 
 std::map<std::string, std::string> words_of(const std::string& json) {
@@ -45,7 +45,7 @@ std::map<std::string, std::string> words_of(const std::string& json) {
   return words;
 }
 
-// What a plan is made with, beside its design.
+// The options and tables of a plan.
 void fill_in(PlanningTask& task, const PlanRow& plan) {
   task.machine_json = plan.machine_json;
   task.material_json = plan.material_json;
@@ -70,13 +70,13 @@ PlanRecord record_of(const PlanRow& row, std::vector<SheetPlan> sheets) {
           .est_s = {row.low_s, row.high_s}};
 }
 
-// The files of a plan, before anyone hears of it. Runs on a thread of the planner's.
+// Writes the files of a plan, before the plan is announced. Runs on a thread of the planner.
 Result<PlanningOutcome> with_files_kept(Result<PlanningOutcome> outcome, const std::string& folder,
                                         SharedFiles& shared, const std::string& plan) {
   if (!outcome) return outcome;
   std::vector<std::pair<std::string, std::string_view>> files;
   for (const PlanningFile& file : outcome->files) files.emplace_back(file.name, file.bytes);
-  // What is written is what is cut, whatever the worker says of it.
+  // The digest is that of the written bytes, whatever the worker says.
   for (SheetPlan& sheet : outcome->sheets) {
     const auto index = std::find_if(
         outcome->files.begin(), outcome->files.end(),
@@ -294,8 +294,8 @@ void PlanningQueue::hurry(const std::string& plan, const std::string& owner) {
   asked_.insert(plan);
 }
 
-// The first that `owner` waits for: what was asked for by itself, then what jobs wait for, in the
-// order of the queue.
+// The next plan of `owner`: first those that were requested themselves, then those for which jobs
+// wait, in the order of the queue.
 std::string PlanningQueue::next_of(const std::string& owner) {
   const auto is_free = [&](const std::string& id) {
     if (running_.contains(id)) return false;
@@ -317,7 +317,7 @@ std::string PlanningQueue::next_of(const std::string& owner) {
   return {};
 }
 
-// All who wait get their turn, one after another, however much one of them has queued.
+// Owners take turns, however many plans one of them has queued.
 std::string PlanningQueue::next() {
   const std::string first = turn_of_;
   for (bool wrapped = false;;) {
@@ -332,7 +332,7 @@ std::string PlanningQueue::next() {
       turn_of_.clear();
     }
   }
-  // Nobody is known to wait for it: what salvage brought back.
+  // Plans for which nobody is known to wait: salvage restored them.
   for (const std::string& id : plans_.pending(static_cast<int>(running_.size()) + 1))
     if (!running_.contains(id)) return id;
   return {};
@@ -430,7 +430,7 @@ void PlanningQueue::over(const std::string& id, Result<PlanningOutcome> outcome)
   }
   if (!outcome && outcome.error().kind == ErrorKind::Unwritable) {
     running_.erase(id);
-    // It stays pending and is made again once there is room.
+    // It stays pending, and is made again when there is space.
     ended_in_order(id);
     parts_.store.note_full();
     parts_.store.log(message(outcome.error()));
@@ -439,7 +439,7 @@ void PlanningQueue::over(const std::string& id, Result<PlanningOutcome> outcome)
   if (!outcome) {
     running_.erase(id);
     const bool unwanted = outcome.error().kind == ErrorKind::Refused;
-    // Cancelled because nobody waited; if somebody does again by now, it is made again.
+    // It was cancelled because nobody waited. If somebody waits again by now, it is made again.
     if (!unwanted || !awaited(id))
       fail_plan(id, unwanted ? "it was no longer needed" : message(outcome.error()));
     else
@@ -463,7 +463,7 @@ void PlanningQueue::ended_in_order(const std::string& id) {
   if (!stored) unrecorded_.insert(id);
 }
 
-// A part of the sheets in each turn; only the last one makes them a plan.
+// Stores a part of the sheets in each turn. The last part makes the plan complete.
 void PlanningQueue::keep(const std::string& id, const std::shared_ptr<PlanningOutcome>& made,
                          std::size_t from) {
   name_turn("plan ended");
@@ -473,7 +473,7 @@ void PlanningQueue::keep(const std::string& id, const std::shared_ptr<PlanningOu
   bool is_gone = false;
   const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {
     auto plan = plans_.find(id);
-    // In a fleet: given to another node meanwhile, because this one did not answer.
+    // In a fleet another node may have got the plan, because this one did not answer.
     is_gone =
         !plan || plan->state != PlanState::Pending || plan->planner != parts_.store.node().name;
     if (is_gone) return {};
@@ -554,7 +554,7 @@ void PlanningQueue::remove_all_of(const std::string& design) {
     parts_.store.after_commit([this, design] { remove_more_of(design); });
 }
 
-// A few, whose sheets are not many together; true: there are no more.
+// Removes a few plans with few sheets in all. True: there are no more.
 bool PlanningQueue::remove_some_of(const std::string& design) {
   constexpr int kAtOnce = 50, kMostSheets = 2000;
   std::vector<std::string> ids;
@@ -579,7 +579,7 @@ void PlanningQueue::remove_more_of(const std::string& design) {
     name_turn("plans of a removed design");
     bool all = true;
     const Answer<void> removed = parts_.store.change([&]() -> Answer<void> {
-      // Uploaded again meanwhile, it may have new ones.
+      // The design may have been uploaded again and have new plans.
       all = parts_.designs.find(design).has_value() || remove_some_of(design);
       return {};
     });
@@ -593,7 +593,7 @@ void PlanningQueue::forget(const std::string& id) {
   parts_.store.after_commit([this, id] {
     asked_.erase(id);
     std::erase_if(hurried_, [&](const Hurried& one) { return one.plan == id; });
-    // What a planner still makes of it goes when that is over.
+    // If the planner still makes it, its files are removed at the end.
     if (const auto found = running_.find(id); found != running_.end())
       parts_.planner.cancel(found->second);
     else

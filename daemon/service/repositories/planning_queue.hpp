@@ -16,9 +16,9 @@
 
 namespace popcut::daemon {
 
-/// Plans: made once for the same design and options, a few at a time. All who wait for plans get
-/// their turn, one after another, and for each of them the order of the queue holds. What waits is
-/// in the store; only what the planner has is in memory.
+/// Plans. The same design and options are planned once. A few plans are made at a time; those who
+/// wait take turns, and each gets plans in the order of the queue. Waiting plans are in the store
+/// only, and those that the planner makes also in memory.
 class PlanningQueue : public Plans {
  public:
   struct Parts {
@@ -42,29 +42,30 @@ class PlanningQueue : public Plans {
   Designs::CallOff artwork(const Principal& who, const std::string& id, int sheet,
                            const ArtworkRequest& wanted, Designs::Shown done) override;
 
-  /// The plan of a request, in a transaction: one that is there, or a new one that is made after
-  /// the commit.
+  /// The plan for a request, in a transaction. It exists already, or is made after the commit.
   ///
-  /// @retval QueueFull  too many wait, or too many of theirs
+  /// @retval QueueFull  too many plans wait, of all or of this principal
   [[nodiscard]] Answer<PlanRow> plan_for(const Principal& who, const PlanRequest& request);
-  /// A plan with the design and the options of an earlier one; an empty material is its material,
-  /// an empty device the one that suits it and stands at `site`.
+  /// A plan with the design and the options of an earlier one.
+  ///
+  /// @param device    if empty, one at `site` that suits the material
+  /// @param material  if empty, that of the earlier plan
   [[nodiscard]] Answer<PlanRow> plan_again(const Principal& who, const PlanRow& before,
                                            const std::string& device, const std::string& material,
                                            const std::string& site);
-  /// That of a small test shape.
+  /// The plan of a small test shape.
   [[nodiscard]] Answer<PlanRow> test_plan_for(const Principal& who, const std::string& device,
                                               const std::string& material,
                                               const std::string& site = {});
-  /// Notes that `who` waits for a plan, if it is not made yet; in a transaction.
+  /// Notes, in a transaction, that `who` waits for a plan that is not made yet.
   ///
-  /// @retval QueueFull  they wait for too many
+  /// @retval QueueFull  `who` waits for too many plans
   [[nodiscard]] Answer<void> await(const Principal& who, const PlanRow& plan);
   /// Makes this plan before those that only jobs of `owner` wait for.
   void hurry(const std::string& plan, const std::string& owner);
   /// Gives the planner as many plans as it accepts.
   void pump();
-  /// Cancels a plan that no job waits for, unless it was requested by itself.
+  /// Cancels a plan that no job waits for, unless a person requested the plan itself.
   void abandon(const std::string& plan);
   /// Removes all plans of a design that no job uses, in the transaction that removes the design.
   void remove_all_of(const std::string& design);
@@ -72,21 +73,21 @@ class PlanningQueue : public Plans {
 
   [[nodiscard]] PlanTable& table() { return plans_; }
   [[nodiscard]] std::string folder_of(const std::string& plan) const;
-  /// Makes the files of a sheet be in that folder, if another node made the plan.
+  /// Fetches the files of a sheet into that folder, if another node made the plan.
   ///
-  /// @retval Unavailable  they are on their way
+  /// @retval Unavailable  they are still being fetched
   [[nodiscard]] Answer<void> bring_sheet(const std::string& plan, int sheet);
 
-  /// Called when the planner has one, and when a plan is made or failed.
+  /// Called when the planner begins a plan, and when the plan is made or has failed.
   std::function<void(const std::string&plan)> begun{}, ended{};
-  /// Called now and then while one is made.
+  /// Called now and then while a plan is made.
   std::function<void(const std::string& plan, const PlanningPhase&)> is_at{};
 
   struct MachineRow {
     std::string name, json;
   };
-  /// What to plan for: the machine of a device, a machine by its name, or one that suits the
-  /// material and stands at `site`.
+  /// The machine to plan for: that of a device, the named one, or one at `site` that suits the
+  /// material.
   ///
   /// @retval Validation  there is no such device or machine, or the two do not match
   [[nodiscard]] Answer<MachineRow> machine_for(const std::string& device,
@@ -102,7 +103,7 @@ class PlanningQueue : public Plans {
   };
   [[nodiscard]] Answer<PreviewTask> artwork_task(const Principal& who, const std::string& id,
                                                  int sheet, const ArtworkRequest& wanted);
-  /// The design's task with what the plan was made with.
+  /// The task of a design, with the options and tables of a plan.
   [[nodiscard]] PlanningTask task_of(const PlanRow& plan, const Design& design,
                                      PlanningTask::Kind kind);
   [[nodiscard]] Answer<PlanRow> find_or_add(const Principal& who, PlanRow row);
@@ -126,9 +127,9 @@ class PlanningQueue : public Plans {
   PlanTable plans_;
   std::map<std::string, std::uint64_t> running_;  ///< task of the planner by plan
   std::deque<Hurried> hurried_;
-  std::string turn_of_{};             ///< who had the last turn
-  std::set<std::string> asked_;       ///< by themselves, not by a job
-  std::set<std::string> unrecorded_;  ///< plans that are over, which could not be stored
+  std::string turn_of_{};             ///< the owner who had the last turn
+  std::set<std::string> asked_;       ///< plans that a person requested, not a job
+  std::set<std::string> unrecorded_;  ///< plans that are over, but could not be stored
   bool stopped_{false};
 };
 

@@ -11,7 +11,8 @@
 namespace popcut::daemon {
 namespace {
 
-// A copy of the database that is older than this is not put back without a look at the cutters.
+// How long journals are kept in a fleet. Before somebody restores an older copy of the database,
+// they must look at the cutters.
 constexpr std::int64_t kJournals_ms = 30LL * 86'400'000;
 
 std::string crash_text(const std::string& job, const std::string& loss) {
@@ -20,7 +21,7 @@ std::string crash_text(const std::string& job, const std::string& loss) {
       loss.empty() ? loss : fmt::format(" ({})", loss));
 }
 
-// That a database which does not know the sheet does not know its paths either is no news.
+// A loss that begins with "the database" repeats the first part of this text.
 std::string forgotten_text(const std::string& job, const std::string& loss) {
   return fmt::format(
       "the database went back to before this sheet was started; look at the sheet: 'popcut jobs "
@@ -38,7 +39,7 @@ class Recovery {
         intents_(intents),
         cuts_(std::move(cuts)),
         trails_(intents.trails()) {
-    // What is cut now has no end to look for, unless the database forgot its start.
+    // An attempt that is cut now needs no recovery, unless the database forgot its start.
     std::erase_if(trails_, [&](const auto& one) {
       return is_cut(one.first) && jobs_.attempts().knows(one.first);
     });
@@ -48,7 +49,7 @@ class Recovery {
     close_attempts();
     jobs_.attempts().disarm_all();
     settle_known();
-    for (const auto& [attempt, trail] : trails_) tell_of(attempt, trail);
+    for (const auto& [attempt, trail] : trails_) try_to_surface(attempt, trail);
     for (const JobState state :
          {JobState::Cutting, JobState::Paused, JobState::Armed, JobState::Planning})
       restart(state);
@@ -64,9 +65,9 @@ class Recovery {
  private:
   [[nodiscard]] bool is_cut(const std::string& attempt) const { return cuts_ && cuts_(attempt); }
 
-  // In a fleet one journal that does not fit must not keep all of them from being told of: others
-  // wait for that.
-  void tell_of(const std::string& attempt, const IntentTrail& trail) {
+  // In a fleet a journal that does not fit must not prevent the report of all others, because other
+  // nodes wait for it.
+  void try_to_surface(const std::string& attempt, const IntentTrail& trail) {
     if (!store_.in_fleet()) return surface(attempt, trail);
     try {
       Transaction part(store_.db());
@@ -83,7 +84,8 @@ class Recovery {
     }
   }
 
-  // Of a copied state folder: the one that it was copied from may know more.
+  // Whether an attempt belongs to the state folder from which this one was copied. That folder may
+  // know more.
   [[nodiscard]] bool is_foreign(const std::string& invocation) const {
     return store_.in_fleet() && !invocation.starts_with(store_.node().mark());
   }
@@ -97,7 +99,7 @@ class Recovery {
             .witness = trail.witness};
   }
 
-  // The attempts that nobody ended, and what they leave of their jobs.
+  // Ends the attempts that are still open.
   void close_attempts() {
     AttemptTable& attempts = jobs_.attempts();
     for (const AttemptRow& open : attempts.open()) {
@@ -113,7 +115,7 @@ class Recovery {
       ended_.push_back(open.id);
       Answer<JobRow> row = jobs_.row(open.job);
       if (!verdict.loss.empty())
-        tell(open.job, open.sheet, verdict.loss, open.first_stroke, verdict.doubt_upto);
+        report_loss(open.job, open.sheet, verdict.loss, open.first_stroke, verdict.doubt_upto);
       if (!row || is_terminal(row->state)) continue;
       jobs_.count_paths(*row, open.sheet, open.blank, open.strokes);
       jobs_.table().update(*row);
@@ -123,11 +125,10 @@ class Recovery {
     }
   }
 
-  // In a fleet the database may know less than the journal in good order: the marks of a cut come
-  // when the database answers. And a journal that was copied to another machine may know less than
-  // the one that went on.
+  // In a fleet the database normally knows less than the journal, because marks reach it only when
+  // it answers. And a journal that was copied to another machine may know less than the original.
   IntentVerdict verdict_of(const AttemptRow& attempt, const IntentTrail& trail) {
-    // What others wrote when they called it lost is their doubt, and no record of an intent.
+    // The chunks of an attempt that another node called lost are not records of intents.
     std::int64_t recorded = -1;
     if (attempt.end_kind != "lost")
       recorded = jobs_.attempts().last_recorded(attempt.id);
@@ -144,7 +145,7 @@ class Recovery {
     return verdict;
   }
 
-  // Another node found that this one did not answer, and knew less of the cut than its journal.
+  // Another node called this attempt lost. The journal of this node knows more about it.
   void narrow(const AttemptRow& lost, const IntentTrail& trail) {
     const IntentVerdict verdict = verdict_of(lost, trail);
     jobs_.attempts().crash(lost, store_.now(), verdict.doubt_upto, verdict.loss);
@@ -158,8 +159,8 @@ class Recovery {
     jobs_.save(*row);
   }
 
-  // In a fleet journals are kept for a month, and the database is a network away: those of which it
-  // knows all are not asked for one by one.
+  // In a fleet journals are kept for a month, and each query takes time on the network. So those
+  // that the database knows are found by one query.
   void settle_known() {
     if (!store_.in_fleet()) return;
     std::vector<std::string> ids;
@@ -175,7 +176,7 @@ class Recovery {
     if (store_.in_fleet() && created < store_.now() - kJournals_ms) outlived_.push_back(attempt);
   }
 
-  // An attempt that is not open: it has ended, or the database does not know it.
+  // The journal of an attempt that has ended, or that the database does not know.
   void surface(const std::string& attempt, const IntentTrail& trail) {
     if (const auto known = jobs_.attempts().find(attempt)) {
       if (known->end_kind == "lost") narrow(*known, trail);
@@ -192,7 +193,7 @@ class Recovery {
     const IntentHead& head = *trail.head;
     IntentVerdict verdict =
         verdict_on(claims_of(trail, head.first_stroke, head.strokes, head.first_stroke - 1));
-    // Nothing was sent: the start was never committed.
+    // Nothing was sent, since the START was never committed.
     const bool goes_on = is_cut(attempt);
     if (!goes_on && verdict.doubt_upto < head.first_stroke) return empty_.push_back(attempt);
     const std::string lost = "the database does not know that this sheet was started",
@@ -213,14 +214,14 @@ class Recovery {
     JobRow& row = *found;
     Surfacing surfacing =
         surfacing_of(row.state, {row.sheet, row.blank}, row.sheets_total, {head.sheet, head.blank});
-    // A later part of this blank is known, or a living node cuts another one: that goes on, and
-    // what was started besides is found when it ends.
+    // The database knows a later part of this blank, or another node cuts this job now. The job
+    // keeps its state then, and this attempt only becomes part of its history.
     const bool is_earlier = row.sheet == head.sheet && row.blank == head.blank &&
                             row.segment > std::max(1, head.segment);
     if (store_.in_fleet() && (is_earlier || is_cut_elsewhere(row)) &&
         surfacing != Surfacing::Blocks)
       surfacing = Surfacing::History;
-    tell(head.job, head.sheet, verdict.loss, head.first_stroke, verdict.doubt_upto);
+    report_loss(head.job, head.sheet, verdict.loss, head.first_stroke, verdict.doubt_upto);
     if (surfacing == Surfacing::Blocks) {
       blocked_[head.job] = fmt::format(
           "sheet {} of this job was started, but popcutd lost its record of that; cancel this job "
@@ -259,12 +260,12 @@ class Recovery {
     jobs_.count_paths(row, row.sheet, row.blank, head.strokes);
     const std::string from(name_of(row.state));
     jobs_.set_attention(row, "in_doubt", forgotten_text(row.id, beside));
-    // "lost": its cut goes on here, and is taken up again right after this.
+    // "lost": it is cut here, and `RunningCuts::reclaim` follows.
     jobs_.take_left(row, step_of(row.state, JobEvent::IntentsSurface), goes_on ? "lost" : "crash");
     note_recovered(row, from);
   }
 
-  // The attempt as a row, all of it that may have been sent in doubt.
+  // Restores the attempt, with all strokes in doubt that may have been sent.
   void bring_back(const IntentHead& head, const IntentVerdict& verdict, const char* end_kind) {
     AttemptTable& attempts = jobs_.attempts();
     bool started = true;  // only one start of a blank and segment may be on record
@@ -293,8 +294,8 @@ class Recovery {
     attempts.bring_back(row, store_.now(), verdict.doubt_upto, verdict.loss, end_kind);
   }
 
-  void tell(const std::string& job, int sheet, const std::string& loss, std::int64_t first,
-            std::int64_t last) {
+  void report_loss(const std::string& job, int sheet, const std::string& loss, std::int64_t first,
+                   std::int64_t last) {
     losses_[job] = loss;
     store_.log(fmt::format("job {} sheet {}: {}; paths {}..{} count as in doubt unless certain",
                            job, sheet, loss, first, last));
@@ -315,7 +316,7 @@ class Recovery {
     if (store_.in_fleet()) return restart_own(state);
     JobFilter filter;
     filter.states = {state};
-    // Each leaves its state, so the next few are the first ones.
+    // Each job leaves this state, so the next page begins at the start again.
     std::string looked_to;
     for (;;) {
       const std::string after = looked_to;
@@ -325,7 +326,8 @@ class Recovery {
     }
   }
 
-  // Those in the cutters of this node, and those that it planned. What it cuts now goes on.
+  // The same for the jobs in the cutters of this node and those that it planned, but not for those
+  // that it cuts now.
   void restart_own(JobState state) {
     const char* const sql =
         state == JobState::Planning
@@ -359,7 +361,7 @@ class Recovery {
     note_recovered(row, from);
   }
 
-  // Cut now by a node that lives, or whose end was not closed yet.
+  // Another node cuts it, or did not record the end yet.
   [[nodiscard]] bool is_cut_elsewhere(const JobRow& row) {
     return store_.db().number(
                "SELECT EXISTS(SELECT 1 FROM attempt WHERE job=? AND node!=? AND started_at IS NOT "
@@ -371,7 +373,7 @@ class Recovery {
   JobRepository& jobs_;
   IntentJournals& intents_;
   std::function<bool(const std::string&)> cuts_;
-  std::map<std::string, IntentTrail> trails_;            ///< by attempt, those not looked at yet
+  std::map<std::string, IntentTrail> trails_;            ///< by attempt; those not handled yet
   std::map<std::string, std::string> losses_, blocked_;  ///< by job
   std::vector<std::string> ended_, empty_, outlived_;
 };
@@ -380,7 +382,7 @@ class Recovery {
 
 Answer<void> recover(ServiceStore& store, JobRepository& jobs, IntentJournals& intents,
                      const std::function<bool(const std::string& attempt)>& cuts) {
-  // On a full disk it runs twice: nothing of the first time may stay.
+  // On a full disk this runs twice, so nothing of the first time may remain.
   std::unique_ptr<Recovery> recovery;
   return store.change([&]() -> Answer<void> {
     recovery = std::make_unique<Recovery>(store, jobs, intents, cuts);
@@ -401,7 +403,7 @@ Answer<void> close_lost_node(ServiceStore& store, JobRepository& jobs, const std
       jobs.set_attention(
           *row, "in_doubt",
           fmt::format("node {} has not answered for a while, and may still be cutting this sheet; "
-                      "look at {}; if it comes back, what it knows is recorded by itself",
+                      "look at {}; if the node comes back, it records what it knows",
                       node, open.device));
       jobs.take_left(*row, step_of(row->state, JobEvent::CutBreaks), "lost");
     }
@@ -435,7 +437,7 @@ TakeUp take_up(ServiceStore& store, JobRepository& jobs, const std::string& atte
   if (!store.in_fleet()) return TakeUp::Goes;
   const auto known = jobs.attempts().find(attempt);
   if (!known) return TakeUp::Superseded;
-  // The state is what the knife does, whatever of it a database that went back forgot.
+  // The job is in the state in which the knife is, also if the database went back and forgot it.
   const auto bring_in_step = [&](JobRow& row) {
     if (held && row.state == JobState::Cutting)
       jobs.take(row, step_of(row.state, JobEvent::CutHeld), "");
@@ -449,7 +451,7 @@ TakeUp take_up(ServiceStore& store, JobRepository& jobs, const std::string& atte
   if (known->end_kind != "lost")
     return known->end_kind == "superseded" ? TakeUp::Superseded : TakeUp::Ended;
   Answer<JobRow> row = jobs.row(known->job);
-  // A person who looked at it and said something of it said "result_bad", or moved it on.
+  // If a person has judged the sheet, its reason is "result_bad", or the job has moved on.
   const bool is_untouched = row && row->state == JobState::Interrupted && row->reason == "lost" &&
                             row->sheet == known->sheet && row->blank == known->blank &&
                             row->segment == known->segment;

@@ -10,38 +10,38 @@
 
 namespace popcut::daemon {
 
-/// Corrects what the last run left, in one transaction: jobs that were cutting or paused are
-/// interrupted and strokes that may have been sent are in doubt; armed jobs are ready; jobs being
-/// planned are queued. Emits an event `recovered {from, to}` for each. In a fleet it is about the
+/// Corrects the jobs that the last run left, in one transaction: cutting and paused jobs become
+/// interrupted, with strokes in doubt that may have been sent; armed jobs become ready; planning
+/// jobs become queued. Emits an event `recovered {from, to}` for each. In a fleet this concerns the
 /// cutters and plans of this node only.
 ///
-/// What may have been sent follows from the database and from the journals of intents beside it
-/// (`verdict_on`). A journal of an attempt that the database lost brings its attempt back and
-/// interrupts its job (`surfacing_of`). Where the two disagree, an event `notice`, the log, the
-/// job's attention and the ledger's last status say so.
+/// The database and the journals of intents beside it show which strokes may have been sent
+/// (`verdict_on`). If the database lost an attempt, its journal restores it and interrupts the job
+/// (`surfacing_of`). If the two disagree, an event `notice`, the log, the job's attention and the
+/// ledger's last status say so.
 ///
-/// @param cuts  whether this popcutd cuts that attempt now: it is left alone
+/// @param cuts  whether this popcutd cuts that attempt now; such an attempt is not changed
 [[nodiscard]] Answer<void> recover(
     ServiceStore& store, JobRepository& jobs, IntentJournals& intents,
     const std::function<bool(const std::string& attempt)>& cuts = {});
 
-/// Closes what a node of a fleet leaves that does not answer, in one transaction: its attempts end
-/// as "lost", with every stroke in doubt that is not certain; its armed jobs are ready; others may
-/// make its plans.
+/// Closes the work of a fleet node that does not answer, in one transaction: its attempts end as
+/// "lost", with every stroke in doubt that is not certain; its armed jobs become ready; other nodes
+/// may make its plans.
 ///
-/// @param epoch  of the life that is over; nothing of a later one is touched
+/// @param epoch  of the run that is over; nothing of a later run is changed
 [[nodiscard]] Answer<void> close_lost_node(ServiceStore& store, JobRepository& jobs,
                                            const std::string& node, std::int64_t epoch);
 
-/// What becomes of a cut of this node that another node of the fleet called lost.
+/// Whether a cut of this node may still be recorded, after another node may have called it lost.
 enum class TakeUp : std::uint8_t {
-  Goes,        ///< nobody did anything since: it goes on, and the job is cutting again
-  Superseded,  ///< a person decided otherwise meanwhile: its end changes nothing but its record
-  Ended,       ///< its end is recorded
+  Goes,        ///< the job belongs to this cut, and is cutting again if it was called lost
+  Superseded,  ///< a person has decided otherwise: the end of the cut no longer changes the job
+  Ended,       ///< its end is recorded already
 };
-/// Brings the job in step with such a cut, in a transaction. Without a fleet every cut goes on.
+/// Makes the state of the job agree with its cut, in a transaction. Without a fleet it always does.
 ///
-/// @param held  whether its tool is up, because a person asked for a pause
+/// @param held  whether the tool is up, because a person asked for a pause
 [[nodiscard]] TakeUp take_up(ServiceStore& store, JobRepository& jobs, const std::string& attempt,
                              bool held);
 

@@ -23,7 +23,7 @@ namespace {
   "error, created, begun, planner"
 
 constexpr std::array<std::string_view, 3> kSearchStates{"pending", "found", "failed"};
-// A search that was being made each time when popcutd died may be why.
+// If popcutd died so often during a search, the search may be the cause.
 constexpr int kMostBegunAlone = 10, kMostBegunAmongNodes = 3;
 constexpr std::int64_t kMostWaiting = 1000;
 constexpr int kRetry_s = 60;
@@ -46,8 +46,7 @@ SearchState state_from(const std::string& word) {
   return static_cast<SearchState>(found - kSearchStates.begin());
 }
 
-/// The figures of what a worker found, once its pictures are in the folder. On a thread of the
-/// planner's.
+/// Writes the pictures that a worker made, and returns its figures. On a thread of the planner.
 Result<SearchFront> with_pictures_kept(Result<PlanningOutcome> outcome, const std::string& folder,
                                        SharedFiles& shared, const std::string& id) {
   if (!outcome) return tl::unexpected(outcome.error());
@@ -78,7 +77,7 @@ Problem not_valid(const Error& error) {
   return invalid_value(error.place, "value", error.detail, "the search is not valid");
 }
 
-/// Whether a card can be planned so at all.
+/// Refuses if no card can be planned with these options.
 Answer<void> check_plan(const CardSearchRequest& request, const std::string& machine_json,
                         const std::string& material_json) {
   planning::WorkerTask rows;
@@ -91,7 +90,7 @@ Answer<void> check_plan(const CardSearchRequest& request, const std::string& mac
   const auto mat = planning::searched_mat(options, tables->texts);
   if (mat) return {};
   Error error = mat.error();
-  // A search has these beside its other members.
+  // In a search, these options are members of the request itself.
   constexpr std::string_view kPlan = "/options";
   if (error.place.starts_with(kPlan)) error.place.erase(0, kPlan.size());
   return tl::unexpected(not_valid(error));
@@ -397,7 +396,7 @@ void SearchRepository::over(const std::string& id, const Result<SearchFront>& fo
   const bool waits_for_room = !found && found.error().kind == ErrorKind::Unwritable;
   const bool is_stopping = !found && found.error().kind == ErrorKind::Refused;
   if (waits_for_room) {
-    // It stays pending and is made again once there is room.
+    // It stays pending, and is made again when there is space.
     parts_.store.note_full();
     parts_.store.log(message(found.error()));
   }
@@ -412,7 +411,7 @@ void SearchRepository::over(const std::string& id, const Result<SearchFront>& fo
     finish(id, SearchState::Found, planning::front_text(*found), "");
   else
     finish(id, SearchState::Failed, "", message(found.error()));
-  // Deleted meanwhile: its pictures go too.
+  // If the search was deleted meanwhile, remove its pictures, too.
   const Answer<bool> is_there =
       parts_.store.look([&]() -> Answer<bool> { return row(id).has_value(); });
   if (is_there && !*is_there) {
@@ -425,7 +424,7 @@ void SearchRepository::over(const std::string& id, const Result<SearchFront>& fo
   pump();
 }
 
-// In a fleet it may have been given to another node meanwhile, because this one did not answer.
+// In a fleet another node may have got the search, because this one did not answer.
 void SearchRepository::finish(const std::string& id, SearchState state, const std::string& front,
                               const std::string& error) {
   (void)parts_.store.change([&]() -> Answer<void> {

@@ -12,8 +12,8 @@
 
 namespace popcut::daemon {
 
-/// Searches for the best cards of a model: made once for the same model and words, one at a time,
-/// all who wait in turns. What waits is in the store; only what the planner has is in memory.
+/// Searches for the best cards of a model. The same model and options are searched once. One search
+/// runs at a time; owners take turns. Waiting searches are in the store only.
 class SearchRepository : public Searches {
  public:
   struct Parts {
@@ -34,7 +34,7 @@ class SearchRepository : public Searches {
   void pick(const Principal& who, const std::string& id, int card, const std::string& name,
             std::function<void(Answer<Design>)> done) override;
 
-  /// Gives the planner the next search, if it has none.
+  /// Gives the planner the next search, unless it has one.
   void pump();
   /// Removes all searches of a model, in the transaction that removes the model.
   void remove_all_of(const std::string& model);
@@ -49,7 +49,7 @@ class SearchRepository : public Searches {
     TimeMs created{};
     int begun{};
   };
-  /// The one that the planner has.
+  /// The search that the planner has.
   struct Running {
     std::string id;
     std::uint64_t task{};
@@ -57,7 +57,7 @@ class SearchRepository : public Searches {
   };
   [[nodiscard]] static Row row_of(const Rows& rows);
   [[nodiscard]] std::optional<Row> row(const std::string& id);
-  /// The one of that key that is pending or found.
+  /// The search with this key that is pending or found.
   [[nodiscard]] std::optional<Row> row_of_key(const std::string& key);
   [[nodiscard]] Answer<Row> found_row(const std::string& id);
   [[nodiscard]] Answer<Row> row_for(const Principal& who, const CardSearchRequest& request);
