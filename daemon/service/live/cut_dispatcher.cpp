@@ -47,8 +47,7 @@ std::string why_none(const DeviceRegistry& devices, const PlanRow& plan, const s
 Answer<void> CutDispatcher::check_members(const JobRow& row, const ActionRequest& request) const {
   if (needs_sheet(request.action) && !request.sheet)
     return refuse_value("/sheet", "missing", fmt::format("must be {}", row.sheet));
-  if (const auto fine = check_text(request.reason, 2000, "/reason"); !fine)
-    return tl::unexpected(fine.error());
+  if (auto fine = check_text(request.reason, 2000, "/reason"); !fine) return fine;
   if (request.action == JobAction::ConfirmResult && !request.good)
     return refuse_value("/good", "missing", "must be true or false");
   if (request.action == JobAction::ResumeFrom) {
@@ -195,9 +194,8 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
 }
 
 Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionRequest& request) {
-  if (const auto sound = parts_.store.accepts_arming(); !sound)
-    return tl::unexpected(sound.error());
-  if (const auto may = parts_.cuts.may_cut(); !may) return tl::unexpected(may.error());
+  if (auto sound = parts_.store.accepts_arming(); !sound) return sound;
+  if (auto may = parts_.cuts.may_cut(); !may) return may;
   const auto plan = parts_.plans.table().find(row.plan);
   if (!plan || plan->state != PlanState::Planned)
     return JobRepository::refuse_state(row, "the job's plan is gone; create the job again");
@@ -213,15 +211,13 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
     return JobRepository::refuse_state(row, why);
   const Answer<std::string> device = choose_device(row, request, *plan);
   if (!device) return tl::unexpected(device.error());
-  if (const auto known = check_place(row, *device); !known) return tl::unexpected(known.error());
+  if (auto known = check_place(row, *device); !known) return known;
   if (const auto other = parts_.jobs.table().on_device(*device))
     return JobRepository::refuse_state(row, fmt::format("{} holds a sheet of job {} ({})", *device,
                                                         other->id, name_of(other->state)));
-  if (const auto accepted = accept_warnings(row, request); !accepted)
-    return tl::unexpected(accepted.error());
+  if (auto accepted = accept_warnings(row, request); !accepted) return accepted;
   if (const auto sheet = parts_.jobs.current_sheet(row))
-    if (const auto here = parts_.plans.bring_sheet(row.plan, sheet->number); !here)
-      return tl::unexpected(here.error());
+    if (auto here = parts_.plans.bring_sheet(row.plan, sheet->number); !here) return here;
   const auto known = next_.find(row.id);
   const Waiting waiting = known == next_.end() ? Waiting{} : waiting_of(known->second);
   if (waiting.resume_at && waiting.resume_at->segment == row.segment &&
@@ -309,12 +305,11 @@ Answer<void> CutDispatcher::check_armed(const JobRow& row, const std::optional<P
 }
 
 Answer<void> CutDispatcher::check_device(const JobRow& row, const PlanRow& plan) const {
-  if (const auto fine = parts_.devices.usable(row.device); !fine)
-    return tl::unexpected(fine.error());
+  if (auto fine = parts_.devices.usable(row.device); !fine) return fine;
   if (const std::string why = parts_.devices.misfit(row.device, plan, row.site); !why.empty())
     return JobRepository::refuse_state(
         row, fmt::format("{} can no longer cut this: {}", row.device, why));
-  if (const auto known = check_place(row, row.device); !known) return tl::unexpected(known.error());
+  if (auto known = check_place(row, row.device); !known) return known;
   const auto device = parts_.devices.find(row.device);
   if (device->state == "idle" || device->state == "attention") return {};
   return JobRepository::refuse_state(
@@ -354,11 +349,11 @@ Answer<CutDispatcher::ReadySheet> CutDispatcher::ready_sheet(const JobRow& row) 
 
 Answer<void> CutDispatcher::start(const Principal& who, JobRow& row) {
   if (parts_.cuts.is_stopping()) return refuse(ProblemKind::Unavailable, "popcutd is stopping");
-  if (const auto here = check_node(row.device); !here) return tl::unexpected(here.error());
-  if (const auto may = parts_.cuts.may_cut(); !may) return tl::unexpected(may.error());
+  if (auto here = check_node(row.device); !here) return here;
+  if (auto may = parts_.cuts.may_cut(); !may) return may;
   const std::optional<PlanRow> plan = parts_.plans.table().find(row.plan);
-  if (const auto armed = check_armed(row, plan); !armed) return tl::unexpected(armed.error());
-  if (const auto fine = check_device(row, *plan); !fine) return tl::unexpected(fine.error());
+  if (auto armed = check_armed(row, plan); !armed) return armed;
+  if (auto fine = check_device(row, *plan); !fine) return fine;
   row.operator_name = who.name;
   Answer<ReadySheet> sheet = ready_sheet(row);
   if (!sheet) return tl::unexpected(sheet.error());
@@ -418,7 +413,7 @@ Answer<void> CutDispatcher::pause(JobRow& row) {
 
 Answer<void> CutDispatcher::resume(JobRow& row) {
   if (parts_.cuts.is_stopping()) return refuse(ProblemKind::Unavailable, "popcutd is stopping");
-  if (const auto here = check_node(row.device); !here) return tl::unexpected(here.error());
+  if (auto here = check_node(row.device); !here) return here;
   if (parts_.cuts.of_job(row.id) == nullptr)
     return JobRepository::refuse_state(row, "its cut has already ended");
   if (const auto device = parts_.devices.find(row.device); !device || !device->enabled)
@@ -496,7 +491,7 @@ Answer<void> CutDispatcher::resume_from(JobRow& row, const ActionRequest& reques
   if (!state)
     return JobRepository::refuse_state(row, "this blank was never started; arm and start it");
   const AttemptRow* const last = &state->last;
-  if (const auto here = check_node(last->device); !here) return tl::unexpected(here.error());
+  if (auto here = check_node(last->device); !here) return here;
   const auto plan = parts_.plans.table().find(row.plan);
   if (!plan || plan->sha256 != last->plan_sha256)
     return JobRepository::refuse_state(row, "the plan is not the one that was cut");
