@@ -138,7 +138,7 @@ TEST_CASE("after any fault of a cutter its job ends with a true ledger and nothi
 }
 
 TEST_CASE("a cutter that takes no data shows as busy and is cancelled at once",
-          "[popcutd][faults][long]") {
+          "[popcutd][faults][seconds][long]") {
   Wrongs wrongs;
   wrongs.time_scale = 12;
   wrongs.all = {{R"("at_path": 5, "kind": "nak", "seconds": 100000)", "", "", ""},
@@ -171,20 +171,21 @@ TEST_CASE("a cutter that takes no data shows as busy and is cancelled at once",
   manager.feedings();
   CHECK(happens([&] { return manager.feedings() > 0; }));
   CHECK(happens([&] { return popcutd.ask("GET", "/readyz").status == 200; }));
-  double quickest_s = 60;
+  bool is_quick = false;  // one of them: the other may have met a machine that was busy otherwise
   for (std::size_t k : {0U, 1U}) {
     CAPTURE(k);
     const auto begun = steady_clock::now();
     popcutd.act(jobs[k], "cancel");
     const Json job =
         popcutd.await(jobs[k], [](const Json& now) { return now["state"] == "cancelled"; });
-    quickest_s = std::min(quickest_s, seconds_since(begun));
+    is_quick = is_quick || in_time(begun, 1);
     CHECK(wrong_in(popcutd.ledger(jobs[k]), kFew, lines_cut(wrongs.trace(k), kFew)) == "");
   }
-  CHECK(quickest_s < 1);  // the other may have met a machine that was busy otherwise
+  CHECK(is_quick);
 }
 
-TEST_CASE("popcutd ends in time although a cutter takes no data", "[popcutd][faults][long]") {
+TEST_CASE("popcutd ends in time although a cutter takes no data",
+          "[popcutd][faults][seconds][long]") {
   Wrongs wrongs;
   wrongs.time_scale = 20;
   wrongs.all = {{R"("at_path": 5, "kind": "nak", "seconds": 100000)", "", "", ""},
@@ -203,7 +204,7 @@ TEST_CASE("popcutd ends in time although a cutter takes no data", "[popcutd][fau
   const auto begun = steady_clock::now();
   popcutd.daemon().signal(SIGTERM);
   CHECK(popcutd.daemon().wait() == 0);
-  CHECK(seconds_since(begun) < 30);  // of the 45 that a service manager grants
+  CHECK(in_time(begun, 30));  // of the 45 that a service manager grants
   popcutd.open();
   for (std::size_t k = 0; k < jobs.size(); ++k) {
     CAPTURE(k);

@@ -142,7 +142,8 @@ TEST_CASE("a material of the user is known in previews and files as it is in pla
   CHECK(fetch(design + "/files/report.json").headers.at("etag") != report.headers.at("etag"));
 }
 
-TEST_CASE("a page that closes at any moment leaves nothing at work", "[popcutd][preview][long]") {
+TEST_CASE("a page that closes at any moment leaves nothing at work",
+          "[popcutd][preview][seconds][long]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   const std::string body = wanted(sphere(50, 40), "exact");
@@ -155,7 +156,7 @@ TEST_CASE("a page that closes at any moment leaves nothing at work", "[popcutd][
   RawConnection page(desk.daemon().socket());
   REQUIRE(page.send(wanted(sphere(4, 3), "draft")));
   CHECK(page.receive().status == 200);
-  CHECK(seconds_since(begun) < 5);  // and not after six exact ones
+  CHECK(in_time(begun, 5));  // and not after six exact ones
   for (std::size_t cut = 1; cut < body.size(); cut += 97) {
     RawConnection half(desk.daemon().socket());
     REQUIRE(half.send(body.substr(0, cut)));
@@ -164,7 +165,7 @@ TEST_CASE("a page that closes at any moment leaves nothing at work", "[popcutd][
   CHECK(page.receive().status == 200);
 }
 
-TEST_CASE("a cut does not wait for a hundred previews", "[popcutd][preview][long]") {
+TEST_CASE("a cut does not wait for a hundred previews", "[popcutd][preview][seconds][long]") {
   RunningDaemon desk(1, kMore + "json_bytes = 262144\nconnections = 256\n");
   desk.open();
   const std::string job = desk.ready_job(desk.design(RunningDaemon::lines_svg(300)));
@@ -186,12 +187,14 @@ TEST_CASE("a cut does not wait for a hundred previews", "[popcutd][preview][long
   const std::string metrics = desk.ask("GET", "/metrics").body;
   INFO(metrics.substr(metrics.find("popcut_stream_wait_seconds"), 800));
   // All previews together take many seconds; on a busy computer a turn alone may take a tenth.
-  CHECK(waits_above(metrics, "1") == 0);
-  CHECK(desk.job(job)["state"] == "cutting");
+  if (judges_time()) CHECK(waits_above(metrics, "1") == 0);
+  const Json state = desk.job(job)["state"];
+  CHECK((state == "cutting" || state == "done"));
   CHECK(children_of(desk.daemon().pid()).size() <= 2);
 }
 
-TEST_CASE("popcutd that ends during previews leaves no process", "[popcutd][preview][long]") {
+TEST_CASE("popcutd that ends during previews leaves no process",
+          "[popcutd][preview][seconds][long]") {
   for (const int signal : {SIGTERM, SIGKILL}) {
     RunningDaemon desk(0, kMore);
     desk.open();
@@ -203,7 +206,7 @@ TEST_CASE("popcutd that ends during previews leaves no process", "[popcutd][prev
     desk.daemon().signal(signal);
     const int code = desk.daemon().wait();
     CHECK(code == (signal == SIGTERM ? 0 : 128 + SIGKILL));
-    CHECK(seconds_since(begun) < 10);
+    CHECK(in_time(begun, 10));
     CHECK(comes_true([&] { return ::kill(worker, 0) != 0; }));
   }
 }

@@ -19,8 +19,7 @@ using Clock = std::chrono::steady_clock;
 using Way = FaultProxy::Way;
 using Lost = FaultProxy::Lost;
 
-constexpr auto kSoon =
-    5s;  // a client that is told of a fault is told of it at once; machines are busy
+constexpr auto kSoon = 60s;  // a client that is told of a fault is told at once; machines are busy
 
 #define NEEDS_POSTGRES()                                                 \
   if (const std::string why = PostgresServer::why_not(); !why.empty()) { \
