@@ -24,7 +24,7 @@ namespace service_turns_test {
 using namespace popcut;
 using namespace popcut::daemon;
 using namespace popcut::daemon::http;
-using popcut::test::ServiceBench;
+using popcut::testing::ServiceBench;
 using Lane = ServiceThread::Lane;
 
 namespace {
@@ -53,9 +53,9 @@ std::string others_of(Database& db, const std::string& table, const std::set<std
 class World : public ServiceBench {
  public:
   World() : ServiceBench(false) {
-    options.previewer = std::make_shared<test::FakePreviewer>();
+    options.previewer = std::make_shared<testing::FakePreviewer>();
     options.read_program = [this](const std::string& folder, int sheet) -> Result<StoredProgram> {
-      auto fake = test::read_fake_program(folder, sheet);
+      auto fake = testing::read_fake_program(folder, sheet);
       if (!fake) return fake;
       const std::string& index = index_of(fake->program);
       auto program = planning::read_program(index, std::move(fake->program.bytes));
@@ -263,7 +263,7 @@ class Asker {
   }
   [[nodiscard]] Upload upload(const std::string& text) {
     const std::string path = fmt::format("{}/incoming/turns-{}", world_.folder(), ++number_);
-    test::write_text(path, text);
+    testing::write_text(path, text);
     return {path, sha256_hex(text), text.size()};
   }
 

@@ -24,7 +24,6 @@
 namespace auto_command_test {
 
 using namespace popcut::testing;
-using namespace popcut::tests;
 using Catch::WithinAbs;
 using nlohmann::json;
 using popcut::TriangleMesh;
@@ -80,7 +79,7 @@ const FoundHall& found_hall() {
 }  // namespace
 
 TEST_CASE("a model alone becomes a front of cards that are verified, made again and fit the mat",
-          "[cli][e2e][auto][long]") {
+          "[cli][e2e][auto]") {
   const AutoBench bench;
   const Ran ran = bench.search("houses.obj", "out", {"0.04", "--mat", "12x12", "--json"});
   INFO(ran.err);
@@ -122,7 +121,7 @@ TEST_CASE("a model alone becomes a front of cards that are verified, made again 
   CHECK(says(picture, "the best"));
 }
 
-TEST_CASE("the same seed gives the same cards, whatever the threads", "[cli][e2e][auto][long]") {
+TEST_CASE("the same seed gives the same cards, whatever the threads", "[cli][e2e][auto]") {
   const AutoBench bench;
   for (const auto& [threads, folder] : {std::pair{"1", "one"}, {"2", "two"}})
     REQUIRE(bench
@@ -139,7 +138,7 @@ TEST_CASE("the same seed gives the same cards, whatever the threads", "[cli][e2e
 }
 
 TEST_CASE("a search keeps to the style, the upright axis and the time that it is given",
-          "[cli][e2e][auto][long]") {
+          "[cli][e2e][auto]") {
   const FoundHall& found = found_hall();
   for (const json& card : found.front["cards"]) {
     CHECK(card["settings"]["style"] == "facets");
@@ -165,7 +164,7 @@ TEST_CASE("a search keeps to the style, the upright axis and the time that it is
 }
 
 TEST_CASE("a model becomes a front of books that are verified, made again and fit the mat",
-          "[cli][e2e][auto][long]") {
+          "[cli][e2e][auto]") {
   const auto [cards, style] = GENERATE(std::pair{"4", "facets"}, std::pair{"6", "slices"});
   CAPTURE(cards, style);
   if (std::string_view(cards) == "6" && fewer_rounds()) return;  // as the other, and slower
@@ -204,7 +203,7 @@ TEST_CASE("a model becomes a front of books that are verified, made again and fi
 }
 
 TEST_CASE("the front of a model faces out of the card, and cards to print fit between the marks",
-          "[cli][e2e][auto][long]") {
+          "[cli][e2e][auto]") {
   const FoundHall& found = found_hall();
   CHECK(found.front["marks"] == true);
   for (const json& card : found.front["cards"]) {
@@ -221,7 +220,7 @@ TEST_CASE("the front of a model faces out of the card, and cards to print fit be
 }
 
 TEST_CASE("popcut design takes a model and makes the best card of a short search",
-          "[cli][e2e][auto][long]") {
+          "[cli][e2e][auto]") {
   const AutoBench bench;
   const Ran ran = bench.popcut({"design", "hall.obj", "-o", "card"});
   INFO(ran.err);
@@ -237,7 +236,7 @@ TEST_CASE("popcut design takes a model and makes the best card of a short search
 }
 
 TEST_CASE("a GLB and a glTF with its mesh beside it become the cards of the same OBJ",
-          "[cli][e2e][auto][long]") {
+          "[cli][e2e][auto]") {
   const FoundHall& found = found_hall();
   const AutoBench bench;
   write_file(bench.temp / "hall.glb", glb(hall()));
@@ -348,7 +347,7 @@ TEST_CASE("a search of more triangles than it takes says how many it takes", "[c
 }
 
 TEST_CASE("open and crossing meshes are made, and a note says what they are",
-          "[cli][e2e][auto][long]") {
+          "[cli][e2e][auto]") {
   const AutoBench bench;
   TriangleMesh mesh = box_mesh({0, 0, 0}, {30, 60, 25}, true);
   const TriangleMesh tower = box_mesh({20, 20, 5}, {40, 35, 45}, false);

@@ -36,7 +36,7 @@ struct Bench : CommandBench {
 }  // namespace
 
 TEST_CASE("the simulated cutter fails as its fault file says and the ledger reports the rest",
-          "[cli][e2e][faults][long]") {
+          "[cli][e2e][faults]") {
   const Bench bench;
   struct Case {
     const char* faults;
@@ -188,7 +188,7 @@ TEST_CASE("a sheet with registration marks is cut relative to the marks that are
   refused({"--mark-form", "wide"}, 2, "--mark-form: is \"wide\"; one of arm, line");
 }
 
-TEST_CASE("the test shape is cut on every machine of the table", "[cli][e2e][long]") {
+TEST_CASE("the test shape is cut on every machine of the table", "[cli][e2e]") {
   const Bench bench;
   const json machines = json::parse(bench.popcut({"machines", "--json"}).out);
   std::size_t count = 0;
@@ -316,7 +316,7 @@ StoppedWhileParking stop_while_parking(int signal) {
 
 }  // namespace
 
-TEST_CASE("a stop while a sheet parks asks for no further sheet", "[cli][e2e][pty][long]") {
+TEST_CASE("a stop while a sheet parks asks for no further sheet", "[cli][e2e][pty]") {
   // The cutters run by the clock; side by side they take no longer than one.
   std::map<int, std::future<StoppedWhileParking>> all;
   for (const int signal : {SIGINT, SIGTERM, SIGHUP})

@@ -377,7 +377,7 @@ std::uint32_t seed() {
 }  // namespace
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-TEST_CASE("popcutd uses less than 20 MB of memory when idle", "[daemon][memory][long]") {
+TEST_CASE("popcutd uses less than 20 MB of memory when idle", "[daemon][memory]") {
   DaemonProcess daemon(popcutd_program());
   REQUIRE(daemon.start());
   // A moment after it serves it gives back what only its start needed.
@@ -395,7 +395,7 @@ TEST_CASE("popcutd uses less than 20 MB of memory when idle", "[daemon][memory][
 #endif
 
 TEST_CASE("killed at any time popcutd loses no job and no stroke is cut twice",
-          "[daemon][crash][long]") {
+          "[daemon][crash]") {
   Crash crash(seed(), 40);
   CAPTURE(seed());
   REQUIRE(crash.start());
@@ -423,7 +423,7 @@ TEST_CASE("killed at any time popcutd loses no job and no stroke is cut twice",
 }
 
 TEST_CASE("killed at any write popcutd loses no job and no stroke is cut twice",
-          "[daemon][crash][long]") {
+          "[daemon][crash]") {
   Crash crash(seed() + 1000, 40);
   CAPTURE(seed());
   REQUIRE(crash.start());
@@ -461,7 +461,7 @@ TEST_CASE("killed at any write popcutd loses no job and no stroke is cut twice",
 }
 
 TEST_CASE("killed at any system call of its start popcutd starts the next time",
-          "[daemon][crash][long]") {
+          "[daemon][crash]") {
   Crash crash(seed() + 2000, 40);
   CAPTURE(seed());
   REQUIRE(crash.start());
@@ -493,7 +493,7 @@ TEST_CASE("killed at any system call of its start popcutd starts the next time",
 }
 
 TEST_CASE("killed at any system call of its end popcutd starts the next time",
-          "[daemon][crash][long]") {
+          "[daemon][crash]") {
   Crash crash(seed() + 3000, 40);
   CAPTURE(seed());
   REQUIRE(crash.start());

@@ -69,7 +69,7 @@ bool printable(const std::string& text) {
 }  // namespace
 
 TEST_CASE("after any fault of a cutter its job ends with a true ledger and nothing restarts",
-          "[popcutd][faults][long]") {
+          "[popcutd][faults]") {
   Wrongs wrongs;
   // A cable pulled at bytes of some strokes, and between them.
   for (int byte = 400; byte < 520; byte += 5)
@@ -138,7 +138,7 @@ TEST_CASE("after any fault of a cutter its job ends with a true ledger and nothi
 }
 
 TEST_CASE("a cutter that takes no data shows as busy and is cancelled at once",
-          "[popcutd][faults][seconds][long]") {
+          "[popcutd][faults][seconds]") {
   Wrongs wrongs;
   wrongs.time_scale = 12;
   wrongs.all = {{R"("at_path": 5, "kind": "nak", "seconds": 100000)", "", "", ""},
@@ -185,7 +185,7 @@ TEST_CASE("a cutter that takes no data shows as busy and is cancelled at once",
 }
 
 TEST_CASE("popcutd ends in time although a cutter takes no data",
-          "[popcutd][faults][seconds][long]") {
+          "[popcutd][faults][seconds]") {
   Wrongs wrongs;
   wrongs.time_scale = 20;
   wrongs.all = {{R"("at_path": 5, "kind": "nak", "seconds": 100000)", "", "", ""},
@@ -216,7 +216,7 @@ TEST_CASE("popcutd ends in time although a cutter takes no data",
 }
 
 TEST_CASE("a cutter's replies reach terminals and pages only as plain text",
-          "[popcutd][faults][long]") {
+          "[popcutd][faults]") {
   // Escape sequences in both forms, a tag, and what ends a JSON text.
   const std::string evil =
       R"(\u001b[2J\u001b]0;owned\u0007<img src=x onerror=alert(1)>\"}\u009b31m V1.0)";
@@ -265,7 +265,7 @@ TEST_CASE("a cutter's replies reach terminals and pages only as plain text",
 }
 
 TEST_CASE("a name is plain text and never a path or an escape sequence",
-          "[popcutd][faults][long]") {
+          "[popcutd][faults]") {
   RunningDaemon popcutd;
   popcutd.open();
   const std::string svg = RunningDaemon::lines_svg(3);

@@ -13,14 +13,9 @@
 #include <catch2/catch.hpp>
 
 #include "tests/support/fleet_nodes.hpp"
+#include "tests/support/needs_postgres.hpp"
 #include "tests/support/received_log.hpp"
 #include "tests/support/timing.hpp"
-
-#define NEEDS_POSTGRES()                                                 \
-  if (const std::string why = PostgresServer::why_not(); !why.empty()) { \
-    WARN("skipped: " << why);                                            \
-    return;                                                              \
-  }
 
 /// What tests of cuts in a fleet ask and look at.
 namespace fleet_cuts {

@@ -33,7 +33,7 @@ std::string begin_cut(FleetNodes& fleet) {
 }  // namespace
 
 TEST_CASE("a node killed with the knife down: interrupted everywhere, retried by a person there",
-          "[fleet][long]") {
+          "[fleet]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = kSlow});
   fleet.open();
@@ -56,8 +56,7 @@ TEST_CASE("a node killed with the knife down: interrupted everywhere, retried by
   CHECK(cut_twice(fleet, job) == 0);
 }
 
-TEST_CASE("a node killed and back before anybody misses it tells what it was cutting",
-          "[fleet][long]") {
+TEST_CASE("a node killed and back before anybody misses it tells what it was cutting", "[fleet]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = kSlow, .lease_s = 30, .beat_s = 1});
   fleet.open();
@@ -71,7 +70,7 @@ TEST_CASE("a node killed and back before anybody misses it tells what it was cut
 }
 
 TEST_CASE("a node that no network reaches finishes its sheet, and the truth comes later",
-          "[fleet][long]") {
+          "[fleet]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = kSlow, .proxies = true});
   fleet.open();
@@ -88,7 +87,7 @@ TEST_CASE("a node that no network reaches finishes its sheet, and the truth come
   CHECK(fleet.run_sql("SELECT count(*) FROM popcut.attempt WHERE started_at IS NOT NULL") == "1");
 }
 
-TEST_CASE("a cut that nobody acted on is taken up again while it goes on", "[fleet][long]") {
+TEST_CASE("a cut that nobody acted on is taken up again while it goes on", "[fleet]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = 1, .proxies = true});
   fleet.open();
@@ -105,7 +104,7 @@ TEST_CASE("a cut that nobody acted on is taken up again while it goes on", "[fle
   CHECK(fleet.lines_cut(2, kLines).size() < kLines);
 }
 
-TEST_CASE("whoever took a new blank meanwhile is right and nothing is cut twice", "[fleet][long]") {
+TEST_CASE("whoever took a new blank meanwhile is right and nothing is cut twice", "[fleet]") {
   NEEDS_POSTGRES();
   constexpr int kFew = 40;
   FleetNodes fleet({.time_scale = 1, .first_time_scale = 10, .proxies = true});
@@ -135,7 +134,7 @@ TEST_CASE("whoever took a new blank meanwhile is right and nothing is cut twice"
       10));
 }
 
-TEST_CASE("a database killed and started during a cut costs nothing", "[fleet][seconds][long]") {
+TEST_CASE("a database killed and started during a cut costs nothing", "[fleet][seconds]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = kSlow});
   fleet.open();
@@ -156,7 +155,7 @@ TEST_CASE("a database killed and started during a cut costs nothing", "[fleet][s
 }
 
 TEST_CASE("a database that hangs or is gone does not keep a person from stopping the knife",
-          "[fleet][long]") {
+          "[fleet]") {
   NEEDS_POSTGRES();
   const bool frozen = GENERATE(true, false);
   const std::string action = frozen ? "pause" : "cancel";
@@ -182,7 +181,7 @@ TEST_CASE("a database that hangs or is gone does not keep a person from stopping
 }
 
 TEST_CASE("a database that answers with errors does not keep a person from stopping the knife",
-          "[fleet][long]") {
+          "[fleet]") {
   NEEDS_POSTGRES();
   const std::string breaks =
       GENERATE("REVOKE popcut_node FROM popcut_n_room_1", "ALTER TABLE popcut.idem RENAME TO gone",
@@ -200,7 +199,7 @@ TEST_CASE("a database that answers with errors does not keep a person from stopp
 }
 
 TEST_CASE("nobody changes where an armed sheet begins, nor where a person let it go on",
-          "[fleet][long]") {
+          "[fleet]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 1, .time_scale = kSlow});
   fleet.open();
@@ -227,7 +226,7 @@ TEST_CASE("nobody changes where an armed sheet begins, nor where a person let it
   CHECK(refusal(fleet[1], job, "arm", sheet_1()).empty());
 }
 
-TEST_CASE("marks of a cut that was paused without the database reach it later", "[fleet][long]") {
+TEST_CASE("marks of a cut that was paused without the database reach it later", "[fleet]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 1, .time_scale = kSlow});
   fleet.open();

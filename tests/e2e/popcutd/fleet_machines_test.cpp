@@ -60,7 +60,7 @@ int status_of_new_job(RunningDaemon& node, const std::string& design) {
 }  // namespace
 
 TEST_CASE("clocks that are hours or years wrong change no lease and no time of a job",
-          "[fleet][machines][long]") {
+          "[fleet][machines]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = kSlow});
   std::vector<std::unique_ptr<FaultPage>> pages;
@@ -114,7 +114,7 @@ TEST_CASE("clocks that are hours or years wrong change no lease and no time of a
 }
 
 TEST_CASE("a database whose disk is full ends no cut and takes no work until it has room",
-          "[fleet][machines][long]") {
+          "[fleet][machines]") {
   NEEDS_POSTGRES();
   TempFolder place;
   std::filesystem::permissions(place.path(), std::filesystem::perms{0755});
@@ -173,7 +173,7 @@ TEST_CASE("a database whose disk is full ends no cut and takes no work until it 
   cut_one(fleet, 1);
 }
 
-TEST_CASE("a node whose disk is full starts nothing and loses nothing", "[fleet][machines][long]") {
+TEST_CASE("a node whose disk is full starts nothing and loses nothing", "[fleet][machines]") {
   NEEDS_POSTGRES();
   const bool during = GENERATE(false, true);
   CAPTURE(during);
@@ -224,7 +224,7 @@ TEST_CASE("a node whose disk is full starts nothing and loses nothing", "[fleet]
 }
 
 TEST_CASE("without the database a token that is known stops a knife and does nothing else",
-          "[fleet][machines][long]") {
+          "[fleet][machines]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 1, .time_scale = 0.5});
   fleet.open();

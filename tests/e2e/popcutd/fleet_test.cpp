@@ -51,7 +51,7 @@ Refusal refusal_of(const std::string& section) {
 
 }  // namespace
 
-TEST_CASE("a job queued at one node is armed, started and seen at the other", "[fleet][long]") {
+TEST_CASE("a job queued at one node is armed, started and seen at the other", "[fleet]") {
   NEEDS_POSTGRES();
   FleetNodes fleet;
   fleet.open();
@@ -63,7 +63,7 @@ TEST_CASE("a job queued at one node is armed, started and seen at the other", "[
   CHECK(wrong_in(fleet[1].ledger(job), 5, {0, 1, 2, 3, 4}) == "");
 }
 
-TEST_CASE("only a person at the cutter's node arms, starts and resumes", "[fleet][seconds][long]") {
+TEST_CASE("only a person at the cutter's node arms, starts and resumes", "[fleet][seconds]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = kSlow});
   fleet.open();
@@ -99,7 +99,7 @@ TEST_CASE("only a person at the cutter's node arms, starts and resumes", "[fleet
 }
 
 TEST_CASE("a node killed while it searches: another finds the cards, and all nodes show them",
-          "[fleet][long]") {
+          "[fleet]") {
   NEEDS_POSTGRES();
   FleetNodes fleet;
   fleet.open();
@@ -109,7 +109,7 @@ TEST_CASE("a node killed while it searches: another finds the cards, and all nod
     REQUIRE((made.status >= 200 && made.status < 300));
     return Json::parse(made.body).at("id").get<std::string>();
   };
-  const std::string hall = tests::obj(tests::box_mesh({0, 0, 0}, {30, 60, 25}, false));
+  const std::string hall = testing::obj(testing::box_mesh({0, 0, 0}, {30, 60, 25}, false));
   const std::string model = put("/v1/assets?name=hall.obj", hall, "application/octet-stream");
   const std::string id =
       put("/v1/assets/" + model + "/search",
@@ -131,7 +131,7 @@ TEST_CASE("a node killed while it searches: another finds the cards, and all nod
 }
 
 TEST_CASE("without its database a node serves what is local, and begins when it is there",
-          "[fleet][seconds][long]") {
+          "[fleet][seconds]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 1});
   fleet.server().stop();
@@ -154,7 +154,7 @@ TEST_CASE("without its database a node serves what is local, and begins when it 
   fleet[1].await_state(job, "done");
 }
 
-TEST_CASE("a fleet that will not do is refused with code 78 and one sentence", "[fleet][long]") {
+TEST_CASE("a fleet that will not do is refused with code 78 and one sentence", "[fleet]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 1, .tcp = true});
   PostgresServer& server = fleet.server();
@@ -193,7 +193,7 @@ TEST_CASE("a fleet that will not do is refused with code 78 and one sentence", "
           "fleet.password_file");
 }
 
-TEST_CASE("a node with a password from a file comes by TCP", "[fleet][long]") {
+TEST_CASE("a node with a password from a file comes by TCP", "[fleet]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 1, .tcp = true});
   TempFolder folder;
@@ -205,7 +205,7 @@ TEST_CASE("a node with a password from a file comes by TCP", "[fleet][long]") {
   CHECK_FALSE(says(node.daemon().log(), FleetNodes::kPassword));
 }
 
-TEST_CASE("a node's name is for one popcutd at a time", "[fleet][long]") {
+TEST_CASE("a node's name is for one popcutd at a time", "[fleet]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 1});
   fleet.open();
@@ -223,7 +223,7 @@ TEST_CASE("a node's name is for one popcutd at a time", "[fleet][long]") {
 }
 
 TEST_CASE("two nodes with a cutter of one id: the second says so and cuts nothing with it",
-          "[fleet][long]") {
+          "[fleet]") {
   NEEDS_POSTGRES();
   FleetNodes fleet;
   fleet.open(1);
@@ -243,8 +243,7 @@ TEST_CASE("two nodes with a cutter of one id: the second says so and cuts nothin
   CHECK(happens([&] { return twin.device_state(FleetNodes::device(1)) == "idle"; }, 10));
 }
 
-TEST_CASE("a token made at one node opens all, and one that is revoked none",
-          "[fleet][seconds][long]") {
+TEST_CASE("a token made at one node opens all, and one that is revoked none", "[fleet][seconds]") {
   NEEDS_POSTGRES();
   FleetNodes fleet;
   fleet.open();
@@ -271,7 +270,7 @@ TEST_CASE("a token made at one node opens all, and one that is revoked none",
   CHECK(in_time(revoked, 1.5));
 }
 
-TEST_CASE("events are the same at all nodes, in the same order, without a gap", "[fleet][long]") {
+TEST_CASE("events are the same at all nodes, in the same order, without a gap", "[fleet]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 3});
   fleet.open();
@@ -319,8 +318,7 @@ TEST_CASE("events are the same at all nodes, in the same order, without a gap", 
   }
 }
 
-TEST_CASE("a node that begins asks for all journals at once, however many it keeps",
-          "[fleet][long]") {
+TEST_CASE("a node that begins asks for all journals at once, however many it keeps", "[fleet]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.nodes = 1, .proxies = true});
   fleet.open();
@@ -351,7 +349,7 @@ TEST_CASE("a node that begins asks for all journals at once, however many it kee
                       std::filesystem::directory_iterator()) >= kCuts);
 }
 
-TEST_CASE("a program that was changed after it was planned is not cut", "[fleet][long]") {
+TEST_CASE("a program that was changed after it was planned is not cut", "[fleet]") {
   NEEDS_POSTGRES();
   FleetNodes fleet;
   fleet.open();
@@ -378,7 +376,7 @@ TEST_CASE("a program that was changed after it was planned is not cut", "[fleet]
 }
 
 TEST_CASE("a database that was put back to before a start does not offer the blank again",
-          "[fleet][long]") {
+          "[fleet]") {
   NEEDS_POSTGRES();
   const bool finished = GENERATE(false, true);
   CAPTURE(finished);

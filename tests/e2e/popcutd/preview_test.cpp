@@ -81,7 +81,7 @@ long waits_above(const std::string& metrics, const std::string& bucket) {
 
 }  // namespace
 
-TEST_CASE("a preview leaves no row, no event and no file", "[popcutd][preview][long]") {
+TEST_CASE("a preview leaves no row, no event and no file", "[popcutd][preview]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   const std::size_t events = desk.get("/v1/events?after=0&limit=200")["items"].size();
@@ -101,7 +101,7 @@ TEST_CASE("a preview leaves no row, no event and no file", "[popcutd][preview][l
 }
 
 TEST_CASE("a material of the user is known in previews and files as it is in plans",
-          "[popcutd][preview][long]") {
+          "[popcutd][preview]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   RawConnection admin(desk.daemon().socket());
@@ -143,7 +143,7 @@ TEST_CASE("a material of the user is known in previews and files as it is in pla
 }
 
 TEST_CASE("a page that closes at any moment leaves nothing at work",
-          "[popcutd][preview][seconds][long]") {
+          "[popcutd][preview][seconds]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   const std::string body = wanted(sphere(50, 40), "exact");
@@ -165,7 +165,7 @@ TEST_CASE("a page that closes at any moment leaves nothing at work",
   CHECK(page.receive().status == 200);
 }
 
-TEST_CASE("a cut does not wait for a hundred previews", "[popcutd][preview][seconds][long]") {
+TEST_CASE("a cut does not wait for a hundred previews", "[popcutd][preview][seconds]") {
   RunningDaemon desk(1, kMore + "json_bytes = 262144\nconnections = 256\n");
   desk.open();
   const std::string job = desk.ready_job(desk.design(RunningDaemon::lines_svg(300)));
@@ -194,7 +194,7 @@ TEST_CASE("a cut does not wait for a hundred previews", "[popcutd][preview][seco
 }
 
 TEST_CASE("popcutd that ends during previews leaves no process",
-          "[popcutd][preview][seconds][long]") {
+          "[popcutd][preview][seconds]") {
   for (const int signal : {SIGTERM, SIGKILL}) {
     RunningDaemon desk(0, kMore);
     desk.open();
@@ -211,7 +211,7 @@ TEST_CASE("popcutd that ends during previews leaves no process",
   }
 }
 
-TEST_CASE("the lattice of a stored design is kept by who has it", "[popcutd][preview][long]") {
+TEST_CASE("the lattice of a stored design is kept by who has it", "[popcutd][preview]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   const auto made = desk.ask("POST", "/v1/designs", sphere(6, 5).dump());
@@ -234,7 +234,7 @@ TEST_CASE("the lattice of a stored design is kept by who has it", "[popcutd][pre
   CHECK(get("").body == first.body);
 }
 
-TEST_CASE("pictures are made once, kept, and gone with their design", "[popcutd][preview][long]") {
+TEST_CASE("pictures are made once, kept, and gone with their design", "[popcutd][preview]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   const auto upload = [&](const Json& spec) {
@@ -282,7 +282,7 @@ TEST_CASE("pictures are made once, kept, and gone with their design", "[popcutd]
 }
 
 TEST_CASE("files of a design are those of popcut design, byte for byte",
-          "[popcutd][preview][long]") {
+          "[popcutd][preview]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   Json spec = sphere(6, 5);
@@ -344,7 +344,7 @@ std::string rows_above_bar(const std::filesystem::path& folder, const std::strin
 }  // namespace
 
 TEST_CASE("the artwork of a planned sheet is that of popcut print, and so is the program",
-          "[popcutd][preview][artwork][long]") {
+          "[popcutd][preview][artwork]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   const std::filesystem::path folder = desk.daemon().folder().path();

@@ -8,6 +8,7 @@
 #include <catch2/catch.hpp>
 #include <pqxx/pqxx>
 
+#include "tests/support/needs_postgres.hpp"
 #include "tests/support/postgres_server.hpp"
 #include "tests/support/process.hpp"
 
@@ -20,12 +21,6 @@ using Way = FaultProxy::Way;
 using Lost = FaultProxy::Lost;
 
 constexpr auto kSoon = 60s;  // a client that is told of a fault is told at once; machines are busy
-
-#define NEEDS_POSTGRES()                                                 \
-  if (const std::string why = PostgresServer::why_not(); !why.empty()) { \
-    WARN("skipped: " << why);                                            \
-    return;                                                              \
-  }
 
 /// A database with a table, and a proxy before its server.
 struct Bench {
