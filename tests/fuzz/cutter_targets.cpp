@@ -101,7 +101,7 @@ constexpr Target kTargets[] = {{"gpgl", program<GpglReader>},
                                {"hpgl", program<HpglReader>},
                                {"replies", replies},
                                {"sim_cutter", sim_cutter},
-                               {"tables", tables}};
+                               {"tables", tables, true}};
 
 }  // namespace
 

@@ -143,7 +143,7 @@ void segments(std::string_view text) {
 constexpr Target kTargets[] = {{"design_spec", design_spec},
                                {"mesh", mesh},
                                {"colour_mesh", colour_mesh},
-                               {"outline", outline},
+                               {"outline", outline, true},
                                {"segments", segments}};
 
 }  // namespace

@@ -78,7 +78,8 @@ void give(const Target& target, const Bytes& bytes) {
   target.run({reinterpret_cast<const char*>(exact.data()), exact.size()});
 }
 
-void run(const Target& target, const std::filesystem::path& corpus, int rounds) {
+void run(const Target& target, const std::filesystem::path& corpus, int most_rounds) {
+  const int rounds = target.is_slow ? most_rounds / 5 : most_rounds;
   const std::vector<Bytes> seeds = seeds_of(corpus / target.name);
   std::printf("%s: %zu seeds and %d changed inputs\n", std::string(target.name).c_str(),
               seeds.size(), rounds);

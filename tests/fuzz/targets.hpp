@@ -17,6 +17,7 @@ namespace popcut::fuzzing {
 struct Target {
   std::string_view name;
   void (*run)(std::string_view bytes);
+  bool is_slow{false};  ///< unoptimised; the driver of the test run gives it a fifth of the inputs
 };
 
 /// All targets, by what they read: each source has a table of its own.

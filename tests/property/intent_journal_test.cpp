@@ -42,9 +42,9 @@ std::string bytes_of(const std::string& path) {
 // A state folder as a killed run left it, and copies of it from before.
 struct Scene {
   TempFolder scratch{TempFolder::Place::Memory};
-  std::string killed{(scratch / "killed").string()).string()).string()};    ///< at the end
-  std::string halfway{(scratch / "halfway").string()).string()).string()};  ///< in the middle of the cut
-  std::string ready{(scratch / "ready").string()).string()).string()};      ///< before the sheet was armed
+  std::string killed{(scratch / "killed").string()};    ///< at the end
+  std::string halfway{(scratch / "halfway").string()};  ///< in the middle of the cut
+  std::string ready{(scratch / "ready").string()};      ///< before the sheet was armed
   std::string job, attempt;
 
   // @param again  the sheet was cut in part before, and goes on in a second attempt
@@ -172,7 +172,7 @@ TEST_CASE("a database log that loses its end makes no stroke be cut twice", "[da
   REQUIRE(frames > 50);
   Tally tally;
   TempFolder scratch{TempFolder::Place::Memory};
-  const std::string folder = (scratch / "state").string()).string()).string();
+  const std::string folder = (scratch / "state").string();
   const std::size_t step = stride(9);
   for (std::size_t kept = frames % step; kept <= frames; kept += step)
     for (const bool zero : {false, true}) {
@@ -203,7 +203,7 @@ TEST_CASE("a journal or a witness that loses its end makes no stroke be cut twic
   const std::size_t end = used(list);
   REQUIRE(end == kHead + kRecord * ((end - kHead) / kRecord));
   TempFolder scratch{TempFolder::Place::Memory};
-  const std::string folder = (scratch / "state").string()).string()).string();
+  const std::string folder = (scratch / "state").string();
   Tally tally;
   const auto with = [&](const char* inside, const std::optional<std::string>& bytes, bool log) {
     fs::copy(scene.killed, folder, fs::copy_options::recursive);
@@ -258,7 +258,7 @@ TEST_CASE("whatever is lost of the three records of a cut no stroke is cut twice
   const std::string witness = bytes_of(scene.killed + "/witnesses/" + scene.attempt);
   std::mt19937 random(20261123);
   TempFolder scratch{TempFolder::Place::Memory};
-  const std::string folder = (scratch / "state").string()).string()).string();
+  const std::string folder = (scratch / "state").string();
   Tally tally;
   const int rounds = std::getenv("POPCUT_ALL_LOSSES") == nullptr ? 40 : 3000;
   for (int round = 0; round < rounds; ++round) {
@@ -300,7 +300,7 @@ TEST_CASE("an older copy of the database does not start a sheet again that was b
           "[daemon][ledger]") {
   const Scene scene(false);
   TempFolder scratch{TempFolder::Place::Memory};
-  const std::string folder = (scratch / "state").string()).string()).string();
+  const std::string folder = (scratch / "state").string();
   for (const std::string& older : {scene.ready, scene.halfway}) {
     CAPTURE(older);
     fs::copy(scene.killed, folder, fs::copy_options::recursive);
@@ -342,7 +342,7 @@ TEST_CASE("an ordinary crash loses nothing and leaves in doubt only what was to 
           "[daemon][ledger]") {
   const Scene scene(false);
   TempFolder scratch{TempFolder::Place::Memory};
-  const std::string folder = (scratch / "state").string()).string()).string();
+  const std::string folder = (scratch / "state").string();
   fs::copy(scene.killed, folder, fs::copy_options::recursive);
   ServiceBench bench(false);
   fs::remove_all(bench.folder());

@@ -323,7 +323,7 @@ TEST_CASE("a power cut at any write loses nothing that was confirmed", "[daemon]
 
   // What is not the database: files are synced before the database speaks of them.
   popcut::testing::TempFolder scratch{popcut::testing::TempFolder::Place::Memory};
-  const std::string original = (scratch / "original").string()).string()).string();
+  const std::string original = (scratch / "original").string();
   bench.crash();
   vfs.after_each = nullptr;
   fs::copy(bench.folder(), original, fs::copy_options::recursive);

@@ -93,13 +93,13 @@ class Folders {
     bench.cutters.complete(bench.device);
     REQUIRE(bench.job(second).state == JobState::Done);
     bench.stop();
-    closed = {(scratch_ / "closed").string()).string()).string(), {first, second}};
+    closed = {(scratch_ / "closed").string(), {first, second}};
     fs::copy(bench.folder(), closed.path, fs::copy_options::recursive);
     REQUIRE(bench.start() == "");
     bench.started(first);
     REQUIRE(bench.cutters.intend(bench.device, 1));
     bench.crash();
-    killed = {(scratch_ / "killed").string()).string()).string(), {first, second}};
+    killed = {(scratch_ / "killed").string(), {first, second}};
     fs::copy(bench.folder(), killed.path, fs::copy_options::recursive);
   }
   Folder closed, killed, none;
@@ -184,7 +184,7 @@ void at_every_call(const char* what, const Folder& from, const Work& work,
                    const std::function<void(ServiceBench&)>& mend = {}) {
   const bool rare = static_cast<bool>(mend);  // no part of a day's work
   const TempFolder scratch{TempFolder::Place::Memory};
-  const std::string place = (scratch / "state").string()).string()).string();
+  const std::string place = (scratch / "state").string();
   const auto run = [&](int number, CallFate fate) {
     fs::remove_all(place);
     if (!from.path.empty()) fs::copy(from.path, place, fs::copy_options::recursive);
@@ -312,7 +312,7 @@ void check_backups(ServiceBench& bench) {
   for (const auto& entry : fs::directory_iterator(bench.folder() + "/backups")) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with("popcut-")) continue;
-    const Integrity found = integrity_of(entry.path().string(), (scratch / "looked-at").string()).string()).string());
+    const Integrity found = integrity_of(entry.path().string(), (scratch / "looked-at").string());
     CHECK(found.damage.empty());
     CHECK(found.jobs == 2);
   }
@@ -366,7 +366,7 @@ TEST_CASE("killed at every call of a salvage or a restore it can be done again",
   POPCUT_NEEDS_TRACING();
   TempFolder scratch{TempFolder::Place::Memory};
   // A database that changed since it was closed, and a copy from before.
-  Folder changed{(scratch / "changed").string()).string()).string(), folders().closed.jobs};
+  Folder changed{(scratch / "changed").string(), folders().closed.jobs};
   fs::copy(folders().closed.path, changed.path, fs::copy_options::recursive);
   const std::string copy = "/backups/popcut-1.db";
   fs::copy_file(changed.path + "/popcut.db", changed.path + copy);

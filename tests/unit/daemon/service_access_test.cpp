@@ -201,7 +201,7 @@ TEST_CASE("sessions of a database of before, which have no root, have ended", "[
   const std::string id = "01JD0000000000000000000001";
   const std::vector<Migration> old{migrations().front()};
   {
-    auto store = Store::open({.folder = (scratch / "state").string()).string(), .steps = old}).value();
+    auto store = Store::open({.folder = (scratch / "state").string(), .steps = old}).value();
     for (const char* kind : {"session", "token"})
       store->database().insert(
           "token(id, kind, name, role, principal, secret_sha256, created, expires)",
@@ -209,7 +209,7 @@ TEST_CASE("sessions of a database of before, which have no root, have ended", "[
           sha256_hex(std::string(43, 'x')), 1, std::int64_t{1} << 45);
     store->mark_in_use();
   }
-  auto store = Store::open({.folder = (scratch / "state").string()).string()}).value();
+  auto store = Store::open({.folder = (scratch / "state").string()}).value();
   CHECK(store->database().number("SELECT count(*) FROM token WHERE kind='session'") == 0);
   CHECK(store->database().number("SELECT count(*) FROM session") == 0);
   CHECK(store->database().number("SELECT count(*) FROM token") == 1);

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 popcut::Result<std::unique_ptr<Store>> open(const TempFolder& scratch,
                                             std::vector<Migration> steps = migrations()) {
   return Store::open(
-      {.folder = (scratch / "state").string()).string(), .reserve_bytes = 4096, .steps = steps});
+      {.folder = (scratch / "state").string(), .reserve_bytes = 4096, .steps = steps});
 }
 
 void add_token(Database& db, const std::string& name) {
@@ -87,7 +87,7 @@ TEST_CASE("one process owns the state and a second one is refused", "[daemon][st
 
 TEST_CASE("files appear whole or not at all", "[daemon][store]") {
   const TempFolder scratch{TempFolder::Place::Memory};
-  const std::string folder = (scratch / "plan").string()).string();
+  const std::string folder = (scratch / "plan").string();
   REQUIRE(write_folder(folder, {{"a.svg", "one"}, {"b.json", "two"}}));
   CHECK(read_whole(folder + "/b.json", 10).value() == "two");
   REQUIRE(write_folder(folder, {{"c.svg", "three"}}));
@@ -95,18 +95,18 @@ TEST_CASE("files appear whole or not at all", "[daemon][store]") {
   CHECK_FALSE(write_folder(folder, {{"../escape", "x"}}));
   CHECK_FALSE(write_folder(folder, {{".hidden", "x"}}));
   CHECK(fs::exists(folder + "/c.svg"));
-  CHECK_FALSE(fs::exists((scratch / "escape").string()).string()));
-  CHECK_FALSE(write_folder((scratch / "not/there/plan").string()).string(), {{"a", "x"}}));
+  CHECK_FALSE(fs::exists((scratch / "escape").string()));
+  CHECK_FALSE(write_folder((scratch / "not/there/plan").string(), {{"a", "x"}}));
   CHECK_FALSE(read_whole(folder + "/c.svg", 3));
   CHECK_FALSE(read_whole(folder, 100));
-  fs::create_symlink("/etc/passwd", (scratch / "link").string()).string());
-  CHECK_FALSE(read_whole((scratch / "link").string()).string(), 1 << 20));
+  fs::create_symlink("/etc/passwd", (scratch / "link").string());
+  CHECK_FALSE(read_whole((scratch / "link").string(), 1 << 20));
 }
 
 TEST_CASE("unfinished files of an earlier process are removed", "[daemon][store]") {
   const TempFolder scratch{TempFolder::Place::Memory};
   open(scratch)->reset();
-  const std::string state = (scratch / "state").string()).string();
+  const std::string state = (scratch / "state").string();
   write_text(state + "/incoming/upload", "half");
   fs::create_directory(state + "/plans/.new-01J");
   fs::create_directory(state + "/plans/01J");
@@ -206,12 +206,12 @@ TEST_CASE("an older database is migrated and a copy is kept", "[daemon][store]")
     CHECK(store->database().number("SELECT count(*) FROM material WHERE note='moved'") == 1);
   }
   int copies = 0;
-  for (const auto& entry : fs::directory_iterator((scratch / "state/backups").string()).string())) {
-      ++copies;
-      SqliteDatabase copy({.path = entry.path().string(), .create = false, .exclusive_wal = false});
-      CHECK(copy.number("PRAGMA user_version") == newest);
-      CHECK(tokens(copy) == 1);
-    }
+  for (const auto& entry : fs::directory_iterator((scratch / "state/backups").string())) {
+    ++copies;
+    SqliteDatabase copy({.path = entry.path().string(), .create = false, .exclusive_wal = false});
+    CHECK(copy.number("PRAGMA user_version") == newest);
+    CHECK(tokens(copy) == 1);
+  }
   CHECK(copies == 1);
   const auto back = open(scratch);
   REQUIRE_FALSE(back);
@@ -233,7 +233,7 @@ TEST_CASE("a migration that fails leaves the database as it was", "[daemon][stor
 
 TEST_CASE("a missing or empty or foreign database is never replaced silently", "[daemon][store]") {
   const TempFolder scratch{TempFolder::Place::Memory};
-  const std::string path = (scratch / "state/popcut.db").string()).string();
+  const std::string path = (scratch / "state/popcut.db").string();
   {
     auto store = open(scratch).value();
     add_token(store->database(), "one");
@@ -269,7 +269,7 @@ TEST_CASE("a missing or empty or foreign database is never replaced silently", "
 
 TEST_CASE("a log that is missing or damaged in its middle is reported", "[daemon][store]") {
   const TempFolder scratch{TempFolder::Place::Memory};
-  const std::string path = (scratch / "state/popcut.db").string()).string();
+  const std::string path = (scratch / "state/popcut.db").string();
   {
     auto store = open(scratch).value();
     for (int i = 0; i < 5; ++i) add_token(store->database(), "row-" + std::to_string(i));
@@ -305,7 +305,7 @@ TEST_CASE("a log that is missing or damaged in its middle is reported", "[daemon
 
 TEST_CASE("leftovers of killed runs after the last commit are not damage", "[daemon][store]") {
   const TempFolder scratch{TempFolder::Place::Memory};
-  const std::string log_path = (scratch / "state/popcut.db-wal").string()).string();
+  const std::string log_path = (scratch / "state/popcut.db-wal").string();
   constexpr std::size_t kFrameHeader = 24, kFrame = kFrameHeader + 4096;
   const auto log_after = [&](int rows, char text) {
     auto store = open(scratch).value();
@@ -348,7 +348,7 @@ TEST_CASE("leftovers of killed runs after the last commit are not damage", "[dae
 TEST_CASE("a damaged database is copied aside once and salvage recovers the rest",
           "[daemon][store]") {
   const TempFolder scratch{TempFolder::Place::Memory};
-  const std::string state = (scratch / "state").string()).string();
+  const std::string state = (scratch / "state").string();
   {
     auto store = open(scratch).value();
     Transaction all(store->database());
@@ -387,7 +387,7 @@ TEST_CASE("a damaged database is copied aside once and salvage recovers the rest
 
 TEST_CASE("a backup made in operation can replace the database", "[daemon][store]") {
   const TempFolder scratch{TempFolder::Place::Memory};
-  const fs::path state = (scratch / "state").string()).string();
+  const fs::path state = (scratch / "state").string();
   std::string copy;
   {
     auto store = open(scratch).value();
@@ -406,7 +406,7 @@ TEST_CASE("a backup made in operation can replace the database", "[daemon][store
 TEST_CASE("a copy is restored by one command and never in place of a whole later database",
           "[daemon][store]") {
   const TempFolder scratch{TempFolder::Place::Memory};
-  const std::string state = (scratch / "state").string()).string();
+  const std::string state = (scratch / "state").string();
   std::string copy;
   {
     auto store = open(scratch).value();
@@ -443,7 +443,7 @@ TEST_CASE("a copy is restored by one command and never in place of a whole later
 
 TEST_CASE("whoever has a whole database is not told to go back to a copy", "[daemon][store]") {
   const TempFolder scratch{TempFolder::Place::Memory};
-  const std::string state = (scratch / "state").string()).string();
+  const std::string state = (scratch / "state").string();
   {
     auto store = open(scratch).value();
     for (int i = 0; i < 5; ++i) add_token(store->database(), "row-" + std::to_string(i));
@@ -467,7 +467,7 @@ TEST_CASE("whoever has a whole database is not told to go back to a copy", "[dae
 
 TEST_CASE("a folder that is moved while it is in use can be used again", "[daemon][store]") {
   const TempFolder scratch{TempFolder::Place::Memory};
-  const std::string state = (scratch / "state").string()).string(), away = (scratch / "away").string()).string();
+  const std::string state = (scratch / "state").string(), away = (scratch / "away").string();
   {
     auto store = open(scratch).value();
     add_token(store->database(), "kept");
@@ -485,7 +485,7 @@ TEST_CASE("a folder that is moved while it is in use can be used again", "[daemo
 TEST_CASE("the check of all pages can come after the start and damage is kept in mind",
           "[daemon][store]") {
   const TempFolder scratch{TempFolder::Place::Memory};
-  const std::string state = (scratch / "state").string()).string();
+  const std::string state = (scratch / "state").string();
   const auto later = [&] {
     return Store::open({.folder = state, .reserve_bytes = 4096, .check_later = true});
   };
@@ -541,7 +541,7 @@ TEST_CASE("salvage of an older database brings all its tables over", "[daemon][s
     auto store = open(scratch, {migrations().front()}).value();
     add_token(store->database(), "old");
   }
-  const auto done = salvage((scratch / "state").string()).string());
+  const auto done = salvage((scratch / "state").string());
   REQUIRE(done);
   for (const Salvage::Table& table : done->tables) {
     CAPTURE(table.name);
@@ -559,7 +559,7 @@ TEST_CASE("files that root salvages belong to the folder's owner", "[daemon][sto
   }
   constexpr uid_t kOwner = 61'000;
   const TempFolder scratch{TempFolder::Place::Memory};
-  const std::string state = (scratch / "state").string()).string();
+  const std::string state = (scratch / "state").string();
   add_token(open(scratch).value()->database(), "kept");
   for (const auto& entry : fs::recursive_directory_iterator(state))
     REQUIRE(::lchown(entry.path().c_str(), kOwner, kOwner) == 0);
@@ -575,7 +575,7 @@ TEST_CASE("files that root salvages belong to the folder's owner", "[daemon][sto
 
 TEST_CASE("salvage that reads nothing says how to go on and that works", "[daemon][store]") {
   const TempFolder scratch{TempFolder::Place::Memory};
-  const std::string state = (scratch / "state").string()).string();
+  const std::string state = (scratch / "state").string();
   open(scratch)->reset();
   const std::string whole = read_whole(state + "/popcut.db", 1 << 24).value();
   write_text(state + "/popcut.db", whole.substr(0, whole.size() / 2));
@@ -594,7 +594,7 @@ TEST_CASE("salvage that reads nothing says how to go on and that works", "[daemo
 
 TEST_CASE("salvage of a file that is not a database changes nothing", "[daemon][store]") {
   const TempFolder scratch{TempFolder::Place::Memory};
-  const std::string state = (scratch / "state").string()).string();
+  const std::string state = (scratch / "state").string();
   open(scratch)->reset();
   write_text(state + "/popcut.db", std::string(8192, '\x5A'));
   const auto done = salvage(state);
