@@ -204,8 +204,7 @@ TEST_CASE("a planner that was killed from outside is tried again twice at most",
   CHECK(comes_true([] { return children().empty(); }));
 }
 
-TEST_CASE("a worker that takes too long is killed and the next one works",
-          "[daemon][planner]") {
+TEST_CASE("a worker that takes too long is killed and the next one works", "[daemon][planner]") {
   PlanningLimits limits;
   limits.wall_s = 0.5;
   Bench bench(limits, probe_program());

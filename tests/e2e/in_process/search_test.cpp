@@ -121,8 +121,7 @@ TEST_CASE("a worker finds the same cards of a model each time and draws each of 
     CHECK(file_of(*again, file.name)->bytes == file.bytes);
 }
 
-TEST_CASE("a worker finds the cards of a GLB as of the same STL",
-          "[daemon][planner][search]") {
+TEST_CASE("a worker finds the cards of a GLB as of the same STL", "[daemon][planner][search]") {
   SearchBench bench;
   const TriangleMesh mesh = testing::box_mesh({0, 0, 0}, {30, 60, 25}, false);
   const auto front_of = [&](const std::string& bytes) {
