@@ -346,8 +346,7 @@ TEST_CASE("a search of more triangles than it takes says how many it takes", "[c
   CHECK_FALSE(fs::exists(bench.temp / "never"));
 }
 
-TEST_CASE("open and crossing meshes are made, and a note says what they are",
-          "[cli][e2e][auto]") {
+TEST_CASE("open and crossing meshes are made, and a note says what they are", "[cli][e2e][auto]") {
   const AutoBench bench;
   TriangleMesh mesh = box_mesh({0, 0, 0}, {30, 60, 25}, true);
   const TriangleMesh tower = box_mesh({20, 20, 5}, {40, 35, 45}, false);

@@ -222,8 +222,7 @@ TEST_CASE("a design has a drawing for a Cricut if it fits the mat", "[cli][e2e][
   CHECK(text_of_file(bench.temp / "unit/cricut.svg").find("width=\"11.5in\"") != std::string::npos);
 }
 
-TEST_CASE("ezdxf reads the DXF of every example with the sheet's extents",
-          "[cli][e2e][dxf]") {
+TEST_CASE("ezdxf reads the DXF of every example with the sheet's extents", "[cli][e2e][dxf]") {
   const Bench bench;
   for (const auto& entry : fs::directory_iterator(kExamples)) {
     if (entry.path().extension() != ".json") continue;

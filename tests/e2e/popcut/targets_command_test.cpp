@@ -133,8 +133,7 @@ TEST_CASE("a placement is tried with the smallest panel of its material", "[cli]
   CHECK(fine.err.find(limit) == std::string::npos);
 }
 
-TEST_CASE("grids and solids become sound patterns from the command line",
-          "[cli][e2e][target]") {
+TEST_CASE("grids and solids become sound patterns from the command line", "[cli][e2e][target]") {
   const Bench bench;
   std::string csv = ",0,10,20,30,40\n";
   for (int y = 0; y <= 60; y += 20)

@@ -394,8 +394,7 @@ TEST_CASE("popcutd uses less than 20 MB of memory when idle", "[daemon][memory]"
 }
 #endif
 
-TEST_CASE("killed at any time popcutd loses no job and no stroke is cut twice",
-          "[daemon][crash]") {
+TEST_CASE("killed at any time popcutd loses no job and no stroke is cut twice", "[daemon][crash]") {
   Crash crash(seed(), 40);
   CAPTURE(seed());
   REQUIRE(crash.start());
@@ -492,8 +491,7 @@ TEST_CASE("killed at any system call of its start popcutd starts the next time",
   crash.report("killed at its start", static_cast<int>(calls / step));
 }
 
-TEST_CASE("killed at any system call of its end popcutd starts the next time",
-          "[daemon][crash]") {
+TEST_CASE("killed at any system call of its end popcutd starts the next time", "[daemon][crash]") {
   Crash crash(seed() + 3000, 40);
   CAPTURE(seed());
   REQUIRE(crash.start());

@@ -184,8 +184,7 @@ TEST_CASE("a cutter that takes no data shows as busy and is cancelled at once",
   CHECK(is_quick);
 }
 
-TEST_CASE("popcutd ends in time although a cutter takes no data",
-          "[popcutd][faults][seconds]") {
+TEST_CASE("popcutd ends in time although a cutter takes no data", "[popcutd][faults][seconds]") {
   Wrongs wrongs;
   wrongs.time_scale = 20;
   wrongs.all = {{R"("at_path": 5, "kind": "nak", "seconds": 100000)", "", "", ""},
@@ -215,8 +214,7 @@ TEST_CASE("popcutd ends in time although a cutter takes no data",
   }
 }
 
-TEST_CASE("a cutter's replies reach terminals and pages only as plain text",
-          "[popcutd][faults]") {
+TEST_CASE("a cutter's replies reach terminals and pages only as plain text", "[popcutd][faults]") {
   // Escape sequences in both forms, a tag, and what ends a JSON text.
   const std::string evil =
       R"(\u001b[2J\u001b]0;owned\u0007<img src=x onerror=alert(1)>\"}\u009b31m V1.0)";
@@ -264,8 +262,7 @@ TEST_CASE("a cutter's replies reach terminals and pages only as plain text",
   }
 }
 
-TEST_CASE("a name is plain text and never a path or an escape sequence",
-          "[popcutd][faults]") {
+TEST_CASE("a name is plain text and never a path or an escape sequence", "[popcutd][faults]") {
   RunningDaemon popcutd;
   popcutd.open();
   const std::string svg = RunningDaemon::lines_svg(3);

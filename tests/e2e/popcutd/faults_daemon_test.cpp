@@ -343,8 +343,7 @@ TEST_CASE("exactly one of 64 clients that start or stop a knife at once succeeds
   }
 }
 
-TEST_CASE("the watchdog is not fed while any thread of popcutd hangs",
-          "[popcutd][faults][alone]") {
+TEST_CASE("the watchdog is not fed while any thread of popcutd hangs", "[popcutd][faults][alone]") {
   const auto starve = [](Blocked where) -> std::string {
     ServiceManagerSocket manager;
     FaultyShop faulty(3);

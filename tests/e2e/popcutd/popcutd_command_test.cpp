@@ -243,8 +243,7 @@ TEST_CASE("a file whose name is not UTF-8 is queued under a UTF-8 name", "[popcu
   CHECK(shop.job(shop.queue({odd}))["name"] == "un\xEF\xBF\xBDit ");
 }
 
-TEST_CASE("without a terminal a job that needs a person is reported at once",
-          "[popcutd][cli]") {
+TEST_CASE("without a terminal a job that needs a person is reported at once", "[popcutd][cli]") {
   Workshop shop;
   shop.open();
   const std::string popcut = popcut_program();
@@ -317,8 +316,7 @@ TEST_CASE("the live view fits a small terminal and ends with Ctrl-C", "[popcutd]
   }
 }
 
-TEST_CASE("the user's machines and materials and SVG profiles reach popcutd",
-          "[popcutd][cli]") {
+TEST_CASE("the user's machines and materials and SVG profiles reach popcutd", "[popcutd][cli]") {
   Workshop shop("[[device]]\nid = \"sim:ours\"\ntime_scale = 0\n");
   shop.table("machines.json",
              R"({"popcut": 1, "machines": [{"name": "ours", "like": "cameo3", "title": "Ours"}]})");

@@ -120,8 +120,7 @@ TEST_CASE("a second popcutd on the same state reports the first one", "[popcutd]
   CHECK(third.err.find(lab.daemon.url().substr(7)) != std::string::npos);
 }
 
-TEST_CASE("a fault that needs a person ends popcutd with exit code 78",
-          "[popcutd][e2e][alone]") {
+TEST_CASE("a fault that needs a person ends popcutd with exit code 78", "[popcutd][e2e][alone]") {
   DaemonWithCli lab;
   lab.open();
   lab.daemon.signal(SIGTERM);
@@ -201,8 +200,7 @@ TEST_CASE("the help of popcutd has no two empty lines in a row", "[popcutd][e2e]
   CHECK_FALSE(says(help.out, "\n\n\n"));
 }
 
-TEST_CASE("too few descriptors for the connections are raised or reported",
-          "[popcutd][e2e]") {
+TEST_CASE("too few descriptors for the connections are raised or reported", "[popcutd][e2e]") {
   rlimit before{};
   REQUIRE(::getrlimit(RLIMIT_NOFILE, &before) == 0);
   const auto started_with = [&](rlim_t soft, rlim_t hard) {
@@ -263,8 +261,7 @@ TEST_CASE("the service manager is notified of each step and the watchdog is fed"
   ::close(listener);
 }
 
-TEST_CASE("a webhook gets each event in order and repeated until it accepts",
-          "[popcutd][e2e]") {
+TEST_CASE("a webhook gets each event in order and repeated until it accepts", "[popcutd][e2e]") {
   Receiver receiver;
   const TempFolder folder;
   const std::string secret = (folder / "secret").string();

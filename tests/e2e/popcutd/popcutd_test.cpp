@@ -47,8 +47,7 @@ void check_trace(const DaemonWithCli& lab, const std::string& job) {
 
 }  // namespace
 
-TEST_CASE("the commands of the manual take a job from a spec to a cut sheet",
-          "[popcutd][e2e]") {
+TEST_CASE("the commands of the manual take a job from a spec to a cut sheet", "[popcutd][e2e]") {
   DaemonWithCli lab;
   lab.open();
   auto waiting = std::async(std::launch::async, [&] {
@@ -163,8 +162,7 @@ TEST_CASE("popcut and popcutd work together without any configuration", "[popcut
   CHECK(fs::exists(home / ".local/state/popcut/popcut.db"));
 }
 
-TEST_CASE("a stop while cutting ends after the stroke and the job reports it",
-          "[popcutd][e2e]") {
+TEST_CASE("a stop while cutting ends after the stroke and the job reports it", "[popcutd][e2e]") {
   DaemonWithCli lab(10);
   lab.open();
   const std::string id = first_line(lab.popcut({"cut", kSphere, "-q"}).out);

@@ -193,8 +193,7 @@ TEST_CASE("a cut does not wait for a hundred previews", "[popcutd][preview][seco
   CHECK(children_of(desk.daemon().pid()).size() <= 2);
 }
 
-TEST_CASE("popcutd that ends during previews leaves no process",
-          "[popcutd][preview][seconds]") {
+TEST_CASE("popcutd that ends during previews leaves no process", "[popcutd][preview][seconds]") {
   for (const int signal : {SIGTERM, SIGKILL}) {
     RunningDaemon desk(0, kMore);
     desk.open();
@@ -281,8 +280,7 @@ TEST_CASE("pictures are made once, kept, and gone with their design", "[popcutd]
   CHECK(get(id, "deployed.svg").status == 404);
 }
 
-TEST_CASE("files of a design are those of popcut design, byte for byte",
-          "[popcutd][preview]") {
+TEST_CASE("files of a design are those of popcut design, byte for byte", "[popcutd][preview]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   Json spec = sphere(6, 5);
