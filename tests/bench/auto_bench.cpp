@@ -23,7 +23,6 @@
 namespace auto_bench {
 
 using namespace popcut::testing;
-using namespace popcut::tests;
 using nlohmann::json;
 using popcut::TriangleMesh;
 namespace fs = std::filesystem;

@@ -93,7 +93,7 @@ TEST_CASE("processor seconds of a book of four cards by how fine it is", "[bench
 }
 
 TEST_CASE("processor seconds of a book of facets by the points of its sheets", "[bench]") {
-  const SurfaceAssets assets{{"torus.obj", tests::obj(tests::torus(45, 20, 64))}};
+  const SurfaceAssets assets{{"torus.obj", testing::obj(testing::torus(45, 20, 64))}};
   for (const double strip_mm : {4.0, 2.0, 1.0, 0.5}) {
     const Measured m = measured(facet_spec(strip_mm), assets);
     const double points = m.sheet_mm2 / (strip_mm * 0.5);

@@ -16,7 +16,7 @@ namespace compare_bench {
 
 using namespace popcut;
 using namespace popcut::likeness;
-using namespace popcut::tests;
+using namespace popcut::testing;
 
 namespace {
 

@@ -22,7 +22,7 @@ namespace {
 /// A sphere of about `triangles` triangles in `slices` slices, from the bytes of an STL to curves.
 void slice_sphere(int triangles, int slices) {
   const int rings = static_cast<int>(std::sqrt(triangles / 2.0));
-  const std::string stl = tests::binary_stl(tests::sphere_mesh(100.0, rings, rings));
+  const std::string stl = testing::binary_stl(testing::sphere_mesh(100.0, rings, rings));
   TriangleMesh mesh;
   const double read = seconds_of([&] {
     auto result = read_mesh("sphere.stl", stl);

@@ -67,14 +67,14 @@ TEST_CASE("splitting and packing", "[bench]") {
     return options;
   };
   std::size_t faces = 0;
-  const LineWork composite = clean(test::example_linework("composite", faces));
+  const LineWork composite = clean(testing::example_linework("composite", faces));
   lay("Fig. 3A, 12 x 12 inch mat", composite, faces, with(304.8, 304.8));
   lay("Fig. 3A, A4", composite, faces, with(210, 297));
-  const LineWork wide = clean(test::lattice_linework(6, 200, 10, 100, faces));
+  const LineWork wide = clean(testing::lattice_linework(6, 200, 10, 100, faces));
   lay("2 m lattice, 12 x 12 inch", wide, faces, with(304.8, 304.8));
   lay("2 m lattice, A4", wide, faces, with(210, 297));
   for (const int slices : {125, 250, 500, 1000, 2000}) {
-    const LineWork large = clean(test::lattice_linework(50, slices, 30, 1000, faces));
+    const LineWork large = clean(testing::lattice_linework(50, slices, 30, 1000, faces));
     lay("lattice of 50 units", large, faces, with(610, 914));
   }
 }

@@ -117,19 +117,20 @@ TEST_CASE("from a drawing's file to a program", "[.][bench][plan]") {
   const popcut::testing::TempFolder folder;
   write_rings(folder / "rectangles.svg", 100'000, 4);
   write_rings(folder / "dodecagons.svg", 100'000, 12);
-  const bool corpus = !test::corpus().empty();
+  const bool corpus = !testing::corpus().empty();
   if (!corpus) WARN("skipped: the files of the generator of drawings, which is not here");
   const long bare =
       run_program({popcut::testing::popcut_program(), "--version"}, folder.path()).peak_kb;
   std::string table = fmt::format(
       "popcut plan FILE --machine cameo3, load {}; memory beyond that of --version, {} KB\n{:<12}"
       "{:>8}{:>9}{:>9}{:>11}{:>11}{:>9}\n",
-      test::load(), bare, "file", "strokes", "wall s", "cpu s", "peak KB", "B/stroke", "vpype s");
+      testing::load(), bare, "file", "strokes", "wall s", "cpu s", "peak KB", "B/stroke",
+      "vpype s");
   for (const File& file : files) {
     CAPTURE(file.name);
     const bool own = file.vpype_s == 0;
     if (!own && !corpus) continue;
-    const auto drawing = (own ? folder.path() : test::corpus_folder()) / (file.name + ".svg");
+    const auto drawing = (own ? folder.path() : testing::corpus_folder()) / (file.name + ".svg");
     const auto ran = run_program({popcut::testing::popcut_program(), "plan", drawing.string(), "-o",
                                   folder / "out", "--machine", "cameo3", "-q"},
                                  folder.path());
@@ -147,9 +148,9 @@ TEST_CASE("from a drawing's file to a program", "[.][bench][plan]") {
 TEST_CASE("planning by stages", "[.][bench][plan]") {
   plan_text("10 000 random strokes", random_strokes(10'000));
   plan_text("100 000 random strokes", random_strokes(100'000));
-  for (const auto& file : test::corpus())
+  for (const auto& file : testing::corpus())
     if (file.stem() == "kiri_100k" || file.stem() == "nested_2k" || file.stem() == "hilbert_65k")
-      plan_text(file.filename().c_str(), test::text_of(file));
+      plan_text(file.filename().c_str(), testing::text_of(file));
 }
 
 TEST_CASE("cleaning one random path of a million points", "[.][bench][plan]") {

@@ -14,7 +14,7 @@ namespace service_bench {
 
 using namespace popcut;
 using namespace popcut::daemon;
-using popcut::test::ServiceBench;
+using popcut::testing::ServiceBench;
 
 namespace {
 

@@ -40,15 +40,15 @@ constexpr Reference kReferences[] = {
 };
 
 bool made_corpus() {
-  if (!test::corpus().empty()) return true;
+  if (!testing::corpus().empty()) return true;
   WARN("skipped: the corpus generator data/drawings/gen_corpus.py is not here, or does not run");
   return false;
 }
 
 // All strokes of a file as cuts, as they are drawn.
 LineWork strokes_of(const std::string& name) {
-  auto work =
-      linework_from_svg(test::text_of(test::corpus_folder() / (name + ".svg")), SvgProfile::Plain);
+  auto work = linework_from_svg(testing::text_of(testing::corpus_folder() / (name + ".svg")),
+                                SvgProfile::Plain);
   REQUIRE(work);
   for (DrawnLine& line : work->lines) line.operation = Operation::Cut;
   return std::move(*work);
@@ -113,7 +113,7 @@ TEST_CASE("order only beside the peers", "[.][bench][toolpath]") {
   std::string table = fmt::format(
       "raw strokes, fixed seams, mm, free start and end; load {}\n{:<16}{:>8}{:>10}{:>8}{:>8}{:>9}"
       "{:>9}{:>8}{:>10}{:>9}{:>9}\n",
-      test::load(), "file", "strokes", "before", "vpype", "quick", "wall s", "cpu s", "best",
+      testing::load(), "file", "strokes", "before", "vpype", "quick", "wall s", "cpu s", "best",
       "wall s", "near-opt", "excess");
   for (const Reference& reference : kReferences) {
     CAPTURE(reference.name);
@@ -140,7 +140,7 @@ TEST_CASE("a hundred thousand strokes", "[.][bench][toolpath]") {
   WARN(fmt::format(
       "rand_100k, load {}: quick {:.0f} mm in {:.2f} s ({:.2f} s of CPU), best {:.0f} mm in {:.2f} "
       "s ({:.2f} s of CPU)",
-      test::load(), quick.mm, quick.wall_s, quick.cpu_s, best.mm, best.wall_s, best.cpu_s));
+      testing::load(), quick.mm, quick.wall_s, quick.cpu_s, best.mm, best.wall_s, best.cpu_s));
   CHECK(quick.cpu_s < 0.8);
   CHECK(quick.mm < 51000);
   CHECK(best.mm < 45000);
@@ -151,7 +151,8 @@ TEST_CASE("free seams and inner before outer", "[.][bench][toolpath]") {
   std::string table = fmt::format(
       "any seam, inner before outer, mm, free start and end; load {}\n{:<16}{:>8}{:>8}{:>9}{:>9}"
       "{:>8}{:>9}{:>11}\n",
-      test::load(), "file", "strokes", "quick", "wall s", "cpu s", "best", "wall s", "violations");
+      testing::load(), "file", "strokes", "quick", "wall s", "cpu s", "best", "wall s",
+      "violations");
   const std::pair<const char*, double> files[] = {
       {"nested_2k", 8000}, {"stencil_text", 5500}, {"popup_card", 1e9}};
   for (const auto& [name, most_mm] : files) {
@@ -162,8 +163,8 @@ TEST_CASE("free seams and inner before outer", "[.][bench][toolpath]") {
     const Timed quick = timed(work, options);
     options.method = OrderMethod::Best;
     const Timed best = median_best(work, options, 1.0);
-    const std::size_t violations = test::outer_before_inner_by_hand(work, quick.ordered.visits) +
-                                   test::outer_before_inner_by_hand(work, best.ordered.visits);
+    const std::size_t violations = testing::outer_before_inner_by_hand(work, quick.ordered.visits) +
+                                   testing::outer_before_inner_by_hand(work, best.ordered.visits);
     table += fmt::format("{:<16}{:>8}{:>8.0f}{:>9.3f}{:>9.3f}{:>8.0f}{:>9.2f}{:>11}\n", name,
                          work.lines.size(), quick.mm, quick.wall_s, quick.cpu_s, best.mm,
                          best.wall_s, violations);
@@ -174,7 +175,7 @@ TEST_CASE("free seams and inner before outer", "[.][bench][toolpath]") {
 }
 
 TEST_CASE("planning time grows as n log n", "[.][bench][toolpath]") {
-  std::string table = fmt::format("quick on random strokes; load {}\n", test::load());
+  std::string table = fmt::format("quick on random strokes; load {}\n", testing::load());
   double least = 1e9, most = 0.0;
   for (const std::uint32_t n : {10'000u, 100'000u, 1'000'000u}) {
     const LineWork work = random_strokes(n);

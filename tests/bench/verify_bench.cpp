@@ -13,7 +13,7 @@
 namespace verify_bench {
 
 using namespace popcut;
-using namespace popcut::tests;
+using namespace popcut::testing;
 
 namespace {
 

@@ -10,7 +10,7 @@
 namespace dxf_ezdxf_test {
 
 using namespace popcut;
-using namespace popcut::test;
+using namespace popcut::testing;
 
 namespace {
 

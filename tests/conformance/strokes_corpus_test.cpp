@@ -12,7 +12,7 @@
 namespace strokes_corpus_test {
 
 using namespace popcut;
-using namespace popcut::test;
+using namespace popcut::testing;
 
 TEST_CASE("lifts equal the Euler minimum on every file of the corpus", "[core][plan][euler]") {
   const auto files = corpus();

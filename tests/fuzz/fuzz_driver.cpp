@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Drives a fuzz target without libFuzzer: FOLDER ROUNDS. Gives it every seed of FOLDER, then ROUNDS
-// inputs made from them by chance, the same ones each time.
+// Runs the fuzz targets without libFuzzer: gives each one its seeds, CORPUS/TARGET/*, then ROUNDS
+// inputs made from them by chance, the same ones each time. A target that breaks a promise aborts;
+// the last line names it.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -12,10 +13,11 @@
 #include <string>
 #include <vector>
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+#include "tests/fuzz/targets.hpp"
 
 namespace {
 
+using popcut::fuzzing::Target;
 using Bytes = std::vector<std::uint8_t>;
 
 std::vector<Bytes> seeds_of(const std::filesystem::path& folder) {
@@ -70,25 +72,42 @@ void change(Bytes& bytes, const std::vector<Bytes>& seeds, std::mt19937& random)
   }
 }
 
-void give(const Bytes& bytes) { LLVMFuzzerTestOneInput(bytes.data(), bytes.size()); }
+void give(const Target& target, const Bytes& bytes) {
+  // A copy that ends where the bytes end, so that a sanitizer sees who reads beyond.
+  const Bytes exact(bytes);
+  target.run({reinterpret_cast<const char*>(exact.data()), exact.size()});
+}
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::fprintf(stderr, "usage: %s FOLDER ROUNDS\n", argv[0]);
-    return 2;
-  }
-  const std::vector<Bytes> seeds = seeds_of(argv[1]);
-  for (const Bytes& seed : seeds) give(seed);
+void run(const Target& target, const std::filesystem::path& corpus, int most_rounds) {
+  const int rounds = target.is_slow ? most_rounds / 5 : most_rounds;
+  const std::vector<Bytes> seeds = seeds_of(corpus / target.name);
+  std::printf("%s: %zu seeds and %d changed inputs\n", std::string(target.name).c_str(),
+              seeds.size(), rounds);
+  std::fflush(stdout);
+  for (const Bytes& seed : seeds) give(target, seed);
   std::mt19937 random(20261121);
-  const int rounds = std::atoi(argv[2]);
   for (int round = 0; round < rounds; ++round) {
     // The first seed is empty and is given once.
     Bytes bytes = seeds[seeds.size() == 1 ? 0 : 1 + random() % (seeds.size() - 1)];
     for (std::size_t n = 1 + random() % 8; n > 0; --n) change(bytes, seeds, random);
-    give(bytes);
+    give(target, bytes);
   }
-  std::printf("%zu seeds and %d changed inputs\n", seeds.size(), rounds);
-  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int rounds = argc < 3 ? 0 : std::atoi(argv[2]);
+  if (argc < 3 || argc > 4 || rounds < 1) {
+    std::fprintf(stderr, "usage: %s CORPUS ROUNDS [TARGET]\n", argv[0]);
+    return 2;
+  }
+  bool found = false;
+  for (const Target& target : popcut::fuzzing::all_targets()) {
+    if (argc == 4 && target.name != argv[3]) continue;
+    run(target, argv[1], rounds);
+    found = true;
+  }
+  if (!found) std::fprintf(stderr, "there is no target %s\n", argv[3]);
+  return found ? 0 : 2;
 }

@@ -12,7 +12,7 @@ after(async () => { await closeBrowser(); await server.remove(); });
 /** The export dialog of the design `unit`. */
 async function exporting(options = {}) {
   const visited = await visit(server, { hash: '#/design/example/unit', ...options });
-  await visited.page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 30_000 });
+  await visited.page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 60_000 });
   await visited.page.getByRole('button', { name: 'Export' }).click();
   return visited;
 }

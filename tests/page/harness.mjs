@@ -20,11 +20,14 @@ const chromiumFlags = ['--no-sandbox', '--disable-quic', '--no-first-run', '--di
   '--enable-unsafe-swiftshader', '--disable-gpu-compositing', '--disable-gpu-rasterization',
   '--disable-accelerated-2d-canvas'];
 
+/** How a browser is started. */
+export const launchOptions = { executablePath: chromiumProgram, args: chromiumFlags };
+
 /** With these flags the browser itself reads each picture of WebGL to put it on the screen, and warns of it. */
 const ofTheBrowser = /^\[\.WebGL-\w+\]GL Driver Message .* GPU stall due to ReadPixels/;
 
 /** Waits until `what()` is true or gives a value; fails after `limit_ms` with `sentence`. */
-export async function until(what, sentence, limit_ms = 15_000) {
+export async function until(what, sentence, limit_ms = 60_000) {
   const end = Date.now() + limit_ms;
   for (;;) {
     const value = await what();
@@ -172,7 +175,7 @@ export class Server {
   job(id) { return this.must('GET', `/v1/jobs/${id}`); }
 
   /** Waits until the job is in one of the `states`. */
-  state(id, states, limit_ms = 20_000) {
+  state(id, states, limit_ms = 60_000) {
     return until(async () => {
       const job = await this.job(id);
       return [states].flat().includes(job.state) && job;
@@ -205,12 +208,14 @@ export class Server {
 
 let browser = null;
 
-/** The browser of this test file. */
+/** The browser that the tests of a run share, or one of this test file alone. */
 export async function openBrowser() {
-  browser ??= await chromium.launch({ executablePath: chromiumProgram, args: chromiumFlags });
+  const shared = process.env.POPCUT_PAGE_BROWSER;
+  browser ??= shared && existsSync(shared) ? await chromium.connect(readFileSync(shared, 'utf8')) : await chromium.launch(launchOptions);
   return browser;
 }
 
+/** Ends this file's contexts, and the browser if it is not shared. */
 export async function closeBrowser() {
   await browser?.close();
   browser = null;
@@ -233,6 +238,7 @@ export async function visit(server, { role = 'operator', name, hash = '', screen
     viewport: { width, height }, hasTouch: touch, colorScheme: theme, reducedMotion: motion, locale: 'en-GB',
     baseURL: pageAddress(server),
   });
+  context.setDefaultTimeout(60_000);  // other tests run beside this one
   const page = await context.newPage();
   const complaints = [];
   const sent = [];

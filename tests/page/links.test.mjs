@@ -23,7 +23,7 @@ const follow = (page, rest) => page.evaluate((to) => { location.hash = to; }, `#
 
 /** Waits for what came of it, and gives its sentence; '' if the design is shown. */
 async function answered(page, what) {
-  await page.locator('.note-bad, .impossible, .badge-exact').first().waitFor({ timeout: 20_000 })
+  await page.locator('.note-bad, .impossible, .badge-exact').first().waitFor({ timeout: 60_000 })
     .catch(() => { throw new Error(`nothing comes of ${what}`); });
   const notes = await page.locator('.note-bad, .impossible').allInnerTexts();
   assert.ok(notes.length <= 1, `${what}: ${notes.length} sentences: ${notes.join(' | ')}`);
@@ -32,7 +32,7 @@ async function answered(page, what) {
 
 /** The page still does what it should: an empty desk, then an example. */
 async function lives(page, what) {
-  await page.getByRole('link', { name: 'Now', exact: true }).click({ timeout: 5000 }).catch(() => { throw new Error(`dead after ${what}`); });
+  await page.getByRole('link', { name: 'Now', exact: true }).click({ timeout: 60_000 }).catch(() => { throw new Error(`dead after ${what}`); });
   await page.locator('.now').waitFor();
 }
 
@@ -102,7 +102,7 @@ test('a spec with a wrong type or value in any field: one sentence or a design, 
   for (const [what, spec] of all) {
     await follow(page, `d=${link(spec)}`);
     await page.waitForFunction(() => location.hash === '#/design' && document.querySelector('.design') !== null
-      && document.querySelector('.note-bad, .impossible, .badge-exact') !== null, undefined, { timeout: 20_000 })
+      && document.querySelector('.note-bad, .impossible, .badge-exact') !== null, undefined, { timeout: 60_000 })
       .catch(() => { throw new Error(`nothing comes of ${what}: ${complaints.join('; ')}`); });
     const note = await answered(page, what);
     if (note) said++;
@@ -143,7 +143,7 @@ test('specs of a size that nobody can make are refused soon, and the page lives'
     } else {
       await follow(page, `d=${text}`);
     }
-    await page.waitForFunction(() => document.querySelector('.note-bad, .impossible') !== null || document.querySelector('.design-name')?.value !== 'unit', undefined, { timeout: 20_000 })
+    await page.waitForFunction(() => document.querySelector('.note-bad, .impossible') !== null || document.querySelector('.design-name')?.value !== 'unit', undefined, { timeout: 60_000 })
       .catch(() => { throw new Error(`nothing comes of ${what}`); });
     await answered(page, what);
     if (complaints.length > 0) throw new Error(`${what}: ${complaints.join('; ')}`);

@@ -134,7 +134,7 @@ test('a model that is broken or means harm gives one sentence, and the desk stay
   for (const [name, bytes] of broken) {
     await give(page, name, bytes);
     const note = page.locator('.note-bad');
-    await note.waitFor({ timeout: 30_000 }).catch(() => { throw new Error(`"${name}" gives no sentence`); });
+    await note.waitFor({ timeout: 60_000 }).catch(() => { throw new Error(`"${name}" gives no sentence`); });
     assert.equal(await note.count(), 1, name);
     const text = (await note.innerText()).trim();
     assert.ok(text.length > 20 && text.length < 260, `${name}: ${text}`);

@@ -1,5 +1,6 @@
-// Runs one file of tests of the page: `node run.mjs machine.test.mjs`. Exit code 77 and a sentence where there is no
-// browser or no npm to install what the tests need.
+// Runs one file of tests of the page: `node run.mjs machine.test.mjs`, or the browser that they share:
+// `node run.mjs browser.mjs FILE`. Exit code 77 and a sentence where there is no browser or no npm to install what the
+// tests need.
 import { spawnSync } from 'node:child_process';
 import { existsSync, mkdirSync, rmSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
@@ -33,6 +34,10 @@ function install(folder) {
 if (!existsSync(process.env.CHROMIUM ?? '/usr/bin/chromium')) skip('no Chromium here: apt install chromium');
 install(web);
 install(here);
+if (process.argv[2] === 'browser.mjs') {
+  await import('./browser.mjs');
+  process.exit(0);
+}
 const { status } = spawnSync(process.execPath, ['--test', '--test-concurrency=1', '--test-reporter=spec', ...process.argv.slice(2)],
   { cwd: here, stdio: 'inherit' });
 process.exit(status ?? 1);

@@ -43,7 +43,7 @@ afterEach(async () => {
 });
 
 /** Waits until the exact design is shown. */
-const exact = (page) => page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 30_000 });
+const exact = (page) => page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 60_000 });
 
 const specOf = (page) => page.evaluate(() => {
   const { steps, at } = JSON.parse(sessionStorage.getItem('popcut.design.steps'));
@@ -77,7 +77,7 @@ async function allowedAgain(page) {
 
 /** What must hold for a design whose session is over, and after it is signed in again. */
 async function keptThrough(page, sent) {
-  await page.getByText('Your session is over.').waitFor({ timeout: 20_000 });
+  await page.getByText('Your session is over.').waitFor({ timeout: 60_000 });
   await until(async () => await opacityOfMain(page) < 0.7, 'what was there is greyed');
   assert.equal(await page.locator('.design').isVisible(), true);
   const before = await specOf(page);
@@ -119,7 +119,7 @@ test('a token revoked while the sheets are looked at: nothing can be queued, the
   await page.getByRole('button', { name: 'Queue it' }).waitFor();
   const { items } = await server.must('GET', '/v1/tokens');
   await server.must('DELETE', `/v1/tokens/${items.find((one) => one.name === 'guest at sheets').id}`);
-  await page.getByText('Your session is over.').waitFor({ timeout: 20_000 });
+  await page.getByText('Your session is over.').waitFor({ timeout: 60_000 });
   assert.equal(await page.getByRole('button', { name: 'Queue it' }).isDisabled(), true);
   await page.getByRole('button', { name: 'Queue it' }).click({ force: true });
   assert.deepEqual([...acts('arm'), ...sent.filter((one) => one.path === '/v1/jobs')], []);

@@ -8,7 +8,7 @@ let server;
 before(async () => { server = await Server.start(); });
 after(async () => { await closeBrowser(); await server.remove(); });
 
-const exact = (page) => page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 30_000 });
+const exact = (page) => page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 60_000 });
 const isExact = async (page) => await page.locator('.badge').textContent() === 'exact';
 const units = (page) => page.getByLabel('Steps in a slice (N)');
 

@@ -9,7 +9,7 @@ before(async () => { server = await Server.start({ devices: [{ id: 'sim:cameo3',
 after(async () => { await closeBrowser(); await server.remove(); });
 
 /** Waits until the exact design is shown. */
-const exact = (page) => page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 30_000 });
+const exact = (page) => page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 60_000 });
 
 /** Arms and starts each sheet that is to be loaded, until the job is done. */
 async function cutAll(page, id) {

@@ -18,7 +18,6 @@ namespace clean_property_test {
 
 using namespace popcut;
 using namespace popcut::testing;
-using namespace popcut::test;
 
 namespace {
 

@@ -15,7 +15,6 @@ namespace compare_property_test {
 using namespace popcut;
 using namespace popcut::likeness;
 using namespace popcut::testing;
-using namespace popcut::tests;
 using Catch::WithinAbs;
 using Catch::WithinRel;
 

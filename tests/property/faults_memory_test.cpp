@@ -46,7 +46,7 @@ void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 using namespace popcut;
 using namespace popcut::daemon;
-using popcut::test::ServiceBench;
+using popcut::testing::ServiceBench;
 using testing::TempFolder;
 
 namespace {

@@ -23,7 +23,6 @@ namespace fit_property_test {
 
 using namespace popcut;
 using namespace popcut::testing;
-using namespace popcut::tests;
 using Catch::WithinAbs;
 using Catch::WithinRel;
 

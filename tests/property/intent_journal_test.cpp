@@ -20,9 +20,9 @@ namespace intent_journal_test {
 
 using namespace popcut;
 using namespace popcut::daemon;
-using popcut::test::ScratchFolder;
-using popcut::test::ServiceBench;
-using popcut::test::write_text;
+using popcut::testing::ServiceBench;
+using popcut::testing::TempFolder;
+using popcut::testing::write_text;
 
 namespace {
 
@@ -41,10 +41,10 @@ std::string bytes_of(const std::string& path) {
 
 // A state folder as a killed run left it, and copies of it from before.
 struct Scene {
-  ScratchFolder scratch;
-  std::string killed{scratch.path() + "/killed"};    ///< at the end
-  std::string halfway{scratch.path() + "/halfway"};  ///< in the middle of the cut
-  std::string ready{scratch.path() + "/ready"};      ///< before the sheet was armed
+  TempFolder scratch{TempFolder::Place::Memory};
+  std::string killed{(scratch / "killed").string()};    ///< at the end
+  std::string halfway{(scratch / "halfway").string()};  ///< in the middle of the cut
+  std::string ready{(scratch / "ready").string()};      ///< before the sheet was armed
   std::string job, attempt;
 
   // @param again  the sheet was cut in part before, and goes on in a second attempt
@@ -110,7 +110,7 @@ void go_on(const Scene& scene, const std::string& folder, Tally& tally) {
     tally.fresh += armed ? 1 : 0;
     if (armed) (void)bench.act(scene.job, JobAction::Start);
   } else {
-    const Ledger known = popcut::test::ledger(bench, scene.job);
+    const Ledger known = popcut::testing::ledger(bench, scene.job);
     for (const PathRange& run : known.not_sent) tally.untrue += run.first <= kCut ? 1 : 0;
     for (const PathRange& run : known.certain) tally.untrue += run.last > kCut ? 1 : 0;
     if (known.not_sent.empty()) {
@@ -171,8 +171,8 @@ TEST_CASE("a database log that loses its end makes no stroke be cut twice", "[da
   const std::size_t frames = (log.size() - 32) / kFrame;
   REQUIRE(frames > 50);
   Tally tally;
-  ScratchFolder scratch;
-  const std::string folder = scratch.path() + "/state";
+  TempFolder scratch{TempFolder::Place::Memory};
+  const std::string folder = (scratch / "state").string();
   const std::size_t step = stride(9);
   for (std::size_t kept = frames % step; kept <= frames; kept += step)
     for (const bool zero : {false, true}) {
@@ -202,8 +202,8 @@ TEST_CASE("a journal or a witness that loses its end makes no stroke be cut twic
   const std::string witness = bytes_of(scene.killed + "/witnesses/" + scene.attempt);
   const std::size_t end = used(list);
   REQUIRE(end == kHead + kRecord * ((end - kHead) / kRecord));
-  ScratchFolder scratch;
-  const std::string folder = scratch.path() + "/state";
+  TempFolder scratch{TempFolder::Place::Memory};
+  const std::string folder = (scratch / "state").string();
   Tally tally;
   const auto with = [&](const char* inside, const std::optional<std::string>& bytes, bool log) {
     fs::copy(scene.killed, folder, fs::copy_options::recursive);
@@ -257,8 +257,8 @@ TEST_CASE("whatever is lost of the three records of a cut no stroke is cut twice
   const std::string list = bytes_of(scene.killed + "/intents/" + scene.attempt);
   const std::string witness = bytes_of(scene.killed + "/witnesses/" + scene.attempt);
   std::mt19937 random(20261123);
-  ScratchFolder scratch;
-  const std::string folder = scratch.path() + "/state";
+  TempFolder scratch{TempFolder::Place::Memory};
+  const std::string folder = (scratch / "state").string();
   Tally tally;
   const int rounds = std::getenv("POPCUT_ALL_LOSSES") == nullptr ? 40 : 3000;
   for (int round = 0; round < rounds; ++round) {
@@ -299,8 +299,8 @@ TEST_CASE("whatever is lost of the three records of a cut no stroke is cut twice
 TEST_CASE("an older copy of the database does not start a sheet again that was begun",
           "[daemon][ledger]") {
   const Scene scene(false);
-  ScratchFolder scratch;
-  const std::string folder = scratch.path() + "/state";
+  TempFolder scratch{TempFolder::Place::Memory};
+  const std::string folder = (scratch / "state").string();
   for (const std::string& older : {scene.ready, scene.halfway}) {
     CAPTURE(older);
     fs::copy(scene.killed, folder, fs::copy_options::recursive);
@@ -317,7 +317,7 @@ TEST_CASE("an older copy of the database does not start a sheet again that was b
     CHECK(job.state == JobState::Interrupted);
     CHECK(job.attention->kind == "in_doubt");
     CHECK(job.attention->text.find("the database") != std::string::npos);
-    const Ledger known = popcut::test::ledger(bench, scene.job);
+    const Ledger known = popcut::testing::ledger(bench, scene.job);
     CHECK(known.not_sent.front().first == kCut + 1);
     CHECK(known.last_status.find("the database") != std::string::npos);
     const auto events =
@@ -341,14 +341,14 @@ TEST_CASE("an older copy of the database does not start a sheet again that was b
 TEST_CASE("an ordinary crash loses nothing and leaves in doubt only what was to be sent",
           "[daemon][ledger]") {
   const Scene scene(false);
-  ScratchFolder scratch;
-  const std::string folder = scratch.path() + "/state";
+  TempFolder scratch{TempFolder::Place::Memory};
+  const std::string folder = (scratch / "state").string();
   fs::copy(scene.killed, folder, fs::copy_options::recursive);
   ServiceBench bench(false);
   fs::remove_all(bench.folder());
   fs::rename(folder, bench.folder());
   REQUIRE(bench.start() == "");
-  const Ledger known = popcut::test::ledger(bench, scene.job);
+  const Ledger known = popcut::testing::ledger(bench, scene.job);
   CHECK(known.certain_upto > 20);
   CHECK(known.not_sent.front().first == kCut + 1);
   CHECK(known.last_status.empty());
@@ -410,7 +410,7 @@ TEST_CASE("the end of a cut that its log lost leaves the sheet in doubt", "[daem
   fs::remove(bench.folder() + "/witness");
   REQUIRE(bench.start() == "");
   CHECK(bench.job(ready.id).state == JobState::Interrupted);
-  CHECK(popcut::test::ledger(bench, ready.id).not_sent.empty());
+  CHECK(popcut::testing::ledger(bench, ready.id).not_sent.empty());
 }
 
 TEST_CASE("a start that was never committed leaves no doubt", "[daemon][ledger]") {
@@ -448,8 +448,8 @@ TEST_CASE("a job that lost its plan and was begun is not armed", "[daemon][ledge
   REQUIRE(bench.start() == "");
   // Of the first sheet nothing is known, and the second is in doubt; there is no seventh.
   CHECK(bench.job(ready.id).state == JobState::Interrupted);
-  CHECK(popcut::test::ledger(bench, ready.id, 1).not_sent.empty());
-  CHECK(popcut::test::ledger(bench, ready.id, 2).not_sent.front().first == 4);
+  CHECK(popcut::testing::ledger(bench, ready.id, 1).not_sent.empty());
+  CHECK(popcut::testing::ledger(bench, ready.id, 2).not_sent.front().first == 4);
   bench.act(ready.id, JobAction::RetrySheet).value();
   const auto refused = bench.act(ready.id, JobAction::Arm);
   REQUIRE_FALSE(refused);

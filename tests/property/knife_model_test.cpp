@@ -10,10 +10,10 @@
 
 namespace knife_model_test {
 
-using popcut::test::Exploration;
-using popcut::test::explore_knife;
-using popcut::test::Flaw;
-using popcut::test::told;
+using popcut::testing::Exploration;
+using popcut::testing::explore_knife;
+using popcut::testing::Flaw;
+using popcut::testing::told;
 
 namespace {
 

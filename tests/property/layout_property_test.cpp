@@ -17,7 +17,7 @@
 namespace layout_property_test {
 
 using namespace popcut;
-using namespace popcut::test;
+using namespace popcut::testing;
 
 namespace {
 

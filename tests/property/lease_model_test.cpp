@@ -10,11 +10,11 @@
 
 namespace lease_model_test {
 
-using popcut::test::Exploration;
-using popcut::test::explore_leases;
-using popcut::test::told;
-using popcut::test::lease::Bounds;
-using popcut::test::lease::Flaw;
+using popcut::testing::Exploration;
+using popcut::testing::explore_leases;
+using popcut::testing::told;
+using popcut::testing::lease::Bounds;
+using popcut::testing::lease::Flaw;
 
 namespace {
 

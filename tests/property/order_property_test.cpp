@@ -13,7 +13,7 @@
 namespace order_property_test {
 
 using namespace popcut;
-using namespace popcut::test;
+using namespace popcut::testing;
 
 namespace {
 

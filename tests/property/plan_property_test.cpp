@@ -20,7 +20,6 @@ namespace plan_property_test {
 
 using namespace popcut;
 using namespace popcut::testing;
-using namespace popcut::test;
 
 namespace {
 

@@ -17,9 +17,9 @@ namespace service_faults_test {
 
 using namespace popcut;
 using namespace popcut::daemon;
-using popcut::test::FakeCutters;
-using popcut::test::FaultVfs;
-using popcut::test::ServiceBench;
+using popcut::testing::FakeCutters;
+using popcut::testing::FaultVfs;
+using popcut::testing::ServiceBench;
 
 namespace {
 
@@ -322,8 +322,8 @@ TEST_CASE("a power cut at any write loses nothing that was confirmed", "[daemon]
   over = true;
 
   // What is not the database: files are synced before the database speaks of them.
-  popcut::test::ScratchFolder scratch;
-  const std::string original = scratch.path() + "/original";
+  popcut::testing::TempFolder scratch{popcut::testing::TempFolder::Place::Memory};
+  const std::string original = (scratch / "original").string();
   bench.crash();
   vfs.after_each = nullptr;
   fs::copy(bench.folder(), original, fs::copy_options::recursive);
@@ -339,9 +339,9 @@ TEST_CASE("a power cut at any write loses nothing that was confirmed", "[daemon]
     for (const auto& [path, bytes] : cuts[i].images) {
       const std::string name = fs::path(path).filename().string();
       if (name == "popcut.db" || name == "popcut.db-wal")
-        popcut::test::write_text(after.folder() + "/" + name, bytes);
+        popcut::testing::write_text(after.folder() + "/" + name, bytes);
     }
-    popcut::test::write_text(after.folder() + "/witness", cuts[i].witness);
+    popcut::testing::write_text(after.folder() + "/witness", cuts[i].witness);
     REQUIRE(after.start() == "");
     Promises kept;
     kept.jobs = cuts[i].jobs;

@@ -27,13 +27,13 @@ namespace service_kill_test {
 
 using namespace popcut;
 using namespace popcut::daemon;
-using popcut::test::ScratchFolder;
-using popcut::test::ServiceBench;
-using popcut::test::write_text;
 using popcut::testing::CallFate;
 using popcut::testing::ChildEnd;
 using popcut::testing::count_calls_from_here;
 using popcut::testing::run_with_fate;
+using popcut::testing::ServiceBench;
+using popcut::testing::TempFolder;
+using popcut::testing::write_text;
 
 namespace {
 
@@ -93,19 +93,19 @@ class Folders {
     bench.cutters.complete(bench.device);
     REQUIRE(bench.job(second).state == JobState::Done);
     bench.stop();
-    closed = {scratch_.path() + "/closed", {first, second}};
+    closed = {(scratch_ / "closed").string(), {first, second}};
     fs::copy(bench.folder(), closed.path, fs::copy_options::recursive);
     REQUIRE(bench.start() == "");
     bench.started(first);
     REQUIRE(bench.cutters.intend(bench.device, 1));
     bench.crash();
-    killed = {scratch_.path() + "/killed", {first, second}};
+    killed = {(scratch_ / "killed").string(), {first, second}};
     fs::copy(bench.folder(), killed.path, fs::copy_options::recursive);
   }
   Folder closed, killed, none;
 
  private:
-  ScratchFolder scratch_;
+  TempFolder scratch_{TempFolder::Place::Memory};
 };
 
 Folders& folders() {
@@ -183,8 +183,8 @@ const char* name_of_fate(CallFate fate) {
 void at_every_call(const char* what, const Folder& from, const Work& work,
                    const std::function<void(ServiceBench&)>& mend = {}) {
   const bool rare = static_cast<bool>(mend);  // no part of a day's work
-  const ScratchFolder scratch;
-  const std::string place = scratch.path() + "/state";
+  const TempFolder scratch{TempFolder::Place::Memory};
+  const std::string place = (scratch / "state").string();
   const auto run = [&](int number, CallFate fate) {
     fs::remove_all(place);
     if (!from.path.empty()) fs::copy(from.path, place, fs::copy_options::recursive);
@@ -308,11 +308,11 @@ int back_up_now(ServiceBench& bench, Told&) {
 
 /// Whatever has the name of a backup is a whole one.
 void check_backups(ServiceBench& bench) {
-  ScratchFolder scratch;
+  TempFolder scratch{TempFolder::Place::Memory};
   for (const auto& entry : fs::directory_iterator(bench.folder() + "/backups")) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with("popcut-")) continue;
-    const Integrity found = integrity_of(entry.path().string(), scratch.path() + "/looked-at");
+    const Integrity found = integrity_of(entry.path().string(), (scratch / "looked-at").string());
     CHECK(found.damage.empty());
     CHECK(found.jobs == 2);
   }
@@ -364,9 +364,9 @@ TEST_CASE("killed at every call of an upgrade or a backup popcutd loses nothing"
 
 TEST_CASE("killed at every call of a salvage or a restore it can be done again", "[daemon][kill]") {
   POPCUT_NEEDS_TRACING();
-  ScratchFolder scratch;
+  TempFolder scratch{TempFolder::Place::Memory};
   // A database that changed since it was closed, and a copy from before.
-  Folder changed{scratch.path() + "/changed", folders().closed.jobs};
+  Folder changed{(scratch / "changed").string(), folders().closed.jobs};
   fs::copy(folders().closed.path, changed.path, fs::copy_options::recursive);
   const std::string copy = "/backups/popcut-1.db";
   fs::copy_file(changed.path + "/popcut.db", changed.path + copy);

@@ -11,8 +11,8 @@ namespace store_damage_test {
 
 using namespace popcut;
 using namespace popcut::daemon;
-using popcut::test::ServiceBench;
-using popcut::test::write_text;
+using popcut::testing::ServiceBench;
+using popcut::testing::write_text;
 
 namespace {
 

@@ -23,7 +23,7 @@
 namespace verify_opening_property_test {
 
 using namespace popcut;
-using namespace popcut::tests;
+using namespace popcut::testing;
 
 namespace {
 

@@ -14,7 +14,7 @@
 namespace verify_property_test {
 
 using namespace popcut;
-using namespace popcut::tests;
+using namespace popcut::testing;
 
 TEST_CASE("a file with any bytes changed is verified without a crash", "[core][verify][property]") {
   const std::string sound = draft_of(CylinderCard{.levels = 2, .slices = 2}).text();

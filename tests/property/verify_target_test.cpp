@@ -93,15 +93,15 @@ TEST_CASE("verify measures grids and meshes by their triangles",
   // The generator rounds what it has placed to single precision, tilts level stretches, and lays a
   // smooth curve through a section's corners.
   check_agrees(one(R"({"type":"grid","file":"h.csv"})"), 1e-3, csv);
-  const TriangleMesh ball = tests::sphere_mesh(60.0, 80, 80);
-  for (const std::string& bytes : {tests::binary_stl(ball), tests::text_stl(ball)}) {
+  const TriangleMesh ball = testing::sphere_mesh(60.0, 80, 80);
+  for (const std::string& bytes : {testing::binary_stl(ball), testing::text_stl(ball)}) {
     check_agrees(one(R"({"type":"mesh","file":"b.stl"})", R"(,"lattice":"slices")"), 1e-3, bytes);
     check_agrees(one(R"({"type":"mesh","file":"b.stl"})",
                      R"(,"translate_mm":[-3,10,-4],"rotate_deg":[0,90,0])"),
                  1e-3, bytes);
   }
   check_agrees(one(R"({"type":"mesh","file":"b.obj"})", R"(,"scale_mm":1.5)"), 5e-3,
-               tests::obj(ball));
+               testing::obj(ball));
 }
 
 TEST_CASE("verify finds the slices of regions with their plain cuts and slices alone",

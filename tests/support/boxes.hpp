@@ -10,7 +10,7 @@
 #include "tests/support/meshes.hpp"
 #include "tests/support/random_numbers.hpp"
 
-namespace popcut::tests {
+namespace popcut::testing {
 
 [[nodiscard]] inline std::vector<float> box_between(const Vec3& low, const Vec3& high) {
   return box_mesh({low.x(), low.y(), low.z()}, {high.x(), high.y(), high.z()}, false).corners;
@@ -57,4 +57,4 @@ inline void append(std::vector<float>& to, const std::vector<float>& more) {
   return out;
 }
 
-}  // namespace popcut::tests
+}  // namespace popcut::testing

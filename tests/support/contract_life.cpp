@@ -147,7 +147,7 @@ json ContractLife::plan_until(const json& body, const std::string& state) {
 
 // One that a design needs stays; one that none needs goes.
 void ContractLife::use_an_asset() {
-  const std::string mesh = tests::obj(tests::sphere_mesh(70, 12, 18));
+  const std::string mesh = testing::obj(testing::sphere_mesh(70, 12, 18));
   const auto add = [&](const std::string& bytes) -> std::string {
     return json::parse(ask({.method = "POST", .route = "/v1/assets", .body = bytes}).body).at("id");
   };

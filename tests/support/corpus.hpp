@@ -14,7 +14,7 @@
 
 #include "tests/support/paths.hpp"
 
-namespace popcut::test {
+namespace popcut::testing {
 
 /// Where the synthetic drawings are kept for all tests and benchmarks of this machine.
 inline std::filesystem::path corpus_folder() {
@@ -63,4 +63,4 @@ inline std::string text_of(const std::filesystem::path& path) {
   return text.str();
 }
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-namespace popcut::test {
+namespace popcut::testing {
 
 /// SQL that makes the tables of the newest version those of an earlier one (2 to 8) again.
 [[nodiscard]] inline std::string back_to(int version) {
@@ -36,4 +36,4 @@ namespace popcut::test {
   return sql + "PRAGMA user_version=" + std::to_string(version) + ";";
 }
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

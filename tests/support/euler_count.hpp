@@ -10,7 +10,7 @@
 
 #include "core/drawing/linework.hpp"
 
-namespace popcut::test {
+namespace popcut::testing {
 
 /// The least number of strokes that draw each line of `work` once, counted without the planner's
 /// code. An end within `snap` mm of a node is that node; inner vertices of lines are nodes; equal
@@ -99,4 +99,4 @@ class EulerCount {
   std::vector<std::size_t> parent_, degree_;
 };
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-namespace popcut::test {
+namespace popcut::testing {
 
 /// What a search of all states of a model found.
 struct Exploration {
@@ -29,4 +29,4 @@ struct Exploration {
   return text;
 }
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

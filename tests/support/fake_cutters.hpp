@@ -14,7 +14,7 @@
 
 #include "daemon/devices/cutters.hpp"
 
-namespace popcut::test {
+namespace popcut::testing {
 
 /// Fake cutters. A sheet waits for the test to advance it with `intend`, `settle` and `finish`. In
 /// `automatic` mode each cut runs by itself on its own thread and obeys pause and cancel between
@@ -260,4 +260,4 @@ class FakeCutters final : public daemon::Cutters {
   std::vector<std::thread> threads_;
 };
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

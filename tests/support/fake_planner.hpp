@@ -17,7 +17,7 @@
 #include "daemon/service/service_options.hpp"
 #include "daemon/store/state_folder.hpp"
 
-namespace popcut::test {
+namespace popcut::testing {
 
 /// The fake planner's program for sheet `number`: strokes of ten bytes each.
 inline EncodedProgram fake_program(const std::string& seed, int number, int strokes) {
@@ -205,4 +205,4 @@ class FakePlanner final : public daemon::Planner {
   std::thread thread_;
 };
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

@@ -6,7 +6,7 @@
 
 #include "daemon/previews/previewer.hpp"
 
-namespace popcut::test {
+namespace popcut::testing {
 
 /// A previewer that has every answer at once: what a service is tested with.
 class FakePreviewer final : public daemon::Previewer {
@@ -27,4 +27,4 @@ class FakePreviewer final : public daemon::Previewer {
   std::uint64_t last_{0};
 };
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

@@ -10,7 +10,7 @@
 #include <sqlite3.h>
 #include <unistd.h>
 
-namespace popcut::test {
+namespace popcut::testing {
 namespace {
 
 constexpr std::size_t kSector = 512;
@@ -248,4 +248,4 @@ FaultVfs::Images FaultVfs::power_cut(std::mt19937& random, double kept) const {
   return images;
 }
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace popcut::test {
+namespace popcut::testing {
 
 /// A disk under SQLite that fills up, fails, or loses what was not synced when the power goes. It
 /// is the system's VFS with these faults in between; one at a time.
@@ -50,4 +50,4 @@ class FaultVfs {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

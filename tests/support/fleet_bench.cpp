@@ -7,7 +7,7 @@
 #include "tests/support/postgres_server.hpp"
 #include "tests/support/service_bench.hpp"
 
-namespace popcut::test {
+namespace popcut::testing {
 namespace {
 
 const bool kIsSet = [] {
@@ -28,4 +28,4 @@ const bool kIsSet = [] {
 }();
 
 }  // namespace
-}  // namespace popcut::test
+}  // namespace popcut::testing

@@ -37,8 +37,8 @@ Clock::duration seconds(double value) {
 }
 
 /// A node's connection. Whose calls it makes is in `mark`.
-struct Desk {
-  explicit Desk(const std::string& url)
+struct Workshop {
+  explicit Workshop(const std::string& url)
       : database({.url = url, .answer_s = 60}),
         jobs(database),
         attempts(database, mark),
@@ -99,7 +99,7 @@ struct FleetLoad::Parts {
   FleetSql& fleet;
   int nodes;
   std::vector<NodeMark> marks{};
-  std::vector<std::unique_ptr<Desk>> desks{};
+  std::vector<std::unique_ptr<Workshop>> desks{};
   std::int64_t next_job{0};  ///< those before are used
   std::atomic<std::size_t> again{0};
 
@@ -112,17 +112,17 @@ struct FleetLoad::Parts {
     return first;
   }
 
-  void arm(Desk& desk, Events events, std::int64_t number, int node) {
-    desk.mark = marks[static_cast<std::size_t>(node)];
+  void arm(Workshop& shop, Events events, std::int64_t number, int node) {
+    shop.mark = marks[static_cast<std::size_t>(node)];
     const std::string device = fmt::format("dev-{}", node);
-    desk.change(again, events, [&] {
-      JobRow row = desk.jobs.find(job_id(number)).value();
+    shop.change(again, events, [&] {
+      JobRow row = shop.jobs.find(job_id(number)).value();
       row.state = JobState::Armed;
       row.device = device;
       row.operator_name = "olga";
-      desk.attempts.put_sheet(row.id, row.sheet, row.blank, row.segment, "armed", {}, {});
-      desk.jobs.update(row);
-      desk.attempts.arm({.job = row.id,
+      shop.attempts.put_sheet(row.id, row.sheet, row.blank, row.segment, "armed", {}, {});
+      shop.jobs.update(row);
+      shop.attempts.arm({.job = row.id,
                          .sheet = row.sheet,
                          .blank = row.blank,
                          .device = device,
@@ -130,17 +130,17 @@ struct FleetLoad::Parts {
                          .operator_name = "olga",
                          .armed = 1,
                          .invocation = "run"});
-      desk.audit("arm", row.id);
-      desk.emit(events, row.id, "armed");
+      shop.audit("arm", row.id);
+      shop.emit(events, row.id, "armed");
     });
   }
 
-  void start(Desk& desk, Events events, std::int64_t number, int node) {
-    desk.mark = marks[static_cast<std::size_t>(node)];
-    desk.change(again, events, [&] {
-      JobRow row = desk.jobs.find(job_id(number)).value();
-      (void)desk.attempts.armed(row.id);
-      (void)desk.attempts.start({.id = attempt_id(number),
+  void start(Workshop& shop, Events events, std::int64_t number, int node) {
+    shop.mark = marks[static_cast<std::size_t>(node)];
+    shop.change(again, events, [&] {
+      JobRow row = shop.jobs.find(job_id(number)).value();
+      (void)shop.attempts.armed(row.id);
+      (void)shop.attempts.start({.id = attempt_id(number),
                                  .job = row.id,
                                  .sheet = row.sheet,
                                  .blank = row.blank,
@@ -155,45 +155,45 @@ struct FleetLoad::Parts {
                                  .started = 1});
       row.state = JobState::Cutting;
       row.started = 1;
-      desk.attempts.put_sheet(row.id, row.sheet, row.blank, row.segment, "cutting", 1, {});
-      desk.jobs.update(row);
-      desk.audit("start", row.id);
-      desk.emit(events, row.id, "cutting");
+      shop.attempts.put_sheet(row.id, row.sheet, row.blank, row.segment, "cutting", 1, {});
+      shop.jobs.update(row);
+      shop.audit("start", row.id);
+      shop.emit(events, row.id, "cutting");
     });
   }
 
-  void mark(Desk& desk, std::int64_t number, int node, int which) {
-    desk.mark = marks[static_cast<std::size_t>(node)];
+  void mark(Workshop& shop, std::int64_t number, int node, int which) {
+    shop.mark = marks[static_cast<std::size_t>(node)];
     const std::int64_t done = which;
-    desk.attempts.mark(attempt_id(number),
+    shop.attempts.mark(attempt_id(number),
                        {.certain = done - 1, .taken = done, .intended = done + 2},
                        static_cast<std::uint64_t>(100 * which));
   }
 
-  void end(Desk& desk, Events events, std::int64_t number, int node) {
-    desk.mark = marks[static_cast<std::size_t>(node)];
-    desk.change(again, events, [&] {
-      desk.attempts.finish(attempt_id(number), 2, "done", "", 1000,
+  void end(Workshop& shop, Events events, std::int64_t number, int node) {
+    shop.mark = marks[static_cast<std::size_t>(node)];
+    shop.change(again, events, [&] {
+      shop.attempts.finish(attempt_id(number), 2, "done", "", 1000,
                            {{{0, kStrokes - 1}, PathFate::Certain}});
-      JobRow row = desk.jobs.find(job_id(number)).value();
+      JobRow row = shop.jobs.find(job_id(number)).value();
       row.state = JobState::Done;
       row.finished = 2;
       row.outcome = "done";
       row.paths_certain = row.paths_sent = kStrokes;
-      desk.attempts.put_sheet(row.id, row.sheet, row.blank, row.segment, "done", {}, 2);
-      desk.jobs.update(row);
-      desk.database.insert_later(
+      shop.attempts.put_sheet(row.id, row.sheet, row.blank, row.segment, "done", {}, 2);
+      shop.jobs.update(row);
+      shop.database.insert_later(
           "usage(time, owner, operator, device, material, job, k, seconds, cut_mm, sheets)", 2,
           row.owner, "olga", row.device, row.material, row.id, 1, 60.0, 100.0, 1);
-      desk.database.later("UPDATE device SET sheets_done=sheets_done+?, cut_mm=cut_mm+? WHERE id=?",
+      shop.database.later("UPDATE device SET sheets_done=sheets_done+?, cut_mm=cut_mm+? WHERE id=?",
                           1, 100.0, row.device);
-      desk.emit(events, row.id, "done");
+      shop.emit(events, row.id, "done");
     });
   }
 
-  void beat(Desk& desk, int node) {
+  void beat(Workshop& shop, int node) {
     const NodeMark& one = marks[static_cast<std::size_t>(node)];
-    Rows answer = desk.database.rows("SELECT alive, now_ms FROM node_beat(?, ?, ?, 0)", one.name,
+    Rows answer = shop.database.rows("SELECT alive, now_ms FROM node_beat(?, ?, ?, 0)", one.name,
                                      one.epoch, kLeaseS);
     if (!answer.next() || answer.integer(0) == 0)
       throw StoreFault(FaultKind::Other, one.name + " is not alive");
@@ -227,8 +227,8 @@ struct FleetLoad::Parts {
                     kLogin));
   }
 
-  void bare_claim(Desk& desk, const std::string& cutter) {
-    const std::string got = desk.line.prepared(
+  void bare_claim(Workshop& shop, const std::string& cutter) {
+    const std::string got = shop.line.prepared(
         "WITH c AS (SELECT job, k, blank, segment FROM bare.sheet WHERE site=$1 AND "
         "state='pending' ORDER BY prio DESC, job, k LIMIT 1 FOR UPDATE SKIP LOCKED), u AS "
         "(UPDATE bare.sheet s SET state='claimed' FROM c WHERE (s.job, s.k)=(c.job, c.k) "
@@ -239,8 +239,8 @@ struct FleetLoad::Parts {
     if (got.empty()) throw std::runtime_error("there are no more sheets");
   }
 
-  /// `work(desk, its number)` on a thread for each connection; the first fault.
-  std::string on_all(const std::function<void(Desk&, int)>& work) {
+  /// `work(shop, its number)` on a thread for each connection; the first fault.
+  std::string on_all(const std::function<void(Workshop&, int)>& work) {
     std::mutex lock;
     std::string first;
     std::vector<std::thread> threads;
@@ -278,7 +278,7 @@ FleetLoad::FleetLoad(FleetSql& fleet, int nodes, int connections)
     parts_->marks.push_back(std::move(mark));
   }
   const std::string url = fleet.database().url(kLogin);
-  for (int i = 0; i < connections; ++i) parts_->desks.push_back(std::make_unique<Desk>(url));
+  for (int i = 0; i < connections; ++i) parts_->desks.push_back(std::make_unique<Workshop>(url));
 }
 
 FleetLoad::~FleetLoad() = default;
@@ -368,32 +368,32 @@ FleetLoad::Figures FleetLoad::paced(const Pace& pace) {
   std::mutex lock;
   std::array<std::vector<double>, kCallNames.size()> times;
   std::atomic<std::size_t> cut{0};
-  const std::string fault = parts.on_all([&](Desk& desk, int) {
+  const std::string fault = parts.on_all([&](Workshop& shop, int) {
     try {
       while (const auto due = agenda.take()) {
         Due next = *due;
         switch (due->call) {
           case Call::Beat:
-            parts.beat(desk, due->node);
+            parts.beat(shop, due->node);
             break;
           case Call::Arm:
-            parts.arm(desk, pace.events, due->job, due->node);
+            parts.arm(shop, pace.events, due->job, due->node);
             next.call = Call::Start;
             break;
           case Call::Start:
-            parts.start(desk, pace.events, due->job, due->node);
+            parts.start(shop, pace.events, due->job, due->node);
             next.call = pace.marks > 0 ? Call::Mark : Call::End;
             break;
           case Call::Mark:
-            parts.mark(desk, due->job, due->node, ++next.mark);
+            parts.mark(shop, due->job, due->node, ++next.mark);
             if (next.mark == pace.marks) next.call = Call::End;
             break;
           case Call::End:
-            parts.end(desk, pace.events, due->job, due->node);
+            parts.end(shop, pace.events, due->job, due->node);
             ++cut;
             break;
           case Call::Bare:
-            parts.bare_claim(desk, fmt::format("dev-{}", due->node));
+            parts.bare_claim(shop, fmt::format("dev-{}", due->node));
             break;
         }
         const double took_ms = ms_since(due->when);
@@ -426,7 +426,7 @@ double FleetLoad::most_sheets_s(double length_s, Events events) {
   const std::int64_t first = parts.add_jobs(most);
   std::atomic<std::int64_t> next{0}, done{0};
   const Clock::time_point begun = Clock::now(), until = begun + seconds(length_s);
-  const std::string fault = parts.on_all([&](Desk& desk, int which) {
+  const std::string fault = parts.on_all([&](Workshop& shop, int which) {
     const int step = static_cast<int>(parts.desks.size());
     // Each has nodes of its own: a machine cuts one sheet at a time.
     const int own = std::max(1, parts.nodes / step);
@@ -434,9 +434,9 @@ double FleetLoad::most_sheets_s(double length_s, Events events) {
       const int node = which + step * (k % own);
       const std::int64_t one = next++;
       if (one >= most) throw std::runtime_error("there are no more jobs");
-      parts.arm(desk, events, first + one, node);
-      parts.start(desk, events, first + one, node);
-      parts.end(desk, events, first + one, node);
+      parts.arm(shop, events, first + one, node);
+      parts.start(shop, events, first + one, node);
+      parts.end(shop, events, first + one, node);
       ++done;
     }
   });
@@ -450,10 +450,10 @@ double FleetLoad::bare_claims_s(double length_s) {
   parts.make_bare_queue(static_cast<std::int64_t>(length_s * kPerSecond));
   std::atomic<std::int64_t> done{0};
   const Clock::time_point begun = Clock::now(), until = begun + seconds(length_s);
-  const std::string fault = parts.on_all([&](Desk& desk, int which) {
+  const std::string fault = parts.on_all([&](Workshop& shop, int which) {
     const std::string cutter = fmt::format("dev-{}", which);
     while (Clock::now() < until) {
-      parts.bare_claim(desk, cutter);
+      parts.bare_claim(shop, cutter);
       ++done;
     }
   });
@@ -468,7 +468,7 @@ double FleetLoad::most_calls_s(double length_s) {
   const std::int64_t first = parts.add_jobs(most);
   std::atomic<std::int64_t> next{0}, done{0};
   const Clock::time_point begun = Clock::now(), until = begun + seconds(length_s);
-  const std::string fault = parts.on_all([&](Desk& desk, int which) {
+  const std::string fault = parts.on_all([&](Workshop& shop, int which) {
     const NodeMark& node = parts.marks[static_cast<std::size_t>(which)];
     const std::string device = fmt::format("dev-{}", which), epoch = std::to_string(node.epoch);
     const std::string plan = FleetSql::plan_sha256();
@@ -476,20 +476,20 @@ double FleetLoad::most_calls_s(double length_s) {
       const std::int64_t one = next++;
       if (one >= most) throw std::runtime_error("there are no more jobs");
       const std::string job = job_id(first + one), attempt = attempt_id(first + one);
-      (void)desk.line.prepared(
+      (void)shop.line.prepared(
           "WITH j AS (UPDATE job SET state='armed', device=$1, rev=2 WHERE id=$2 AND rev=1 "
           "RETURNING id, sheet, blank) SELECT knife_arm($3, $4, id, sheet, blank, $1, $5, 'olga', "
           "1, 'run') FROM j",
           {device, job, node.name, epoch, plan});
       ++done;
-      const std::string fence = desk.line.prepared(
+      const std::string fence = shop.line.prepared(
           "WITH j AS (UPDATE job SET state='cutting', started=1, rev=3 WHERE id=$2 AND rev=2 "
           "RETURNING id, sheet, blank, segment) SELECT knife_start($3, $4, $6, id, sheet, blank, "
           "segment, 0, 10, $1, '1', 'olga', $5, 'run', 1, 0) FROM j",
           {device, job, node.name, epoch, plan, attempt});
       if (fence.empty()) throw std::runtime_error("a job was not armed");
       ++done;
-      (void)desk.line.prepared(
+      (void)shop.line.prepared(
           "WITH j AS (UPDATE job SET state='done', finished=2, rev=4 WHERE id=$1 AND rev=3 "
           "RETURNING id) SELECT knife_end($2, $3, $4, 2, 'done', '', 1000, '{0}', '{9}', "
           "'{certain}') FROM j",

@@ -17,13 +17,8 @@ std::string join_fleet(const PostgresServer& server, const std::string& database
                        const std::string& node, const std::string& password) {
   std::string login = "popcut_n_" + node;
   std::replace(login.begin(), login.end(), '-', '_');
-  // Roles are common to all databases of a server.
-  server.run_sql(
-      fmt::format("DO $$ BEGIN IF NOT EXISTS (SELECT FROM pg_roles WHERE rolname='{0}') THEN "
-                  "CREATE ROLE {0} LOGIN PASSWORD '{1}'; END IF; END $$; "
-                  "GRANT popcut_node TO {0}; SELECT popcut.node_join('{2}', '{0}')",
-                  login, password, node),
-      database);
+  add_node_role(server, login, password);
+  server.run_sql(fmt::format("SELECT popcut.node_join('{}', '{}')", node, login), database);
   return login;
 }
 
@@ -43,8 +38,10 @@ FleetNodes::FleetNodes(Options options)
     if (options_.proxies) proxies_.push_back(std::make_unique<FaultProxy>(server_.socket()));
     if (options_.proxies && standby_)
       standby_proxies_.push_back(std::make_unique<FaultProxy>(standby_->socket()));
-    nodes_.push_back(std::make_unique<RunningDaemon>(options_.time_scale,
-                                                     section(k) + options_.more, device(k)));
+    const bool is_other = k == 1 && options_.first_time_scale >= 0;
+    nodes_.push_back(
+        std::make_unique<RunningDaemon>(is_other ? options_.first_time_scale : options_.time_scale,
+                                        section(k) + options_.more, device(k)));
   }
 }
 

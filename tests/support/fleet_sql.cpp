@@ -132,15 +132,12 @@ std::string prepared_database(FreshDatabase& database) {
 }  // namespace
 
 FleetSql::FleetSql(PostgresServer& server)
-    : database_(server), admin_(prepared_database(database_)) {
+    : server_(server), database_(server), admin_(prepared_database(database_)) {
   admin_(new_plan_sql());
 }
 
 FleetLine FleetSql::line(const std::string& login) {
-  admin_(fmt::format(
-      "DO $$ BEGIN IF NOT EXISTS (SELECT FROM pg_roles WHERE rolname='{0}') THEN CREATE ROLE {0} "
-      "LOGIN; GRANT popcut_node TO {0}; END IF; END $$",
-      login));
+  add_node_role(server_, login);
   return FleetLine(database_.url(login));
 }
 

@@ -53,6 +53,7 @@ class FleetSql {
   void add_device(const std::string& name, const std::string& node);
 
  private:
+  PostgresServer& server_;
   FreshDatabase database_;
   FleetLine admin_;
 };

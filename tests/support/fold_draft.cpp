@@ -12,11 +12,11 @@
 
 #include "core/geometry/angle.hpp"
 
-namespace popcut::tests {
+namespace popcut::testing {
 namespace {
 
-constexpr int kWall = -1;
-constexpr int kGround = -2;
+constexpr int kWallFace = -1;
+constexpr int kGroundFace = -2;
 
 std::string numbers(const std::vector<double>& values) {
   std::string text = "[";
@@ -234,15 +234,17 @@ std::vector<DraftStrip> strips_of(const CylinderCard& c) {
   const double high = c.radius_mm + c.margin_mm;
   const auto staircase = [&](double width, auto has_x, auto has_z) {
     std::vector<int> planes;
-    if (c.card) planes.push_back(kWall);
+    if (c.card) planes.push_back(kWallFace);
     for (int i = 0; i <= n; ++i) {
       if (has_x(i) && !(c.card && i == 0)) planes.push_back(2 * i);
       if (has_z(i) && !(c.card && i == n)) planes.push_back(2 * i + 1);
     }
-    if (c.card) planes.push_back(kGround);
-    const auto is_x = [](int plane) { return plane == kWall || (plane >= 0 && plane % 2 == 0); };
+    if (c.card) planes.push_back(kGroundFace);
+    const auto is_x = [](int plane) {
+      return plane == kWallFace || (plane >= 0 && plane % 2 == 0);
+    };
     const auto place = [&](int plane) {
-      if (plane == kWall || plane == kGround) return 0.0;
+      if (plane == kWallFace || plane == kGroundFace) return 0.0;
       const auto level = static_cast<std::size_t>(plane / 2);
       return plane % 2 == 0 ? x[level] : z[level];
     };
@@ -258,7 +260,8 @@ std::vector<DraftStrip> strips_of(const CylinderCard& c) {
   };
 
   std::vector<DraftStrip> strips;
-  const DraftStrip margin{c.margin_mm, {{0.0, high}, {0.0, 0.0}, {high, 0.0}}, {kWall, kGround}};
+  const DraftStrip margin{
+      c.margin_mm, {{0.0, high}, {0.0, 0.0}, {high, 0.0}}, {kWallFace, kGroundFace}};
   if (c.card) strips.push_back(margin);
   for (int j = 0; j < c.slices; ++j) {
     const int p = j % 2;
@@ -277,11 +280,11 @@ FoldDraft draft_of(const CylinderCard& c) {
 }
 
 FoldDraft box_card() {
-  const DraftStrip margin{10.0, {{0.0, 40.0}, {0.0, 0.0}, {40.0, 0.0}}, {kWall, kGround}};
+  const DraftStrip margin{10.0, {{0.0, 40.0}, {0.0, 0.0}, {40.0, 0.0}}, {kWallFace, kGroundFace}};
   const DraftStrip box{30.0,
                        {{0.0, 40.0}, {0.0, 20.0}, {25.0, 20.0}, {25.0, 0.0}, {40.0, 0.0}},
-                       {kWall, 1, 2, kGround}};
+                       {kWallFace, 1, 2, kGroundFace}};
   return draft_of({margin, box, margin}, 40.0);
 }
 
-}  // namespace popcut::tests
+}  // namespace popcut::testing

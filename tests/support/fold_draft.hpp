@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace popcut::tests {
+namespace popcut::testing {
 
 /// A FOLD file before it is text, for tests that build a pattern by hand and then break it.
 struct FoldDraft {
@@ -56,4 +56,4 @@ struct CylinderCard {
 /// One box on a card: wall, ground and two panels.
 [[nodiscard]] FoldDraft box_card();
 
-}  // namespace popcut::tests
+}  // namespace popcut::testing

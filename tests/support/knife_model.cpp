@@ -12,7 +12,7 @@
 #include "daemon/jobs/resume.hpp"
 #include "daemon/jobs/rules.hpp"
 
-namespace popcut::test {
+namespace popcut::testing {
 namespace {
 
 using namespace popcut::daemon;
@@ -571,4 +571,4 @@ class Explorer {
 
 Exploration explore_knife(int depth, Flaw flaw) { return Explorer(depth, flaw).run(); }
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

@@ -5,7 +5,7 @@
 
 #include "tests/support/exploration.hpp"
 
-namespace popcut::test {
+namespace popcut::testing {
 
 /// A rule that is broken on purpose, to show that the model finds it.
 enum class Flaw : std::uint8_t {
@@ -33,4 +33,4 @@ enum class Flaw : std::uint8_t {
 /// back to the same earlier moment.
 [[nodiscard]] Exploration explore_knife(int depth, Flaw flaw);
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

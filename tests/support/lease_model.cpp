@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-namespace popcut::test {
+namespace popcut::testing {
 namespace {
 
 using namespace lease;
@@ -172,4 +172,4 @@ class Search {
 
 Exploration explore_leases(const Bounds& bounds, Flaw flaw) { return Search(bounds, flaw).run(); }
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

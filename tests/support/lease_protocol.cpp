@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace popcut::test::lease {
+namespace popcut::testing::lease {
 
 bool Rules::newest(int p, Byte epoch) const {
   const Node& node = world_.now.nodes[at(node_of(p))];
@@ -361,4 +361,4 @@ void Rules::reopen(int p, int id) {
   match_state(p);
 }
 
-}  // namespace popcut::test::lease
+}  // namespace popcut::testing::lease

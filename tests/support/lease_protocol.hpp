@@ -6,7 +6,7 @@
 #include "daemon/jobs/rules.hpp"
 #include "tests/support/lease_world.hpp"
 
-namespace popcut::test::lease {
+namespace popcut::testing::lease {
 
 using daemon::JobState;
 using daemon::PathFate;
@@ -134,4 +134,4 @@ class Rules {
   Flaw flaw_;
   const char* broken_{nullptr};
 };
-}  // namespace popcut::test::lease
+}  // namespace popcut::testing::lease

@@ -7,7 +7,7 @@
 
 #include "tests/support/lease_protocol.hpp"
 
-namespace popcut::test::lease {
+namespace popcut::testing::lease {
 namespace {
 
 // What a later attempt leaves of an earlier one's fate: popcut's own rule, stroke by stroke.
@@ -541,4 +541,4 @@ void each_step(const World& world, const Bounds& bounds, Flaw flaw,
   Steps(world, bounds, flaw, found).all();
 }
 
-}  // namespace popcut::test::lease
+}  // namespace popcut::testing::lease

@@ -6,7 +6,7 @@
 
 #include "tests/support/lease_world.hpp"
 
-namespace popcut::test::lease {
+namespace popcut::testing::lease {
 
 std::string sentence(const Step& step) {
   static constexpr std::array<const char*, 3> kWho{"node 1", "node 2", "the copy of node 1"};
@@ -120,4 +120,4 @@ std::string sentence(const Step& step) {
   return {};
 }
 
-}  // namespace popcut::test::lease
+}  // namespace popcut::testing::lease

@@ -6,7 +6,7 @@
 
 #include "tests/support/lease_protocol.hpp"
 
-namespace popcut::test::lease {
+namespace popcut::testing::lease {
 namespace {
 
 const char* broken_record(const World& world, int id) {
@@ -136,4 +136,4 @@ void tidy(World& world) {
   number_epochs(world);
 }
 
-}  // namespace popcut::test::lease
+}  // namespace popcut::testing::lease

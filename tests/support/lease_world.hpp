@@ -10,7 +10,7 @@
 
 #include "daemon/model/model.hpp"
 
-namespace popcut::test::lease {
+namespace popcut::testing::lease {
 
 // The world of the model: one job of two sheets with two strokes each, two nodes with one cutter
 // each, and a third popcutd that runs with a copy of the first one's state folder.
@@ -226,4 +226,4 @@ void each_step(const World& world, const Bounds& bounds, Flaw flaw,
 /// nobody looks at any more.
 void tidy(World& world);
 
-}  // namespace popcut::test::lease
+}  // namespace popcut::testing::lease

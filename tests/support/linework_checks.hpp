@@ -10,7 +10,7 @@
 #include "core/drawing/linework.hpp"
 #include "tests/support/paths.hpp"
 
-namespace popcut::test {
+namespace popcut::testing {
 
 /// A line of a drawing from a list of points.
 inline void draw(LineWork& work, Operation operation, const std::vector<PagePoint>& points) {
@@ -55,4 +55,4 @@ inline std::string sample(const std::string& name) {
   return text.str();
 }
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

@@ -10,7 +10,7 @@
 
 #include "core/geometry/angle.hpp"
 
-namespace popcut::tests {
+namespace popcut::testing {
 namespace {
 
 void add(TriangleMesh& mesh, const Point& a, const Point& b, const Point& c) {
@@ -175,4 +175,4 @@ std::string glb(const TriangleMesh& mesh, const std::string& nodes) {
   return out + binary;
 }
 
-}  // namespace popcut::tests
+}  // namespace popcut::testing

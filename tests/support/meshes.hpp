@@ -8,7 +8,7 @@
 
 #include "core/design/target/triangle_mesh.hpp"
 
-namespace popcut::tests {
+namespace popcut::testing {
 
 using Point = std::array<double, 3>;
 
@@ -37,4 +37,4 @@ using Point = std::array<double, 3>;
 [[nodiscard]] std::string glb(const TriangleMesh& mesh,
                               const std::string& nodes = R"([{"mesh": 0}])");
 
-}  // namespace popcut::tests
+}  // namespace popcut::testing

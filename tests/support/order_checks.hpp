@@ -6,7 +6,7 @@
 
 #include "core/plan/order/order.hpp"
 
-namespace popcut::test {
+namespace popcut::testing {
 
 /// Even-odd rule, slow and independent of the planner.
 inline bool lies_inside(std::span<const PagePoint> loop, const PagePoint& p) {
@@ -54,4 +54,4 @@ inline std::size_t outer_before_inner_by_hand(const LineWork& work,
   return count;
 }
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

@@ -441,9 +441,14 @@ PostgresServer::PostgresServer(PostgresServer& primary, Commits commits)
   if (!comes_true(follows)) throw std::runtime_error("the standby does not follow:\n" + log());
 }
 
+PostgresServer PostgresServer::of_another(const fs::path& folder) { return PostgresServer(folder); }
+
+PostgresServer::PostgresServer(const fs::path& folder) : kept_in_(folder, true) {}
+
 PostgresServer::~PostgresServer() { dismiss(kQuit); }
 
 PostgresServer::Removed::~Removed() {
+  if (kept) return;
   std::error_code ignored;
   fs::remove_all(path, ignored);
 }
@@ -629,14 +634,46 @@ void PostgresServer::promote() {
     throw std::runtime_error("the standby is not promoted:\n" + log());
 }
 
+namespace {
+
+/// The server that CTest started; empty: there is none, or it is gone.
+fs::path folder_of_all() {
+  const char* const file = std::getenv("POPCUT_TEST_POSTGRES");
+  if (file == nullptr) return {};
+  std::ifstream in(file);
+  std::string folder;
+  std::getline(in, folder);
+  try {
+    if (!folder.empty()) run_sql(postgres_url(folder, 5432, "postgres", "postgres"), "SELECT 1");
+    return folder;
+  } catch (const pqxx::broken_connection&) {
+    return {};
+  }
+}
+
+}  // namespace
+
 PostgresServer& shared_postgres() {
-  static PostgresServer server;
+  static PostgresServer server = [] {
+    const fs::path folder = folder_of_all();
+    return folder.empty() ? PostgresServer() : PostgresServer::of_another(folder);
+  }();
   return server;
+}
+
+// The lock is of the database `postgres`, which all take for this.
+void add_node_role(const PostgresServer& server, const std::string& login,
+                   const std::string& password) {
+  server.run_sql(
+      fmt::format("SELECT pg_advisory_xact_lock(5432); "
+                  "DO $$ BEGIN IF NOT EXISTS (SELECT FROM pg_roles WHERE rolname='{0}') THEN "
+                  "CREATE ROLE {0} LOGIN {1}; GRANT popcut_node TO {0}; END IF; END $$",
+                  login, password.empty() ? "" : "PASSWORD '" + password + "'"));
 }
 
 FreshDatabase::FreshDatabase(PostgresServer& server) : server_(server) {
   static int count = 0;
-  name_ = fmt::format("fresh_{}", ++count);
+  name_ = fmt::format("fresh_{}_{}", ::getpid(), ++count);
   server_.create_database(name_);
 }
 

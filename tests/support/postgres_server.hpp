@@ -36,6 +36,9 @@ class PostgresServer {
   /// A standby that follows `primary`. Synchronous: from now on a commit there waits until this one
   /// has it on its disk too, for ever if this one is not there.
   [[nodiscard]] static PostgresServer standby_of(PostgresServer& primary, Commits commits);
+  /// A server that another program started and will end: it has databases and roles to offer, and
+  /// cannot be stopped, frozen or configured. @param folder  its folder()
+  [[nodiscard]] static PostgresServer of_another(const std::filesystem::path& folder);
   ~PostgresServer();
   PostgresServer(const PostgresServer&) = delete;
   PostgresServer& operator=(const PostgresServer&) = delete;
@@ -86,6 +89,7 @@ class PostgresServer {
 
  private:
   PostgresServer(PostgresServer& primary, Commits commits);
+  explicit PostgresServer(const std::filesystem::path& folder);
   void write_configuration() const;
   void launch();
   [[nodiscard]] bool ready() const;
@@ -96,7 +100,9 @@ class PostgresServer {
   /// A folder that is removed with this object, also when a constructor throws.
   struct Removed {
     std::filesystem::path path;
-    explicit Removed(std::filesystem::path which) : path(std::move(which)) {}
+    bool kept;  ///< it is not ours
+    explicit Removed(std::filesystem::path which, bool is_kept = false)
+        : path(std::move(which)), kept(is_kept) {}
     ~Removed();
     Removed(const Removed&) = delete;
     Removed& operator=(const Removed&) = delete;
@@ -113,9 +119,15 @@ class PostgresServer {
   bool frozen_{false};
 };
 
-/// A server that all cases of a test program share; it starts when it is first asked for. Databases
-/// of cases are their own, roles are common to all.
+/// A server that all cases share: the one that CTest started for all programs (the file that
+/// POPCUT_TEST_POSTGRES names holds its folder), or in a program that is run alone one of its own,
+/// which starts at the first call. Databases of cases are their own, roles are common to all.
 [[nodiscard]] PostgresServer& shared_postgres();
+
+/// Makes a role that may log in and is a member of popcut_node, if there is none. Programs that
+/// share a server may do so at the same time.
+void add_node_role(const PostgresServer& server, const std::string& login,
+                   const std::string& password = "");
 
 /// A database that is there as long as this object.
 class FreshDatabase {

@@ -32,8 +32,11 @@ void redirect(const char* path, int flags, int to) {
 
 }  // namespace
 
-TempFolder::TempFolder() {
-  std::string name = (fs::temp_directory_path() / "popcut-test-XXXXXX").string();
+TempFolder::TempFolder(Place place) {
+  const char* const memory = "/dev/shm";
+  const bool in_memory = place == Place::Memory && ::access(memory, W_OK | X_OK) == 0;
+  std::string name =
+      ((in_memory ? fs::path(memory) : fs::temp_directory_path()) / "popcut-test-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for temporary files");
   path_ = name;
 }

@@ -10,7 +10,9 @@ namespace popcut::testing {
 /// A new folder; its destruction removes it with all its content.
 class TempFolder {
  public:
-  TempFolder();
+  /// Memory: where that can be had, for tests that sync thousands of files.
+  enum class Place { Disk, Memory };
+  explicit TempFolder(Place place = Place::Disk);
   TempFolder(const TempFolder&) = delete;
   TempFolder& operator=(const TempFolder&) = delete;
   ~TempFolder();

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-namespace popcut::test {
+namespace popcut::testing {
 
 std::string random_lattice_spec(std::mt19937& random, double scale) {
   const auto real = [&](double low, double high) {
@@ -38,4 +38,4 @@ std::string random_lattice_spec(std::mt19937& random, double scale) {
       surface, units, slices, widths, lattices[whole(0, 4)], real(0.05, 0.8));
 }
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

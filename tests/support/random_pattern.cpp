@@ -11,7 +11,7 @@
 #include "core/design/design.hpp"
 #include "tests/support/random_lattice.hpp"
 
-namespace popcut::test {
+namespace popcut::testing {
 
 // Kept apart from the tests of layouts, whose drawings need not come from a design.
 LineWork random_linework(std::mt19937& random, double scale) {
@@ -52,4 +52,4 @@ LineWork example_linework(const std::string& name, std::size_t& faces) {
   return designed(text.str(), faces);
 }
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

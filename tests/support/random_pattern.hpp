@@ -6,7 +6,7 @@
 
 #include "core/drawing/linework.hpp"
 
-namespace popcut::test {
+namespace popcut::testing {
 
 /// The lines of a random lattice's pattern (`random_lattice_spec`).
 LineWork random_linework(std::mt19937& random, double scale);
@@ -18,4 +18,4 @@ LineWork lattice_linework(int units, int slices, double width_mm, double size_mm
 /// The lines of examples/NAME.json.
 LineWork example_linework(const std::string& name, std::size_t& faces);
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

@@ -16,32 +16,9 @@
 #include "daemon/service/live/live_service.hpp"
 #include "tests/support/fake_cutters.hpp"
 #include "tests/support/fake_planner.hpp"
+#include "tests/support/process.hpp"
 
-namespace popcut::test {
-
-/// A folder that is removed with this object.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    // In memory where that can be had: these tests sync thousands of files.
-    const std::filesystem::path memory = "/dev/shm";
-    const bool in_memory = access(memory.c_str(), W_OK | X_OK) == 0;
-    std::string name =
-        ((in_memory ? memory : std::filesystem::temp_directory_path()) / "popcut-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no scratch folder");
-    path_ = name;
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  [[nodiscard]] const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
+namespace popcut::testing {
 
 inline void write_text(const std::string& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
@@ -49,7 +26,7 @@ inline void write_text(const std::string& path, const std::string& text) {
 
 /// A service with a store in a scratch folder and fakes for planner and cutters.
 class ServiceBench {
-  mutable std::optional<ScratchFolder> scratch_;
+  mutable std::optional<TempFolder> scratch_;
   std::vector<std::unique_ptr<daemon::ServiceThread>> buried_;
 
  public:
@@ -143,8 +120,8 @@ class ServiceBench {
 
   [[nodiscard]] std::string folder() const {
     if (!place.empty()) return place;
-    if (!scratch_) scratch_.emplace();
-    return scratch_->path() + "/state";
+    if (!scratch_) scratch_.emplace(TempFolder::Place::Memory);
+    return (*scratch_ / "state").string();
   }
   [[nodiscard]] daemon::Store& store() { return *store_; }
   [[nodiscard]] daemon::ServiceThread& thread() { return *thread_; }
@@ -302,4 +279,4 @@ inline daemon::Job broken(ServiceBench& bench, ErrorKind kind = ErrorKind::Devic
   return bench.job(ready.id);
 }
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

@@ -10,7 +10,7 @@
 #include "core/formats/svg/svg_profile.hpp"
 #include "core/formats/svg/svg_reader.hpp"
 
-namespace popcut::test {
+namespace popcut::testing {
 
 /// Small SVG drawings on a page of 100 x 100 mm, and how they are read.
 inline constexpr const char* kPage = R"x(width="100mm" height="100mm" viewBox="0 0 100 100")x";
@@ -65,4 +65,4 @@ inline void check_spans(const LineWork& work, const std::vector<double>& expecte
   for (std::size_t i = 0; i < got.size(); ++i) CHECK(got[i] == Approx(expected[i]).margin(1e-9));
 }
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

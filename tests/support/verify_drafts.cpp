@@ -11,7 +11,7 @@
 
 #include "core/geometry/angle.hpp"
 
-namespace popcut::tests {
+namespace popcut::testing {
 namespace {}  // namespace
 
 VerifyReport verified(const FoldDraft& draft, const VerifyOptions& options) {
@@ -171,4 +171,4 @@ double largest_difference(const verify::FoldModel& file, const verify::Sheet& sh
   return largest;
 }
 
-}  // namespace popcut::tests
+}  // namespace popcut::testing

@@ -9,7 +9,7 @@
 #include "core/verify/verify.hpp"
 #include "tests/support/fold_draft.hpp"
 
-namespace popcut::tests {
+namespace popcut::testing {
 
 /// The report on a draft; a draft that cannot be read fails the test.
 [[nodiscard]] VerifyReport verified(const FoldDraft& draft, const VerifyOptions& options = {});
@@ -36,4 +36,4 @@ namespace popcut::tests {
 [[nodiscard]] double largest_difference(const verify::FoldModel& file, const verify::Sheet& sheet,
                                         const verify::Pose& opened, const verify::Pose& known);
 
-}  // namespace popcut::tests
+}  // namespace popcut::testing

@@ -232,9 +232,9 @@ TEST_CASE("an upload that was quick at first may not be slow ever after", "[daem
     RawConnection connection = begin();
     const auto begun = std::chrono::steady_clock::now();
     const std::string piece(2048, 'x');
-    while (connection.send(piece) && popcut::testing::seconds_since(begun) < 20)
+    while (connection.send(piece) && popcut::testing::seconds_since(begun) < 120)
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    CHECK(popcut::testing::seconds_since(begun) < 20);
+    CHECK(popcut::testing::seconds_since(begun) < 120);
     CHECK(popcut::testing::seconds_since(begun) > 1);  // ten times what it needs to be quick enough
   }
   CHECK(comes_true([&] { return server.spools() == 0; }));

@@ -204,8 +204,7 @@ TEST_CASE("a planner that was killed from outside is tried again twice at most",
   CHECK(comes_true([] { return children().empty(); }));
 }
 
-TEST_CASE("a worker that takes too long is killed and the next one works",
-          "[daemon][planner][long]") {
+TEST_CASE("a worker that takes too long is killed and the next one works", "[daemon][planner]") {
   PlanningLimits limits;
   limits.wall_s = 0.5;
   Bench bench(limits, probe_program());
@@ -248,7 +247,7 @@ TEST_CASE("a cancelled task ends within a second and leaves nothing behind", "[d
   CHECK(quickest_s < 1);
 }
 
-TEST_CASE("tasks start in order and never more at once than allowed", "[daemon][planner][long]") {
+TEST_CASE("tasks start in order and never more at once than allowed", "[daemon][planner]") {
   PlanningLimits limits;
   limits.processes = 2;
   Bench bench(limits, probe_program());

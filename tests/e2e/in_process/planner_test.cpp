@@ -166,7 +166,7 @@ TEST_CASE("an invalid design is reported with the place", "[daemon][planner]") {
   bench.refused(options, ErrorKind::Internal, options.design_path, "cannot be read");
 }
 
-TEST_CASE("a plan has the same bytes as popcut plan every time", "[daemon][planner][long]") {
+TEST_CASE("a plan has the same bytes as popcut plan every time", "[daemon][planner]") {
   Bench bench;
   for (const char* example : {"sphere", "packaging", "facade"}) {
     CAPTURE(example);
@@ -214,12 +214,12 @@ TEST_CASE("a plan has the same bytes as popcut plan every time", "[daemon][plann
   }
 }
 
-TEST_CASE("a spec's mesh is an asset named by its id", "[daemon][planner][long]") {
+TEST_CASE("a spec's mesh is an asset named by its id", "[daemon][planner]") {
   Bench bench;
   // An id has no ending: the bytes tell what they are.
-  const auto mesh = tests::sphere_mesh(70, 40, 60);
+  const auto mesh = testing::sphere_mesh(70, 40, 60);
   const std::string stl =
-      GENERATE_REF(tests::binary_stl(mesh), tests::text_stl(mesh), tests::obj(mesh));
+      GENERATE_REF(testing::binary_stl(mesh), testing::text_stl(mesh), testing::obj(mesh));
   const std::string id = "sha256-" + daemon::sha256_hex(stl);
   write_file(bench.temp / "asset", stl);
   const json spec{{"popcut", 1},          {"surface", {{"type", "mesh"}, {"file", id}}},
@@ -245,7 +245,7 @@ TEST_CASE("a spec's mesh is an asset named by its id", "[daemon][planner][long]"
   CHECK(seen->files.at(0).bytes.find("<path") != std::string::npos);
 }
 
-TEST_CASE("machine material and options of a task are obeyed", "[daemon][planner][long]") {
+TEST_CASE("machine material and options of a task are obeyed", "[daemon][planner]") {
   Bench bench;
   auto task = bench.task(Kind::Plan, kSvg);
   const auto usual = bench.run(task);

@@ -67,7 +67,7 @@ CardSearchRequest small() {
 }
 
 std::string hall(bool hole = false) {
-  return tests::obj(tests::box_mesh({0, 0, 0}, {30, 60, 25}, hole));
+  return testing::obj(testing::box_mesh({0, 0, 0}, {30, 60, 25}, hole));
 }
 
 }  // namespace
@@ -121,24 +121,23 @@ TEST_CASE("a worker finds the same cards of a model each time and draws each of 
     CHECK(file_of(*again, file.name)->bytes == file.bytes);
 }
 
-TEST_CASE("a worker finds the cards of a GLB as of the same STL",
-          "[daemon][planner][search][long]") {
+TEST_CASE("a worker finds the cards of a GLB as of the same STL", "[daemon][planner][search]") {
   SearchBench bench;
-  const TriangleMesh mesh = tests::box_mesh({0, 0, 0}, {30, 60, 25}, false);
+  const TriangleMesh mesh = testing::box_mesh({0, 0, 0}, {30, 60, 25}, false);
   const auto front_of = [&](const std::string& bytes) {
     const auto outcome = bench.run(SearchBench::task(bytes, small()));
     INFO(why(outcome));
     REQUIRE(outcome);
     return file_of(*outcome, planning::kFrontFile)->bytes;
   };
-  CHECK(front_of(tests::glb(mesh)) == front_of(tests::binary_stl(mesh)));
-  bench.refused(tests::gltf(mesh, "mesh.bin"), small(), "keeps its mesh in mesh.bin beside it");
+  CHECK(front_of(testing::glb(mesh)) == front_of(testing::binary_stl(mesh)));
+  bench.refused(testing::gltf(mesh, "mesh.bin"), small(), "keeps its mesh in mesh.bin beside it");
   bench.refused("\x89PNG\r\n\x1a\n" + std::string(200, '\0'), small(),
                 "hall: is a PNG picture; give a 3D model");
 }
 
 TEST_CASE("a model with a hole is searched as it is seen and a note says so",
-          "[daemon][planner][search][long]") {
+          "[daemon][planner][search]") {
   SearchBench bench;
   const auto outcome = bench.run(SearchBench::task(hall(true), small()));
   INFO(why(outcome));
@@ -233,7 +232,7 @@ TEST_CASE("a long search keeps neither plans nor checks waiting and can be cance
   SearchBench bench;
   CardSearchRequest forever;
   forever.effort = daemon::kMostEffort;
-  const std::string teapot = tests::obj(tests::torus(40, 15, 60));
+  const std::string teapot = testing::obj(testing::torus(40, 15, 60));
   const auto long_one =
       bench.planner->start(SearchBench::task(teapot, forever), bench.outcomes.slot("search"));
   bench.planner->start(SearchBench::task(teapot, forever), bench.outcomes.slot("waits"));
@@ -259,7 +258,7 @@ TEST_CASE("a search that takes more than its limits says what to lower",
   SearchBench bench(limits);
   CardSearchRequest forever;
   forever.effort = daemon::kMostEffort;
-  bench.refused(tests::obj(tests::torus(40, 15, 60)), forever, "lower `effort`");
+  bench.refused(testing::obj(testing::torus(40, 15, 60)), forever, "lower `effort`");
 }
 
 }  // namespace search_test

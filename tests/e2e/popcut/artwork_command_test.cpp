@@ -117,7 +117,7 @@ std::array<double, 4> searched(const std::string& program) {
 }
 
 TEST_CASE("the marks of a printed page lie where the program of each machine looks for them",
-          "[cli][e2e][artwork][long]") {
+          "[cli][e2e][artwork]") {
   const ShellBench bench;
   int machines = 0;
   const json listed = json::parse(bench.popcut({"machines", "--json"}).out);
@@ -150,7 +150,7 @@ TEST_CASE("the marks of a printed page lie where the program of each machine loo
 }
 
 TEST_CASE("the back of a page lies behind its front, also for printers that scale",
-          "[cli][e2e][artwork][long]") {
+          "[cli][e2e][artwork]") {
   const ShellBench bench;
   for (const char* scale : {"100", "95"})
     for (const char* machine : {"none", "cameo3"}) {
@@ -205,7 +205,7 @@ TEST_CASE("a printer that scales is answered by the opposite scale", "[cli][e2e]
 }
 
 TEST_CASE("popcut print writes pages, programs and a preview, and the same again",
-          "[cli][e2e][artwork][long]") {
+          "[cli][e2e][artwork]") {
   const ShellBench bench;
   const std::vector<std::string> words{"print",  "shell.json", "--mat", "12x12",  "--machine",
                                        "cameo3", "--dpi",      "100",   "--back", "--preview",
@@ -229,7 +229,7 @@ TEST_CASE("popcut print writes pages, programs and a preview, and the same again
 }
 
 TEST_CASE("the picture of a printed design shows the model, and the card from two sides",
-          "[cli][e2e][artwork][long]") {
+          "[cli][e2e][artwork]") {
   const ShellBench bench;
   const auto tiles_of = [&](std::vector<std::string> more) {
     std::vector<std::string> all{"print",     "shell.json", "--no-marks", "--dpi", "72",
@@ -343,7 +343,7 @@ TEST_CASE("each card of a book shows its own side of the model", "[cli][e2e][art
   // A ball whose quarters about the spine have four colours.
   constexpr std::array<std::array<int, 3>, 4> kColours{
       {{200, 30, 30}, {30, 160, 40}, {40, 60, 200}, {220, 180, 20}}};
-  const auto ball = popcut::tests::icosphere(40, 3);
+  const auto ball = popcut::testing::icosphere(40, 3);
   std::string obj;
   for (std::size_t t = 0; t < ball.corners.size() / 9; ++t) {
     const float* c = ball.corners.data() + 9 * t;

@@ -29,7 +29,8 @@ json ball_spec(int cards) {
 }
 
 void write_ball(const Bench& bench, int cards) {
-  write_file(bench.temp / "ball.stl", popcut::tests::binary_stl(popcut::tests::icosphere(40, 3)));
+  write_file(bench.temp / "ball.stl",
+             popcut::testing::binary_stl(popcut::testing::icosphere(40, 3)));
   bench.write("ball.json", ball_spec(cards));
 }
 
@@ -118,7 +119,7 @@ TEST_CASE("a book is designed, verified, compared, planned and opened by its fol
   CHECK(fs::exists(bench.temp / "poses/book.glb"));
 }
 
-TEST_CASE("what a book folder cannot be used for is said in one line", "[cli][e2e][book][long]") {
+TEST_CASE("what a book folder cannot be used for is said in one line", "[cli][e2e][book]") {
   const Bench bench;
   write_ball(bench, 3);
   REQUIRE(
@@ -179,7 +180,7 @@ TEST_CASE("what a book folder cannot be used for is said in one line", "[cli][e2
 }
 
 TEST_CASE("a book of facets is designed, verified and compared with its design",
-          "[cli][e2e][book][long]") {
+          "[cli][e2e][book]") {
   const Bench bench;
   bench.write("house.json", json::parse(
                                 R"j({"popcut":1,"style":"facets","surface":{"type":"implicit",

@@ -39,7 +39,7 @@ TEST_CASE("the help starts with what popcut is for and the usual example", "[cli
   CHECK(ran.out.find("popcut design sphere.json -o sphere") < ran.out.find("Options:"));
 }
 
-TEST_CASE("every help keeps to a hundred columns and sums up in one sentence", "[cli][e2e][long]") {
+TEST_CASE("every help keeps to a hundred columns and sums up in one sentence", "[cli][e2e]") {
   const auto lines_of = [](const std::string& text) {
     std::vector<std::string> lines;
     for (std::size_t at = 0; at < text.size();) {
@@ -92,7 +92,7 @@ TEST_CASE("a usage error keeps names in capitals", "[cli][e2e]") {
   CHECK(ran.err.find("RESULT") != std::string::npos);
 }
 
-TEST_CASE("a wrong value is reported with its option and the valid values", "[cli][e2e][long]") {
+TEST_CASE("a wrong value is reported with its option and the valid values", "[cli][e2e]") {
   using Words = std::vector<std::string>;
   const std::vector<std::pair<Words, std::string>> wrong{
       {{"cut", "x", "--copies", "0"}, "--copies: is \"0\"; give a whole number from 1 to 1000"},

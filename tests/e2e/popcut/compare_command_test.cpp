@@ -12,7 +12,6 @@
 namespace compare_command_test {
 
 using namespace popcut::testing;
-using namespace popcut::tests;
 using Catch::WithinAbs;
 using Catch::WithinRel;
 using nlohmann::json;
@@ -179,7 +178,7 @@ TEST_CASE("a formula is as far from its card as the design says", "[cli][e2e][co
   CHECK(found["volume"]["error"].get<double>() < 0.2);
 }
 
-TEST_CASE("compare searches the place of a model that nobody gives", "[cli][e2e][compare][long]") {
+TEST_CASE("compare searches the place of a model that nobody gives", "[cli][e2e][compare]") {
   const CompareBench bench;
   const double known = bench.error_of({"ball/pattern.fold", "ball.stl"});
   const json found = bench.compared({"ball/pattern.fold", "ball.stl", "--fit", "--no-cost"});
@@ -206,7 +205,7 @@ TEST_CASE("compare says what it cannot measure", "[cli][e2e][compare]") {
   CHECK(says(small["cost"]["why"].get<std::string>(), "no-such"));
 }
 
-TEST_CASE("compare refuses bad input in one line", "[cli][e2e][compare][long]") {
+TEST_CASE("compare refuses bad input in one line", "[cli][e2e][compare]") {
   const CompareBench bench;
   const auto refused = [&](std::vector<std::string> words, int exit, const std::string& part) {
     words.insert(words.begin(), "compare");

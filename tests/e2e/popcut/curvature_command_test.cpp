@@ -34,7 +34,7 @@ void design_example(const TempFolder& folder, const std::string& name) {
 }  // namespace
 
 TEST_CASE("curvature of a designed pattern distinguishes a sphere from a saddle",
-          "[cli][e2e][curvature][long]") {
+          "[cli][e2e][curvature]") {
   const TempFolder folder;
   for (const std::string name : {"sphere", "saddle", "cylinder"}) {
     design_example(folder, name);

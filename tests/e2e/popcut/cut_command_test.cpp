@@ -57,7 +57,7 @@ TEST_CASE("a planned program draws its sheet on the simulated cutter", "[cli][e2
   }
 }
 
-TEST_CASE("simulate compares a program with a pattern and its plan", "[cli][e2e][long]") {
+TEST_CASE("simulate compares a program with a pattern and its plan", "[cli][e2e]") {
   for (const std::string example : {"unit", "fig2a", "cylinder", "sphere", "saddle", "no card"}) {
     CAPTURE(example);
     const Bench bench;
@@ -138,7 +138,7 @@ TEST_CASE("a program file is sent as it is, after a rehearsal", "[cli][e2e]") {
 }
 
 TEST_CASE("copies, sizes, turns and settings of one job together are cut as the design says",
-          "[cli][e2e][long]") {
+          "[cli][e2e]") {
   const Bench bench;
   const std::string spec = source_file("examples/unit.json");
   REQUIRE(bench.popcut({"design", spec, "-o", "design", "-q"}).exit == 0);

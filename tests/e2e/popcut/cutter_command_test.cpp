@@ -2,6 +2,8 @@
 // What can happen at a cutter, by the real binary and simulated cutters.
 #include <algorithm>
 #include <csignal>
+#include <future>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -34,7 +36,7 @@ struct Bench : CommandBench {
 }  // namespace
 
 TEST_CASE("the simulated cutter fails as its fault file says and the ledger reports the rest",
-          "[cli][e2e][faults][long]") {
+          "[cli][e2e][faults]") {
   const Bench bench;
   struct Case {
     const char* faults;
@@ -186,7 +188,7 @@ TEST_CASE("a sheet with registration marks is cut relative to the marks that are
   refused({"--mark-form", "wide"}, 2, "--mark-form: is \"wide\"; one of arm, line");
 }
 
-TEST_CASE("the test shape is cut on every machine of the table", "[cli][e2e][long]") {
+TEST_CASE("the test shape is cut on every machine of the table", "[cli][e2e]") {
   const Bench bench;
   const json machines = json::parse(bench.popcut({"machines", "--json"}).out);
   std::size_t count = 0;
@@ -283,27 +285,50 @@ TEST_CASE("cut asks before each sheet and ends if the answer is no", "[cli][e2e]
   CHECK(says(popcut.shown, "sheet 2 was not started"));
 }
 
-TEST_CASE("a stop while a sheet parks asks for no further sheet", "[cli][e2e][pty][long]") {
-  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
-    CAPTURE(number);
-    const TempFolder desk, cutter_room;
-    AtTerminal cutter(popcut_program(), {"simulate", "--pty", "--machine", "cameo3"}, cutter_room);
-    const std::string port = cutter.first_line();
-    REQUIRE(port.rfind("/dev/", 0) == 0);
-    write_file(desk / "two.svg", R"x(<svg xmlns="http://www.w3.org/2000/svg" width="150mm"
-        height="90mm" viewBox="0 0 150 90"><path stroke="#000"
-        d="M0 0h2M148 0h2M0 88v2M150 88v2"/></svg>)x");
-    AtTerminal popcut(popcut_program(),
-                      {"cut", "two.svg", "--direct", "--device", "serial:" + port, "--machine",
-                       "cameo3", "--mat", "100x100", "--labels", "none"},
-                      desk);
-    REQUIRE(popcut.shows("Load sheet 1 of 2"));
-    popcut.type("y\n");
-    REQUIRE(popcut.shows("parking"));
-    popcut.signal(number);
-    CHECK(popcut.ended() == 5);
-    CHECK_FALSE(says(popcut.shown, "Load sheet 2 of 2"));
-    CHECK(says(popcut.shown, "sheet 1: is cut; stopped as you asked before sheet 2"));
+namespace {
+
+/// A drawing of two sheets, cut at a terminal that gets a signal while the first sheet parks.
+struct StoppedWhileParking {
+  bool asked{}, parked{};
+  int exit{};
+  std::string shown;
+};
+
+StoppedWhileParking stop_while_parking(int signal) {
+  const TempFolder desk, cutter_room;
+  AtTerminal cutter(popcut_program(), {"simulate", "--pty", "--machine", "cameo3"}, cutter_room);
+  write_file(desk / "two.svg", R"x(<svg xmlns="http://www.w3.org/2000/svg" width="150mm"
+      height="90mm" viewBox="0 0 150 90"><path stroke="#000"
+      d="M0 0h2M148 0h2M0 88v2M150 88v2"/></svg>)x");
+  AtTerminal popcut(popcut_program(),
+                    {"cut", "two.svg", "--direct", "--device", "serial:" + cutter.first_line(),
+                     "--machine", "cameo3", "--mat", "100x100", "--labels", "none"},
+                    desk);
+  StoppedWhileParking end;
+  end.asked = popcut.shows("Load sheet 1 of 2");
+  popcut.type("y\n");
+  end.parked = popcut.shows("parking");
+  popcut.signal(signal);
+  end.exit = popcut.ended();
+  end.shown = popcut.shown;
+  return end;
+}
+
+}  // namespace
+
+TEST_CASE("a stop while a sheet parks asks for no further sheet", "[cli][e2e][pty]") {
+  // The cutters run by the clock; side by side they take no longer than one.
+  std::map<int, std::future<StoppedWhileParking>> all;
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+    all[signal] = std::async(std::launch::async, stop_while_parking, signal);
+  for (auto& [signal, coming] : all) {
+    const StoppedWhileParking end = coming.get();
+    CAPTURE(signal, end.shown);
+    CHECK(end.asked);
+    CHECK(end.parked);
+    CHECK(end.exit == 5);
+    CHECK_FALSE(says(end.shown, "Load sheet 2 of 2"));
+    CHECK(says(end.shown, "sheet 1: is cut; stopped as you asked before sheet 2"));
   }
 }
 

@@ -222,8 +222,7 @@ TEST_CASE("a design has a drawing for a Cricut if it fits the mat", "[cli][e2e][
   CHECK(text_of_file(bench.temp / "unit/cricut.svg").find("width=\"11.5in\"") != std::string::npos);
 }
 
-TEST_CASE("ezdxf reads the DXF of every example with the sheet's extents",
-          "[cli][e2e][dxf][long]") {
+TEST_CASE("ezdxf reads the DXF of every example with the sheet's extents", "[cli][e2e][dxf]") {
   const Bench bench;
   for (const auto& entry : fs::directory_iterator(kExamples)) {
     if (entry.path().extension() != ".json") continue;
@@ -262,7 +261,7 @@ TEST_CASE("ezdxf reads the DXF of every example with the sheet's extents",
   }
 }
 
-TEST_CASE("the Khronos validator finds no fault in any animation", "[cli][e2e][glb][long]") {
+TEST_CASE("the Khronos validator finds no fault in any animation", "[cli][e2e][glb]") {
   const std::string npm = source_file("build/npm");
   if (!fs::exists(npm + "/node_modules/gltf-validator")) {
     WARN("skipped: build/npm has no gltf-validator ('./run test' puts it there where npm is)");

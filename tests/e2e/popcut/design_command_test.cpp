@@ -76,7 +76,7 @@ TEST_CASE("a design is read from standard input", "[cli][e2e]") {
 }
 
 TEST_CASE("every shipped example becomes a pattern with one degree of freedom",
-          "[cli][e2e][design][long]") {
+          "[cli][e2e][design]") {
   const Bench bench;
   std::istringstream list(bench.design({"--list"}).out);
   int examples = 0;
@@ -144,7 +144,7 @@ void check_makeable(const Bench& bench, const std::string& spec, const std::stri
 }  // namespace
 
 TEST_CASE("README's design and every example can be made as they are, in paper of 220 gsm too",
-          "[cli][e2e][design][long]") {
+          "[cli][e2e][design]") {
   const Bench bench;
   const std::string readme = text_of_file(source_file("README.md"));
   const std::size_t from = readme.find("```json\n") + 8;

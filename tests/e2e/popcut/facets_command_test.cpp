@@ -81,7 +81,7 @@ TEST_CASE("a house looks like a house: its roof and its gable are where they wer
 }
 
 TEST_CASE("a word, a heart and a house with windows open in one movement with all counters cut out",
-          "[cli][e2e][facets][long]") {
+          "[cli][e2e][facets]") {
   const Bench bench;
   for (const char* example : {"letters", "heart", "house"}) {
     INFO(example);

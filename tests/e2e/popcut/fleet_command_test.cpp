@@ -18,6 +18,7 @@
 #include "daemon/fleet/fleet_url.hpp"
 #include "daemon/fleet/postgres_database.hpp"
 #include "tests/support/command_bench.hpp"
+#include "tests/support/needs_postgres.hpp"
 #include "tests/support/postgres_server.hpp"
 #include "tests/support/running_daemon.hpp"
 
@@ -31,12 +32,6 @@ using popcut::daemon::PostgresDatabase;
 using popcut::daemon::StoreFault;
 
 namespace {
-
-bool is_skipped() {
-  const std::string why = PostgresServer::why_not();
-  if (!why.empty()) WARN("skipped: " << why);
-  return !why.empty();
-}
 
 struct FleetBench : CommandBench {
   FreshDatabase database;
@@ -119,7 +114,7 @@ TEST_CASE("the digest of a password is that of RFC 7677", "[fleet]") {
 }
 
 TEST_CASE("fleet init makes the database, its tables and roles, once", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   const CommandBench bench;
   const std::string name = fresh_name("made_");
   const std::string url = shared_postgres().url(name);
@@ -141,7 +136,7 @@ TEST_CASE("fleet init makes the database, its tables and roles, once", "[fleet]"
 }
 
 TEST_CASE("what is wrong with the address of a fleet is said with what would be right", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   const FleetBench bench;
   check_refused_at(bench.popcut({"fleet", "nodes"}), 2, "--database: is missing");
   check_refused_at(bench.popcut({"fleet", "nodes", "--database", "db.lab"}), 2,
@@ -160,7 +155,7 @@ TEST_CASE("what is wrong with the address of a fleet is said with what would be 
 }
 
 TEST_CASE("an older fleet is brought to the next version in one transaction", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   const FleetBench bench;
   bench.init();
   PostgresDatabase database({.url = bench.database.url()});
@@ -192,7 +187,7 @@ TEST_CASE("an older fleet is brought to the next version in one transaction", "[
 
 TEST_CASE("a node that joins gets a login that works, and a new password ends the old one",
           "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   PostgresServer server({.tcp = true});
   const CommandBench bench;
   const auto fleet = [&](std::vector<std::string> words) {
@@ -245,7 +240,7 @@ TEST_CASE("a node that joins gets a login that works, and a new password ends th
 
 TEST_CASE("the address of a node's database may be another than that of who lets it in",
           "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   const FleetBench bench;
   bench.init();
   const auto address = [&](const std::string& host) {
@@ -266,7 +261,7 @@ TEST_CASE("the address of a node's database may be another than that of who lets
 }
 
 TEST_CASE("who looks after a fleet need not be a superuser", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   PostgresServer& server = shared_postgres();
   const CommandBench bench;
   const std::string maker = fresh_name("maker_"), guest = fresh_name("guest_"),
@@ -309,7 +304,7 @@ TEST_CASE("who looks after a fleet need not be a superuser", "[fleet]") {
 }
 
 TEST_CASE("fleet nodes tells of each node what a person needs", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   const FleetBench bench;
   bench.init();
   const Ran none = bench.fleet({"nodes"});
@@ -352,7 +347,7 @@ TEST_CASE("fleet nodes tells of each node what a person needs", "[fleet]") {
 }
 
 TEST_CASE("a node that is alive is not forgotten, and one that is goes with its login", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   const FleetBench bench;
   bench.init();
   const std::string name = fresh_name("gone-");
@@ -381,7 +376,7 @@ TEST_CASE("a node that is alive is not forgotten, and one that is goes with its 
 }
 
 TEST_CASE("a popcutd that was alone moves into a fleet with all that it has", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   const FleetBench bench;
   bench.init();
   const std::string node = fresh_name("lab-"), who = fmt::format("uid:{}", ::getuid());
@@ -479,7 +474,7 @@ TEST_CASE("a popcutd that was alone moves into a fleet with all that it has", "[
 }
 
 TEST_CASE("two that were alone move into one fleet", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   const FleetBench bench;
   bench.init();
   for (const std::string& node : {fresh_name("one-"), fresh_name("two-")}) {
@@ -506,7 +501,7 @@ TEST_CASE("two that were alone move into one fleet", "[fleet]") {
 }
 
 TEST_CASE("doctor tells of a node and its fleet in plain sentences", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   const FleetBench bench;
   bench.init();
   const std::string node = fresh_name("room-");
@@ -593,7 +588,7 @@ TEST_CASE("doctor tells of a node and its fleet in plain sentences", "[fleet]") 
 
 TEST_CASE("doctor tells what keeps a node from its database, and a clock that is wrong",
           "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   PostgresServer server({.tcp = true});
   (void)server.create_database("pop");
   const auto look = [&](const std::string& url, std::int64_t late_ms = 0) {
@@ -632,7 +627,7 @@ TEST_CASE("doctor tells what keeps a node from its database, and a clock that is
 }
 
 TEST_CASE("doctor tells what a failover may lose", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   PostgresServer server({.fsync = true});
   PostgresDatabase database({.url = server.url()});
   (void)popcut::daemon::make_fleet(database);

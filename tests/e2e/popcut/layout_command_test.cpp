@@ -30,7 +30,7 @@ std::string two_digits(std::size_t n) { return (n < 10 ? "0" : "") + std::to_str
 }  // namespace
 
 TEST_CASE("a design larger than the mat is cut sheet by sheet as it was planned",
-          "[cli][e2e][layout][long]") {
+          "[cli][e2e][layout]") {
   const Bench bench;
   const std::vector<std::string> words{kSphere, "--machine", "cameo3", "--mat", "110x110"};
   std::vector<std::string> plan{"plan"};

@@ -41,7 +41,7 @@ TEST_CASE("patches that agree are written and planned as one sheet", "[cli][e2e]
 }
 
 TEST_CASE("patches with seams are patterns of their own that verify and plan",
-          "[cli][e2e][patches][long]") {
+          "[cli][e2e][patches]") {
   const Bench bench;
   json spec = shipped();
   spec["join"] = {"sheet", "seam"};

@@ -43,8 +43,7 @@ struct Bench : CommandBench {
 
 }  // namespace
 
-TEST_CASE("a spec and its FOLD and its SVG files plan to the same sheet",
-          "[cli][e2e][plan][long]") {
+TEST_CASE("a spec and its FOLD and its SVG files plan to the same sheet", "[cli][e2e][plan]") {
   const Bench bench;
   for (const char* example : {"unit", "sphere"}) {
     CAPTURE(example);

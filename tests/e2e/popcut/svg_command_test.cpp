@@ -86,7 +86,7 @@ TEST_CASE("the tolerance of curves and the size of a unit can be set", "[cli][e2
 }
 
 TEST_CASE("a drawing over a limit is refused before it is parsed and the limits can be raised",
-          "[cli][e2e][svg][long]") {
+          "[cli][e2e][svg]") {
   const TempFolder temp;
   // 2^40 paths by two uses of two uses of ...
   std::string bomb = "<svg xmlns='http://www.w3.org/2000/svg'><g id='g0'><path d='M0 0h1'/></g>";

@@ -34,7 +34,7 @@ TEST_CASE("a model whose numbers are no millimetres says which scale makes a car
           "[cli][e2e][targets]") {
   const Bench bench;
   write_file(bench.temp / "hut.obj",
-             popcut::tests::obj(popcut::tests::box_mesh({0, 0, 0}, {6, 8, 5}, false)));
+             popcut::testing::obj(popcut::testing::box_mesh({0, 0, 0}, {6, 8, 5}, false)));
   json spec{
       {"popcut", 1}, {"style", "facets"}, {"surface", {{"type", "mesh"}, {"file", "hut.obj"}}}};
   const auto said = [&] {
@@ -50,7 +50,7 @@ TEST_CASE("a model whose numbers are no millimetres says which scale makes a car
 }
 
 TEST_CASE("a mesh from elsewhere becomes a sound pattern with its error in the report",
-          "[cli][e2e][target][long]") {
+          "[cli][e2e][target]") {
   const fs::path teapot = source_file("../shared/data/meshes/teapot.obj");
   if (!fs::exists(teapot)) {
     WARN("skipped: the public mesh is not here");
@@ -113,7 +113,7 @@ TEST_CASE("a mesh from elsewhere becomes a sound pattern with its error in the r
 TEST_CASE("a placement is tried with the smallest panel of its material", "[cli][e2e][target]") {
   const Bench bench;
   write_file(bench.temp / "ball.stl",
-             popcut::tests::binary_stl(popcut::tests::sphere_mesh(9, 24, 24)));
+             popcut::testing::binary_stl(popcut::testing::sphere_mesh(9, 24, 24)));
   json spec = mesh_spec("ball.stl");
   spec["units_per_slice"] = 18, spec["slices"] = 5, spec["widths_mm"] = 3;
   spec["lattice"] = "conformal";  // whose levels cannot end
@@ -133,8 +133,7 @@ TEST_CASE("a placement is tried with the smallest panel of its material", "[cli]
   CHECK(fine.err.find(limit) == std::string::npos);
 }
 
-TEST_CASE("grids and solids become sound patterns from the command line",
-          "[cli][e2e][target][long]") {
+TEST_CASE("grids and solids become sound patterns from the command line", "[cli][e2e][target]") {
   const Bench bench;
   std::string csv = ",0,10,20,30,40\n";
   for (int y = 0; y <= 60; y += 20)
@@ -156,7 +155,7 @@ TEST_CASE("grids and solids become sound patterns from the command line",
 }
 
 TEST_CASE("unusable targets are refused in one line", "[cli][e2e][target]") {
-  using popcut::tests::binary_stl;
+  using popcut::testing::binary_stl;
   const Bench bench;
   const auto design = [&](const json& spec) {
     bench.write("spec.json", spec);
@@ -164,12 +163,12 @@ TEST_CASE("unusable targets are refused in one line", "[cli][e2e][target]") {
   };
   check_refused(design(mesh_spec("absent.stl")), 3, "spec.json: /surface/file: ");
   write_file(bench.temp / "hole.stl",
-             binary_stl(popcut::tests::box_mesh({-5, -5, -5}, {40, 90, 40}, true)));
+             binary_stl(popcut::testing::box_mesh({-5, -5, -5}, {40, 90, 40}, true)));
   check_refused(design(mesh_spec("hole.stl")), 4, "has a hole there");
   write_file(bench.temp / "away.stl",
-             binary_stl(popcut::tests::box_mesh({-9, 0, -9}, {-5, 90, -5}, false)));
+             binary_stl(popcut::testing::box_mesh({-9, 0, -9}, {-5, 90, -5}, false)));
   check_refused(design(mesh_spec("away.stl")), 4, "no part of the mesh is in the corner");
-  std::string cut = binary_stl(popcut::tests::icosphere(30, 2));
+  std::string cut = binary_stl(popcut::testing::icosphere(30, 2));
   cut.resize(cut.size() / 2);
   write_file(bench.temp / "cut.stl", cut);
   check_refused(design(mesh_spec("cut.stl")), 3, "is the file whole?");

@@ -14,8 +14,8 @@ namespace verify_command_test {
 
 using namespace popcut::testing;
 using nlohmann::json;
-using popcut::tests::box_card;
-using popcut::tests::FoldDraft;
+using popcut::testing::box_card;
+using popcut::testing::FoldDraft;
 
 TEST_CASE("verify of a sound pattern reports its figures and ends with 0", "[cli][e2e][verify]") {
   const TempFolder folder;
@@ -78,7 +78,7 @@ TEST_CASE("verify opens a pattern without frames and says how", "[cli][e2e][veri
 }
 
 TEST_CASE("popcut's own drawings verify with the same freedoms as its FOLD file",
-          "[cli][e2e][verify][long]") {
+          "[cli][e2e][verify]") {
   const std::string examples = source_file("examples/");
   for (const std::string name :
        {"unit", "sphere", "composite", "airfoil", "facade", "multistate"}) {
@@ -106,7 +106,7 @@ TEST_CASE("popcut's own drawings verify with the same freedoms as its FOLD file"
   }
 }
 
-TEST_CASE("slices of a tenth of a millimetre pass through all checks", "[cli][e2e][verify][long]") {
+TEST_CASE("slices of a tenth of a millimetre pass through all checks", "[cli][e2e][verify]") {
   const TempFolder folder;
   write_file(folder / "thin.json",
              R"j({"popcut":1,"surface":{"type":"revolution","radius":"sqrt(200^2-(y-125)^2)"},
@@ -125,7 +125,7 @@ TEST_CASE("slices of a tenth of a millimetre pass through all checks", "[cli][e2
   }
 }
 
-TEST_CASE("every shipped example is designed and verified as sound", "[cli][e2e][verify][long]") {
+TEST_CASE("every shipped example is designed and verified as sound", "[cli][e2e][verify]") {
   const std::string examples = source_file("examples/");
   for (const std::string name : {"unit", "fig2a", "cylinder", "sphere", "saddle", "composite",
                                  "airfoil", "packaging", "facade", "multistate"}) {

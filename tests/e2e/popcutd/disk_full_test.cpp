@@ -194,7 +194,7 @@ class FullDisk {
 }  // namespace
 
 TEST_CASE("a disk that is full at any write of a job stops new work but never a running cut",
-          "[daemon][disk][alone][long]") {
+          "[daemon][disk][alone]") {
   constexpr std::uint64_t kAtOnce = 8;
   // Each write in ./run soak calls.
   const auto in_suite = static_cast<std::uint64_t>(testing::step_of(3, 7)) * kAtOnce;

@@ -92,7 +92,7 @@ class Lab : public RunningDaemon {
 }  // namespace
 
 TEST_CASE("the sessions of a token that is deleted move no knife and their streams end at once",
-          "[daemon][popcutd][access][long]") {
+          "[daemon][popcutd][access]") {
   Lab lab;
   const std::string job = lab.ready_job(lab.design(Lab::lines_svg(3)));
   const Json token = lab.token("operator");
@@ -136,7 +136,7 @@ TEST_CASE("the sessions of a token that is deleted move no knife and their strea
 }
 
 TEST_CASE("the sessions of a user have the role that SIGHUP leaves and end with the last one",
-          "[daemon][popcutd][access][long]") {
+          "[daemon][popcutd][access]") {
   Lab lab;
   const std::string before = text_of_file(lab.daemon().config());
   const auto user = [&](const std::string& role) {
@@ -177,7 +177,7 @@ TEST_CASE("the sessions of a user have the role that SIGHUP leaves and end with 
 }
 
 TEST_CASE("a limit that SIGHUP raises gets its descriptors or popcutd says that it does not",
-          "[daemon][popcutd][access][long]") {
+          "[daemon][popcutd][access]") {
   Lab lab("connections = 20\n");
   const std::string before = text_of_file(lab.daemon().config());
   const auto with = [&](int connections) {

@@ -69,7 +69,7 @@ bool printable(const std::string& text) {
 }  // namespace
 
 TEST_CASE("after any fault of a cutter its job ends with a true ledger and nothing restarts",
-          "[popcutd][faults][long]") {
+          "[popcutd][faults]") {
   Wrongs wrongs;
   // A cable pulled at bytes of some strokes, and between them.
   for (int byte = 400; byte < 520; byte += 5)
@@ -138,7 +138,7 @@ TEST_CASE("after any fault of a cutter its job ends with a true ledger and nothi
 }
 
 TEST_CASE("a cutter that takes no data shows as busy and is cancelled at once",
-          "[popcutd][faults][long]") {
+          "[popcutd][faults][seconds]") {
   Wrongs wrongs;
   wrongs.time_scale = 12;
   wrongs.all = {{R"("at_path": 5, "kind": "nak", "seconds": 100000)", "", "", ""},
@@ -171,20 +171,20 @@ TEST_CASE("a cutter that takes no data shows as busy and is cancelled at once",
   manager.feedings();
   CHECK(happens([&] { return manager.feedings() > 0; }));
   CHECK(happens([&] { return popcutd.ask("GET", "/readyz").status == 200; }));
-  double quickest_s = 60;
+  bool is_quick = false;  // one of them: the other may have met a machine that was busy otherwise
   for (std::size_t k : {0U, 1U}) {
     CAPTURE(k);
     const auto begun = steady_clock::now();
     popcutd.act(jobs[k], "cancel");
     const Json job =
         popcutd.await(jobs[k], [](const Json& now) { return now["state"] == "cancelled"; });
-    quickest_s = std::min(quickest_s, seconds_since(begun));
+    is_quick = is_quick || in_time(begun, 1);
     CHECK(wrong_in(popcutd.ledger(jobs[k]), kFew, lines_cut(wrongs.trace(k), kFew)) == "");
   }
-  CHECK(quickest_s < 1);  // the other may have met a machine that was busy otherwise
+  CHECK(is_quick);
 }
 
-TEST_CASE("popcutd ends in time although a cutter takes no data", "[popcutd][faults][long]") {
+TEST_CASE("popcutd ends in time although a cutter takes no data", "[popcutd][faults][seconds]") {
   Wrongs wrongs;
   wrongs.time_scale = 20;
   wrongs.all = {{R"("at_path": 5, "kind": "nak", "seconds": 100000)", "", "", ""},
@@ -203,7 +203,7 @@ TEST_CASE("popcutd ends in time although a cutter takes no data", "[popcutd][fau
   const auto begun = steady_clock::now();
   popcutd.daemon().signal(SIGTERM);
   CHECK(popcutd.daemon().wait() == 0);
-  CHECK(seconds_since(begun) < 30);  // of the 45 that a service manager grants
+  CHECK(in_time(begun, 30));  // of the 45 that a service manager grants
   popcutd.open();
   for (std::size_t k = 0; k < jobs.size(); ++k) {
     CAPTURE(k);
@@ -214,8 +214,7 @@ TEST_CASE("popcutd ends in time although a cutter takes no data", "[popcutd][fau
   }
 }
 
-TEST_CASE("a cutter's replies reach terminals and pages only as plain text",
-          "[popcutd][faults][long]") {
+TEST_CASE("a cutter's replies reach terminals and pages only as plain text", "[popcutd][faults]") {
   // Escape sequences in both forms, a tag, and what ends a JSON text.
   const std::string evil =
       R"(\u001b[2J\u001b]0;owned\u0007<img src=x onerror=alert(1)>\"}\u009b31m V1.0)";
@@ -263,8 +262,7 @@ TEST_CASE("a cutter's replies reach terminals and pages only as plain text",
   }
 }
 
-TEST_CASE("a name is plain text and never a path or an escape sequence",
-          "[popcutd][faults][long]") {
+TEST_CASE("a name is plain text and never a path or an escape sequence", "[popcutd][faults]") {
   RunningDaemon popcutd;
   popcutd.open();
   const std::string svg = RunningDaemon::lines_svg(3);

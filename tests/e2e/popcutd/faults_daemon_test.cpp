@@ -89,7 +89,7 @@ class QuickClient {
 }  // namespace
 
 TEST_CASE("a disk that fails once stops the knife after its stroke and nothing is written then",
-          "[popcutd][faults][alone][long]") {
+          "[popcutd][faults][alone]") {
   constexpr int kLines = 160;
   FaultyShop faulty(8);
   RunningDaemon& popcutd = faulty.popcutd;
@@ -124,7 +124,7 @@ TEST_CASE("a disk that fails once stops the knife after its stroke and nothing i
 }
 
 TEST_CASE("a journal of intents that cannot be written stops the knife",
-          "[popcutd][faults][alone][long]") {
+          "[popcutd][faults][alone]") {
   constexpr int kLines = 160;
   FaultyShop faulty(8);
   RunningDaemon& popcutd = faulty.popcutd;
@@ -146,7 +146,7 @@ TEST_CASE("a journal of intents that cannot be written stops the knife",
 }
 
 TEST_CASE("popcutd that lost the end of its log after a kill cuts no stroke twice",
-          "[popcutd][faults][alone][long]") {
+          "[popcutd][faults][alone]") {
   namespace fs = std::filesystem;
   constexpr int kLines = 80;
   constexpr std::uintmax_t kFrame = 24 + 4096;
@@ -193,7 +193,7 @@ TEST_CASE("popcutd that lost the end of its log after a kill cuts no stroke twic
 }
 
 TEST_CASE("a clock that jumps by years affects no armed job and no cut and no order",
-          "[popcutd][faults][long]") {
+          "[popcutd][faults]") {
   constexpr int kLines = 12;
   FaultyShop faulty(40);
   RunningDaemon& popcutd = faulty.popcutd;
@@ -232,7 +232,7 @@ TEST_CASE("a clock that jumps by years affects no armed job and no cut and no or
 }
 
 TEST_CASE("one key makes one job even if popcutd is killed between the commit and the answer",
-          "[popcutd][faults][alone][long]") {
+          "[popcutd][faults][alone]") {
   FaultyShop faulty(0, "connections = 400\n");
   RunningDaemon& popcutd = faulty.popcutd;
   faulty.open();
@@ -305,7 +305,7 @@ TEST_CASE("one key makes one job even if popcutd is killed between the commit an
 }
 
 TEST_CASE("exactly one of 64 clients that start or stop a knife at once succeeds",
-          "[popcutd][faults][long]") {
+          "[popcutd][faults]") {
   RunningDaemon popcutd(5, "connections = 400\n");
   popcutd.open();
   const std::string design = popcutd.design(RunningDaemon::lines_svg(60));
@@ -343,8 +343,7 @@ TEST_CASE("exactly one of 64 clients that start or stop a knife at once succeeds
   }
 }
 
-TEST_CASE("the watchdog is not fed while any thread of popcutd hangs",
-          "[popcutd][faults][alone][long]") {
+TEST_CASE("the watchdog is not fed while any thread of popcutd hangs", "[popcutd][faults][alone]") {
   const auto starve = [](Blocked where) -> std::string {
     ServiceManagerSocket manager;
     FaultyShop faulty(3);
@@ -395,7 +394,7 @@ TEST_CASE("the watchdog is not fed while any thread of popcutd hangs",
 }
 
 TEST_CASE("damage that is found after the start ends popcutd before anything is armed",
-          "[popcutd][faults][alone][long]") {
+          "[popcutd][faults][alone]") {
   RunningDaemon popcutd;
   popcutd.open();
   (void)popcutd.design(RunningDaemon::lines_svg(2));
@@ -437,7 +436,7 @@ TEST_CASE("damage that is found after the start ends popcutd before anything is 
 }
 
 TEST_CASE("an earlier popcutd does not touch the database of a later one",
-          "[popcutd][faults][alone][long]") {
+          "[popcutd][faults][alone]") {
   RunningDaemon popcutd;
   popcutd.open();
   (void)popcutd.design(RunningDaemon::lines_svg(2));
@@ -460,7 +459,7 @@ TEST_CASE("an earlier popcutd does not touch the database of a later one",
 }
 
 TEST_CASE("a symbolic link among the state folders is refused and its target is not touched",
-          "[popcutd][faults][long]") {
+          "[popcutd][faults]") {
   RunningDaemon popcutd;
   TempFolder elsewhere;
   write_file(elsewhere / "precious", "mine");

@@ -185,7 +185,7 @@ bool is_served(std::uint16_t port) {
 }  // namespace
 
 TEST_CASE("a cut continues and can be held whatever clients do and nothing is left behind",
-          "[popcutd][faults][long]") {
+          "[popcutd][faults]") {
   RunningDaemon popcutd(8);
   popcutd.open();
   const auto port = port_of(popcutd);
@@ -223,7 +223,7 @@ TEST_CASE("a cut continues and can be held whatever clients do and nothing is le
 }
 
 TEST_CASE("a client that stops reading in the middle of an answer delays nobody else",
-          "[popcutd][faults][long]") {
+          "[popcutd][faults]") {
   RunningDaemon popcutd(20);
   popcutd.open();
   const std::string id = popcutd.ready_job(popcutd.design(RunningDaemon::lines_svg(30)));
@@ -251,7 +251,7 @@ TEST_CASE("a client that stops reading in the middle of an answer delays nobody 
 }
 
 TEST_CASE("any number of connections leaves descriptors for a cut and for stopping it",
-          "[popcutd][faults][long]") {
+          "[popcutd][faults]") {
   constexpr int kLeft = 40;  // docs/api.md
   constexpr int kMany = 90;  // nine seconds, of which the crowd takes one
   RunningDaemon popcutd(8);
@@ -281,7 +281,7 @@ TEST_CASE("any number of connections leaves descriptors for a cut and for stoppi
 // UBSan asks a pipe whether an object can be read: without descriptors it calls each one broken.
 #ifndef __SANITIZE_ADDRESS__
 TEST_CASE("connections that arrive when all descriptors are used wait and are served later",
-          "[popcutd][faults][long]") {
+          "[popcutd][faults]") {
   RunningDaemon popcutd(20, "header_s = 2\n");
   popcutd.open();
   const std::string id = popcutd.ready_job(popcutd.design(RunningDaemon::lines_svg(30)));

@@ -8,17 +8,14 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <thread>
 
 #include <catch2/catch.hpp>
 
 #include "tests/support/fleet_nodes.hpp"
+#include "tests/support/needs_postgres.hpp"
 #include "tests/support/received_log.hpp"
-
-#define NEEDS_POSTGRES()                                                 \
-  if (const std::string why = PostgresServer::why_not(); !why.empty()) { \
-    WARN("skipped: " << why);                                            \
-    return;                                                              \
-  }
+#include "tests/support/timing.hpp"
 
 /// What tests of cuts in a fleet ask and look at.
 namespace fleet_cuts {
@@ -27,10 +24,6 @@ using namespace popcut;
 using namespace popcut::testing;
 using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
-
-inline double since(Clock::time_point then) {
-  return std::chrono::duration<double>(Clock::now() - then).count();
-}
 
 /// Waits until the knife has been down.
 inline void await_knife(RunningDaemon& node, const std::string& job) {
@@ -66,6 +59,19 @@ inline void await_nodes(FleetNodes& fleet) {
       return fleet.is_alive(k) && fleet[k].ask("GET", "/v1/jobs?limit=1").status == 200;
     }));
   }
+}
+
+/// Waits until the knife of the first node stands, which it must do before its last line: for three
+/// seconds, in which it would cut several lines at a `time_scale` of 0.5.
+inline void check_knife_stands(FleetNodes& fleet, int lines) {
+  std::size_t cut = 0, before = 1;
+  const auto all = static_cast<std::size_t>(lines);
+  while (cut != before && cut < all) {
+    before = fleet.lines_cut(1, lines).size();
+    std::this_thread::sleep_for(std::chrono::seconds(3));
+    cut = fleet.lines_cut(1, lines).size();
+  }
+  CHECK(cut < all);
 }
 
 inline Json sheet_1() { return {{"sheet", 1}}; }

@@ -68,7 +68,7 @@ std::string job_for_any(FleetNodes& fleet, int lines = kLines) {
 }  // namespace
 
 TEST_CASE("a synchronous standby takes over while the knife is down and nothing is lost",
-          "[fleet][failover][long]") {
+          "[fleet][failover]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = kSlow, .standby = Standby::Synchronous});
   fleet.open();
@@ -95,8 +95,7 @@ TEST_CASE("a synchronous standby takes over while the knife is down and nothing 
   CHECK(cut_twice(fleet, job) + cut_twice(fleet, next) == 0);
 }
 
-TEST_CASE("a standby takes over just as a cut ends, which is recorded once",
-          "[fleet][failover][long]") {
+TEST_CASE("a standby takes over just as a cut ends, which is recorded once", "[fleet][failover]") {
   NEEDS_POSTGRES();
   const bool is_stored = GENERATE(true, false);
   CAPTURE(is_stored);
@@ -128,7 +127,7 @@ TEST_CASE("a standby takes over just as a cut ends, which is recorded once",
   CHECK(cut_twice(fleet, job) == 0);
 }
 
-TEST_CASE("a START that no standby confirmed moves no knife", "[fleet][failover][long]") {
+TEST_CASE("a START that no standby confirmed moves no knife", "[fleet][failover]") {
   NEEDS_POSTGRES();
   const bool is_stored = GENERATE(true, false);
   CAPTURE(is_stored);
@@ -170,7 +169,7 @@ TEST_CASE("a START that no standby confirmed moves no knife", "[fleet][failover]
 }
 
 TEST_CASE("a standby that never got the START takes over while the knife is down",
-          "[fleet][failover][long]") {
+          "[fleet][failover]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = 2, .standby = Standby::Asynchronous});
   fleet.open();
@@ -204,7 +203,7 @@ TEST_CASE("a standby that never got the START takes over while the knife is down
 }
 
 TEST_CASE("a standby that never got the START takes over after the sheet was cut",
-          "[fleet][failover][long]") {
+          "[fleet][failover]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.standby = Standby::Asynchronous});
   fleet.open();
@@ -235,7 +234,7 @@ TEST_CASE("a standby that never got the START takes over after the sheet was cut
 }
 
 TEST_CASE("a standby that never got the START takes over and its node is dead: nobody arms",
-          "[fleet][failover][long]") {
+          "[fleet][failover]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.time_scale = kSlow, .standby = Standby::Asynchronous});
   fleet.open();
@@ -276,7 +275,7 @@ TEST_CASE("a standby that never got the START takes over and its node is dead: n
 }
 
 TEST_CASE("two databases take writes: only where all nodes are is a sheet armed",
-          "[fleet][failover][long]") {
+          "[fleet][failover]") {
   NEEDS_POSTGRES();
   FleetNodes fleet({.proxies = true, .standby = Standby::Asynchronous});
   fleet.open();

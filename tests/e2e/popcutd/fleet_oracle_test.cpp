@@ -79,7 +79,7 @@ class People {
   std::atomic<int> asked{0}, done{0}, starts{0}, resumes{0}, unanswered{0};
 
  private:
-  struct Person {
+  struct User {
     int node;
     std::mt19937 random;
     client::Api api;
@@ -90,7 +90,7 @@ class People {
     const auto address = client::parse_address("unix:" + fleet_[node].daemon().socket());
     client::HttpClient http({*address}, "");
     http.set_tries(0);
-    Person me{node, std::mt19937(seed), client::Api(std::move(http))};
+    User me{node, std::mt19937(seed), client::Api(std::move(http))};
     while (!over_) {
       nap(0.02 + 0.0005 * static_cast<double>(me.pick(200)));
       const auto jobs = me.api.list("/v1/jobs?order=desc", "jobs", 200);
@@ -109,7 +109,7 @@ class People {
     }
   }
 
-  void create(Person& me) {
+  void create(User& me) {
     Json request{{"design", design_}, {"options", {{"order", "keep"}}}};
     const auto job = me.api.post("/v1/jobs", request, "jobs");
     if (!job) return;
@@ -117,7 +117,7 @@ class People {
     accepted_.insert(text_of(*job, "id"));
   }
 
-  bool act(Person& me, const Json& job, const std::string& action, const Json& body) {
+  bool act(User& me, const Json& job, const std::string& action, const Json& body) {
     ++asked;
     const auto done_it = me.api.act(job, action, body);
     if (!done_it) return false;
@@ -126,7 +126,7 @@ class People {
     return true;
   }
 
-  void step(Person& me, const Json& job) {
+  void step(User& me, const Json& job) {
     const std::string state = text_of(job, "state");
     const Json sheet{{"sheet", job["sheet"]}};
     const std::string own = FleetNodes::device(me.node);
@@ -149,7 +149,7 @@ class People {
   }
 
   // Twice at once, as impatient people do.
-  bool act_again(Person& me, const Json& job, const std::string& action, const Json& body) {
+  bool act_again(User& me, const Json& job, const std::string& action, const Json& body) {
     const auto now = me.api.get("/v1/jobs/" + text_of(job, "id"), "");
     if (!now) return false;
     const bool first = act(me, *now, action, body);
@@ -157,7 +157,7 @@ class People {
     return first;
   }
 
-  void mend(Person& me, const Json& job) {
+  void mend(User& me, const Json& job) {
     const std::string id = text_of(job, "id");
     const Json sheet{{"sheet", job["sheet"]}};
     const auto ledger = me.api.get("/v1/jobs/" + id + "/sheets/1/ledger", id);
@@ -434,11 +434,8 @@ std::string words_of(const std::map<std::string, int>& states) {
 }  // namespace
 
 TEST_CASE("a fleet in which everything dies cuts nothing twice and loses no job",
-          "[fleet][oracle][long]") {
-  if (const std::string why = PostgresServer::why_not(); !why.empty()) {
-    WARN("skipped: " << why);
-    return;
-  }
+          "[fleet][oracle]") {
+  NEEDS_POSTGRES();
   const auto seed = static_cast<std::uint32_t>(number_from("POPCUT_FLEET_SEED", 1));
   const int seconds = number_from("POPCUT_FLEET_S", 15);
   const int nodes = number_from("POPCUT_FLEET_NODES", 3);

@@ -60,8 +60,9 @@ std::string device(const std::string& id, const char* machine, double time_scale
 constexpr int kLines = 30;
 
 /// A popcutd with cutters that go wrong, and a person who has only what popcut prints.
-struct Shop : DaemonWithCli {
-  explicit Shop(const std::string& more, double time_scale = 0) : DaemonWithCli(time_scale, more) {
+struct Workshop : DaemonWithCli {
+  explicit Workshop(const std::string& more, double time_scale = 0)
+      : DaemonWithCli(time_scale, more) {
     write_file(file("lines.svg"), RunningDaemon::lines_svg(kLines));
   }
   [[nodiscard]] std::string file(const std::string& name) const {
@@ -109,12 +110,12 @@ const char* const kStall = R"j({"popcut": 1, "faults": [{"at_path": 6, "kind": "
 
 }  // namespace
 
-TEST_CASE("every refusal names a command that cures it", "[popcutd][cli][next][long]") {
+TEST_CASE("every refusal names a command that cures it", "[popcutd][cli][next]") {
   const TempFolder scripts;
   const std::string stall = (scripts / "stall.json").string();
   write_file(stall, kStall);
-  Shop shop(device("sim:slow", "cameo3", 1) + device("sim:stuck", "cameo3", 0, stall) +
-            device("sim:wide", "cameo4", 0));
+  Workshop shop(device("sim:slow", "cameo3", 1) + device("sim:stuck", "cameo3", 0, stall) +
+                device("sim:wide", "cameo4", 0));
   shop.open();
   const std::string id = shop.queue("sim:cameo3"), other = shop.queue("sim:cameo3");
   const auto arm = Words{"arm", id, "1"};
@@ -245,7 +246,7 @@ namespace {
 
 /// Somebody at the terminal who does nothing but run the command that stands in the last message.
 struct Hand {
-  const Shop& shop;
+  const Workshop& shop;
   std::string id;
   bool skips{};  ///< of what is in doubt: skip it, else cut it again
   std::vector<std::string> typed{};
@@ -288,7 +289,7 @@ struct Hand {
 }  // namespace
 
 TEST_CASE("a shift at two cutters is worked with the printed commands alone",
-          "[popcutd][cli][next][long]") {
+          "[popcutd][cli][next]") {
   const TempFolder scripts;
   const std::string left = (scripts / "left.json").string();
   const std::string right = (scripts / "right.json").string();
@@ -305,7 +306,7 @@ TEST_CASE("a shift at two cutters is worked with the printed commands alone",
   const auto script = [&](const std::string& file, const Fault& fault) {
     write_file(file, fmt::format(R"j({{"popcut": 1, "faults": [{{{}}}]}})j", fault.members));
   };
-  Shop shop(device("sim:left", "cameo3", 0, left) + device("sim:right", "cameo3", 0, right), 8);
+  Workshop shop(device("sim:left", "cameo3", 0, left) + device("sim:right", "cameo3", 0, right), 8);
   for (std::size_t k = 0; k < faults.size(); ++k) {
     CAPTURE(faults[k].reason);
     if (k % 2 == 0) {
@@ -340,8 +341,8 @@ TEST_CASE("a shift at two cutters is worked with the printed commands alone",
 }
 
 TEST_CASE("a watched job that popcutd no longer has leaves the view and is asked for no more",
-          "[popcutd][cli][next][long]") {
-  Shop shop("");
+          "[popcutd][cli][next]") {
+  Workshop shop("");
   shop.open();
   const std::string gone = shop.queue("sim:cameo3"), ended = shop.queue("sim:cameo3");
   AtTerminal view(popcut_program(), {"jobs", "--watch"}, shop.daemon.folder());

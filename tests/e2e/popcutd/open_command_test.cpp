@@ -130,23 +130,23 @@ struct Started {
   }
 };
 
-struct Desk : DaemonWithCli {
-  Desk() { open(); }
+struct Workshop : DaemonWithCli {
+  Workshop() { open(); }
 };
 
 }  // namespace
 
 TEST_CASE("popcut open opens the page in the browser with a word that works once",
-          "[popcutd][open][long]") {
+          "[popcutd][open]") {
   Screen screen;
   screen.browser();
-  Desk desk;
-  const Ran ran = desk.popcut({"open"});
+  Workshop shop;
+  const Ran ran = shop.popcut({"open"});
   INFO(ran.out << ran.err);
   REQUIRE(ran.exit == 0);
   const Page page = page_in(screen.opened());
   // Over the socket popcutd says where its page is: it chose a port of its own.
-  CHECK(page.base == "http://localhost:" + desk.daemon.url().substr(17) + "/");
+  CHECK(page.base == "http://localhost:" + shop.daemon.url().substr(17) + "/");
   auto http = client_of(page.base);
   const auto index = http.ask({.target = "/"});
   REQUIRE(index);
@@ -156,12 +156,12 @@ TEST_CASE("popcut open opens the page in the browser with a word that works once
   CHECK(session_of(page) == "401");
   // What is printed or logged may be read later, by others.
   CHECK_FALSE(says(ran.out + ran.err, page.word));
-  CHECK_FALSE(says(desk.daemon.log(), page.word));
+  CHECK_FALSE(says(shop.daemon.log(), page.word));
   CHECK(says(ran.out, "opened " + page.base));
 }
 
-TEST_CASE("popcut open prints the address where no browser opens it", "[popcutd][open][long]") {
-  Desk desk;
+TEST_CASE("popcut open prints the address where no browser opens it", "[popcutd][open]") {
+  Workshop shop;
   const auto printed = [&](const Ran& ran) {
     INFO(ran.out << ran.err);
     REQUIRE(ran.exit == 0);
@@ -170,11 +170,11 @@ TEST_CASE("popcut open prints the address where no browser opens it", "[popcutd]
   SECTION("it was asked to print") {
     Screen screen;
     screen.browser();
-    const Ran ran = desk.popcut({"open", "--print"});
+    const Ran ran = shop.popcut({"open", "--print"});
     CHECK(printed(ran) == "admin");
     CHECK(says(ran.err, "within a minute"));
-    CHECK(desk.popcut({"open", "--print", "-q"}).err.empty());
-    const Ran json = desk.popcut({"open", "--json"});
+    CHECK(shop.popcut({"open", "--print", "-q"}).err.empty());
+    const Ran json = shop.popcut({"open", "--json"});
     CHECK(Json::parse(json.out).at("url").get<std::string>().find("#t=") != std::string::npos);
     CHECK_FALSE(std::filesystem::exists(screen.folder / "opened"));
   }
@@ -182,13 +182,13 @@ TEST_CASE("popcut open prints the address where no browser opens it", "[popcutd]
     Screen screen;
     screen.browser();
     screen.environment.unset("DISPLAY");
-    CHECK(printed(desk.popcut({"open"})) == "admin");
+    CHECK(printed(shop.popcut({"open"})) == "admin");
     CHECK_FALSE(std::filesystem::exists(screen.folder / "opened"));
   }
   SECTION("the browser fails") {
     Screen screen;
     screen.browser("exit 3");
-    const Ran ran = desk.popcut({"open"});
+    const Ran ran = shop.popcut({"open"});
     CHECK(printed(ran) == "admin");
     CHECK(says(ran.err, "no browser was found"));
     CHECK_FALSE(says(ran.out, "opening"));
@@ -196,11 +196,11 @@ TEST_CASE("popcut open prints the address where no browser opens it", "[popcutd]
   SECTION("there is no xdg-open") {
     Screen screen;
     screen.environment.set("PATH", screen.folder.path().string());
-    CHECK(printed(desk.popcut({"open"})) == "admin");
+    CHECK(printed(shop.popcut({"open"})) == "admin");
   }
 }
 
-TEST_CASE("popcut open starts a popcutd that goes on if none runs", "[popcutd][open][long]") {
+TEST_CASE("popcut open starts a popcutd that goes on if none runs", "[popcutd][open]") {
   Screen screen;
   screen.browser();
   TempFolder home;
@@ -260,7 +260,7 @@ TEST_CASE("popcut open starts a popcutd that goes on if none runs", "[popcutd][o
   }
 }
 
-TEST_CASE("popcut open says what a popcutd without TCP needs", "[popcutd][open][long]") {
+TEST_CASE("popcut open says what a popcutd without TCP needs", "[popcutd][open]") {
   TempFolder folder;
   Environment environment;
   DaemonProcess daemon(popcutd_program());

@@ -19,15 +19,15 @@ namespace {
 const std::string kUnit = source_file("examples/unit.json");
 
 /// Two cutters of two models.
-struct Desk : DaemonWithCli {
-  explicit Desk(const std::string& materials = "")
+struct Workshop : DaemonWithCli {
+  explicit Workshop(const std::string& materials = "")
       : DaemonWithCli(0, "[[device]]\nid = \"sim:portrait3\"\ntime_scale = 0\n" + materials) {
     ::setenv("XDG_CONFIG_HOME", (daemon.folder() / "config").c_str(), 1);
     open();
   }
-  ~Desk() { ::unsetenv("XDG_CONFIG_HOME"); }
-  Desk(const Desk&) = delete;
-  Desk& operator=(const Desk&) = delete;
+  ~Workshop() { ::unsetenv("XDG_CONFIG_HOME"); }
+  Workshop(const Workshop&) = delete;
+  Workshop& operator=(const Workshop&) = delete;
   [[nodiscard]] std::string ready(const std::vector<std::string>& more = {}) const {
     std::vector<std::string> words{"cut", "-q", kUnit};
     words.insert(words.end(), more.begin(), more.end());
@@ -62,96 +62,96 @@ bool warns(const Json& job, const std::string& code) {
 }  // namespace
 
 TEST_CASE("a job is planned for the cutter that is set up for its material",
-          "[popcutd][cli][plan-again][long]") {
-  const Desk desk("materials = [\"pp-150\"]\n");
-  const Json here = desk.job(desk.ready({"--material", "pp-150"}));
+          "[popcutd][cli][plan-again]") {
+  const Workshop shop("materials = [\"pp-150\"]\n");
+  const Json here = shop.job(shop.ready({"--material", "pp-150"}));
   CHECK(here["load"]["machine"] == "portrait3");
   CHECK(here["load"]["side"] == "pop-up");
   CHECK_FALSE(warns(here, "cutter_chosen"));
-  CHECK(desk.job(desk.ready({"--material", "paper-220"}))["load"]["machine"] == "cameo3");
+  CHECK(shop.job(shop.ready({"--material", "paper-220"}))["load"]["machine"] == "cameo3");
 }
 
 TEST_CASE("where two models would do popcut says which it chose and how to choose the other",
-          "[popcutd][cli][plan-again][long]") {
-  const Desk desk;
-  const std::string id = desk.ready();
-  const Json job = desk.job(id);
+          "[popcutd][cli][plan-again]") {
+  const Workshop shop;
+  const std::string id = shop.ready();
+  const Json job = shop.job(id);
   CHECK(job["load"]["machine"] == "cameo3");
   CHECK(warns(job, "cutter_chosen"));
   CHECK(job["unaccepted_warnings"].empty());
-  CHECK(says(desk.popcut({"jobs", id}).out,
+  CHECK(says(shop.popcut({"jobs", id}).out,
              fmt::format("it can be planned again for sim:portrait3: popcut change {} --device ID",
                          id.substr(0, 12))));
 
-  const Ran refused = desk.popcut({"arm", id, "1", "--device", "sim:portrait3"});
+  const Ran refused = shop.popcut({"arm", id, "1", "--device", "sim:portrait3"});
   CHECK(refused.exit == 5);
   const Ran again =
-      desk.follow(refused.err, fmt::format("popcut change {} --device sim:portrait3", id));
+      shop.follow(refused.err, fmt::format("popcut change {} --device sim:portrait3", id));
   INFO(again.err);
   CHECK(again.exit == 0);
-  REQUIRE(desk.comes_to(id, "ready"));
-  const Json changed = desk.job(id);
+  REQUIRE(shop.comes_to(id, "ready"));
+  const Json changed = shop.job(id);
   CHECK(changed["load"]["machine"] == "portrait3");
   CHECK(changed["plan"] != job["plan"]);
   CHECK_FALSE(warns(changed, "cutter_chosen"));
-  CHECK(desk.popcut({"arm", id}).exit == 0);
-  CHECK(desk.popcut({"start", id, "--wait"}).exit == 0);
-  CHECK(desk.job(id)["device"] == "sim:portrait3");
+  CHECK(shop.popcut({"arm", id}).exit == 0);
+  CHECK(shop.popcut({"start", id, "--wait"}).exit == 0);
+  CHECK(shop.job(id)["device"] == "sim:portrait3");
 }
 
 TEST_CASE("another cutter or material is refused with the command that plans again",
-          "[popcutd][cli][plan-again][long]") {
-  const Desk desk;
-  const std::string id = desk.ready();
-  const Ran device = desk.popcut({"change", id, "--device", "sim:portrait3"});
+          "[popcutd][cli][plan-again]") {
+  const Workshop shop;
+  const std::string id = shop.ready();
+  const Ran device = shop.popcut({"change", id, "--device", "sim:portrait3"});
   CHECK(device.exit != 0);
   CHECK(says(device.err, fmt::format("popcut change {} --device sim:portrait3 --plan-again", id)));
-  const Ran material = desk.popcut({"change", id, "--material", "pp-150"});
+  const Ran material = shop.popcut({"change", id, "--material", "pp-150"});
   CHECK(material.exit != 0);
   CHECK(says(material.err, "--plan-again"));
-  CHECK(desk.popcut({"change", id, "--material", "pp-150", "--plan-again"}).exit == 0);
-  REQUIRE(desk.comes_to(id, "ready"));
-  CHECK(desk.job(id)["material"] == "pp-150");
-  CHECK(desk.job(id)["load"]["material"] == "pp-150");
+  CHECK(shop.popcut({"change", id, "--material", "pp-150", "--plan-again"}).exit == 0);
+  REQUIRE(shop.comes_to(id, "ready"));
+  CHECK(shop.job(id)["material"] == "pp-150");
+  CHECK(shop.job(id)["load"]["material"] == "pp-150");
 }
 
 TEST_CASE("a job for a site waits until a cutter stands there or it is for any site",
-          "[popcutd][cli][plan-again][long]") {
-  const Desk desk;
-  const std::string id = desk.ready({"--site", "top floor"});
-  CHECK(desk.job(id)["site"] == "top floor");
-  CHECK(warns(desk.job(id), "no_cutter_at_site"));
-  CHECK(says(desk.popcut({"jobs", id}).out, "no cutter is at site top floor"));
-  const Ran refused = desk.popcut({"arm", id});
+          "[popcutd][cli][plan-again]") {
+  const Workshop shop;
+  const std::string id = shop.ready({"--site", "top floor"});
+  CHECK(shop.job(id)["site"] == "top floor");
+  CHECK(warns(shop.job(id), "no_cutter_at_site"));
+  CHECK(says(shop.popcut({"jobs", id}).out, "no cutter is at site top floor"));
+  const Ran refused = shop.popcut({"arm", id});
   CHECK(refused.exit == 5);
   CHECK(says(refused.err, "sim:cameo3: it is at no site; the job is for site top floor"));
   CHECK(says(refused.err, fmt::format("popcut change {} --site ''", id)));
   const Ran contrary =
-      desk.popcut({"cut", "-q", kUnit, "--site", "top floor", "--device", "sim:cameo3"});
+      shop.popcut({"cut", "-q", kUnit, "--site", "top floor", "--device", "sim:cameo3"});
   CHECK(contrary.exit == 2);
   CHECK(says(contrary.err, "--site: is \"top floor\"; sim:cameo3 is at no site"));
-  const Ran direct = desk.popcut({"cut", "--direct", kUnit, "--site", "top floor"});
+  const Ran direct = shop.popcut({"cut", "--direct", kUnit, "--site", "top floor"});
   CHECK(direct.exit == 2);
-  CHECK(desk.popcut({"change", id, "--site", ""}).exit == 0);
-  CHECK(desk.job(id)["site"].is_null());
-  CHECK_FALSE(warns(desk.job(id), "no_cutter_at_site"));
-  CHECK(desk.popcut({"arm", id}).exit == 0);
+  CHECK(shop.popcut({"change", id, "--site", ""}).exit == 0);
+  CHECK(shop.job(id)["site"].is_null());
+  CHECK_FALSE(warns(shop.job(id), "no_cutter_at_site"));
+  CHECK(shop.popcut({"arm", id}).exit == 0);
 }
 
-TEST_CASE("a job of which something was cut keeps its plan", "[popcutd][cli][plan-again][long]") {
-  const Desk desk;
-  const std::string id = desk.ready({"--copies", "2"});
-  const Json before = desk.job(id);
-  CHECK(desk.popcut({"arm", id}).exit == 0);
-  const Ran armed = desk.popcut({"change", id, "--plan-again"});
+TEST_CASE("a job of which something was cut keeps its plan", "[popcutd][cli][plan-again]") {
+  const Workshop shop;
+  const std::string id = shop.ready({"--copies", "2"});
+  const Json before = shop.job(id);
+  CHECK(shop.popcut({"arm", id}).exit == 0);
+  const Ran armed = shop.popcut({"change", id, "--plan-again"});
   CHECK(armed.exit == 5);
-  CHECK(desk.popcut({"start", id, "--wait"}).exit == 0);
-  REQUIRE(desk.comes_to(id, "ready"));
-  const Ran refused = desk.popcut({"change", id, "--device", "sim:portrait3", "--plan-again"});
+  CHECK(shop.popcut({"start", id, "--wait"}).exit == 0);
+  REQUIRE(shop.comes_to(id, "ready"));
+  const Ran refused = shop.popcut({"change", id, "--device", "sim:portrait3", "--plan-again"});
   CHECK(refused.exit == 5);
   CHECK(says(refused.err, "cut already"));
-  CHECK(!says(desk.popcut({"arm", id, "2", "--device", "sim:portrait3"}).err, "--plan-again"));
-  CHECK(desk.job(id)["plan"] == before["plan"]);
+  CHECK(!says(shop.popcut({"arm", id, "2", "--device", "sim:portrait3"}).err, "--plan-again"));
+  CHECK(shop.job(id)["plan"] == before["plan"]);
 }
 
 }  // namespace plan_again_test

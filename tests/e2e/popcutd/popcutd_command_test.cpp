@@ -34,14 +34,14 @@ namespace {
 const std::string kUnit = source_file("examples/unit.json");
 
 /// A popcutd and its client, with users' tables of their own.
-struct Desk : DaemonWithCli {
-  explicit Desk(const std::string& more = "", double time_scale = 0)
+struct Workshop : DaemonWithCli {
+  explicit Workshop(const std::string& more = "", double time_scale = 0)
       : DaemonWithCli(time_scale, more) {
     ::setenv("XDG_CONFIG_HOME", (daemon.folder() / "config").c_str(), 1);
   }
-  ~Desk() { ::unsetenv("XDG_CONFIG_HOME"); }
-  Desk(const Desk&) = delete;
-  Desk& operator=(const Desk&) = delete;
+  ~Workshop() { ::unsetenv("XDG_CONFIG_HOME"); }
+  Workshop(const Workshop&) = delete;
+  Workshop& operator=(const Workshop&) = delete;
   void table(const std::string& name, const std::string& text) const {
     std::filesystem::create_directories(daemon.folder() / "config/popcut");
     write_file(daemon.folder() / "config/popcut" / name, text);
@@ -78,104 +78,104 @@ struct Desk : DaemonWithCli {
 
 }  // namespace
 
-TEST_CASE("devices lists popcutd's devices with their states", "[popcutd][cli][long]") {
-  Desk desk("[[device]]\nid = \"sim:portrait3\"\nmaterials = [\"pp-150\"]\ntime_scale = 0\n");
-  const Ran alone = desk.popcut({"devices"});
+TEST_CASE("devices lists popcutd's devices with their states", "[popcutd][cli]") {
+  Workshop shop("[[device]]\nid = \"sim:portrait3\"\nmaterials = [\"pp-150\"]\ntime_scale = 0\n");
+  const Ran alone = shop.popcut({"devices"});
   CHECK(alone.exit == 0);
   CHECK_FALSE(says(alone.out, "popcutd at"));
-  CHECK(Json::parse(desk.popcut({"devices", "--json"}).out)["popcutd"].is_null());
-  desk.open();
-  const Ran ran = desk.popcut({"devices"});
+  CHECK(Json::parse(shop.popcut({"devices", "--json"}).out)["popcutd"].is_null());
+  shop.open();
+  const Ran ran = shop.popcut({"devices"});
   CHECK(ran.exit == 0);
-  CHECK(says(ran.out, "popcutd at " + desk.daemon.socket()));
+  CHECK(says(ran.out, "popcutd at " + shop.daemon.socket()));
   CHECK(says(ran.out, "set up for pp-150"));
   CHECK(says(ran.out, "\nsim:cameo4"));
-  const Json json = Json::parse(desk.popcut({"devices", "--json"}).out);
+  const Json json = Json::parse(shop.popcut({"devices", "--json"}).out);
   REQUIRE(json["popcutd"]["devices"].size() == 2);
   CHECK(json["popcutd"]["devices"][1]["materials"] == Json{"pp-150"});
   CHECK(json["popcutd"]["devices"][1]["machine"] == "portrait3");
 
-  CHECK(desk.popcut({"devices", "disable", "sim:cameo3"}).exit == 0);
-  const Ran off = desk.popcut({"devices"});
+  CHECK(shop.popcut({"devices", "disable", "sim:cameo3"}).exit == 0);
+  const Ran off = shop.popcut({"devices"});
   CHECK(says(off.out, "sim:cameo3                 disabled"));
   CHECK(says(off.out, "-> popcut devices enable sim:cameo3"));
-  const Ran test = desk.popcut({"cut", "--test", "--device", "sim:cameo3"});
+  const Ran test = shop.popcut({"cut", "--test", "--device", "sim:cameo3"});
   CHECK(test.exit == 5);
   CHECK(says(test.err, "an admin can enable it; possible now: popcut devices enable sim:cameo3"));
-  CHECK(Json::parse(desk.popcut({"devices", "enable", "sim:cameo3", "--json"}).out)["enabled"] ==
+  CHECK(Json::parse(shop.popcut({"devices", "enable", "sim:cameo3", "--json"}).out)["enabled"] ==
         true);
-  CHECK(desk.popcut({"devices", "reset", "sim:cameo3"}).exit == 0);
-  const Ran none = desk.popcut({"devices", "reset", "sim:cameo33"});
+  CHECK(shop.popcut({"devices", "reset", "sim:cameo3"}).exit == 0);
+  const Ran none = shop.popcut({"devices", "reset", "sim:cameo33"});
   CHECK(none.exit == 5);
   CHECK(says(none.err, "did you mean sim:cameo3"));
 }
 
-TEST_CASE("a test cut goes through popcutd with a person at each step", "[popcutd][cli][long]") {
-  Desk desk;
-  desk.open();
-  CHECK(desk.popcut({"cut", "--test", "--copies", "2"}).exit == 2);
-  CHECK(desk.popcut({"cut", "--test", "--material", "papier"}).exit == 2);
-  const std::string id = desk.queue({"--test", "--material", "pp-150"});
-  REQUIRE(desk.comes_to(id, "ready"));
-  CHECK(desk.job(id)["material"] == "pp-150");
-  CHECK(desk.job(id)["name"] == "test cut");
+TEST_CASE("a test cut goes through popcutd with a person at each step", "[popcutd][cli]") {
+  Workshop shop;
+  shop.open();
+  CHECK(shop.popcut({"cut", "--test", "--copies", "2"}).exit == 2);
+  CHECK(shop.popcut({"cut", "--test", "--material", "papier"}).exit == 2);
+  const std::string id = shop.queue({"--test", "--material", "pp-150"});
+  REQUIRE(shop.comes_to(id, "ready"));
+  CHECK(shop.job(id)["material"] == "pp-150");
+  CHECK(shop.job(id)["name"] == "test cut");
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  CHECK(desk.job(id)["state"] == "ready");  // nothing moves by itself
-  CHECK(desk.must({"arm"}).exit == 0);
-  CHECK(desk.must({"start", "--wait"}).exit == 0);
-  CHECK(desk.job(id)["state"] == "done");
+  CHECK(shop.job(id)["state"] == "ready");  // nothing moves by itself
+  CHECK(shop.must({"arm"}).exit == 0);
+  CHECK(shop.must({"start", "--wait"}).exit == 0);
+  CHECK(shop.job(id)["state"] == "done");
 }
 
-TEST_CASE("a refusal names the command to type", "[popcutd][cli][long]") {
-  Desk desk;
-  desk.open();
-  const Ran mat = desk.popcut({"cut", kUnit, "--device", "sim:cameo33"});
+TEST_CASE("a refusal names the command to type", "[popcutd][cli]") {
+  Workshop shop;
+  shop.open();
+  const Ran mat = shop.popcut({"cut", kUnit, "--device", "sim:cameo33"});
   CHECK(mat.exit == 2);
   CHECK(says(mat.err, "popcut: --device: is \"sim:cameo33\"; did you mean sim:cameo3"));
-  const std::string first = desk.queue(), second = desk.queue();
-  REQUIRE(desk.comes_to(first, "ready"));
-  REQUIRE(desk.comes_to(second, "ready"));
-  const Ran which = desk.popcut({"arm"});
+  const std::string first = shop.queue(), second = shop.queue();
+  REQUIRE(shop.comes_to(first, "ready"));
+  REQUIRE(shop.comes_to(second, "ready"));
+  const Ran which = shop.popcut({"arm"});
   CHECK(which.exit == 2);
   CHECK(says(which.err, "name one of"));
-  const Ran prefix = desk.popcut({"arm", first.substr(0, 4)});
+  const Ran prefix = shop.popcut({"arm", first.substr(0, 4)});
   CHECK(prefix.exit == 2);
   CHECK(says(prefix.err, "give more letters"));
-  CHECK(desk.must({"arm", first, "--device", "sim:cameo3"}).exit == 0);
-  const Ran busy = desk.popcut({"arm", second});
+  CHECK(shop.must({"arm", first, "--device", "sim:cameo3"}).exit == 0);
+  const Ran busy = shop.popcut({"arm", second});
   CHECK(busy.exit == 5);
   CHECK(says(busy.err, "holds a sheet of job " + first));
-  CHECK(desk.must({"disarm", first}).exit == 0);
-  CHECK(desk.must({"change", second, "--priority", "3", "--note", "for two"}).exit == 0);
-  CHECK(desk.job(second)["priority"] == 3);
-  CHECK(desk.popcut({"change", second}).exit == 2);
-  CHECK(says(desk.popcut({"change", second, "--device", "sim:nil"}).err, "popcut: --device: "));
-  CHECK(desk.must({"cancel", second}).exit == 0);
-  const Ran over = desk.popcut({"change", second, "--priority", "1"});
+  CHECK(shop.must({"disarm", first}).exit == 0);
+  CHECK(shop.must({"change", second, "--priority", "3", "--note", "for two"}).exit == 0);
+  CHECK(shop.job(second)["priority"] == 3);
+  CHECK(shop.popcut({"change", second}).exit == 2);
+  CHECK(says(shop.popcut({"change", second, "--device", "sim:nil"}).err, "popcut: --device: "));
+  CHECK(shop.must({"cancel", second}).exit == 0);
+  const Ran over = shop.popcut({"change", second, "--priority", "1"});
   CHECK(over.exit == 5);
   CHECK(says(over.err, "it is cancelled"));
 
   for (const char* limit : {"1", "3", "1000"}) {
-    const Json events = Json::parse(desk.popcut({"events", "--limit", limit, "--json"}).out);
+    const Json events = Json::parse(shop.popcut({"events", "--limit", limit, "--json"}).out);
     CHECK(events["items"].back()["seq"] == events["last_seq"]);
     CHECK(events["items"].size() <= static_cast<std::size_t>(std::stoi(limit)));
   }
   const Json some =
-      Json::parse(desk.popcut({"events", "--after", "1", "--limit", "2", "--json"}).out);
+      Json::parse(shop.popcut({"events", "--after", "1", "--limit", "2", "--json"}).out);
   CHECK(some["items"][0]["seq"] == 2);
   CHECK(some["items"].size() == 2);
 }
 
-TEST_CASE("jobs are listed in the order of the queue", "[popcutd][cli][long]") {
-  Desk desk;
-  desk.open();
+TEST_CASE("jobs are listed in the order of the queue", "[popcutd][cli]") {
+  Workshop shop;
+  shop.open();
   std::vector<std::string> ids;
   for (int k = 0; k < 3; ++k) {
-    ids.push_back(desk.queue());
-    REQUIRE(desk.comes_to(ids.back(), "ready"));
+    ids.push_back(shop.queue());
+    REQUIRE(shop.comes_to(ids.back(), "ready"));
   }
   const auto listed = [&] {
-    const std::string text = desk.popcut({"jobs"}).out;
+    const std::string text = shop.popcut({"jobs"}).out;
     std::vector<std::string> order = ids;
     std::sort(order.begin(), order.end(), [&](const std::string& a, const std::string& b) {
       return text.find(a.substr(0, 12)) < text.find(b.substr(0, 12));
@@ -183,27 +183,27 @@ TEST_CASE("jobs are listed in the order of the queue", "[popcutd][cli][long]") {
     return order;
   };
   CHECK(listed() == ids);
-  const Ran moved = desk.must({"move", ids[2], "--before", ids[0]});
+  const Ran moved = shop.must({"move", ids[2], "--before", ids[0]});
   CHECK(says(moved.err, "is now before " + ids[0]));
   CHECK(listed() == std::vector{ids[2], ids[0], ids[1]});
-  CHECK(says(desk.must({"move", ids[2]}).err, "is now last of its priority"));
+  CHECK(says(shop.must({"move", ids[2]}).err, "is now last of its priority"));
   CHECK(listed() == ids);
-  const Ran itself = desk.popcut({"move", ids[1], "--before", ids[1]});
+  const Ran itself = shop.popcut({"move", ids[1], "--before", ids[1]});
   CHECK(itself.exit == 2);
   CHECK(says(itself.err, "popcut: --before: " + ids[1] + " is the job to move"));
   CHECK(listed() == ids);
 }
 
-TEST_CASE("metrics have all documented names and name no user", "[popcutd][cli][long]") {
-  Desk desk;
-  desk.open();
-  const std::string id = desk.queue({kUnit, "--name", "secret name"});
-  REQUIRE(desk.comes_to(id, "ready"));
-  desk.must({"arm"});
-  desk.must({"start", "--wait"});
+TEST_CASE("metrics have all documented names and name no user", "[popcutd][cli]") {
+  Workshop shop;
+  shop.open();
+  const std::string id = shop.queue({kUnit, "--name", "secret name"});
+  REQUIRE(shop.comes_to(id, "ready"));
+  shop.must({"arm"});
+  shop.must({"start", "--wait"});
   std::string text;
   CHECK(comes_true([&] {  // that who waited has gone is not noticed at once
-    popcut::daemon::RawConnection connection(desk.daemon.socket());
+    popcut::daemon::RawConnection connection(shop.daemon.socket());
     connection.send("GET /metrics HTTP/1.1\r\nHost: a\r\n\r\n");
     return says(text = connection.receive().body, "popcut_sse_clients 0\n");
   }));
@@ -235,18 +235,17 @@ TEST_CASE("metrics have all documented names and name no user", "[popcutd][cli][
   }
 }
 
-TEST_CASE("a file whose name is not UTF-8 is queued under a UTF-8 name", "[popcutd][cli][long]") {
-  Desk desk;
-  desk.open();
-  const std::string odd = (desk.daemon.folder() / "un\xFFit\x01.json").string();
+TEST_CASE("a file whose name is not UTF-8 is queued under a UTF-8 name", "[popcutd][cli]") {
+  Workshop shop;
+  shop.open();
+  const std::string odd = (shop.daemon.folder() / "un\xFFit\x01.json").string();
   write_file(odd, text_of_file(kUnit));
-  CHECK(desk.job(desk.queue({odd}))["name"] == "un\xEF\xBF\xBDit ");
+  CHECK(shop.job(shop.queue({odd}))["name"] == "un\xEF\xBF\xBDit ");
 }
 
-TEST_CASE("without a terminal a job that needs a person is reported at once",
-          "[popcutd][cli][long]") {
-  Desk desk;
-  desk.open();
+TEST_CASE("without a terminal a job that needs a person is reported at once", "[popcutd][cli]") {
+  Workshop shop;
+  shop.open();
   const std::string popcut = popcut_program();
   const std::string script = "'" + popcut + "' cut '" + kUnit +
                              "' --wait 2>told.txt & job=$!\n"
@@ -254,29 +253,29 @@ TEST_CASE("without a terminal a job that needs a person is reported at once",
                              "sleep 0.1; done\n"
                              "cp told.txt early.txt\n'" +
                              popcut + "' cancel -q 0\nwait $job\n";
-  const Ran ran = run_program({"/bin/sh", "-c", script}, desk.daemon.folder().path());
+  const Ran ran = run_program({"/bin/sh", "-c", script}, shop.daemon.folder().path());
   CHECK(ran.exit == 5);
-  CHECK(says(text_of_file(desk.daemon.folder() / "early.txt"), "-> load sheet 1 of 1: popcut arm"));
-  CHECK(says(text_of_file(desk.daemon.folder() / "told.txt"), "is cancelled by "));
+  CHECK(says(text_of_file(shop.daemon.folder() / "early.txt"), "-> load sheet 1 of 1: popcut arm"));
+  CHECK(says(text_of_file(shop.daemon.folder() / "told.txt"), "is cancelled by "));
 }
 
-TEST_CASE("Ctrl-C stops watching and does not stop the job", "[popcutd][cli][long]") {
-  Desk desk;
-  desk.open();
-  AtTerminal person(popcut_program(), {"cut", kUnit, "--wait"}, desk.daemon.folder());
+TEST_CASE("Ctrl-C stops watching and does not stop the job", "[popcutd][cli]") {
+  Workshop shop;
+  shop.open();
+  AtTerminal person(popcut_program(), {"cut", kUnit, "--wait"}, shop.daemon.folder());
   REQUIRE(person.shows("popcut arm"));
   person.type("\x03");
   CHECK(person.shows("goes on in popcutd; 'popcut jobs"));
   CHECK(person.ended() == 5);
-  const Json jobs = Json::parse(desk.popcut({"jobs", "--json"}).out)["jobs"];
+  const Json jobs = Json::parse(shop.popcut({"jobs", "--json"}).out)["jobs"];
   REQUIRE(jobs.size() == 1);
   CHECK(jobs[0]["state"] == "ready");
 }
 
-TEST_CASE("the live view fits a small terminal and ends with Ctrl-C", "[popcutd][cli][long]") {
-  Desk desk;
-  desk.open();
-  for (int k = 0; k < 8; ++k) (void)desk.queue({kUnit, "--name", "a name that is far too long"});
+TEST_CASE("the live view fits a small terminal and ends with Ctrl-C", "[popcutd][cli]") {
+  Workshop shop;
+  shop.open();
+  for (int k = 0; k < 8; ++k) (void)shop.queue({kUnit, "--name", "a name that is far too long"});
   const winsize size{8, 40, 0, 0};
   int master = -1;
   const pid_t child = ::forkpty(&master, nullptr, nullptr, &size);
@@ -317,52 +316,51 @@ TEST_CASE("the live view fits a small terminal and ends with Ctrl-C", "[popcutd]
   }
 }
 
-TEST_CASE("the user's machines and materials and SVG profiles reach popcutd",
-          "[popcutd][cli][long]") {
-  Desk desk("[[device]]\nid = \"sim:ours\"\ntime_scale = 0\n");
-  desk.table("machines.json",
+TEST_CASE("the user's machines and materials and SVG profiles reach popcutd", "[popcutd][cli]") {
+  Workshop shop("[[device]]\nid = \"sim:ours\"\ntime_scale = 0\n");
+  shop.table("machines.json",
              R"({"popcut": 1, "machines": [{"name": "ours", "like": "cameo3", "title": "Ours"}]})");
-  desk.table("materials.json",
+  shop.table("materials.json",
              R"({"popcut": 1, "materials": [{"name": "kraft", "like": "paper-220"}]})");
-  desk.table("svg_profiles.json", R"({"popcut": 1, "svg_profiles": [
+  shop.table("svg_profiles.json", R"({"popcut": 1, "svg_profiles": [
     {"name": "lab", "title": "blue is cut and all else is not", "otherwise": "ignore",
      "fills": "ignore", "rules": [{"colour": "#0000ff", "use": "cut"}]}]})");
-  desk.open();
-  write_file(desk.daemon.folder() / "lines.svg",
+  shop.open();
+  write_file(shop.daemon.folder() / "lines.svg",
              "<svg xmlns='http://www.w3.org/2000/svg' width='100mm' height='100mm' "
              "viewBox='0 0 100 100'><path fill='none' stroke='#0000ff' d='M10,10h50'/>"
              "<path fill='none' stroke='#ff0000' d='M10,20h70'/></svg>");
-  const std::string id = desk.queue(
+  const std::string id = shop.queue(
       {"lines.svg", "--svg-profile", "lab", "--material", "kraft", "--device", "sim:ours"});
-  REQUIRE(desk.comes_to(id, "ready"));
-  const Json job = desk.job(id);
+  REQUIRE(shop.comes_to(id, "ready"));
+  const Json job = shop.job(id);
   CHECK(job["material"] == "kraft");
   CHECK(job["progress"]["paths_total"] == 1);
   const std::string other =
-      desk.queue({"lines.svg", "--svg-profile", "popcut", "--device", "sim:ours"});
-  REQUIRE(desk.comes_to(other, "ready"));
-  CHECK(desk.job(other)["progress"]["paths_total"] == 2);
-  CHECK(desk.popcut({"cut", "lines.svg", "--svg-profile", "labb"}).exit == 5);  // found by the plan
-  desk.daemon.signal(SIGTERM);
-  CHECK(desk.daemon.wait() == 0);
-  desk.table("svg_profiles.json", R"({"popcut": 1, "svg_profiles": [{"name": "lab", "use": 3}]})");
-  CHECK_FALSE(desk.daemon.start());
-  CHECK(says(desk.daemon.log(), "svg_profiles.json: /svg_profiles/0"));
+      shop.queue({"lines.svg", "--svg-profile", "popcut", "--device", "sim:ours"});
+  REQUIRE(shop.comes_to(other, "ready"));
+  CHECK(shop.job(other)["progress"]["paths_total"] == 2);
+  CHECK(shop.popcut({"cut", "lines.svg", "--svg-profile", "labb"}).exit == 5);  // found by the plan
+  shop.daemon.signal(SIGTERM);
+  CHECK(shop.daemon.wait() == 0);
+  shop.table("svg_profiles.json", R"({"popcut": 1, "svg_profiles": [{"name": "lab", "use": 3}]})");
+  CHECK_FALSE(shop.daemon.start());
+  CHECK(says(shop.daemon.log(), "svg_profiles.json: /svg_profiles/0"));
 }
 
-TEST_CASE("SIGHUP applies what does not disturb a cut and names the rest", "[popcutd][cli][long]") {
-  Desk desk;
-  desk.open();
-  const std::string id = desk.queue();
-  REQUIRE(desk.comes_to(id, "ready"));
-  const std::string faulty = desk.reloaded("rate_per_s = 0.0001\n");  // stands there twice now
+TEST_CASE("SIGHUP applies what does not disturb a cut and names the rest", "[popcutd][cli]") {
+  Workshop shop;
+  shop.open();
+  const std::string id = shop.queue();
+  REQUIRE(shop.comes_to(id, "ready"));
+  const std::string faulty = shop.reloaded("rate_per_s = 0.0001\n");  // stands there twice now
   CHECK(says(faulty, "was not loaded; nothing has changed: "));
   CHECK(says(faulty, "popcutd.toml"));
   CHECK(faulty.find("configuration") == faulty.rfind("configuration"));
-  write_file(desk.daemon.config(), "listen = [\"127.0.0.1:0\"]\nsocket = \"" +
-                                       desk.daemon.socket() + "\"\nstate = \"" +
-                                       desk.daemon.state() + "\"\n");
-  const std::string taken = desk.reloaded(
+  write_file(shop.daemon.config(), "listen = [\"127.0.0.1:0\"]\nsocket = \"" +
+                                       shop.daemon.socket() + "\"\nstate = \"" +
+                                       shop.daemon.state() + "\"\n");
+  const std::string taken = shop.reloaded(
       "[[device]]\nid = \"sim:cameo3\"\nmaterials = [\"pp-150\"]\ntime_scale = 7\n[limits]\n"
       "queue_jobs = 1\n[log]\nlevel = \"debug\"\n");
   CHECK(says(
@@ -370,24 +368,24 @@ TEST_CASE("SIGHUP applies what does not disturb a cut and names the rest", "[pop
       "configuration reloaded: log.level, allowed_hosts, allowed_origins, user, limits, webhook"));
   CHECK(says(taken, "changed, but used only after a restart: "));
   CHECK(says(taken, "device sim:cameo3"));
-  CHECK(desk.popcut({"cut", kUnit}).exit == 5);  // the queue holds one now
-  const Ran arm = desk.popcut({"arm", id});
+  CHECK(shop.popcut({"cut", kUnit}).exit == 5);  // the queue holds one now
+  const Ran arm = shop.popcut({"arm", id});
   CHECK(arm.exit == 5);
-  CHECK(desk.popcut({"devices", "--json"}).out.find("pp-150") != std::string::npos);
+  CHECK(shop.popcut({"devices", "--json"}).out.find("pp-150") != std::string::npos);
   // A webhook without its secret's file: nothing of the whole is taken.
-  const std::string hook = desk.reloaded(
+  const std::string hook = shop.reloaded(
       "[webhook]\nurl = \"http://localhost:9/\"\nsecret_file = \"/nonexistent\"\n"
       "allow = [\"localhost:9\"]\n");
   CHECK(says(hook, "was not loaded"));
   CHECK(says(hook, "webhook.secret_file"));
-  const std::vector<std::string> checking{popcutd_program(), "--config", desk.daemon.config(),
+  const std::vector<std::string> checking{popcutd_program(), "--config", shop.daemon.config(),
                                           "--check-config"};
-  const Ran bad = run_program(checking, desk.daemon.folder().path());
+  const Ran bad = run_program(checking, shop.daemon.folder().path());
   CHECK(bad.exit == 78);
   CHECK(says(bad.err, "popcutd.toml: webhook.secret_file"));
-  const std::string text = text_of_file(desk.daemon.config());
-  write_file(desk.daemon.config(), text.substr(0, text.find("[webhook]")));
-  const Ran check = run_program(checking, desk.daemon.folder().path());
+  const std::string text = text_of_file(shop.daemon.config());
+  write_file(shop.daemon.config(), text.substr(0, text.find("[webhook]")));
+  const Ran check = run_program(checking, shop.daemon.folder().path());
   CHECK(check.exit == 0);
   CHECK(says(check.out, "SIGHUP reloads: log.level"));
 }

@@ -88,7 +88,7 @@ std::string excuse(const ContractCaller::Pair& pair) {
 }  // namespace
 
 TEST_CASE("the daemon produces every documented answer of every route",
-          "[daemon][popcutd][openapi][alone][long]") {
+          "[daemon][popcutd][openapi][alone]") {
   ContractLife life;
   life.make_design_and_plans();
   life.knock();
@@ -120,7 +120,7 @@ TEST_CASE("the daemon produces every documented answer of every route",
 }
 
 TEST_CASE("generated requests of each role get only answers that are documented",
-          "[daemon][popcutd][openapi][long]") {
+          "[daemon][popcutd][openapi]") {
   DaemonProcess daemon(popcutd_program(), 0, "failed_logins_per_minute = 1000\nqueue_jobs = 300\n");
   const bool serves = daemon.start();
   INFO(daemon.log());

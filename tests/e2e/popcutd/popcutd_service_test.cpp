@@ -101,7 +101,7 @@ class Receiver {
 
 }  // namespace
 
-TEST_CASE("a second popcutd on the same state reports the first one", "[popcutd][e2e][long]") {
+TEST_CASE("a second popcutd on the same state reports the first one", "[popcutd][e2e]") {
   DaemonWithCli lab;
   lab.open();
   const Ran second =
@@ -120,8 +120,7 @@ TEST_CASE("a second popcutd on the same state reports the first one", "[popcutd]
   CHECK(third.err.find(lab.daemon.url().substr(7)) != std::string::npos);
 }
 
-TEST_CASE("a fault that needs a person ends popcutd with exit code 78",
-          "[popcutd][e2e][alone][long]") {
+TEST_CASE("a fault that needs a person ends popcutd with exit code 78", "[popcutd][e2e][alone]") {
   DaemonWithCli lab;
   lab.open();
   lab.daemon.signal(SIGTERM);
@@ -168,7 +167,7 @@ TEST_CASE("a fault that needs a person ends popcutd with exit code 78",
 
 TEST_CASE(
     "an older copy that was put back by hand is refused with the command that goes back to it",
-    "[popcutd][e2e][alone][long]") {
+    "[popcutd][e2e][alone]") {
   DaemonWithCli lab;
   lab.open();
   REQUIRE(lab.popcut({"cut", "-q", kUnit}).exit == 0);
@@ -194,15 +193,14 @@ TEST_CASE(
   CHECK(Json::parse(lab.popcut({"jobs", "--all", "--json"}).out)["jobs"].size() == 1);
 }
 
-TEST_CASE("the help of popcutd has no two empty lines in a row", "[popcutd][e2e][long]") {
+TEST_CASE("the help of popcutd has no two empty lines in a row", "[popcutd][e2e]") {
   const Ran help = run_program({popcutd_program(), "--help"}, "/");
   CHECK(help.exit == 0);
   CHECK(says(help.out, "\n\nExit codes: "));
   CHECK_FALSE(says(help.out, "\n\n\n"));
 }
 
-TEST_CASE("too few descriptors for the connections are raised or reported",
-          "[popcutd][e2e][long]") {
+TEST_CASE("too few descriptors for the connections are raised or reported", "[popcutd][e2e]") {
   rlimit before{};
   REQUIRE(::getrlimit(RLIMIT_NOFILE, &before) == 0);
   const auto started_with = [&](rlim_t soft, rlim_t hard) {
@@ -227,7 +225,7 @@ TEST_CASE("too few descriptors for the connections are raised or reported",
 }
 
 TEST_CASE("the service manager is notified of each step and the watchdog is fed",
-          "[popcutd][e2e][long]") {
+          "[popcutd][e2e]") {
   DaemonWithCli lab;
   const std::string path = (lab.daemon.folder() / "notify").string();
   const int listener = ::socket(AF_UNIX, SOCK_DGRAM, 0);
@@ -263,8 +261,7 @@ TEST_CASE("the service manager is notified of each step and the watchdog is fed"
   ::close(listener);
 }
 
-TEST_CASE("a webhook gets each event in order and repeated until it accepts",
-          "[popcutd][e2e][long]") {
+TEST_CASE("a webhook gets each event in order and repeated until it accepts", "[popcutd][e2e]") {
   Receiver receiver;
   const TempFolder folder;
   const std::string secret = (folder / "secret").string();
@@ -306,7 +303,7 @@ TEST_CASE("a webhook gets each event in order and repeated until it accepts",
   CHECK(text_of_file(cursor) == std::to_string(last));
 }
 
-TEST_CASE("sockets of systemd are served and no others", "[popcutd][e2e][long]") {
+TEST_CASE("sockets of systemd are served and no others", "[popcutd][e2e]") {
   if (run_program({"/usr/bin/env", "systemd-socket-activate", "--version"}, "/").exit != 0) {
     WARN("skipped: there is no systemd-socket-activate here");
     return;

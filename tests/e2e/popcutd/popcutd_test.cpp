@@ -47,8 +47,7 @@ void check_trace(const DaemonWithCli& lab, const std::string& job) {
 
 }  // namespace
 
-TEST_CASE("the commands of the manual take a job from a spec to a cut sheet",
-          "[popcutd][e2e][long]") {
+TEST_CASE("the commands of the manual take a job from a spec to a cut sheet", "[popcutd][e2e]") {
   DaemonWithCli lab;
   lab.open();
   auto waiting = std::async(std::launch::async, [&] {
@@ -82,7 +81,7 @@ TEST_CASE("the commands of the manual take a job from a spec to a cut sheet",
   CHECK(lab.daemon.wait() == 0);
 }
 
-TEST_CASE("curl with a token over TCP can do the same", "[popcutd][e2e][long]") {
+TEST_CASE("curl with a token over TCP can do the same", "[popcutd][e2e]") {
   DaemonWithCli lab;
   lab.open();
   if (run_program({"/usr/bin/env", "curl", "--version"}, "/").exit != 0) {
@@ -129,7 +128,7 @@ TEST_CASE("curl with a token over TCP can do the same", "[popcutd][e2e][long]") 
   check_trace(lab, job["id"]);
 }
 
-TEST_CASE("popcut and popcutd work together without any configuration", "[popcutd][e2e][long]") {
+TEST_CASE("popcut and popcutd work together without any configuration", "[popcutd][e2e]") {
   const TempFolder home;
   const std::string run = (home / "run").string();
   fs::create_directory(run);
@@ -163,8 +162,7 @@ TEST_CASE("popcut and popcutd work together without any configuration", "[popcut
   CHECK(fs::exists(home / ".local/state/popcut/popcut.db"));
 }
 
-TEST_CASE("a stop while cutting ends after the stroke and the job reports it",
-          "[popcutd][e2e][long]") {
+TEST_CASE("a stop while cutting ends after the stroke and the job reports it", "[popcutd][e2e]") {
   DaemonWithCli lab(10);
   lab.open();
   const std::string id = first_line(lab.popcut({"cut", kSphere, "-q"}).out);
@@ -187,7 +185,7 @@ TEST_CASE("a stop while cutting ends after the stroke and the job reports it",
   CHECK(lab.job(id)["state"] == "cancelled");
 }
 
-TEST_CASE("plan options and the files of a spec are sent with a job", "[popcutd][e2e][long]") {
+TEST_CASE("plan options and the files of a spec are sent with a job", "[popcutd][e2e]") {
   DaemonWithCli lab;
   lab.open();
   // A grid that the spec names by its file goes up first.
@@ -227,7 +225,7 @@ TEST_CASE("plan options and the files of a spec are sent with a job", "[popcutd]
   CHECK(lab.popcut({"cut", source_file("README.md")}).exit == 3);
 }
 
-TEST_CASE("the view of jobs has all of them and each change", "[popcutd][e2e][long]") {
+TEST_CASE("the view of jobs has all of them and each change", "[popcutd][e2e]") {
   DaemonWithCli lab;
   lab.open();
   const std::string one = first_line(lab.popcut({"cut", kUnit, "-q"}).out);

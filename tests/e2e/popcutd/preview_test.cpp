@@ -81,7 +81,7 @@ long waits_above(const std::string& metrics, const std::string& bucket) {
 
 }  // namespace
 
-TEST_CASE("a preview leaves no row, no event and no file", "[popcutd][preview][long]") {
+TEST_CASE("a preview leaves no row, no event and no file", "[popcutd][preview]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   const std::size_t events = desk.get("/v1/events?after=0&limit=200")["items"].size();
@@ -101,7 +101,7 @@ TEST_CASE("a preview leaves no row, no event and no file", "[popcutd][preview][l
 }
 
 TEST_CASE("a material of the user is known in previews and files as it is in plans",
-          "[popcutd][preview][long]") {
+          "[popcutd][preview]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   RawConnection admin(desk.daemon().socket());
@@ -142,7 +142,8 @@ TEST_CASE("a material of the user is known in previews and files as it is in pla
   CHECK(fetch(design + "/files/report.json").headers.at("etag") != report.headers.at("etag"));
 }
 
-TEST_CASE("a page that closes at any moment leaves nothing at work", "[popcutd][preview][long]") {
+TEST_CASE("a page that closes at any moment leaves nothing at work",
+          "[popcutd][preview][seconds]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   const std::string body = wanted(sphere(50, 40), "exact");
@@ -155,7 +156,7 @@ TEST_CASE("a page that closes at any moment leaves nothing at work", "[popcutd][
   RawConnection page(desk.daemon().socket());
   REQUIRE(page.send(wanted(sphere(4, 3), "draft")));
   CHECK(page.receive().status == 200);
-  CHECK(seconds_since(begun) < 5);  // and not after six exact ones
+  CHECK(in_time(begun, 5));  // and not after six exact ones
   for (std::size_t cut = 1; cut < body.size(); cut += 97) {
     RawConnection half(desk.daemon().socket());
     REQUIRE(half.send(body.substr(0, cut)));
@@ -164,7 +165,7 @@ TEST_CASE("a page that closes at any moment leaves nothing at work", "[popcutd][
   CHECK(page.receive().status == 200);
 }
 
-TEST_CASE("a cut does not wait for a hundred previews", "[popcutd][preview][long]") {
+TEST_CASE("a cut does not wait for a hundred previews", "[popcutd][preview][seconds]") {
   RunningDaemon desk(1, kMore + "json_bytes = 262144\nconnections = 256\n");
   desk.open();
   const std::string job = desk.ready_job(desk.design(RunningDaemon::lines_svg(300)));
@@ -186,12 +187,13 @@ TEST_CASE("a cut does not wait for a hundred previews", "[popcutd][preview][long
   const std::string metrics = desk.ask("GET", "/metrics").body;
   INFO(metrics.substr(metrics.find("popcut_stream_wait_seconds"), 800));
   // All previews together take many seconds; on a busy computer a turn alone may take a tenth.
-  CHECK(waits_above(metrics, "1") == 0);
-  CHECK(desk.job(job)["state"] == "cutting");
+  if (judges_time()) CHECK(waits_above(metrics, "1") == 0);
+  const Json state = desk.job(job)["state"];
+  CHECK((state == "cutting" || state == "done"));
   CHECK(children_of(desk.daemon().pid()).size() <= 2);
 }
 
-TEST_CASE("popcutd that ends during previews leaves no process", "[popcutd][preview][long]") {
+TEST_CASE("popcutd that ends during previews leaves no process", "[popcutd][preview][seconds]") {
   for (const int signal : {SIGTERM, SIGKILL}) {
     RunningDaemon desk(0, kMore);
     desk.open();
@@ -203,12 +205,12 @@ TEST_CASE("popcutd that ends during previews leaves no process", "[popcutd][prev
     desk.daemon().signal(signal);
     const int code = desk.daemon().wait();
     CHECK(code == (signal == SIGTERM ? 0 : 128 + SIGKILL));
-    CHECK(seconds_since(begun) < 10);
+    CHECK(in_time(begun, 10));
     CHECK(comes_true([&] { return ::kill(worker, 0) != 0; }));
   }
 }
 
-TEST_CASE("the lattice of a stored design is kept by who has it", "[popcutd][preview][long]") {
+TEST_CASE("the lattice of a stored design is kept by who has it", "[popcutd][preview]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   const auto made = desk.ask("POST", "/v1/designs", sphere(6, 5).dump());
@@ -231,7 +233,7 @@ TEST_CASE("the lattice of a stored design is kept by who has it", "[popcutd][pre
   CHECK(get("").body == first.body);
 }
 
-TEST_CASE("pictures are made once, kept, and gone with their design", "[popcutd][preview][long]") {
+TEST_CASE("pictures are made once, kept, and gone with their design", "[popcutd][preview]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   const auto upload = [&](const Json& spec) {
@@ -278,8 +280,7 @@ TEST_CASE("pictures are made once, kept, and gone with their design", "[popcutd]
   CHECK(get(id, "deployed.svg").status == 404);
 }
 
-TEST_CASE("files of a design are those of popcut design, byte for byte",
-          "[popcutd][preview][long]") {
+TEST_CASE("files of a design are those of popcut design, byte for byte", "[popcutd][preview]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   Json spec = sphere(6, 5);
@@ -341,7 +342,7 @@ std::string rows_above_bar(const std::filesystem::path& folder, const std::strin
 }  // namespace
 
 TEST_CASE("the artwork of a planned sheet is that of popcut print, and so is the program",
-          "[popcutd][preview][artwork][long]") {
+          "[popcutd][preview][artwork]") {
   RunningDaemon desk(0, kMore);
   desk.open();
   const std::filesystem::path folder = desk.daemon().folder().path();

@@ -17,8 +17,8 @@
 namespace search_test {
 
 using namespace popcut::testing;
-using popcut::tests::box_mesh;
-using popcut::tests::obj;
+using popcut::testing::box_mesh;
+using popcut::testing::obj;
 using Json = nlohmann::json;
 
 namespace {
@@ -58,7 +58,7 @@ const Json kSmall{{"effort", 0.01}, {"style", "facets"}, {"up", "z"}, {"mat", "1
 }  // namespace
 
 TEST_CASE("popcutd finds the cards of popcut auto, and a picked one is planned and printed",
-          "[popcutd][search][long]") {
+          "[popcutd][search]") {
   RunningDaemon desk;
   desk.open();
   const std::string model = add_hall(desk);
@@ -96,7 +96,7 @@ TEST_CASE("popcutd finds the cards of popcut auto, and a picked one is planned a
 }
 
 TEST_CASE("popcutd finds the books of popcut auto, and a picked one is planned card by card",
-          "[popcutd][search][long]") {
+          "[popcutd][search]") {
   RunningDaemon desk;
   desk.open();
   const std::string model = add_hall(desk);
@@ -136,7 +136,7 @@ TEST_CASE("popcutd finds the books of popcut auto, and a picked one is planned c
 }
 
 TEST_CASE("popcutd turns the model's front out of the card as popcut auto does",
-          "[popcutd][search][long]") {
+          "[popcutd][search]") {
   RunningDaemon desk;
   desk.open();
   const std::string model = add_hall(desk);
@@ -165,7 +165,7 @@ TEST_CASE("popcutd turns the model's front out of the card as popcut auto does",
 }
 
 TEST_CASE("a search goes on after popcutd was killed, and is removed with its model",
-          "[popcutd][search][long]") {
+          "[popcutd][search]") {
   RunningDaemon desk;
   desk.open();
   const std::string model = add_hall(desk), other = add_hall(desk, 40);
@@ -188,7 +188,7 @@ TEST_CASE("a search goes on after popcutd was killed, and is removed with its mo
   CHECK(happens([&] { return std::filesystem::is_empty(desk.daemon().state() + "/searches"); }));
 }
 
-TEST_CASE("a search is refused with the place of what is wrong", "[popcutd][search][long]") {
+TEST_CASE("a search is refused with the place of what is wrong", "[popcutd][search]") {
   RunningDaemon desk;
   desk.open();
   const std::string model = add_hall(desk);

@@ -57,7 +57,7 @@ void glance(const std::string& socket) {
 
 }  // namespace
 
-TEST_CASE("popcutd that works keeps its memory and its descriptors", "[popcutd][soak][long]") {
+TEST_CASE("popcutd that works keeps its memory and its descriptors", "[popcutd][soak]") {
   RunningDaemon popcutd;
   popcutd.open();
   const pid_t process = popcutd.daemon().pid();
@@ -111,7 +111,7 @@ TEST_CASE("popcutd that works keeps its memory and its descriptors", "[popcutd][
   CHECK(happens([&] { return popcutd.get("/readyz")["ready"] == true; }));
 }
 
-TEST_CASE("a process that loses memory or descriptors is not steady", "[soak][long]") {
+TEST_CASE("a process that loses memory or descriptors is not steady", "[soak]") {
   std::vector<Held> looks;
   for (int k = 0; k < 400; ++k) {
     const double warmed = std::min(k, 50) / 5.0;  // it grows at first

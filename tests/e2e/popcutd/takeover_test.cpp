@@ -327,7 +327,7 @@ void against_the_kernel(TakenOver& worker, std::vector<Attempt>& all) {
 }  // namespace
 
 TEST_CASE("a worker that is taken over is refused everything but its pipes and its memory",
-          "[popcutd][takeover][long]") {
+          "[popcutd][takeover]") {
   RunningDaemon popcutd;
   popcutd.open();
   Prey prey{popcutd.daemon().folder() / "prey", popcutd.daemon().pid()};
@@ -389,7 +389,7 @@ TEST_CASE("a worker that is taken over is refused everything but its pipes and i
 }
 
 TEST_CASE("popcutd tells at its start how workers are confined and it is so",
-          "[popcutd][takeover][long]") {
+          "[popcutd][takeover]") {
   RunningDaemon popcutd;
   popcutd.open();
   REQUIRE(happens([&] {

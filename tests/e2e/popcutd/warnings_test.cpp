@@ -23,15 +23,15 @@ const std::string kNoUnit =
     R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 200 200">)"
     R"(<path d="M20 20H120V120H20Z" fill="none" stroke="black" stroke-dasharray="9 3"/></svg>)";
 
-struct Desk : DaemonWithCli {
-  Desk() {
+struct Workshop : DaemonWithCli {
+  Workshop() {
     ::setenv("XDG_CONFIG_HOME", (daemon.folder() / "config").c_str(), 1);
     open();
     write_file(daemon.folder() / "box.svg", kNoUnit);
   }
-  ~Desk() { ::unsetenv("XDG_CONFIG_HOME"); }
-  Desk(const Desk&) = delete;
-  Desk& operator=(const Desk&) = delete;
+  ~Workshop() { ::unsetenv("XDG_CONFIG_HOME"); }
+  Workshop(const Workshop&) = delete;
+  Workshop& operator=(const Workshop&) = delete;
   [[nodiscard]] std::string ready() const {
     const Ran ran = popcut({"cut", "-q", (daemon.folder() / "box.svg").string()});
     INFO(ran.err);
@@ -51,14 +51,14 @@ Json member(const Json& all, const std::string& code) {
 }  // namespace
 
 TEST_CASE("what may spoil a cut is shown when it is queued and accepted once before it is armed",
-          "[popcutd][cli][warnings][long]") {
-  const Desk desk;
-  const Ran queued = desk.popcut({"cut", (desk.daemon.folder() / "box.svg").string()});
+          "[popcutd][cli][warnings]") {
+  const Workshop shop;
+  const Ran queued = shop.popcut({"cut", (shop.daemon.folder() / "box.svg").string()});
   const std::string id = first_line(queued.out);
   INFO(queued.err);
   CHECK(says(queued.err, "warning: the drawing gives no unit of length"));
   CHECK(says(queued.err, "warning: 1 line has a dashed style"));
-  const Json job = desk.job(id);
+  const Json job = shop.job(id);
   CHECK(job["unaccepted_warnings"] == Json{"no_unit"});
   const Json size = member(job["warnings"], "no_unit"),
              dashed = member(job["warnings"], "dashed_line");
@@ -66,52 +66,52 @@ TEST_CASE("what may spoil a cut is shown when it is queued and accepted once bef
   CHECK(size["place"].is_null());
   CHECK(dashed["spoils"] == false);
   CHECK(dashed["place"]["source"] == "line 1");
-  for (const Ran& seen : {desk.popcut({"jobs"}), desk.popcut({"jobs", id})})
+  for (const Ran& seen : {shop.popcut({"jobs"}), shop.popcut({"jobs", id})})
     CHECK(says(seen.out, "the drawing gives no unit of length"));
 
-  const Ran refused = desk.popcut({"arm", id});
+  const Ran refused = shop.popcut({"arm", id});
   INFO(refused.err);
   CHECK(refused.exit == 5);
   CHECK(says(refused.err, "the drawing gives no unit of length"));
   CHECK(!says(refused.err, "dashed style"));
   const std::string way = fmt::format("popcut arm {} 1 --accept-warnings", id);
   CHECK(says(refused.err, way));
-  CHECK(desk.job(id)["state"] == "ready");
+  CHECK(shop.job(id)["state"] == "ready");
 
-  CHECK(desk.popcut({"arm", id, "1", "--accept-warnings"}).exit == 0);
-  CHECK(desk.job(id)["unaccepted_warnings"].empty());
+  CHECK(shop.popcut({"arm", id, "1", "--accept-warnings"}).exit == 0);
+  CHECK(shop.job(id)["unaccepted_warnings"].empty());
   // Once: whoever has to arm it again is not asked again.
-  CHECK(desk.popcut({"disarm", id}).exit == 0);
-  CHECK(desk.popcut({"arm", id}).exit == 0);
-  CHECK(desk.popcut({"start", id, "--wait"}).exit == 0);
+  CHECK(shop.popcut({"disarm", id}).exit == 0);
+  CHECK(shop.popcut({"arm", id}).exit == 0);
+  CHECK(shop.popcut({"start", id, "--wait"}).exit == 0);
 }
 
 TEST_CASE("a person at a terminal is asked before a cut that may be spoiled",
-          "[popcutd][cli][warnings][long]") {
-  const Desk desk;
-  const std::string id = desk.ready();
+          "[popcutd][cli][warnings]") {
+  const Workshop shop;
+  const std::string id = shop.ready();
   for (const bool yes : {false, true}) {
-    AtTerminal arm(popcut_program(), {"arm", id}, desk.daemon.folder());
+    AtTerminal arm(popcut_program(), {"arm", id}, shop.daemon.folder());
     REQUIRE(arm.shows("Arm it all the same? [y/N]"));
     CHECK(says(arm.shown, "no unit of length"));
     arm.type(yes ? "y\n" : "\n");
     CHECK(arm.ended() == (yes ? 0 : 5));
-    CHECK(desk.job(id)["state"] == (yes ? "armed" : "ready"));
+    CHECK(shop.job(id)["state"] == (yes ? "armed" : "ready"));
   }
 }
 
 TEST_CASE("the refusal over HTTP names the warnings and the request that accepts them",
-          "[popcutd][warnings][long]") {
-  const Desk desk;
-  const std::string id = desk.ready();
+          "[popcutd][warnings]") {
+  const Workshop shop;
+  const std::string id = shop.ready();
   const auto arm = [&](const Json& body) {
-    popcut::daemon::RawConnection connection(desk.daemon.socket());
+    popcut::daemon::RawConnection connection(shop.daemon.socket());
     const std::string text = body.dump();
     connection.send(fmt::format(
         "POST /v1/jobs/{}/actions/arm HTTP/1.1\r\nHost: a\r\nContent-Type: application/json\r\n"
         "If-Match: \"{}\"\r\nIdempotency-Key: key-of-the-warnings-{}\r\nContent-Length: "
         "{}\r\n\r\n{}",
-        id, desk.job(id)["rev"].dump(), body.dump().size(), text.size(), text));
+        id, shop.job(id)["rev"].dump(), body.dump().size(), text.size(), text));
     return connection.receive();
   };
   const auto refused = arm({{"sheet", 1}});
@@ -128,36 +128,36 @@ TEST_CASE("the refusal over HTTP names the warnings and the request that accepts
 }
 
 TEST_CASE("a drawing whose colours nobody explained is refused where it is queued",
-          "[popcutd][cli][warnings][reading][long]") {
-  const Desk desk;
-  const auto file = desk.daemon.folder() / "colours.svg";
+          "[popcutd][cli][warnings][reading]") {
+  const Workshop shop;
+  const auto file = shop.daemon.folder() / "colours.svg";
   write_file(file, R"(<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="80mm" )"
                    R"(viewBox="0 0 100 80" fill="none"><path stroke="black" d="M5 5H90V70H5Z"/>)"
                    R"(<path stroke="red" d="M5 40H90"/></svg>)");
-  const Ran refused = desk.popcut({"cut", file.string()});
+  const Ran refused = shop.popcut({"cut", file.string()});
   INFO(refused.err);
   CHECK(refused.exit == 5);
   CHECK(says(refused.err, "2 colours (#000000, #ff0000)"));
   CHECK(says(refused.err, "--svg-profile origami-sim"));
   CHECK(says(refused.err, "--svg-profile popcut"));
-  CHECK(desk.job(first_line(refused.out))["state"] == "failed");
-  const Ran folded = desk.popcut({"cut", file.string(), "--svg-profile", "origami-sim"});
+  CHECK(shop.job(first_line(refused.out))["state"] == "failed");
+  const Ran folded = shop.popcut({"cut", file.string(), "--svg-profile", "origami-sim"});
   INFO(folded.err);
   CHECK(folded.exit == 0);
-  CHECK(desk.comes_to(first_line(folded.out), "ready"));
+  CHECK(shop.comes_to(first_line(folded.out), "ready"));
 }
 
 TEST_CASE("popcutd takes no job for a machine that popcut does not drive",
-          "[popcutd][cli][warnings][long]") {
-  const Desk desk;
+          "[popcutd][cli][warnings]") {
+  const Workshop shop;
   for (const char* machine : {"cricut-maker", "none"}) {
     CAPTURE(machine);
-    const Ran listed = desk.popcut({"devices"});
+    const Ran listed = shop.popcut({"devices"});
     CHECK(!says(listed.out, std::string("sim:") + machine));
     const Ran refused = run_program(
-        {popcutd_program(), "--state", (desk.daemon.folder() / "other").string(), "--socket",
-         (desk.daemon.folder() / "o.sock").string(), "--listen", "127.0.0.1:0", "--sim", machine},
-        desk.daemon.folder().path(), {});
+        {popcutd_program(), "--state", (shop.daemon.folder() / "other").string(), "--socket",
+         (shop.daemon.folder() / "o.sock").string(), "--listen", "127.0.0.1:0", "--sim", machine},
+        shop.daemon.folder().path(), {});
     INFO(refused.err);
     CHECK(refused.exit != 0);
     CHECK(says(refused.err, "takes no programs from popcut"));

@@ -94,7 +94,7 @@ TEST_CASE("books of random shells are sound, with cards that never meet and that
     CAPTURE(text);
     const auto spec = parse_design_spec(text);
     REQUIRE(spec);
-    const auto book = design_assembly(*spec, {{"tube.stl", tests::binary_stl(shell(random))}});
+    const auto book = design_assembly(*spec, {{"tube.stl", testing::binary_stl(shell(random))}});
     if (!book) FAIL(message(book.error()));
     std::vector<std::string> folds;
     std::vector<VerifiedCard> to_verify;

@@ -96,7 +96,7 @@ TEST_CASE("designs for any opening angle are sound and verify finds their error 
   for (int y = 0; y <= 60; y += 20) csv += fmt::format("{},48,40,37,{},18,0\n", y, 30 + y / 10);
   check_verified(spec_of(R"({"type":"grid","file":"h.csv"})", 75), 1e-3, csv);
   check_verified(spec_of(R"({"type":"mesh","file":"b.stl"})", 65, R"(,"translate_mm":[0,10,0])"),
-                 2e-3, tests::binary_stl(tests::sphere_mesh(60.0, 60, 60)));
+                 2e-3, testing::binary_stl(testing::sphere_mesh(60.0, 60, 60)));
   check_verified(R"j({"popcut":1,"surface":{"type":"composite","radii":[60,25,40]},
       "design_angle_deg":50,"regions":[{"units_per_slice":1,"slices":4,"width_mm":12},
       {"units_per_slice":2,"slices":8,"width_mm":4},{"units_per_slice":3,"slices":6,"width_mm":8}]})j",
@@ -193,8 +193,8 @@ TEST_CASE("a design angle that cannot be is refused with its place", "[property]
              Catch::StartsWith("/patches/0/design_angle_deg: belongs to the whole"));
   const auto spec = parse_design_spec(spec_of(R"({"type":"mesh","file":"b.stl"})", 65));
   REQUIRE(spec);
-  const auto proposed =
-      propose_placement(*spec, {{"b.stl", tests::binary_stl(tests::sphere_mesh(60.0, 20, 20))}});
+  const auto proposed = propose_placement(
+      *spec, {{"b.stl", testing::binary_stl(testing::sphere_mesh(60.0, 20, 20))}});
   REQUIRE_FALSE(proposed);
   CHECK_THAT(message(proposed.error()), Catch::StartsWith("/design_angle_deg: is 65"));
 }

@@ -21,7 +21,7 @@ TEST_CASE("random lattices pass through FOLD and verify with one freedom and no 
   std::mt19937 random(seed);
   int made = 0;
   for (int k = 0; k < 150; ++k) {
-    const std::string text = test::random_lattice_spec(random);
+    const std::string text = testing::random_lattice_spec(random);
     CAPTURE(seed, k, text);
     const auto spec = parse_design_spec(text);
     REQUIRE(spec);

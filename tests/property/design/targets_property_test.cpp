@@ -19,7 +19,6 @@ namespace targets_property_test {
 
 using namespace popcut;
 using namespace popcut::testing;
-using namespace popcut::tests;
 
 namespace {
 

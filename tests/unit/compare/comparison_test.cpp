@@ -14,7 +14,7 @@ namespace comparison_test {
 
 using namespace popcut;
 using namespace popcut::likeness;
-using namespace popcut::tests;
+using namespace popcut::testing;
 using Catch::WithinAbs;
 using Catch::WithinRel;
 

@@ -13,7 +13,7 @@ namespace volume_test {
 
 using namespace popcut;
 using namespace popcut::likeness;
-using namespace popcut::tests;
+using namespace popcut::testing;
 using Catch::WithinAbs;
 using Catch::WithinRel;
 

@@ -14,8 +14,8 @@ namespace service_access_test {
 
 using namespace popcut;
 using namespace popcut::daemon;
-using popcut::test::ServiceBench;
-using popcut::test::write_text;
+using popcut::testing::ServiceBench;
+using popcut::testing::write_text;
 
 namespace {
 
@@ -197,11 +197,11 @@ TEST_CASE("sessions are listed and ended by an admin and by those whose they are
 }
 
 TEST_CASE("sessions of a database of before, which have no root, have ended", "[daemon][service]") {
-  const test::ScratchFolder scratch;
+  const testing::TempFolder scratch{testing::TempFolder::Place::Memory};
   const std::string id = "01JD0000000000000000000001";
   const std::vector<Migration> old{migrations().front()};
   {
-    auto store = Store::open({.folder = scratch.path() + "/state", .steps = old}).value();
+    auto store = Store::open({.folder = (scratch / "state").string(), .steps = old}).value();
     for (const char* kind : {"session", "token"})
       store->database().insert(
           "token(id, kind, name, role, principal, secret_sha256, created, expires)",
@@ -209,7 +209,7 @@ TEST_CASE("sessions of a database of before, which have no root, have ended", "[
           sha256_hex(std::string(43, 'x')), 1, std::int64_t{1} << 45);
     store->mark_in_use();
   }
-  auto store = Store::open({.folder = scratch.path() + "/state"}).value();
+  auto store = Store::open({.folder = (scratch / "state").string()}).value();
   CHECK(store->database().number("SELECT count(*) FROM token WHERE kind='session'") == 0);
   CHECK(store->database().number("SELECT count(*) FROM session") == 0);
   CHECK(store->database().number("SELECT count(*) FROM token") == 1);

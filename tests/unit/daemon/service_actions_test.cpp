@@ -8,11 +8,11 @@ namespace service_actions_test {
 
 using namespace popcut;
 using namespace popcut::daemon;
-using popcut::test::broken;
-using popcut::test::ledger;
-using popcut::test::ServiceBench;
-using popcut::test::sheet_state;
-using popcut::test::shown;
+using popcut::testing::broken;
+using popcut::testing::ledger;
+using popcut::testing::ServiceBench;
+using popcut::testing::sheet_state;
+using popcut::testing::shown;
 
 TEST_CASE("arming names the sheet and the blank and the device and the plan", "[daemon][service]") {
   ServiceBench bench;
@@ -305,7 +305,7 @@ TEST_CASE("a stored program of which any byte changed is not cut", "[daemon][ser
     changed.push_back(whole + " ");
     changed.push_back(whole.substr(1));
     for (const std::string& bytes : changed) {
-      popcut::test::write_text(path, bytes);
+      popcut::testing::write_text(path, bytes);
       if (moment == 2)
         REQUIRE(bench.act(job.id, {.action = JobAction::ResumeFrom,
                                    .from_path = 2,
@@ -318,7 +318,7 @@ TEST_CASE("a stored program of which any byte changed is not cut", "[daemon][ser
       CHECK(refused.error().detail.find("create the job again") != std::string::npos);
       if (moment != 1) REQUIRE(bench.act(job.id, JobAction::Disarm));
     }
-    popcut::test::write_text(path, whole);
+    popcut::testing::write_text(path, whole);
   }
   CHECK(bench.cutters.cuts() == cuts);
   // As it was planned, it is cut.
@@ -334,7 +334,7 @@ TEST_CASE("a plan of an earlier popcutd is not cut and not used again",
   {
     // As the tables were.
     SqliteDatabase db({.path = bench.folder() + "/popcut.db"});
-    db.script(test::back_to(2));
+    db.script(testing::back_to(2));
     db.checkpoint(true);
   }
   for (const char* name : {"database-state", "witness", "popcut.db-wal"})
@@ -352,7 +352,7 @@ TEST_CASE("dots are never sent and do not prevent a sheet from being done", "[da
   ServiceBench bench;
   bench.planner.sheets = 1;
   bench.options.read_program = [](const std::string& folder, int sheet) {
-    auto program = popcut::test::read_fake_program(folder, sheet);
+    auto program = popcut::testing::read_fake_program(folder, sheet);
     if (program) program->program.dots = {0, 3};
     return program;
   };
@@ -426,13 +426,13 @@ TEST_CASE("a program that differs from the planned one is not cut", "[daemon][se
   const std::string bytes = read_whole(file, 10'000).value();
   std::string changed = bytes;
   changed[20] = 'x';
-  popcut::test::write_text(file, changed);
+  popcut::testing::write_text(file, changed);
   REQUIRE(bench.act(ready.id, JobAction::Arm));
   CHECK(bench.act(ready.id, JobAction::Start).error().kind == ProblemKind::StateConflict);
   remove_tree(file);
   CHECK(bench.act(ready.id, JobAction::Start).error().kind == ProblemKind::StateConflict);
   CHECK(bench.cutters.cuts() == 0);
-  popcut::test::write_text(file, bytes);
+  popcut::testing::write_text(file, bytes);
   CHECK(bench.act(ready.id, JobAction::Start));
 }
 

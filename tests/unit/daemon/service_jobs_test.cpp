@@ -7,7 +7,7 @@ namespace service_jobs_test {
 
 using namespace popcut;
 using namespace popcut::daemon;
-using popcut::test::ServiceBench;
+using popcut::testing::ServiceBench;
 
 TEST_CASE("a job goes from its design through all sheets to done", "[daemon][service]") {
   ServiceBench bench;

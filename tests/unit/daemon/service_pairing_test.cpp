@@ -15,7 +15,7 @@ namespace service_pairing_test {
 
 using namespace popcut;
 using namespace popcut::daemon;
-using popcut::test::ServiceBench;
+using popcut::testing::ServiceBench;
 
 namespace {
 
@@ -339,7 +339,7 @@ TEST_CASE("the sessions of an earlier popcutd go on as they were",
   const NewToken page = bench.on([&](LiveService& s) {
     return s.access.open_session(s.access.create_one_shot(Tablets::local()).value()).value();
   });
-  bench.on([&](LiveService&) { bench.store().database().script(test::back_to(5)); });
+  bench.on([&](LiveService&) { bench.store().database().script(testing::back_to(5)); });
   bench.stop();
   REQUIRE(bench.start().empty());
   CHECK(bench.who(page.text)->role == Role::Operator);

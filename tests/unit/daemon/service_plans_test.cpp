@@ -12,7 +12,7 @@ namespace service_plans_test {
 
 using namespace popcut;
 using namespace popcut::daemon;
-using popcut::test::ServiceBench;
+using popcut::testing::ServiceBench;
 
 namespace {
 

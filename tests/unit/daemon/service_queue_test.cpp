@@ -12,8 +12,8 @@ namespace service_queue_test {
 
 using namespace popcut;
 using namespace popcut::daemon;
-using popcut::test::ServiceBench;
-using popcut::test::write_text;
+using popcut::testing::ServiceBench;
+using popcut::testing::write_text;
 
 namespace {
 
@@ -413,7 +413,7 @@ TEST_CASE("cutters and jobs keep their sites, and cutters that are off move with
 TEST_CASE("jobs of an earlier popcutd are for any site", "[alone][daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
-  bench.on([&](LiveService&) { bench.store().database().script(popcut::test::back_to(7)); });
+  bench.on([&](LiveService&) { bench.store().database().script(popcut::testing::back_to(7)); });
   bench.stop();
   REQUIRE(bench.start().empty());
   CHECK(bench.job(ready.id).site.empty());

@@ -9,10 +9,10 @@ namespace service_resume_test {
 
 using namespace popcut;
 using namespace popcut::daemon;
-using popcut::test::broken;
-using popcut::test::ledger;
-using popcut::test::ServiceBench;
-using popcut::test::shown;
+using popcut::testing::broken;
+using popcut::testing::ledger;
+using popcut::testing::ServiceBench;
+using popcut::testing::shown;
 
 namespace {
 

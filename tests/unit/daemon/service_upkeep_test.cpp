@@ -9,8 +9,8 @@ namespace service_upkeep_test {
 
 using namespace popcut;
 using namespace popcut::daemon;
-using popcut::test::ServiceBench;
-using popcut::test::write_text;
+using popcut::testing::ServiceBench;
+using popcut::testing::write_text;
 
 TEST_CASE("tokens give access until they are revoked", "[daemon][service]") {
   ServiceBench bench;

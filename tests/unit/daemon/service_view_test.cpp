@@ -11,9 +11,9 @@ namespace service_view_test {
 
 using namespace popcut;
 using namespace popcut::daemon;
-using popcut::test::broken;
-using popcut::test::ServiceBench;
-using popcut::test::shown;
+using popcut::testing::broken;
+using popcut::testing::ServiceBench;
+using popcut::testing::shown;
 
 namespace {
 

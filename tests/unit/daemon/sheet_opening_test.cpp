@@ -224,7 +224,7 @@ TEST_CASE("a sheet that cannot be opened says why and what would help", "[deploy
 
 TEST_CASE("the samples of other programs open, or say what is wrong with them", "[deploy]") {
   const auto cut = [](const std::string& name) {
-    const std::string text = popcut::test::sample("fold/" + name);
+    const std::string text = popcut::testing::sample("fold/" + name);
     if (text.empty()) WARN("skipped: " << name << " is not here");
     if (text.empty() || !cli::is_svg(text)) return text;
     std::vector<std::string> warnings;

@@ -18,16 +18,17 @@ namespace store_test {
 
 using namespace popcut;
 using namespace popcut::daemon;
-using popcut::test::ScratchFolder;
-using popcut::test::write_text;
+using popcut::testing::TempFolder;
+using popcut::testing::write_text;
 
 namespace {
 
 namespace fs = std::filesystem;
 
-popcut::Result<std::unique_ptr<Store>> open(const ScratchFolder& scratch,
+popcut::Result<std::unique_ptr<Store>> open(const TempFolder& scratch,
                                             std::vector<Migration> steps = migrations()) {
-  return Store::open({.folder = scratch.path() + "/state", .reserve_bytes = 4096, .steps = steps});
+  return Store::open(
+      {.folder = (scratch / "state").string(), .reserve_bytes = 4096, .steps = steps});
 }
 
 void add_token(Database& db, const std::string& name) {
@@ -73,7 +74,7 @@ TEST_CASE("ids sort by their time and grow even when the clock goes back", "[dae
 }
 
 TEST_CASE("one process owns the state and a second one is refused", "[daemon][store]") {
-  const ScratchFolder scratch;
+  const TempFolder scratch{TempFolder::Place::Memory};
   auto first = open(scratch);
   REQUIRE(first);
   const auto second = open(scratch);
@@ -85,8 +86,8 @@ TEST_CASE("one process owns the state and a second one is refused", "[daemon][st
 }
 
 TEST_CASE("files appear whole or not at all", "[daemon][store]") {
-  const ScratchFolder scratch;
-  const std::string folder = scratch.path() + "/plan";
+  const TempFolder scratch{TempFolder::Place::Memory};
+  const std::string folder = (scratch / "plan").string();
   REQUIRE(write_folder(folder, {{"a.svg", "one"}, {"b.json", "two"}}));
   CHECK(read_whole(folder + "/b.json", 10).value() == "two");
   REQUIRE(write_folder(folder, {{"c.svg", "three"}}));
@@ -94,18 +95,18 @@ TEST_CASE("files appear whole or not at all", "[daemon][store]") {
   CHECK_FALSE(write_folder(folder, {{"../escape", "x"}}));
   CHECK_FALSE(write_folder(folder, {{".hidden", "x"}}));
   CHECK(fs::exists(folder + "/c.svg"));
-  CHECK_FALSE(fs::exists(scratch.path() + "/escape"));
-  CHECK_FALSE(write_folder(scratch.path() + "/not/there/plan", {{"a", "x"}}));
+  CHECK_FALSE(fs::exists((scratch / "escape").string()));
+  CHECK_FALSE(write_folder((scratch / "not/there/plan").string(), {{"a", "x"}}));
   CHECK_FALSE(read_whole(folder + "/c.svg", 3));
   CHECK_FALSE(read_whole(folder, 100));
-  fs::create_symlink("/etc/passwd", scratch.path() + "/link");
-  CHECK_FALSE(read_whole(scratch.path() + "/link", 1 << 20));
+  fs::create_symlink("/etc/passwd", (scratch / "link").string());
+  CHECK_FALSE(read_whole((scratch / "link").string(), 1 << 20));
 }
 
 TEST_CASE("unfinished files of an earlier process are removed", "[daemon][store]") {
-  const ScratchFolder scratch;
+  const TempFolder scratch{TempFolder::Place::Memory};
   open(scratch)->reset();
-  const std::string state = scratch.path() + "/state";
+  const std::string state = (scratch / "state").string();
   write_text(state + "/incoming/upload", "half");
   fs::create_directory(state + "/plans/.new-01J");
   fs::create_directory(state + "/plans/01J");
@@ -119,7 +120,7 @@ TEST_CASE("unfinished files of an earlier process are removed", "[daemon][store]
 }
 
 TEST_CASE("a transaction inside another is undone with it or alone", "[daemon][store]") {
-  const ScratchFolder scratch;
+  const TempFolder scratch{TempFolder::Place::Memory};
   auto store = open(scratch).value();
   Store& held = *store;
   Database& db = held.database();
@@ -150,7 +151,7 @@ TEST_CASE("a transaction inside another is undone with it or alone", "[daemon][s
 }
 
 TEST_CASE("the schema itself keeps the rules that matter most", "[daemon][store]") {
-  ScratchFolder scratch;
+  TempFolder scratch{TempFolder::Place::Memory};
   auto store = open(scratch).value();
   Database& db = store->database();
   db.script("PRAGMA foreign_keys=OFF");
@@ -189,7 +190,7 @@ TEST_CASE("the schema itself keeps the rules that matter most", "[daemon][store]
 }
 
 TEST_CASE("an older database is migrated and a copy is kept", "[daemon][store]") {
-  const ScratchFolder scratch;
+  const TempFolder scratch{TempFolder::Place::Memory};
   {
     auto store = open(scratch).value();
     add_token(store->database(), "old");
@@ -205,7 +206,7 @@ TEST_CASE("an older database is migrated and a copy is kept", "[daemon][store]")
     CHECK(store->database().number("SELECT count(*) FROM material WHERE note='moved'") == 1);
   }
   int copies = 0;
-  for (const auto& entry : fs::directory_iterator(scratch.path() + "/state/backups")) {
+  for (const auto& entry : fs::directory_iterator((scratch / "state/backups").string())) {
     ++copies;
     SqliteDatabase copy({.path = entry.path().string(), .create = false, .exclusive_wal = false});
     CHECK(copy.number("PRAGMA user_version") == newest);
@@ -219,7 +220,7 @@ TEST_CASE("an older database is migrated and a copy is kept", "[daemon][store]")
 }
 
 TEST_CASE("a migration that fails leaves the database as it was", "[daemon][store]") {
-  const ScratchFolder scratch;
+  const TempFolder scratch{TempFolder::Place::Memory};
   open(scratch)->reset();
   std::vector<Migration> broken = migrations();
   const int newest = broken.back().version;
@@ -231,8 +232,8 @@ TEST_CASE("a migration that fails leaves the database as it was", "[daemon][stor
 }
 
 TEST_CASE("a missing or empty or foreign database is never replaced silently", "[daemon][store]") {
-  const ScratchFolder scratch;
-  const std::string path = scratch.path() + "/state/popcut.db";
+  const TempFolder scratch{TempFolder::Place::Memory};
+  const std::string path = (scratch / "state/popcut.db").string();
   {
     auto store = open(scratch).value();
     add_token(store->database(), "one");
@@ -267,8 +268,8 @@ TEST_CASE("a missing or empty or foreign database is never replaced silently", "
 }
 
 TEST_CASE("a log that is missing or damaged in its middle is reported", "[daemon][store]") {
-  const ScratchFolder scratch;
-  const std::string path = scratch.path() + "/state/popcut.db";
+  const TempFolder scratch{TempFolder::Place::Memory};
+  const std::string path = (scratch / "state/popcut.db").string();
   {
     auto store = open(scratch).value();
     for (int i = 0; i < 5; ++i) add_token(store->database(), "row-" + std::to_string(i));
@@ -303,8 +304,8 @@ TEST_CASE("a log that is missing or damaged in its middle is reported", "[daemon
 }
 
 TEST_CASE("leftovers of killed runs after the last commit are not damage", "[daemon][store]") {
-  const ScratchFolder scratch;
-  const std::string log_path = scratch.path() + "/state/popcut.db-wal";
+  const TempFolder scratch{TempFolder::Place::Memory};
+  const std::string log_path = (scratch / "state/popcut.db-wal").string();
   constexpr std::size_t kFrameHeader = 24, kFrame = kFrameHeader + 4096;
   const auto log_after = [&](int rows, char text) {
     auto store = open(scratch).value();
@@ -346,8 +347,8 @@ TEST_CASE("leftovers of killed runs after the last commit are not damage", "[dae
 
 TEST_CASE("a damaged database is copied aside once and salvage recovers the rest",
           "[daemon][store]") {
-  const ScratchFolder scratch;
-  const std::string state = scratch.path() + "/state";
+  const TempFolder scratch{TempFolder::Place::Memory};
+  const std::string state = (scratch / "state").string();
   {
     auto store = open(scratch).value();
     Transaction all(store->database());
@@ -385,8 +386,8 @@ TEST_CASE("a damaged database is copied aside once and salvage recovers the rest
 }
 
 TEST_CASE("a backup made in operation can replace the database", "[daemon][store]") {
-  const ScratchFolder scratch;
-  const fs::path state = scratch.path() + "/state";
+  const TempFolder scratch{TempFolder::Place::Memory};
+  const fs::path state = (scratch / "state").string();
   std::string copy;
   {
     auto store = open(scratch).value();
@@ -404,8 +405,8 @@ TEST_CASE("a backup made in operation can replace the database", "[daemon][store
 
 TEST_CASE("a copy is restored by one command and never in place of a whole later database",
           "[daemon][store]") {
-  const ScratchFolder scratch;
-  const std::string state = scratch.path() + "/state";
+  const TempFolder scratch{TempFolder::Place::Memory};
+  const std::string state = (scratch / "state").string();
   std::string copy;
   {
     auto store = open(scratch).value();
@@ -441,8 +442,8 @@ TEST_CASE("a copy is restored by one command and never in place of a whole later
 }
 
 TEST_CASE("whoever has a whole database is not told to go back to a copy", "[daemon][store]") {
-  const ScratchFolder scratch;
-  const std::string state = scratch.path() + "/state";
+  const TempFolder scratch{TempFolder::Place::Memory};
+  const std::string state = (scratch / "state").string();
   {
     auto store = open(scratch).value();
     for (int i = 0; i < 5; ++i) add_token(store->database(), "row-" + std::to_string(i));
@@ -465,8 +466,8 @@ TEST_CASE("whoever has a whole database is not told to go back to a copy", "[dae
 }
 
 TEST_CASE("a folder that is moved while it is in use can be used again", "[daemon][store]") {
-  const ScratchFolder scratch;
-  const std::string state = scratch.path() + "/state", away = scratch.path() + "/away";
+  const TempFolder scratch{TempFolder::Place::Memory};
+  const std::string state = (scratch / "state").string(), away = (scratch / "away").string();
   {
     auto store = open(scratch).value();
     add_token(store->database(), "kept");
@@ -483,8 +484,8 @@ TEST_CASE("a folder that is moved while it is in use can be used again", "[daemo
 
 TEST_CASE("the check of all pages can come after the start and damage is kept in mind",
           "[daemon][store]") {
-  const ScratchFolder scratch;
-  const std::string state = scratch.path() + "/state";
+  const TempFolder scratch{TempFolder::Place::Memory};
+  const std::string state = (scratch / "state").string();
   const auto later = [&] {
     return Store::open({.folder = state, .reserve_bytes = 4096, .check_later = true});
   };
@@ -535,12 +536,12 @@ TEST_CASE("the check of all pages can come after the start and damage is kept in
 }
 
 TEST_CASE("salvage of an older database brings all its tables over", "[daemon][store]") {
-  const ScratchFolder scratch;
+  const TempFolder scratch{TempFolder::Place::Memory};
   {
     auto store = open(scratch, {migrations().front()}).value();
     add_token(store->database(), "old");
   }
-  const auto done = salvage(scratch.path() + "/state");
+  const auto done = salvage((scratch / "state").string());
   REQUIRE(done);
   for (const Salvage::Table& table : done->tables) {
     CAPTURE(table.name);
@@ -557,8 +558,8 @@ TEST_CASE("files that root salvages belong to the folder's owner", "[daemon][sto
     return;
   }
   constexpr uid_t kOwner = 61'000;
-  const ScratchFolder scratch;
-  const std::string state = scratch.path() + "/state";
+  const TempFolder scratch{TempFolder::Place::Memory};
+  const std::string state = (scratch / "state").string();
   add_token(open(scratch).value()->database(), "kept");
   for (const auto& entry : fs::recursive_directory_iterator(state))
     REQUIRE(::lchown(entry.path().c_str(), kOwner, kOwner) == 0);
@@ -573,8 +574,8 @@ TEST_CASE("files that root salvages belong to the folder's owner", "[daemon][sto
 }
 
 TEST_CASE("salvage that reads nothing says how to go on and that works", "[daemon][store]") {
-  const ScratchFolder scratch;
-  const std::string state = scratch.path() + "/state";
+  const TempFolder scratch{TempFolder::Place::Memory};
+  const std::string state = (scratch / "state").string();
   open(scratch)->reset();
   const std::string whole = read_whole(state + "/popcut.db", 1 << 24).value();
   write_text(state + "/popcut.db", whole.substr(0, whole.size() / 2));
@@ -592,8 +593,8 @@ TEST_CASE("salvage that reads nothing says how to go on and that works", "[daemo
 }
 
 TEST_CASE("salvage of a file that is not a database changes nothing", "[daemon][store]") {
-  const ScratchFolder scratch;
-  const std::string state = scratch.path() + "/state";
+  const TempFolder scratch{TempFolder::Place::Memory};
+  const std::string state = (scratch / "state").string();
   open(scratch)->reset();
   write_text(state + "/popcut.db", std::string(8192, '\x5A'));
   const auto done = salvage(state);

@@ -74,12 +74,12 @@ TEST_CASE("codes that nobody accepted are left", "[daemon][warnings]") {
 
 TEST_CASE("plans of an earlier popcutd keep their warnings and open jobs get them",
           "[alone][daemon][warnings][store]") {
-  test::ServiceBench bench;
+  testing::ServiceBench bench;
   const Job open = bench.ready_job();
   bench.stop();
   {
     SqliteDatabase db({.path = bench.folder() + "/popcut.db", .create = false});
-    db.script("UPDATE plan SET warnings='[\"it is \\\"large\\\"\"]';" + test::back_to(4));
+    db.script("UPDATE plan SET warnings='[\"it is \\\"large\\\"\"]';" + testing::back_to(4));
     db.checkpoint(true);
   }
   for (const char* name : {"database-state", "witness", "popcut.db-wal"})

@@ -38,7 +38,7 @@ constexpr const char* kAside =
     R"({"type":"mesh","file":"ball.stl"},"rotate_deg":[0,0,0],"translate_mm":[60,20,50])";
 
 SurfaceAssets ball() {
-  static const SurfaceAssets assets{{"ball.stl", tests::binary_stl(tests::icosphere(40, 3))}};
+  static const SurfaceAssets assets{{"ball.stl", testing::binary_stl(testing::icosphere(40, 3))}};
   return assets;
 }
 
@@ -198,7 +198,7 @@ TEST_CASE(
 
 TEST_CASE("a mesh stands with its z axis on the spine of a book, its middle halfway",
           "[core][book]") {
-  using namespace popcut::tests;
+  using namespace popcut::testing;
   const TriangleMesh box = box_mesh({10, 20, 30}, {30, 40, 80}, false);
   const SurfaceAssets assets{{"box.stl", binary_stl(box)}};
   const auto text = [](const std::string& more) {

@@ -146,7 +146,7 @@ TEST_CASE("a cylinder drawn by hand has no Gaussian curvature in any pose",
           "[core][curvature][pattern]") {
   for (const bool card : {true, false}) {
     const auto found = fold_vertices_from_fold(
-        popcut::tests::draft_of(popcut::tests::CylinderCard{4, 6, 30, 10, 15, card}).text());
+        popcut::testing::draft_of(popcut::testing::CylinderCard{4, 6, 30, 10, 15, card}).text());
     REQUIRE(found);
     CHECK(inner_count(*found) == 3 * 3);
     for (const double psi : {0.3, 1.1, kPi / 2, 2.6}) {
@@ -211,7 +211,7 @@ TEST_CASE("a valley with a V-fold on it is one fold line that knows its V-fold",
 
 TEST_CASE("a pattern without connectors is refused in one clear line",
           "[core][curvature][pattern]") {
-  const auto box = fold_vertices_from_fold(popcut::tests::box_card().text());
+  const auto box = fold_vertices_from_fold(popcut::testing::box_card().text());
   REQUIRE_FALSE(box);
   CHECK(box.error().kind == ErrorKind::Infeasible);
   CHECK_FALSE(fold_vertices_from_fold("{}"));

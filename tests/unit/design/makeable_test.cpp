@@ -239,7 +239,8 @@ TEST_CASE("a target that is wholly out of reach is infeasible and names what to 
         more));
     if (!spec) FAIL(message(spec.error()));
     const auto out = design(
-        *spec, {{"b.stl", tests::binary_stl(tests::box_mesh({0, -5, 0}, {30, 50, 30}, false))}});
+        *spec,
+        {{"b.stl", testing::binary_stl(testing::box_mesh({0, -5, 0}, {30, 50, 30}, false))}});
     REQUIRE_FALSE(out);
     CHECK(out.error().kind == ErrorKind::Infeasible);
     return message(out.error());

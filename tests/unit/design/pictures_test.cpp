@@ -128,7 +128,7 @@ TEST_CASE("no panel is painted over one that is before it", "[core][picture]") {
   std::mt19937 random(20);
   int designs = 0;
   for (int i = 0; i < 40 && designs < 5; ++i) {
-    const std::string text = test::random_lattice_spec(random);
+    const std::string text = testing::random_lattice_spec(random);
     const auto spec = parse_design_spec(text);
     REQUIRE(spec);
     const auto made = design(*spec);
@@ -233,7 +233,7 @@ TEST_CASE("a ghost is cut just where it goes through the paper", "[core][picture
 }
 
 TEST_CASE("a target of many triangles is coarsened and still looks out", "[core][picture]") {
-  const auto ball = tests::icosphere(30, 5);  // 20 480 triangles
+  const auto ball = testing::icosphere(30, 5);  // 20 480 triangles
   for (const bool turned : {false, true}) {
     const CoarseTarget coarse = coarse_target(soup_of(ball, turned), 2000);
     CHECK(coarse.corners.size() <= 2000);

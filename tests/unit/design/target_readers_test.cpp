@@ -16,7 +16,7 @@
 namespace target_readers_test {
 
 using namespace popcut;
-using namespace popcut::tests;
+using namespace popcut::testing;
 
 namespace {
 

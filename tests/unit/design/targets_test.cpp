@@ -25,7 +25,6 @@ namespace targets_test {
 
 using namespace popcut;
 using namespace popcut::testing;
-using namespace popcut::tests;
 
 namespace {
 

@@ -3,14 +3,12 @@
 #include <catch2/catch.hpp>
 
 #include "tests/support/fleet_load.hpp"
+#include "tests/support/needs_postgres.hpp"
 
 namespace popcut::testing::fleet_load_test {
 
 TEST_CASE("forty sheets by fifty nodes, and not one stroke twice", "[fleet]") {
-  if (const std::string why = PostgresServer::why_not(); !why.empty()) {
-    WARN("skipped: " << why);
-    return;
-  }
+  NEEDS_POSTGRES();
   FleetSql fleet;
   FleetLoad load(fleet, 50, 8);
   const FleetLoad::Figures figures =

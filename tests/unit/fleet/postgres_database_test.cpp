@@ -12,6 +12,7 @@
 #include "daemon/fleet/postgres_database.hpp"
 #include "tests/support/fault_proxy.hpp"
 #include "tests/support/fleet_sql.hpp"
+#include "tests/support/needs_postgres.hpp"
 #include "tests/support/postgres_server.hpp"
 
 namespace popcut::testing::postgres_database_test {
@@ -19,12 +20,6 @@ namespace popcut::testing::postgres_database_test {
 using namespace popcut::daemon;
 
 namespace {
-
-bool skipped() {
-  const std::string why = PostgresServer::why_not();
-  if (!why.empty()) WARN("skipped: " << why);
-  return !why.empty();
-}
 
 /// A table of numbers, each once, and a connection that is counted.
 struct Bench {
@@ -51,7 +46,7 @@ struct Bench {
 }  // namespace
 
 TEST_CASE("what is for later runs in its turn, and all of it with the commit", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   Bench bench;
   {
     Transaction all(bench.database);
@@ -75,7 +70,7 @@ TEST_CASE("what is for later runs in its turn, and all of it with the commit", "
 }
 
 TEST_CASE("a transaction of statements for later is one way to the server and back", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   Bench bench;
   const auto ways = [&](const std::function<void()>& work) {
     bench.proxy.delay(FaultProxy::Way::ToServer, std::chrono::milliseconds(100));
@@ -97,7 +92,7 @@ TEST_CASE("a transaction of statements for later is one way to the server and ba
 }
 
 TEST_CASE("a fault of a statement for later undoes all, wherever it comes to light", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   Bench bench;
   bench.put(1);
   SECTION("at the commit") {
@@ -144,7 +139,7 @@ TEST_CASE("a fault of a statement for later undoes all, wherever it comes to lig
 }
 
 TEST_CASE("what is undone takes what was for later with it", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   Bench bench;
   {
     const Transaction never(bench.database);
@@ -177,7 +172,7 @@ TEST_CASE("what is undone takes what was for later with it", "[fleet]") {
 }
 
 TEST_CASE("more than one message holds goes before the commit", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   Bench bench;
   const std::string much(100'000, 'x');
   Transaction all(bench.database);
@@ -187,7 +182,7 @@ TEST_CASE("more than one message holds goes before the commit", "[fleet]") {
 }
 
 TEST_CASE("a statement that could not be prepared leaves its name to no other", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   Bench bench;
   bench.put(1);
   PostgresDatabase holder({.url = bench.server.url()});
@@ -205,7 +200,7 @@ TEST_CASE("a statement that could not be prepared leaves its name to no other", 
 }
 
 TEST_CASE("a column of another type is no end of all statements", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   Bench bench;
   bench.put(1);
   const auto text = [&] {
@@ -221,7 +216,7 @@ TEST_CASE("a column of another type is no end of all statements", "[fleet]") {
 }
 
 TEST_CASE("text is UTF-8 whatever the database gives to others", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   Bench bench;
   bench.watcher.script("ALTER DATABASE postgres SET client_encoding='LATIN1'");
   PostgresDatabase later({.url = bench.server.url()});
@@ -233,7 +228,7 @@ TEST_CASE("text is UTF-8 whatever the database gives to others", "[fleet]") {
 }
 
 TEST_CASE("a connection that listens to a database that hangs still ends", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   Bench bench;
   auto ear =
       std::make_unique<PostgresDatabase>(PostgresDatabase::Options{.url = bench.proxy.url()});
@@ -245,7 +240,7 @@ TEST_CASE("a connection that listens to a database that hangs still ends", "[fle
 }
 
 TEST_CASE("a connection that is lost says whether a commit is in doubt", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   Bench bench;
   bench.put(1);
   const auto lost_at = [&](const std::string& text, FaultProxy::Lost lost, int n) {

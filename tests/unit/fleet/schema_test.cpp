@@ -16,6 +16,7 @@
 #include "daemon/store/schema.hpp"
 #include "daemon/store/sqlite_database.hpp"
 #include "tests/support/fleet_sql.hpp"
+#include "tests/support/needs_postgres.hpp"
 
 namespace popcut::testing::fleet_schema_test {
 namespace {
@@ -23,12 +24,6 @@ namespace {
 using namespace std::chrono_literals;
 using Catch::Contains;
 using Catch::StartsWith;
-
-bool skipped() {
-  const std::string why = PostgresServer::why_not();
-  if (!why.empty()) WARN("skipped: " << why);
-  return !why.empty();
-}
 
 /// Two rooms with a cutter each, and a job that is ready.
 struct TwoRooms {
@@ -83,7 +78,7 @@ TEST_CASE(
     "the schema of a fleet is made in one transaction, in several databases of a cluster, by "
     "an admin who is no superuser",
     "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   const FreshDatabase first, second, third;
   first.run_sql(std::string(daemon::fleet_schema()));
   CHECK(first.run_sql("SELECT version, least, went_back FROM popcut.popcut_schema") == "1|1|0");
@@ -108,7 +103,7 @@ TEST_CASE(
 }
 
 TEST_CASE("every table and column of SQLite is in a fleet's database", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   using Columns = std::map<std::string, std::string>;  // type by name
   daemon::SqliteDatabase file({.path = ":memory:", .exclusive_wal = false});
   daemon::build_schema(file, daemon::migrations(), daemon::migrations().back().version);
@@ -182,7 +177,7 @@ TEST_CASE("every table and column of SQLite is in a fleet's database", "[fleet]"
 }
 
 TEST_CASE("a node's name is that of one popcutd at a time", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   FleetSql fleet;
   FleetNode first(fleet, "room-1", "popcut_n_room_1");
   FleetNode other(fleet, "room-1", "popcut_n_other");
@@ -218,7 +213,7 @@ TEST_CASE("a node's name is that of one popcutd at a time", "[fleet]") {
 }
 
 TEST_CASE("a lease goes by the clock of the database, and what is over stays over", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   CHECK(rooms.lapsed(rooms.one, rooms.two) == "f");
   CHECK(rooms.one.beat(0.05) == "t");
@@ -241,7 +236,7 @@ TEST_CASE("a lease goes by the clock of the database, and what is over stays ove
 }
 
 TEST_CASE("after an outage of the database every node gets time to come back", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   CHECK(rooms.one.beat(0.15) == "t");
   CHECK(rooms.two.beat(0.05) == "t");
@@ -253,7 +248,7 @@ TEST_CASE("after an outage of the database every node gets time to come back", "
 }
 
 TEST_CASE("only the node that has the cutter arms it, and not while it is drained", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   rooms.fleet.add_device("shelf", "");
   CHECK_THAT(rooms.two.arm("JOB", "left"), StartsWith("PC001 device left is at node room-1"));
@@ -291,7 +286,7 @@ TEST_CASE("only the node that has the cutter arms it, and not while it is draine
 }
 
 TEST_CASE("a knife goes down only for what was armed, at the node where it was armed", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   CHECK_THAT(rooms.one.start("A1", "JOB", "left"), StartsWith("PC001 sheet 1 (blank 1) of job"));
   REQUIRE(rooms.one.arm("JOB", "left").empty());
@@ -326,7 +321,7 @@ TEST_CASE("a knife goes down only for what was armed, at the node where it was a
 }
 
 TEST_CASE("a blank is started once, and a machine cuts one sheet at a time", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   rooms.start(rooms.one, "left", "A1");
   CHECK(rooms.fleet("SELECT node, epoch, identity, started_at, fence > 0 FROM attempt") ==
@@ -364,7 +359,7 @@ TEST_CASE("a blank is started once, and a machine cuts one sheet at a time", "[f
 }
 
 TEST_CASE("a start has a number above all that the node's journals know", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   REQUIRE(rooms.one.arm("JOB", "left").empty());
   CHECK_THAT(rooms.one.start("A1", "JOB", "left", 500), StartsWith("PC001 the fence ") &&
@@ -378,7 +373,7 @@ TEST_CASE("a start has a number above all that the node's journals know", "[flee
 }
 
 TEST_CASE("marks of a cut only grow", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   rooms.start(rooms.one, "left", "A1");
   CHECK(rooms.one.mark("A1", -1, -1, 4, 0).empty());
@@ -404,7 +399,7 @@ TEST_CASE("marks of a cut only grow", "[fleet]") {
 }
 
 TEST_CASE("an end is recorded once, by the node that cut", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   rooms.start(rooms.one, "left", "A1");
   REQUIRE(rooms.one.mark("A1", 2, 4, 8, 90).empty());
@@ -427,7 +422,7 @@ TEST_CASE("an end is recorded once, by the node that cut", "[fleet]") {
 }
 
 TEST_CASE("late truth goes over what was taken for lost", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   rooms.start(rooms.one, "left", "A1");
   REQUIRE(rooms.one.mark("A1", 2, 4, 8, 90).empty());
@@ -491,7 +486,7 @@ TEST_CASE("late truth goes over what was taken for lost", "[fleet]") {
 }
 
 TEST_CASE("an attempt that sent nothing never was a start", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   rooms.start(rooms.one, "left", "A1");
   const std::string never = "'" + FleetSql::id("A1") + "', 9";
@@ -512,7 +507,7 @@ TEST_CASE("an attempt that sent nothing never was a start", "[fleet]") {
 }
 
 TEST_CASE("no function of the knife listens to an old life, or to another's login", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   rooms.start(rooms.one, "left", "A1");
   const std::string attempt = "'" + FleetSql::id("A1") + "'", job = "'" + FleetSql::id("JOB") + "'";
@@ -555,7 +550,7 @@ TEST_CASE("no function of the knife listens to an old life, or to another's logi
 }
 
 TEST_CASE("a start that a restored database forgot comes back", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   const auto back = [&](FleetNode& node, const std::string& name, const std::string& job,
                         const std::string& started, const std::string& fence) {
@@ -592,7 +587,7 @@ TEST_CASE("a start that a restored database forgot comes back", "[fleet]") {
 }
 
 TEST_CASE("an event of no kind stops no other", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   const auto put = [&](const std::string& kind) {
     return rooms.one.line.tried("INSERT INTO event_new(time, kind, job, data) VALUES(1, '" + kind +
@@ -606,7 +601,7 @@ TEST_CASE("an event of no kind stops no other", "[fleet]") {
 
 TEST_CASE("a database that went back starts nothing until every node has compared its journals",
           "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   rooms.fleet("UPDATE event_counter SET last=10");
   CHECK(rooms.one.call("node_beat", "30, 10").starts_with("(t,"));
@@ -640,7 +635,7 @@ TEST_CASE("a database that went back starts nothing until every node has compare
 
 TEST_CASE("another timeline counts as going back, but not for who was stopped in order",
           "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   CHECK(rooms.fleet("SELECT popcut_generation()") == "00000001.0");
   REQUIRE(rooms.two.call("node_end", "").empty());
@@ -655,7 +650,7 @@ TEST_CASE("another timeline counts as going back, but not for who was stopped in
 }
 
 TEST_CASE("a node that has something open is not forgotten", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   REQUIRE(rooms.one.arm("JOB", "left").empty());
   REQUIRE(rooms.one.call("node_end", "").empty());
@@ -680,7 +675,7 @@ TEST_CASE("a node that has something open is not forgotten", "[fleet]") {
 }
 
 TEST_CASE("a node's login writes to nodes, arms and attempts by functions only", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   rooms.start(rooms.one, "left", "A1");
   FleetLine& line = rooms.one.line;
@@ -744,7 +739,7 @@ TEST_CASE("a node's login writes to nodes, arms and attempts by functions only",
 }
 
 TEST_CASE("what a login creates and where it searches does not change the functions", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   FleetLine& line = rooms.one.line;
   // Tables of its own in the way of the real ones, and operators that always say yes.
@@ -782,7 +777,7 @@ TEST_CASE("what a login creates and where it searches does not change the functi
 }
 
 TEST_CASE("a job's state and its knife agree at every commit", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   FleetLine& line = rooms.one.line;
   const std::string job = FleetSql::id("JOB");
@@ -832,7 +827,7 @@ TEST_CASE("a job's state and its knife agree at every commit", "[fleet]") {
 }
 
 TEST_CASE("what has ended stays, and jobs are never deleted", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   CHECK_THAT(rooms.one.line.tried("DELETE FROM job"), StartsWith("23000 jobs are never deleted"));
   rooms.start(rooms.one, "left", "A1");
@@ -844,7 +839,7 @@ TEST_CASE("what has ended stays, and jobs are never deleted", "[fleet]") {
 }
 
 TEST_CASE("a cutter belongs to one living node", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   const std::string take = "UPDATE device SET node='room-2' WHERE id='left'";
   CHECK_THAT(rooms.two.line.tried(take), StartsWith("PC002 device left is at node room-1"));
@@ -871,7 +866,7 @@ TEST_CASE("a cutter belongs to one living node", "[fleet]") {
 
 TEST_CASE("tallies are right while many change them, and few rows when they are folded",
           "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   for (int i = 0; i < 40; ++i) rooms.fleet.add_job(fmt::format("T{:02}", i));
   std::vector<std::thread> threads;
@@ -899,7 +894,7 @@ TEST_CASE("tallies are right while many change them, and few rows when they are 
 }
 
 TEST_CASE("of 64 connections that start the same sheet at once one starts it", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   constexpr int kMany = 64, kRounds = 5;
   for (int i = 0; i < kMany; ++i)
@@ -943,7 +938,7 @@ TEST_CASE("of 64 connections that start the same sheet at once one starts it", "
 }
 
 TEST_CASE("two nodes that sweep at once end each lost attempt once", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   FleetNode three{rooms.fleet, "room-3", "popcut_n_room_3"};
   REQUIRE(three.begin().empty());
@@ -997,7 +992,7 @@ TEST_CASE("two nodes that sweep at once end each lost attempt once", "[fleet]") 
 }
 
 TEST_CASE("a sweep waits for a start that is under way", "[fleet]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   TwoRooms rooms;
   REQUIRE(rooms.one.arm("JOB", "left").empty());
   REQUIRE(rooms.one.beat(0.2) == "t");

@@ -12,6 +12,7 @@
 #include "daemon/fleet/node_lease.hpp"
 #include "daemon/fleet/postgres_database.hpp"
 #include "tests/support/fault_proxy.hpp"
+#include "tests/support/needs_postgres.hpp"
 #include "tests/support/postgres_server.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/service_bench.hpp"
@@ -20,10 +21,10 @@ namespace two_nodes_test {
 
 using namespace popcut;
 using namespace popcut::daemon;
-using popcut::test::ServiceBench;
 using popcut::testing::FaultProxy;
 using popcut::testing::FreshDatabase;
 using popcut::testing::PostgresServer;
+using popcut::testing::ServiceBench;
 using popcut::testing::shared_postgres;
 
 namespace {
@@ -143,7 +144,7 @@ std::string slow_search(Node& node) {
   const std::string bytes = "slow model";
   const Answer<Asset> model = node.bench.on([&](LiveService& s) {
     const std::string path = node.bench.folder() + "/incoming/asset";
-    test::write_text(path, bytes);
+    testing::write_text(path, bytes);
     return s.designs.add_asset(node.bench.student,
                                {path, sha256_hex(bytes), bytes.size(), "vase.obj"});
   });
@@ -172,16 +173,10 @@ bool is_found(Node& node, const std::string& id) {
   return record && record->state == SearchState::Found;
 }
 
-bool is_skipped() {
-  const std::string why = PostgresServer::why_not();
-  if (!why.empty()) WARN("skipped: " << why);
-  return !why.empty();
-}
-
 }  // namespace
 
 TEST_CASE("a job that is queued at one node is cut at the other", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   Fleet fleet;
   std::vector<std::int64_t> heard_a, heard_b;
   for (auto [node, heard] : {std::pair{&fleet.a, &heard_a}, {&fleet.b, &heard_b}})
@@ -212,7 +207,7 @@ TEST_CASE("a job that is queued at one node is cut at the other", "[fleet]") {
 }
 
 TEST_CASE("a job for a site is cut there, and not at the other nodes", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   Fleet fleet("ground floor", "upstairs");
   const auto site_at = [&](Node& node) {
     const auto found = node.bench.on([&](LiveService& s) { return s.devices.find("sim:b"); });
@@ -264,7 +259,7 @@ TEST_CASE("a job for a site is cut there, and not at the other nodes", "[fleet]"
 }
 
 TEST_CASE("a job for a site is planned for the cutters that stand there", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   Fleet fleet("ground floor", "upstairs");
   fleet.b.bench.cutters.unplug("sim:b");
   fleet.b.bench.cutters.plug("sim:b4", "idle", "cameo4");
@@ -291,7 +286,7 @@ TEST_CASE("a job for a site is planned for the cutters that stand there", "[flee
 }
 
 TEST_CASE("a cutter that is carried to another node is that node's", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   Fleet fleet;
   const std::string device = fleet.a.device();
   const auto at = [&](Node& node) {
@@ -311,7 +306,7 @@ TEST_CASE("a cutter that is carried to another node is that node's", "[fleet]") 
 }
 
 TEST_CASE("pause and cancel reach the knife from any node", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   Fleet fleet;
   const std::string job = fleet.ready();
   fleet.start(fleet.b, job, 1);
@@ -324,7 +319,7 @@ TEST_CASE("pause and cancel reach the knife from any node", "[fleet]") {
 }
 
 TEST_CASE("a node that dies with the knife down leaves its job interrupted", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   Fleet fleet;
   const std::string job = fleet.ready();
   const std::string other = fleet.ready();
@@ -334,12 +329,12 @@ TEST_CASE("a node that dies with the knife down leaves its job interrupted", "[f
   CHECK(fleet.is(fleet.a, job, JobState::Cutting));
   REQUIRE(fleet.until([&] { return fleet.is(fleet.a, job, JobState::Interrupted); }));
   // What was not marked as certain may have been cut, to the end of the sheet: it still may be.
-  CHECK(test::ledger(fleet.a.bench, job).not_sent.empty());
+  CHECK(testing::ledger(fleet.a.bench, job).not_sent.empty());
   CHECK(fleet.is(fleet.a, other, JobState::Armed));
   fleet.restart(fleet.b);
   // Its journal knows better: nothing after stroke 2 was sent.
-  REQUIRE(fleet.until([&] { return test::ledger(fleet.a.bench, job).not_sent.size() == 1; }));
-  CHECK(test::ledger(fleet.a.bench, job).not_sent.front().first == 3);
+  REQUIRE(fleet.until([&] { return testing::ledger(fleet.a.bench, job).not_sent.size() == 1; }));
+  CHECK(testing::ledger(fleet.a.bench, job).not_sent.front().first == 3);
   REQUIRE(fleet.b.bench.act(job, JobAction::RetrySheet));
   fleet.start(fleet.b, job, 4);
   fleet.b.bench.cutters.complete(fleet.b.device());
@@ -350,7 +345,7 @@ TEST_CASE("a node that dies with the knife down leaves its job interrupted", "[f
 
 TEST_CASE("a search whose node dies is made by another, and its cards are at all nodes",
           "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   Fleet fleet;
   const std::string id = slow_search(fleet.a);
   REQUIRE(fleet.until([&] { return fleet.a.bench.planner.started == 1; }));
@@ -371,7 +366,7 @@ TEST_CASE("a search whose node dies is made by another, and its cards are at all
 }
 
 TEST_CASE("a search of a node that does not answer for a while is found once", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   Fleet fleet;
   const std::string id = slow_search(fleet.a);
   REQUIRE(fleet.until([&] { return fleet.a.bench.planner.started == 1; }));
@@ -389,7 +384,7 @@ TEST_CASE("a search of a node that does not answer for a while is found once", "
 }
 
 TEST_CASE("a search that ends just as the database is away is found all the same", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   Fleet fleet;
   const std::string id = slow_search(fleet.a);
   REQUIRE(fleet.until([&] { return fleet.a.bench.planner.started == 1; }));
@@ -400,7 +395,7 @@ TEST_CASE("a search that ends just as the database is away is found all the same
 }
 
 TEST_CASE("a plan that ends just as the database is away is made all the same", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   Fleet fleet;
   fleet.a.proxy.cut_at("COMMIT", FaultProxy::Lost::Request, "UPDATE plan SET state");
   fleet.ready();
@@ -408,7 +403,7 @@ TEST_CASE("a plan that ends just as the database is away is made all the same", 
 }
 
 TEST_CASE("a search of which several nodes died fails and says so", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   Fleet fleet;
   const std::string id = slow_search(fleet.a);
   REQUIRE(fleet.until([&] { return fleet.a.bench.planner.started == 1; }));
@@ -420,7 +415,7 @@ TEST_CASE("a search of which several nodes died fails and says so", "[fleet]") {
 }
 
 TEST_CASE("a cut goes on without the database and its end is told later", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   Fleet fleet;
   const std::string job = fleet.ready();
   fleet.start(fleet.b, job, 0);
@@ -443,7 +438,7 @@ TEST_CASE("a cut goes on without the database and its end is told later", "[flee
 }
 
 TEST_CASE("what a person decided while a node was lost holds", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   Fleet fleet;
   const std::string job = fleet.ready();
   fleet.start(fleet.b, job, 1);
@@ -465,7 +460,7 @@ TEST_CASE("what a person decided while a node was lost holds", "[fleet]") {
 }
 
 TEST_CASE("a start whose answer is lost moves no knife and is taken back", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   Fleet fleet;
   const std::string job = fleet.ready();
   REQUIRE(fleet.arm(fleet.b, job, fleet.b.device()));
@@ -491,7 +486,7 @@ TEST_CASE("a start whose answer is lost moves no knife and is taken back", "[fle
 }
 
 TEST_CASE("a database that went back to before a start offers nothing again", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   Fleet fleet;
   const std::string job = fleet.ready();
   const std::string event = fleet.sql("SELECT last FROM event_counter");
@@ -522,13 +517,13 @@ TEST_CASE("a database that went back to before a start offers nothing again", "[
     }));
     fleet.restart(fleet.b);
     REQUIRE(fleet.until([&] { return fleet.is(fleet.a, job, JobState::Interrupted); }));
-    REQUIRE(test::ledger(fleet.a.bench, job).not_sent.size() == 1);
-    CHECK(test::ledger(fleet.a.bench, job).not_sent.front().first == 3);
+    REQUIRE(testing::ledger(fleet.a.bench, job).not_sent.size() == 1);
+    CHECK(testing::ledger(fleet.a.bench, job).not_sent.front().first == 3);
   }
 }
 
 TEST_CASE("tokens and keys of requests hold at all nodes", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   Fleet fleet;
   const NewToken token =
       fleet.a.bench
@@ -556,7 +551,7 @@ TEST_CASE("tokens and keys of requests hold at all nodes", "[fleet]") {
 }
 
 TEST_CASE("a node that dies just as its life is committed begins again at once", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   FreshDatabase database;
   database.run_sql(std::string(fleet_schema()));
   FaultProxy proxy(shared_postgres().socket());
@@ -583,7 +578,7 @@ TEST_CASE("a node that dies just as its life is committed begins again at once",
 }
 
 TEST_CASE("a node whose note of its last life is lost waits for the end of that lease", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   Fleet fleet;
   const std::string note = fleet.a.bench.folder() + "/node";
   fleet.kill(fleet.a);
@@ -597,7 +592,7 @@ TEST_CASE("a node whose note of its last life is lost waits for the end of that 
 }
 
 TEST_CASE("a node that has left in order does not begin again while its process ends", "[fleet]") {
-  if (is_skipped()) return;
+  NEEDS_POSTGRES();
   Fleet fleet;
   fleet.b.bench.on([](LiveService& s) {
     s.leave_fleet();

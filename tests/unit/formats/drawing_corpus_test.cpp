@@ -20,7 +20,7 @@
 namespace drawing_corpus_test {
 
 using namespace popcut;
-using namespace popcut::test;
+using namespace popcut::testing;
 
 namespace {
 

@@ -14,7 +14,7 @@
 namespace dxf_reader_test {
 
 using namespace popcut;
-using namespace popcut::test;
+using namespace popcut::testing;
 
 namespace {
 

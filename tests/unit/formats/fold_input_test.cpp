@@ -15,7 +15,7 @@
 namespace fold_input_test {
 
 using namespace popcut;
-using namespace popcut::test;
+using namespace popcut::testing;
 
 namespace {
 

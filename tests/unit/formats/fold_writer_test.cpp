@@ -158,8 +158,8 @@ TEST_CASE("a FOLD with unsplit cuts gives the same drawing as the split one",
   REQUIRE(two);
   for (const Operation operation :
        {Operation::FoldMountain, Operation::FoldValley, Operation::Cut, Operation::Outline})
-    CHECK(popcut::test::total_mm(*one, operation) ==
-          Approx(popcut::test::total_mm(*two, operation)));
+    CHECK(popcut::testing::total_mm(*one, operation) ==
+          Approx(popcut::testing::total_mm(*two, operation)));
 }
 
 }  // namespace fold_writer_test

@@ -10,7 +10,7 @@
 namespace readers_test {
 
 using namespace popcut;
-using namespace popcut::test;
+using namespace popcut::testing;
 
 namespace {
 

@@ -16,7 +16,7 @@
 namespace svg_drawings_test {
 
 using namespace popcut;
-using namespace popcut::test;
+using namespace popcut::testing;
 
 TEST_CASE("dashes are cut in every notation", "[core][formats][svg][dashes]") {
   const std::string line = R"x(<path d="M0 0H10" stroke="red" )x";

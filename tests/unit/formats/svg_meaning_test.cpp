@@ -16,7 +16,7 @@
 namespace svg_meaning_test {
 
 using namespace popcut;
-using namespace popcut::test;
+using namespace popcut::testing;
 
 TEST_CASE("units are those of CSS at 96 to the inch", "[core][formats][svg]") {
   const auto mm = [](const std::string& length, double dpi) {

@@ -14,7 +14,7 @@
 namespace knife_test {
 
 using namespace popcut;
-using namespace popcut::test;
+using namespace popcut::testing;
 
 namespace {
 

@@ -19,7 +19,7 @@
 namespace order_test {
 
 using namespace popcut;
-using namespace popcut::test;
+using namespace popcut::testing;
 
 namespace {
 

@@ -16,7 +16,7 @@
 namespace pens_test {
 
 using namespace popcut;
-using namespace popcut::test;
+using namespace popcut::testing;
 
 namespace {
 

@@ -16,7 +16,7 @@
 namespace plan_test {
 
 using namespace popcut;
-using namespace popcut::test;
+using namespace popcut::testing;
 
 namespace {
 

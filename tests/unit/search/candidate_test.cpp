@@ -21,7 +21,7 @@
 namespace candidate_test {
 
 using namespace popcut;
-using namespace popcut::tests;
+using namespace popcut::testing;
 using Catch::WithinAbs;
 
 namespace {

@@ -12,18 +12,13 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/support/needs_postgres.hpp"
 #include "tests/support/process.hpp"
 
 namespace popcut::testing::postgres_server_test {
 namespace {
 
 using namespace std::chrono_literals;
-
-bool skipped() {
-  const std::string why = PostgresServer::why_not();
-  if (!why.empty()) WARN("skipped: " << why);
-  return !why.empty();
-}
 
 template <typename Holds>
 bool comes_true(const Holds& holds, std::chrono::milliseconds patience = 10s) {
@@ -37,7 +32,7 @@ bool comes_true(const Holds& holds, std::chrono::milliseconds patience = 10s) {
 
 TEST_CASE("a PostgreSQL of a test has what its cases share and what each has for itself",
           "[postgres]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   PostgresServer& server = shared_postgres();
   CHECK(&server == &shared_postgres());
   CHECK(server.run_sql("SHOW server_encoding") == "UTF8");
@@ -57,7 +52,7 @@ TEST_CASE("a PostgreSQL of a test has what its cases share and what each has for
 
 TEST_CASE("what is committed outlives a PostgreSQL that is killed, and one that is stopped",
           "[postgres]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   PostgresServer server({.fsync = true});
   CHECK(server.run_sql("SHOW fsync") == "on");
   const std::string database = server.create_database("lab");
@@ -75,7 +70,7 @@ TEST_CASE("what is committed outlives a PostgreSQL that is killed, and one that 
 }
 
 TEST_CASE("a frozen PostgreSQL answers nothing until it is thawed", "[postgres]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   PostgresServer& server = shared_postgres();
   server.freeze();
   std::future<std::string> asked =
@@ -86,7 +81,7 @@ TEST_CASE("a frozen PostgreSQL answers nothing until it is thawed", "[postgres]"
 }
 
 TEST_CASE("a PostgreSQL on 127.0.0.1 asks for a password", "[postgres]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   PostgresServer server({.tcp = true});
   server.run_sql("CREATE ROLE node_1 LOGIN PASSWORD 'Leim & Papier'");
   CHECK(run_sql(server.tcp_url("postgres", "node_1", "Leim & Papier"), "SELECT 1") == "1");
@@ -95,7 +90,7 @@ TEST_CASE("a PostgreSQL on 127.0.0.1 asks for a password", "[postgres]") {
 }
 
 TEST_CASE("a standby has what was committed synchronously, and takes over", "[postgres]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   PostgresServer primary;
   primary.run_sql("CREATE TABLE t(i int)");
   PostgresServer standby =
@@ -118,7 +113,7 @@ TEST_CASE("a standby has what was committed synchronously, and takes over", "[po
 }
 
 TEST_CASE("a line of configuration is in force when it is set", "[postgres]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   PostgresServer& server = shared_postgres();
   server.configure("work_mem = '1234kB'");
   CHECK(server.run_sql("SHOW work_mem") == "1234kB");
@@ -126,7 +121,7 @@ TEST_CASE("a line of configuration is in force when it is set", "[postgres]") {
 
 // As when somebody kills a test program with all its children, one after the other.
 TEST_CASE("a PostgreSQL ends with the process that guards it", "[postgres]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   PostgresServer server;
   const auto stat_of = [](pid_t process) {  // "S 17 ...": its state, its parent
     const std::string text = text_of_file("/proc/" + std::to_string(process) + "/stat");
@@ -143,7 +138,7 @@ TEST_CASE("a PostgreSQL ends with the process that guards it", "[postgres]") {
 
 // The test program is played by a child that is killed, frozen server and all.
 TEST_CASE("nothing is left of a PostgreSQL whose test is killed", "[postgres]") {
-  if (skipped()) return;
+  NEEDS_POSTGRES();
   struct Seen {
     pid_t postmaster;
     std::array<char, 200> folder;

@@ -11,7 +11,7 @@
 namespace verify_angles_test {
 
 using namespace popcut;
-using namespace popcut::tests;
+using namespace popcut::testing;
 
 namespace {
 

@@ -20,7 +20,7 @@
 namespace verify_drawing_test {
 
 using namespace popcut;
-using namespace popcut::tests;
+using namespace popcut::testing;
 
 namespace {
 

@@ -15,7 +15,7 @@
 namespace verify_input_test {
 
 using namespace popcut;
-using namespace popcut::tests;
+using namespace popcut::testing;
 
 namespace {
 

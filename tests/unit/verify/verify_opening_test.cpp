@@ -17,7 +17,7 @@
 namespace verify_opening_test {
 
 using namespace popcut;
-using namespace popcut::tests;
+using namespace popcut::testing;
 
 namespace {
 

@@ -12,7 +12,7 @@
 namespace verify_report_test {
 
 using namespace popcut;
-using namespace popcut::tests;
+using namespace popcut::testing;
 
 TEST_CASE("the distance from a target is measured at the connectors", "[core][verify]") {
   const FoldDraft draft =

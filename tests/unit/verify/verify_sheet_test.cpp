@@ -12,7 +12,7 @@
 namespace verify_sheet_test {
 
 using namespace popcut;
-using namespace popcut::tests;
+using namespace popcut::testing;
 
 TEST_CASE("faces that overlap on the sheet are named with the area", "[core][verify]") {
   FoldDraft draft = box_card();

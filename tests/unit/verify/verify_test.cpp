@@ -12,7 +12,7 @@
 namespace verify_test {
 
 using namespace popcut;
-using namespace popcut::tests;
+using namespace popcut::testing;
 
 TEST_CASE("a box on a card is four rigid faces with one freedom", "[core][verify]") {
   const VerifyReport report = verified(box_card(), {.degrees_of_freedom = 1});

@@ -1,0 +1,126 @@
+# How each entry of CTest runs: in which pool, and whether with sanitizers. An entry is a source file
+# of tests, named by its path below tests/, or a script; patterns match the beginnings of these names.
+
+# Pools run side by side (pools.json). An entry that computes takes a core for itself and runs with lower
+# priority than those that wait. An entry that waits (for a lease, a device, a process, a page)
+# takes little of a core and has deadlines, so eight of them run at once,
+# and three of those that look at the page in a browser.
+set(popcut_waiting
+  "e2e/popcutd/"
+  "e2e/in_process/(confinement|cutters|http_events|http_front_door|http_limits|http_server|planner|previewer|search)"
+  "e2e/popcut/(calibrate|cut|cutter|fleet)_command"
+  "in a fleet: "
+  "the demo of a fleet"
+  "page: "
+  "property/service_race"
+  "the service keeps its contract in a fleet"
+  "unit/daemon/(client|webhook)"
+  "unit/device/(ports|sim_pty)"
+  "unit/fleet/"
+  "unit/support/"
+  "usb/")
+
+# The sanitizer tier: what reads foreign bytes, shares memory between threads, or touches raw memory.
+# Sanitizers say nothing new of the rest: it computes with values, or runs what these entries run,
+# once more through a program. './run soak sanitizers' runs all entries with sanitizers.
+# PATTERN : what is dangerous in it
+set(popcut_sanitized
+  # Foreign bytes.
+  "fuzz: : each parser reads thousands of changed inputs"
+  "conformance/(dxf_ezdxf|fold_samples|strokes_corpus) : files of other programs are read"
+  "conformance/(device|protocol)_captures : recorded bytes of cutters are read"
+  "unit/artwork/colour_mesh : models with textures are read, as glTF, OBJ, PNG and JPEG"
+  "unit/artwork/artwork : pictures are decoded and their pixels addressed"
+  "unit/daemon/(client|config|http_handlers|http_parts|pages|png|sheet_opening|store|webhook) : bytes of clients, servers, files and databases are read"
+  "unit/design/(outline|target_readers|targets) : fonts, meshes and tables are read"
+  "unit/formats/ : drawings and patterns are read"
+  "unit/protocol/ : commands and replies of cutters are read"
+  "unit/verify/verify_input : pattern files are read"
+  "property/(lattice_blob|protocol_fuzz|protocol_round_trip|design/spec_schema|design/targets|verify_target) : random bytes and values are read"
+  "property/store_damage : damaged databases are read"
+  "e2e/in_process/http_ : requests, broken and slow ones, reach the server"
+  "e2e/popcutd/popcutd_openapi : thousands of generated requests reach popcutd"
+  "e2e/popcut/(svg|targets|deploy)_command : files of other programs go through the whole program"
+  # Memory that threads share.
+  "unit/daemon/(fair_line|job_view|service_access|service_actions|service_jobs|service_queue|service_resume|service_upkeep|service_view) : the service's thread and its callers share jobs"
+  "unit/device/ : a cutter, its port and its session are threads"
+  "unit/fleet/(connection|postgres_database|two_nodes) : connections end while threads use them"
+  "unit/search/ : workers share a search"
+  "property/(service_race|service_turns|session_journal|device) : threads race"
+  "e2e/in_process/(cutters|planner|planner_limits|previewer|search|sheet_strokes) : threads of popcutd, and worker processes that die"
+  "e2e/popcutd/(crash|disk_full|popcutd|preview|takeover)_test : popcutd's threads, while it dies, its disk fills up, or its clients go"
+  "e2e/popcutd/faults_(cutter|network) : popcutd's threads, while cutters and clients go"
+  "e2e/popcutd/fleet_failover : popcutd's threads, while its database dies or moves"
+  "usb/ : libusb's callbacks come on threads of their own"
+  # Raw memory.
+  "unit/design/(facets|pictures) : pixels and depths are addressed by hand"
+  "unit/compare/ : pixels and depths are addressed by hand"
+  "unit/artwork/lit_picture : pixels are addressed by hand"
+  "unit/plan/(layout|order) : indices into tours and grids"
+  "property/(layout|order|clean|compare) : indices into tours, grids and graphs, for random lines"
+  "property/(faults_memory|service_faults) : memory or the disk ends at any call"
+  "unit/daemon/http_memory : memory ends at any call")
+
+# What needs the PostgreSQL of the run (support/fleet_postgres.cpp).
+set(popcut_on_postgres
+  "e2e/popcut/fleet_command"
+  "in a fleet: "
+  "the service keeps its contract in a fleet"
+  "unit/fleet/"
+  "unit/support/")
+
+# What takes longest is begun first, so that the end of a run does not wait for it.
+set(popcut_longest
+  "e2e/popcut/(artwork|auto|design|fleet)_command"
+  "e2e/popcutd/(faults_daemon|fleet)"
+  "property/design/"
+  "the service keeps its contract in a fleet")
+
+# popcut_entry(NAME LABELS command ...): an entry, with the labels LABELS, 'cpu' or 'wait', and
+# 'sanitize' if it is in that tier.
+find_program(POPCUT_NICE nice)
+mark_as_advanced(POPCUT_NICE)
+function(popcut_entry name labels)
+  set(pool cpu)
+  foreach(pattern ${popcut_waiting})
+    if(name MATCHES "^${pattern}")
+      set(pool wait)
+    endif()
+  endforeach()
+  set(slots ${pool})
+  if(name MATCHES "^page: ")
+    set(slots page)
+  endif()
+  list(APPEND labels ${pool})
+  foreach(row ${popcut_sanitized})
+    string(REGEX REPLACE " : .*" "" pattern "${row}")
+    if(name MATCHES "^${pattern}")
+      list(APPEND labels sanitize)
+      set_property(GLOBAL APPEND PROPERTY POPCUT_SANITIZED_PATTERNS "${pattern}")
+      break()
+    endif()
+  endforeach()
+  set(cost 10)
+  foreach(pattern ${popcut_longest})
+    if(name MATCHES "^${pattern}")
+      set(cost 100)
+    endif()
+  endforeach()
+  set(launcher "")
+  if(POPCUT_TIME)  # for './run weigh'
+    list(GET labels 0 label)
+    set(launcher ${POPCUT_TIME} -q -a -o ${popcut_weigh}/tests.log -f "%e %U %S ${label} ${name}")
+  endif()
+  if(pool STREQUAL cpu AND POPCUT_NICE)
+    list(APPEND launcher ${POPCUT_NICE} -n 5)
+  endif()
+  add_test(NAME ${name} COMMAND ${launcher} ${ARGN})
+  set_tests_properties(${name} PROPERTIES
+    LABELS "${labels}" RESOURCE_GROUPS ${slots}:1 COST ${cost} TIMEOUT 600)
+  foreach(pattern ${popcut_on_postgres})
+    if(name MATCHES "^${pattern}")
+      set_tests_properties(${name} PROPERTIES FIXTURES_REQUIRED PostgreSQL
+        ENVIRONMENT POPCUT_TEST_POSTGRES=${popcut_postgres_file})
+    endif()
+  endforeach()
+endfunction()
