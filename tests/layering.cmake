@@ -43,7 +43,7 @@ set(walls
   "daemon/service : daemon/(cli|client|config|http|popcutd)/ : HTTP asks the service"
   "daemon/http : (device|daemon/(cli|client|config|devices|planning|popcutd|store))/ : it speaks to the service's interface"
   "daemon/client : (protocol|device|daemon/[a-z]+)/ : it knows popcutd by HTTP only"
-  "daemon/cli : daemon/(devices|http|jobs|popcutd|service)/ : it knows popcutd by the client and its configuration"
+  "daemon/cli : daemon/(http|jobs|popcutd|service)/ : it knows popcutd by the client and its configuration"
   "core : <(thread|mutex|fstream|iostream|filesystem|spdlog/.*)> : core has no files, threads and logs"
   "protocol : <(thread|mutex|fstream|iostream|filesystem|spdlog/.*)> : bytes in, values out")
 # Libraries that one place uses: their header : the folders that may include it.
@@ -54,8 +54,9 @@ set(libraries
   "boost/asio.* : daemon|device/port"
   "boost/beast.* : daemon/(client|http)"
   "spdlog/.* : daemon/(http|popcutd)"
-  "CLI/.* : daemon/(cli|popcut|popcutd)"
+  "CLI/.* : daemon/cli/(help|parsing)"
   "tiny_gltf[.]h : core/(deploy|formats/gltf|verify/target)"
+  "dlfcn[.]h : daemon/files"
   "librsvg/.* : daemon/pictures"
   "cairo.* : daemon/pictures"
   "fontconfig/.* : daemon/pictures"

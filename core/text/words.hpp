@@ -60,6 +60,22 @@ constexpr std::string_view take_word(std::string_view& rest, std::string_view se
                     [](char x, char y) { return lower(x) == lower(y); });
 }
 
+/// `text` as a part of a URL: all but letters, digits and "-._~" as %XX.
+[[nodiscard]] inline std::string percent_encoded(std::string_view text) {
+  constexpr std::string_view kDigits = "0123456789ABCDEF", kPlain = "-._~";
+  std::string out;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                       kPlain.find(c) != std::string_view::npos;
+    if (plain)
+      out += c;
+    else
+      out += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
+  }
+  return out;
+}
+
 /// Reads all of `text` as one number; a plus before it does no harm, a second sign does.
 template <typename Number>
 [[nodiscard]] bool read_number(std::string_view text, Number& value) {

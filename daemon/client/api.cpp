@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text/json_text.hpp"
+#include "core/text/words.hpp"
 #include "daemon/client/command_words.hpp"
 
 namespace popcut::client {
@@ -16,7 +17,6 @@ using Json = nlohmann::json;
 
 constexpr const char* kOpenStates = "queued,planning,ready,armed,cutting,paused,interrupted";
 constexpr std::size_t kIdLength = 26;
-constexpr auto kReplace = Json::error_handler_t::replace;
 
 std::string upper(std::string text) {
   for (char& c : text)
@@ -87,19 +87,6 @@ std::int64_t revision_of(const Json& object) {
   return found != object.end() && found->is_number_integer() ? found->get<std::int64_t>() : 0;
 }
 
-std::string percent_encoded(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                       c == '-' || c == '.' || c == '_' || c == '~';
-    if (plain)
-      out.push_back(c);
-    else
-      out += fmt::format("%{:02X}", static_cast<unsigned char>(c));
-  }
-  return out;
-}
-
 Result<Api> Api::from_environment() {
   const Environment environment = [](const char* name) -> const char* { return std::getenv(name); };
   auto where = addresses(environment);
@@ -134,7 +121,7 @@ Result<std::string> Api::get_text(const std::string& target, const std::string& 
 
 Result<Json> Api::post(const std::string& target, const Json& body, const std::string& place,
                        std::int64_t rev) {
-  const std::string text = body.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string text = json_line(body);
   HttpRequest request{"POST", target, text, "application/json"};
   if (rev >= 0) request.headers.emplace_back("If-Match", fmt::format("\"{}\"", rev));
   return read(http_.ask(std::move(request)), place, Subject::CommandLine, &body);
@@ -255,7 +242,7 @@ Result<Json> Api::act_on_device(const std::string& id, const std::string& action
 }
 
 Result<Json> Api::patch(const Json& job, const Json& members) {
-  const std::string id = id_of(job), text = members.dump(-1, ' ', false, kReplace);
+  const std::string id = id_of(job), text = json_line(members);
   HttpRequest request{"PATCH", "/v1/jobs/" + id, text, "application/json"};
   request.headers.emplace_back("If-Match", fmt::format("\"{}\"", revision_of(job)));
   return read(http_.ask(std::move(request)), "job " + id, Subject::CommandLine, &members);

@@ -73,7 +73,4 @@ class Api {
 [[nodiscard]] std::string text_of(const nlohmann::json& object, const char* key);
 /// "rev", else 0.
 [[nodiscard]] std::int64_t revision_of(const nlohmann::json& object);
-/// `text` for a query or a path: all but letters, digits and "-._~" as %XX.
-[[nodiscard]] std::string percent_encoded(std::string_view text);
-
 }  // namespace popcut::client

@@ -90,8 +90,7 @@ std::string given(const Json& fault, const std::string& pointer, const Json* sen
       value = sent->at(Json::json_pointer(pointer));
   } catch (const Json::exception&) {  // it was not sent
   }
-  const std::string text =
-      value.is_null() ? "" : value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string text = value.is_null() ? "" : json_line(value);
   return text.size() <= kMostShown ? text : "";
 }
 

@@ -44,11 +44,6 @@ constexpr std::pair<std::string_view, std::string_view> kPhases[] = {
     {"verifying", "searching"},
 };
 
-/// Text may hold bytes of a hostile file that are no UTF-8.
-std::string dumped(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 Json sheet_json(const daemon::SheetPlan& sheet) {
   return {{"number", sheet.number},
           {"paths", sheet.paths},
@@ -94,12 +89,12 @@ std::vector<std::string> read_texts(FieldReader& fields, const char* key) {
 }  // namespace
 
 std::string task_json(const WorkerTask& task) {
-  return dumped({{"kind", static_cast<int>(task.kind)},
-                 {"design_kind", task.design_kind},
-                 {"machine", task.machine_json},
-                 {"material", task.material_json},
-                 {"profile", task.profile_json},
-                 {"options", task.options}});
+  return json_line(Json{{"kind", static_cast<int>(task.kind)},
+                        {"design_kind", task.design_kind},
+                        {"machine", task.machine_json},
+                        {"material", task.material_json},
+                        {"profile", task.profile_json},
+                        {"options", task.options}});
 }
 
 Result<WorkerTask> read_task(std::string_view json) {
@@ -124,11 +119,11 @@ Result<WorkerTask> read_task(std::string_view json) {
 std::string outcome_json(const PlanningOutcome& outcome) {
   Json sheets = Json::array();
   for (const daemon::SheetPlan& sheet : outcome.sheets) sheets.push_back(sheet_json(sheet));
-  return dumped({{"design_kind", outcome.design_kind},
-                 {"assets", outcome.assets},
-                 {"sheets", sheets},
-                 {"warnings", daemon::warnings_json(outcome.warnings)},
-                 {"sha256", outcome.sha256}});
+  return json_line(Json{{"design_kind", outcome.design_kind},
+                        {"assets", outcome.assets},
+                        {"sheets", sheets},
+                        {"warnings", daemon::warnings_json(outcome.warnings)},
+                        {"sha256", outcome.sha256}});
 }
 
 Result<PlanningOutcome> read_outcome(std::string_view json) {
@@ -147,9 +142,9 @@ Result<PlanningOutcome> read_outcome(std::string_view json) {
 }
 
 std::string error_json(const Error& error) {
-  return dumped({{"kind", static_cast<int>(error.kind)},
-                 {"place", error.place.substr(0, kMostText)},
-                 {"detail", error.detail.substr(0, kMostText)}});
+  return json_line(Json{{"kind", static_cast<int>(error.kind)},
+                        {"place", error.place.substr(0, kMostText)},
+                        {"detail", error.detail.substr(0, kMostText)}});
 }
 
 Error read_error(std::string_view json) {
@@ -176,7 +171,7 @@ std::string phase_json(std::string_view doing, double done) {
   const Json json{
       {"doing", std::string(doing.substr(0, kMostDoing))},
       {"done", std::isfinite(done) ? std::clamp(done, kUnknownPart, 1.0) : kUnknownPart}};
-  return dumped(json);
+  return json_line(json);
 }
 
 std::optional<daemon::PlanningPhase> read_phase(std::string_view json) {

@@ -4,7 +4,6 @@
 #include <malloc.h>
 #endif
 
-#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -14,14 +13,10 @@
 #include <string>
 #include <system_error>
 
-#include <CLI/CLI.hpp>
-
 #include "core/text/utf8.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/help/help_pages.hpp"
-#include "daemon/cli/help/terminal_text.hpp"
-#include "daemon/cli/help/usage_error.hpp"
-#include "daemon/cli/options/option_value.hpp"
+#include "daemon/cli/help/program.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -58,28 +53,6 @@ constexpr const char* kFooter =
     "out of range; 4 no valid pattern or layout; 5 device or service absent, refused or failed;\n"
     "6 a check failed; 7 the output could not be written.";
 
-/// Lists the commands, one line each, and wraps the text of options to the terminal.
-class ShortHelp : public CLI::Formatter {
-  std::string make_usage(const CLI::App* app, std::string name) const override {
-    return "\n" + CLI::Formatter::make_usage(app, name);
-  }
-  std::string make_option_desc(const CLI::Option* option) const override {
-    constexpr std::size_t kMost = 100, kLeast = 60;
-    const std::size_t width = std::clamp(terminal_columns(STDOUT_FILENO, kMost), kLeast, kMost);
-    std::string what = option->get_description(), text;
-    std::replace(what.begin(), what.end(), '\n', ' ');
-    for (const std::string& line : wrapped(what, width - get_column_width(), 0))
-      text += (text.empty() ? "" : "\n") + line;
-    return text;
-  }
-  std::string make_subcommand(const CLI::App* command) const override {
-    const std::string what = command->get_description();
-    const std::string line = "  " + command->get_name();
-    return line + std::string(line.size() < 14 ? 14 - line.size() : 1, ' ') +
-           what.substr(0, what.find('\n')) + "\n";
-  }
-};
-
 int report(const Error& error) {
   std::cout.flush();
   std::fprintf(stderr, "popcut: %s\n", shown_text(message(error)).c_str());
@@ -87,19 +60,17 @@ int report(const Error& error) {
 }
 
 /// 'popcut help-page bash|zsh|fish|man', for the build and for packages.
-void add_help_pages(CLI::App& app, Run& run) {
+void add_help_pages(const Command& app, Run& run) {
   auto kind = std::make_shared<std::string>();
-  CLI::App* const command =
-      app.add_subcommand("help-page", "Print shell completions or the manual page");
-  command->group("");  // hidden
-  command->add_option("KIND", *kind, "bash, zsh, fish or man")->required();
-  command->callback([&app, &run, kind] {
-    run = [&app, kind]() -> Result<void> {
-      const auto page = help_page(app, *kind, 1);
-      if (!page) return tl::unexpected(page.error());
-      std::cout << *page;
-      return {};
-    };
+  const Command command =
+      app.add_command("help-page", "Print shell completions or the manual page");
+  command.hide();
+  command.add_option("KIND", *kind, "bash, zsh, fish or man").required();
+  when_chosen(command, run, [app, kind]() -> Result<void> {
+    const auto page = help_page(app, *kind, 1);
+    if (!page) return tl::unexpected(page.error());
+    std::cout << *page;
+    return {};
   });
 }
 
@@ -115,30 +86,24 @@ int finish() {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{kPurpose, "popcut"};
+  Program program("popcut", kPurpose, kFooter, "popcut " POPCUT_VERSION);
+  program.has_commands();
+  const Command app = program.command();
   Globals globals;
   Run work;
-  app.formatter(std::make_shared<ShortHelp>());
-  app.fallthrough();             // the options below may stand after the subcommand too
-  app.require_subcommand(0, 1);  // none is refused below, after words that are no option
-  app.set_version_flag("--version", "popcut " POPCUT_VERSION);
   app.add_flag("--json", globals.json, "Print one JSON document on standard output");
   app.add_flag("-q,--quiet", globals.quiet, "Print nothing but errors");
   app.add_flag("-v,--verbose", globals.verbose, "Print more; give it twice for everything");
-  app.footer(kFooter);
   for (const Register add : kCommands) add(app, globals, work);
   add_help_pages(app, work);
-  refuse_empty(app, "change");  // there an empty text takes away what was said before
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& refused) {
-    if (refused.get_exit_code() != 0) return report(usage_error(app, refused));
-    if (refused.get_name() == "CallForHelp")
-      if (const auto no_help = help_error(app)) return report(*no_help);
-    app.exit(refused);  // --help, --version
+  program.refuse_empty_values("change");  // there an empty text takes away what was said before
+  const auto shown = program.read(argc, argv);
+  if (!shown) return report(shown.error());
+  if (*shown) {
+    std::cout << **shown;
     return finish();
   }
-  if (!work) return report(usage_error(app, CLI::RequiredError("a command")));
+  if (!work) return report(program.no_command());
   if (const auto done = work(); !done) return report(done.error());
   return finish();
 }

@@ -7,14 +7,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
-#include <sstream>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "core/formats/svg/svg_profile.hpp"
 #include "core/machines/machine.hpp"
 #include "daemon/cli/help/help_pages.hpp"
+#include "daemon/cli/help/program.hpp"
 #include "daemon/config/default_text.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
@@ -105,15 +104,16 @@ Result<void> add_simulated(const DaemonOptions& options, const std::vector<std::
 /// An empty value would be the default in silence.
 ///
 /// @retval Usage  an option is there and names nothing
-Result<void> check_given(const CLI::App& app, const DaemonOptions& options) {
+Result<void> check_given(const cli::Command& app, const DaemonOptions& options) {
   const auto empty = [](const char* option, const char* right) {
     return fail(ErrorKind::Usage, option,
                 fmt::format("is empty; as in {} {}, or remove it", option, right));
   };
-  if (app.count("--config") > 0 && options.config.empty())
+  if (app.option("--config").is_given() && options.config.empty())
     return empty("--config", "/etc/popcut/popcutd.toml");
-  if (app.count("--state") > 0 && options.state.empty()) return empty("--state", "/var/lib/popcut");
-  if (app.count("--socket") > 0 && options.socket.empty())
+  if (app.option("--state").is_given() && options.state.empty())
+    return empty("--state", "/var/lib/popcut");
+  if (app.option("--socket").is_given() && options.socket.empty())
     return empty("--socket", "/run/popcut.sock");
   for (const std::string& name : options.simulated)
     if (name.empty()) return empty("--sim", "cameo3");
@@ -155,34 +155,27 @@ Result<void> take_options(const DaemonOptions& options, const std::string& found
 }  // namespace
 
 Result<DaemonOptions> parse_options(int argc, const char* const* argv) {
-  CLI::App app{kPurpose, "popcutd"};
+  cli::Program program("popcutd", kPurpose, kFooter, "popcutd " POPCUT_VERSION);
+  const cli::Command app = program.command();
   DaemonOptions options;
-  app.set_version_flag("--version", "popcutd " POPCUT_VERSION);
-  app.add_option("--config", options.config, "Read this configuration (TOML)")->option_text("FILE");
+  app.add_option("--config", options.config, "Read this configuration (TOML)").value_text("FILE");
   app.add_flag("--check-config", options.check_config, "Check the configuration and exit");
   bool print_config = false;
   app.add_flag("--print-config", print_config,
                "Print a configuration with every key and its default, and exit");
-  app.add_option("--state", options.state, "Folder for jobs, designs and plans")
-      ->option_text("DIR");
+  app.add_option("--state", options.state, "Folder for jobs, designs and plans").value_text("DIR");
   app.add_option("--listen", options.listen, "Serve HTTP at this loopback address only")
-      ->option_text("HOST:PORT [127.0.0.1:8631 [::1]:8631]");
-  app.add_option("--socket", options.socket, "Serve HTTP at this unix socket")->option_text("PATH");
+      .value_text("HOST:PORT [127.0.0.1:8631 [::1]:8631]");
+  app.add_option("--socket", options.socket, "Serve HTTP at this unix socket").value_text("PATH");
   app.add_option("--sim", options.simulated, "Attach a simulated cutter; can be repeated")
-      ->option_text("NAME [cameo3]");
+      .value_text("NAME [cameo3]");
   std::string page;
-  app.add_option("--help-page", page, "bash, zsh, fish or man")->group("");  // hidden
-  app.footer(kFooter);
-  try {
-    app.parse(argc, const_cast<char**>(argv));
-  } catch (const CLI::ParseError& refused) {
-    if (refused.get_exit_code() != 0)
-      return fail(ErrorKind::Usage, "command line",
-                  fmt::format("{}; see 'popcutd --help'", refused.what()));
-    std::ostringstream shown;
-    app.exit(refused, shown, shown);
+  app.add_option("--help-page", page, "bash, zsh, fish or man").hidden();
+  auto shown = program.read(argc, argv);
+  if (!shown) return tl::unexpected(shown.error());
+  if (*shown) {
     // CLI11 ends its groups with an empty line and begins the footer with another.
-    std::string help = shown.str();
+    std::string& help = **shown;
     if (const auto gap = help.find("\n\n\n"); gap != std::string::npos) help.erase(gap, 1);
     std::cout << help << std::flush;
     options.exit = 0;

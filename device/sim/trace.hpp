@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "core/drawing/toolpath.hpp"
 
 namespace popcut {
@@ -56,8 +58,8 @@ struct Trace {
 
 /// `trace.json`: a JSON document with all of the above; lengths in mm rounded to 1e-6 mm.
 [[nodiscard]] std::string trace_json(const Trace& trace);
-/// The same without the strokes.
-[[nodiscard]] std::string trace_summary_json(const Trace& trace);
+/// The same without the strokes, as values.
+[[nodiscard]] nlohmann::ordered_json trace_summary(const Trace& trace);
 
 /// `cut.svg`: what the knife did, at true scale. Each force has a colour, listed in the legend;
 /// travel is a hairline; lines outside the window are grey.

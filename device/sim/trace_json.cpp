@@ -27,7 +27,9 @@ Json numbers(const std::vector<double>& values) {
   return list;
 }
 
-std::string head_json(const Trace& trace) {
+}  // namespace
+
+nlohmann::ordered_json trace_summary(const Trace& trace) {
   Json head = {
       {"popcut", 1},
       {"machine", trace.machine},
@@ -48,16 +50,13 @@ std::string head_json(const Trace& trace) {
   for (const TraceSetting& setting : trace.settings)
     settings.push_back({{"name", setting.name}, {"values", numbers(setting.values)}});
   head["settings"] = std::move(settings);
-  // Replies and unknown commands may hold any bytes: they are replaced, never an error.
-  return head.dump(1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return head;
 }
 
-}  // namespace
-
-std::string trace_summary_json(const Trace& trace) { return head_json(trace) + "\n"; }
-
 std::string trace_json(const Trace& trace) {
-  std::string text = head_json(trace);
+  // Replies and unknown commands may hold any bytes: they are replaced, never an error.
+  std::string text =
+      trace_summary(trace).dump(1, ' ', false, nlohmann::json::error_handler_t::replace);
   text.resize(text.rfind('\n'));  // reopened for the strokes, which are written flat
   text += ",\n \"strokes\": [";
   auto out = std::back_inserter(text);

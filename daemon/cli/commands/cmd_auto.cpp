@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "core/design/book_fit.hpp"
 #include "core/formats/write/report_json.hpp"
@@ -138,34 +137,34 @@ constexpr const char* kHelp =
     "card-01 is the quickest to cut, the last one looks most like the model. The same seed gives\n"
     "the same cards on every computer.";
 
-void add_search_options(CLI::App& command, ModelSearchOptions& search) {
+void add_search_options(const Command& command, ModelSearchOptions& search) {
   real_number(command.add_option("--max-minutes", search.max_minutes,
                                  "Longest time that the cutter may take, as popcut reckons it"),
               0.1, 1e5, "minutes")
-      ->option_text("MINUTES [15]");
-  checked(command.add_option("--mat", search.mat,
-                             "Mat or paper to cut on, such as 12x12 or A4, as in plan"),
-          [](const std::string& text) {
-            const auto read = read_plan_options({{"mat", text}});
-            return read ? std::string() : read.error().detail;
-          })
-      ->option_text("NAME|WxH");
+      .value_text("MINUTES [15]");
+  command.add_option("--mat", search.mat, "Mat or paper to cut on, such as 12x12 or A4, as in plan")
+      .checked([](const std::string& text) {
+        const auto read = read_plan_options({{"mat", text}});
+        return read ? std::string() : read.error().detail;
+      })
+      .value_text("NAME|WxH");
   command.add_option("--machine", search.machine, "Machine to cut with, as in plan")
-      ->option_text("NAME");
+      .value_text("NAME");
   command.add_option("--material", search.material, "Material to cut, as in plan")
-      ->option_text("NAME [paper-220]");
-  checked(command.add_option("--cards", search.cards,
-                             "Cards of a book around one spine, 3 to 12; 1: a card alone"),
-          [](const std::string& text) {
-            const bool is_number = !text.empty() && text.size() <= 2 &&
-                                   text.find_first_not_of("0123456789") == std::string::npos;
-            const int cards = is_number ? std::stoi(text) : 0;
-            const bool is_right = cards == 1 || (cards >= kLeastCards && cards <= kMostCards);
-            return is_right ? std::string()
-                            : fmt::format("{}: give 1, or {} to {} cards of a book", text,
-                                          kLeastCards, kMostCards);
-          })
-      ->option_text("N [1]");
+      .value_text("NAME [paper-220]");
+  command
+      .add_option("--cards", search.cards,
+                  "Cards of a book around one spine, 3 to 12; 1: a card alone")
+      .checked([](const std::string& text) {
+        const bool is_number = !text.empty() && text.size() <= 2 &&
+                               text.find_first_not_of("0123456789") == std::string::npos;
+        const int cards = is_number ? std::stoi(text) : 0;
+        const bool is_right = cards == 1 || (cards >= kLeastCards && cards <= kMostCards);
+        return is_right ? std::string()
+                        : fmt::format("{}: give 1, or {} to {} cards of a book", text, kLeastCards,
+                                      kMostCards);
+      })
+      .value_text("N [1]");
   command.add_flag("--marks", search.marks,
                    "Cards fit between the registration marks that popcut print sets");
   std::vector<std::string> styles;
@@ -185,33 +184,33 @@ void add_search_options(CLI::App& command, ModelSearchOptions& search) {
   whole_number(
       command.add_option("--seed", search.seed, "Random seed: the same one, the same cards"), 0,
       std::int64_t{1} << 53)
-      ->option_text("N [1]");
+      .value_text("N [1]");
   real_number(
       command.add_option("--effort", search.effort,
                          "How many cards are tried: 0.1 is a first look, 3 takes three times "
                          "as long; 1 takes up to a minute on two idle cores"),
       0.01, 100)
-      ->option_text("X [1]");
+      .value_text("X [1]");
   whole_number(command.add_option("--threads", search.threads,
                                   "Threads to use, 0 for all; they change nothing but the time"),
                0, 256)
-      ->option_text("N [0]");
+      .value_text("N [0]");
 }
 
 }  // namespace
 }  // namespace auto_command
 
-void register_auto(CLI::App& app, const Globals& globals, Run& run) {
+void register_auto(const Command& app, const Globals& globals, Run& run) {
   using namespace auto_command;
   auto options = std::make_shared<Options>();
-  CLI::App* const command = app.add_subcommand("auto", kHelp);
-  command->add_option("MODEL", options->search.model, "The model: a mesh (.stl, .obj, .glb, .gltf)")
-      ->required();
+  const Command command = app.add_command("auto", kHelp);
+  command.add_option("MODEL", options->search.model, "The model: a mesh (.stl, .obj, .glb, .gltf)")
+      .required();
   command
-      ->add_option("-o,--output", options->folder,
-                   "Folder for the cards, required; created if it does not exist")
-      ->option_text("DIR");
-  add_search_options(*command, options->search);
+      .add_option("-o,--output", options->folder,
+                  "Folder for the cards, required; created if it does not exist")
+      .value_text("DIR");
+  add_search_options(command, options->search);
   when_chosen(command, run, [options, &globals] { return run_auto(*options, globals); });
 }
 

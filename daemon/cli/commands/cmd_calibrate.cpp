@@ -11,7 +11,6 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "core/calibrate/measured.hpp"
 #include "core/layout/sheet.hpp"
@@ -573,38 +572,38 @@ constexpr const char* kHelp =
 }  // namespace
 }  // namespace calibrate_command
 
-void register_calibrate(CLI::App& app, const Globals& globals, Run& run) {
+void register_calibrate(const Command& app, const Globals& globals, Run& run) {
   using namespace calibrate_command;
   auto options = std::make_shared<Options>();
   options->steps = kSteps;
-  CLI::App* const command = app.add_subcommand("calibrate", kHelp);
-  command->add_option("--device", options->device, "The cutter; 'popcut devices' lists them")
-      ->option_text("ID [sim:cameo3]");
+  const Command command = app.add_command("calibrate", kHelp);
+  command.add_option("--device", options->device, "The cutter; 'popcut devices' lists them")
+      .value_text("ID [sim:cameo3]");
   command
-      ->add_option("--machine", options->machine,
-                   "The machine that popcut takes it for, where it does not say what it is")
-      ->option_text("NAME");
+      .add_option("--machine", options->machine,
+                  "The machine that popcut takes it for, where it does not say what it is")
+      .value_text("NAME");
   command
-      ->add_option("--treat-as", options->treat_as,
-                   "Drive an unknown cutter as if it were this machine, such as cameo4")
-      ->option_text("NAME");
-  command->add_option("--as", options->name, "Name of the row; default: the machine's own name")
-      ->option_text("NAME");
-  command->add_option("--material", options->material, "What you cut")
-      ->option_text("NAME [paper-220]");
+      .add_option("--treat-as", options->treat_as,
+                  "Drive an unknown cutter as if it were this machine, such as cameo4")
+      .value_text("NAME");
+  command.add_option("--as", options->name, "Name of the row; default: the machine's own name")
+      .value_text("NAME");
+  command.add_option("--material", options->material, "What you cut")
+      .value_text("NAME [paper-220]");
   command
-      ->add_option("--mat", options->mat,
-                   "A mat of the machine, a paper such as A4, or a size; default: the machine's "
-                   "mat, else A4")
-      ->option_text("NAME|WxH");
-  command->add_option("--steps", options->steps, "What to do, in this order")
-      ->option_text(fmt::format("LIST [{}]", kSteps));
-  command->add_flag("--autoblade", options->autoblade,
-                    "There is an autoblade in the first holder: try its depths too");
+      .add_option("--mat", options->mat,
+                  "A mat of the machine, a paper such as A4, or a size; default: the machine's "
+                  "mat, else A4")
+      .value_text("NAME|WxH");
+  command.add_option("--steps", options->steps, "What to do, in this order")
+      .value_text(fmt::format("LIST [{}]", kSteps));
+  command.add_flag("--autoblade", options->autoblade,
+                   "There is an autoblade in the first holder: try its depths too");
   command
-      ->add_option("-o,--output", options->folder,
-                   "Folder for the programs, and for pictures of what a simulated knife did")
-      ->option_text("DIR");
+      .add_option("-o,--output", options->folder,
+                  "Folder for the programs, and for pictures of what a simulated knife did")
+      .value_text("DIR");
   when_chosen(command, run, [options, &globals] { return run_calibrate(*options, globals); });
 }
 

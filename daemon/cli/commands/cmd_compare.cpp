@@ -9,7 +9,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "core/compare/comparison.hpp"
 #include "core/compare/volume.hpp"
@@ -46,7 +45,7 @@ std::optional<std::array<double, 3>> three_numbers(std::string_view text) {
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t comma = text.find(',');
     if ((comma == std::string_view::npos) != (k == 2)) return std::nullopt;
-    if (!CLI::detail::lexical_cast(std::string(text.substr(0, comma)), out[k])) return std::nullopt;
+    if (!read_option_number(std::string(text.substr(0, comma)), out[k])) return std::nullopt;
     if (!(std::abs(out[k]) <= 1e7)) return std::nullopt;
     text.remove_prefix(k == 2 ? text.size() : comma + 1);
   }
@@ -239,16 +238,18 @@ constexpr const char* kHelp =
     "A pattern that popcut designed from a mesh says where the mesh stands. Else give --scale,\n"
     "--rotate and --move, as in a design; without them popcut searches for the best place.";
 
-void add_place_options(CLI::App& command, Options& options) {
+void add_place_options(const Command& command, Options& options) {
   real_number(command.add_option("--scale", options.scale, "Size of one unit of the model, in mm"),
               1e-6, 1e6, "mm")
-      ->option_text("MM [1]");
+      .value_text("MM [1]");
   const auto triple = [&](const char* name, std::string& into, const char* help) {
-    checked(command.add_option(name, into, help), [](const std::string& text) {
-      return three_numbers(text)
-                 ? std::string()
-                 : fmt::format("is \"{}\"; give three numbers such as 0,90,0", text);
-    })->option_text("X,Y,Z [0,0,0]");
+    command.add_option(name, into, help)
+        .checked([](const std::string& text) {
+          return three_numbers(text)
+                     ? std::string()
+                     : fmt::format("is \"{}\"; give three numbers such as 0,90,0", text);
+        })
+        .value_text("X,Y,Z [0,0,0]");
   };
   triple("--rotate", options.rotate,
          "Turn the model about x, then y, then z, in degrees; x runs away from the wall, y along "
@@ -261,49 +262,48 @@ void add_place_options(CLI::App& command, Options& options) {
 }  // namespace
 }  // namespace compare_command
 
-void register_compare(CLI::App& app, const Globals& globals, Run& run) {
+void register_compare(const Command& app, const Globals& globals, Run& run) {
   using namespace compare_command;
   auto options = std::make_shared<Options>();
-  CLI::App* const command = app.add_subcommand("compare", kHelp);
+  const Command command = app.add_command("compare", kHelp);
   command
-      ->add_option("PATTERN", options->pattern,
-                   "A FOLD file, a drawing, a mesh of a card, or the folder of a book")
-      ->required();
+      .add_option("PATTERN", options->pattern,
+                  "A FOLD file, a drawing, a mesh of a card, or the folder of a book")
+      .required();
   command
-      ->add_option("TARGET", options->target,
-                   "The model: a mesh (.stl, .obj, .glb), heights (.csv) or a design (.json)")
-      ->required();
-  command->add_option(
-      "MORE", options->more,
-      "With more than two files all but the last are the cards of a book, in order");
-  add_place_options(*command, *options);
+      .add_option("TARGET", options->target,
+                  "The model: a mesh (.stl, .obj, .glb), heights (.csv) or a design (.json)")
+      .required();
+  command.add_option("MORE", options->more,
+                     "With more than two files all but the last are the cards of a book, in order");
+  add_place_options(command, *options);
   command
-      ->add_option("--psi", options->psi,
-                   "Opening angle to compare at, such as 90deg or pi/2; default: the one that the "
-                   "pattern is designed for")
-      ->option_text("ANGLE");
-  command->add_flag("--around", options->around,
-                    "Look from 36 directions all around the spine; always so for books");
+      .add_option("--psi", options->psi,
+                  "Opening angle to compare at, such as 90deg or pi/2; default: the one that the "
+                  "pattern is designed for")
+      .value_text("ANGLE");
+  command.add_flag("--around", options->around,
+                   "Look from 36 directions all around the spine; always so for books");
   whole_number(
-      command->add_option("--pixels", options->pixels, "Width and height of each image, in pixels"),
+      command.add_option("--pixels", options->pixels, "Width and height of each image, in pixels"),
       likeness::kLeastPixels, likeness::kMostPixels)
-      ->option_text("N [512]");
-  command->add_option("--machine", options->machine, "Machine for the time of the cut, as in plan")
-      ->option_text("NAME");
-  command->add_option("--material", options->material, "Material to cut, as in plan")
-      ->option_text("NAME");
-  checked(command->add_option("--mat", options->mat, "Mat to cut on, as in plan"),
-          [](const std::string& text) {
-            const auto read = read_plan_options({{"mat", text}});
-            return read ? std::string() : read.error().detail;
-          })
-      ->option_text("NAME|WxH");
-  command->add_flag("--no-cost", options->no_cost, "Do not plan the cut");
+      .value_text("N [512]");
+  command.add_option("--machine", options->machine, "Machine for the time of the cut, as in plan")
+      .value_text("NAME");
+  command.add_option("--material", options->material, "Material to cut, as in plan")
+      .value_text("NAME");
+  command.add_option("--mat", options->mat, "Mat to cut on, as in plan")
+      .checked([](const std::string& text) {
+        const auto read = read_plan_options({{"mat", text}});
+        return read ? std::string() : read.error().detail;
+      })
+      .value_text("NAME|WxH");
+  command.add_flag("--no-cost", options->no_cost, "Do not plan the cut");
   command
-      ->add_option("-o,--output", options->folder,
-                   "Folder for compare.png (model, card and difference from three directions) and "
-                   "compare.json; created if it does not exist")
-      ->option_text("DIR");
+      .add_option("-o,--output", options->folder,
+                  "Folder for compare.png (model, card and difference from three directions) and "
+                  "compare.json; created if it does not exist")
+      .value_text("DIR");
   when_chosen(command, run, [options, &globals] { return run_compare(*options, globals); });
 }
 

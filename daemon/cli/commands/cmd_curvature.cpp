@@ -9,11 +9,11 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/curvature/assembly_plot.hpp"
 #include "core/curvature/pattern_curvature.hpp"
+#include "daemon/cli/answer.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/options/angles.hpp"
 #include "daemon/files/output_folder.hpp"
@@ -123,7 +123,7 @@ std::string maps_json(const AssemblyMaps& maps, double phi_rad) {
     }
     json[name] = std::move(rows);
   }
-  return json.dump() + "\n";
+  return json_line(json) + '\n';
 }
 
 Result<Samples> lengths(const char* option, const std::string& text) {
@@ -160,7 +160,8 @@ Result<void> run_assembly(const Options& options, const Globals& globals) {
   });
   if (!done) return done;
   if (globals.json && !options.output.empty())
-    fmt::print("{}\n", nlohmann::ordered_json{{"file", options.output}, {"rows", count}}.dump());
+    fmt::print("{}\n",
+               json_line(nlohmann::ordered_json{{"file", options.output}, {"rows", count}}));
   if (!globals.quiet && !options.output.empty())
     fmt::print(stderr, "  wrote   {}\n", options.output);
   return {};
@@ -189,7 +190,7 @@ void print_solution(const AssemblySolution& found, double K) {
   }
 }
 
-std::string solution_json(const AssemblySolution& found, double K) {
+nlohmann::ordered_json solution_json(const AssemblySolution& found, double K) {
   nlohmann::ordered_json json{{"r", found.assembly.r},
                               {"lambda", found.assembly.lambda},
                               {"phi_rad", found.assembly.phi_rad},
@@ -203,7 +204,7 @@ std::string solution_json(const AssemblySolution& found, double K) {
     json["lambda_at_least"] = least;
     if (least < 2) json["lambda_or_at_most"] = 2 - least;
   }
-  return json.dump(2) + "\n";
+  return json;
 }
 
 Result<void> run_solve(const Options& options, const Globals& globals) {
@@ -211,12 +212,8 @@ Result<void> run_solve(const Options& options, const Globals& globals) {
   if (!phi) return tl::unexpected(phi.error());
   const auto found = solve_assembly({options.K, options.H, *phi});
   if (!found) return tl::unexpected(within("curvature solve", found.error()));
-  if (globals.json) {
-    fmt::print("{}", solution_json(*found, options.K));
-  } else {
-    print_solution(*found, options.K);
-  }
-  return {};
+  return answer(globals, solution_json(*found, options.K),
+                [&] { print_solution(*found, options.K); });
 }
 
 // 4. The command.
@@ -247,61 +244,61 @@ constexpr const char* kSolveHelp =
     "Many pairs have the same K; popcut prints the one nearest to (3/sqrt 2, 1). If no pair has\n"
     "the given values, the exit code is 4 and the error shows the nearest pair.";
 
-CLI::Option* add_phi(CLI::App* command, Options& options) {
+Option add_phi(const Command& command, Options& options) {
   return command
-      ->add_option("--phi", options.phi, "Direction of the middle unit, in radians or as 45deg")
-      ->option_text("ANGLE [pi/4]")
-      ->expected(0, 1);  // 'popcut curvature assembly --phi --r ...' takes the usual one
+      .add_option("--phi", options.phi, "Direction of the middle unit, in radians or as 45deg")
+      .value_text("ANGLE [pi/4]")
+      .value_optional();  // 'popcut curvature assembly --phi --r ...' takes the usual one
 }
 
 }  // namespace
 }  // namespace curvature_command
 
-void register_curvature(CLI::App& app, const Globals& globals, Run& run) {
+void register_curvature(const Command& app, const Globals& globals, Run& run) {
   using namespace curvature_command;
   auto options = std::make_shared<Options>();
-  CLI::App* const command = app.add_subcommand("curvature", kHelp);
-  command->require_subcommand(0, 1);
-  command->add_option("PATTERN", options->pattern, "A FOLD file of a pop-up pattern");
+  const Command command = app.add_command("curvature", kHelp);
+  command.needs_command(0, 1);
+  command.add_option("PATTERN", options->pattern, "A FOLD file of a pop-up pattern");
   command
-      ->add_option("--psi", options->psi,
-                   "Opening angles (psi): one, or A:B:N for N angles from A to B; 1.1, pi/2 or "
-                   "90deg; pi is flat, "
-                   "0 closed")
-      ->option_text("A:B:N [pi/2]");
+      .add_option("--psi", options->psi,
+                  "Opening angles (psi): one, or A:B:N for N angles from A to B; 1.1, pi/2 or "
+                  "90deg; pi is flat, "
+                  "0 closed")
+      .value_text("A:B:N [pi/2]");
   command
-      ->add_option("-o,--output", options->pattern_output,
-                   "File for the table, .csv or .json; default: standard output")
-      ->option_text("FILE");
+      .add_option("-o,--output", options->pattern_output,
+                  "File for the table, .csv or .json; default: standard output")
+      .value_text("FILE");
 
-  CLI::App* const assembly = command->add_subcommand("assembly", kAssemblyHelp);
+  const Command assembly = command.add_command("assembly", kAssemblyHelp);
   add_phi(assembly, *options);
   assembly
-      ->add_option("--r", options->r,
-                   "Distances of the middle unit, in unit widths: N values from A to B")
-      ->option_text("A:B:N")
-      ->required();
+      .add_option("--r", options->r,
+                  "Distances of the middle unit, in unit widths: N values from A to B")
+      .value_text("A:B:N")
+      .required();
   assembly
-      ->add_option("--lambda", options->lambda,
-                   "Scales of the diagonal pair of units: N values from A to B")
-      ->option_text("A:B:N")
-      ->required();
-  assembly->add_option("-o,--output", options->output, "maps.csv, maps.svg or maps.json")
-      ->option_text("FILE");
+      .add_option("--lambda", options->lambda,
+                  "Scales of the diagonal pair of units: N values from A to B")
+      .value_text("A:B:N")
+      .required();
+  assembly.add_option("-o,--output", options->output, "maps.csv, maps.svg or maps.json")
+      .value_text("FILE");
   when_chosen(assembly, run, [options, &globals] { return run_assembly(*options, globals); });
 
-  CLI::App* const solve = command->add_subcommand("solve", kSolveHelp);
+  const Command solve = command.add_command("solve", kSolveHelp);
   add_phi(solve, *options);
   solve
-      ->add_option("--K", options->K,
-                   "Gaussian curvature as angle defect, rad, between -2 pi and 2 pi")
-      ->option_text("NUMBER")
-      ->required();
-  solve->add_option("--H", options->H, "Mean curvature, in 1/width")->option_text("NUMBER");
+      .add_option("--K", options->K,
+                  "Gaussian curvature as angle defect, rad, between -2 pi and 2 pi")
+      .value_text("NUMBER")
+      .required();
+  solve.add_option("--H", options->H, "Mean curvature, in 1/width").value_text("NUMBER");
   when_chosen(solve, run, [options, &globals] { return run_solve(*options, globals); });
 
-  command->callback([options, command, &globals, &run] {
-    if (!command->get_subcommands().empty()) return;  // that one has set the work
+  command.on_choice([options, command, &globals, &run] {
+    if (command.has_chosen_command()) return;  // that one has set the work
     run = [options, &globals] { return run_pattern(*options, globals); };
   });
 }

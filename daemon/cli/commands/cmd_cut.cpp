@@ -9,13 +9,13 @@
 #include <system_error>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/formats/svg/svg_reader.hpp"
 #include "core/plan/plan.hpp"
 #include "core/plan/plan_options.hpp"
 #include "core/text/utf8.hpp"
+#include "daemon/cli/answer.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/cutter/cut_device.hpp"
 #include "daemon/cli/cutter/cut_queue.hpp"
@@ -382,7 +382,7 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
   if (globals.json) {
     const nlohmann::ordered_json json{
         {"device", target->device.text}, {"machine", target->machine.name}, {"sheets", sheets}};
-    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    print_json(json);
   }
   return cut;
 }
@@ -410,48 +410,48 @@ constexpr const char* kHelp =
 }  // namespace
 }  // namespace cut_command
 
-void register_cut(CLI::App& app, const Globals& globals, Run& run) {
+void register_cut(const Command& app, const Globals& globals, Run& run) {
   using namespace cut_command;
   auto options = std::make_shared<Options>();
-  CLI::App* const command = app.add_subcommand("cut", kHelp);
-  add_plan_arguments(*command, options->plan);
-  command->get_option("INPUT")->required(false);
-  command->add_flag("--test", options->test,
-                    "Cut a small shape to try the material: a square, a triangle and a fold");
-  command->add_option("--device", options->device, "Where to cut; 'popcut devices' lists them")
-      ->option_text("ID [sim:cameo3]");
+  const Command command = app.add_command("cut", kHelp);
+  add_plan_arguments(command, options->plan);
+  command.option("INPUT").required(false);
+  command.add_flag("--test", options->test,
+                   "Cut a small shape to try the material: a square, a triangle and a fold");
+  command.add_option("--device", options->device, "Where to cut; 'popcut devices' lists them")
+      .value_text("ID [sim:cameo3]");
   command
-      ->add_option("--treat-as", options->treat_as,
-                   "Drive an unknown cutter as if it were this machine, such as cameo4")
-      ->option_text("NAME");
+      .add_option("--treat-as", options->treat_as,
+                  "Drive an unknown cutter as if it were this machine, such as cameo4")
+      .value_text("NAME");
   command
-      ->add_option("--faults", options->faults,
-                   "Faults of a simulated device; docs/simulator.md describes the file")
-      ->option_text("FILE");
-  command->add_flag("--direct", options->direct, "Cut at once, without popcutd");
-  command->add_flag("--frame", options->frame,
-                    "First move the tool, up, round what will be cut on each sheet; then you can "
-                    "still move the drawing; with --direct");
-  command->add_flag("--yes", options->yes,
-                    "Do not ask before each sheet; only with simulated devices");
-  command->add_option("-o,--output", options->folder, "Folder for programs, drawings and traces")
-      ->option_text("DIR");
-  whole_number(command->add_option("--copies", options->copies,
-                                   "How many copies popcutd cuts, each on new sheets"),
+      .add_option("--faults", options->faults,
+                  "Faults of a simulated device; docs/simulator.md describes the file")
+      .value_text("FILE");
+  command.add_flag("--direct", options->direct, "Cut at once, without popcutd");
+  command.add_flag("--frame", options->frame,
+                   "First move the tool, up, round what will be cut on each sheet; then you can "
+                   "still move the drawing; with --direct");
+  command.add_flag("--yes", options->yes,
+                   "Do not ask before each sheet; only with simulated devices");
+  command.add_option("-o,--output", options->folder, "Folder for programs, drawings and traces")
+      .value_text("DIR");
+  whole_number(command.add_option("--copies", options->copies,
+                                  "How many copies popcutd cuts, each on new sheets"),
                1, 1000)
-      ->option_text("N [1]");
-  whole_number(command->add_option("--priority", options->priority,
-                                   "Priority in popcutd's queue; higher goes first"),
+      .value_text("N [1]");
+  whole_number(command.add_option("--priority", options->priority,
+                                  "Priority in popcutd's queue; higher goes first"),
                -10, 10)
-      ->option_text("-10..10 [0]");
+      .value_text("-10..10 [0]");
   command
-      ->add_option("--site", options->site,
-                   "Let only popcutd's cutters of this site cut it; 'popcut devices' shows sites")
-      ->option_text("TEXT");
-  command->add_option("--name", options->name, "Name of the job; default: the name of the input")
-      ->option_text("TEXT");
-  command->add_flag("--wait", options->wait,
-                    "Wait until the job ends, and print each thing you have to do");
+      .add_option("--site", options->site,
+                  "Let only popcutd's cutters of this site cut it; 'popcut devices' shows sites")
+      .value_text("TEXT");
+  command.add_option("--name", options->name, "Name of the job; default: the name of the input")
+      .value_text("TEXT");
+  command.add_flag("--wait", options->wait,
+                   "Wait until the job ends, and print each thing you have to do");
   when_chosen(command, run, [options, &globals] { return run_cut(*options, globals); });
 }
 

@@ -7,9 +7,10 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "core/text/utf8.hpp"
+#include "core/text/words.hpp"
+#include "daemon/cli/answer.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/view/job_follow.hpp"
@@ -24,10 +25,6 @@ namespace {
 using client::Api;
 using Json = nlohmann::json;
 
-std::string dumped(const Json& json, int indent = 2) {
-  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
-}
-
 // Events
 
 constexpr std::int64_t kMostNumber = std::int64_t{1} << 40;  // as popcutd takes it
@@ -40,13 +37,13 @@ struct EventOptions {
 };
 
 void print_event(const Json& event, const Globals& globals) {
-  if (globals.json) return fmt::print("{}\n", dumped(event, -1));
+  if (globals.json) return fmt::print("{}\n", json_line(event));
   Json rest = event;
   for (const char* key : {"seq", "time", "kind", "job", "state"}) rest.erase(key);
   fmt::print("{:>8}  {}  {:<8} {:<26} {:<12} {}\n",
              event.contains("seq") ? event["seq"].dump() : "", client::text_of(event, "time"),
              client::text_of(event, "kind"), client::text_of(event, "job"),
-             client::text_of(event, "state"), rest.empty() ? "" : dumped(rest, -1));
+             client::text_of(event, "state"), rest.empty() ? "" : json_line(rest));
 }
 
 Result<void> follow_events(Api& api, const EventOptions& options, const Globals& globals) {
@@ -103,25 +100,20 @@ Result<Json> wanted_events(Api& api, const EventOptions& options) {
   }
 }
 
-Result<void> run_events(EventOptions options, const Globals& globals) {
-  auto api = Api::from_environment();
-  if (!api) return tl::unexpected(api.error());
+Result<void> show_events(Api& api, EventOptions options, const Globals& globals) {
   if (!options.job.empty()) {
-    const auto job = api->find_job(options.job);
+    const auto job = api.find_job(options.job);
     if (!job) return tl::unexpected(job.error());
     options.job = client::text_of(*job, "id");
   }
-  if (options.follow) return follow_events(*api, options, globals);
-  const auto events = wanted_events(*api, options);
+  if (options.follow) return follow_events(api, options, globals);
+  const auto events = wanted_events(api, options);
   if (!events) return tl::unexpected(events.error());
-  if (globals.json) {
-    fmt::print("{}\n", dumped(*events));
-    return {};
-  }
-  for (const Json& event : events->at("items")) print_event(event, globals);
-  if (events->at("items").empty() && !globals.quiet)
-    fmt::print(stderr, "no events{}\n", options.after ? " after that number" : "");
-  return {};
+  return answer(globals, *events, [&] {
+    for (const Json& event : events->at("items")) print_event(event, globals);
+    if (events->at("items").empty() && !globals.quiet)
+      fmt::print(stderr, "no events{}\n", options.after ? " after that number" : "");
+  });
 }
 
 constexpr const char* kEventsHelp =
@@ -131,18 +123,20 @@ constexpr const char* kEventsHelp =
     "  popcut events --after 1200            # events after number 1200\n"
     "  popcut events --job 01JDX7 --json     # events of one job, as JSON";
 
-void add_events(CLI::App& app, const Globals& globals, Run& run) {
+void add_events(const Command& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<EventOptions>();
-  CLI::App* const command = app.add_subcommand("events", kEventsHelp);
-  whole_number(command->add_option("--after", options->after, "Only events after this number"), 0,
+  const Command command = app.add_command("events", kEventsHelp);
+  whole_number(command.add_option("--after", options->after, "Only events after this number"), 0,
                kMostNumber)
-      ->option_text("SEQ");
-  command->add_option("--job", options->job, "Only events of this job")->option_text("JOB");
-  whole_number(command->add_option("--limit", options->limit, "List at most this many events"), 1,
+      .value_text("SEQ");
+  command.add_option("--job", options->job, "Only events of this job").value_text("JOB");
+  whole_number(command.add_option("--limit", options->limit, "List at most this many events"), 1,
                1000)
-      ->option_text("N [200]");
-  command->add_flag("--follow", options->follow, "Keep running and print new events");
-  when_chosen(command, run, [options, &globals] { return run_events(*options, globals); });
+      .value_text("N [200]");
+  command.add_flag("--follow", options->follow, "Keep running and print new events");
+  when_chosen(command, run, [options, &globals] {
+    return with_popcutd([&](Api& api) { return show_events(api, *options, globals); });
+  });
 }
 
 // Tokens
@@ -153,76 +147,61 @@ struct TokenOptions {
 };
 
 Result<void> create_token(const TokenOptions& options, const Globals& globals) {
-  auto api = Api::from_environment();
-  if (!api) return tl::unexpected(api.error());
-  Json body{{"name", options.name.empty() ? options.role : options.name}, {"role", options.role}};
-  if (options.days > 0) body["lifetime_s"] = options.days * 86'400;
-  api->http().set_tries(0);  // a second try would create a second token
-  const auto token = api->post("/v1/tokens", body, "token");
-  if (!token) return tl::unexpected(token.error());
-  if (globals.json) {
-    fmt::print("{}\n", dumped(*token));
-    return {};
-  }
-  const std::string text = client::text_of(*token, "token");
-  fmt::print("{}\n", text);
-  if (!globals.quiet)
-    fmt::print(stderr,
-               "popcut shows this token only once; set POPCUT_TOKEN to it (and POPCUT_URL for "
-               "popcutd on another computer)\n");
-  return {};
+  const auto ask = [&](Api& api) {
+    Json body{{"name", options.name.empty() ? options.role : options.name}, {"role", options.role}};
+    if (options.days > 0) body["lifetime_s"] = options.days * 86'400;
+    api.http().set_tries(0);  // a second try would create a second token
+    return api.post("/v1/tokens", body, "token");
+  };
+  return answer_of_popcutd(globals, ask, [&](const Json& token) {
+    fmt::print("{}\n", client::text_of(token, "token"));
+    if (!globals.quiet)
+      fmt::print(stderr,
+                 "popcut shows this token only once; set POPCUT_TOKEN to it (and POPCUT_URL for "
+                 "popcutd on another computer)\n");
+  });
+}
+
+/// Answers with a list of popcutd's: `tell(item)` prints a line for each item.
+template <typename Tell>
+Result<void> list_items(const char* target, const char* place, const Globals& globals,
+                        const Tell& tell) {
+  return answer_of_popcutd(
+      globals, [&](Api& api) { return api.get(target, place); },
+      [&](const Json& list) {
+        if (!list.contains("items")) return;
+        for (const Json& one : list["items"]) tell(one);
+      });
 }
 
 Result<void> list_tokens(const Globals& globals) {
-  auto api = Api::from_environment();
-  if (!api) return tl::unexpected(api.error());
-  const auto tokens = api->get("/v1/tokens", "tokens");
-  if (!tokens) return tl::unexpected(tokens.error());
-  if (globals.json) {
-    fmt::print("{}\n", dumped(*tokens));
-    return {};
-  }
-  if (tokens->contains("items"))
-    for (const Json& one : (*tokens)["items"])
-      fmt::print("{}  {:<10} {:<24} created {}{}\n", client::text_of(one, "id"),
-                 client::text_of(one, "role"), shown_text(client::text_of(one, "name")),
-                 client::text_of(one, "created"),
-                 client::text_of(one, "expires").empty()
-                     ? ""
-                     : ", expires " + client::text_of(one, "expires"));
-  return {};
+  return list_items("/v1/tokens", "tokens", globals, [](const Json& one) {
+    const std::string expires = client::text_of(one, "expires");
+    fmt::print("{}  {:<10} {:<24} created {}{}\n", client::text_of(one, "id"),
+               client::text_of(one, "role"), shown_text(client::text_of(one, "name")),
+               client::text_of(one, "created"), expires.empty() ? "" : ", expires " + expires);
+  });
 }
 
 Result<void> list_sessions(const Globals& globals) {
-  auto api = Api::from_environment();
-  if (!api) return tl::unexpected(api.error());
-  const auto sessions = api->get("/v1/sessions", "sessions");
-  if (!sessions) return tl::unexpected(sessions.error());
-  if (globals.json) {
-    fmt::print("{}\n", dumped(*sessions));
-    return {};
-  }
-  if (sessions->contains("items"))
-    for (const Json& one : (*sessions)["items"])
-      fmt::print("{}  {:<10} of {}, expires {}, ends {}\n", client::text_of(one, "id"),
-                 client::text_of(one, "role"), shown_text(client::text_of(one, "root")),
-                 client::text_of(one, "expires"), client::text_of(one, "ends"));
-  return {};
+  return list_items("/v1/sessions", "sessions", globals, [](const Json& one) {
+    fmt::print("{}  {:<10} of {}, expires {}, ends {}\n", client::text_of(one, "id"),
+               client::text_of(one, "role"), shown_text(client::text_of(one, "root")),
+               client::text_of(one, "expires"), client::text_of(one, "ends"));
+  });
 }
 
 /// A session, which needs no admin, or a token.
-Result<void> delete_token(const TokenOptions& options, const Globals& globals) {
-  auto api = Api::from_environment();
-  if (!api) return tl::unexpected(api.error());
-  const std::string id = client::percent_encoded(options.id);
-  auto gone = api->remove("/v1/sessions/" + id, "session " + options.id);
+Result<void> delete_token(Api& api, const TokenOptions& options, const Globals& globals) {
+  const std::string id = percent_encoded(options.id);
+  auto gone = api.remove("/v1/sessions/" + id, "session " + options.id);
   if (!gone && gone.error().reason == ErrorReason::NotThere)
-    gone = api->remove("/v1/tokens/" + id, "token " + options.id);
+    gone = api.remove("/v1/tokens/" + id, "token " + options.id);
   if (!gone && gone.error().reason == ErrorReason::NotThere)
     return fail(gone.error().kind, gone.error().place,
                 "there is no such token or session; 'popcut token list' and 'popcut token "
                 "sessions' list them");
-  if (gone && globals.json) fmt::print("{}\n", dumped(Json{{"deleted", options.id}}));
+  if (gone && globals.json) print_json(Json{{"deleted", options.id}});
   return gone;
 }
 
@@ -236,32 +215,34 @@ constexpr const char* kTokenHelp =
     "and\n"
     "stops jobs. An admin may do everything.";
 
-void add_token(CLI::App& app, const Globals& globals, Run& run) {
+void add_token(const Command& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<TokenOptions>();
-  CLI::App* const command = app.add_subcommand("token", kTokenHelp);
-  command->require_subcommand(1);
-  CLI::App* const create =
-      command->add_subcommand("create", "Create a token and print it, once, on standard output");
-  one_word(create->add_option("--role", options->role, "What the token allows"),
+  const Command command = app.add_command("token", kTokenHelp);
+  command.needs_command(1, 1);
+  const Command create =
+      command.add_command("create", "Create a token and print it, once, on standard output");
+  one_word(create.add_option("--role", options->role, "What the token allows"),
            {"viewer", "submitter", "operator", "admin"})
-      ->required();
-  create->add_option("--name", options->name, "Who or what the token is for")->option_text("TEXT");
-  whole_number(create->add_option("--days", options->days, "Days until it expires"), 1, 3'660)
-      ->option_text("N [until deleted]");
+      .required();
+  create.add_option("--name", options->name, "Who or what the token is for").value_text("TEXT");
+  whole_number(create.add_option("--days", options->days, "Days until it expires"), 1, 3'660)
+      .value_text("N [until deleted]");
   when_chosen(create, run, [options, &globals] { return create_token(*options, globals); });
-  when_chosen(command->add_subcommand("list", "List the tokens, without their secrets"), run,
+  when_chosen(command.add_command("list", "List the tokens, without their secrets"), run,
               [&globals] { return list_tokens(globals); });
   when_chosen(
-      command->add_subcommand(
-          "sessions", "List the sessions of pages; each ends with the token or user it is of"),
+      command.add_command("sessions",
+                          "List the sessions of pages; each ends with the token or user it is of"),
       run, [&globals] { return list_sessions(globals); });
-  CLI::App* const remove = command->add_subcommand(
-      "delete", "Delete a token and its sessions, or end a session, at once");
+  const Command remove =
+      command.add_command("delete", "Delete a token and its sessions, or end a session, at once");
   remove
-      ->add_option("ID", options->id,
-                   "An ID that 'popcut token list' or 'popcut token sessions' shows")
-      ->required();
-  when_chosen(remove, run, [options, &globals] { return delete_token(*options, globals); });
+      .add_option("ID", options->id,
+                  "An ID that 'popcut token list' or 'popcut token sessions' shows")
+      .required();
+  when_chosen(remove, run, [options, &globals] {
+    return with_popcutd([&](Api& api) { return delete_token(api, *options, globals); });
+  });
 }
 
 // Usage
@@ -270,19 +251,17 @@ struct UsageOptions {
   std::string from, to, by{"owner"};
 };
 
-Result<void> run_usage(const UsageOptions& options, const Globals& globals) {
-  auto api = Api::from_environment();
-  if (!api) return tl::unexpected(api.error());
+Result<void> show_usage(Api& api, const UsageOptions& options, const Globals& globals) {
   std::string target = "/v1/usage?by=" + options.by;
-  if (!options.from.empty()) target += "&from=" + client::percent_encoded(options.from);
-  if (!options.to.empty()) target += "&to=" + client::percent_encoded(options.to);
+  if (!options.from.empty()) target += "&from=" + percent_encoded(options.from);
+  if (!options.to.empty()) target += "&to=" + percent_encoded(options.to);
   if (globals.json) {
-    const auto rows = api->get(target, "usage");
+    const auto rows = api.get(target, "usage");
     if (!rows) return tl::unexpected(rows.error());
-    fmt::print("{}\n", dumped(*rows));
+    print_json(*rows);
     return {};
   }
-  const auto csv = api->get_text(target, "text/csv", "usage");
+  const auto csv = api.get_text(target, "text/csv", "usage");
   if (!csv) return tl::unexpected(csv.error());
   fmt::print("{}", *csv);
   return {};
@@ -292,32 +271,29 @@ constexpr const char* kUsageHelp =
     "Print what was cut, as CSV: seconds of cutting, mm of cuts, sheets.\n\n"
     "  popcut usage --by owner --from 2026-11-01T00:00:00Z > november.csv";
 
-void add_usage(CLI::App& app, const Globals& globals, Run& run) {
+void add_usage(const Command& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<UsageOptions>();
-  CLI::App* const command = app.add_subcommand("usage", kUsageHelp);
-  one_word(command->add_option("--by", options->by, "One row for each owner, device or material"),
+  const Command command = app.add_command("usage", kUsageHelp);
+  one_word(command.add_option("--by", options->by, "One row for each owner, device or material"),
            {"owner", "device", "material"}, "owner");
-  command->add_option("--from", options->from, "Start of the period, as in 2026-11-01T00:00:00Z")
-      ->option_text("TIME");
-  command->add_option("--to", options->to, "End of the period (exclusive)")->option_text("TIME");
-  when_chosen(command, run, [options, &globals] { return run_usage(*options, globals); });
+  command.add_option("--from", options->from, "Start of the period, as in 2026-11-01T00:00:00Z")
+      .value_text("TIME");
+  command.add_option("--to", options->to, "End of the period (exclusive)").value_text("TIME");
+  when_chosen(command, run, [options, &globals] {
+    return with_popcutd([&](Api& api) { return show_usage(api, *options, globals); });
+  });
 }
 
 // The database
 
 Result<void> database(const char* action, const Globals& globals) {
-  auto api = Api::from_environment();
-  if (!api) return tl::unexpected(api.error());
-  const auto answer =
-      api->post(fmt::format("/v1/db/actions/{}", action), Json::object(), "database");
-  if (!answer) return tl::unexpected(answer.error());
-  if (globals.json) {
-    fmt::print("{}\n", dumped(*answer));
-    return {};
-  }
-  for (const auto& [key, value] : answer->items())
-    fmt::print("{}: {}\n", key, value.is_string() ? value.get<std::string>() : dumped(value, -1));
-  return {};
+  const auto ask = [&](Api& api) {
+    return api.post(fmt::format("/v1/db/actions/{}", action), Json::object(), "database");
+  };
+  return answer_of_popcutd(globals, ask, [](const Json& done) {
+    for (const auto& [key, value] : done.items())
+      fmt::print("{}: {}\n", key, value.is_string() ? value.get<std::string>() : json_line(value));
+  });
 }
 
 Result<std::string> state_folder(const std::string& given) {
@@ -341,19 +317,17 @@ Result<void> restore_database(const RestoreOptions& options, const Globals& glob
   if (!folder) return tl::unexpected(folder.error());
   const auto done = daemon::restore(*folder, options.copy, options.older);
   if (!done) return fail(ErrorKind::Refused, "", message(done.error()));
-  if (globals.json) {
-    fmt::print("{}\n", dumped(Json{{"jobs", done->copy.jobs},
-                                   {"last_event", done->copy.last_event},
-                                   {"original", done->original}}));
-    return {};
-  }
-  if (globals.quiet) return {};
-  fmt::print("restored {}: {} jobs up to event {}\n", options.copy, done->copy.jobs,
-             done->copy.last_event);
-  if (!done->original.empty())
-    fmt::print(stderr, "the database that was there is in {}\n", done->original);
-  fmt::print(stderr, "start popcutd and check 'popcut jobs --all'\n");
-  return {};
+  const Json document{{"jobs", done->copy.jobs},
+                      {"last_event", done->copy.last_event},
+                      {"original", done->original}};
+  return answer(globals, document, [&] {
+    if (globals.quiet) return;
+    fmt::print("restored {}: {} jobs up to event {}\n", options.copy, done->copy.jobs,
+               done->copy.last_event);
+    if (!done->original.empty())
+      fmt::print(stderr, "the database that was there is in {}\n", done->original);
+    fmt::print(stderr, "start popcutd and check 'popcut jobs --all'\n");
+  });
 }
 
 /// Opens the file itself, under the lock of the state folder: popcutd must not run.
@@ -373,13 +347,12 @@ Result<void> salvage_database(const std::string& given, const Globals& globals) 
                  table.refused > 0 ? fmt::format(", {} invalid", table.refused) : "",
                  table.whole ? "" : ", the rest is unreadable");
   }
-  if (globals.json)
-    fmt::print("{}\n", dumped(Json{{"tables", tables}, {"original", saved->original}}));
-  else if (!globals.quiet)
-    fmt::print(stderr,
-               "the damaged database is in {}; start popcutd and check 'popcut jobs --all'\n",
-               saved->original);
-  return {};
+  return answer(globals, Json{{"tables", tables}, {"original", saved->original}}, [&] {
+    if (!globals.quiet)
+      fmt::print(stderr,
+                 "the damaged database is in {}; start popcutd and check 'popcut jobs --all'\n",
+                 saved->original);
+  });
 }
 
 constexpr const char* kDbHelp =
@@ -391,31 +364,30 @@ constexpr const char* kDbHelp =
     "  popcut db restore /var/lib/popcut/backups/popcut-20261122T101500Z.db\n"
     "                         # put a copy in its place, while popcutd does not run";
 
-void add_db(CLI::App& app, const Globals& globals, Run& run) {
-  CLI::App* const command = app.add_subcommand("db", kDbHelp);
-  command->require_subcommand(1);
+void add_db(const Command& app, const Globals& globals, Run& run) {
+  const Command command = app.add_command("db", kDbHelp);
+  command.needs_command(1, 1);
   command
-      ->add_subcommand("backup",
-                       "Copy the database while popcutd runs, and print the path of the copy")
-      ->callback([&globals, &run] { run = [&globals] { return database("backup", globals); }; });
-  command->add_subcommand("check", "Read the whole database and report damage")
-      ->callback([&globals, &run] { run = [&globals] { return database("check", globals); }; });
+      .add_command("backup", "Copy the database while popcutd runs, and print the path of the copy")
+      .on_choice([&globals, &run] { run = [&globals] { return database("backup", globals); }; });
+  command.add_command("check", "Read the whole database and report damage")
+      .on_choice([&globals, &run] { run = [&globals] { return database("check", globals); }; });
   auto folder = std::make_shared<std::string>();
-  CLI::App* const salvage = command->add_subcommand(
-      "salvage", "Copy what is readable of a damaged database to a new one");
-  salvage->add_option("--state", *folder, "popcutd's state folder")
-      ->option_text("DIR [~/.local/state/popcut]");
+  const Command salvage =
+      command.add_command("salvage", "Copy what is readable of a damaged database to a new one");
+  salvage.add_option("--state", *folder, "popcutd's state folder")
+      .value_text("DIR [~/.local/state/popcut]");
   when_chosen(salvage, run, [folder, &globals] { return salvage_database(*folder, globals); });
   auto restoring = std::make_shared<RestoreOptions>();
-  CLI::App* const restore = command->add_subcommand(
+  const Command restore = command.add_command(
       "restore", "Put a copy in the place of the database; the one that is there is kept");
-  restore->add_option("COPY", restoring->copy, "A copy that 'popcut db backup' made")
-      ->required()
-      ->option_text("COPY");
-  restore->add_option("--state", restoring->folder, "popcutd's state folder")
-      ->option_text("DIR [~/.local/state/popcut]");
-  restore->add_flag("--older", restoring->older,
-                    "Also when the present database is whole and knows more than the copy");
+  restore.add_option("COPY", restoring->copy, "A copy that 'popcut db backup' made")
+      .required()
+      .value_text("COPY");
+  restore.add_option("--state", restoring->folder, "popcutd's state folder")
+      .value_text("DIR [~/.local/state/popcut]");
+  restore.add_flag("--older", restoring->older,
+                   "Also when the present database is whole and knows more than the copy");
   when_chosen(restore, run,
               [restoring, &globals] { return restore_database(*restoring, globals); });
 }
@@ -423,7 +395,7 @@ void add_db(CLI::App& app, const Globals& globals, Run& run) {
 }  // namespace
 }  // namespace daemon_command
 
-void register_daemon(CLI::App& app, const Globals& globals, Run& run) {
+void register_daemon(const Command& app, const Globals& globals, Run& run) {
   using namespace daemon_command;
   add_events(app, globals, run);
   add_token(app, globals, run);

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/deploy/loaded_pattern.hpp"
@@ -17,6 +16,7 @@
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/machines/machine.hpp"
 #include "core/picture/poster.hpp"
+#include "daemon/cli/answer.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/deploy_book.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
@@ -180,7 +180,7 @@ void say(const Options& options, const Globals& globals, const Source& source,
         {"psi_from_rad", angles.front()},
         {"psi_to_rad", angles.back()},
         {"axes", axes == MeshAxes::Paper ? "x, 1 - z, v" : "x, v, z"}};
-    fmt::print("{}\n", said.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    print_json(said);
   }
   if (globals.quiet) return;
   for (const std::string& note : source.notes) fmt::print(stderr, "  note     {}\n", note);
@@ -238,12 +238,11 @@ Result<void> deploy_book(Options options, double thickness_mm, const Globals& gl
   if (auto done = folder->commit("popcut deploy " POPCUT_VERSION); !done) return done;
   work.reset();
   if (globals.json)
-    fmt::print("{}\n", nlohmann::ordered_json{{"file", options.file},
-                                              {"cards", book->cards.size()},
-                                              {"frames", options.no_stl ? 0 : angles->size()},
-                                              {"psi_from_rad", angles->front()},
-                                              {"psi_to_rad", angles->back()}}
-                           .dump(2));
+    print_json(nlohmann::ordered_json{{"file", options.file},
+                                      {"cards", book->cards.size()},
+                                      {"frames", options.no_stl ? 0 : angles->size()},
+                                      {"psi_from_rad", angles->front()},
+                                      {"psi_to_rad", angles->back()}});
   if (!globals.quiet)
     fmt::print(stderr,
                "{}: a book of {} cards, each from {:.4g} to {:.4g} rad\n  wrote    {}{}in {}\n",
@@ -316,37 +315,37 @@ constexpr const char* kHelp =
 }  // namespace
 }  // namespace deploy_command
 
-void register_deploy(CLI::App& app, const Globals& globals, Run& run) {
+void register_deploy(const Command& app, const Globals& globals, Run& run) {
   using namespace deploy_command;
   auto options = std::make_shared<Options>();
-  CLI::App* const command = app.add_subcommand("deploy", kHelp);
-  command->add_option(
+  const Command command = app.add_command("deploy", kHelp);
+  command.add_option(
       "FILE", options->file,
       "A FOLD file, a drawing (SVG, DXF), a table of panels (CSV, twelve columns), or the folder "
       "of a book");
   command
-      ->add_option("-o,--output", options->folder,
-                   "Folder for the files; created if it does not exist")
-      ->option_text("DIR")
-      ->required();
-  add_motion_options(*command, options->motion);
-  command->add_option("--material", options->material, "Material whose thickness --thickness uses")
-      ->option_text("NAME [paper-220]");
+      .add_option("-o,--output", options->folder,
+                  "Folder for the files; created if it does not exist")
+      .value_text("DIR")
+      .required();
+  add_motion_options(command, options->motion);
+  command.add_option("--material", options->material, "Material whose thickness --thickness uses")
+      .value_text("NAME [paper-220]");
   command
-      ->add_option("--convention", options->convention,
-                   "Axes of the CSV: popcut, or paper for files of the scientific paper's code")
-      ->option_text("NAME [popcut]");
+      .add_option("--convention", options->convention,
+                  "Axes of the CSV: popcut, or paper for files of the scientific paper's code")
+      .value_text("NAME [popcut]");
   command
-      ->add_option("--svg-profile", options->svg_profile,
-                   "What the strokes of an SVG mean: auto (by their names; several colours without "
-                   "names as origami-sim), popcut (by their names; the others are cuts), "
-                   "origami-sim (by colour), lightburn, cricut, plain, or a profile of your own")
-      ->option_text("NAME [auto]");
-  command->add_flag("--glb", options->glb, "Also write deploy.glb: one animated 3D file (glTF)");
-  command->add_flag("--poster", options->poster,
-                    "Also write poster.svg: several poses side by side");
-  command->add_flag("--film", options->film, "Also write film.svg: an animated drawing");
-  command->add_flag("--no-stl", options->no_stl, "Do not write the STL files");
+      .add_option("--svg-profile", options->svg_profile,
+                  "What the strokes of an SVG mean: auto (by their names; several colours without "
+                  "names as origami-sim), popcut (by their names; the others are cuts), "
+                  "origami-sim (by colour), lightburn, cricut, plain, or a profile of your own")
+      .value_text("NAME [auto]");
+  command.add_flag("--glb", options->glb, "Also write deploy.glb: one animated 3D file (glTF)");
+  command.add_flag("--poster", options->poster,
+                   "Also write poster.svg: several poses side by side");
+  command.add_flag("--film", options->film, "Also write film.svg: an animated drawing");
+  command.add_flag("--no-stl", options->no_stl, "Do not write the STL files");
   when_chosen(command, run, [options, &globals] { return run_deploy(*options, globals); });
 }
 

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/deploy/sheet_mesh.hpp"
@@ -34,6 +33,7 @@
 #include "core/print/pages.hpp"
 #include "core/text/utf8.hpp"
 #include "core/text/words.hpp"
+#include "daemon/cli/answer.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/book_files.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
@@ -315,7 +315,7 @@ Result<void> list_examples(const Globals& globals) {
     else
       fmt::print("{:<10} {}\n", example.name, what);
   }
-  if (globals.json) fmt::print("{}\n", nlohmann::ordered_json{{"examples", list}}.dump(2));
+  if (globals.json) print_json(nlohmann::ordered_json{{"examples", list}});
   return {};
 }
 
@@ -616,49 +616,48 @@ constexpr const char* kHelp =
 }  // namespace
 }  // namespace design_command
 
-void register_design(CLI::App& app, const Globals& globals, Run& run) {
+void register_design(const Command& app, const Globals& globals, Run& run) {
   using namespace design_command;
   auto options = std::make_shared<Options>();
-  CLI::App* const command = app.add_subcommand("design", kHelp);
-  command->add_option("SPEC", options->spec,
-                      "The design: a JSON file, or -; --schema prints its format. Or a 3D model "
-                      "(.stl, .obj, .glb)");
+  const Command command = app.add_command("design", kHelp);
+  command.add_option("SPEC", options->spec,
+                     "The design: a JSON file, or -; --schema prints its format. Or a 3D model "
+                     "(.stl, .obj, .glb)");
   command
-      ->add_option("-o,--output", options->folder,
-                   "Folder for the files; created if it does not exist")
-      ->option_text("DIR");
+      .add_option("-o,--output", options->folder,
+                  "Folder for the files; created if it does not exist")
+      .value_text("DIR");
   command
-      ->add_option(
+      .add_option(
           "--formats", options->formats,
           "Files to write, separated by commas: fold svg cut dxf csv pdf cricut png picture "
           "poster glb stl report")
-      ->option_text("LIST [fold,svg,cut,dxf,csv,glb,png,poster,report]");
-  one_word(command->add_option("--colour", options->colour,
-                               "Colours of the panels in pictures of the opened card: paper, or "
-                               "error (how far each panel is from your shape)"),
+      .value_text("LIST [fold,svg,cut,dxf,csv,glb,png,poster,report]");
+  one_word(command.add_option("--colour", options->colour,
+                              "Colours of the panels in pictures of the opened card: paper, or "
+                              "error (how far each panel is from your shape)"),
            {"paper", "error"}, "paper");
   command
-      ->add_option(
+      .add_option(
           "--fold-frames", options->fold_frames,
           "Opening angles (psi) of the poses in pattern.fold, in radians or as 90deg; pi is flat, "
           "pi/2 the designed shape (or design_angle_deg of SPEC)")
-      ->option_text("LIST [pi,pi/2,1.1]");
-  one_word(command->add_option("--fold-cuts", options->fold_cuts,
-                               "How pattern.fold stores a cut: split (as two border edges B) or C "
-                               "(as one edge C; only for "
-                               "the flat sheet)"),
+      .value_text("LIST [pi,pi/2,1.1]");
+  one_word(command.add_option("--fold-cuts", options->fold_cuts,
+                              "How pattern.fold stores a cut: split (as two border edges B) or C "
+                              "(as one edge C; only for "
+                              "the flat sheet)"),
            {"split", "C"}, "split");
-  add_motion_options(*command, options->motion);
-  command->add_flag("--schema", options->schema, "Print the JSON Schema of a SPEC");
+  add_motion_options(command, options->motion);
+  command.add_flag("--schema", options->schema, "Print the JSON Schema of a SPEC");
   one_word(
-      command->add_option("--place", options->place,
-                          "Do not design; print SPEC with its 3D model or table of heights moved "
-                          "into place: whole (all of it in the corner) or quarter (its middle on "
-                          "the spine, the main fold)"),
+      command.add_option("--place", options->place,
+                         "Do not design; print SPEC with its 3D model or table of heights moved "
+                         "into place: whole (all of it in the corner) or quarter (its middle on "
+                         "the spine, the main fold)"),
       {"whole", "quarter"});
-  command->add_option("--example", options->example, "Print an example design")
-      ->option_text("NAME");
-  command->add_flag("--list", options->list, "List the example designs");
+  command.add_option("--example", options->example, "Print an example design").value_text("NAME");
+  command.add_flag("--list", options->list, "List the example designs");
   when_chosen(command, run, [options, &globals] { return run_design(*options, globals); });
 }
 

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/machines/machine.hpp"
+#include "daemon/cli/answer.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/help/udev_rule.hpp"
 #include "daemon/client/address.hpp"
@@ -246,11 +246,10 @@ Result<void> run_doctor(const Options& options, const Globals& globals) {
   const std::optional<Report> fleet =
       options.device.empty() ? look_at_fleet(options) : std::nullopt;
   if (globals.json) {
-    Json list = Json::array();
-    for (const Report& report : reports) list.push_back(to_json(report));
-    Json json{{"usable", verdict(reports, fleet).has_value()}, {"devices", list}};
+    Json json{{"usable", verdict(reports, fleet).has_value()},
+              {"devices", json_list(reports, to_json)}};
     if (fleet) json["fleet"] = to_json(*fleet);
-    fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+    print_json(json);
   } else if (!globals.quiet) {
     for (const Report& report : reports) print(report);
     if (fleet) print(*fleet);
@@ -271,21 +270,21 @@ constexpr const char* kHelp =
 }  // namespace
 }  // namespace doctor_command
 
-void register_doctor(CLI::App& app, const Globals& globals, Run& run) {
+void register_doctor(const Command& app, const Globals& globals, Run& run) {
   using namespace doctor_command;
   auto options = std::make_shared<Options>();
-  CLI::App* const command = app.add_subcommand("doctor", kHelp);
-  command->add_option("DEVICE", options->device,
-                      "Examine only this device; 'popcut devices' lists them");
+  const Command command = app.add_command("doctor", kHelp);
+  command.add_option("DEVICE", options->device,
+                     "Examine only this device; 'popcut devices' lists them");
   command
-      ->add_option("--treat-as", options->treat_as,
-                   "Drive an unknown cutter as if it were this machine, such as cameo4")
-      ->option_text("NAME");
+      .add_option("--treat-as", options->treat_as,
+                  "Drive an unknown cutter as if it were this machine, such as cameo4")
+      .value_text("NAME");
   command
-      ->add_option("--config", options->config,
-                   "popcutd's configuration, for its fleet. Default: the one that popcutd reads")
-      ->option_text("FILE");
-  command->add_flag("--udev-rule", options->rule, "Print popcut's udev rule and do nothing else");
+      .add_option("--config", options->config,
+                  "popcutd's configuration, for its fleet. Default: the one that popcutd reads")
+      .value_text("FILE");
+  command.add_flag("--udev-rule", options->rule, "Print popcut's udev rule and do nothing else");
   when_chosen(command, run, [options, &globals] { return run_doctor(*options, globals); });
 }
 

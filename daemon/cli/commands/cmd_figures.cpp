@@ -5,7 +5,6 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "core/figures/paper_figures.hpp"
 #include "daemon/cli/command.hpp"
@@ -61,13 +60,13 @@ constexpr const char* kHelp =
 }  // namespace
 }  // namespace figures_command
 
-void register_figures(CLI::App& app, const Globals& globals, Run& run) {
+void register_figures(const Command& app, const Globals& globals, Run& run) {
   using namespace figures_command;
   auto folder = std::make_shared<std::string>();
-  CLI::App* const command = app.add_subcommand("figures", kHelp);
-  command->add_option("-o,--output", *folder, "Folder for the files; created if it does not exist")
-      ->option_text("DIR")
-      ->required();
+  const Command command = app.add_command("figures", kHelp);
+  command.add_option("-o,--output", *folder, "Folder for the files; created if it does not exist")
+      .value_text("DIR")
+      .required();
   when_chosen(command, run, [folder, &globals] { return run_figures(*folder, globals); });
 }
 

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/text/utf8.hpp"
+#include "daemon/cli/answer.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/fleet/fleet_import.hpp"
 #include "daemon/fleet/fleet_nodes.hpp"
@@ -33,10 +33,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kVariable = "POPCUT_FLEET_DATABASE";
 constexpr double kPatient_s = 600;  // a large table may take long
-
-std::string dumped(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace);
-}
 
 Result<FleetUrl> wanted_database(const std::string& given) {
   std::string text = given;
@@ -90,16 +86,16 @@ Result<void> with_database(const std::string& given, Work work) {
   }
 }
 
-void add_database(CLI::App* command, std::string& database) {
+void add_database(const Command& command, std::string& database) {
   command
-      ->add_option("--database", database,
-                   "The fleet's PostgreSQL, as a role that may do this; a password is better in "
-                   "~/.pgpass. Default: $POPCUT_FLEET_DATABASE")
-      ->option_text("URL");
+      .add_option("--database", database,
+                  "The fleet's PostgreSQL, as a role that may do this; a password is better in "
+                  "~/.pgpass. Default: $POPCUT_FLEET_DATABASE")
+      .value_text("URL");
 }
 
-void add_node(CLI::App* command, std::string& node, const char* what) {
-  command->add_option("NODE", node, what)->required()->option_text("NODE");
+void add_node(const Command& command, std::string& node, const char* what) {
+  command.add_option("NODE", node, what).required().value_text("NODE");
 }
 
 // init
@@ -140,23 +136,20 @@ Result<void> run_init(const std::string& given, const Globals& globals) {
   }
   return with_database(url->text(), [&](Database& database, const FleetUrl&) -> Result<void> {
     const daemon::FleetMade made = daemon::make_fleet(database);
-    if (globals.json) {
-      fmt::print("{}\n", dumped({{"created_database", created},
-                                 {"version_before", made.from},
-                                 {"version", made.to}}));
-      return {};
-    }
-    if (globals.quiet) return {};
-    if (created) fmt::print("created the database {}\n", url->database);
-    if (made.from == made.to)
-      fmt::print("nothing to do: the tables of the fleet are there (version {})\n", made.to);
-    else if (made.from == 0)
-      fmt::print("made the tables and roles of the fleet (version {})\n", made.to);
-    else
-      fmt::print("brought the tables from version {} to {}\n", made.from, made.to);
-    if (made.from == 0)
-      fmt::print(stderr, "next, for each machine: popcut fleet join --node NAME\n");
-    return {};
+    const Json document{
+        {"created_database", created}, {"version_before", made.from}, {"version", made.to}};
+    return answer(globals, document, [&] {
+      if (globals.quiet) return;
+      if (created) fmt::print("created the database {}\n", url->database);
+      if (made.from == made.to)
+        fmt::print("nothing to do: the tables of the fleet are there (version {})\n", made.to);
+      else if (made.from == 0)
+        fmt::print("made the tables and roles of the fleet (version {})\n", made.to);
+      else
+        fmt::print("brought the tables from version {} to {}\n", made.from, made.to);
+      if (made.from == 0)
+        fmt::print(stderr, "next, for each machine: popcut fleet join --node NAME\n");
+    });
   });
 }
 
@@ -171,9 +164,9 @@ constexpr const char* kInitHelp =
     "no\n"
     "database yet.";
 
-void add_init(CLI::App* fleet, const Globals& globals, Run& run) {
+void add_init(const Command& fleet, const Globals& globals, Run& run) {
   auto database = std::make_shared<std::string>();
-  CLI::App* const command = fleet->add_subcommand("init", kInitHelp);
+  const Command command = fleet.add_command("init", kInitHelp);
   add_database(command, *database);
   when_chosen(command, run, [database, &globals] { return run_init(*database, globals); });
 }
@@ -234,7 +227,7 @@ Result<void> run_join(const JoinOptions& options, const Globals& globals) {
       Json json{{"node", options.node}, {"login", joined.login}, {"password_file", file}};
       if (options.folder.empty()) json["password"] = joined.password;
       json["configuration"] = section;
-      fmt::print("{}\n", dumped(json));
+      print_json(json);
       return {};
     }
     fmt::print("{}", section);
@@ -268,25 +261,25 @@ constexpr const char* kJoinHelp =
     "  popcut fleet join --node room-1 --again      # a new password; the old one stops working\n\n"
     "Each node has a login of its own, which can do no more than a node must.";
 
-void add_join(CLI::App* fleet, const Globals& globals, Run& run) {
+void add_join(const Command& fleet, const Globals& globals, Run& run) {
   auto options = std::make_shared<JoinOptions>();
-  CLI::App* const command = fleet->add_subcommand("join", kJoinHelp);
+  const Command command = fleet.add_command("join", kJoinHelp);
   add_database(command, options->database);
-  command->add_option("--node", options->node, "Name of the node, as in room-1")
-      ->required()
-      ->option_text("NAME");
-  command->add_option("--url", options->url, "Where people reach this node's page")
-      ->option_text("URL");
+  command.add_option("--node", options->node, "Name of the node, as in room-1")
+      .required()
+      .value_text("NAME");
+  command.add_option("--url", options->url, "Where people reach this node's page")
+      .value_text("URL");
   command
-      ->add_option("--address", options->address,
-                   "Where the node reaches the database, as in db.lab or db1.lab,db2.lab:5433. "
-                   "Default: as in --database")
-      ->option_text("HOST[:PORT]");
+      .add_option("--address", options->address,
+                  "Where the node reaches the database, as in db.lab or db1.lab,db2.lab:5433. "
+                  "Default: as in --database")
+      .value_text("HOST[:PORT]");
   command
-      ->add_option("--write", options->folder,
-                   "Write the password to DIR/fleet.password (mode 0600) instead of printing it")
-      ->option_text("DIR");
-  command->add_flag("--again", options->again, "Give a node that has joined a new password");
+      .add_option("--write", options->folder,
+                  "Write the password to DIR/fleet.password (mode 0600) instead of printing it")
+      .value_text("DIR");
+  command.add_flag("--again", options->again, "Give a node that has joined a new password");
   when_chosen(command, run, [options, &globals] { return run_join(*options, globals); });
 }
 
@@ -320,9 +313,7 @@ Result<void> run_nodes(const std::string& given, const Globals& globals) {
   return with_database(given, [&](Database& database, const FleetUrl&) -> Result<void> {
     const auto nodes = daemon::fleet_nodes(database);
     if (globals.json) {
-      Json list = Json::array();
-      for (const auto& node : nodes) list.push_back(to_json(node));
-      fmt::print("{}\n", dumped({{"nodes", list}}));
+      print_json(Json{{"nodes", json_list(nodes, to_json)}});
       return {};
     }
     if (nodes.empty()) {
@@ -360,7 +351,7 @@ Result<void> run_drain(const NodeOptions& options, const Globals& globals) {
   return with_database(options.database, [&](Database& database, const FleetUrl&) -> Result<void> {
     daemon::drain_node(database, options.node, !options.undo);
     if (globals.json)
-      fmt::print("{}\n", dumped({{"node", options.node}, {"draining", !options.undo}}));
+      print_json(Json{{"node", options.node}, {"draining", !options.undo}});
     else if (!globals.quiet && options.undo)
       fmt::print("node {} arms sheets again\n", options.node);
     else if (!globals.quiet)
@@ -372,18 +363,15 @@ Result<void> run_drain(const NodeOptions& options, const Globals& globals) {
 Result<void> run_forget(const NodeOptions& options, const Globals& globals) {
   return with_database(options.database, [&](Database& database, const FleetUrl&) -> Result<void> {
     const std::string login = daemon::forget_node(database, options.node);
-    if (globals.json) {
-      fmt::print("{}\n", dumped({{"node", options.node}, {"login_left", login}}));
-      return {};
-    }
-    if (globals.quiet) return {};
-    fmt::print("node {} is forgotten\n", options.node);
-    if (!login.empty())
-      fmt::print(stderr,
-                 "its login is still there, because your role may not remove it; as a role that "
-                 "may, type: DROP ROLE {}\n",
-                 login);
-    return {};
+    return answer(globals, Json{{"node", options.node}, {"login_left", login}}, [&] {
+      if (globals.quiet) return;
+      fmt::print("node {} is forgotten\n", options.node);
+      if (!login.empty())
+        fmt::print(stderr,
+                   "its login is still there, because your role may not remove it; as a role that "
+                   "may, type: DROP ROLE {}\n",
+                   login);
+    });
   });
 }
 
@@ -404,21 +392,21 @@ constexpr const char* kForgetHelp =
     "is\n"
     "gone for good is forgotten instead. What only its journal knew is then lost.";
 
-void add_nodes(CLI::App* fleet, const Globals& globals, Run& run) {
+void add_nodes(const Command& fleet, const Globals& globals, Run& run) {
   auto database = std::make_shared<std::string>();
-  CLI::App* const nodes = fleet->add_subcommand("nodes", kNodesHelp);
+  const Command nodes = fleet.add_command("nodes", kNodesHelp);
   add_database(nodes, *database);
   when_chosen(nodes, run, [database, &globals] { return run_nodes(*database, globals); });
 
   auto drained = std::make_shared<NodeOptions>();
-  CLI::App* const drain = fleet->add_subcommand("drain", kDrainHelp);
+  const Command drain = fleet.add_command("drain", kDrainHelp);
   add_node(drain, drained->node, "The node, as 'popcut fleet nodes' lists it");
   add_database(drain, drained->database);
-  drain->add_flag("--undo", drained->undo, "Let it arm sheets again");
+  drain.add_flag("--undo", drained->undo, "Let it arm sheets again");
   when_chosen(drain, run, [drained, &globals] { return run_drain(*drained, globals); });
 
   auto forgotten = std::make_shared<NodeOptions>();
-  CLI::App* const forget = fleet->add_subcommand("forget", kForgetHelp);
+  const Command forget = fleet.add_command("forget", kForgetHelp);
   add_node(forget, forgotten->node, "The node, as 'popcut fleet nodes' lists it");
   add_database(forget, forgotten->database);
   when_chosen(forget, run, [forgotten, &globals] { return run_forget(*forgotten, globals); });
@@ -453,19 +441,17 @@ Result<void> run_import(const ImportOptions& options, const Globals& globals) {
       request.tell = [](const std::string& what) { fmt::print(stderr, "moving {}\n", what); };
     const auto done = daemon::import_folder(database, request);
     if (!done) return fail(ErrorKind::Refused, "", message(done.error()));
-    if (globals.json) {
-      Json tables = Json::array();
-      for (const auto& table : done->tables)
-        tables.push_back({{"table", table.name}, {"rows", table.rows}, {"kept", table.kept}});
-      fmt::print("{}\n", dumped({{"tables", tables},
-                                 {"files", done->files},
-                                 {"bytes", done->bytes},
-                                 {"missing", done->missing},
-                                 {"original", done->original}}));
-    } else if (!globals.quiet) {
-      print_imported(*done);
-    }
-    return {};
+    const Json tables = json_list(done->tables, [](const auto& table) {
+      return Json{{"table", table.name}, {"rows", table.rows}, {"kept", table.kept}};
+    });
+    const Json document{{"tables", tables},
+                        {"files", done->files},
+                        {"bytes", done->bytes},
+                        {"missing", done->missing},
+                        {"original", done->original}};
+    return answer(globals, document, [&] {
+      if (!globals.quiet) print_imported(*done);
+    });
   });
 }
 
@@ -480,16 +466,16 @@ constexpr const char* kImportHelp =
     "goes to backups/. If a sheet is armed or a cut has no end, start popcutd once without "
     "[fleet].";
 
-void add_import(CLI::App* fleet, const Globals& globals, Run& run) {
+void add_import(const Command& fleet, const Globals& globals, Run& run) {
   auto options = std::make_shared<ImportOptions>();
-  CLI::App* const command = fleet->add_subcommand("import", kImportHelp);
+  const Command command = fleet.add_command("import", kImportHelp);
   add_database(command, options->database);
-  command->add_option("--state", options->folder, "State folder of the popcutd, which must not run")
-      ->required()
-      ->option_text("DIR");
-  command->add_option("--node", options->node, "The node that it is from now on; it has joined")
-      ->required()
-      ->option_text("NAME");
+  command.add_option("--state", options->folder, "State folder of the popcutd, which must not run")
+      .required()
+      .value_text("DIR");
+  command.add_option("--node", options->node, "The node that it is from now on; it has joined")
+      .required()
+      .value_text("NAME");
   when_chosen(command, run, [options, &globals] { return run_import(*options, globals); });
 }
 
@@ -506,10 +492,10 @@ constexpr const char* kHelp =
 }  // namespace
 }  // namespace fleet_command
 
-void register_fleet(CLI::App& app, const Globals& globals, Run& run) {
+void register_fleet(const Command& app, const Globals& globals, Run& run) {
   using namespace fleet_command;
-  CLI::App* const fleet = app.add_subcommand("fleet", kHelp);
-  fleet->require_subcommand(1);
+  const Command fleet = app.add_command("fleet", kHelp);
+  fleet.needs_command(1, 1);
   add_init(fleet, globals, run);
   add_join(fleet, globals, run);
   add_nodes(fleet, globals, run);

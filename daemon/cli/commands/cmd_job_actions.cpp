@@ -9,8 +9,8 @@
 #include <unistd.h>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
+#include "daemon/cli/answer.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/view/job_follow.hpp"
@@ -207,14 +207,12 @@ std::string move_line(const Json& job, const Options& options) {
              : fmt::format("is now before {}; {}", options.before, job_summary(job));
 }
 
-Result<void> run_action(const Options& options, const Globals& globals, const Work& work,
+Result<void> run_action(Api& api, const Options& options, const Globals& globals, const Work& work,
                         const Outcome& outcome) {
-  auto api = Api::from_environment();
-  if (!api) return tl::unexpected(api.error());
-  auto job = work(*api, options);
-  if (job && options.wait) job = wait_for_sheet(*api, *job, globals);
+  auto job = work(api, options);
+  if (job && options.wait) job = wait_for_sheet(api, *job, globals);
   if (!job) return tl::unexpected(job.error());
-  if (globals.json) fmt::print("{}\n", job->dump(2, ' ', false, Json::error_handler_t::replace));
+  if (globals.json) print_json(*job);
   if (!globals.quiet && !options.wait) {
     fmt::print(stderr, "{}: {}\n", job_title(*job), outcome(*job, options));
     std::vector<std::string> next = waiting_for(*job);
@@ -236,27 +234,27 @@ struct Words {
   Outcome outcome{state_line};
 };
 
-CLI::App* add(CLI::App& app, const Globals& globals, Run& run, const Words& words,
-              const std::shared_ptr<Options>& options) {
-  CLI::App* const command = app.add_subcommand(words.name, words.help);
+Command add(const Command& app, const Globals& globals, Run& run, const Words& words,
+            const std::shared_ptr<Options>& options) {
+  const Command command = app.add_command(words.name, words.help);
   command
-      ->add_option("JOB", options->job,
-                   words.job_needed
-                       ? "Id of the job, or its first letters"
-                       : "Id of the job, or its first letters; you can leave it out if "
-                         "this is possible for only one job now")
-      ->required(words.job_needed);
-  command->callback([options, &globals, &run, words] {
+      .add_option("JOB", options->job,
+                  words.job_needed ? "Id of the job, or its first letters"
+                                   : "Id of the job, or its first letters; you can leave it out if "
+                                     "this is possible for only one job now")
+      .required(words.job_needed);
+  command.on_choice([options, &globals, &run, words] {
     run = [options, &globals, words] {
-      return run_action(*options, globals, words.work, words.outcome);
+      return with_popcutd(
+          [&](Api& api) { return run_action(api, *options, globals, words.work, words.outcome); });
     };
   });
   return command;
 }
 
-void add_sheet(CLI::App* command, const std::shared_ptr<Options>& options) {
-  whole_number(command->add_option("SHEET", options->sheet,
-                                   "Number of the sheet, from 1; default: the current one"),
+void add_sheet(const Command& command, const std::shared_ptr<Options>& options) {
+  whole_number(command.add_option("SHEET", options->sheet,
+                                  "Number of the sheet, from 1; default: the current one"),
                1, kMostSheet);
 }
 
@@ -322,81 +320,79 @@ constexpr const char* kMoveHelp =
     "  popcut move 01JDX7 --before 01JDX2\n"
     "  popcut move 01JDX7";
 
-void add_resume(CLI::App& app, const Globals& globals, Run& run) {
+void add_resume(const Command& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
-  CLI::App* const command = add(app, globals, run, {"resume", kResumeHelp, resume}, options);
-  CLI::Option* const from = command->add_option(
+  const Command command = add(app, globals, run, {"resume", kResumeHelp, resume}, options);
+  const Option from = command.add_option(
       "--from", options->from,
       "First path to cut, counted from 0; alone: print the commands to choose from");
-  whole_number_if_given(from, 0, kMostPath)->option_text("PATH");
-  command->parse_complete_callback([options, from] { options->has_from = from->count() > 0; });
+  whole_number_if_given(from, 0, kMostPath).value_text("PATH");
+  command.on_read([options, from] { options->has_from = from.is_given(); });
   one_word(
-      command->add_option(
+      command.add_option(
           "--registration", options->registration,
           "kept: the sheet has not moved; re-registered: you loaded it again in the same place"),
       {"kept", "re-registered"}, "kept");
-  command->add_flag(
-      "--accept-double-cut", options->double_cut,
-      "Allow popcutd to cut a path a second time if it is cut already, or perhaps cut "
-      "(in doubt)");
-  command->add_flag(
+  command.add_flag("--accept-double-cut", options->double_cut,
+                   "Allow popcutd to cut a path a second time if it is cut already, or perhaps cut "
+                   "(in doubt)");
+  command.add_flag(
       "--skip-in-doubt", options->skip_in_doubt,
       "Accept that paths in doubt (perhaps cut) come before --from; popcutd does not cut "
       "them");
 }
 
-void add_change(CLI::App& app, const Globals& globals, Run& run) {
+void add_change(const Command& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
-  CLI::App* const command = add(app, globals, run, {"change", kChangeHelp, change, true}, options);
-  whole_number(command->add_option("--priority", options->priority,
-                                   "Priority in the queue; higher goes first"),
+  const Command command = add(app, globals, run, {"change", kChangeHelp, change, true}, options);
+  whole_number(command.add_option("--priority", options->priority,
+                                  "Priority in the queue; higher goes first"),
                -10, 10)
-      ->option_text("-10..10");
-  command->add_option("--name", options->name, "Name of the job")->option_text("TEXT");
-  command->add_option("--note", options->note, "Note for the person who cuts it")
-      ->option_text("TEXT");
-  command->add_option("--device", options->new_device, "Cutter to use; empty: any that fits")
-      ->option_text("ID");
+      .value_text("-10..10");
+  command.add_option("--name", options->name, "Name of the job").value_text("TEXT");
+  command.add_option("--note", options->note, "Note for the person who cuts it").value_text("TEXT");
+  command.add_option("--device", options->new_device, "Cutter to use; empty: any that fits")
+      .value_text("ID");
   command
-      ->add_option("--site", options->site,
-                   "Site of the cutters that may cut it, as 'popcut devices' shows it; empty: any")
-      ->option_text("TEXT");
-  command->add_option("--material", options->material, "Material to use; needs --plan-again")
-      ->option_text("NAME");
-  command->add_flag("--plan-again", options->plan_again,
-                    "Make a new plan, for the cutter and the material");
+      .add_option("--site", options->site,
+                  "Site of the cutters that may cut it, as 'popcut devices' shows it; empty: any")
+      .value_text("TEXT");
+  command.add_option("--material", options->material, "Material to use; needs --plan-again")
+      .value_text("NAME");
+  command.add_flag("--plan-again", options->plan_again,
+                   "Make a new plan, for the cutter and the material");
 }
 
 }  // namespace
 }  // namespace job_actions_command
 
-void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
+void register_job_actions(const Command& app, const Globals& globals, Run& run) {
   using namespace job_actions_command;
   const auto fresh = [] { return std::make_shared<Options>(); };
   auto options = fresh();
-  CLI::App* command = add(app, globals, run, {"arm", kArmHelp, arm}, options);
+  Command command = add(app, globals, run, {"arm", kArmHelp, arm}, options);
   add_sheet(command, options);
   whole_number(
-      command->add_option("--blank", options->blank,
-                          "Number of the blank (the paper), from 1; default: the current one"),
+      command.add_option("--blank", options->blank,
+                         "Number of the blank (the paper), from 1; default: the current one"),
       1, kMostBlank)
-      ->option_text("N");
+      .value_text("N");
   command
-      ->add_option(
+      .add_option(
           "--device", options->device,
           "Cutter that holds the sheet, if several could cut it; 'popcut devices' lists them")
-      ->option_text("ID");
-  command->add_flag("--accept-warnings", options->accept_warnings,
-                    "Cut although the warnings of 'popcut jobs JOB' say that it may be spoiled");
+      .value_text("ID");
+  command.add_flag("--accept-warnings", options->accept_warnings,
+                   "Cut although the warnings of 'popcut jobs JOB' say that it may be spoiled");
   options = fresh();
   command = add(app, globals, run, {"start", kStartHelp, start}, options);
-  command->add_flag("--wait", options->wait, "Wait until the sheet is cut");
+  command.add_flag("--wait", options->wait, "Wait until the sheet is cut");
   add(app, globals, run, {"pause", kPauseHelp, named(plain, "pause")}, fresh());
   add_resume(app, globals, run);
   add_change(app, globals, run);
   options = fresh();
   command = add(app, globals, run, {"cancel", kCancelHelp, cancel, true, cancel_line}, options);
-  command->add_option("--reason", options->reason, "Reason, for the record")->option_text("TEXT");
+  command.add_option("--reason", options->reason, "Reason, for the record").value_text("TEXT");
   add(app, globals, run, {"disarm", kDisarmHelp, named(plain, "disarm")}, fresh());
   options = fresh();
   add_sheet(add(app, globals, run, {"retry", kRetryHelp, named(with_sheet, "retry-sheet"), true},
@@ -404,11 +400,11 @@ void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
             options);
   options = fresh();
   command = add(app, globals, run, {"confirm", kConfirmHelp, confirm, true}, options);
-  whole_number(command->add_option("SHEET", options->sheet, "Number of the sheet, from 1"), 1,
+  whole_number(command.add_option("SHEET", options->sheet, "Number of the sheet, from 1"), 1,
                kMostSheet)
-      ->required();
-  one_word(command->add_option("RESULT", options->result, "good or bad"), {"good", "bad"})
-      ->required();
+      .required();
+  one_word(command.add_option("RESULT", options->result, "good or bad"), {"good", "bad"})
+      .required();
   options = fresh();
   add_sheet(
       add(app, globals, run, {"skip", kSkipHelp, named(with_sheet, "skip-sheet"), true}, options),
@@ -419,9 +415,9 @@ void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
   command = add(app, globals, run, {"move", kMoveHelp, named(in_queue, "move"), true, move_line},
                 options);
   command
-      ->add_option("--before", options->before,
-                   "Move it before this job; default: after all others of its priority")
-      ->option_text("JOB");
+      .add_option("--before", options->before,
+                  "Move it before this job; default: after all others of its priority")
+      .value_text("JOB");
 }
 
 }  // namespace popcut::cli

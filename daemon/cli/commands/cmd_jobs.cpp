@@ -11,8 +11,9 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
+#include "core/text/words.hpp"
+#include "daemon/cli/answer.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/help/terminal_text.hpp"
 #include "daemon/cli/view/job_follow.hpp"
@@ -31,13 +32,9 @@ struct Options {
   bool watch{false}, all{false};
 };
 
-std::string dumped(const Json& json, int indent = 2) {
-  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
-}
-
 Result<std::vector<Json>> wanted_jobs(Api& api, const Options& options) {
   if (!options.state.empty())
-    return api.list("/v1/jobs?state=" + client::percent_encoded(options.state), "--state");
+    return api.list("/v1/jobs?state=" + percent_encoded(options.state), "--state");
   return options.all ? api.list("/v1/jobs", "jobs") : api.open_jobs();
 }
 
@@ -82,40 +79,36 @@ void order_as_queue(Api& api, std::vector<Json>& jobs) {
 Result<void> list_jobs(Api& api, const Options& options, const Globals& globals) {
   auto jobs = wanted_jobs(api, options);
   if (!jobs) return tl::unexpected(jobs.error());
-  if (globals.json) {
-    fmt::print("{}\n", dumped(Json{{"jobs", *jobs}}));
-    return {};
-  }
-  order_as_queue(api, *jobs);
-  for (const std::string& line : jobs_view(*jobs, style_of_terminal())) fmt::print("{}\n", line);
-  if (jobs->empty() && !globals.quiet)
-    fmt::print(stderr, "no jobs{}; 'popcut cut FILE' queues one\n",
-               options.all ? "" : " in progress (--all includes finished jobs)");
-  return {};
+  return answer(globals, Json{{"jobs", *jobs}}, [&] {
+    order_as_queue(api, *jobs);
+    for (const std::string& line : jobs_view(*jobs, style_of_terminal())) fmt::print("{}\n", line);
+    if (jobs->empty() && !globals.quiet)
+      fmt::print(stderr, "no jobs{}; 'popcut cut FILE' queues one\n",
+                 options.all ? "" : " in progress (--all includes finished jobs)");
+  });
 }
 
-Result<void> show_job(Api& api, const Options& options, const Globals& globals) {
-  auto job = api.find_job(options.job);
-  if (!job) return tl::unexpected(job.error());
-  if (globals.json) {
-    fmt::print("{}\n", dumped(*job));
-    return {};
-  }
-  const std::string path = "/v1/jobs/" + client::text_of(*job, "id") + "/sheets";
+void print_job(Api& api, Json job) {
+  const std::string path = "/v1/jobs/" + client::text_of(job, "id") + "/sheets";
   const auto sheets = api.list(path, "sheets");
   std::optional<Json> ledger;
-  if (client::text_of(*job, "state") == "interrupted")
-    if (auto found = api.get(fmt::format("{}/{}/ledger", path, job->value("sheet", Json(1)).dump()),
+  if (client::text_of(job, "state") == "interrupted")
+    if (auto found = api.get(fmt::format("{}/{}/ledger", path, job.value("sheet", Json(1)).dump()),
                              "ledger"))
       ledger = std::move(*found);
   if (!api.http().address().path.empty())  // a socket is of this computer
     for (const char* key : {"owner", "operator"})
-      if (const std::string name = client::text_of(*job, key); !name.empty())
-        (*job)[key] = person_name(name);
+      if (const std::string name = client::text_of(job, key); !name.empty())
+        job[key] = person_name(name);
   for (const std::string& line :
-       job_details(*job, sheets ? *sheets : std::vector<Json>{}, ledger, style_of_terminal().width))
+       job_details(job, sheets ? *sheets : std::vector<Json>{}, ledger, style_of_terminal().width))
     fmt::print("{}\n", line);
-  return {};
+}
+
+Result<void> show_job(Api& api, const Options& options, const Globals& globals) {
+  const auto job = api.find_job(options.job);
+  if (!job) return tl::unexpected(job.error());
+  return answer(globals, *job, [&] { print_job(api, *job); });
 }
 
 // The live view
@@ -161,7 +154,7 @@ class ChangeList {
       if (now == before) continue;
       before = now;
       if (json) {
-        fmt::print("{}\n", dumped(job, -1));
+        fmt::print("{}\n", json_line(job));
         continue;
       }
       fmt::print("{} {} {}: {}\n", time_now(), short_id(job), job_title(job), job_summary(job));
@@ -265,18 +258,16 @@ Result<void> watch_jobs(Api& api, const Options& options, const Globals& globals
   });
 }
 
-Result<void> run_jobs(const Options& options, const Globals& globals) {
-  auto api = Api::from_environment();
-  if (!api) return tl::unexpected(api.error());
+Result<void> run_jobs(Api& api, const Options& options, const Globals& globals) {
   if (options.job.empty())
-    return options.watch ? watch_jobs(*api, options, globals) : list_jobs(*api, options, globals);
-  if (!options.watch) return show_job(*api, options, globals);
-  const auto job = api->find_job(options.job);
+    return options.watch ? watch_jobs(api, options, globals) : list_jobs(api, options, globals);
+  if (!options.watch) return show_job(api, options, globals);
+  const auto job = api.find_job(options.job);
   if (!job) return tl::unexpected(job.error());
   const auto last =
-      follow_job(*api, client::text_of(*job, "id"), globals, [](const Json&) { return false; });
+      follow_job(api, client::text_of(*job, "id"), globals, [](const Json&) { return false; });
   if (!last) return tl::unexpected(last.error());
-  if (globals.json) fmt::print("{}\n", dumped(*last));
+  if (globals.json) print_json(*last);
   return {};
 }
 
@@ -293,16 +284,18 @@ constexpr const char* kHelp =
 }  // namespace
 }  // namespace jobs_command
 
-void register_jobs(CLI::App& app, const Globals& globals, Run& run) {
+void register_jobs(const Command& app, const Globals& globals, Run& run) {
   using namespace jobs_command;
   auto options = std::make_shared<Options>();
-  CLI::App* const command = app.add_subcommand("jobs", kHelp);
-  command->add_option("JOB", options->job, "Id of a job, or its first letters");
-  command->add_flag("--watch", options->watch, "Keep running and show changes");
-  command->add_flag("--all", options->all, "Include finished jobs");
-  command->add_option("--state", options->state, "Only jobs in these states, separated by commas")
-      ->option_text("STATE");
-  when_chosen(command, run, [options, &globals] { return run_jobs(*options, globals); });
+  const Command command = app.add_command("jobs", kHelp);
+  command.add_option("JOB", options->job, "Id of a job, or its first letters");
+  command.add_flag("--watch", options->watch, "Keep running and show changes");
+  command.add_flag("--all", options->all, "Include finished jobs");
+  command.add_option("--state", options->state, "Only jobs in these states, separated by commas")
+      .value_text("STATE");
+  when_chosen(command, run, [options, &globals] {
+    return with_popcutd([&](Api& api) { return run_jobs(api, *options, globals); });
+  });
 }
 
 }  // namespace popcut::cli

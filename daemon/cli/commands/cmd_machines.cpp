@@ -2,10 +2,10 @@
 #include <memory>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/machines/machine.hpp"
+#include "daemon/cli/answer.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/view/daemon_devices.hpp"
 #include "daemon/files/user_tables.hpp"
@@ -31,9 +31,9 @@ Json motion_json(const Motion& motion) {
 }
 
 Json machine_json(const Machine& machine) {
-  Json mats = Json::array();
-  for (const Mat& mat : machine.mats)
-    mats.push_back({{"name", mat.name}, {"width_mm", mat.width_mm}, {"length_mm", mat.length_mm}});
+  const Json mats = json_list(machine.mats, [](const Mat& mat) {
+    return Json{{"name", mat.name}, {"width_mm", mat.width_mm}, {"length_mm", mat.length_mm}};
+  });
   Json row{{"name", machine.name},
            {"title", machine.title},
            {"language", machine.language},
@@ -71,7 +71,7 @@ Result<void> show_machine(const std::string& name, const Globals& globals) {
   if (!found) return tl::unexpected(tables->with_file(found.error(), "MACHINE"));
   const Machine& m = *found;
   if (globals.json) {
-    fmt::print("{}\n", machine_json(m).dump(2));
+    print_json(machine_json(m));
     return {};
   }
   const auto line = [](const char* what, const std::string& text) {
@@ -120,9 +120,7 @@ Result<void> list_machines(const Globals& globals) {
   const auto machines = all_machines(tables->texts);
   if (!machines) return tl::unexpected(tables->with_file(machines.error()));
   if (globals.json) {
-    Json list = Json::array();
-    for (const Machine& machine : *machines) list.push_back(machine_json(machine));
-    fmt::print("{}\n", Json{{"machines", list}}.dump(2));
+    print_json(Json{{"machines", json_list(*machines, machine_json)}});
     return {};
   }
   for (const Machine& m : *machines) {
@@ -164,9 +162,7 @@ Result<void> list_materials(const Globals& globals) {
   const auto materials = all_materials(tables->texts);
   if (!materials) return tl::unexpected(tables->with_file(materials.error()));
   if (globals.json) {
-    Json list = Json::array();
-    for (const Material& material : *materials) list.push_back(material_json(material));
-    fmt::print("{}\n", Json{{"materials", list}}.dump(2));
+    print_json(Json{{"materials", json_list(*materials, material_json)}});
     return {};
   }
   for (const Material& m : *materials)
@@ -250,8 +246,7 @@ Result<void> list_devices(const Globals& globals) {
   if (!globals.json) return {};
   Json daemon = nullptr;
   if (there) daemon = Json{{"address", there->address}, {"devices", there->devices}};
-  fmt::print("{}\n", Json{{"devices", all}, {"popcutd", std::move(daemon)}}.dump(
-                         2, ' ', false, Json::error_handler_t::replace));
+  print_json(Json{{"devices", all}, {"popcutd", std::move(daemon)}});
   return {};
 }
 
@@ -280,11 +275,11 @@ constexpr const char* kMaterialsHelp =
     "  {\"popcut\": 1, \"materials\": [{\"name\": \"kraft\", \"like\": \"paper-220\", "
     "\"autoblade_depth\": 6}]}";
 
-void add_devices(CLI::App& app, const Globals& globals, Run& run) {
-  CLI::App* const command = app.add_subcommand("devices", kDevicesHelp);
-  command->require_subcommand(0, 1);
-  command->callback([command, &globals, &run] {
-    if (command->get_subcommands().empty()) run = [&globals] { return list_devices(globals); };
+void add_devices(const Command& app, const Globals& globals, Run& run) {
+  const Command command = app.add_command("devices", kDevicesHelp);
+  command.needs_command(0, 1);
+  command.on_choice([command, &globals, &run] {
+    if (!command.has_chosen_command()) run = [&globals] { return list_devices(globals); };
   });
   struct Action {
     const char *name, *help;
@@ -294,8 +289,8 @@ void add_devices(CLI::App& app, const Globals& globals, Run& run) {
         Action{"disable", "Give this cutter no more sheets"},
         Action{"reset", "Connect to this cutter again after a fault; this cuts nothing"}}) {
     auto id = std::make_shared<std::string>();
-    CLI::App* const one = command->add_subcommand(action.name, action.help);
-    one->add_option("DEVICE", *id, "A device that 'popcut devices' lists")->required();
+    const Command one = command.add_command(action.name, action.help);
+    one.add_option("DEVICE", *id, "A device that 'popcut devices' lists").required();
     when_chosen(one, run, [id, name = std::string(action.name), &globals] {
       return act_on_device(*id, name, globals);
     });
@@ -305,16 +300,16 @@ void add_devices(CLI::App& app, const Globals& globals, Run& run) {
 }  // namespace
 }  // namespace machines_command
 
-void register_machines(CLI::App& app, const Globals& globals, Run& run) {
+void register_machines(const Command& app, const Globals& globals, Run& run) {
   using namespace machines_command;
-  CLI::App* const machines = app.add_subcommand("machines", kMachinesHelp);
+  const Command machines = app.add_command("machines", kMachinesHelp);
   auto name = std::make_shared<std::string>();
-  machines->add_option("MACHINE", *name, "Show this machine in full");
+  machines.add_option("MACHINE", *name, "Show this machine in full");
   when_chosen(machines, run, [name, &globals] {
     return name->empty() ? list_machines(globals) : show_machine(*name, globals);
   });
   add_devices(app, globals, run);
-  when_chosen(app.add_subcommand("materials", kMaterialsHelp), run,
+  when_chosen(app.add_command("materials", kMaterialsHelp), run,
               [&globals] { return list_materials(globals); });
 }
 

@@ -5,8 +5,8 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
+#include "daemon/cli/answer.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/start_popcutd.hpp"
 #include "daemon/client/api.hpp"
@@ -90,7 +90,7 @@ Result<void> open_page(bool print_only, const Globals& globals) {
   const auto url = address_of_page(*api);
   if (!url) return tl::unexpected(url.error());
   if (globals.json) {
-    fmt::print("{}\n", Json{{"url", *url}}.dump(2));
+    print_json(Json{{"url", *url}});
     return {};
   }
   const bool has_screen = is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
@@ -119,11 +119,11 @@ constexpr const char* kOpenHelp =
 }  // namespace
 }  // namespace open_command
 
-void register_open(CLI::App& app, const Globals& globals, Run& run) {
+void register_open(const Command& app, const Globals& globals, Run& run) {
   using namespace open_command;
-  CLI::App* const open = app.add_subcommand("open", kOpenHelp);
+  const Command open = app.add_command("open", kOpenHelp);
   auto print_only = std::make_shared<bool>(false);
-  open->add_flag("--print", *print_only, "Print the address; do not open it");
+  open.add_flag("--print", *print_only, "Print the address; do not open it");
   when_chosen(open, run, [print_only, &globals] { return open_page(*print_only, globals); });
 }
 

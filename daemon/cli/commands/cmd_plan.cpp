@@ -9,7 +9,6 @@
 #include <sstream>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "core/plan/plan.hpp"
 #include "core/plan/sheet_pieces.hpp"
@@ -257,20 +256,20 @@ constexpr const char* kHelp =
 }  // namespace
 }  // namespace plan_command
 
-void register_plan(CLI::App& app, const Globals& globals, Run& run) {
+void register_plan(const Command& app, const Globals& globals, Run& run) {
   using namespace plan_command;
   auto options = std::make_shared<Options>();
-  CLI::App* const command = app.add_subcommand("plan", kHelp);
-  add_plan_arguments(*command, options->plan);
+  const Command command = app.add_command("plan", kHelp);
+  add_plan_arguments(command, options->plan);
   command
-      ->add_option("--formats", options->formats,
-                   "Files to write beside plan.json, separated by commas: svg program picture "
-                   "assembly pdf (sheets.pdf, to print at true scale; usual with --machine none)")
-      ->option_text(fmt::format("LIST [{}]", kUsual));
+      .add_option("--formats", options->formats,
+                  "Files to write beside plan.json, separated by commas: svg program picture "
+                  "assembly pdf (sheets.pdf, to print at true scale; usual with --machine none)")
+      .value_text(fmt::format("LIST [{}]", kUsual));
   command
-      ->add_option("-o,--output", options->folder,
-                   "Folder for the files; created if it does not exist")
-      ->option_text("DIR");
+      .add_option("-o,--output", options->folder,
+                  "Folder for the files; created if it does not exist")
+      .value_text("DIR");
   when_chosen(command, run, [options, &globals] { return run_plan(*options, globals); });
 }
 

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "core/artwork/colour_mesh_reader.hpp"
 #include "core/artwork/design_artwork.hpp"
@@ -47,7 +46,7 @@ struct Options {
   PlanArguments plan;
   std::string folder, mode{"view"}, image, model, page;
   double dpi{300}, trap_mm{0.3}, bleed_mm{1}, shade{}, scale_x{100}, scale_y{100};
-  CLI::Option* shade_option{};
+  Option shade_option{};
   bool clay{false}, bare_card{false}, back{false}, preview{false}, no_marks{false};
   bool cut_lines{false};
 };
@@ -180,7 +179,7 @@ Result<Artwork> artwork_of(const Options& options, PrintMode mode, const Printed
   how.mode = mode;
   how.pixel_mm = pages.pixel_mm;
   how.trapping = pages.trapping;
-  how.shade = options.shade_option->count() > 0 ? options.shade : planning::usual_shade(design);
+  how.shade = options.shade_option.is_given() ? options.shade : planning::usual_shade(design);
   how.bare_card = options.bare_card;
   how.progress = work.progress();
   return planning::planned_artwork(design, job.plan, image ? &*image : nullptr, how);
@@ -406,37 +405,37 @@ constexpr const char* kHelp =
     "--machine. To cut by hand, give --machine none and your paper (--mat): the pages then have\n"
     "the lines to cut and to fold over the artwork, and a legend.";
 
-void add_options(CLI::App& command, Options& options) {
+void add_options(const Command& command, Options& options) {
   one_word(command.add_option("--mode", options.mode,
                               "What is printed: the model as seen (view), the colour of its "
                               "nearest point (surface), a picture of your own over the flat sheet "
                               "(flat), or its edges and shades as lines (lines)"),
            {"view", "surface", "flat", "lines"})
-      ->option_text("view|surface|flat|lines [view]");
+      .value_text("view|surface|flat|lines [view]");
   command.add_option("--image", options.image, "The picture of --mode flat: PNG or JPEG")
-      ->option_text("FILE");
+      .value_text("FILE");
   command
       .add_option("--model", options.model,
                   "Model whose colours are printed: OBJ, GLB, glTF or STL, in the units and axes "
                   "of the design's mesh; default: that mesh")
-      ->option_text("FILE");
+      .value_text("FILE");
   command.add_flag("--clay", options.clay, "Leave the model's colours out");
   options.shade_option =
       real_number(command.add_option("--shade", options.shade,
                                      "How much of the colour depends on the light (0 to 1); "
                                      "default: 0.6 for clay, 0 for models with colours"),
                   0, 1);
-  options.shade_option->option_text("X");
+  options.shade_option.value_text("X");
   real_number(command.add_option("--dpi", options.dpi, "Dots per inch (50 to 1200)"), 50, 1200)
-      ->option_text("N [300]");
+      .value_text("N [300]");
   real_number(command.add_option("--trap", options.trap_mm,
                                  "How far colours go over a cut to either side (0 to 5 mm)"),
               0, 5, "mm")
-      ->option_text("MM [0.3]");
+      .value_text("MM [0.3]");
   real_number(command.add_option("--bleed", options.bleed_mm,
                                  "How far colours go on around the outline (0 to 10 mm)"),
               0, 10, "mm")
-      ->option_text("MM [1]");
+      .value_text("MM [1]");
   command.add_flag("--bare-card", options.bare_card,
                    "With --mode surface: wall and ground stay paper");
   command.add_flag("--cut-lines", options.cut_lines,
@@ -448,33 +447,33 @@ void add_options(CLI::App& command, Options& options) {
   real_number(command.add_option("--scale-x", options.scale_x,
                                  "What the level bar of 100 mm measures on a print (90 to 110 mm)"),
               90, 110, "mm")
-      ->option_text("MM [100]");
+      .value_text("MM [100]");
   real_number(
       command.add_option("--scale-y", options.scale_y,
                          "What the upright bar of 100 mm measures on a print (90 to 110 mm)"),
       90, 110, "mm")
-      ->option_text("MM [100]");
+      .value_text("MM [100]");
   command
       .add_option("--page", options.page,
                   "Size of the printer's paper, such as A4 or 330x483; default: that of the sheet")
-      ->option_text("SIZE");
+      .value_text("SIZE");
   command.add_flag("--preview", options.preview, "Also write preview.glb and preview.png");
   command
       .add_option("-o,--output", options.folder,
                   "Folder for the files; created if it does not exist")
-      ->option_text("DIR");
+      .value_text("DIR");
 }
 
 }  // namespace
 }  // namespace print_command
 
-void register_print(CLI::App& app, const Globals& globals, Run& run) {
+void register_print(const Command& app, const Globals& globals, Run& run) {
   using namespace print_command;
   auto options = std::make_shared<Options>();
-  CLI::App* const command = app.add_subcommand("print", kHelp);
-  add_plan_arguments(*command, options->plan);
-  command->get_option("INPUT")->description("The design (.json) of a card or of a book");
-  add_options(*command, *options);
+  const Command command = app.add_command("print", kHelp);
+  add_plan_arguments(command, options->plan);
+  command.option("INPUT").help("The design (.json) of a card or of a book");
+  add_options(command, *options);
   when_chosen(command, run, [options, &globals] { return run_print(*options, globals); });
 }
 

@@ -9,10 +9,10 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/text/utf8.hpp"
+#include "daemon/cli/answer.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/cutter/cut_session.hpp"
 #include "daemon/files/output_folder.hpp"
@@ -121,7 +121,7 @@ Result<void> run_send(const Options& options, const Globals& globals) {
                                         {"in_doubt", count(StrokeFate::InDoubt)},
                                         {"not_sent", count(StrokeFate::NotSent)}}},
                                       {"seconds", sent->end.seconds}};
-    fmt::print("{}\n", json.dump(2));
+    print_json(json);
   }
   if (sent->end.error) {
     Error error = within(options.file, *sent->end.error);
@@ -151,21 +151,21 @@ constexpr const char* kHelp =
 }  // namespace
 }  // namespace send_command
 
-void register_send(CLI::App& app, const Globals& globals, Run& run) {
+void register_send(const Command& app, const Globals& globals, Run& run) {
   using namespace send_command;
   auto options = std::make_shared<Options>();
-  CLI::App* const command = app.add_subcommand("send", kHelp);
-  command->add_option("PROGRAM", options->file, "The program: GPGL or HPGL")
-      ->required()
-      ->option_text("FILE");
-  command->add_option("--device", options->device, "Where to cut; 'popcut devices' lists them")
-      ->option_text("ID [sim:cameo3]");
-  command->add_option("--machine", options->machine, "The machine on a port")->option_text("NAME");
+  const Command command = app.add_command("send", kHelp);
+  command.add_option("PROGRAM", options->file, "The program: GPGL or HPGL")
+      .required()
+      .value_text("FILE");
+  command.add_option("--device", options->device, "Where to cut; 'popcut devices' lists them")
+      .value_text("ID [sim:cameo3]");
+  command.add_option("--machine", options->machine, "The machine on a port").value_text("NAME");
   command
-      ->add_option("--treat-as", options->treat_as,
-                   "Drive an unknown cutter as if it were this machine, such as cameo4")
-      ->option_text("NAME");
-  command->add_flag("--yes", options->yes, "Do not ask; only with simulated devices");
+      .add_option("--treat-as", options->treat_as,
+                  "Drive an unknown cutter as if it were this machine, such as cameo4")
+      .value_text("NAME");
+  command.add_flag("--yes", options->yes, "Do not ask; only with simulated devices");
   when_chosen(command, run, [options, &globals] { return run_send(*options, globals); });
 }
 

@@ -6,10 +6,10 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/text/utf8.hpp"
+#include "daemon/cli/answer.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/cutter/simulate_pty.hpp"
 #include "daemon/cli/input/expectation.hpp"
@@ -143,9 +143,9 @@ Result<void> run_simulate(const Options& options, const Globals& globals) {
   const Result<void> held = expected ? check(*trace, *expected, options.expect) : Result<void>{};
   work.reset();
   if (globals.json) {
-    auto json = nlohmann::ordered_json::parse(trace_summary_json(*trace));
+    auto json = trace_summary(*trace);
     if (expected) json["as_expected"] = held.has_value();
-    fmt::print("{}\n", json.dump(2));
+    print_json(json);
   }
   if (!globals.quiet) say(*trace, options);
   if (expected && held && !globals.quiet) fmt::print(stderr, "  matches {}\n", options.expect);
@@ -165,32 +165,32 @@ constexpr const char* kHelp =
 }  // namespace
 }  // namespace simulate_command
 
-void register_simulate(CLI::App& app, const Globals& globals, Run& run) {
+void register_simulate(const Command& app, const Globals& globals, Run& run) {
   using namespace simulate_command;
   auto options = std::make_shared<Options>();
-  CLI::App* const command = app.add_subcommand("simulate", kHelp);
+  const Command command = app.add_command("simulate", kHelp);
   const auto text = [&](const char* name, std::string& value, const char* help, const char* shown) {
-    command->add_option(name, value, help)->option_text(shown);
+    command.add_option(name, value, help).value_text(shown);
   };
-  command->add_option("PROGRAM", options->program,
-                      "A GPGL or HPGL program; leave it out with --pty");
+  command.add_option("PROGRAM", options->program,
+                     "A GPGL or HPGL program; leave it out with --pty");
   text("--faults", options->faults,
        "Faults of the simulated cutter; docs/simulator.md describes the file", "FILE");
-  command->add_flag("--pty", options->pty,
-                    "Act as a cutter on a pseudo terminal for other programs, until Ctrl-C");
-  real_number(command->add_option("--speedup", options->speedup,
-                                  "With --pty: run N times as fast as the real cutter"),
+  command.add_flag("--pty", options->pty,
+                   "Act as a cutter on a pseudo terminal for other programs, until Ctrl-C");
+  real_number(command.add_option("--speedup", options->speedup,
+                                 "With --pty: run N times as fast as the real cutter"),
               1e-3, 1e6)
-      ->option_text("N [1]");
+      .value_text("N [1]");
   text("-o,--output", options->folder, "Folder for the files; created if it does not exist", "DIR");
   text("--machine", options->machine, "The cutter; 'popcut machines' lists them",
        "NAME [the plan's, else cameo3 or hpgl-generic]");
   text("--expect", options->expect,
        "What should be cut: a sheet-NN.svg, or a pattern (.fold, .svg, .json) with --plan", "FILE");
   text("--plan", options->plan, "The plan.json that places the pattern on the sheet", "FILE");
-  whole_number(command->add_option("--sheet", options->sheet, "Sheet of the plan, from 1"), 1,
+  whole_number(command.add_option("--sheet", options->sheet, "Sheet of the plan, from 1"), 1,
                10'000)
-      ->option_text("N [1]");
+      .value_text("N [1]");
   when_chosen(command, run, [options, &globals] { return run_simulate(*options, globals); });
 }
 

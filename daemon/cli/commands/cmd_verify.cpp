@@ -7,7 +7,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "core/verify/book.hpp"
 #include "core/verify/verify.hpp"
@@ -148,30 +147,30 @@ constexpr const char* kHelp =
 }  // namespace
 }  // namespace verify_command
 
-void register_verify(CLI::App& app, const Globals& globals, Run& run) {
+void register_verify(const Command& app, const Globals& globals, Run& run) {
   using namespace verify_command;
   auto options = std::make_shared<Options>();
-  CLI::App* const command = app.add_subcommand("verify", kHelp);
+  const Command command = app.add_command("verify", kHelp);
   command
-      ->add_option("PATTERN", options->pattern,
-                   "A FOLD file, a drawing (SVG, DXF), or the folder of a book")
-      ->required();
-  whole_number(command->add_option("--dof", options->degrees_of_freedom,
-                                   "Required number of independent movements (degrees of freedom): "
-                                   "1 if the card opens in one "
-                                   "movement; default: 1 or more"),
+      .add_option("PATTERN", options->pattern,
+                  "A FOLD file, a drawing (SVG, DXF), or the folder of a book")
+      .required();
+  whole_number(command.add_option("--dof", options->degrees_of_freedom,
+                                  "Required number of independent movements (degrees of freedom): "
+                                  "1 if the card opens in one "
+                                  "movement; default: 1 or more"),
                0, 1'000'000)
-      ->option_text("N");
+      .value_text("N");
   command
-      ->add_option("--target", options->target,
-                   "Also measure the distance from the shape of this design")
-      ->option_text("SPEC");
+      .add_option("--target", options->target,
+                  "Also measure the distance from the shape of this design")
+      .value_text("SPEC");
   command
-      ->add_option("--svg-profile", options->svg_profile,
-                   "What the strokes of an SVG mean: auto (by their names; several colours without "
-                   "names as origami-sim), popcut (by their names; the others are cuts), "
-                   "origami-sim (by colour), lightburn, cricut, plain, or a profile of your own")
-      ->option_text("NAME [auto]");
+      .add_option("--svg-profile", options->svg_profile,
+                  "What the strokes of an SVG mean: auto (by their names; several colours without "
+                  "names as origami-sim), popcut (by their names; the others are cuts), "
+                  "origami-sim (by colour), lightburn, cricut, plain, or a profile of your own")
+      .value_text("NAME [auto]");
   when_chosen(command, run, [options, &globals] { return run_verify(*options, globals); });
 }
 

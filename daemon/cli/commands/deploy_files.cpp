@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "core/deploy/glb.hpp"
 #include "core/deploy/pose_table.hpp"
@@ -42,30 +41,30 @@ Result<double> opening_angle(const char* option, const std::string& text) {
 
 }  // namespace
 
-void add_motion_options(CLI::App& command, MotionOptions& options) {
+void add_motion_options(const Command& command, MotionOptions& options) {
   whole_number(command.add_option(
                    "--frames", options.frames,
                    "Number of STL files (poses), 1 to 10000; other files have their own number"),
                1, 10'000)
-      ->option_text("N [60]");
+      .value_text("N [60]");
   options.from_option =
       command
           .add_option("--from-psi", options.from_psi,
                       "Opening angle (psi) of the first pose, in radians or as 90deg; pi is flat")
-          ->option_text("ANGLE [pi]");
+          .value_text("ANGLE [pi]");
   command
       .add_option(
           "--to-psi", options.to_psi,
           "Opening angle (psi) of the last pose, 0 is closed; default: the angle the card is "
           "designed for, pi/2 without design_angle_deg")
-      ->option_text("ANGLE [pi/2]");
+      .value_text("ANGLE [pi/2]");
   options.thickness_option =
       command
           .add_option(
               "--thickness", options.thickness,
               "Write solids, as thick as the material or MM; default: a surface without thickness")
-          ->option_text("[MM]")
-          ->expected(0, 1);
+          .value_text("[MM]")
+          .value_optional();
 }
 
 Result<std::vector<double>> angles_of(const MotionOptions& options, double design_psi_rad) {
@@ -77,7 +76,7 @@ Result<std::vector<double>> angles_of(const MotionOptions& options, double desig
   return opening_angles(*from, *to, options.frames);
 }
 
-bool from_is_given(const MotionOptions& options) { return options.from_option->count() > 0; }
+bool from_is_given(const MotionOptions& options) { return options.from_option.is_given(); }
 
 void give_back_file(MotionOptions& options, std::string& file) {
   if (file.empty() && !options.thickness.empty() && !number(options.thickness))
@@ -85,7 +84,7 @@ void give_back_file(MotionOptions& options, std::string& file) {
 }
 
 Result<double> thickness_of(const MotionOptions& options, double of_material_mm) {
-  if (options.thickness_option->count() == 0) return 0;
+  if (!options.thickness_option.is_given()) return 0;
   if (options.thickness.empty()) return of_material_mm;
   constexpr double kLeastMm = 1e-3, kMostMm = 100;
   const auto mm = number(options.thickness);

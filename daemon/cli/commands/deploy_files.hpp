@@ -10,13 +10,9 @@
 #include "core/picture/deployed_svg.hpp"
 #include "core/progress.hpp"
 #include "core/result.hpp"
+#include "daemon/cli/parsing/command_line.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/planning/judge/sheet_opening.hpp"
-
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
 
 namespace popcut::cli {
 
@@ -25,12 +21,12 @@ struct MotionOptions {
   int frames{60};
   std::string from_psi{"pi"}, to_psi;  ///< no last one: the angle that it is designed for
   std::string thickness;               ///< mm; empty: the material's
-  const CLI::Option* from_option{};
-  const CLI::Option* thickness_option{};
+  Option from_option{};
+  Option thickness_option{};
 };
 
 /// Adds --frames, --from-psi, --to-psi and --thickness to a command.
-void add_motion_options(CLI::App& command, MotionOptions& options);
+void add_motion_options(const Command& command, MotionOptions& options);
 
 /// The angles of the frames.
 ///

@@ -13,6 +13,8 @@
 
 #include "core/design/spec/spec.hpp"
 #include "core/text/utf8.hpp"
+#include "core/text/words.hpp"
+#include "daemon/cli/answer.hpp"
 #include "daemon/cli/input/drawing_input.hpp"
 #include "daemon/cli/input/model_file.hpp"
 #include "daemon/cli/view/job_follow.hpp"
@@ -83,9 +85,7 @@ Result<Upload> from_json(Api& api, std::string text, const std::string& file,
 Result<Upload> read_input(Api& api, const std::string& file, const Globals& globals) {
   auto text = read_file(file, kMostDesignBytes);
   if (!text) return tl::unexpected(text.error());
-  std::string ending = std::filesystem::path(file).extension().string();
-  for (char& c : ending)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  const std::string ending = lower(std::filesystem::path(file).extension().string());
   if (ending == ".dxf") return Upload{std::move(*text), "application/dxf"};
   if (ending == ".svg") return Upload{std::move(*text), "image/svg+xml"};
   const std::size_t first = text->find_first_not_of(" \t\r\n\xEF\xBB\xBF");
@@ -99,8 +99,7 @@ Result<Upload> read_input(Api& api, const std::string& file, const Globals& glob
 /// The file's name as a job's: bytes that are no UTF-8, and controls, are replaced.
 std::string name_of_file(const std::string& file) {
   const nlohmann::json stem = std::filesystem::path(file).stem().string();
-  const std::string text = stem.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  return shown_text(nlohmann::json::parse(text).get<std::string>());
+  return shown_text(nlohmann::json::parse(json_line(stem)).get<std::string>());
 }
 
 Result<nlohmann::json> queue(Api& api, const QueueRequest& request, const Globals& globals) {
@@ -109,7 +108,7 @@ Result<nlohmann::json> queue(Api& api, const QueueRequest& request, const Global
   const std::string name = request.name.empty() ? name_of_file(request.input) : request.name;
   std::optional<LongWork> work(std::in_place, !globals.quiet,
                                fmt::format("uploading {}", request.input));
-  const auto design = api.upload("/v1/designs?name=" + client::percent_encoded(name), upload->bytes,
+  const auto design = api.upload("/v1/designs?name=" + percent_encoded(name), upload->bytes,
                                  upload->media_type, request.input);
   if (!design) return tl::unexpected(design.error());
   work.reset();
@@ -174,7 +173,7 @@ Result<void> see_through(Api& api, const nlohmann::json& job, bool wait, const G
   const std::string id = client::text_of(job, "id");
   const auto print = [&](const nlohmann::json& now) {
     if (globals.json)
-      fmt::print("{}\n", now.dump(2, ' ', false, Json::error_handler_t::replace));
+      print_json(now);
     else
       fmt::print("{}\n", id);
   };
@@ -196,27 +195,27 @@ Result<void> see_through(Api& api, const nlohmann::json& job, bool wait, const G
 }  // namespace
 
 Result<void> queue_cut(const QueueRequest& request, const Globals& globals) {
-  auto api = Api::from_environment();
-  if (!api) return tl::unexpected(api.error());
-  const auto job = queue(*api, request, globals);
-  if (!job) return tl::unexpected(job.error());
-  return see_through(*api, *job, request.wait, globals);
+  return with_popcutd([&](Api& api) -> Result<void> {
+    const auto job = queue(api, request, globals);
+    if (!job) return tl::unexpected(job.error());
+    return see_through(api, *job, request.wait, globals);
+  });
 }
 
 Result<void> queue_test_cut(const QueueRequest& request, const Globals& globals) {
-  auto api = Api::from_environment();
-  if (!api) return tl::unexpected(api.error());
-  const auto device =
-      request.device.empty() ? only_device(*api) : Result<std::string>(request.device);
-  if (!device) return tl::unexpected(device.error());
-  nlohmann::json body = nlohmann::json::object();
-  if (!request.material.empty()) body["material"] = request.material;
-  const auto answer = api->act_on_device(*device, "test-cut", body);
-  if (!answer) return tl::unexpected(answer.error());
-  const std::string id = client::text_of(*answer, "test_job");
-  const auto job = api->get("/v1/jobs/" + id, "job " + id);
-  if (!job) return tl::unexpected(job.error());
-  return see_through(*api, *job, request.wait, globals);
+  return with_popcutd([&](Api& api) -> Result<void> {
+    const auto device =
+        request.device.empty() ? only_device(api) : Result<std::string>(request.device);
+    if (!device) return tl::unexpected(device.error());
+    nlohmann::json body = nlohmann::json::object();
+    if (!request.material.empty()) body["material"] = request.material;
+    const auto tested = api.act_on_device(*device, "test-cut", body);
+    if (!tested) return tl::unexpected(tested.error());
+    const std::string id = client::text_of(*tested, "test_job");
+    const auto job = api.get("/v1/jobs/" + id, "job " + id);
+    if (!job) return tl::unexpected(job.error());
+    return see_through(api, *job, request.wait, globals);
+  });
 }
 
 }  // namespace popcut::cli

@@ -2,7 +2,6 @@
 #include "daemon/cli/help/help_pages.hpp"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "core/text/near_names.hpp"
 #include "daemon/cli/help/help_words.hpp"
@@ -239,9 +238,9 @@ const std::vector<std::string>& help_page_kinds() {
   return kKinds;
 }
 
-Result<std::string> help_page(const CLI::App& app, const std::string& kind, int section) {
-  const CommandWords program = words_of(app, app.get_name());
-  if (kind == "man") return manual_page(program, app.get_footer(), section);
+Result<std::string> help_page(const Command& command, const std::string& kind, int section) {
+  const CommandWords program = words_of(command);
+  if (kind == "man") return manual_page(program, section);
   if (kind == "bash") return bash_page(program);
   if (kind == "zsh") return zsh_page(program);
   if (kind == "fish") {

@@ -5,10 +5,7 @@
 #include <vector>
 
 #include "core/result.hpp"
-
-namespace CLI {
-class App;
-}
+#include "daemon/cli/parsing/command_line.hpp"
 
 namespace popcut::cli {
 
@@ -17,7 +14,7 @@ namespace popcut::cli {
 /// @param kind  "bash", "zsh", "fish" or "man"
 /// @param section  of the manual
 /// @retval Usage  no such kind
-[[nodiscard]] Result<std::string> help_page(const CLI::App& app, const std::string& kind,
+[[nodiscard]] Result<std::string> help_page(const Command& program, const std::string& kind,
                                             int section);
 [[nodiscard]] const std::vector<std::string>& help_page_kinds();
 

@@ -79,12 +79,11 @@ OptionWords words_of_option(const CLI::Option& option) {
   return words;
 }
 
-}  // namespace
-
-CommandWords words_of(const CLI::App& app, const std::string& path) {
+CommandWords words_of_app(const CLI::App& app, const std::string& path) {
   CommandWords words;
   words.path = path;
   words.text = app.get_description();
+  words.footer = app.get_footer();
   words.summary = words.text.substr(0, words.text.find('\n'));
   for (const CLI::Option* option : app.get_options()) {
     if (option->get_group().empty()) continue;
@@ -93,8 +92,14 @@ CommandWords words_of(const CLI::App& app, const std::string& path) {
   }
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
     if (!command->get_group().empty())
-      words.commands.push_back(words_of(*command, path + " " + command->get_name()));
+      words.commands.push_back(words_of_app(*command, path + " " + command->get_name()));
   return words;
+}
+
+}  // namespace
+
+CommandWords words_of(const Command& program) {
+  return words_of_app(program.app(), program.app().get_name());
 }
 
 }  // namespace popcut::cli

@@ -4,9 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
+#include "daemon/cli/parsing/command_line.hpp"
 
 namespace popcut::cli {
 
@@ -31,15 +29,15 @@ struct CommandWords {
   std::string path;     ///< "popcut token create"
   std::string summary;  ///< first line of the help
   std::string text;     ///< all of it
+  std::string footer;   ///< what stands under the help
   std::vector<OptionWords> options, positionals;
   std::vector<CommandWords> commands;
 };
 
 /// The program's commands and options, without those that are hidden.
-[[nodiscard]] CommandWords words_of(const CLI::App& app, const std::string& path);
+[[nodiscard]] CommandWords words_of(const Command& program);
 
 /// The manual page.
-[[nodiscard]] std::string manual_page(const CommandWords& program, const std::string& footer,
-                                      int section);
+[[nodiscard]] std::string manual_page(const CommandWords& program, int section);
 
 }  // namespace popcut::cli

@@ -79,7 +79,7 @@ void add_commands(const CommandWords& command, std::string& out) {
 
 }  // namespace
 
-std::string manual_page(const CommandWords& program, const std::string& footer, int section) {
+std::string manual_page(const CommandWords& program, int section) {
   std::string upper = program.path;
   for (char& c : upper)
     if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
@@ -95,7 +95,7 @@ std::string manual_page(const CommandWords& program, const std::string& footer, 
   add_options(program, out);
   if (!program.commands.empty()) out += ".SH COMMANDS\n";
   add_commands(program, out);
-  out += ".SH EXIT STATUS\n" + paragraphs(footer);
+  out += ".SH EXIT STATUS\n" + paragraphs(program.footer);
   out += fmt::format(".SH SEE ALSO\n\\fB{}\\fR\n",
                      program.path == "popcut" ? "popcutd\\fR(8)" : "popcut\\fR(1)");
   return out;

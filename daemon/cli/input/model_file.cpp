@@ -87,7 +87,7 @@ Result<std::string> read_model_file(const std::filesystem::path& file) {
     is_changed = is_changed || *taken;
   }
   if (!is_changed) return bytes;
-  return json->dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return json_line(*json);
 }
 
 }  // namespace popcut::cli

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "core/plan/plan_options.hpp"
 #include "daemon/cli/input/drawing_input.hpp"
@@ -56,7 +55,7 @@ std::string help_of(const PlanOption& option) {
   return help;
 }
 
-CLI::Option* add_option(CLI::App& command, const PlanOption& option, PlanArguments& arguments) {
+Option add_option(const Command& command, const PlanOption& option, PlanArguments& arguments) {
   const std::string dashed = "--" + std::string(option.name), help = help_of(option);
   if (option.of_request)
     return command.add_option(
@@ -65,15 +64,14 @@ CLI::Option* add_option(CLI::App& command, const PlanOption& option, PlanArgumen
     arguments.options[name] = std::move(text);
   };
   if (option.kind == PlanOption::Kind::Flag)
-    return command.add_flag_function(
-        dashed, [keep](std::int64_t count) { keep(count > 0 ? "true" : "false"); }, help);
+    return command.add_flag(
+        dashed, [keep](bool is_set) { keep(is_set ? "true" : "false"); }, help);
   const auto keep_all = [keep](const std::vector<std::string>& texts) {
     keep(fmt::format("{}", fmt::join(texts, ",")));
   };
-  CLI::Option* const added =
-      command.add_option_function<std::vector<std::string>>(dashed, keep_all, help);
-  option.kind == PlanOption::Kind::Lengths ? added->delimiter(',') : added->expected(1);
-  return checked(added, [name = std::string(option.name)](const std::string& text) {
+  Option added = command.add_values(dashed, keep_all, help);
+  added = option.kind == PlanOption::Kind::Lengths ? added.value_list() : added.one_value();
+  return added.checked([name = std::string(option.name)](const std::string& text) {
     const auto read = read_plan_options({{name, text}});
     return read ? std::string() : read.error().detail;
   });
@@ -95,14 +93,14 @@ Result<PlanOptions> options_of(const PlanArguments& arguments, const Progress& p
 
 }  // namespace
 
-void add_plan_arguments(CLI::App& command, PlanArguments& arguments) {
+void add_plan_arguments(const Command& command, PlanArguments& arguments) {
   command
       .add_option("INPUT", arguments.input,
                   "A design (.json), a drawing (.fold, .svg, .dxf), or the folder of a book")
-      ->required();
+      .required();
   for (const PlanOption& option : plan_option_table()) {
-    CLI::Option* const added = add_option(command, option, arguments);
-    if (option.kind != PlanOption::Kind::Flag) added->option_text(form_of(option));
+    const Option added = add_option(command, option, arguments);
+    if (option.kind != PlanOption::Kind::Flag) added.value_text(form_of(option));
   }
 }
 

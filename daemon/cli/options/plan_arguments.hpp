@@ -6,11 +6,8 @@
 
 #include "core/result.hpp"
 #include "daemon/cli/input/drawing_input.hpp"
+#include "daemon/cli/parsing/command_line.hpp"
 #include "daemon/planning/plan_job.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace popcut::cli {
 
@@ -26,7 +23,7 @@ struct PlanArguments {
 };
 
 /// Adds INPUT and every option of `plan_option_table`, with its range and words checked.
-void add_plan_arguments(CLI::App& command, PlanArguments& arguments);
+void add_plan_arguments(const Command& command, PlanArguments& arguments);
 
 /// The input and the options of a plan as one types them, words quoted for a shell where they must
 /// be: "card.json --machine cameo3 --mat A4 --marks".

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "daemon/cli/answer.hpp"
 #include "daemon/cli/view/job_view.hpp"
 #include "daemon/client/api.hpp"
 
@@ -53,18 +54,18 @@ std::string figures_of(const Json& device) {
 }  // namespace
 
 Result<DaemonDevices> daemon_devices() {
-  auto api = Api::from_environment();
-  if (!api) return tl::unexpected(api.error());
-  api->http().set_tries(0);
-  auto devices = api->list("/v1/devices", "devices");
-  if (!devices) return tl::unexpected(devices.error());
-  DaemonDevices found{api->http().address().text(), std::move(*devices), {}};
-  for (const Json& device : found.devices) {
-    const std::string id = text_of(device, "job");
-    if (id.empty()) continue;
-    if (auto job = api->get("/v1/jobs/" + id, "job " + id)) found.jobs.push_back(std::move(*job));
-  }
-  return found;
+  return with_popcutd([](Api& api) -> Result<DaemonDevices> {
+    api.http().set_tries(0);
+    auto devices = api.list("/v1/devices", "devices");
+    if (!devices) return tl::unexpected(devices.error());
+    DaemonDevices found{api.http().address().text(), std::move(*devices), {}};
+    for (const Json& device : found.devices) {
+      const std::string id = text_of(device, "job");
+      if (id.empty()) continue;
+      if (auto job = api.get("/v1/jobs/" + id, "job " + id)) found.jobs.push_back(std::move(*job));
+    }
+    return found;
+  });
 }
 
 std::vector<std::string> device_lines(const DaemonDevices& found) {
@@ -92,20 +93,14 @@ std::vector<std::string> device_lines(const DaemonDevices& found) {
 
 Result<void> act_on_device(const std::string& id, const std::string& action,
                            const Globals& globals) {
-  auto api = Api::from_environment();
-  if (!api) return tl::unexpected(api.error());
-  const auto device = api->act_on_device(id, action, Json::object());
-  if (!device) return tl::unexpected(device.error());
-  if (globals.json) {
-    fmt::print("{}\n", device->dump(2, ' ', false, Json::error_handler_t::replace));
-    return {};
-  }
-  if (globals.quiet) return {};
-  if (action == "reset")
-    fmt::print(stderr, "{} is being reset; 'popcut devices' shows the result\n", id);
-  else
-    fmt::print(stderr, "{} is {}d\n", id, action);
-  return {};
+  const auto ask = [&](Api& api) { return api.act_on_device(id, action, Json::object()); };
+  return answer_of_popcutd(globals, ask, [&](const Json&) {
+    if (globals.quiet) return;
+    if (action == "reset")
+      fmt::print(stderr, "{} is being reset; 'popcut devices' shows the result\n", id);
+    else
+      fmt::print(stderr, "{} is {}d\n", id, action);
+  });
 }
 
 }  // namespace popcut::cli

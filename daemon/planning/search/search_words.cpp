@@ -92,7 +92,7 @@ std::string search_words(const daemon::CardSearchRequest& request) {
   if (request.cards != usual.cards) words["cards"] = request.cards;
   if (request.front != usual.front) words["front"] = request.front;
   if (request.marks) words["marks"] = true;
-  return words.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return json_line(words);
 }
 
 Result<daemon::CardSearchRequest> read_search_words(std::string_view words) {
@@ -127,7 +127,7 @@ std::string front_text(const daemon::SearchFront& front) {
       {"cards", std::move(cards)},  {"designed", front.designed},     {"planned", front.planned},
       {"verified", front.verified}, {"seen_share", front.seen_share}, {"mat_mm", front.mat_mm},
       {"notes", front.notes}};
-  return out.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+  return json_line(out);
 }
 
 Result<daemon::SearchFront> read_front(std::string_view text) {

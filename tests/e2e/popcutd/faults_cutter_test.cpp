@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "core/text/words.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/running_daemon.hpp"
 #include "tests/support/service_manager_socket.hpp"
@@ -279,7 +280,7 @@ TEST_CASE("a name is plain text and never a path or an escape sequence", "[popcu
     CAPTURE(Json(control).dump());
     CHECK(make("name", control).status == 422);
     CHECK(make("tags", {control}).status == 422);
-    CHECK(popcutd.ask("POST", "/v1/designs?name=" + client::percent_encoded(control), svg,
+    CHECK(popcutd.ask("POST", "/v1/designs?name=" + percent_encoded(control), svg,
                       "image/svg+xml")
                   .status /
               100 ==
@@ -294,7 +295,7 @@ TEST_CASE("a name is plain text and never a path or an escape sequence", "[popcu
     CHECK(made.status == 201);
     CHECK(Json::parse(made.body)["name"] == odd);
     CHECK(popcutd
-              .ask("POST", "/v1/designs?name=" + client::percent_encoded(odd), svg, "image/svg+xml")
+              .ask("POST", "/v1/designs?name=" + percent_encoded(odd), svg, "image/svg+xml")
               .status < 300);
   }
   const Json listed = popcutd.get("/v1/jobs");

@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/text/words.hpp"
 #include "daemon/client/address.hpp"
 #include "daemon/client/api.hpp"
 #include "daemon/client/command_words.hpp"

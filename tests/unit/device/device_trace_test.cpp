@@ -57,7 +57,7 @@ TEST_CASE("trace.json has all of the trace", "[device][trace]") {
   CHECK(json["strokes"][0]["tool"] == 1);
   CHECK(json["strokes"][0]["points"] == nlohmann::json({{5, 10}, {15, 10}, {15, 20}}));
   CHECK(json["settings"][0] == nlohmann::json({{"name", "force"}, {"values", {10, 1}}}));
-  const auto summary = nlohmann::json::parse(trace_summary_json(trace));
+  const auto summary = trace_summary(trace);
   CHECK_FALSE(summary.contains("strokes"));
   CHECK(summary["cut_mm"] == 330.0);
 }
