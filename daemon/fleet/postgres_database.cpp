@@ -19,7 +19,9 @@
 
 #include <pqxx/pqxx>
 
+#include "core/text/words.hpp"
 #include "daemon/fleet/fleet_url.hpp"
+#include "daemon/fleet/late_libpq.hpp"
 
 namespace popcut::daemon {
 namespace {
@@ -202,18 +204,6 @@ bool is_control(std::string_view sql) {
          sql.starts_with("RELEASE") || sql.starts_with("ROLLBACK") || sql.starts_with("SET ");
 }
 
-// As it stands in a URL.
-std::string percent_encoded(std::string_view text) {
-  constexpr std::string_view kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
-  std::string encoded;
-  for (const char c : text)
-    encoded += kPlain.find(c) != std::string_view::npos
-                   ? std::string(1, c)
-                   : fmt::format("%{:02X}", static_cast<unsigned char>(c));
-  return encoded;
-}
-
 // As it stands among the words of "key='value'".
 std::string in_quotes(std::string_view text) {
   std::string all = "'";
@@ -385,6 +375,10 @@ struct PostgresDatabase::Line {
       std::string faults;
       bool by_all = true;
       for (const std::string& words : hosts) {
+        if (std::string fault = libpq_fault(); !fault.empty()) {
+          faults = std::move(fault);
+          break;
+        }
         try {
           made = std::make_unique<pqxx::connection>(words);
           break;

@@ -4,28 +4,28 @@
 #include <memory>
 #include <string_view>
 
-#include <cairo.h>
 #include <fmt/format.h>
-#include <librsvg/rsvg.h>
 
 #include "core/result.hpp"
+#include "daemon/pictures/graphics.hpp"
 
 namespace popcut::pictures {
 
-template <auto release>
+/// Gives back what the libraries own.
 struct Release {
-  template <typename T>
-  void operator()(T* owned) const {
-    release(owned);
-  }
+  void operator()(cairo_surface_t* owned) const { graphics().cairo_surface_destroy(owned); }
+  void operator()(cairo_t* owned) const { graphics().cairo_destroy(owned); }
+  void operator()(RsvgHandle* owned) const { graphics().g_object_unref(owned); }
+  void operator()(GInputStream* owned) const { graphics().g_object_unref(owned); }
+  void operator()(GError* owned) const { graphics().g_error_free(owned); }
 };
 
-using Surface = std::unique_ptr<cairo_surface_t, Release<cairo_surface_destroy>>;
-using Context = std::unique_ptr<cairo_t, Release<cairo_destroy>>;
+using Surface = std::unique_ptr<cairo_surface_t, Release>;
+using Context = std::unique_ptr<cairo_t, Release>;
 
 /// An SVG drawing that librsvg has read, and its viewBox.
 struct Drawing {
-  std::unique_ptr<RsvgHandle, Release<g_object_unref>> handle;
+  std::unique_ptr<RsvgHandle, Release> handle;
   double width{}, height{};
 };
 
@@ -34,7 +34,7 @@ struct Drawing {
 }
 
 [[nodiscard]] inline tl::unexpected<Error> cannot(GError* error) {
-  const std::unique_ptr<GError, Release<g_error_free>> owned(error);
+  const std::unique_ptr<GError, Release> owned(error);
   return cannot(owned ? owned->message : "librsvg does not say why");
 }
 

@@ -5,9 +5,6 @@
 #include <cstdint>
 #include <memory>
 
-#include <cairo-pdf.h>
-#include <fontconfig/fontconfig.h>
-
 #include "core/text/utf8.hpp"
 #include "daemon/pictures/drawing.hpp"
 
@@ -28,10 +25,10 @@ Result<void> add_page(const PrintedPage& page, cairo_surface_t* surface, cairo_t
   if (!drawing) return tl::unexpected(drawing.error());
   const double width = page.width_mm * kPointsPerMm, height = page.height_mm * kPointsPerMm,
                margin = page.margin_mm * kPointsPerMm;
-  cairo_pdf_surface_set_size(surface, width, height);
+  graphics().cairo_pdf_surface_set_size(surface, width, height);
   const RsvgRectangle where{margin, margin, width - 2 * margin, height - 2 * margin};
   if (auto drawn = draw(*drawing, cairo, where); !drawn) return drawn;
-  cairo_show_page(cairo);
+  graphics().cairo_show_page(cairo);
   return {};
 }
 
@@ -42,44 +39,48 @@ bool needs_no_font(std::uint32_t letter) {
 
 bool has_font(std::uint32_t letter) {
   struct Done {
-    void operator()(FcCharSet* set) const { FcCharSetDestroy(set); }
-    void operator()(FcPattern* pattern) const { FcPatternDestroy(pattern); }
-    void operator()(FcObjectSet* set) const { FcObjectSetDestroy(set); }
-    void operator()(FcFontSet* set) const { FcFontSetDestroy(set); }
+    void operator()(FcCharSet* set) const { graphics().FcCharSetDestroy(set); }
+    void operator()(FcPattern* pattern) const { graphics().FcPatternDestroy(pattern); }
+    void operator()(FcObjectSet* set) const { graphics().FcObjectSetDestroy(set); }
+    void operator()(FcFontSet* set) const { graphics().FcFontSetDestroy(set); }
   };
-  const std::unique_ptr<FcCharSet, Done> letters(FcCharSetCreate());
-  FcCharSetAddChar(letters.get(), letter);
-  const std::unique_ptr<FcPattern, Done> wanted(FcPatternCreate());
-  FcPatternAddCharSet(wanted.get(), FC_CHARSET, letters.get());
-  const std::unique_ptr<FcObjectSet, Done> nothing(FcObjectSetCreate());
-  const std::unique_ptr<FcFontSet, Done> fonts(FcFontList(nullptr, wanted.get(), nothing.get()));
+  const Graphics& g = graphics();
+  const std::unique_ptr<FcCharSet, Done> letters(g.FcCharSetCreate());
+  g.FcCharSetAddChar(letters.get(), letter);
+  const std::unique_ptr<FcPattern, Done> wanted(g.FcPatternCreate());
+  g.FcPatternAddCharSet(wanted.get(), FC_CHARSET, letters.get());
+  const std::unique_ptr<FcObjectSet, Done> nothing(g.FcObjectSetCreate());
+  const std::unique_ptr<FcFontSet, Done> fonts(g.FcFontList(nullptr, wanted.get(), nothing.get()));
   return fonts && fonts->nfont > 0;
 }
 
 }  // namespace
 
 Result<std::string> pdf_of_pages(std::span<const PrintedPage> pages, std::string_view title) {
+  if (auto loaded = load_graphics(); !loaded) return tl::unexpected(loaded.error());
+  const Graphics& g = graphics();
   std::string bytes;
   {
-    const Surface surface(cairo_pdf_surface_create_for_stream(append, &bytes, 1, 1));
-    cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE,
-                                   page_name(std::string(title)).c_str());
-    cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATOR, "popcut");
+    const Surface surface(g.cairo_pdf_surface_create_for_stream(append, &bytes, 1, 1));
+    g.cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE,
+                                     page_name(std::string(title)).c_str());
+    g.cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATOR, "popcut");
     // No date: the same pages give the same bytes.
-    cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "");
-    const Context cairo(cairo_create(surface.get()));
+    g.cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "");
+    const Context cairo(g.cairo_create(surface.get()));
     for (const PrintedPage& page : pages)
       if (auto added = add_page(page, surface.get(), cairo.get()); !added)
         return tl::unexpected(added.error());
-    cairo_surface_finish(surface.get());
-    if (const auto status = cairo_surface_status(surface.get()); status != CAIRO_STATUS_SUCCESS)
-      return cannot(cairo_status_to_string(status));
+    g.cairo_surface_finish(surface.get());
+    if (const auto status = g.cairo_surface_status(surface.get()); status != CAIRO_STATUS_SUCCESS)
+      return cannot(g.cairo_status_to_string(status));
   }
   return bytes;
 }
 
 std::string letters_without_font(std::string_view text) {
   std::string missing;
+  if (!load_graphics()) return missing;  // the picture itself says why
   for (std::size_t at = 0; at < text.size();) {
     const CodePoint found = code_point(text, at);
     const std::uint32_t letter = found.value;

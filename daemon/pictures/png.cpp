@@ -18,9 +18,10 @@ using namespace pictures;
 
 /// What cairo has drawn, as a PNG.
 Result<std::string> packed(cairo_surface_t* surface, int width, int height) {
-  cairo_surface_flush(surface);
-  const unsigned char* const pixels = cairo_image_surface_get_data(surface);
-  const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(surface));
+  const Graphics& g = graphics();
+  g.cairo_surface_flush(surface);
+  const unsigned char* const pixels = g.cairo_image_surface_get_data(surface);
+  const auto stride = static_cast<std::size_t>(g.cairo_image_surface_get_stride(surface));
   std::vector<unsigned char> rgb(3 * static_cast<std::size_t>(width) *
                                  static_cast<std::size_t>(height));
   unsigned char* to = rgb.data();
@@ -55,15 +56,17 @@ Result<std::string> png_of_pixels(std::span<const std::uint8_t> rgb, int width, 
 }
 
 Result<std::string> png_of_svg(std::string_view svg, int largest_px) {
+  if (auto loaded = load_graphics(); !loaded) return tl::unexpected(loaded.error());
+  const Graphics& g = graphics();
   const auto drawing = read_drawing(svg);
   if (!drawing) return tl::unexpected(drawing.error());
   const double scale = largest_px / std::max(drawing->width, drawing->height);
   const int width = std::max(1, static_cast<int>(std::lround(drawing->width * scale)));
   const int height = std::max(1, static_cast<int>(std::lround(drawing->height * scale)));
-  const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
-  const Context cairo(cairo_create(surface.get()));
-  cairo_set_source_rgb(cairo.get(), 1, 1, 1);
-  cairo_paint(cairo.get());
+  const Surface surface(g.cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
+  const Context cairo(g.cairo_create(surface.get()));
+  g.cairo_set_source_rgb(cairo.get(), 1, 1, 1);
+  g.cairo_paint(cairo.get());
   const RsvgRectangle page{0, 0, static_cast<double>(width), static_cast<double>(height)};
   if (auto drawn = draw(*drawing, cairo.get(), page); !drawn) return tl::unexpected(drawn.error());
   return packed(surface.get(), width, height);

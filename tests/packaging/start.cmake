@@ -1,0 +1,15 @@
+cmake_minimum_required(VERSION 3.25)
+# The programs start without the libraries of pictures and of fleets, which take longer to load than
+# all else. -DPOPCUT=program -DPOPCUTD=program
+set(ENV{LD_TRACE_LOADED_OBJECTS} 1)
+foreach(program ${POPCUT} ${POPCUTD})
+  execute_process(COMMAND ${program} OUTPUT_VARIABLE libraries RESULT_VARIABLE result)
+  if(NOT result EQUAL 0 OR NOT libraries MATCHES "libc[.]so")
+    message(FATAL_ERROR "the libraries of ${program} cannot be listed: ${result} ${libraries}")
+  endif()
+  foreach(late librsvg libcairo libpango libgdk_pixbuf libgio libfontconfig libpq libldap)
+    if(libraries MATCHES "${late}[^\n]*")
+      message(SEND_ERROR "${program} loads ${CMAKE_MATCH_0} when it starts; load it when it is needed")
+    endif()
+  endforeach()
+endforeach()
