@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "daemon/files/user_tables.hpp"
+#include "device/port/file_transport.hpp"
 #include "device/port/port_transport.hpp"
 #include "device/sim/trace.hpp"
 
@@ -110,7 +111,9 @@ Result<OpenLine> OpenLine::open(CutterLine& line, const std::string& attempt,
       return keep(PortTransport::open_serial(line.device.name, line.device.serial));
     case DeviceKind::Printer:
       return keep(PortTransport::open_printer(line.device.name));
-    default:
+    case DeviceKind::File:
+      return keep(FileTransport::create(line.file));
+    case DeviceKind::Simulated:
       break;
   }
   SimOptions around;
@@ -132,6 +135,17 @@ Result<OpenLine> OpenLine::open(CutterLine& line, const std::string& attempt,
 }
 
 OpenLine::~OpenLine() = default;
+
+std::optional<Trace> OpenLine::trace() const {
+  const auto* sim = dynamic_cast<const PacedTransport*>(transport_.get());
+  if (sim == nullptr) return std::nullopt;
+  return sim->cutter().trace();
+}
+
+Result<void> OpenLine::finish() {
+  auto* file = dynamic_cast<FileTransport*>(transport_.get());
+  return file == nullptr ? Result<void>() : file->finish();
+}
 
 void OpenLine::keep_trace(const CutterLine& line, const std::string& attempt) const {
   const auto* sim = dynamic_cast<const PacedTransport*>(transport_.get());

@@ -4,6 +4,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ struct CutterLine {
   std::vector<SimFault> faults{};  ///< simulated; of the next sheet only
   HeldFolder traces{};             ///< simulated; none: no trace is kept
   std::shared_ptr<UsbBus> bus{};   ///< of a USB device
+  std::string file{};              ///< where the program goes, if the device is a file
   [[nodiscard]] bool simulated() const { return device.kind == DeviceKind::Simulated; }
 };
 
@@ -36,7 +38,7 @@ struct CutterLine {
 [[nodiscard]] Result<CutterLine> configured_line(const DeviceConfig& config,
                                                  const std::vector<std::string>& tables);
 
-/// An open line.
+/// An open line, for one sheet. popcutd's cutters and 'popcut cut --direct' open it here.
 class OpenLine {
  public:
   /// @param attempt  of the sheet, for the trace
@@ -53,6 +55,10 @@ class OpenLine {
   ~OpenLine();
 
   [[nodiscard]] Transport& transport() { return *beating_; }
+  /// What the simulated cutter did; none for others.
+  [[nodiscard]] std::optional<Trace> trace() const;
+  /// Gives a file its name; nothing for others.
+  [[nodiscard]] Result<void> finish();
   /// Keeps what a simulated cutter did, where the configuration wants it.
   void keep_trace(const CutterLine& line, const std::string& attempt) const;
 

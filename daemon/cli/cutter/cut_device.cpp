@@ -9,9 +9,6 @@
 #include <fmt/format.h>
 
 #include "daemon/files/user_tables.hpp"
-#include "device/port/file_transport.hpp"
-#include "device/port/port_transport.hpp"
-#include "device/sim/sim_transport.hpp"
 #include "device/usb/usb_bus.hpp"
 #include "device/usb/usb_error.hpp"
 
@@ -116,49 +113,6 @@ Result<CutTarget> choose_target(const CutTargetOptions& options) {
   }();
   if (!machine) return tl::unexpected(machine.error());
   return CutTarget{*device, std::move(*machine), {}};
-}
-
-Result<Cable> Cable::open(const CutTarget& target, const std::string& name,
-                          std::array<double, 2> area_mm) {
-  Cable cable;
-  const auto keep = [&](auto opened) -> Result<Cable> {
-    if (!opened) return tl::unexpected(opened.error());
-    cable.transport_ = std::move(*opened);
-    return std::move(cable);
-  };
-  switch (target.device.kind) {
-    case DeviceKind::Usb: {
-      const auto bus = UsbBus::open();
-      if (!bus) return tl::unexpected(bus.error());
-      return keep(bus->connect(target.device.name));
-    }
-    case DeviceKind::Serial:
-      return keep(PortTransport::open_serial(target.device.name, target.device.serial));
-    case DeviceKind::Printer:
-      return keep(PortTransport::open_printer(target.device.name));
-    case DeviceKind::File:
-      return keep(FileTransport::create(name));
-    case DeviceKind::Simulated:
-      break;
-  }
-  SimOptions around;
-  around.page_width_mm = area_mm[0];
-  around.page_length_mm = area_mm[1];
-  auto sim = SimCutter::make(target.machine, around);
-  if (!sim) return tl::unexpected(sim.error());
-  cable.transport_ = std::make_unique<SimTransport>(std::move(*sim), target.faults);
-  return cable;
-}
-
-std::optional<Trace> Cable::trace() const {
-  const auto* sim = dynamic_cast<const SimTransport*>(transport_.get());
-  if (sim == nullptr) return std::nullopt;
-  return sim->cutter().trace();
-}
-
-Result<void> Cable::finish() {
-  auto* file = dynamic_cast<FileTransport*>(transport_.get());
-  return file == nullptr ? Result<void>() : file->finish();
 }
 
 std::string sheet_path(const CutTarget& target, std::size_t sheet, std::size_t sheets) {

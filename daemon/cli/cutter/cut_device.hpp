@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
-#include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/machines/machine.hpp"
 #include "core/result.hpp"
 #include "device/port/device_id.hpp"
-#include "device/port/transport.hpp"
 #include "device/sim/sim_faults.hpp"
-#include "device/sim/trace.hpp"
 
 namespace popcut::cli {
 
@@ -41,23 +36,6 @@ struct CutTargetOptions {
 /// @retval DeviceGone  the device is not there
 /// @retval Refused     it may not be used now, or its model is not known
 [[nodiscard]] Result<CutTarget> choose_target(const CutTargetOptions& options);
-
-/// An open way to a device, for one sheet.
-class Cable {
- public:
-  /// @param name     of a file, where the device is one
-  /// @param area_mm  of the sheet, for the simulated cutter
-  [[nodiscard]] static Result<Cable> open(const CutTarget& target, const std::string& name,
-                                          std::array<double, 2> area_mm);
-  [[nodiscard]] Transport& transport() { return *transport_; }
-  /// What the simulated cutter did; none for others.
-  [[nodiscard]] std::optional<Trace> trace() const;
-  /// A file is given its name; nothing for others.
-  [[nodiscard]] Result<void> finish();
-
- private:
-  std::unique_ptr<Transport> transport_;
-};
 
 /// Where the sheet of a job goes if the device is a file: one sheet has its name, several have
 /// numbers ("out-02.gpgl").

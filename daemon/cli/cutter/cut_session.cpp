@@ -12,12 +12,28 @@
 #include "daemon/cli/cutter/stop_signals.hpp"
 #include "daemon/cli/view/pause_key.hpp"
 #include "daemon/cli/view/progress_bar.hpp"
+#include "daemon/devices/cutter_line.hpp"
 
 namespace popcut::cli {
+namespace {
+
+/// The line to the device, for one program.
+Result<daemon::CutterLine> line_to(const CutTarget& target, const std::string& file) {
+  daemon::CutterLine line{target.device, target.machine, 0, target.faults, {}, {}, file};
+  if (target.device.kind != DeviceKind::Usb) return line;
+  auto bus = UsbBus::open();
+  if (!bus) return tl::unexpected(bus.error());
+  line.bus = std::make_shared<UsbBus>(std::move(*bus));
+  return line;
+}
+
+}  // namespace
 
 Result<SentProgram> send_program(const CutTarget& target, const Machine& driven,
                                  const ProgramToSend& what, bool progress, SessionOptions options) {
-  auto cable = Cable::open(target, what.file, what.area_mm);
+  auto line = line_to(target, what.file);
+  if (!line) return tl::unexpected(line.error());
+  auto cable = daemon::OpenLine::open(*line, "", what.area_mm, [] {});
   if (!cable) return tl::unexpected(cable.error());
   ProgressBar bar(progress);
   PauseKey pause;
