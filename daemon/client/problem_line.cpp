@@ -51,7 +51,7 @@ std::string commands(const Json& problem) {
 }
 
 std::string watch_of(const std::string& job) {
-  return fmt::format("; 'popcut jobs {} --watch' shows when it goes on", job);
+  return fmt::format("; 'popcut jobs {} --watch' shows when it continues", job);
 }
 
 /// Where popcutd offers nothing: what shows how it goes on.
@@ -65,9 +65,9 @@ std::string where_to_look(const Json& problem, const std::string& kind) {
   if (kind == "queue-full") return "; 'popcut jobs' lists them";
   if (kind == "device-absent" || of_device) return "; 'popcut devices' shows when it is back";
   if (state == "done" || state == "failed" || state == "cancelled")
-    return "; 'popcut jobs' lists those that have not ended";
+    return "; 'popcut jobs' lists the unfinished ones";
   if (kind != "state-conflict") return {};
-  if (job.empty()) return state.empty() ? "" : "; 'popcut jobs' shows how things stand";
+  if (job.empty()) return state.empty() ? "" : "; 'popcut jobs' shows the present state";
   return watch_of(job);
 }
 

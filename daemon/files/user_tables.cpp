@@ -77,7 +77,7 @@ Result<UserTables> read_user_tables() {
 Result<OwnTable> own_machines() {
   const std::vector<fs::path> found = folders();
   if (found.size() < 2)
-    return fail(ErrorKind::Unwritable, "$HOME", "is not set, so there is no place for your table");
+    return fail(ErrorKind::Unwritable, "$HOME", "is not set; set it to your home folder");
   const fs::path file = found.back() / "machines.json";
   std::error_code ignored;
   OwnTable table{file.string(), ""};

@@ -41,7 +41,8 @@ Result<WebhookTarget> webhook_target(const WebhookConfig& config) {
   if (!plain || !client::parse_address("http://" + target.host_port))
     return fail(
         ErrorKind::OutOfRange, "webhook.url",
-        fmt::format("\"{}\" is no address; as in http://localhost:9000/popcut", config.url));
+        fmt::format("\"{}\" is not an address; give one such as http://localhost:9000/popcut",
+                    config.url));
   if (std::find(config.allow.begin(), config.allow.end(), target.host_port) == config.allow.end())
     return fail(ErrorKind::OutOfRange, "webhook.url",
                 fmt::format("{} is not allowed; add it to webhook.allow", target.host_port));

@@ -124,17 +124,17 @@ constexpr const char* kHelp =
     "Find the best cards for a 3D model.\n\n"
     "  popcut auto teapot.obj -o teapot\n"
     "  popcut auto house.obj --up y --machine cameo3 --mat A4 --marks -o house    # to print\n\n"
-    "MODEL is a mesh (STL, OBJ, GLB). popcut tries styles, ways to stand, sizes and finenesses, "
-    "and\n"
-    "keeps the cards of which no other looks more like the model and is cut as quickly. Each\n"
-    "passes 'popcut verify --dof 1'. With --cards it finds books, which show the model from all\n"
+    "MODEL is a mesh (STL, OBJ, GLB). popcut tries styles, orientations, sizes and finenesses. It\n"
+    "keeps the best cards: each looks more like the model, or is quicker to cut, than all others.\n"
+    "Each passes 'popcut verify --dof 1'. With --cards it finds books, which show the model from "
+    "all\n"
     "sides. popcut writes into DIR:\n\n"
     "  front.svg      all cards on one page; look at this first\n"
     "  front.json     figures of each card, and which one is the best\n"
     "  card-NN/       one card: spec.json, from which 'popcut design' makes it again, the\n"
     "                 pattern (FOLD, SVG, DXF), cut.svg, and thumbnail.png beside the model;\n"
     "                 of books: book-NN/, with a folder for each card\n\n"
-    "card-01 is the quickest to cut, the last one looks most like the model. The same seed gives\n"
+    "card-01 is the quickest to cut; the last card looks most like the model. The same seed gives\n"
     "the same cards on every computer.";
 
 void add_search_options(const Command& command, ModelSearchOptions& search) {

@@ -442,9 +442,9 @@ Result<void> check_steps(const std::string& steps) {
   while (!list.empty()) {
     const std::string_view step = take_word(list, ",");
     if (step != "axes" && step != "ruler" && step != "time" && step != "force")
-      return fail(
-          ErrorKind::Usage, "--steps",
-          fmt::format("\"{}\" is no step; use some of {}", shown_text(step.substr(0, 40)), kSteps));
+      return fail(ErrorKind::Usage, "--steps",
+                  fmt::format("\"{}\" is not a step; use some of {}",
+                              shown_text(step.substr(0, 40)), kSteps));
   }
   return {};
 }
@@ -485,7 +485,7 @@ Result<void> run_calibrate(const Options& options, const Globals& globals) {
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-";
   if (options.name.find_first_not_of(kNameBytes) != std::string::npos || options.name.size() > 60)
     return fail(ErrorKind::Usage, "--as",
-                "is no name for a machine; use up to 60 letters, digits, dots and hyphens");
+                "is not a valid name; use up to 60 letters, digits, dots and hyphens");
   const bool simulated = options.device.empty() || options.device.starts_with("sim:");
   // A simulated machine may be another than the one that popcut takes it for.
   auto target = choose_target(
@@ -493,7 +493,7 @@ Result<void> run_calibrate(const Options& options, const Globals& globals) {
        options.treat_as});
   if (!target) return tl::unexpected(target.error());
   if (target->device.kind == DeviceKind::File)
-    return fail(ErrorKind::Usage, "--device", "is a file, and nobody can measure what it cuts");
+    return fail(ErrorKind::Usage, "--device", "is a file; calibrate needs a cutter");
   if (target->real() && (isatty(STDIN_FILENO) != 1 || isatty(STDERR_FILENO) != 1))
     return fail(ErrorKind::Refused, "",
                 "cannot ask whether to start, because this is not a terminal; run it where you see "
@@ -558,15 +558,15 @@ constexpr const char* kHelp =
     "  popcut calibrate --device usb:51053P\n"
     "  popcut calibrate --device serial:/dev/ttyUSB0 --machine vevor-cutter --as mine\n"
     "  popcut calibrate --device usb:51053P --steps force --material card-300\n\n"
-    "You need an evening's half hour, a steel ruler and five sheets of the paper that you cut.\n"
-    "popcut cuts, you measure and answer:\n\n"
+    "Allow half an hour. You need a steel ruler and five sheets of the paper that you cut. popcut\n"
+    "cuts; you measure and answer:\n\n"
     "  axes   two short lines: does the machine exchange or mirror them?\n"
     "  ruler  two long lines: margins and scale; then a square in the corner, to check\n"
     "  time   seven short runs: how fast it moves (with a stopwatch if it reports nothing)\n"
     "  force  squares with growing force (and blade depth, with --autoblade): what your paper "
     "needs\n\n"
     "The result is a row in ~/.config/popcut/machines.json. Nothing is written before you agree.\n"
-    "To practise, let the simulator play a machine that is not as popcut thinks:\n\n"
+    "To practise, simulate a machine whose settings are wrong:\n\n"
     "  popcut calibrate --device sim:stika-sv15 --machine vevor-cutter --as practice -o practice";
 
 }  // namespace

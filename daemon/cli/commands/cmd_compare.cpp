@@ -111,7 +111,7 @@ CutCost cost_of(const Options& options, const Given& given, const ComparedStruct
                 const Globals& globals) {
   CutCost out;
   if (structure.is_mesh || options.no_cost) {
-    out.why = structure.is_mesh ? "a mesh is no pattern that can be cut" : "you asked for none";
+    out.why = structure.is_mesh ? "a mesh cannot be cut" : "you asked for none";
     return out;
   }
   const std::vector<std::string> patterns =
@@ -254,7 +254,7 @@ void add_place_options(const Command& command, Options& options) {
   triple("--rotate", options.rotate,
          "Turn the model about x, then y, then z, in degrees; x runs away from the wall, y along "
          "the spine and z up");
-  triple("--move", options.move, "Then move it so far, in mm");
+  triple("--move", options.move, "Then move it by this distance, in mm");
   command.add_flag("--fit", options.fit,
                    "Search where the model fits best, whatever the pattern says");
 }

@@ -209,7 +209,7 @@ constexpr const char* kTokenHelp =
     "Manage access tokens for TCP; the unix socket needs none.\n\n"
     "  popcut token create --role operator --name workshop --days 30\n"
     "  popcut token list\n"
-    "  popcut token sessions        # pages that are open, each with the token or user it is of\n"
+    "  popcut token sessions        # open pages, each with its token or user\n"
     "  popcut token delete 01JDX7KQ4M8ZB1Q2R3S4T5V6W7\n\n"
     "Roles: a viewer sees jobs. A submitter also queues designs. An operator also arms, starts "
     "and\n"
@@ -230,10 +230,9 @@ void add_token(const Command& app, const Globals& globals, Run& run) {
   when_chosen(create, run, [options, &globals] { return create_token(*options, globals); });
   when_chosen(command.add_command("list", "List the tokens, without their secrets"), run,
               [&globals] { return list_tokens(globals); });
-  when_chosen(
-      command.add_command("sessions",
-                          "List the sessions of pages; each ends with the token or user it is of"),
-      run, [&globals] { return list_sessions(globals); });
+  when_chosen(command.add_command(
+                  "sessions", "List the sessions of pages; each ends when its token or user does"),
+              run, [&globals] { return list_sessions(globals); });
   const Command remove =
       command.add_command("delete", "Delete a token and its sessions, or end a session, at once");
   remove

@@ -157,12 +157,9 @@ constexpr const char* kInitHelp =
     "Make a fleet's tables and roles in a PostgreSQL database, or bring them up to date.\n\n"
     "  sudo -u postgres popcut fleet init --database postgresql:///popcut\n"
     "  popcut fleet init --database postgresql://postgres@db.lab/popcut\n\n"
-    "It creates the database if there is none, and does nothing if all is there: you can type it\n"
-    "again at any time. After an upgrade of popcut, it brings the tables to the new version; "
-    "nodes\n"
-    "with the version before go on working. The role needs CREATEROLE, and CREATEDB if there is "
-    "no\n"
-    "database yet.";
+    "It creates the database if it does not exist. You can run it again at any time. After an\n"
+    "upgrade of popcut, it updates the tables; nodes of the previous version keep working. The\n"
+    "role needs CREATEROLE, and CREATEDB if the database does not exist.";
 
 void add_init(const Command& fleet, const Globals& globals, Run& run) {
   auto database = std::make_shared<std::string>();
@@ -368,8 +365,8 @@ Result<void> run_forget(const NodeOptions& options, const Globals& globals) {
       fmt::print("node {} is forgotten\n", options.node);
       if (!login.empty())
         fmt::print(stderr,
-                   "its login is still there, because your role may not remove it; as a role that "
-                   "may, type: DROP ROLE {}\n",
+                   "its login still exists, because your role may not remove it; with a role that "
+                   "may, run: DROP ROLE {}\n",
                    login);
     });
   });
@@ -380,17 +377,17 @@ constexpr const char* kNodesHelp =
     "  popcut fleet nodes\n"
     "  popcut fleet nodes --json | jq '.nodes[] | select(.alive | not)'";
 constexpr const char* kDrainHelp =
-    "Let a node finish what it cuts and arm nothing more, for example before an upgrade.\n\n"
+    "Let a node finish its cut and arm no further sheet, for example before an upgrade.\n\n"
     "  popcut fleet drain room-1\n"
     "  popcut fleet drain room-1 --undo";
 constexpr const char* kForgetHelp =
     "Remove a machine that does not come back, with its login.\n\n"
     "  popcut fleet forget room-1\n\n"
-    "A node that is alive, or whose cut is not recorded as ended, is not forgotten. After a "
-    "restore\n"
-    "of the database nobody arms a sheet until each node has compared its journals; a node that "
-    "is\n"
-    "gone for good is forgotten instead. What only its journal knew is then lost.";
+    "popcut does not remove a node that is alive, or whose last cut has no recorded end. After "
+    "you\n"
+    "restore the database, no node arms a sheet until every node has compared its journals. "
+    "Remove\n"
+    "a node that does not come back; what only its journal knows is then lost.";
 
 void add_nodes(const Command& fleet, const Globals& globals, Run& run) {
   auto database = std::make_shared<std::string>();
@@ -456,15 +453,15 @@ Result<void> run_import(const ImportOptions& options, const Globals& globals) {
 }
 
 constexpr const char* kImportHelp =
-    "Move the jobs of a popcutd that was alone into the fleet, as those of a node.\n\n"
+    "Move the jobs of a standalone popcutd into the fleet, as jobs of a node.\n\n"
     "  systemctl stop popcutd.socket popcutd.service\n"
     "  popcut fleet join --node room-1 --write /etc/popcut >> /etc/popcut/popcutd.toml\n"
     "  popcut fleet import --node room-1 --state /var/lib/private/popcut\n"
     "  systemctl start popcutd.socket\n\n"
     "All of it moves, or nothing: jobs, plans, ledgers, events, tokens and files, with their ids.\n"
-    "Tokens go on working, at every node. The folder stays the node's state folder; its database\n"
-    "goes to backups/. If a sheet is armed or a cut has no end, start popcutd once without "
-    "[fleet].";
+    "Tokens keep working, at every node. The folder stays the node's state folder; its database\n"
+    "goes to backups/. If a sheet is armed or a cut has no recorded end, first start popcutd once\n"
+    "without [fleet].";
 
 void add_import(const Command& fleet, const Globals& globals, Run& run) {
   auto options = std::make_shared<ImportOptions>();
@@ -473,7 +470,7 @@ void add_import(const Command& fleet, const Globals& globals, Run& run) {
   command.add_option("--state", options->folder, "State folder of the popcutd, which must not run")
       .required()
       .value_text("DIR");
-  command.add_option("--node", options->node, "The node that it is from now on; it has joined")
+  command.add_option("--node", options->node, "The node that gets the jobs; it must have joined")
       .required()
       .value_text("NAME");
   when_chosen(command, run, [options, &globals] { return run_import(*options, globals); });

@@ -132,11 +132,12 @@ Result<Json> say_how_to_resume(Api& api, const Options& options) {
     lines += (lines.empty() ? "" : ", or ") + line;
     if (comment != std::string::npos) lines += " (" + wait.substr(comment + 3) + ")";
   }
-  return fail(ErrorKind::Usage, "--from",
-              lines.empty() ? fmt::format("is missing its path, and no sheet of this job waits to "
-                                          "be gone on with; see popcut jobs {}",
-                                          short_id(*job))
-                            : "is missing its path; possible now: " + lines);
+  return fail(
+      ErrorKind::Usage, "--from",
+      lines.empty()
+          ? fmt::format("needs a path; no sheet of this job can be resumed, see popcut jobs {}",
+                        short_id(*job))
+          : "needs a path; possible now: " + lines);
 }
 
 Result<Json> resume(Api& api, const Options& options) {
@@ -278,7 +279,7 @@ constexpr const char* kPauseHelp =
     "Pause a cut after the current stroke, with the tool up; 'popcut resume' continues it.\n\n"
     "  popcut pause 01JDX7";
 constexpr const char* kResumeHelp =
-    "Go on with a paused cut or an interrupted sheet.\n\n"
+    "Continue a paused cut or an interrupted sheet.\n\n"
     "  popcut resume 01JDX7                 # after 'popcut pause'\n"
     "  popcut resume 01JDX7 --from          # after an interruption: the commands to choose from\n"
     "  popcut resume 01JDX7 --from 118      # cut from path 118 on\n\n"
@@ -297,7 +298,7 @@ constexpr const char* kConfirmHelp =
     "  popcut confirm 01JDX7 2 good\n"
     "  popcut confirm 01JDX7 2 bad";
 constexpr const char* kSkipHelp =
-    "Skip a sheet and go on with the next.\n\n"
+    "Skip a sheet and continue with the next one.\n\n"
     "  popcut skip 01JDX7 2";
 constexpr const char* kHoldHelp =
     "Hold a job back: nobody can arm it until 'popcut release'.\n\n"

@@ -57,7 +57,7 @@ ModelFiles files_beside(const std::filesystem::path& model) {
             // Reading what is no file may never end.
             std::error_code ignored;
             if (!std::filesystem::is_regular_file(folder / name, ignored))
-              return fail(ErrorKind::Malformed, name, "is no file");
+              return fail(ErrorKind::Malformed, name, "is not a file");
             return read_file(folder / name);
           },
           [](const std::string& name, std::string_view bytes) { return read_image(name, bytes); }};
@@ -429,11 +429,11 @@ void add_options(const Command& command, Options& options) {
   real_number(command.add_option("--dpi", options.dpi, "Dots per inch (50 to 1200)"), 50, 1200)
       .value_text("N [300]");
   real_number(command.add_option("--trap", options.trap_mm,
-                                 "How far colours go over a cut to either side (0 to 5 mm)"),
+                                 "How far colours extend over each side of a cut (0 to 5 mm)"),
               0, 5, "mm")
       .value_text("MM [0.3]");
   real_number(command.add_option("--bleed", options.bleed_mm,
-                                 "How far colours go on around the outline (0 to 10 mm)"),
+                                 "How far colours extend beyond the outline (0 to 10 mm)"),
               0, 10, "mm")
       .value_text("MM [1]");
   command.add_flag("--bare-card", options.bare_card,

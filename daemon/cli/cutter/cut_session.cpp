@@ -45,8 +45,9 @@ Result<SentProgram> send_program(const CutTarget& target, const Machine& driven,
     const std::string words =
         p.phase == SessionPhase::Cutting
             ? fmt::format("cutting, stroke {} of {}", p.strokes_done, p.strokes)
-        : p.asks ? "did the cutter go on after its pause? press p if so, Ctrl-C if it was cancelled"
-        : p.phase == SessionPhase::Held ? "paused with the tool up; press p to go on"
+        : p.asks
+            ? "did the cutter continue after its pause? press p if so, Ctrl-C if it was cancelled"
+        : p.phase == SessionPhase::Held ? "paused with the tool up; press p to continue"
                                         : std::string(name_of(p.phase));
     try {
       bar.show(words, 1 - p.seconds_left / std::max(what.seconds, 1.0), p.seconds_left);

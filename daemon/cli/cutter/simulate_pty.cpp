@@ -74,10 +74,11 @@ Result<void> serve_pty(const PtyOptions& options, const Globals& globals) {
   fmt::print("{}\n", pty->path());
   std::fflush(stdout);
   if (!globals.quiet)
-    fmt::print(stderr,
-               "a simulated {} is at {}; type p (pause or go on), c (cancel) or m (take the sheet "
-               "out or put it in), then Enter; Ctrl-C ends\n",
-               pty->cable().cutter().trace().machine, pty->path());
+    fmt::print(
+        stderr,
+        "a simulated {} is at {}; type p (pause or continue), c (cancel) or m (take the sheet "
+        "out or put it in), then Enter; Ctrl-C ends\n",
+        pty->cable().cutter().trace().machine, pty->path());
   std::fflush(stderr);
   bool input = true;
   while (!end_asked && pty->serve(std::chrono::milliseconds(50)))

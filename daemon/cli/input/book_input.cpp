@@ -44,7 +44,7 @@ std::string no_book(const fs::path& folder) {
   const fs::path card = folder / "card-01";
   if (is_file(card / kPattern))
     return fmt::format(
-        "holds cards that are no book; give the {0} of one of them, such as {1}/{0}, or its "
+        "holds single cards, not a book; give the {0} of one of them, such as {1}/{0}, or its "
         "spec.json",
         kPattern, card.string());
   return fmt::format("is a folder without {}; give the folder of a book, or a pattern (.fold)",

@@ -155,7 +155,7 @@ Result<ComparedTarget> read_book_target(const std::string& file, const std::stri
   }
   out.triangles = likeness::placed(out.triangles, out.placement);
   if (!(likeness::box_of(out.triangles).diagonal() > 0.0))
-    return fail(ErrorKind::OutOfRange, file, "the surface is nowhere along the slices");
+    return fail(ErrorKind::OutOfRange, file, "the surface has no part along the slices");
   return out;
 }
 

@@ -59,8 +59,8 @@ Result<void> find_corner(const std::string& file, const likeness::Corner& corner
                                                   static_cast<double>(out.triangles[k + 2]))));
   if (least < -touch) {
     out.notes.emplace_back(
-        "it does not stand in a corner of wall and ground, so all of it is compared, and nothing "
-        "is behind it");
+        "it does not stand in a corner of wall and ground, so all of it is compared, without a "
+        "background");
     return {};
   }
   out.corner = corner;
@@ -182,7 +182,7 @@ Result<ComparedTarget> placed_spec(const std::string& file, const std::string& t
   if (!surface) return tl::unexpected(std::move(surface.error()));
   if (!has_size(surface->triangles))
     return fail(ErrorKind::OutOfRange, file,
-                "the surface is nowhere along the slices; give the design of this pattern");
+                "the surface has no part along the slices; give the design of this pattern");
   ComparedTarget out;
   out.is_solid = surface->is_mesh;
   out.placed_by = "spec";

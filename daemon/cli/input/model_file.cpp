@@ -52,7 +52,7 @@ Result<bool> take_in(nlohmann::json& buffer, const std::filesystem::path& model,
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored))
     return fail(ErrorKind::Malformed, place,
-                fmt::format("is in {}, which is no file; put it beside the model, or save the "
+                fmt::format("is in {}, which is not a file; put it beside the model, or save the "
                             "model as one file (.glb)",
                             file.string()));
   const auto bytes = read_file(file);

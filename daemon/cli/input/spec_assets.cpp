@@ -42,7 +42,7 @@ Result<SurfaceAssets> load_assets(const DesignSpec& spec, const std::string& spe
 
 Result<void> print_placed_spec(const DesignSpec& spec, const std::string& spec_text,
                                const SurfaceAssets& assets, bool quarter, bool quiet) {
-  std::optional<LongWork> work(std::in_place, !quiet, "trying ways for the shape to stand");
+  std::optional<LongWork> work(std::in_place, !quiet, "trying orientations of the shape");
   const auto proposed = propose_placement(spec, assets, quarter ? Stand::Quarter : Stand::Whole);
   work.reset();
   if (!proposed) return tl::unexpected(proposed.error());
@@ -54,7 +54,7 @@ Result<void> print_placed_spec(const DesignSpec& spec, const std::string& spec_t
       stderr,
       "placed: the structure reaches {:.1f} % of the shape's area within {:g} % of its size; "
       "{}\n"
-      "tried {} ways to stand; the curves follow what they reach to {:.3g} mm rms, {:.3g} mm "
+      "tried {} orientations; the curves follow what they reach to {:.3g} mm rms, {:.3g} mm "
       "at most\n",
       100.0 * proposed->reached, 100.0 * kReachedWithin,
       proposed->reached_before
@@ -63,7 +63,8 @@ Result<void> print_placed_spec(const DesignSpec& spec, const std::string& spec_t
       proposed->tried, proposed->rms_mm, proposed->max_mm);
   if (proposed->refused > 0)
     fmt::print(stderr, "note: {} {} cannot be designed, and this is the next best: {}\n",
-               proposed->refused, proposed->refused == 1 ? "better way" : "better ways",
+               proposed->refused,
+               proposed->refused == 1 ? "better orientation" : "better orientations",
                proposed->refusal);
   if (proposed->slices_mm > proposed->length_mm)
     fmt::print(stderr,

@@ -84,7 +84,7 @@ std::string doubt_text(const Json& job) {
   const Json& progress = part_of(job, "progress");
   const std::int64_t certain = whole_of(progress, "paths_certain");
   const std::int64_t sent = whole_of(progress, "paths_sent");
-  if (sent <= certain) return fmt::format("{} paths are cut, none is in doubt", certain);
+  if (sent <= certain) return fmt::format("{} paths are cut, no path is in doubt", certain);
   return fmt::format("{} paths are certainly cut, {} more are in doubt", certain, sent - certain);
 }
 
@@ -123,12 +123,11 @@ std::vector<std::string> resume_commands(const Json& job) {
   std::vector<std::string> lines;
   for (const Json& way : ways_of(job, false)) {
     const std::string meaning = client::meaning_of(way);
-    lines.push_back(
-        with_comment(client::command_line_for(way, id),
-                     "go on with this sheet" + (meaning.empty() ? "" : ", " + meaning)));
+    lines.push_back(with_comment(client::command_line_for(way, id),
+                                 "continue this sheet" + (meaning.empty() ? "" : ", " + meaning)));
   }
   if (lines.empty() && may(job, "resume-from"))
-    lines.push_back(with_comment("popcut jobs " + id, "shows how to go on with this sheet"));
+    lines.push_back(with_comment("popcut jobs " + id, "shows how to continue this sheet"));
   return lines;
 }
 

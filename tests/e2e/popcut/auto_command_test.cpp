@@ -278,7 +278,7 @@ TEST_CASE("a GLB and a glTF with its mesh beside it become the cards of the same
   CHECK(checked.exit == 0);
   fs::remove(bench.temp / "its mesh.bin");
   check_refused(bench.popcut({"auto", "hall.gltf", "-o", "never"}), 3,
-                "hall.gltf: /buffers/0: is in its mesh.bin, which is no file");
+                "hall.gltf: /buffers/0: is in its mesh.bin, which is not a file");
 }
 
 TEST_CASE("a search says in one line what is wrong, and writes nothing", "[cli][e2e][auto]") {

@@ -140,7 +140,7 @@ TEST_CASE("what a book folder cannot be used for is said in one line", "[cli][e2
   fs::create_directory(bench.temp / "cards");
   fs::copy(bench.temp / "out/card-01", bench.temp / "cards/card-01");
   check_refused_at(bench.popcut({"verify", "cards"}), 3,
-                   "cards: holds cards that are no book; give the pattern.fold of one of them");
+                   "cards: holds single cards, not a book; give the pattern.fold of one of them");
   check_refused_at(bench.popcut({"deploy", "out", "-o", "x", "--poster"}), 2,
                    "--poster: is for one");
   check_refused_at(bench.popcut({"deploy", "out", "-o", "x", "--to-psi", "pi"}), 2,

@@ -158,10 +158,10 @@ TEST_CASE("what cannot be calibrated is refused before anything is cut", "[cli][
     CHECK(ran.exit == exit);
     CHECK(says(ran.err, part));
   };
-  refused("--device file:a.gpgl", 2, "nobody can measure");
+  refused("--device file:a.gpgl", 2, "calibrate needs a cutter");
   refused("--device sim:cameo3 --machine hpgl-generic", 2, "does not understand");
   refused("--as \"my cutter\"", 2, "no name for a machine");
-  refused("--steps axes,taste", 2, "\"taste\" is no step");
+  refused("--steps axes,taste", 2, "\"taste\" is not a step");
   refused("--material wood", 2, "wood");
   refused("--device sim:cameo3 --mat 60x60 --steps ruler", 4, "too small to measure");
   refused("--device sim:cameo2 --autoblade", 2, "cannot hold one");

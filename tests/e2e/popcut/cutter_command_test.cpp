@@ -213,7 +213,7 @@ TEST_CASE("the key p holds the cut with the tool up and continues it", "[cli][e2
                     {"cut", kSphere, "--direct", "--device", "sim:cameo3", "-o", "cut"}, folder);
   REQUIRE(popcut.shows("Start cutting? [y/N]"));
   popcut.type("y\np");
-  const bool held = popcut.shows("paused with the tool up; press p to go on");
+  const bool held = popcut.shows("paused with the tool up; press p to continue");
   INFO(popcut.shown);
   REQUIRE(held);
   popcut.type("p");

@@ -123,7 +123,7 @@ TEST_CASE("a resumed sheet is shown with the advice to leave it in place", "[cli
   again["actions"] = {"resume-from", "retry-sheet"};  // its place is not known any more
   CHECK(joined(waiting_for(again)) ==
         "leave sheet 2 of 3 where it is\n"
-        "  popcut jobs 01JDX7KQ4M8Z                 # shows how to go on with this sheet\n"
+        "  popcut jobs 01JDX7KQ4M8Z                 # shows how to continue this sheet\n"
         "  popcut retry 01JDX7KQ4M8Z 2              # cut it again on a new sheet\n");
   again["ways"] = {
       {{"action", "resume-from"},
@@ -131,7 +131,7 @@ TEST_CASE("a resumed sheet is shown with the advice to leave it in place", "[cli
       {{"action", "resume-from"},
        {"body", {{"from_path", 4}, {"registration", "kept"}, {"i_accept_double_cut", true}}}}};
   const std::string both = joined(waiting_for(again));
-  CHECK(both.find("popcut resume 01JDX7KQ4M8Z --from 6 --skip-in-doubt   # go on with this sheet, "
+  CHECK(both.find("popcut resume 01JDX7KQ4M8Z --from 6 --skip-in-doubt   # continue this sheet, "
                   "skips what is in doubt") != std::string::npos);
   CHECK(both.find("popcut resume 01JDX7KQ4M8Z --from 4 --accept-double-cut   # go on with this "
                   "sheet, cuts again what may be cut already") != std::string::npos);
