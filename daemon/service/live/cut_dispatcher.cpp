@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "daemon/model/input_limits.hpp"
 #include "daemon/model/warnings.hpp"
 #include "daemon/service/live/running_cut.hpp"
 #include "daemon/service/repositories/recovery.hpp"
@@ -49,7 +50,7 @@ std::string why_none(const DeviceRegistry& devices, const PlanRow& plan, const s
 Answer<void> CutDispatcher::check_words(const JobRow& row, const ActionRequest& request) const {
   if (needs_sheet(request.action) && !request.sheet)
     return tl::unexpected(invalid_value("/sheet", "missing", fmt::format("must be {}", row.sheet)));
-  if (const auto fine = check_text(request.reason, 2000, "/reason"); !fine)
+  if (const auto fine = check_text(request.reason, kReasonLimit, "/reason"); !fine)
     return tl::unexpected(fine.error());
   if (request.action == JobAction::ConfirmResult && !request.good)
     return tl::unexpected(invalid_value("/good", "missing", "must be true or false"));
