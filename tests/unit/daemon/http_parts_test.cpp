@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/json_body.hpp"
 #include "daemon/http/api/message.hpp"
 #include "daemon/http/api/render.hpp"
