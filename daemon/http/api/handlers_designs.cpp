@@ -4,16 +4,22 @@
 
 #include <fmt/format.h>
 
-#include "core/text/utf8.hpp"
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/handlers.hpp"
-#include "daemon/http/api/json_body.hpp"
+#include "daemon/http/api/input.hpp"
 #include "daemon/http/api/render.hpp"
 
-namespace popcut::daemon::http::handle {
+namespace popcut::daemon::http {
+
+const Body body::kPlanRequest{.schema = "PlanRequest",
+                              .fields = {text("material", kIdLimit), text("device", kIdLimit),
+                                         text("machine", kIdLimit), plan_options("options")},
+                              .example = R"({"material": "paper-220"})",
+                              .is_optional = true};
+
+namespace handle {
 namespace {
 
-constexpr std::size_t kLongestName = 120;
 constexpr std::array<std::string_view, 10> kExports{
     "pattern.fold", "pattern.svg",  "cut.svg",    "pattern.dxf", "segments.csv",
     "deploy.glb",   "deployed.svg", "poster.svg", "report.json", "spec.json"};
@@ -21,7 +27,7 @@ constexpr std::string_view kKept = "private, max-age=86400";
 constexpr std::string_view kDrawingPolicy =
     "default-src 'none'; style-src 'unsafe-inline'; sandbox; frame-ancestors 'none'";
 
-// What was uploaded, or drawn from it: never run, never shown in place of a page.
+// Uploaded content, or a drawing of it: never executed, never shown as a page.
 Response drawing(std::string content_type) {
   Response response;
   response.content_type = std::move(content_type);
@@ -52,7 +58,7 @@ std::string last_part(const Request& request) {
   return std::string(request.path().substr(request.path().rfind('/') + 1));
 }
 
-// A picture of a design, which stays as it is: it is of bytes that never change.
+// A picture of a design. It never changes, because the bytes of a design do not.
 void answer_picture(const Request& request, Service& service, const HandlerContext& context,
                     const Reply& reply, const std::function<void(Designs::Shown)>& make) {
   const std::string etag =
@@ -78,31 +84,24 @@ std::optional<std::string> sheet_name(const Request& request, const Reply& reply
   return std::nullopt;
 }
 
-// The label that the query gives to an upload.
-Answer<std::string> upload_name(const Request& request) {
-  std::string name = query_text(request, "name").value_or("");
-  if (name.size() <= kLongestName * 4 && !has_controls(name)) return name;
-  return tl::unexpected(validation(
-      {{"?name", "length",
-        fmt::format("must have at most {} characters, and no control characters", kLongestName)}}));
-}
-
-PlanRequest read_plan_request(FieldReader& fields) {
+PlanRequest read_plan_request(BodyReader& body) {
   PlanRequest wanted;
-  wanted.material = fields.text("material", "", line(64));
-  wanted.device = fields.text("device", "", line(64));
-  wanted.machine = fields.text("machine", "", line(64));
-  wanted.options = read_options(fields, "options");
+  wanted.material = body.text("material");
+  wanted.device = body.text("device");
+  wanted.machine = body.text("machine");
+  wanted.options = body.options("options");
   return wanted;
 }
 
 }  // namespace
 
+std::span<const std::string_view> design_file_names() { return kExports; }
+
 void add_asset(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const Answer<std::string> name = upload_name(request);
-  if (!name) return reply(problem_response(name.error(), request));
+  QueryReader query(request);
   Upload upload = request.upload.value_or(Upload{});
-  upload.name = *name;
+  upload.name = query.text("name");
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
   const Answer<Asset> asset = service.designs.add_asset(request.principal, upload);
   if (!asset) return reply(problem_response(asset.error(), request));
   reply(json_response(asset->is_new ? 201 : 200, to_json(*asset)));
@@ -110,23 +109,21 @@ void add_asset(const Request& request, Service& service, const HandlerContext&, 
 
 void list_assets(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 'a';
-  std::vector<RequestFault> faults;
-  const PageRequest wanted = page_request(request, kList, faults);
-  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  QueryReader query(request);
+  const PageRequest wanted = query.page(kList);
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
   reply(page_response(service.designs.assets(wanted), kList,
                       [](const Asset& asset) { return dump(listed_json(asset)); }));
 }
 
 void delete_asset(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const Answer<void> gone = service.designs.remove_asset(request.principal, request.params[0]);
-  if (!gone) return reply(problem_response(gone.error(), request));
-  reply(empty_response());
+  reply(done_response(request, service.designs.remove_asset(request.principal, request.params[0])));
 }
 
 void add_design(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const Answer<std::string> given = upload_name(request);
-  if (!given) return reply(problem_response(given.error(), request));
-  const std::string& name = *given;
+  QueryReader query(request);
+  const std::string name = query.text("name");
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
   service.designs.add(
       request.principal, request.upload.value_or(Upload{}), request.media_type, name,
       [reply, target = request.target, id = request.id](const Answer<Design>& design) {
@@ -139,9 +136,9 @@ void add_design(const Request& request, Service& service, const HandlerContext&,
 
 void list_designs(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 'd';
-  std::vector<RequestFault> faults;
-  const PageRequest wanted = page_request(request, kList, faults);
-  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  QueryReader query(request);
+  const PageRequest wanted = query.page(kList);
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
   reply(page_response(service.designs.list(wanted), kList,
                       [](const Design& design) { return dump(to_json(design)); }));
 }
@@ -157,7 +154,7 @@ void get_design(const Request& request, Service& service, const HandlerContext&,
 void design_content(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   const Answer<Design> design = service.designs.find(request.params[0]);
   if (!design) return reply(problem_response(design.error(), request));
-  // Whatever it is, it goes out as bytes to be saved: what users upload is never shown.
+  // Always sent as an attachment: a browser must never show what users upload.
   const std::string ending = design->kind == "svg" || design->kind == "dxf" ? design->kind : "json";
   const Answer<std::string> path = service.designs.content(design->id);
   if (!path) return reply(problem_response(path.error(), request));
@@ -187,9 +184,9 @@ void design_picture(const Request& request, Service& service, const HandlerConte
 void design_file(const Request& request, Service& service, const HandlerContext& context,
                  Reply reply) {
   const std::string& name = request.params[1];
-  std::vector<RequestFault> faults;
-  const auto part = query_integer(request, "part", 1, 10'000, faults);
-  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  QueryReader query(request);
+  const int part = static_cast<int>(query.whole("part").value_or(1));
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
   const Answer<Design> design = service.designs.find(request.params[0]);
   if (!design) return reply(problem_response(design.error(), request));
   const bool is_known = std::find(kExports.begin(), kExports.end(), name) != kExports.end();
@@ -202,11 +199,11 @@ void design_file(const Request& request, Service& service, const HandlerContext&
         request));
   if (name == "spec.json")
     return answer_file(request, reply, service.designs.content(design->id), name);
-  const std::string etag = fmt::format("\"{}-{}-{}-{}{}\"", design->id, name, part.value_or(1),
-                                       context.build, service.designs.material_mark(design->id));
+  const std::string etag = fmt::format("\"{}-{}-{}-{}{}\"", design->id, name, part, context.build,
+                                       service.designs.material_mark(design->id));
   if (has_seen(request, etag)) return reply(unchanged(etag, kKept));
   Designs::CallOff call_off = service.designs.file(
-      request.principal, design->id, name, static_cast<int>(part.value_or(1)),
+      request.principal, design->id, name, part,
       [reply, etag, name, target = request.target, id = request.id](Answer<std::string> bytes) {
         if (!bytes) return reply(problem_response(bytes.error(), target, id));
         Response response = drawing(type_of(name));
@@ -225,14 +222,12 @@ void delete_design(const Request& request, Service& service, const HandlerContex
   if (!design) return reply(problem_response(design.error(), request));
   if (const auto not_theirs = check_owner(request, design->owner))
     return reply(problem_response(*not_theirs, request));
-  const Answer<void> gone = service.designs.remove(request.principal, design->id);
-  if (!gone) return reply(problem_response(gone.error(), request));
-  reply(empty_response());
+  reply(done_response(request, service.designs.remove(request.principal, design->id)));
 }
 
 void plan_design(const Request& request, Service& service, const HandlerContext& context,
                  Reply reply) {
-  auto wanted = read_body_as<PlanRequest>(request, context.limits.json_depth, read_plan_request);
+  auto wanted = read_body<PlanRequest>(request, context, body::kPlanRequest, read_plan_request);
   if (!wanted) return reply(problem_response(wanted.error(), request));
   wanted->design = request.params[0];
   answer_once(request, service, reply, [&] {
@@ -257,9 +252,7 @@ void get_plan(const Request& request, Service& service, const HandlerContext&, R
 }
 
 void delete_plan(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const Answer<void> gone = service.plans.remove(request.principal, request.params[0]);
-  if (!gone) return reply(problem_response(gone.error(), request));
-  reply(empty_response());
+  reply(done_response(request, service.plans.remove(request.principal, request.params[0])));
 }
 
 void plan_file(const Request& request, Service& service, const HandlerContext&, Reply reply) {
@@ -280,7 +273,7 @@ void sheet_program(const Request& request, Service& service, const HandlerContex
   std::string name = *sheet + ".gpgl";
   Answer<std::string> path = service.plans.file(request.params[0], name);
   if (!path && path.error().kind == ProblemKind::NotFound) {
-    // A plan holds the one or the other.
+    // A plan has one or the other.
     const std::string other = *sheet + ".hpgl";
     if (Answer<std::string> hpgl = service.plans.file(request.params[0], other)) {
       path = std::move(hpgl);
@@ -290,4 +283,5 @@ void sheet_program(const Request& request, Service& service, const HandlerContex
   answer_file(request, reply, path, name);
 }
 
-}  // namespace popcut::daemon::http::handle
+}  // namespace handle
+}  // namespace popcut::daemon::http

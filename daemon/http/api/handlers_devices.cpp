@@ -1,14 +1,24 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/handlers.hpp"
-#include "daemon/http/api/json_body.hpp"
+#include "daemon/http/api/input.hpp"
 #include "daemon/http/api/render.hpp"
 
-namespace popcut::daemon::http::handle {
+namespace popcut::daemon::http {
+
+const Body body::kTestCut{.schema = "TestCut",
+                          .fields = {text("material", kIdLimit).described("default: paper-220")},
+                          .example = R"({"material": "paper-220"})",
+                          .is_optional = true};
+
+const Body body::kMaterialRow{.schema = "MaterialRow", .is_in_source = true};
+
+namespace handle {
 namespace {
 
 Response answer_device(const Request& request, const Answer<DeviceRecord>& device) {
@@ -17,7 +27,7 @@ Response answer_device(const Request& request, const Answer<DeviceRecord>& devic
 }
 
 bool is_material_id(const std::string& id) {
-  return id.size() <= 64 && std::all_of(id.begin(), id.end(), [](char c) {
+  return id.size() <= kMaterialIdLimit.characters && std::all_of(id.begin(), id.end(), [](char c) {
            return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||
                   c == '.';
          });
@@ -27,12 +37,9 @@ bool is_material_id(const std::string& id) {
 
 void list_devices(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 'v';
-  std::vector<RequestFault> faults;
-  const PageRequest wanted = page_request(request, kList, faults, kUsualWhole);
-  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
-  reply(page_response(
-      page_of(service.devices.list(), wanted, [](const DeviceRecord& device) { return device.id; }),
-      kList, [](const DeviceRecord& device) { return dump(to_json(device)); }));
+  reply(whole_list_response(
+      request, kList, service.devices.list(), [](const DeviceRecord& device) { return device.id; },
+      [](const DeviceRecord& device) { return dump(to_json(device)); }));
 }
 
 void get_device(const Request& request, Service& service, const HandlerContext&, Reply reply) {
@@ -43,12 +50,12 @@ void act_on_device(const Request& request, Service& service, const HandlerContex
                    Reply reply) {
   DeviceRequest wanted;
   wanted.action = request.path().substr(request.path().rfind('/') + 1);
-  const auto body =
-      read_body_as<std::string>(request, context.limits.json_depth, [&wanted](FieldReader& fields) {
-        return wanted.action == "test-cut" ? fields.text("material", "", line(64)) : std::string();
-      });
-  if (!body) return reply(problem_response(body.error(), request));
-  wanted.material = *body;
+  const bool is_test = wanted.action == "test-cut";
+  const auto material = read_body<std::string>(
+      request, context, is_test ? body::kTestCut : body::kNothing,
+      [is_test](BodyReader& body) { return is_test ? body.text("material") : std::string(); });
+  if (!material) return reply(problem_response(material.error(), request));
+  wanted.material = *material;
   const Answer<std::int64_t> rev = wanted_rev(request, std::nullopt);
   if (!rev) return reply(problem_response(rev.error(), request));
   answer_once(request, service, reply, [&] {
@@ -63,13 +70,10 @@ void act_on_device(const Request& request, Service& service, const HandlerContex
 
 void list_materials(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 'm';
-  std::vector<RequestFault> faults;
-  const PageRequest wanted = page_request(request, kList, faults, kUsualWhole);
-  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
-  reply(page_response(page_of(service.materials.list(), wanted,
-                              [](const MaterialRecord& material) { return material.id; }),
-                      kList,
-                      [](const MaterialRecord& material) { return dump(to_json(material)); }));
+  reply(whole_list_response(
+      request, kList, service.materials.list(),
+      [](const MaterialRecord& material) { return material.id; },
+      [](const MaterialRecord& material) { return dump(to_json(material)); }));
 }
 
 void get_material(const Request& request, Service& service, const HandlerContext&, Reply reply) {
@@ -88,7 +92,9 @@ void put_material(const Request& request, Service& service, const HandlerContext
   const std::string& id = request.params[0];
   if (!is_material_id(id))
     return reply(problem_response(
-        validation({{"/name", "format", "must be 1 to 64 characters of a-z, 0-9, '-', '_', '.'"}}),
+        validation({{"/name", "format",
+                     fmt::format("must be 1 to {} characters of a-z, 0-9, '-', '_', '.'",
+                                 kMaterialIdLimit.characters)}}),
         request));
   std::int64_t rev = 0;  // it must be new
   if (request.header("if-match")) {
@@ -105,9 +111,9 @@ void put_material(const Request& request, Service& service, const HandlerContext
 void delete_material(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   const Answer<std::int64_t> rev = wanted_rev(request, std::nullopt);
   if (!rev) return reply(problem_response(rev.error(), request));
-  const Answer<void> gone = service.materials.remove(request.principal, request.params[0], *rev);
-  if (!gone) return reply(problem_response(gone.error(), request));
-  reply(empty_response());
+  reply(
+      done_response(request, service.materials.remove(request.principal, request.params[0], *rev)));
 }
 
-}  // namespace popcut::daemon::http::handle
+}  // namespace handle
+}  // namespace popcut::daemon::http
