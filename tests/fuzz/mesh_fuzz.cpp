@@ -4,7 +4,8 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "core/design/target/mesh_reader.hpp"
+#include "core/model/height_grid.hpp"
+#include "core/model/model.hpp"
 
 using namespace popcut;
 
