@@ -8,13 +8,14 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "core/compare/comparison.hpp"
 #include "core/design/facet_design.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/geometry/triangulate.hpp"
 #include "core/geometry/vec.hpp"
+#include "core/model/height_grid.hpp"
+#include "core/model/model.hpp"
 #include "core/text/file_kind.hpp"
 #include "core/text/words.hpp"
 #include "core/verify/sheet/check.hpp"
@@ -38,8 +39,8 @@ bool has_ending(const std::string& file, std::string_view ending) {
 }
 
 Result<std::vector<float>> mesh_triangles(const std::string& file, const std::string& bytes) {
-  auto triangles = has_ending(file, ".csv") ? verify::read_target_grid(file, bytes)
-                                            : verify::read_target_mesh(file, bytes);
+  auto triangles =
+      has_ending(file, ".csv") ? read_height_grid(file, bytes) : read_mesh(file, bytes);
   if (!triangles) return tl::unexpected(within(file, triangles.error()));
   return std::move(triangles->corners);
 }
@@ -137,8 +138,10 @@ std::optional<Strips> strips_of(const std::string& fold_text, const verify::Targ
 
 Result<SpecSurface> read_spec(const std::string& file, const std::string& text,
                               const ComparedStructure& structure) {
+  const auto spec = parse_design_spec(text);
+  if (!spec) return tl::unexpected(within(file, spec.error()));
   // Facets have no slices to check, so that verify does not read them.
-  if (const auto spec = parse_design_spec(text); spec && spec->style == DesignStyle::Facets) {
+  if (spec->style == DesignStyle::Facets) {
     const auto assets = load_assets(*spec, file);
     if (!assets) return tl::unexpected(within(file, assets.error()));
     auto target = facet_target(*spec, *assets);
@@ -154,7 +157,7 @@ Result<SpecSurface> read_spec(const std::string& file, const std::string& text,
     if (!bytes) return tl::unexpected(within(file, bytes.error()));
     files.emplace(name, std::move(*bytes));
   }
-  auto target = verify::read_target(text, files);
+  auto target = verify::read_target(*spec, files);
   if (!target) return tl::unexpected(within(file, target.error()));
   const likeness::Box box = likeness::box_of(structure.triangles);
   verify::TargetReach reach{box.low.y(), box.high.y(), 1.05 * box.high.x(), 1.05 * box.high.z()};
@@ -167,12 +170,10 @@ Result<SpecSurface> read_spec(const std::string& file, const std::string& text,
     reach.begin_mm = -0.5 * target->slices.front().width_mm;
     reach.end_mm = target->slices.back().s_mm + 0.5 * target->slices.back().width_mm;
   }
-  verify::TargetTriangles triangles;
+  TriangleMesh triangles;
   target->surface->add_triangles(reach, triangles);
   out.triangles = std::move(triangles.corners);
-  const auto json = nlohmann::json::parse(text, nullptr, false);
-  const auto type = nlohmann::json::json_pointer("/surface/type");
-  out.is_mesh = json.contains(type) && json.at(type) == "mesh";
+  out.is_mesh = spec->surface && std::holds_alternative<MeshSpec>(*spec->surface);
   return out;
 }
 

@@ -100,11 +100,11 @@ TEST_CASE("what a model names and cannot be read is one error with its place", "
   CHECK_THAT(error_of("q.obj", kQuad + "f 1/9 2/2 3/3\n", {}),
              Catch::Contains("names place 9 of the texture"));
   CHECK_THAT(error_of("q.obj", named, {{"m.mtl", "newmtl skin\nKd red\n"}}),
-             Catch::Contains("m.mtl: line 2: is no colour"));
+             Catch::Contains("m.mtl: line 2: is not a colour"));
   CHECK_THAT(error_of("q.obj", named, {{"m.mtl", "newmtl skin\nKd nan 0 0\n"}}),
-             Catch::Contains("m.mtl: line 2: is no colour"));
+             Catch::Contains("m.mtl: line 2: is not a colour"));
   CHECK_THAT(error_of("q.obj", kQuad + "vt inf 0\nf 1 2 3\n", {}),
-             Catch::Contains("is no place of a texture"));
+             Catch::Contains("is not a place in a texture"));
   const auto gltf = [&](const std::string& mesh, int node) {
     return error_of("q.gltf",
                     fmt::format(R"({{"asset": {{"version": "2.0"}},
@@ -118,11 +118,37 @@ TEST_CASE("what a model names and cannot be read is one error with its place", "
   CHECK_THAT(gltf(R"({"attributes": {"POSITION": 0}})", 3), Catch::Contains("q.gltf: /meshes/3"));
   CHECK_THAT(gltf(R"({"attributes": {"POSITION": 0}, "material": 7})", 0),
              Catch::Contains("q.gltf: /materials/7"));
-  CHECK_THAT(error_of("q.glb", "glTF nonsense", {}), Catch::Contains("q.glb: is no glTF"));
+  CHECK_THAT(error_of("q.glb", "glTF nonsense", {}), Catch::Contains("q.glb: cannot be read as glTF"));
   CHECK_THAT(error_of("q.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
                         "nodes": [{"children": [0]}]})",
                       {}),
              Catch::Contains("q.gltf"));
+}
+
+TEST_CASE("a picture of a glTF that reaches beyond its buffer is refused", "[artwork]") {
+  const std::string png = small_png(), places(36, '\0');
+  const auto read = [&](std::size_t picture_bytes) {
+    return read_colour_mesh(
+        "q.gltf",
+        fmt::format(R"({{"asset": {{"version": "2.0"}}, "scenes": [{{"nodes": [0]}}],
+        "nodes": [{{"mesh": 0}}],
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "material": 0}}]}}],
+        "materials": [{{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}}}}}],
+        "textures": [{{"source": 0}}], "images": [{{"bufferView": 1, "mimeType": "image/png"}}],
+        "buffers": [{{"byteLength": {0}, "uri": "b.bin"}}],
+        "bufferViews": [{{"buffer": 0, "byteLength": 36}},
+                        {{"buffer": 0, "byteOffset": 36, "byteLength": {1}}}],
+        "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}}]}})",
+                    36 + png.size(), picture_bytes),
+        files_of({{"b.bin", places + png}}));
+  };
+  const auto whole = read(png.size());
+  if (!whole) FAIL(message(whole.error()));
+  CHECK(whole->textures.size() == 1);
+  const auto beyond = read(png.size() + 1);
+  REQUIRE(!beyond);
+  CHECK(message(beyond.error()) ==
+        "q.gltf: /images/0: reaches beyond its buffer; is the file whole?");
 }
 
 /// A JPEG of noise.
