@@ -5,10 +5,12 @@
 #include <cmath>
 #include <limits>
 
+#include "core/geometry/angle.hpp"
+
 namespace popcut {
 namespace {
 
-const double kFacing = std::cos(20.0 * 3.14159265358979323846 / 180.0);
+const double kFacing = std::cos(radians(20.0));
 
 /// A corner on the picture: columns and rows as numbers, and the depth.
 struct Corner {

@@ -46,7 +46,7 @@ struct RepairOptions {
 /// least of: two panels of a strip are left out, so that those before and after them meet in a
 /// fold (a strut); a strip does without cuts across it (a strut); a panel of one strip goes to a
 /// plane beside its own, with its folds (a shift): what it meets goes on in the strips beside it,
-/// and so meets planes at two places; a loose patch gives its label up. `mobility` then checks the
+/// and so meets planes at two places; a loose patch gives its label up. `rigid::mobility` then checks the
 /// result. The repair always ends: at worst with the bare card, which has one freedom.
 ///
 /// Patches that others enclose on all sides touch one plane only and so never hold: they are filled

@@ -7,7 +7,7 @@
 
 #include "core/design/target/surface_spec.hpp"
 #include "core/design/target/triangle_mesh.hpp"
-#include "core/geometry/opening.hpp"
+#include "core/geometry/design_angle.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
@@ -54,7 +54,7 @@ class PlacementMap {
   std::array<std::array<double, 3>, 3> turn_;  ///< rows; exact for multiples of 90 degrees
   double scale_;
   std::array<double, 3> shift_;
-  Opening opening_;
+  DesignAngle opening_;
 };
 
 /// The mesh in the corner, mm, in the section's coordinates.

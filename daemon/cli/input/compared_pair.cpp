@@ -15,6 +15,7 @@
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/geometry/triangulate.hpp"
 #include "core/geometry/vec.hpp"
+#include "core/judge/card_pose.hpp"
 #include "core/text/file_kind.hpp"
 #include "core/text/words.hpp"
 #include "core/verify/sheet/check.hpp"
@@ -25,7 +26,6 @@
 #include "daemon/cli/input/model_file.hpp"
 #include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/files/output_folder.hpp"
-#include "daemon/planning/judge/opened_card.hpp"
 
 namespace popcut::cli {
 namespace compared_pair {
@@ -234,7 +234,7 @@ Result<ComparedStructure> read_structure(const std::string& file, std::optional<
         ErrorKind::Malformed, file,
         fmt::format("is {}; give a pattern (.fold, .svg, .dxf) or a 3D model (.stl, .obj, .glb)",
                     foreign));
-  auto card = planning::open_card(*text, psi_rad, progress);
+  auto card = judge::open_card(*text, psi_rad, progress);
   if (!card && is_design_spec(*text)) return tl::unexpected(not_yet_designed(file, "compare"));
   if (!card && !psi_rad)
     if (auto folded = folded_form(*text); folded && has_size(*folded)) {
