@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "core/rigid/propagation.hpp"
+#include "core/rigid/mobility.hpp"
 
 namespace popcut {
 namespace {

@@ -8,7 +8,7 @@
 #include "core/design/strips/strips.hpp"
 #include "core/pattern/pattern.hpp"
 #include "core/result.hpp"
-#include "core/rigid/section.hpp"
+#include "core/rigid/mobility.hpp"
 
 namespace popcut {
 
