@@ -9,7 +9,7 @@
 
 #include "core/judge/pattern_model.hpp"
 #include "core/text/json_text.hpp"
-#include "core/verify/report_json.hpp"
+#include "core/verify/verify_json.hpp"
 
 namespace popcut::judge {
 namespace {
@@ -82,7 +82,7 @@ std::string unsound_json(const std::vector<UnsoundPart>& parts) {
   const auto part_json = [](const UnsoundPart& part) {
     return Json{{"part", part.number},
                 {"name", part.name},
-                {"verify", part.report ? report_json(*part.report)
+                {"verify", part.report ? verify_report_json(*part.report)
                                        : Json{{"ok", false}, {"error", what_fails(part.report)}}}};
   };
   return json_file({{"sound", false}, {"parts", json_list(parts, part_json)}});

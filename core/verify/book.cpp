@@ -13,7 +13,7 @@
 #include "core/geometry/angle.hpp"
 #include "core/text/json_text.hpp"
 #include "core/verify/judge.hpp"
-#include "core/verify/report_json.hpp"
+#include "core/verify/verify_json.hpp"
 #include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/target/target.hpp"
 
@@ -275,7 +275,7 @@ std::string verify_json(const BookVerifyReport& report) {
             {"cards", Json::array()}};
   for (std::size_t i = 0; i < report.cards.size(); ++i) {
     Json card{{"name", report.names[i]}};
-    card.update(report_json(report.cards[i]));
+    card.update(verify_report_json(report.cards[i]));
     json["cards"].push_back(std::move(card));
   }
   return json_file(json);

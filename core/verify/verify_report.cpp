@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "core/text/json_text.hpp"
-#include "core/verify/report_json.hpp"
+#include "core/verify/verify_json.hpp"
 
 namespace popcut {
 namespace {
@@ -40,7 +40,7 @@ std::string verify_text(const VerifyReport& report) {
   return text;
 }
 
-Json report_json(const VerifyReport& report) {
+Json verify_report_json(const VerifyReport& report) {
   Json json{{"ok", report.ok()},           {"pieces", report.pieces},
             {"faces", report.faces},       {"fold_faces", report.fold_faces},
             {"vertices", report.vertices}, {"edges", report.edges},
@@ -78,6 +78,6 @@ Json report_json(const VerifyReport& report) {
   return json;
 }
 
-std::string verify_json(const VerifyReport& report) { return json_file(report_json(report)); }
+std::string verify_json(const VerifyReport& report) { return json_file(verify_report_json(report)); }
 
 }  // namespace popcut

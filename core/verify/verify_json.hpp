@@ -8,7 +8,7 @@
 namespace popcut {
 
 /// The members of `verify_json`, for documents that contain a report.
-[[nodiscard]] nlohmann::ordered_json report_json(const VerifyReport& report);
+[[nodiscard]] nlohmann::ordered_json verify_report_json(const VerifyReport& report);
 
 /// The `checks` of a report.
 [[nodiscard]] nlohmann::ordered_json checks_json(const std::vector<VerifyCheck>& checks);
