@@ -3,14 +3,15 @@ cmake_minimum_required(VERSION 3.20)
 
 # The one table: a folder and all below it : what it does not include : why.
 # A folder may always include itself and what lies below it; what a row forbids to a whole layer is
-# not forbidden to itself.
+# not forbidden to itself. FOLDER except OTHER: the row does not hold for OTHER.
 set(walls
   "core : (protocol|device|daemon)/ : the layers are core, protocol, device, daemon"
   "protocol : (device|daemon)/ : the layers are core, protocol, device, daemon"
   "device : daemon/ : the layers are core, protocol, device, daemon"
   "core/text : core/[a-z]+/ : it serves all of core"
   "core/geometry : core/[a-z]+/ : it serves all of core"
-  "core/model : core/(artwork|calibrate|compare|curvature|deploy|design|drawing|figures|fit|formats|layout|machines|pattern|picture|plan|plot|print|search|verify)/ : a model is read from its file alone"
+  "core/model : core/(artwork|calibrate|compare|curvature|deploy|design|drawing|figures|fit|formats|judge|layout|machines|pattern|picture|plan|plot|print|rigid|search|verify)/ : a model is read from its file alone"
+  "core/rigid : core/(artwork|calibrate|compare|curvature|deploy|design|drawing|figures|fit|formats|judge|layout|machines|model|pattern|picture|plan|plot|print|search|text|verify)/ : rigid bodies are plain numbers"
   "core/pattern : core/(curvature|deploy|design|drawing|figures|formats|layout|machines|plan|verify)/ : a pattern is a value"
   "core/drawing : core/(curvature|deploy|design|figures|formats|layout|machines|plan|verify)/ : lines come before what is done with them"
   "core/machines : core/(curvature|deploy|design|figures|formats|layout|plan|verify)/ : a machine is a row of a table"
@@ -26,8 +27,10 @@ set(walls
   "core/plan : core/(curvature|deploy|design|figures|formats|pattern|verify)/ : a plan is made from lines"
   "core/artwork : core/(curvature|deploy|figures|formats/(csv|dxf|fold|lattice|pens|svg|write)|machines|print|verify)/ : pictures are laid on a plan or a pattern"
   "core/print : core/(curvature|deploy|design|figures|formats|verify)/ : pages are made from a plan or a pattern"
-  "core/verify : core/(artwork|curvature|deploy|design/(chain|facets|lattice|outline|spline|strips|target|[a-z_]+[.]hpp)|drawing|figures|formats|layout|machines|pattern|plan)/? : it computes the geometry of patterns and targets on its own; it shares the parsers of specs (core/design/spec) and models (core/model), core/geometry and core/text with what makes patterns"
-  "core : core/verify/ : nothing in core rests on what judges it"
+  "core/verify : core/(artwork|curvature|deploy|design/(chain|facets|lattice|outline|spline|strips|target|[a-z_]+[.]hpp)|drawing|figures|formats|judge|layout|machines|pattern|plan|rigid)/? : it computes the geometry of patterns and targets on its own; it shares the parsers of specs (core/design/spec) and models (core/model), core/geometry and core/text with what makes patterns"
+  "core/judge : core/(artwork|calibrate|curvature|drawing|figures|layout|machines|picture|plan|plot|print|search)/ : it gives patterns to the verifier, and opens them with its solver"
+  "core except core/judge : core/verify/ : nothing in core rests on what judges it"
+  "core : core/judge/ : nothing in core rests on what judges it"
   "core : core/figures/ : the paper's figures serve its readers only"
   "protocol : core/(curvature|deploy|design|figures|formats|pattern|verify)/ : bytes come from a plan"
   "device : core/(curvature|deploy|design|figures|formats|pattern|verify)/ : a cutter gets a plan"
@@ -95,7 +98,12 @@ foreach(folder ${folders})
     set(who "${CMAKE_MATCH_1}")
     set(what "${CMAKE_MATCH_2}")
     set(why "${CMAKE_MATCH_3}")
-    if(NOT "${folder}/" MATCHES "^${who}/")
+    set(but "nobody")
+    if(who MATCHES "^(.*) except (.*)$")
+      set(who "${CMAKE_MATCH_1}")
+      set(but "${CMAKE_MATCH_2}")
+    endif()
+    if(NOT "${folder}/" MATCHES "^${who}/" OR "${folder}/" MATCHES "^${but}/")
       continue()
     endif()
     set(layer OFF)

@@ -39,6 +39,10 @@ expect(wall "core/verify/a.hpp: includes core/design/b.hpp: it judges"
   core/verify/a.hpp "#include \"core/design/b.hpp\"" core/design/b.hpp "")
 expect(judge "core/plan/a.hpp: includes core/verify/sheet/b.hpp: nothing in core rests on"
   core/plan/a.hpp "#include \"core/verify/sheet/b.hpp\"" core/verify/sheet/b.hpp "")
+expect(judge_below "core/plan/a.hpp: includes core/judge/b.hpp: nothing in core rests on"
+  core/plan/a.hpp "#include \"core/judge/b.hpp\"" core/judge/b.hpp "")
+expect(asks_verifier ""
+  core/judge/a.hpp "#include \"core/verify/sheet/b.hpp\"" core/verify/sheet/b.hpp "")
 expect(judges ""
   core/verify/motion/a.hpp "#include \"core/verify/sheet/b.hpp\"" core/verify/sheet/b.hpp "")
 expect(library "daemon/http/a.hpp: includes <sqlite3.h>: only daemon/store may"

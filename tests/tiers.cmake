@@ -31,7 +31,7 @@ set(popcut_sanitized
   "conformance/(device|protocol)_captures : recorded bytes of cutters are read"
   "unit/artwork/colour_mesh : models with textures are read, as glTF, OBJ, PNG and JPEG"
   "unit/artwork/artwork : pictures are decoded and their pixels addressed"
-  "unit/daemon/(client|config|http_handlers|http_parts|pages|png|sheet_opening|store|webhook) : bytes of clients, servers, files and databases are read"
+  "unit/daemon/(client|config|http_handlers|http_parts|pages|png|sheet_motion|store|webhook) : bytes of clients, servers, files and databases are read"
   "unit/design/(outline|target_readers|targets) : fonts, meshes and tables are read"
   "unit/formats/ : drawings and patterns are read"
   "unit/protocol/ : commands and replies of cutters are read"

@@ -7,7 +7,7 @@
 
 #include "core/artwork/colour_image.hpp"
 #include "core/fit/triangle_soup.hpp"
-#include "core/geometry/opening.hpp"
+#include "core/geometry/design_angle.hpp"
 
 namespace popcut {
 

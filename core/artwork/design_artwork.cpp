@@ -34,7 +34,7 @@ class PartArtwork {
   PartArtwork(const Pattern& pattern, const PixelFrame& frame, const ArtworkOptions& options)
       : pattern_(pattern),
         options_(options),
-        opening_(Opening::of_rad(pattern.design_psi_rad)),
+        opening_(DesignAngle::of_rad(pattern.design_psi_rad)),
         frame_(frame) {
     // The part's own page begins at its place.
     frame_.left_mm -= pattern.place.v_mm, frame_.top_mm -= pattern.place.u_mm;
@@ -69,7 +69,7 @@ class PartArtwork {
  private:
   const Pattern& pattern_;
   const ArtworkOptions& options_;
-  Opening opening_;
+  DesignAngle opening_;
   PixelFrame frame_;
 };
 
@@ -92,7 +92,7 @@ ColourMesh model_on_sheet(ColourMesh model, const TargetPlacement& placement,
 ColourMesh clay_on_sheet(const Design& design) {
   ColourMesh mesh;
   mesh.soup = target_on_sheet(design, true);
-  const Opening opening = Opening::of_rad(design.pattern.design_psi_rad);
+  const DesignAngle opening = DesignAngle::of_rad(design.pattern.design_psi_rad);
   for (std::size_t k = 0; k + 2 < mesh.soup.corners.size(); k += 3)
     opening.to_oblique(mesh.soup.corners[k], mesh.soup.corners[k + 2]);
   make_clay(mesh);

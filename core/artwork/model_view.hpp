@@ -4,15 +4,15 @@
 #include "core/artwork/colour_image.hpp"
 #include "core/artwork/colour_mesh.hpp"
 #include "core/artwork/pixel_frame.hpp"
-#include "core/geometry/opening.hpp"
+#include "core/geometry/design_angle.hpp"
 
 namespace popcut {
 
 /// How light falls on a model: a share `shade` of its colour depends on how much the surface looks
 /// to the light, which comes from above, from the left and from the front.
 struct Lighting {
-  double shade{0};    ///< 0: the colours as they are; 1: black where no light falls
-  Opening opening{};  ///< of the axes that the model's x and z are in
+  double shade{0};        ///< 0: the colours as they are; 1: black where no light falls
+  DesignAngle opening{};  ///< of the axes that the model's x and z are in
 };
 
 /// How bright a triangle of the model is, 0 to 1. Both of its sides are lit as the one that looks

@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "core/artwork/pixel_frame.hpp"
-#include "core/geometry/opening.hpp"
+#include "core/geometry/design_angle.hpp"
 #include "core/geometry/vec.hpp"
 #include "core/text/text_sink.hpp"
 
@@ -24,7 +24,7 @@ class SeenModel {
  public:
   SeenModel(const ColourMesh& mesh, const Pattern& pattern, const PixelFrame& frame)
       : mesh_(mesh),
-        opening_(Opening::of_rad(pattern.design_psi_rad)),
+        opening_(DesignAngle::of_rad(pattern.design_psi_rad)),
         wall_mm_(pattern.wall_mm),
         at_(pattern.place),
         frame_(frame),
@@ -143,7 +143,7 @@ class SeenModel {
   }
 
   const ColourMesh& mesh_;
-  Opening opening_;
+  DesignAngle opening_;
   double wall_mm_;
   PatternPlace at_;
   PixelFrame frame_;

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "core/compare/comparison.hpp"
+#include "core/geometry/angle.hpp"
 
 namespace popcut::likeness {
 namespace {
@@ -175,13 +176,12 @@ Eigen::Matrix3d ModelPlacement::turn_of(const std::array<double, 3>& degrees) {
 }
 
 std::array<double, 3> ModelPlacement::degrees() const {
-  constexpr double kDegree = 180.0 / std::numbers::pi;
   const double y = std::asin(std::clamp(-turn(2, 0), -1.0, 1.0));
   const bool is_upright = std::abs(turn(2, 0)) > 1.0 - 1e-12;  // x and z turn about one axis
   const double x = is_upright ? 0.0 : std::atan2(turn(2, 1), turn(2, 2));
   const double z =
       is_upright ? std::atan2(-turn(0, 1), turn(1, 1)) : std::atan2(turn(1, 0), turn(0, 0));
-  return {x * kDegree + 0.0, y * kDegree + 0.0, z * kDegree + 0.0};  // never -0
+  return {x * kDegrees + 0.0, y * kDegrees + 0.0, z * kDegrees + 0.0};  // never -0
 }
 
 std::vector<float> placed(Triangles model, const ModelPlacement& placement) {

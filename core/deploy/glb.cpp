@@ -271,7 +271,7 @@ class Scene {
       tinygltf::Node node;
       node.name = fmt::format("card {}", i + 1);
       node.children = std::move(*children);
-      const Turn turn = turn_of_card(i, table->psi_rad.back());
+      const rigid::Turn turn = turn_of_card(i, table->psi_rad.back());
       node.rotation.assign(turn.coeffs().begin(), turn.coeffs().end());
       root.children.push_back(static_cast<int>(model_.nodes.size()));
       model_.nodes.push_back(std::move(node));
@@ -344,7 +344,7 @@ class Scene {
     for (std::size_t b = 0; b < bodies; ++b) {
       tinygltf::Node& node = model_.nodes[first + b];
       const Vec3 place = joint_place(table, rest, b);
-      const Turn turn = joint_turn(table, rest, b);
+      const rigid::Turn turn = joint_turn(table, rest, b);
       node.name = b < table.faces ? face_name(pattern, b) : fmt::format("link {}", b);
       node.translation.assign(place.begin(), place.end());
       node.rotation.assign(turn.coeffs().begin(), turn.coeffs().end());
@@ -387,17 +387,17 @@ class Scene {
   }
 
   /// A card of a book is turned about the spine by the openings of those before it: x toward z.
-  static Turn turn_of_card(std::size_t card, double psi_rad) {
-    return Turn(Eigen::AngleAxisd(-static_cast<double>(card) * psi_rad, Vec3(0, 1, 0)));
+  static rigid::Turn turn_of_card(std::size_t card, double psi_rad) {
+    return rigid::Turn(Eigen::AngleAxisd(-static_cast<double>(card) * psi_rad, Vec3(0, 1, 0)));
   }
 
   void add_card_track(const PoseTable& table, std::size_t card) {
     std::vector<std::size_t> keys(table.poses());
     std::iota(keys.begin(), keys.end(), std::size_t{0});
     std::vector<float> numbers;
-    Turn last = kNoTurn;
+    rigid::Turn last = rigid::kNoTurn;
     for (const std::size_t k : keys) {
-      last = toward(turn_of_card(card, table.psi_rad[k]), last);
+      last = rigid::toward(turn_of_card(card, table.psi_rad[k]), last);
       for (const double part : last.coeffs()) numbers.push_back(static_cast<float>(part));
     }
     add_track(time_track(table, keys), static_cast<int>(model_.nodes.size()) - 1, "rotation",
@@ -432,9 +432,9 @@ class Scene {
   static std::vector<float> turns_of(const PoseTable& table, const std::vector<std::size_t>& keys,
                                      std::size_t body) {
     std::vector<float> numbers;
-    Turn last = kNoTurn;
+    rigid::Turn last = rigid::kNoTurn;
     for (const std::size_t k : keys) {
-      const Turn turn = toward(joint_turn(table, k, body), last);
+      const rigid::Turn turn = rigid::toward(joint_turn(table, k, body), last);
       // Parts below float precision are noise; without it equal tracks are equal.
       constexpr double kNoise = 1e-9;
       for (const double part : turn.coeffs())

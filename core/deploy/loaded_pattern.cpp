@@ -11,6 +11,8 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/angle.hpp"
+
 namespace popcut {
 namespace {
 
@@ -29,7 +31,7 @@ std::optional<double> angle_of(const FoldFrame& frame) {
   for (std::size_t e = 0; e < frame.edges.size(); ++e) {
     const char role = frame.assignments[e];
     if (role == 'V' || role == 'M')
-      return std::numbers::pi - std::abs(frame.fold_angles_deg[e]) * std::numbers::pi / 180;
+      return std::numbers::pi - radians(std::abs(frame.fold_angles_deg[e]));
   }
   return std::nullopt;
 }
@@ -149,25 +151,6 @@ EdgeRole role_of(char assignment) {
   return assignment == 'V' ? EdgeRole::Valley : EdgeRole::Outline;
 }
 
-void add_faces_and_edges(const FoldFrame& flat, Pattern& pattern) {
-  std::unordered_map<std::uint64_t, std::int32_t> face_of;  // by directed side
-  pattern.face_first.push_back(0);
-  for (const auto& face : flat.faces) {
-    for (std::size_t i = 0; i < face.size(); ++i)
-      face_of[side(face[i], face[(i + 1) % face.size()])] =
-          static_cast<std::int32_t>(pattern.faces());
-    pattern.face_vertices.insert(pattern.face_vertices.end(), face.begin(), face.end());
-    pattern.face_first.push_back(static_cast<std::uint32_t>(pattern.face_vertices.size()));
-  }
-  for (std::size_t e = 0; e < flat.edges.size(); ++e) {
-    const auto& [from, to] = flat.edges[e];
-    const auto left = face_of.find(side(from, to)), right = face_of.find(side(to, from));
-    pattern.edges.push_back({from, to, left == face_of.end() ? -1 : left->second,
-                             right == face_of.end() ? -1 : right->second,
-                             role_of(flat.assignments[e])});
-  }
-}
-
 /// H: what the flat frame's u is ahead of x - z. The middle of all, since tips of V-folds differ.
 double height_of_wall(const FoldFrame& flat, const Pattern& pattern, double mm) {
   std::vector<double> ahead;
@@ -261,6 +244,27 @@ bool is_level(const SegmentPanel& panel) {
 }
 
 }  // namespace
+
+void add_faces_and_edges(const FoldFrame& flat, Pattern& pattern) {
+  std::unordered_map<std::uint64_t, std::int32_t> face_of;  // by directed side
+  pattern.face_first.push_back(0);
+  for (const auto& face : flat.faces) {
+    for (std::size_t i = 0; i < face.size(); ++i)
+      face_of[side(face[i], face[(i + 1) % face.size()])] =
+          static_cast<std::int32_t>(pattern.faces());
+    pattern.face_vertices.insert(pattern.face_vertices.end(), face.begin(), face.end());
+    pattern.face_first.push_back(static_cast<std::uint32_t>(pattern.face_vertices.size()));
+  }
+  const auto beside = [&](std::uint32_t from, std::uint32_t to) {
+    const auto found = face_of.find(side(from, to));
+    return found == face_of.end() ? -1 : found->second;
+  };
+  for (std::size_t e = 0; e < flat.edges.size(); ++e) {
+    const auto& [from, to] = flat.edges[e];
+    pattern.edges.push_back(
+        {from, to, beside(from, to), beside(to, from), role_of(flat.assignments[e])});
+  }
+}
 
 Result<Pattern> pattern_from_fold(const FoldFile& file) {
   const auto sources = sources_of(file);

@@ -23,6 +23,10 @@ namespace popcut {
 /// @retval OutOfRange  the frames are not those of such panels; `place` is the vertex
 [[nodiscard]] Result<Pattern> pattern_from_fold(const FoldFile& file);
 
+/// Adds the faces and edges of a flat frame to a pattern that has neither. Mountains and valleys
+/// are folds; all other edges are outlines.
+void add_faces_and_edges(const FoldFrame& flat, Pattern& pattern);
+
 /// A pattern of loose rectangles, a face a row and in the order of the rows, with the corners
 /// `(x0, z0)`, `(x1, z1)` at the panel's lower v, then back at its upper v. Panels of one strip
 /// that share an end are hinged there (mountain where a level one is followed by an upright one,

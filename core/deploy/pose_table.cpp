@@ -73,16 +73,16 @@ Result<void> check_angles(std::span<const double> psi_rad) {
 
 /// The motion of each face at one pose, checked at all its vertices.
 Result<void> move_faces(const Work& work, std::span<const Vec3> places, double psi_rad,
-                        double slack_mm, std::span<Motion3> motions) {
+                        double slack_mm, std::span<rigid::Motion> motions) {
   for (std::size_t f = 0; f < work.pattern.faces(); ++f) {
     const auto& [c, flat, area] = work.anchors[f];
     const auto face = work.pattern.face(f);
     if (face.empty()) continue;
-    motions[f] = flat ? Motion3{kNoTurn, places[c[0]] - work.flat[c[0]]}
-                      : motion_of({work.flat[c[0]], work.flat[c[1]], work.flat[c[2]]},
-                                  {places[c[0]], places[c[1]], places[c[2]]});
+    motions[f] = flat ? rigid::Motion{rigid::kNoTurn, places[c[0]] - work.flat[c[0]]}
+                      : rigid::motion_of({work.flat[c[0]], work.flat[c[1]], work.flat[c[2]]},
+                                         {places[c[0]], places[c[1]], places[c[2]]});
     for (const std::uint32_t i : face) {
-      const double off = norm(moved(motions[f], work.flat[i]) - places[i]);
+      const double off = norm(motions[f](work.flat[i]) - places[i]);
       if (off <= std::max(slack_mm, kRigidWithin * work.size)) continue;
       return fail(ErrorKind::OutOfRange, fmt::format("faces/{}", f),
                   fmt::format("does not stay rigid: vertex {} is off by {:.3g} mm at psi = {} rad; "
@@ -97,8 +97,8 @@ Result<void> move_faces(const Work& work, std::span<const Vec3> places, double p
 void align_signs(PoseTable& table) {
   for (std::size_t k = 1; k < table.poses(); ++k) {
     for (std::size_t b = 0; b < table.bodies(); ++b) {
-      Turn& turn = table.motions[k * table.bodies() + b].turn;
-      turn = toward(turn, table.at(k - 1, b).turn);
+      rigid::Turn& turn = table.motions[k * table.bodies() + b].turn;
+      turn = rigid::toward(turn, table.at(k - 1, b).turn);
     }
   }
 }
@@ -107,9 +107,9 @@ void align_signs(PoseTable& table) {
 int restlessness(const PoseTable& table, std::size_t f, double size) {
   int rank = 0;
   for (std::size_t k = 0; k < table.poses(); ++k) {
-    const Motion3& motion = table.at(k, f);
+    const rigid::Motion& motion = table.at(k, f);
     if (norm(motion.shift) > kStillWithin * size) return 2;
-    if (motion.turn.angularDistance(kNoTurn) > kStillWithin) rank = 1;
+    if (motion.turn.angularDistance(rigid::kNoTurn) > kStillWithin) rank = 1;
   }
   return rank;
 }
@@ -191,13 +191,13 @@ void carry_roots(const Work& work, PoseTable& table) {
   }
   if (hung.empty()) return;
   const std::size_t bodies = table.bodies();
-  std::vector<Motion3> motions;
+  std::vector<rigid::Motion> motions;
   motions.reserve(table.poses() * (bodies + 1));
   for (std::size_t k = 0; k < table.poses(); ++k) {
     const auto first = table.motions.begin() + static_cast<std::ptrdiff_t>(k * bodies);
     motions.insert(motions.end(), first, first + static_cast<std::ptrdiff_t>(bodies));
     const Eigen::AngleAxisd wall(std::numbers::pi - table.psi_rad[k], Vec3::UnitY());
-    motions.push_back({Turn(wall), Vec3::Zero()});
+    motions.push_back({rigid::Turn(wall), Vec3::Zero()});
   }
   table.motions = std::move(motions);
   for (const std::uint32_t f : hung) table.parent[f] = static_cast<std::int32_t>(bodies);
@@ -257,10 +257,12 @@ bool are_enough(const PoseTable& table, const std::vector<std::size_t>& keys) {
   for (std::size_t b = 0; b < table.bodies(); ++b) {
     for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
       const double from = table.psi_rad[keys[i]], to = table.psi_rad[keys[i + 1]];
-      const Turn first = joint_turn(table, keys[i], b), last = joint_turn(table, keys[i + 1], b);
+      const rigid::Turn first = joint_turn(table, keys[i], b),
+                        last = joint_turn(table, keys[i + 1], b);
       const Vec3 place = joint_place(table, keys[0], b);
       for (std::size_t k = keys[i]; k <= keys[i + 1]; ++k) {
-        const Turn there = slerp(first, last, (table.psi_rad[k] - from) / (to - from));
+        const rigid::Turn there =
+            rigid::slerp(first, last, (table.psi_rad[k] - from) / (to - from));
         if (there.angularDistance(joint_turn(table, k, b)) > kWithinRad) return false;
         const double size = std::max(1.0, norm(place));
         if (table.parent[b] < 0 && norm(joint_place(table, k, b) - place) > kWithinRad * size)
@@ -292,8 +294,8 @@ Result<PoseTable> pose_table(const Pattern& pattern, std::span<const double> psi
   return table;
 }
 
-Turn joint_turn(const PoseTable& table, std::size_t pose, std::size_t body) {
-  const Turn& turn = table.at(pose, body).turn;
+rigid::Turn joint_turn(const PoseTable& table, std::size_t pose, std::size_t body) {
+  const rigid::Turn& turn = table.at(pose, body).turn;
   const std::int32_t parent = table.parent[body];
   if (parent < 0) return turn;
   return table.at(pose, static_cast<std::size_t>(parent)).turn.conjugate() * turn;
@@ -301,7 +303,7 @@ Turn joint_turn(const PoseTable& table, std::size_t pose, std::size_t body) {
 
 Vec3 joint_place(const PoseTable& table, std::size_t pose, std::size_t body) {
   const std::int32_t parent = table.parent[body];
-  if (parent < 0) return moved(table.at(pose, body), table.pivot[body]);
+  if (parent < 0) return table.at(pose, body)(table.pivot[body]);
   return table.pivot[body] - table.pivot[static_cast<std::size_t>(parent)];
 }
 

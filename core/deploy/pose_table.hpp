@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "core/deploy/rigid.hpp"
 #include "core/pattern/pattern.hpp"
 #include "core/result.hpp"
+#include "core/rigid/motion.hpp"
 
 namespace popcut {
 
@@ -19,7 +19,7 @@ inline constexpr std::size_t kMaxTabled = 10'000'000;  ///< poses times bodies o
 ///
 /// A body is a face of the pattern (bodies 0 .. faces - 1), or a link without paper that only
 /// carries others (the rest). Motions start from the flat sheet laid open with the spine on the v
-/// axis: the place `(u - wall_mm, v, 0)` of the sheet goes to `moved(at(pose, body), place)`.
+/// axis: the place `(u - wall_mm, v, 0)` of the sheet goes to `at(pose, body)(place)`.
 ///
 /// The bodies form a tree of hinges: `pivot` is a point on the hinge with the parent, as a place of
 /// the flat sheet, and lies in both at every pose. So a body turns against its parent about a fixed
@@ -30,11 +30,11 @@ struct PoseTable {
   std::vector<std::int32_t> parent;  ///< one a body, -1 for a root
   std::vector<Vec3> pivot;           ///< one a body; a root's is a point that does not move, if any
   std::vector<std::uint32_t> order;  ///< all bodies, each after its parent
-  std::vector<Motion3> motions;      ///< bodies() for the first pose, then for the second, ...
+  std::vector<rigid::Motion> motions;  ///< bodies() for the first pose, then for the second, ...
 
   [[nodiscard]] std::size_t bodies() const { return parent.size(); }
   [[nodiscard]] std::size_t poses() const { return psi_rad.size(); }
-  [[nodiscard]] const Motion3& at(std::size_t pose, std::size_t body) const {
+  [[nodiscard]] const rigid::Motion& at(std::size_t pose, std::size_t body) const {
     return motions[pose * bodies() + body];
   }
 };
@@ -61,7 +61,7 @@ using PosedVertices = std::function<void(double psi_rad, std::span<Vec3> places)
 [[nodiscard]] Result<PoseTable> pose_table(const Pattern& pattern, std::span<const double> psi_rad);
 
 /// How `body` is turned against its parent, or against the world if it is a root.
-[[nodiscard]] Turn joint_turn(const PoseTable& table, std::size_t pose, std::size_t body);
+[[nodiscard]] rigid::Turn joint_turn(const PoseTable& table, std::size_t pose, std::size_t body);
 
 /// Where the pivot of `body` lies in its parent: as an offset from the parent's own pivot, in axes
 /// that turn with the parent. For a root: its place in the world at `pose`.

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <vector>
 
 #include <fmt/format.h>
@@ -63,14 +62,13 @@ ShutStack shut_stack(const Strips& strips, double thickness_mm) {
 }
 
 std::optional<Warning> thickness_warning(const ShutStack& stack, double thickness_mm) {
-  constexpr double kMostOpenRad = 5 * std::numbers::pi / 180,
-                   kSmallestInThicknesses = 3 * (1 - 1e-6);
+  constexpr double kMostOpenRad = radians(5), kSmallestInThicknesses = 3 * (1 - 1e-6);
   std::string said;
   if (stack.stays_open_rad > kMostOpenRad)
     said = fmt::format(
         "when shut, {:.1f} mm of paper lie between wall and ground {:.1f} mm from "
         "the spine at v = {:.1f} mm: it stays open by {:.0f} degrees",
-        stack.pile_mm, stack.from_spine_mm, stack.v_mm, stack.stays_open_rad * kDegrees);
+        stack.pile_mm, stack.from_spine_mm, stack.v_mm, degrees(stack.stays_open_rad));
   if (stack.smallest_panel_mm < kSmallestInThicknesses * thickness_mm) {
     said += fmt::format(
         "{}the smallest panel, {:.2g} mm, is too short to fold flat in paper of "

@@ -28,7 +28,7 @@ void write_stl(const SheetMesh& mesh, const PoseTable& table, std::size_t pose, 
   std::vector<Vec3> places;
   places.reserve(mesh.at.size());
   for (std::size_t i = 0; i < mesh.at.size(); ++i) {
-    const Vec3 p = moved(table.at(pose, mesh.body[i]), mesh.at[i]);
+    const Vec3 p = table.at(pose, mesh.body[i])(mesh.at[i]);
     places.push_back(axes == MeshAxes::Paper ? Vec3{p[0], 1 - p[2], p[1]} : p);
   }
   // 2. The header; it must not start with "solid", which is how readers know the other STL.

@@ -2,7 +2,6 @@
 #include "core/design/book.hpp"
 
 #include <algorithm>
-#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -11,11 +10,12 @@
 #include "core/design/design_report.hpp"
 #include "core/design/shape_fit.hpp"
 #include "core/design/strips/closing.hpp"
-#include "core/design/strips/mobility.hpp"
 #include "core/design/strips/pattern_builder.hpp"
 #include "core/design/target/placement_map.hpp"
 #include "core/design/target/strip_cut.hpp"
 #include "core/design/target/surface_kinds.hpp"
+#include "core/geometry/angle.hpp"
+#include "core/rigid/mobility.hpp"
 
 namespace popcut {
 namespace {
@@ -138,10 +138,10 @@ Result<Design> plain_card(const DesignSpec& spec, const Page& page) {
   out.strips = writer.take();
   auto built = build_pattern(out.strips, page_mm, page_mm, true, spec.min_panel_mm);
   if (!built) return tl::unexpected(built.error());
-  const Mobility motion = mobility(*built);
+  const rigid::Mobility motion = rigid::mobility(built->section());
   out.pattern = std::move(built->pattern);
   out.panel_face = std::move(built->panel_face);
-  out.pattern.design_psi_rad = spec.placement.design_angle_deg / 180.0 * std::numbers::pi;
+  out.pattern.design_psi_rad = psi_rad_of(spec.placement.design_angle_deg);
   DesignReport& r = out.report;
   r.lattice = "plain";
   r.units_per_slice = {0};

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -19,13 +18,14 @@
 #include "core/design/run_layout.hpp"
 #include "core/design/strips/closing.hpp"
 #include "core/design/strips/figures.hpp"
-#include "core/design/strips/mobility.hpp"
 #include "core/design/strips/multi_state.hpp"
 #include "core/design/strips/pattern_builder.hpp"
 #include "core/design/strips/splay.hpp"
 #include "core/design/strips/strip_bridge.hpp"
 #include "core/design/strips/strip_builder.hpp"
 #include "core/design/target/placement_map.hpp"
+#include "core/geometry/angle.hpp"
+#include "core/rigid/mobility.hpp"
 
 namespace popcut {
 namespace {
@@ -40,7 +40,7 @@ std::string bend_in_words(double K_rad, double psi_rad) {
                            : K < 0 ? "like a saddle"
                                    : "neither dome nor saddle";
   return fmt::format("at an opening angle of {:.1f} degrees the middle is {} (K = {:.3g} rad)",
-                     psi_rad * 180.0 / std::numbers::pi, form, K);
+                     degrees(psi_rad), form, K);
 }
 
 constexpr double kCardMargin = 15.0;  ///< of wall and ground beyond the highest and farthest end
@@ -279,11 +279,11 @@ class Designer {
     laid.figures = measure(input);
   }
 
-  [[nodiscard]] Opening opening() const {
-    return Opening::of_deg(spec_.placement.design_angle_deg);
+  [[nodiscard]] DesignAngle opening() const {
+    return DesignAngle::of_deg(spec_.placement.design_angle_deg);
   }
   [[nodiscard]] double design_psi_rad() const {
-    return spec_.placement.design_angle_deg / 180.0 * std::numbers::pi;
+    return psi_rad_of(spec_.placement.design_angle_deg);
   }
 
   /// Strips with their figures; none where a connector is not valid.
@@ -488,7 +488,7 @@ class Designer {
 
   /// Builds the pattern; panels that nothing holds are left out, and it is laid and built again,
   /// until all hold each other or leaving out no longer helps.
-  Result<std::pair<BuiltPattern, Mobility>> tighten(Laid& laid) const {
+  Result<std::pair<BuiltPattern, rigid::Mobility>> tighten(Laid& laid) const {
     constexpr int kMostRounds = 30;
     for (int round = 0;; ++round) {
       tell(progress_, "building the pattern");
@@ -496,7 +496,7 @@ class Designer {
                                  laid.frame.card, spec_.min_panel_mm);
       if (!built) return tl::unexpected(built.error());
       tell(progress_, "counting the movements of the pattern");
-      Mobility motion = mobility(*built);
+      rigid::Mobility motion = rigid::mobility(built->section());
       const bool done = !laid.frame.card || motion.degrees_of_freedom == 1 || round == kMostRounds;
       if (done || !mark_loose(laid.layout, laid.strips.strips, *built, motion))
         return std::pair{std::move(*built), std::move(motion)};
@@ -519,7 +519,7 @@ class Designer {
   }
 
   /// Plain cuts at the connectors that have loose faces; whether any was made.
-  bool cut_loose(const Strips& strips, const BuiltPattern& built, const Mobility& motion) {
+  bool cut_loose(const Strips& strips, const BuiltPattern& built, const rigid::Mobility& motion) {
     bool any = false;
     for (std::size_t s = 0; s < strips.size(); ++s) {
       if (strips.kind[s] != StripKind::Connector) continue;
@@ -531,7 +531,7 @@ class Designer {
     return any;
   }
 
-  Design finish(Laid laid, BuiltPattern built, const Mobility& motion, LatticeMethod method,
+  Design finish(Laid laid, BuiltPattern built, const rigid::Mobility& motion, LatticeMethod method,
                 std::string note) {
     Design out;
     DesignReport& r = out.report;

@@ -38,7 +38,7 @@ std::vector<PlacedSection> placed_sections(const Slicing& sliced, const Strips& 
   return out;
 }
 
-TriangleSoup target_soup(const Slicing& sliced, const Strips& strips, const Opening& opening) {
+TriangleSoup target_soup(const Slicing& sliced, const Strips& strips, const DesignAngle& opening) {
   const std::vector<PlacedSection> sections = placed_sections(sliced, strips);
   // Chords that stray from the curve by far less than panels do, fewer where sections are many.
   const std::size_t chords = std::clamp<std::size_t>(200'000 / sections.size(), 48, 256);
@@ -64,7 +64,7 @@ TriangleSoup target_soup(const Slicing& sliced, const Strips& strips, const Open
 }  // namespace
 
 LatticeRanking::LatticeRanking(const Slicing& sliced, const Strips& strips, double design_psi_rad)
-    : target_(target_soup(sliced, strips, Opening::of_rad(design_psi_rad)), kRankingDensity) {
+    : target_(target_soup(sliced, strips, DesignAngle::of_rad(design_psi_rad)), kRankingDensity) {
   opened_.design_psi_rad = design_psi_rad;
 }
 

@@ -7,13 +7,13 @@
 
 #include "core/design/book.hpp"
 #include "core/design/design_report.hpp"
-#include "core/design/strips/mobility.hpp"
 #include "core/design/strips/multi_state.hpp"
 #include "core/design/strips/pattern_builder.hpp"
 #include "core/design/strips/pattern_join.hpp"
 #include "core/design/strips/splay.hpp"
 #include "core/design/strips/strip_bridge.hpp"
 #include "core/design/strips/strip_builder.hpp"
+#include "core/rigid/mobility.hpp"
 
 namespace popcut {
 namespace {
@@ -159,7 +159,7 @@ class Assembler {
     JoinedStrips joined;
     std::vector<BridgeReport> bridges;
     BuiltPattern built;
-    Mobility motion;
+    rigid::Mobility motion;
   };
   Result<Laid> lay(std::size_t begin, std::size_t end, bool bridging) const {
     std::vector<const Strips*> strips;
@@ -181,7 +181,7 @@ class Assembler {
         build_pattern(out.joined.strips, wall_mm_[begin], ground_mm_[begin], true, narrowest);
     if (!built) return tl::unexpected(built.error());
     out.built = std::move(*built);
-    out.motion = mobility(out.built);
+    out.motion = rigid::mobility(out.built.section());
     return out;
   }
 

@@ -108,7 +108,7 @@ Result<void> fill_planes(RunLayout& layout, LatticeMethod method, const Progress
 }
 
 bool mark_loose(RunLayout& layout, const Strips& strips, const BuiltPattern& built,
-                const Mobility& motion) {
+                const rigid::Mobility& motion) {
   for (const bool connectors : {false, true}) {
     bool any = false;
     std::size_t r = 0;

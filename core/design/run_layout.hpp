@@ -8,10 +8,10 @@
 #include "core/design/chain/slicing.hpp"
 #include "core/design/lattice/lattice.hpp"
 #include "core/design/spec/spec.hpp"
-#include "core/design/strips/mobility.hpp"
 #include "core/design/strips/pattern_builder.hpp"
 #include "core/design/strips/strip_builder.hpp"
 #include "core/result.hpp"
+#include "core/rigid/mobility.hpp"
 
 namespace popcut {
 
@@ -44,6 +44,6 @@ struct RunLayout {
 /// Marks loose panels of slice strips, to be left out when the strips are laid again; where there
 /// are none, those of connectors. Whether any was marked.
 [[nodiscard]] bool mark_loose(RunLayout& layout, const Strips& strips, const BuiltPattern& built,
-                              const Mobility& motion);
+                              const rigid::Mobility& motion);
 
 }  // namespace popcut

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "core/geometry/opening.hpp"
+#include "core/geometry/design_angle.hpp"
 
 namespace popcut {
 namespace {
@@ -116,7 +116,7 @@ TriangleSoup structure_triangles(const Strips& strips, const Pattern& pattern,
                                  const SpineMap& along) {
   TriangleSoup out;
   out.corners.reserve(18 * strips.panels());
-  const auto [c, s] = Opening::of_rad(pattern.design_psi_rad);
+  const auto [c, s] = DesignAngle::of_rad(pattern.design_psi_rad);
   const std::unordered_map<std::uint32_t, Notch> notches = notches_of(strips, pattern);
   for (std::size_t k = 0; k < strips.size(); ++k) {
     if (strips.kind[k] == StripKind::Margin) continue;
@@ -189,7 +189,7 @@ std::optional<FitFigures> surface_fit(const Design& design) {
   for (const SliceReport& slice : design.report.slices) s_mm.push_back(slice.s_mm);
   const SpineMap along(design.strips, s_mm);
   const FitTarget aim(target_triangles(design.strips, along, design.report, design.target), {},
-                      Opening::of_rad(design.pattern.design_psi_rad));
+                      DesignAngle::of_rad(design.pattern.design_psi_rad));
   FitFigures figures = aim.measure(structure_triangles(design.strips, design.pattern, along));
   if (figures.to_target.samples == 0) return std::nullopt;
   return figures;

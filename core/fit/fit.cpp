@@ -80,7 +80,7 @@ double FitFigures::two_sided_rms_mm() const {
       0.5 * (to_target.rms_mm * to_target.rms_mm + to_structure.rms_mm * to_structure.rms_mm));
 }
 
-FitTarget::FitTarget(TriangleSoup target, const SampleDensity& density, const Opening& opening)
+FitTarget::FitTarget(TriangleSoup target, const SampleDensity& density, const DesignAngle& opening)
     : tree_(target),
       opening_(opening),
       density_(density),

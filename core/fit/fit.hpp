@@ -8,7 +8,7 @@
 #include "core/fit/fit_figures.hpp"
 #include "core/fit/triangle_soup.hpp"
 #include "core/fit/triangle_tree.hpp"
-#include "core/geometry/opening.hpp"
+#include "core/geometry/design_angle.hpp"
 
 namespace popcut {
 
@@ -21,7 +21,7 @@ class FitTarget {
   /// @param opening  of the corner that the target stands in: what is outside of it, and what is
   ///                 behind something else in it, is out of reach
   explicit FitTarget(TriangleSoup target, const SampleDensity& density = {},
-                     const Opening& opening = {});
+                     const DesignAngle& opening = {});
 
   /// No triangle has an area: nothing can be measured.
   [[nodiscard]] bool is_empty() const { return samples_.empty(); }
@@ -40,7 +40,7 @@ class FitTarget {
   void add_out_of_reach(const TriangleSoup& structure, OutOfReach& out) const;
 
   TriangleTree tree_;
-  Opening opening_;
+  DesignAngle opening_;
   std::optional<TriangleTree> section_tree_;  ///< along ground and wall, where they are not square
   SampleDensity density_;
   double area_mm2_{}, size_mm_{};

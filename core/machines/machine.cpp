@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/angle.hpp"
 #include "core/machines/table.hpp"
 #include "core/text/field_reader.hpp"
 #include "core/text/words.hpp"
@@ -215,12 +216,11 @@ void read_folds(FieldReader& fields, Material& material) {
 }
 
 TabShape read_tabs(FieldReader& fields) {
-  constexpr double kDegree = 0.017453292519943295;
   TabShape tabs;
   tabs.depth_mm = fields.number("depth_mm", tabs.depth_mm, 0.5, 200.0);
   tabs.min_depth_mm =
       fields.number("min_depth_mm", std::min(tabs.min_depth_mm, tabs.depth_mm), 0.2, tabs.depth_mm);
-  tabs.side_rad = kDegree * fields.number("side_deg", tabs.side_rad / kDegree, 20.0, 89.9);
+  tabs.side_rad = radians(fields.number("side_deg", degrees(tabs.side_rad), 20.0, 89.9));
   tabs.pitch_mm = fields.number("pitch_mm", tabs.pitch_mm, 5.0, 10'000.0);
   tabs.clearance_mm = fields.number("clearance_mm", tabs.clearance_mm, 0.0, tabs.pitch_mm / 4);
   tabs.min_root_mm = fields.number("min_root_mm", tabs.min_root_mm, 0.2, tabs.pitch_mm / 4);
@@ -355,7 +355,7 @@ Result<void> check_tab_shape(const TabShape& shape, const std::string& place) {
   if (!(shape.min_depth_mm > 0.0 && shape.min_depth_mm <= shape.depth_mm))
     return wrong("min_depth_mm", shape.min_depth_mm, "more than 0 and at most depth_mm");
   if (!(shape.side_rad >= 0.3 && shape.side_rad <= 1.5707))
-    return wrong("side_deg", shape.side_rad * 57.29577951308232, "18 to 89.9 degrees");
+    return wrong("side_deg", degrees(shape.side_rad), "18 to 89.9 degrees");
   if (!(shape.pitch_mm >= 5.0 && shape.pitch_mm <= 10000.0))
     return wrong("pitch_mm", shape.pitch_mm, "5 to 10000 mm");
   if (!(shape.clearance_mm >= 0.0 && shape.clearance_mm <= 20.0))

@@ -2,7 +2,8 @@
 #include "core/pattern/pattern.hpp"
 
 #include <cmath>
-#include <numbers>
+
+#include "core/geometry/angle.hpp"
 
 namespace popcut {
 
@@ -11,7 +12,7 @@ std::array<double, 3> posed(const PatternVertex& p, double psi_rad) {
 }
 
 double fold_angle_deg(EdgeRole role, double psi_rad) {
-  const double bend_deg = (std::numbers::pi - psi_rad) * 180.0 / std::numbers::pi;
+  const double bend_deg = degrees(kPi - psi_rad);
   if (role == EdgeRole::Valley) return bend_deg;
   if (role == EdgeRole::Mountain) return -bend_deg;
   return 0.0;
@@ -44,7 +45,7 @@ std::vector<double> fold_angles_deg(const Pattern& pattern, double psi_rad) {
     const double half =
         std::atan2(std::sqrt(1.0 + fold.alpha * fold.alpha) * std::cos(0.5 * psi_rad),
                    std::sin(0.5 * psi_rad));
-    out[fold.edge_b] = out[fold.edge_c] = 2.0 * half * 180.0 / std::numbers::pi;
+    out[fold.edge_b] = out[fold.edge_c] = degrees(2.0 * half);
   }
   return out;
 }

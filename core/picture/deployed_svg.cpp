@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <numbers>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -14,7 +13,8 @@
 #include <fmt/format.h>
 
 #include "core/fit/triangle_tree.hpp"
-#include "core/geometry/opening.hpp"
+#include "core/geometry/angle.hpp"
+#include "core/geometry/design_angle.hpp"
 #include "core/geometry/vec.hpp"
 #include "core/picture/ghost.hpp"
 #include "core/picture/picture_words.hpp"
@@ -117,7 +117,7 @@ class Picture {
 
   /// Cuts the target at the paper, in the coordinates of the section, where the paper is square.
   void raise_ghost(TriangleSoup target) {
-    const Opening opening = Opening::of_rad(psi_rad_);
+    const DesignAngle opening = DesignAngle::of_rad(psi_rad_);
     const auto laid = [&](Vec3 p) {
       opening.to_oblique(p[0], p[2]);
       return p;
@@ -322,12 +322,12 @@ class Picture {
     const double length = std::hypot(bx - ax, by - ay);
     if (length < 40) return;
     const double nx = -(by - ay) / length, ny = (bx - ax) / length;
-    double degrees = std::atan2(by - ay, bx - ax) * 180 / std::numbers::pi;
-    const bool turned = degrees > 90 || degrees <= -90;
-    if (turned) degrees += degrees > 0 ? -180 : 180;
+    double turn_deg = degrees(std::atan2(by - ay, bx - ax));
+    const bool turned = turn_deg > 90 || turn_deg <= -90;
+    if (turned) turn_deg += turn_deg > 0 ? -180 : 180;
     const double away = turned ? 7 : 17;  // the text stands on its base line
     text_.put(picture_text((ax + bx) / 2 + away * nx, (ay + by) / 2 + away * ny,
-                           fmt::format("{:.4g} mm", mm), "middle", {.degrees = degrees}));
+                           fmt::format("{:.4g} mm", mm), "middle", {.degrees = turn_deg}));
   }
 
   void put_labels() {
@@ -339,7 +339,7 @@ class Picture {
     }
     const double left = 16, base = height_px_ - kCaptionPx + 24;
     text_.put(picture_text(left, base, pattern_.name, "start", {.size = 17}));
-    std::string words = fmt::format("opened to {:.0f}\u00b0", psi_rad_ * 180 / std::numbers::pi);
+    std::string words = fmt::format("opened to {:.0f}\u00b0", degrees(psi_rad_));
     if (pattern_.card) words = card_in_words(pattern_) + ", " + words;
     if (!ghost_.empty()) words += "; blue: the shape asked for";
     text_.put(picture_text(left, base + 20, words, "start"));

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/angle.hpp"
 #include "core/picture/picture_words.hpp"
 #include "core/text/svg_document.hpp"
 
@@ -92,9 +93,9 @@ void put_pose(const CardScene& scene, const Cells& cells, std::size_t i, double 
 }
 
 std::string label(double x, double y, double psi_rad) {
-  const double degrees = psi_rad * 180 / std::numbers::pi;
+  const double psi_deg = degrees(psi_rad);
   return picture_text(
-      x, y, fmt::format("\u03c8 = {:.0f}\u00b0{}", degrees, degrees >= 180 ? " (flat)" : ""),
+      x, y, fmt::format("\u03c8 = {:.0f}\u00b0{}", psi_deg, psi_deg >= 180 ? " (flat)" : ""),
       "middle", {.size = 15});
 }
 

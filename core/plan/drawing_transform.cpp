@@ -3,25 +3,26 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include <fmt/format.h>
+
+#include "core/geometry/angle.hpp"
 
 namespace popcut {
 namespace {
 
 /// Sine and cosine; exact for whole quarter turns, so that a turned square stays square.
-std::pair<double, double> sin_cos(double degrees) {
-  const double quarters = degrees / 90;
+std::pair<double, double> sin_cos(double turn_deg) {
+  const double quarters = turn_deg / 90;
   if (quarters == std::round(quarters)) {
     const int turn = static_cast<int>(std::lround(quarters) % 4 + 4) % 4;
     constexpr double kSin[] = {0, 1, 0, -1};
     constexpr double kCos[] = {1, 0, -1, 0};
     return {kSin[turn], kCos[turn]};
   }
-  const double radians = degrees * std::numbers::pi / 180;
-  return {std::sin(radians), std::cos(radians)};
+  const double turn_rad = radians(turn_deg);
+  return {std::sin(turn_rad), std::cos(turn_rad)};
 }
 
 }  // namespace

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
 #include "core/drawing/clean.hpp"
+#include "core/geometry/angle.hpp"
 #include "core/layout/marks.hpp"
 #include "core/machines/motion.hpp"
 #include "core/plan/drawing_transform.hpp"
@@ -398,7 +398,7 @@ class Planner {
     const Material& material = out_.material;
     const double overcut_mm = out_.machine.driven() ? material.overcut_mm : 0.0;
     sheet.knife = {options_.knife.overcut_mm.value_or(overcut_mm), fewest_rounds(sheet.path), room_,
-                   material.swivel_above_deg * std::numbers::pi / 180, strokes.blade_tools};
+                   radians(material.swivel_above_deg), strokes.blade_tools};
     sheet.sent = sent_strokes(sheet.path, sheet.knife);
     measure(sheet, out_.machine, material, options_);
     out_.sheets.push_back(std::move(sheet));

@@ -9,10 +9,11 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include "core/geometry/angle.hpp"
 #include "core/text/json_text.hpp"
 #include "core/verify/judge.hpp"
+#include "core/verify/verify_json.hpp"
 #include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/target/target.hpp"
 
@@ -152,7 +153,7 @@ class Judge {
     VerifyCheck check = named("around");
     double sum = 0.0;
     for (const auto& card : standing_) sum += card->psi_rad;
-    report_.open_deg = sum * 180.0 / std::numbers::pi;
+    report_.open_deg = degrees(sum);
     constexpr double kRoundingDeg = 1e-6;
     if (report_.open_deg > 360.0 + kRoundingDeg)
       check.fail("", fmt::format("the cards take {:.6g} degrees, more than a whole turn",
@@ -265,18 +266,16 @@ std::string verify_text(const BookVerifyReport& report) {
 }
 
 std::string verify_json(const BookVerifyReport& report) {
-  VerifyReport whole;
-  whole.checks = report.checks;
   Json json{{"ok", report.ok()},
             {"page_mm", {report.page_mm, report.width_mm}},
             {"closed_mm", report.closed_mm},
             {"open_deg", report.open_deg},
-            {"failed", report.failed()}};
-  json["checks"] = Json::parse(verify_json(whole))["checks"];
-  json["cards"] = Json::array();
+            {"failed", report.failed()},
+            {"checks", checks_json(report.checks)},
+            {"cards", Json::array()}};
   for (std::size_t i = 0; i < report.cards.size(); ++i) {
     Json card{{"name", report.names[i]}};
-    card.update(Json::parse(verify_json(report.cards[i])));
+    card.update(verify_report_json(report.cards[i]));
     json["cards"].push_back(std::move(card));
   }
   return json_file(json);

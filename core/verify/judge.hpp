@@ -35,7 +35,7 @@ struct Subject {
   Panels panels;
   Triangles triangles;
   std::vector<PoseMotion> motions;      ///< one per pose
-  std::optional<Opening> opening;       ///< set if the file had no opened pose
+  std::optional<Trajectory> opening;    ///< set if the file had no opened pose
   std::optional<std::size_t> count_in;  ///< the pose in which to count degrees of freedom
   Mobility mobility;                    ///< in that pose
   bool has_one_freedom{};               ///< proven without a rank (`is_driven_by_one_fold`)

@@ -91,7 +91,7 @@ VerifyCheck judge_opening(const Subject& subject, VerifyReport& report) {
     check.detail = "not needed: the file has an opened pose";
     return check;
   }
-  const Opening& opening = *subject.opening;
+  const Trajectory& opening = *subject.opening;
   report.opening = static_cast<const OpeningFigures&>(opening);
   const auto listed = listed_drive_deg(subject);
   const std::string place = edge_place(opening.driver_edge);

@@ -35,7 +35,7 @@ VerifyCheck check_target(const Subject& subject, const Target& target, VerifyRep
 std::vector<double> poses_to_open(double listed_deg) {
   std::vector<double> psi{2.6, 2.1, kPi / 2.0, 1.1};
   if (!(listed_deg > 1.0 && listed_deg < 179.0)) return psi;
-  const double last = kPi - listed_deg * kPi / 180.0;
+  const double last = kPi - radians(listed_deg);
   if (std::abs(last - kPi / 2.0) < 1e-9) return psi;
   std::erase_if(psi, [&](double p) { return std::abs(p - last) < 1e-6; });
   if (last > kPi / 2.0) std::erase_if(psi, [&](double p) { return p < last; });

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "core/text/json_text.hpp"
-#include "core/verify/verify.hpp"
+#include "core/verify/verify_json.hpp"
 
 namespace popcut {
 namespace {
@@ -24,6 +23,8 @@ Json check_json(const VerifyCheck& check) {
 
 }  // namespace
 
+Json checks_json(const std::vector<VerifyCheck>& checks) { return json_list(checks, check_json); }
+
 std::string verify_text(const VerifyReport& report) {
   std::string text;
   for (const VerifyCheck& check : report.checks) {
@@ -39,7 +40,7 @@ std::string verify_text(const VerifyReport& report) {
   return text;
 }
 
-std::string verify_json(const VerifyReport& report) {
+Json verify_report_json(const VerifyReport& report) {
   Json json{{"ok", report.ok()},           {"pieces", report.pieces},
             {"faces", report.faces},       {"fold_faces", report.fold_faces},
             {"vertices", report.vertices}, {"edges", report.edges},
@@ -72,9 +73,11 @@ std::string verify_json(const VerifyReport& report) {
     json["target"] = {{"inner_mm", distance_json(*report.target_inner)},
                       {"all_mm", distance_json(*report.target_all)}};
   json["failed"] = report.failed();
-  json["checks"] = json_list(report.checks, check_json);
+  json["checks"] = checks_json(report.checks);
   json["notes"] = report.notes;
-  return json_file(json);
+  return json;
 }
+
+std::string verify_json(const VerifyReport& report) { return json_file(verify_report_json(report)); }
 
 }  // namespace popcut

@@ -13,6 +13,7 @@
 #include "core/formats/write/pattern_files.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "core/formats/write/segments_csv.hpp"
+#include "core/geometry/angle.hpp"
 #include "core/picture/poster.hpp"
 #include "core/picture/target_on_sheet.hpp"
 #include "core/plan/knife/micro_cut.hpp"
@@ -106,7 +107,7 @@ Result<void> write_glb_file(const ExportJob& job, std::ostream& out) {
 }
 
 std::vector<double> drawn_angles(const std::vector<double>& psi_rad, std::size_t count) {
-  constexpr double kLeastRad = 3 * std::numbers::pi / 180;
+  constexpr double kLeastRad = radians(3);
   const double from = psi_rad.front(), to = psi_rad.back();
   if (from == to) return {std::max(from, kLeastRad)};
   std::vector<double> angles;

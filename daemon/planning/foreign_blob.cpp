@@ -13,9 +13,9 @@
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/lattice/lattice_blob.hpp"
+#include "core/judge/sheet_motion.hpp"
 #include "core/machines/machine.hpp"
 #include "core/verify/verify.hpp"
-#include "daemon/planning/judge/sheet_opening.hpp"
 #include "daemon/planning/plan_input.hpp"
 
 namespace popcut::planning {
@@ -97,7 +97,7 @@ void judge(const std::string& fold, LatticeBlobOptions& how) {
 }
 
 /// Opens the flat sheet as far as it goes.
-Result<OpenedSheet> open_as_far(const std::string& fold, std::vector<Warning>& warnings) {
+Result<judge::SheetMotion> open_as_far(const std::string& fold, std::vector<Warning>& warnings) {
   using std::numbers::pi;
   const struct {
     double to_rad;
@@ -107,7 +107,7 @@ Result<OpenedSheet> open_as_far(const std::string& fold, std::vector<Warning>& w
   for (const auto& way : ways) {
     const auto angles = opening_angles(pi, way.to_rad, way.frames);
     if (!angles) return tl::unexpected(angles.error());
-    auto opened = open_flat_sheet(fold, *angles);
+    auto opened = judge::open_flat_sheet(fold, *angles);
     if (opened) {
       if (!why.empty()) warnings.push_back({.code = "opens_partly", .message = why});
       return opened;
@@ -116,7 +116,7 @@ Result<OpenedSheet> open_as_far(const std::string& fold, std::vector<Warning>& w
   }
   warnings.push_back({.code = "does_not_open", .message = why});
   const std::vector<double> flat{pi};
-  return open_flat_sheet(fold, flat);
+  return judge::open_flat_sheet(fold, flat);
 }
 
 Result<std::string> opened_blob(const Foreign& foreign, LatticeBlobOptions& how) {
@@ -159,7 +159,7 @@ Result<ForeignDrawing> foreign_drawing(std::string text, InputKind kind) {
     if (auto known = pattern_from_fold(*file)) drawing.pattern = std::move(*known);
   if (drawing.pattern) return drawing;
   const std::vector<double> angles{std::numbers::pi, std::numbers::pi / 2};
-  if (auto opened = open_flat_sheet(foreign->fold, angles); opened && !opened->motion)
+  if (auto opened = judge::open_flat_sheet(foreign->fold, angles); opened && !opened->motion)
     drawing.pattern = std::move(opened->pattern);
   return drawing;
 }

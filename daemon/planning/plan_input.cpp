@@ -12,11 +12,11 @@
 #include "core/formats/dxf/dxf_binary.hpp"
 #include "core/formats/dxf/dxf_reader.hpp"
 #include "core/formats/fold/fold_reader.hpp"
+#include "core/judge/sound_design.hpp"
 #include "core/layout/layout.hpp"
 #include "core/plan/plan.hpp"
 #include "core/text/json_text.hpp"
 #include "daemon/planning/design_files.hpp"
-#include "daemon/planning/judge/sound_design.hpp"
 
 namespace popcut::planning {
 namespace {
@@ -34,8 +34,8 @@ Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sourc
   if (const auto own = find_material(spec->material, sources.tables)) suit_material(*own, *spec);
   const auto assets = sources.assets(*spec);
   if (!assets) return tl::unexpected(assets.error());
-  auto made = sound_design(*spec, *assets, nullptr, sources.progress);
-  if (!made) return tl::unexpected(made.error());
+  auto made = judge::sound_design(*spec, *assets, sources.progress);
+  if (!made) return tl::unexpected(made.error().error);
   const std::string& cut_from = sources.material.empty() ? spec->material : sources.material;
   if (const auto material = find_material(cut_from, sources.tables))
     for (Design& part : made->parts) add_make_warnings(*material, *spec, part);

@@ -8,12 +8,12 @@
 #include "core/design/placement.hpp"
 #include "core/design/shape_fit.hpp"
 #include "core/formats/lattice/lattice_blob.hpp"
+#include "core/judge/sound_design.hpp"
 #include "core/layout/layout.hpp"
 #include "core/machines/machine.hpp"
 #include "daemon/planning/design_export.hpp"
 #include "daemon/planning/design_files.hpp"
 #include "daemon/planning/foreign_blob.hpp"
-#include "daemon/planning/judge/sound_design.hpp"
 #include "daemon/planning/plan_input.hpp"
 #include "daemon/planning/task_inputs.hpp"
 #include "daemon/planning/views/preview.hpp"
@@ -69,13 +69,13 @@ Result<PatchAssembly> draft_of(DesignSpec spec, const SurfaceAssets& assets) {
 }
 
 Result<PatchAssembly> exact_of(const WantedDesign& wanted) {
-  auto made = sound_design(wanted.spec, wanted.assets);
-  if (!made) return made;
+  auto made = judge::sound_design(wanted.spec, wanted.assets);
+  if (!made) return tl::unexpected(made.error().error);
   for (Design& part : made->parts) {
     part.report.surface_fit = surface_fit(part);
     if (wanted.has_material) add_make_warnings(wanted.material, wanted.spec, part);
   }
-  return made;
+  return std::move(*made);
 }
 
 Result<std::string> placed(const WorkerTask& task, const WantedDesign& wanted) {

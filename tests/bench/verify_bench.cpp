@@ -50,7 +50,7 @@ void report_opening_time(int levels, int slices, bool bent) {
   const verify::Sheet sheet = make_sheet(*file, check);
   const double psi[] = {2.6, 2.1, 1.5707963267948966, 1.1};
   const auto start = std::chrono::steady_clock::now();
-  const verify::Opening opening = open_sheet(*file, sheet, psi, 1e-9);
+  const verify::Trajectory opening = open_sheet(*file, sheet, psi, 1e-9);
   std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
   WARN(fmt::format("{} x {}: {} panels opened in {:.3f} s, {} steps, {} iterations, gap {:.1e} mm",
                    levels, slices, sheet.panels, taken.count(), opening.steps, opening.iterations,

@@ -89,14 +89,14 @@ TEST_CASE("every face stays congruent and on its hinge in all poses", "[core][de
       for (std::size_t f = 0; f < pattern.faces(); ++f) {
         for (const std::uint32_t i : pattern.face(f)) {
           const Vec3 flat = flat_place(pattern, pattern.vertices[i]);
-          off = std::max(off, norm(moved(table->at(k, f), flat) - vec3(due[i])));
+          off = std::max(off, norm(table->at(k, f)(flat) - vec3(due[i])));
         }
       }
       for (std::size_t b = 0; b < table->bodies(); ++b) {
         if (table->parent[b] < 0) continue;
         const auto parent = static_cast<std::size_t>(table->parent[b]);
-        apart = std::max(apart, norm(moved(table->at(k, b), table->pivot[b]) -
-                                     moved(table->at(k, parent), table->pivot[b])));
+        apart = std::max(
+            apart, norm(table->at(k, b)(table->pivot[b]) - table->at(k, parent)(table->pivot[b])));
       }
     }
     CHECK(off < 1e-9);

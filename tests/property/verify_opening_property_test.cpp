@@ -66,7 +66,7 @@ Agreement compared(const std::string& fold, bool keep_angles) {
   VerifyCheck check;
   const verify::Sheet sheet = make_sheet(*file, check);
   const double psi[] = {kPi / 2.0, 1.1};
-  const verify::Opening opening = open_sheet(*file, sheet, psi, 1e-9);
+  const verify::Trajectory opening = open_sheet(*file, sheet, psi, 1e-9);
   INFO(opening.stopped);
   REQUIRE(opening.poses.size() == 2);
   CHECK(opening.reversed == 0);

@@ -72,8 +72,8 @@ GlbScene::Local GlbScene::local(std::size_t node, double at_s) const {
   const auto& n = json_["nodes"][node];
   Local out;
   out.scale = filled(n.value("scale", nlohmann::json()), Vec3{1, 1, 1})[0];
-  out.motion.turn =
-      Turn(filled(n.value("rotation", nlohmann::json()), Eigen::Vector4d(kNoTurn.coeffs())));
+  out.motion.turn = rigid::Turn(
+      filled(n.value("rotation", nlohmann::json()), Eigen::Vector4d(rigid::kNoTurn.coeffs())));
   out.motion.shift = filled(n.value("translation", nlohmann::json()), Vec3(Vec3::Zero()));
   for (const auto& animation : json_.value("animations", nlohmann::json::array())) {
     for (const auto& channel : animation["channels"]) {
@@ -85,7 +85,8 @@ GlbScene::Local GlbScene::local(std::size_t node, double at_s) const {
       while (k + 2 < times.size() && times[k + 1] < at_s) ++k;
       const double part = std::clamp((at_s - times[k]) / (times[k + 1] - times[k]), 0.0, 1.0);
       if (channel["target"]["path"] == "rotation") {
-        out.motion.turn = slerp(Turn(&values[4 * k]), Turn(&values[4 * k + 4]), part);
+        out.motion.turn =
+            rigid::slerp(rigid::Turn(&values[4 * k]), rigid::Turn(&values[4 * k + 4]), part);
       } else {
         out.motion.shift = (1 - part) * Vec3(&values[3 * k]) + part * Vec3(&values[3 * k + 3]);
       }
@@ -103,7 +104,7 @@ std::vector<Vec3> GlbScene::places(std::size_t node, double at_s) const {
     out.emplace_back(corners[i], corners[i + 1], corners[i + 2]);
   for (int n = static_cast<int>(node); n >= 0; n = parent_[static_cast<std::size_t>(n)]) {
     const Local here = local(static_cast<std::size_t>(n), at_s);
-    for (Vec3& p : out) p = moved(here.motion, here.scale * p);
+    for (Vec3& p : out) p = here.motion(here.scale * p);
   }
   return out;
 }

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/deploy/rigid.hpp"
+#include "core/rigid/motion.hpp"
 
 namespace popcut::testing {
 
@@ -29,7 +29,7 @@ class GlbScene {
 
  private:
   struct Local {
-    Motion3 motion;
+    rigid::Motion motion;
     double scale{1};
   };
   [[nodiscard]] Local local(std::size_t node, double at_s) const;

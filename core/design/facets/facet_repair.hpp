@@ -11,26 +11,26 @@
 
 namespace popcut {
 
-/// A strip whose labels were changed so that it holds others: without it the card moves in more
-/// ways than one.
+/// A strip whose labels were changed so that it holds others. Without it the card would move in
+/// more than one way.
 struct FacetStrut {
   int strip{};
-  std::vector<Label> without;  ///< its labels if it did not hold anything
+  std::vector<Label> without;  ///< its labels before
 };
 
 /// What repairing did.
 struct FacetRepair {
   int loose_before{};  ///< freedoms of the labels as they came, beyond the one
-  int shifted{};       ///< panels that went to a plane beside their own in one strip
+  int shifted{};       ///< panels of one strip that moved to a plane beside their own
   int dropped{};       ///< patches that were given up
   std::vector<FacetStrut> struts;
-  std::size_t bridges{};  ///< strips that hold what wall or ground would enclose otherwise
-  std::size_t inner{};    ///< strips that hold what other paper would enclose otherwise
-  bool unfinished{};      ///< it took too long: something is still loose
+  std::size_t bridges{};  ///< strips without which wall or ground would enclose something
+  std::size_t inner{};    ///< strips without which other paper would enclose something
+  bool unfinished{};      ///< it took too long, and something is still loose
 };
 
-/// How long repairing may take, in panels of strips that are looked at: some seconds. Cards of a
-/// hand's size take a tenth of it.
+/// How much work a repair may take: the number of panels of strips that it looks at. This is some
+/// seconds; a card of a hand's size takes a tenth of it.
 inline constexpr std::size_t kMostRepairWork = 60'000'000;
 
 /// How labels are repaired.
@@ -38,22 +38,28 @@ struct RepairOptions {
   bool jumps{};   ///< strips may be cut across
   bool rough{};   ///< fewer moves are tried, and nothing is improved at the end
   bool shifts{};  ///< panels may go to planes beside their own, so that they hold as a lattice does
-  /// After which loose patches are only given up; after twice as much it stops, `unfinished`.
+  /// After this much work, loose patches are only given up. After twice as much the repair stops,
+  /// `unfinished`.
   std::size_t most_work{kMostRepairWork};
 };
 
-/// Changes labels until the card has exactly one freedom and is one piece, by the moves that cost
-/// least of: two panels of a strip are left out, so that those before and after them meet in a
-/// fold (a strut); a strip does without cuts across it (a strut); a panel of one strip goes to a
-/// plane beside its own, with its folds (a shift): what it meets goes on in the strips beside it,
-/// and so meets planes at two places; a loose patch gives its label up. `mobility` then checks the
-/// result. The repair always ends: at worst with the bare card, which has one freedom.
+/// Changes labels until the card has exactly one freedom and is one piece. Each round makes the
+/// moves that cost least for what they hold (strip_moves.hpp):
 ///
-/// Patches that others enclose on all sides touch one plane only and so never hold: they are filled
-/// at the beginning, or stay, loose until something holds them, where that costs far less.
+///     strut  a strip loses one or two panels, and the panels before and after them meet in a fold;
+///            or a panel fills a cut across a strip; or a strip is solved again without such cuts
+///     shift  a panel of one strip goes to a plane beside its own, with its folds
+///     drop   a loose patch gets other labels
 ///
-/// @retval Internal  no pattern comes of the labels (a fault of the labels)
-[[nodiscard]] Result<FacetRepair> repair(Labelling& labelling, const FacetCardSize& card,
+/// Where no move holds enough, the smallest loose patch is given up. The repair always ends: at
+/// worst with the bare card, which has one freedom. `rigid::mobility` then checks the result.
+///
+/// A patch that another one encloses on all sides meets one plane only, so nothing holds it. It is
+/// filled before the first round. It stays if a strut for it costs far less than to lose it; then
+/// it is loose until a move holds it.
+///
+/// @retval Internal  the labels do not make a pattern (a fault of the labels)
+[[nodiscard]] Result<FacetRepair> repair(Labelling& labelling, const FacetCardSize& size,
                                          double min_panel_mm, const RepairOptions& how,
                                          const Progress& progress = {});
 

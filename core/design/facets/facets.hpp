@@ -44,10 +44,9 @@ struct FacetCard {
 };
 
 /// A target as origamic architecture: each point of the sheet gets one plane, parallel to the wall
-/// or to the ground. What is reported has exactly one freedom (`mobility`) and is one piece.
+/// or to the ground. What is reported has exactly one freedom (`rigid::mobility`) and is one piece.
 ///
-/// @retval OutOfRange  the card that was asked for is too small, or there are too many cells;
-/// `place`
+/// @retval OutOfRange  the card that was asked for is too small, or there are too many cells; place
 ///                     names the field
 /// @retval Infeasible  nothing of the target stands in the corner
 [[nodiscard]] Result<FacetCard> facet_card(const TriangleSoup& target, const FacetOptions& options,

@@ -8,13 +8,9 @@
 
 namespace popcut {
 
-/// Which patches of a labelling follow the card's one motion, found without building the pattern:
-/// the propagation of `mobility`, over whole numbers. Where all are held, the pattern has exactly
-/// one freedom and is one piece. O(runs).
-///
-/// In the section an upright patch at x moves by (a - w z, B) and a level one at z by (C, e + w x);
-/// folds equate them. So on upright patches the C of their folds are affine in z, and on level ones
-/// the B in x. A patch whose folds at two places are held is held, and so are all that it meets.
+/// Which patches of a labelling follow the card's one motion, found without building the pattern,
+/// by `rigid::Propagation` from the card's wall and ground. Where all are held, the pattern has
+/// exactly one freedom and is one piece. O(runs).
 struct LabelHolding {
   LabelPatches patches;             ///< with a strip of card before the first and after the last
   std::vector<std::uint8_t> loose;  ///< one a patch

@@ -186,7 +186,7 @@ Result<LabelPattern> pattern_of(const LabelImage& image, const FacetPlanes& plan
                              min_panel_mm, out.strips.parted);
   if (!built) return tl::unexpected(built.error());
   out.built = std::move(*built);
-  out.motion = mobility(out.built);
+  out.motion = rigid::mobility(out.built.section());
   return out;
 }
 

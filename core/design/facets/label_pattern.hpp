@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "core/design/facets/labels.hpp"
-#include "core/design/strips/mobility.hpp"
 #include "core/design/strips/pattern_builder.hpp"
 #include "core/design/strips/strips.hpp"
 #include "core/result.hpp"
+#include "core/rigid/mobility.hpp"
 
 namespace popcut {
 
@@ -34,7 +34,7 @@ struct LabelStrips {
 struct LabelPattern {
   LabelStrips strips;
   BuiltPattern built;
-  Mobility motion;
+  rigid::Mobility motion;
 
   /// The face of run `run` of strip `s`, cuts not counted among runs.
   [[nodiscard]] std::int32_t face_of(int s, std::size_t run) const;

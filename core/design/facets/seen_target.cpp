@@ -5,12 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include "core/geometry/angle.hpp"
 #include "core/geometry/raster.hpp"
 
 namespace popcut {
 namespace {
 
-const double kFacing = std::cos(20.0 * 3.14159265358979323846 / 180.0);
+const double kFacing = std::cos(radians(20.0));
 
 Facing facing_of(const TriangleSoup& target, std::size_t t) {
   const Vec3 a = target.corner(t, 0), b = target.corner(t, 1), c = target.corner(t, 2);

@@ -22,7 +22,7 @@ struct FigureInput {
   std::vector<bool>
       left_parity;  ///< one a connector: whether its left slice is an odd one of its run
   double mean_step_mm{};
-  Opening opening{};  ///< that the target was made for: distances are those in space there
+  DesignAngle opening{};  ///< that the target was made for: distances are those in space there
 };
 
 /// Measures a lattice as it is laid (docs/geometry.md, section 4: "exact is not yet

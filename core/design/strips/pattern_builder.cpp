@@ -429,6 +429,24 @@ class PatternBuilder {
 
 }  // namespace
 
+rigid::Section BuiltPattern::section() const {
+  rigid::Section out{upright, std::vector<double>(upright.size()), {}};
+  for (const Hinge& h : hinges)
+    for (const std::int32_t face : {h.from_face, h.to_face}) {
+      const auto f = static_cast<std::size_t>(face);
+      out.offset[f] = upright[f] != 0 ? h.x : h.z;
+    }
+  out.folds = Buckets<std::uint32_t>(upright.size(), [&](auto&& put) {
+    for (const Hinge& h : hinges) {
+      const auto a = static_cast<std::uint32_t>(h.from_face);
+      const auto b = static_cast<std::uint32_t>(h.to_face);
+      put(a, b);
+      put(b, a);
+    }
+  });
+  return out;
+}
+
 Result<BuiltPattern> build_pattern(const Strips& strips, double wall_mm, double ground_mm,
                                    bool card, double min_panel_mm,
                                    std::span<const std::uint32_t> parted) {

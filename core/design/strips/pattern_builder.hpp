@@ -8,6 +8,7 @@
 #include "core/design/strips/strips.hpp"
 #include "core/pattern/pattern.hpp"
 #include "core/result.hpp"
+#include "core/rigid/mobility.hpp"
 
 namespace popcut {
 
@@ -24,6 +25,9 @@ struct BuiltPattern {
   std::vector<std::int32_t> panel_face;  ///< rigid face of each panel of the strips
   std::vector<std::uint8_t> upright;     ///< one a face: 1 parallel to the wall, 0 to the ground
   std::vector<Hinge> hinges;             ///< one a fold line
+
+  /// The faces and folds seen along the spine.
+  [[nodiscard]] rigid::Section section() const;
 };
 
 /// Turns strips into faces, folds and cuts (docs/geometry.md, section 4): panels of neighbouring

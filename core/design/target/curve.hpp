@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "core/geometry/opening.hpp"
+#include "core/geometry/design_angle.hpp"
 
 namespace popcut {
 
@@ -59,7 +59,7 @@ class SliceCurve {
   [[nodiscard]] double h() const { return h_; }
   [[nodiscard]] double d() const { return d_; }
   /// Where (x, z) are oblique coordinates, lengths and distances in space follow from the angle.
-  void set_opening(const Opening& opening) { cosine_ = opening.cosine; }
+  void set_opening(const DesignAngle& opening) { cosine_ = opening.cosine; }
   [[nodiscard]] double cosine() const { return cosine_; }
   [[nodiscard]] bool is_ellipse() const { return pieces_.empty() && control_.empty(); }
   [[nodiscard]] bool is_circle() const { return is_ellipse() && h_ == d_ && cosine_ == 0.0; }

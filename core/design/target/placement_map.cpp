@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
+
+#include "core/geometry/angle.hpp"
 
 namespace popcut {
 namespace {
@@ -15,15 +16,15 @@ constexpr double kFarthest_mm = 1e6;
 using Vec = std::array<double, 3>;
 
 /// Cosine and sine of an angle in degrees, exact at multiples of 90.
-std::array<double, 2> cos_sin(double degrees) {
-  const double quarter = degrees / 90.0;
+std::array<double, 2> cos_sin(double angle_deg) {
+  const double quarter = angle_deg / 90.0;
   if (quarter == std::floor(quarter)) {
     const int turns = static_cast<int>(std::fmod(std::fmod(quarter, 4.0) + 4.0, 4.0));
     constexpr std::array<std::array<double, 2>, 4> exact{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
     return exact[static_cast<std::size_t>(turns)];
   }
-  const double angle = degrees * std::numbers::pi / 180.0;
-  return {std::cos(angle), std::sin(angle)};
+  const double angle_rad = radians(angle_deg);
+  return {std::cos(angle_rad), std::sin(angle_rad)};
 }
 
 TurnMatrix product(const TurnMatrix& a, const TurnMatrix& b) {
@@ -36,10 +37,10 @@ TurnMatrix product(const TurnMatrix& a, const TurnMatrix& b) {
 
 }  // namespace
 
-TurnMatrix turn_of(const Vec& degrees) {
-  const auto [cx, sx] = cos_sin(degrees[0]);
-  const auto [cy, sy] = cos_sin(degrees[1]);
-  const auto [cz, sz] = cos_sin(degrees[2]);
+TurnMatrix turn_of(const Vec& turns_deg) {
+  const auto [cx, sx] = cos_sin(turns_deg[0]);
+  const auto [cy, sy] = cos_sin(turns_deg[1]);
+  const auto [cz, sz] = cos_sin(turns_deg[2]);
   const TurnMatrix x{{{1, 0, 0}, {0, cx, -sx}, {0, sx, cx}}};
   const TurnMatrix y{{{cy, 0, sy}, {0, 1, 0}, {-sy, 0, cy}}};
   const TurnMatrix z{{{cz, -sz, 0}, {sz, cz, 0}, {0, 0, 1}}};
@@ -51,7 +52,7 @@ Vec degrees_of(const TurnMatrix& turn) {
   const bool is_locked = std::abs(sine) > 1.0 - 1e-9;  // then x and z turn about the same axis
   Vec out{is_locked ? std::atan2(-turn[1][2], turn[1][1]) : std::atan2(turn[2][1], turn[2][2]),
           std::asin(sine), is_locked ? 0.0 : std::atan2(turn[1][0], turn[0][0])};
-  for (double& angle : out) angle = angle * 180.0 / std::numbers::pi + 0.0;
+  for (double& angle : out) angle = degrees(angle) + 0.0;
   return out;
 }
 
@@ -107,7 +108,7 @@ PlacementMap::PlacementMap(const TargetPlacement& placement)
     : turn_(whole_turn(placement)),
       scale_(placement.scale_mm),
       shift_(whole_shift_mm(placement)),
-      opening_(Opening::of_deg(placement.design_angle_deg)) {}
+      opening_(DesignAngle::of_deg(placement.design_angle_deg)) {}
 
 Vec PlacementMap::to_corner(const Vec& q) const {
   Vec p{};

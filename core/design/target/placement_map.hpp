@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/design/target/surface_spec.hpp"
-#include "core/geometry/opening.hpp"
+#include "core/geometry/design_angle.hpp"
 #include "core/model/triangle_mesh.hpp"
 #include "core/result.hpp"
 
@@ -54,7 +54,7 @@ class PlacementMap {
   std::array<std::array<double, 3>, 3> turn_;  ///< rows; exact for multiples of 90 degrees
   double scale_;
   std::array<double, 3> shift_;
-  Opening opening_;
+  DesignAngle opening_;
 };
 
 /// The mesh in the corner, mm, in the section's coordinates.

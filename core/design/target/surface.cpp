@@ -7,7 +7,7 @@
 
 #include "core/design/target/surface_kinds.hpp"
 #include "core/fit/triangle_soup.hpp"
-#include "core/geometry/opening.hpp"
+#include "core/geometry/design_angle.hpp"
 
 namespace popcut {
 namespace {
@@ -35,7 +35,7 @@ Error in_section(Error error, double angle_deg) {
 /// A surface whose slices and triangles are in oblique coordinates: distances of its curves are
 /// those in space, and its triangles are in space.
 Surface sheared(Surface oblique, double angle_deg) {
-  const Opening opening = Opening::of_deg(angle_deg);
+  const DesignAngle opening = DesignAngle::of_deg(angle_deg);
   const auto cut = [oblique, opening, angle_deg](double s_mm) -> Result<SurfaceSlice> {
     auto slice = oblique.cut(s_mm);
     if (!slice) return tl::unexpected(in_section(slice.error(), angle_deg));

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <functional>
 #include <memory>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -13,7 +12,8 @@
 #include "core/design/target/expression.hpp"
 #include "core/design/target/surface_kinds.hpp"
 #include "core/fit/triangle_soup.hpp"
-#include "core/geometry/opening.hpp"
+#include "core/geometry/angle.hpp"
+#include "core/geometry/design_angle.hpp"
 
 namespace popcut {
 namespace {
@@ -110,7 +110,7 @@ TriangleSoup circle_bands(const RadiusMm& radius, double angle_rad, const Target
   const double largest = std::max(stretch.reach_x_mm, stretch.reach_z_mm);
   const double angle = std::sqrt(8.0 * stretch.finest_mm / largest);  // sagitta r angle^2 / 8
   const int pieces = static_cast<int>(std::clamp(std::ceil(angle_rad / angle), kLeast, kMost));
-  const Opening opening = Opening::of_rad(angle_rad);
+  const DesignAngle opening = DesignAngle::of_rad(angle_rad);
   std::vector<double> cosine, sine;
   for (int k = 0; k <= pieces; ++k) {
     cosine.push_back(k == pieces ? opening.cosine : std::cos(angle_rad * k / pieces));
@@ -149,7 +149,7 @@ Result<Surface> surface_revolution(const RevolutionSpec& spec, const TargetPlace
                 fmt::format("is {:g}; over 90 degrees no falling curve follows a circle about the "
                             "spine. Use at most 90, or \"fit\": \"nearest\"",
                             angle_deg));
-  const double angle_rad = angle_deg / 180.0 * std::numbers::pi;
+  const double angle_rad = psi_rad_of(angle_deg);
   const auto cut = [radius, placement, angle_deg, angle_rad,
                     solid](double s_mm) -> Result<SurfaceSlice> {
     const double y = (s_mm - placement.translate_mm[1]) / placement.scale_mm;

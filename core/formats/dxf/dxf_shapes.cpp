@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Part of core/formats/dxf/dxf_entity.hpp.
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -10,8 +9,6 @@
 
 namespace popcut {
 namespace {
-
-double radians(double degrees) { return degrees * kPi / 180; }
 
 /// Seen from above, with y down.
 PagePoint seen(const Vec3& p) { return {p.x(), -p.y()}; }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Part of core/plan/order/order_group.hpp.
 #include <cmath>
-#include <numbers>
 
+#include "core/geometry/angle.hpp"
 #include "core/plan/order/order_group.hpp"
 
 namespace popcut {
@@ -61,7 +61,7 @@ Visit LinePieces::visit_of(const Visit& visit) const {
 }
 
 LinePieces split_at_corners(const LineWork& work, const Nesting& nesting, double corner_deg) {
-  const double cosine = std::cos(corner_deg * std::numbers::pi / 180.0);
+  const double cosine = std::cos(radians(corner_deg));
   std::vector<std::uint8_t> holds(work.lines.size(), 0);
   for (const std::uint32_t holder : nesting.holders) holds[holder] = 1;
   LinePieces out;

@@ -67,7 +67,7 @@ class FacesInSpace {
   }
 
   [[nodiscard]] const Box& box(std::size_t f) const { return boxes_[f]; }
-  [[nodiscard]] const RigidMotion& motion(std::uint32_t f) const {
+  [[nodiscard]] const PanelMotion& motion(std::uint32_t f) const {
     return motion_.panel[sheet_.panel_of_face[f]];
   }
 
@@ -98,7 +98,7 @@ class FacesInSpace {
 
   /// Distances of the corners of face `g` from the plane of face `f`.
   Straddle distances(std::uint32_t g, std::uint32_t f, std::vector<double>& off) const {
-    const RigidMotion& plane = motion(f);
+    const PanelMotion& plane = motion(f);
     double low = 0.0;
     double high = 0.0;
     for (const std::uint32_t v : face_of(file_, g)) {
@@ -138,7 +138,7 @@ class FacesInSpace {
 };
 
 /// The area that two faces in one plane share, measured in the plane of `f`.
-double shared_area(const Triangles& triangles, const Pose& pose, const RigidMotion& plane,
+double shared_area(const Triangles& triangles, const Pose& pose, const PanelMotion& plane,
                    std::uint32_t f, std::uint32_t g, double& reach) {
   const auto corners = [&](std::uint32_t t) {
     std::array<Vec2, 3> shape{};

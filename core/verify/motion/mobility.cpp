@@ -227,7 +227,7 @@ Sparse loop_constraints(const FoldModel& file, const Sheet& sheet, const PoseMot
     for (std::uint32_t c = loops.first[k]; c < loops.first[k + 1]; ++c) {
       const Crossing& crossing = loops.crossings[c];
       const Hinge& hinge = sheet.hinges[crossing.hinge];
-      const RigidMotion& motion = pose.panel[sheet.panel_of_face[hinge.left]];
+      const PanelMotion& motion = pose.panel[sheet.panel_of_face[hinge.left]];
       const Vec3 from = motion(file.flat[hinge.from]);
       const Vec3 to = motion(file.flat[hinge.to]);
       const double sign = (crossing.to_left ? 1.0 : -1.0) * of_line[crossing.hinge].sign;

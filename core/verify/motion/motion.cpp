@@ -29,7 +29,7 @@ std::array<std::uint32_t, 3> far_apart(const FoldModel& file,
   return {a, b, c};
 }
 
-RigidMotion motion_of(const FoldModel& file, const std::array<std::uint32_t, 3>& anchors,
+PanelMotion motion_of(const FoldModel& file, const std::array<std::uint32_t, 3>& anchors,
                       const Pose& pose) {
   const auto [a, b, c] = anchors;
   const Vec2 flat_a = file.flat[a];
@@ -42,7 +42,7 @@ RigidMotion motion_of(const FoldModel& file, const std::array<std::uint32_t, 3>&
   const Vec3 f1 = unit(pose.at[b] - pose.at[a]);
   const Vec3 toward = pose.at[c] - pose.at[a];
   const Vec3 f2 = side * unit(toward - dot(toward, f1) * f1);
-  RigidMotion motion;
+  PanelMotion motion;
   motion.along_u = e1.x() * f1 + e2.x() * f2;
   motion.along_v = e1.y() * f1 + e2.y() * f2;
   motion.normal = cross(f1, f2);
@@ -56,8 +56,8 @@ double edge_change(const FoldModel& file, const Pose& pose, std::size_t e) {
 }
 
 /// Fold angle about a hinge in degrees: positive if the faces turn towards their face side.
-double angle_about(const FoldModel& file, const Hinge& hinge, const RigidMotion& left,
-                   const RigidMotion& right) {
+double angle_about(const FoldModel& file, const Hinge& hinge, const PanelMotion& left,
+                   const PanelMotion& right) {
   const Vec2 way = file.flat[hinge.to] - file.flat[hinge.from];
   const Vec3 axis = unit(way.x() * left.along_u + way.y() * left.along_v);
   return kDegrees *
@@ -65,8 +65,8 @@ double angle_about(const FoldModel& file, const Hinge& hinge, const RigidMotion&
 }
 
 /// How far two panels place the ends of their hinge apart.
-double gap_mm(const FoldModel& file, const Hinge& hinge, const RigidMotion& left,
-              const RigidMotion& right) {
+double gap_mm(const FoldModel& file, const Hinge& hinge, const PanelMotion& left,
+              const PanelMotion& right) {
   const auto apart = [&](std::uint32_t v) {
     return norm(left(file.flat[v]) - right(file.flat[v]));
   };
@@ -75,8 +75,8 @@ double gap_mm(const FoldModel& file, const Hinge& hinge, const RigidMotion& left
 
 }  // namespace
 
-RigidMotion further(const RigidMotion& from, const RigidMotion& to, double by) {
-  RigidMotion motion = to;
+PanelMotion further(const PanelMotion& from, const PanelMotion& to, double by) {
+  PanelMotion motion = to;
   motion.along_u = unit(to.along_u + by * (to.along_u - from.along_u));
   const Vec3 v = to.along_v + by * (to.along_v - from.along_v);
   motion.along_v = unit(v - dot(v, motion.along_u) * motion.along_u);
@@ -109,7 +109,7 @@ PoseMotion measure(const FoldModel& file, const Sheet& sheet, const Panels& pane
   result.least_generic = 1.0;
   result.panel.reserve(sheet.panels);
   for (std::size_t p = 0; p < sheet.panels; ++p) {
-    const RigidMotion motion = motion_of(file, panels.anchors[p], pose);
+    const PanelMotion motion = motion_of(file, panels.anchors[p], pose);
     for (const std::uint32_t v : panels.vertices[p])
       result.isometry_mm = std::max(result.isometry_mm, norm(motion(file.flat[v]) - pose.at[v]));
     result.panel.push_back(motion);

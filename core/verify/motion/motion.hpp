@@ -13,9 +13,11 @@
 
 namespace popcut::verify {
 
-/// A rigid motion from the flat sheet into space: p -> origin + u * along_u + v * along_v. The
-/// three directions are orthonormal and right-handed; `normal` points to the sheet's face side.
-struct RigidMotion {
+/// A rigid motion of a panel from the flat sheet into space: p -> origin + u * along_u + v *
+/// along_v. The three directions are orthonormal and right-handed; `normal` points to the sheet's
+/// face side. It is not `rigid::Motion` (a quaternion and a shift): the verifier shares no motion
+/// with what it judges, and a quaternion would change the last digits of its figures.
+struct PanelMotion {
   Vec3 origin;
   Vec3 along_u{1.0, 0.0, 0.0};
   Vec3 along_v{0.0, 1.0, 0.0};
@@ -26,7 +28,7 @@ struct RigidMotion {
 
 /// Extrapolates the motion by `by` steps past `to`, where the last step came from `from`, with
 /// orthonormal axes. Lengths in mm.
-[[nodiscard]] RigidMotion further(const RigidMotion& from, const RigidMotion& to, double by);
+[[nodiscard]] PanelMotion further(const PanelMotion& from, const PanelMotion& to, double by);
 
 /// The vertices of each panel (with repeats), and three vertices far apart by which its motion is
 /// measured.
@@ -40,7 +42,7 @@ struct Panels {
 
 /// What a pose does to the sheet.
 struct PoseMotion {
-  std::vector<RigidMotion> panel;       ///< one per panel
+  std::vector<PanelMotion> panel;       ///< one per panel
   std::vector<double> hinge_angle_deg;  ///< one per hinge of the sheet: + valley, - mountain
   double isometry_mm{};    ///< largest change of an edge's length or of a panel's shape
   double hinge_gap_mm{};   ///< largest distance between the places two panels give a fold end

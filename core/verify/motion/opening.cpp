@@ -172,7 +172,7 @@ RigidState Follower::drawn(const Guess& guess, double driven_rad) {
   const AngleGoal drive{driver_, lead_ * driven_rad, 1.0};
   const double gap = largest_gap_mm(rigid_, state);
   if (gap <= slack_mm_) return state;
-  if (gap > 0.1 * driven_rad * rigid_.reach_mm) state.assign(state.size(), RigidMotion{});
+  if (gap > 0.1 * driven_rad * rigid_.reach_mm) state.assign(state.size(), PanelMotion{});
   std::vector<AngleGoal> goals;
   for (std::size_t k = 0; k < angle.size(); ++k) {
     if (guess.tangent[k] != 0.0 && k != driver_) goals.push_back({k, angle[k], 0.0});
@@ -317,10 +317,10 @@ bool Follower::reach(double driven_rad, std::string& why) {
   return true;
 }
 
-Opening follow(const FoldModel& file, const Sheet& sheet, const RigidSheet& rigid,
-               const std::vector<LineHint>& hints, std::size_t driver,
-               std::span<const double> psi_rad, double slack_mm) {
-  Opening opening;
+Trajectory follow(const FoldModel& file, const Sheet& sheet, const RigidSheet& rigid,
+                  const std::vector<LineHint>& hints, std::size_t driver,
+                  std::span<const double> psi_rad, double slack_mm) {
+  Trajectory opening;
   const HingeLine& line = rigid.lines[driver];
   opening.driver_edge = sheet.hinges[line.hinge].edge;
   opening.driver_length_mm = norm(line.to - line.from);
@@ -354,9 +354,9 @@ Opening follow(const FoldModel& file, const Sheet& sheet, const RigidSheet& rigi
 
 }  // namespace
 
-Opening open_sheet(const FoldModel& file, const Sheet& sheet, std::span<const double> psi_rad,
-                   double slack_mm) {
-  Opening best;
+Trajectory open_sheet(const FoldModel& file, const Sheet& sheet, std::span<const double> psi_rad,
+                      double slack_mm) {
+  Trajectory best;
   best.reached_psi_rad = kPi;
   const std::vector<HingeLine> lines = hinge_lines(file, sheet);
   if (lines.empty()) {
@@ -368,7 +368,7 @@ Opening open_sheet(const FoldModel& file, const Sheet& sheet, std::span<const do
     const RigidSheet rigid =
         rigid_sheet(file, sheet, std::min(lines[driver].left, lines[driver].right));
     const std::vector<LineHint> hints = hints_of(file, sheet, rigid);
-    Opening opening = follow(file, sheet, rigid, hints, driver, psi_rad, slack_mm);
+    Trajectory opening = follow(file, sheet, rigid, hints, driver, psi_rad, slack_mm);
     const bool spent = opening.spent;
     const bool farther = opening.reached_psi_rad < best.reached_psi_rad;
     if (first || farther) best = std::move(opening);

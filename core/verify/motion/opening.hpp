@@ -15,7 +15,7 @@
 namespace popcut::verify {
 
 /// How a flat sheet was opened.
-struct Opening : OpeningFigures {
+struct Trajectory : OpeningFigures {
   std::vector<Pose> poses;  ///< one per requested opening angle that was reached, in order
   std::string guess;        ///< source of the first guess
   std::string stopped;      ///< why it stopped; empty if it reached the last angle
@@ -43,8 +43,8 @@ struct Opening : OpeningFigures {
 ///
 /// @param psi_rad   opening angles to stop at, descending, between 0 and pi (both excluded)
 /// @param slack_mm  gaps up to this size count as closed: how exact the drawing is
-[[nodiscard]] Opening open_sheet(const FoldModel& file, const Sheet& sheet,
-                                 std::span<const double> psi_rad, double slack_mm);
+[[nodiscard]] Trajectory open_sheet(const FoldModel& file, const Sheet& sheet,
+                                    std::span<const double> psi_rad, double slack_mm);
 
 /// The driving line that `open_sheet` tries first, as one of its folds (an index into
 /// `Sheet::hinges`). None if no two panels turn against each other.

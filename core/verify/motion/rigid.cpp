@@ -17,7 +17,7 @@ using Vector = Eigen::VectorXd;
 constexpr int kRowsOfLine = 6;
 constexpr double kLargestTurn_rad = 0.5;  ///< limit per panel and step
 
-Vec3 turned(const RigidMotion& motion, Vec2 way) {
+Vec3 turned(const PanelMotion& motion, Vec2 way) {
   return way.x() * motion.along_u + way.y() * motion.along_v;
 }
 
@@ -38,14 +38,14 @@ Vec3 rotated(Vec3 v, Vec3 axis) {
 }
 
 /// Makes the directions of a motion exactly orthonormal.
-void straighten(RigidMotion& motion) {
+void straighten(PanelMotion& motion) {
   motion.along_u = unit(motion.along_u);
   motion.along_v = unit(motion.along_v - dot(motion.along_v, motion.along_u) * motion.along_u);
   motion.normal = cross(motion.along_u, motion.along_v);
 }
 
 /// Rotates a motion about its own image of `middle`, then translates it.
-void apply(RigidMotion& motion, Vec2 middle, Vec3 turn, Vec3 move) {
+void apply(PanelMotion& motion, Vec2 middle, Vec3 turn, Vec3 move) {
   const Vec3 at = motion(middle) + move;
   motion.along_u = rotated(motion.along_u, turn);
   motion.along_v = rotated(motion.along_v, turn);
@@ -54,8 +54,8 @@ void apply(RigidMotion& motion, Vec2 middle, Vec3 turn, Vec3 move) {
 }
 
 double fold_angle_rad(const HingeLine& line, const RigidState& state) {
-  const RigidMotion& left = state[line.left];
-  const RigidMotion& right = state[line.right];
+  const PanelMotion& left = state[line.left];
+  const PanelMotion& right = state[line.right];
   const Vec3 axis = turned(left, direction_of(line));
   return std::atan2(dot(cross(right.normal, left.normal), axis), dot(left.normal, right.normal));
 }
@@ -108,7 +108,7 @@ RigidSheet rigid_sheet(const FoldModel& file, const Sheet& sheet, std::uint32_t 
 }
 
 RigidState state_from_tree(const RigidSheet& sheet, std::span<const double> angle_rad,
-                           const RigidMotion& held) {
+                           const PanelMotion& held) {
   RigidState state(sheet.frames.size());
   for (const std::uint32_t p : sheet.order) {
     if (sheet.hangs_on[p] < 0) {
@@ -118,11 +118,11 @@ RigidState state_from_tree(const RigidSheet& sheet, std::span<const double> angl
     const auto k = static_cast<std::size_t>(sheet.hangs_on[p]);
     const HingeLine& line = sheet.lines[k];
     const bool is_left = line.left == p;
-    const RigidMotion& base = state[is_left ? line.right : line.left];
+    const PanelMotion& base = state[is_left ? line.right : line.left];
     // The left panel turns by +angle about the line relative to the right one.
     const Vec3 axis = (is_left ? angle_rad[k] : -angle_rad[k]) * turned(base, direction_of(line));
     const Vec2 pivot = middle_of(line);
-    RigidMotion motion = base;
+    PanelMotion motion = base;
     apply(motion, pivot, axis, {});
     state[p] = motion;
   }
@@ -154,8 +154,8 @@ Vector RigidSolver::residual(const RigidState& state, std::span<const AngleGoal>
   Vector off(kRowsOfLine * lines + static_cast<Eigen::Index>(goals.size()));
   Eigen::Index row = 0;
   for (const HingeLine& line : sheet_.lines) {
-    const RigidMotion& left = state[line.left];
-    const RigidMotion& right = state[line.right];
+    const PanelMotion& left = state[line.left];
+    const PanelMotion& right = state[line.right];
     const Vec3 apart = left(middle_of(line)) - right(middle_of(line));
     const Vec2 way = direction_of(line);
     const Vec3 askew = lever(line) * (turned(left, way) - turned(right, way));

@@ -16,7 +16,7 @@
 
 namespace popcut::verify {
 
-/// Rigid panels on hinge lines, for the solver. A state is one `RigidMotion` per panel.
+/// Rigid panels on hinge lines, for the solver. A state is one `PanelMotion` per panel.
 struct RigidSheet {
   std::vector<HingeLine> lines;
   std::vector<PanelFrame> frames;
@@ -32,12 +32,12 @@ struct RigidSheet {
 /// @param held  the panel that stays in place; in other pieces, the first panel does
 [[nodiscard]] RigidSheet rigid_sheet(const FoldModel& file, const Sheet& sheet, std::uint32_t held);
 
-using RigidState = std::vector<RigidMotion>;
+using RigidState = std::vector<PanelMotion>;
 
 /// The state in which every line of the tree of panels is folded by `angle_rad`. Hinges of lines
 /// outside the tree may open.
 [[nodiscard]] RigidState state_from_tree(const RigidSheet& sheet, std::span<const double> angle_rad,
-                                         const RigidMotion& held = {});
+                                         const PanelMotion& held = {});
 
 /// Fold angles in radians, one per line: + valley, - mountain, within -pi and pi.
 [[nodiscard]] std::vector<double> fold_angles_rad(const RigidSheet& sheet, const RigidState& state);

@@ -4,16 +4,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
+
+#include "core/geometry/angle.hpp"
 
 namespace popcut::verify {
 namespace {
 
 /// The pose nearest to the angle that the target stands at.
 const Pose* pose_to_measure(const FoldModel& file, double angle_deg) {
-  const double angle_rad = angle_deg / 180.0 * std::numbers::pi;
+  const double angle_rad = psi_rad_of(angle_deg);
   const auto off = [&](const Pose& pose) { return std::abs(*pose.psi_rad - angle_rad); };
   const Pose* best = nullptr;
   for (const Pose& pose : file.poses) {

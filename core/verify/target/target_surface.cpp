@@ -10,6 +10,8 @@
 
 #include <muParser.h>
 
+#include "core/geometry/angle.hpp"
+
 namespace popcut::verify {
 namespace {
 
@@ -243,7 +245,7 @@ class Stretched : public TargetSurface {
 
 TargetWall TargetWall::at_deg(double angle_deg) {
   if (angle_deg == 90.0) return {};
-  const double angle = std::numbers::pi * angle_deg / 180.0;
+  const double angle = radians(angle_deg);
   return {std::cos(angle), std::sin(angle)};
 }
 

@@ -14,6 +14,7 @@
 #include "core/deploy/loaded_pattern.hpp"
 #include "core/formats/csv/segments_reader.hpp"
 #include "core/formats/fold/fold_reader.hpp"
+#include "core/judge/sheet_motion.hpp"
 #include "core/machines/machine.hpp"
 #include "core/picture/poster.hpp"
 #include "daemon/cli/answer.hpp"
@@ -25,7 +26,6 @@
 #include "daemon/cli/view/long_work.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
-#include "daemon/planning/judge/sheet_opening.hpp"
 #include "daemon/planning/views/book_animation.hpp"
 
 namespace popcut::cli {
@@ -43,10 +43,10 @@ struct Options {
 struct Source {
   Pattern pattern;
   bool loose{false};  ///< rectangles from a table of panels, else faces of a sheet
-  std::optional<planning::SolvedMotion> motion{};  ///< none: popcut's own law of motion
+  std::optional<judge::SolvedPoses> motion{};  ///< none: popcut's own law of motion
   std::vector<std::string> notes{};
 
-  [[nodiscard]] const planning::SolvedMotion* solved() const { return motion ? &*motion : nullptr; }
+  [[nodiscard]] const judge::SolvedPoses* solved() const { return motion ? &*motion : nullptr; }
 };
 
 bool is_table(const std::string& file, const std::string& text) {
@@ -66,7 +66,7 @@ Result<Source> open_sheet(const Options& options, const std::string& fold, doubl
                           const Progress& progress) {
   const auto angles = angles_of(options.motion, design_psi_rad);
   if (!angles) return tl::unexpected(angles.error());
-  auto opened = planning::open_flat_sheet(fold, *angles, progress);
+  auto opened = judge::open_flat_sheet(fold, *angles, progress);
   if (!opened) return tl::unexpected(within(options.file, opened.error()));
   Source source{std::move(opened->pattern), false, std::move(opened->motion)};
   source.pattern.design_psi_rad = design_psi_rad;

@@ -25,6 +25,7 @@
 #include "core/formats/write/profile_svg.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "core/formats/write/segments_csv.hpp"
+#include "core/judge/sound_design.hpp"
 #include "core/machines/machine.hpp"
 #include "core/picture/deployed_svg.hpp"
 #include "core/picture/sheet_picture.hpp"
@@ -51,7 +52,6 @@
 #include "daemon/pictures/png.hpp"
 #include "daemon/planning/design_export.hpp"
 #include "daemon/planning/design_files.hpp"
-#include "daemon/planning/judge/sound_design.hpp"
 
 namespace popcut::cli {
 namespace design_command {
@@ -341,10 +341,11 @@ std::string files_of_book(const std::vector<Format>& formats) {
 }
 
 /// The seconds of an assembly of several parts are those of all together.
-Result<PatchAssembly> timed_design(const DesignSpec& spec, const SurfaceAssets& assets,
-                                   std::string& unsound, const Progress& progress) {
+tl::expected<PatchAssembly, judge::DesignFault> timed_design(const DesignSpec& spec,
+                                                             const SurfaceAssets& assets,
+                                                             const Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  auto made = planning::sound_design(spec, assets, &unsound, progress);
+  auto made = judge::sound_design(spec, assets, progress);
   if (made) tell(progress, "measuring the distance from your shape");
   if (made)
     for (Design& part : made->parts) part.report.surface_fit = surface_fit(part);
@@ -362,13 +363,14 @@ Result<std::string> spec_text(const std::string& spec) {
 }
 
 /// Leaves only the file that says what is wrong, so that no older pattern is taken for this one.
-Error report_unsound(OutputFolder folder, const std::string& report, Error error) {
-  auto done = folder.add(planning::kUnsoundFile, report);
+Error report_unsound(OutputFolder folder, judge::DesignFault fault) {
+  constexpr const char* kFile = "unsound.json";
+  auto done = folder.add(kFile, judge::unsound_json(fault.parts));
   if (done) done = folder.commit("popcut design " POPCUT_VERSION);
-  error.detail += done ? fmt::format("; {} in {} says what is wrong and where",
-                                     planning::kUnsoundFile, folder.folder().string())
-                       : fmt::format("; {}", message(done.error()));
-  return error;
+  fault.error.detail +=
+      done ? fmt::format("; {} in {} says what is wrong and where", kFile, folder.folder().string())
+           : fmt::format("; {}", message(done.error()));
+  return std::move(fault.error);
 }
 
 /// The material that a spec names; errors say where.
@@ -453,15 +455,15 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   if (!assets) return tl::unexpected(within(options.spec, assets.error()));
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
-  std::string unsound;
-  auto made = timed_design(*spec, *assets, unsound, work->progress());
-  if (!made && made.error().reason == ErrorReason::Misplaced &&
-      spec->placement.design_angle_deg == 90.0)
-    made.error().detail += ", or see 'popcut design --place'";
-  if (!made && !unsound.empty())
-    return tl::unexpected(
-        report_unsound(std::move(*folder), unsound, within(options.spec, made.error())));
-  if (!made) return tl::unexpected(within(options.spec, made.error()));
+  auto made = timed_design(*spec, *assets, work->progress());
+  if (!made) {
+    judge::DesignFault& fault = made.error();
+    if (fault.error.reason == ErrorReason::Misplaced && spec->placement.design_angle_deg == 90.0)
+      fault.error.detail += ", or see 'popcut design --place'";
+    fault.error = within(options.spec, fault.error);
+    if (fault.parts.empty()) return tl::unexpected(fault.error);
+    return tl::unexpected(report_unsound(std::move(*folder), std::move(fault)));
+  }
 
   std::vector<LineWork> dashed;
   const bool prints = std::any_of(formats->begin(), formats->end(),

@@ -31,8 +31,8 @@ Result<PoseTable> whole_pose(const DeployedBook& book, double psi_rad) {
     auto table = pose_table(book.cards[i], one);
     if (!table) return tl::unexpected(table.error());
     // x, along the ground, turns toward z.
-    const Turn turn(Eigen::AngleAxisd(-static_cast<double>(i) * psi_rad, Vec3(0, 1, 0)));
-    for (const Motion3& motion : table->motions)
+    const rigid::Turn turn(Eigen::AngleAxisd(-static_cast<double>(i) * psi_rad, Vec3(0, 1, 0)));
+    for (const rigid::Motion& motion : table->motions)
       whole.motions.push_back({turn * motion.turn, Vec3(turn * motion.shift)});
     whole.parent.insert(whole.parent.end(), table->parent.begin(), table->parent.end());
     whole.pivot.insert(whole.pivot.end(), table->pivot.begin(), table->pivot.end());

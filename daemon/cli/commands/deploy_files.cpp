@@ -98,7 +98,7 @@ Result<double> thickness_of(const MotionOptions& options, double of_material_mm)
 Result<void> add_meshes(const Pattern& pattern, const SheetMesh& mesh,
                         const std::vector<double>& psi_rad, MeshAxes axes,
                         const std::string& prefix, OutputFolder& folder, const Progress& progress,
-                        const planning::SolvedMotion* motion) {
+                        const judge::SolvedPoses* motion) {
   // A table holds some poses at a time, since thousands of poses of thousands of faces are a lot.
   const std::size_t at_once = planning::poses_at_once(pattern, 64);
   for (std::size_t first = 0; first < psi_rad.size(); first += at_once) {
@@ -123,8 +123,7 @@ Result<void> add_meshes(const Pattern& pattern, const SheetMesh& mesh,
 }
 
 Result<void> add_glb(const Pattern& pattern, const std::vector<double>& psi_rad,
-                     double thickness_mm, OutputFolder& folder,
-                     const planning::SolvedMotion* motion) {
+                     double thickness_mm, OutputFolder& folder, const judge::SolvedPoses* motion) {
   const auto drawn = [&]() -> Result<std::string> {
     if (motion == nullptr) return planning::animation_glb(pattern, psi_rad, thickness_mm);
     const auto table = motion->table(pattern, psi_rad);

@@ -6,13 +6,13 @@
 
 #include "core/deploy/sheet_mesh.hpp"
 #include "core/deploy/stl.hpp"
+#include "core/judge/sheet_motion.hpp"
 #include "core/pattern/pattern.hpp"
 #include "core/picture/deployed_svg.hpp"
 #include "core/progress.hpp"
 #include "core/result.hpp"
 #include "daemon/cli/parsing/command_line.hpp"
 #include "daemon/files/output_folder.hpp"
-#include "daemon/planning/judge/sheet_opening.hpp"
 
 namespace popcut::cli {
 
@@ -54,13 +54,13 @@ void give_back_file(MotionOptions& options, std::string& file);
                                       const std::vector<double>& psi_rad, MeshAxes axes,
                                       const std::string& prefix, OutputFolder& folder,
                                       const Progress& progress = {},
-                                      const planning::SolvedMotion* motion = nullptr);
+                                      const judge::SolvedPoses* motion = nullptr);
 
 /// Writes "deploy.glb": the way from the first angle to the last, as one animation. A solved motion
 /// has a key at each of its angles.
 [[nodiscard]] Result<void> add_glb(const Pattern& pattern, const std::vector<double>& psi_rad,
                                    double thickness_mm, OutputFolder& folder,
-                                   const planning::SolvedMotion* motion = nullptr);
+                                   const judge::SolvedPoses* motion = nullptr);
 
 /// Writes "poster.svg": six poses from the first angle to the last.
 [[nodiscard]] Result<void> add_poster(const Pattern& pattern, const std::vector<double>& psi_rad,

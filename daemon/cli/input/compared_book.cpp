@@ -14,12 +14,13 @@
 #include "core/design/book.hpp"
 #include "core/design/facet_design.hpp"
 #include "core/design/target/placement_map.hpp"
+#include "core/geometry/angle.hpp"
+#include "core/judge/book_pose.hpp"
 #include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/target/target.hpp"
 #include "core/verify/verify.hpp"
 #include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/files/output_folder.hpp"
-#include "daemon/planning/judge/opened_book.hpp"
 
 namespace popcut::cli {
 namespace compared_book {
@@ -53,8 +54,7 @@ Result<ComparedTarget> facet_book_target(const DesignSpec& spec, const SurfaceAs
     const auto target = facet_target(card_of_book(spec, placement, i), assets);
     if (!target) return tl::unexpected(target.error());
     std::vector<float> own(target->soup.corners.begin(), target->soup.corners.end());
-    planning::turn_about_spine(
-        own, static_cast<double>(i) * spec.book->angle_deg() * std::numbers::pi / 180.0);
+    judge::turn_about_spine(own, radians(static_cast<double>(i) * spec.book->angle_deg()));
     append(own, out.triangles);
     out.placement.shift_mm.y() = spec.card->margin_mm - target->from_mm;
   }
@@ -68,7 +68,7 @@ Result<ComparedTarget> facet_book_target(const DesignSpec& spec, const SurfaceAs
 Result<ComparedStructure> read_compared_book(const std::vector<std::string>& files,
                                              const Progress& progress) {
   using namespace compared_book;
-  planning::OpenedBook book;
+  judge::BookPose book;
   ComparedStructure out;
   out.is_book = true;
   for (const std::string& file : files) {
@@ -84,7 +84,7 @@ Result<ComparedStructure> read_compared_book(const std::vector<std::string>& fil
     return fail(ErrorKind::OutOfRange, files.back(),
                 fmt::format("the cards take {:.4g} degrees, more than a whole turn; give those of "
                             "one book",
-                            book.turned_rad * 180.0 / std::numbers::pi));
+                            degrees(book.turned_rad)));
   if (book.triangles.empty())
     return fail(ErrorKind::OutOfRange, files.front(),
                 "nothing stands between the pages of the book, so there is nothing to compare");
@@ -139,8 +139,8 @@ Result<ComparedTarget> read_book_target(const std::string& file, const std::stri
     }
     TriangleMesh triangles;
     target->surface->add_triangles(wanted, triangles);
-    planning::turn_about_spine(triangles.corners, static_cast<double>(i) * spec->book->angle_deg() *
-                                                      std::numbers::pi / 180.0);
+    judge::turn_about_spine(triangles.corners,
+                            radians(static_cast<double>(i) * spec->book->angle_deg()));
     append(triangles.corners, out.triangles);
   }
   if (shift) {

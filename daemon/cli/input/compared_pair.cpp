@@ -14,6 +14,7 @@
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/geometry/triangulate.hpp"
 #include "core/geometry/vec.hpp"
+#include "core/judge/card_pose.hpp"
 #include "core/model/height_grid.hpp"
 #include "core/model/model.hpp"
 #include "core/text/file_kind.hpp"
@@ -26,7 +27,6 @@
 #include "daemon/cli/input/model_file.hpp"
 #include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/files/output_folder.hpp"
-#include "daemon/planning/judge/opened_card.hpp"
 
 namespace popcut::cli {
 namespace compared_pair {
@@ -235,7 +235,7 @@ Result<ComparedStructure> read_structure(const std::string& file, std::optional<
         ErrorKind::Malformed, file,
         fmt::format("is {}; give a pattern (.fold, .svg, .dxf) or a 3D model (.stl, .obj, .glb)",
                     foreign));
-  auto card = planning::open_card(*text, psi_rad, progress);
+  auto card = judge::open_card(*text, psi_rad, progress);
   if (!card && is_design_spec(*text)) return tl::unexpected(not_yet_designed(file, "compare"));
   if (!card && !psi_rad)
     if (auto folded = folded_form(*text); folded && has_size(*folded)) {

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/angle.hpp"
 #include "core/text/words.hpp"
 
 namespace popcut::cli {
@@ -82,12 +83,12 @@ Result<Samples> parse(std::string_view option, std::string_view text, Parse numb
 }  // namespace
 
 Result<double> parse_angle(std::string_view text) {
-  constexpr std::string_view kDegrees = "deg";
+  constexpr std::string_view kUnit = "deg";
   text = trimmed(text, " ");
   std::optional<double> angle = number(text);
-  if (!angle && text.size() > kDegrees.size() && text.ends_with(kDegrees)) {
-    angle = number(text.substr(0, text.size() - kDegrees.size()));
-    if (angle) angle = *angle / 180.0 * std::numbers::pi;
+  if (!angle && text.size() > kUnit.size() && text.ends_with(kUnit)) {
+    angle = number(text.substr(0, text.size() - kUnit.size()));
+    if (angle) angle = psi_rad_of(*angle);
   }
   if (!angle) angle = multiple_of_pi(text);
   if (angle) return *angle;

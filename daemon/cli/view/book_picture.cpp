@@ -8,6 +8,7 @@
 
 #include "core/compare/comparison.hpp"
 #include "core/compare/picture.hpp"
+#include "core/geometry/angle.hpp"
 #include "core/text/svg_document.hpp"
 #include "daemon/digest/digest.hpp"
 #include "daemon/pictures/png.hpp"
@@ -17,7 +18,7 @@ namespace book_picture_parts {
 namespace {
 
 constexpr int kSides = 8, kPixels = 440, kTile = 220, kGap = 6, kTop = 34, kLeft = 92;
-constexpr double kFromAbove_rad = 20.0 / 180.0 * std::numbers::pi;
+constexpr double kFromAbove_rad = radians(20.0);
 
 struct Row {
   const char* name;

@@ -8,8 +8,9 @@
 #include <vector>
 
 #include "core/artwork/lit_picture.hpp"
-#include "core/artwork/opened_print.hpp"
-#include "core/geometry/opening.hpp"
+#include "core/artwork/standing_print.hpp"
+#include "core/geometry/angle.hpp"
+#include "core/geometry/design_angle.hpp"
 #include "daemon/pictures/png.hpp"
 
 namespace popcut::cli {
@@ -18,8 +19,6 @@ namespace {
 
 constexpr std::size_t kTile = 480;
 constexpr Colour kBack{247, 245, 240, 255};
-
-double radians(double degrees) { return degrees / 180.0 * std::numbers::pi; }
 
 /// Where the two pictures of a design are seen from.
 struct Eyes {
@@ -37,7 +36,7 @@ struct Eyes {
       front.toward = toward(0.5 * psi_rad);
       aside.toward = toward(0.5 * psi_rad + std::numbers::pi);
     } else {
-      const Opening opening = Opening::of_rad(psi_rad);
+      const DesignAngle opening = DesignAngle::of_rad(psi_rad);
       front.toward = {1 + opening.cosine, 0, opening.sine};
       const double azimuth = radians(36);
       aside.toward = {std::cos(azimuth), std::sin(azimuth), std::tan(radians(28))};
@@ -73,14 +72,14 @@ Result<std::string> print_picture(const planning::PrintedDesign& design, const A
   const PartsStand stand = design.around ? PartsStand::Around : PartsStand::InRow;
   std::vector<const Pattern*> parts;
   for (const Pattern& part : design.parts) parts.push_back(&part);
-  const auto card = opened_print(parts, stand, artwork);
+  const auto card = standing_print(parts, stand, artwork);
   if (!card) return tl::unexpected(card.error());
   Eyes eyes(design);
   Strip strip(design.models.empty() ? 2 : 3);
   if (!design.models.empty()) {
     PictureLook look = eyes.front;
     look.shade = design.coloured ? 0.4 : 0.65;
-    strip.add(lit_picture(opened_models(parts, stand, design.models), look));
+    strip.add(lit_picture(standing_models(parts, stand, design.models), look));
   }
   for (PictureLook* look : {&eyes.front, &eyes.aside}) {
     look->back = kBack;

@@ -13,8 +13,11 @@
 
 #include <fmt/format.h>
 
+#include "core/deploy/standing_card.hpp"
 #include "core/design/book_fit.hpp"
 #include "core/formats/fold/fold_writer.hpp"
+#include "core/judge/book_pose.hpp"
+#include "core/judge/card_pose.hpp"
 #include "core/search/book_standing.hpp"
 #include "core/search/coarse_mesh.hpp"
 #include "core/search/halving.hpp"
@@ -23,10 +26,7 @@
 #include "core/verify/book.hpp"
 #include "core/verify/verify.hpp"
 #include "daemon/planning/design_files.hpp"
-#include "daemon/planning/judge/opened_book.hpp"
-#include "daemon/planning/judge/opened_card.hpp"
 #include "daemon/planning/plan_job.hpp"
-#include "daemon/planning/search/opened_pattern.hpp"
 #include "daemon/planning/search/parallel.hpp"
 #include "daemon/planning/search/searched_mat.hpp"
 
@@ -128,7 +128,7 @@ std::optional<Stand> stand_of(const PatchAssembly& made, const Way& way) {
 
 /// The opened card with wall and ground, or the opened cards of a book without their pages.
 std::vector<float> structure_of(const PatchAssembly& made) {
-  if (!made.book) return opened_pattern(made.parts.front().pattern);
+  if (!made.book) return standing_triangles(made.parts.front().pattern);
   const TriangleSoup soup = book_structure(made);
   return {soup.corners.begin(), soup.corners.end()};
 }
@@ -541,7 +541,7 @@ class CardSearch {
     const auto report = verify_fold(fold, how);
     if (!report) return tl::unexpected(report.error());
     if (!report->ok()) return unsound(report->failed());
-    auto opened = open_card(fold, std::nullopt);
+    auto opened = judge::open_card(fold, std::nullopt);
     if (!opened) return tl::unexpected(opened.error());
     if (!opened->model) return nowhere();
     if (is_behind(opened->triangles)) return fail(ErrorKind::Infeasible, "", kBehind);
@@ -560,7 +560,7 @@ class CardSearch {
   /// The same of a book.
   [[nodiscard]] Result<FoundCard> finished_book(const std::vector<std::string>& folds) const {
     std::vector<VerifiedCard> cards;
-    OpenedBook opened;
+    judge::BookPose opened;
     for (const std::string& fold : folds) {
       cards.push_back({fmt::format("card {}", cards.size() + 1), fold});
       if (const auto done = opened.add(cards.back().name, fold); !done)

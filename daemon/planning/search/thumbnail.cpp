@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <numbers>
 #include <vector>
 
 #include "core/compare/picture.hpp"
+#include "core/geometry/angle.hpp"
 #include "daemon/pictures/png.hpp"
 
 namespace popcut::planning {
@@ -17,9 +17,8 @@ likeness::Scene pictured_scene(const FoundCard& card, int pixels) {
   scene.pixels = pixels;
   if (card.made.book) {
     // Over a corner, so that a box shows three of its sides.
-    constexpr double kDegree = std::numbers::pi / 180.0;
     for (const int turn : {40, 160, 280})
-      scene.views.push_back(likeness::risen_view(turn * kDegree, 25 * kDegree));
+      scene.views.push_back(likeness::risen_view(radians(turn), radians(25)));
     return scene;
   }
   scene.views = likeness::cone_views();

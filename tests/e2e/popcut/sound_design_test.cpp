@@ -13,23 +13,21 @@
 
 #include "core/design/strips/pattern_builder.hpp"
 #include "core/formats/fold/fold_writer.hpp"
-#include "daemon/planning/judge/pattern_model.hpp"
-#include "daemon/planning/judge/sound_design.hpp"
+#include "core/judge/pattern_model.hpp"
+#include "core/judge/sound_design.hpp"
 
 namespace sound_design_test {
 
 using namespace popcut;
-using namespace popcut::planning;
+using namespace popcut::judge;
 
 namespace {
 
 PatchAssembly designed(const std::string& fields) {
   const auto spec = parse_design_spec(R"({"popcut":1,)" + fields + "}");
   if (!spec) FAIL(message(spec.error()));
-  std::string report;
-  auto made = sound_design(*spec, {}, &report);
-  if (!made) FAIL(message(made.error()));
-  CHECK(report.empty());
+  auto made = sound_design(*spec, {});
+  if (!made) FAIL(message(made.error().error));
   return std::move(*made);
 }
 
@@ -113,7 +111,7 @@ TEST_CASE("a pattern with a closed slit is not given, and its places are listed"
   Design& part = made.parts.front();
   // As if a panel and its neighbour in one plane were not known to be: one has a plane of its own.
   // Some panels stay joined to others all the same, or lie beside nothing; one is parted.
-  std::optional<Unsound> unsound;
+  std::optional<DesignFault> unsound;
   for (std::size_t p = 0; p < part.strips.panels() && !unsound; ++p) {
     if (part.strips.plane[p] <= kGroundPlane) continue;
     Strips parted = part.strips;
@@ -127,7 +125,7 @@ TEST_CASE("a pattern with a closed slit is not given, and its places are listed"
   REQUIRE(unsound);
   CHECK(exit_code(unsound->error.kind) == 1);
   CHECK_THAT(unsound->error.detail, Catch::Contains("faces (") && Catch::Contains("near ("));
-  const auto report = nlohmann::json::parse(unsound->report);
+  const auto report = nlohmann::json::parse(unsound_json(unsound->parts));
   CHECK(report["sound"] == false);
   REQUIRE(report["parts"].size() == 1);
   CHECK(report["parts"][0]["part"] == 1);

@@ -12,7 +12,7 @@
 #include "core/artwork/colour_mesh_reader.hpp"
 #include "core/artwork/design_artwork.hpp"
 #include "core/artwork/lit_picture.hpp"
-#include "core/artwork/opened_print.hpp"
+#include "core/artwork/standing_print.hpp"
 #include "core/design/patches.hpp"
 #include "tests/support/painted_shell.hpp"
 
@@ -137,13 +137,13 @@ struct Printed {
 TEST_CASE("a printed card that stands opened looks like its model from the diagonal", "[artwork]") {
   const Printed card(PaintedShell::spec(5, 9, 40));
   const auto parts = card.parts();
-  const auto print = opened_print(parts, PartsStand::InRow, card.artwork);
+  const auto print = standing_print(parts, PartsStand::InRow, card.artwork);
   REQUIRE(print);
   // Both in one picture of the same frame: the card's box has the model in it.
   PictureLook look;
   look.shade = 0;
   look.width_px = look.height_px = 200;
-  ColourMesh model = opened_models(parts, PartsStand::InRow, card.models);
+  ColourMesh model = standing_models(parts, PartsStand::InRow, card.models);
   REQUIRE(model.size() == card.models[0].size());
   ColourMesh wall = *print;
   for (std::size_t k = 0; k < wall.soup.corners.size(); k += 3) {
@@ -185,7 +185,7 @@ TEST_CASE("the cards of a printed book stand around the spine, each in its own q
       "book": {"cards": 4}})");
   const auto parts = book.parts();
   REQUIRE(parts.size() == 4);
-  const auto print = opened_print(parts, PartsStand::Around, book.artwork);
+  const auto print = standing_print(parts, PartsStand::Around, book.artwork);
   REQUIRE(print);
   constexpr std::array<std::array<double, 2>, 4> kSigns{{{1, 1}, {-1, 1}, {-1, -1}, {1, -1}}};
   std::size_t t = 0;

@@ -128,9 +128,8 @@ TEST_CASE("the ground is the root and every face hangs on its hinge", "[core][de
   for (std::size_t b = 0; b < table.bodies(); ++b) {
     if (table.parent[b] < 0) continue;
     for (std::size_t k = 0; k < table.poses(); ++k) {
-      const Vec3 own = moved(table.at(k, b), table.pivot[b]);
-      const Vec3 held =
-          moved(table.at(k, static_cast<std::size_t>(table.parent[b])), table.pivot[b]);
+      const Vec3 own = table.at(k, b)(table.pivot[b]);
+      const Vec3 held = table.at(k, static_cast<std::size_t>(table.parent[b]))(table.pivot[b]);
       CHECK(norm(own - held) < 1e-10);
     }
   }
@@ -210,7 +209,7 @@ TEST_CASE("solids are closed and hold the sheet's area times its thickness", "[c
   const PoseTable table = table_of(card, {1.3});
   double volume = 0;
   for (const auto& [a, b, c] : mesh->triangles) {
-    const auto at = [&](std::uint32_t i) { return moved(table.at(0, mesh->body[i]), mesh->at[i]); };
+    const auto at = [&](std::uint32_t i) { return table.at(0, mesh->body[i])(mesh->at[i]); };
     volume += dot(at(a), cross(at(b), at(c))) / 6;
   }
   CHECK(volume == Approx(210.0 * 70.0 * kThickness));

@@ -14,12 +14,14 @@
 #include "core/design/design.hpp"
 #include "core/design/facets/seen_target.hpp"
 #include "core/design/facets/facets.hpp"
+#include "core/design/facets/label_card.hpp"
 #include "core/design/facets/label_holding.hpp"
 #include "core/design/facets/label_pattern.hpp"
 #include "core/design/facets/labelling.hpp"
 #include "core/design/facets/labels.hpp"
 #include "core/design/facets/patch_moves.hpp"
 #include "core/design/facets/strip_chain.hpp"
+#include "core/design/facets/strip_moves.hpp"
 #include "core/design/shape_fit.hpp"
 #include "core/formats/lattice/lattice_blob.hpp"
 #include "tests/support/random_numbers.hpp"
@@ -316,6 +318,104 @@ TEST_CASE("patches move only to where labels cost less and all holds", "[facets]
     CHECK(still.whole_cost() <= moved.whole_cost() + 1e-6);
   }
   CHECK(moves > 0);
+}
+
+/// Three strips of two millimetres, steps of one, a wall of ten steps and as much ground. Planes
+/// x = 4 and z = 5, 6, 7 besides.
+class SmallCard {
+ public:
+  static constexpr Label kFront = 2, kTop = 4;  // x = 4, z = 6
+
+  SmallCard() : planes_({4}, {5, 6, 7}), labelling_(image(), planes_, grid(), {}, {}) {
+    for (int s = 0; s < 3; ++s) labelling_.set(s, bare());
+  }
+
+  /// The labels of a strip, by the column at which each of them ends.
+  static std::vector<Label> labels(const std::vector<std::pair<int, Label>>& ends) {
+    std::vector<Label> out;
+    for (const auto& [end, label] : ends) out.resize(static_cast<std::size_t>(end), label);
+    return out;
+  }
+  static std::vector<Label> bare() { return labels({{10, kWallLabel}, {20, kGroundLabel}}); }
+  static std::vector<Label> box() {
+    return labels({{4, kWallLabel}, {8, kTop}, {14, kFront}, {20, kGroundLabel}});
+  }
+
+  LabelCard with(const std::vector<Label>& middle) {
+    labelling_.set(1, middle);
+    return {labelling_, 1};
+  }
+  [[nodiscard]] Label level(int z) const { return planes_.find({false, z}); }
+
+ private:
+  static FacetGrid grid() {
+    FacetGrid out;
+    out.step_mm = 1, out.wall = 10, out.columns = 20, out.strip_mm = 2, out.strips = 3;
+    return out;
+  }
+  const DepthImage& image() {
+    TriangleSoup scene;
+    add_box(scene, {0, 2, 0}, {4, 4, 6});
+    image_ = depth_image(scene, {-10, 0.5, 0, 0.5, 40, 12}, false);
+    return image_;
+  }
+
+  FacetPlanes planes_;
+  DepthImage image_;
+  Labelling labelling_;
+};
+
+TEST_CASE("panels before and after what is left out meet in a fold", "[facets]") {
+  SmallCard small;
+  const LabelCard card = small.with(SmallCard::box());
+  REQUIRE(card.planes()[SmallCard::kTop] == FacetPlane{false, 6});
+  CHECK(card.holding.open == 0);
+  CHECK(with_meeting(card, 1, 0, 3) == SmallCard::bare());
+  CHECK_FALSE(with_meeting(card, 1, 0, 2));  // both are upright
+}
+
+TEST_CASE("a ledge fills a cut between two planes of one direction", "[facets]") {
+  SmallCard small;
+  const LabelCard card =
+      small.with(SmallCard::labels({{8, kWallLabel}, {14, SmallCard::kFront}, {20, kGroundLabel}}));
+  const auto ledges = with_ledges(card, 1, 1);
+  REQUIRE_FALSE(ledges.empty());
+  CHECK(ledges.front() == SmallCard::box());
+  CHECK(with_ledges(card, 1, 2).empty());  // the front meets the ground in a fold
+}
+
+TEST_CASE("a panel is shifted to both planes beside its own, with its folds", "[facets]") {
+  SmallCard small;
+  const LabelCard card = small.with(SmallCard::box());
+  const auto moved = shifted(card, 1, 1);
+  REQUIRE(moved.size() == 2);
+  CHECK(moved[0] ==
+        SmallCard::labels(
+            {{5, kWallLabel}, {9, small.level(5)}, {14, SmallCard::kFront}, {20, kGroundLabel}}));
+  CHECK(moved[1] ==
+        SmallCard::labels(
+            {{3, kWallLabel}, {7, small.level(7)}, {14, SmallCard::kFront}, {20, kGroundLabel}}));
+}
+
+TEST_CASE("a loose panel is found, and what is painted over it holds", "[facets]") {
+  SmallCard small;
+  LabelCard card =
+      small.with(SmallCard::labels({{4, kWallLabel}, {9, SmallCard::kTop}, {20, kGroundLabel}}));
+  CHECK(card.holding.open > 0);
+  const auto loose = loose_patches(card);
+  REQUIRE(loose.size() == 1);
+  CHECK(loose[0].area == 5);
+  const LabelImage before = card.image();
+  const NewStrips over = painted_over(card, loose[0], false);
+  const NewStrips without = without_patch(card, loose[0], false);
+  CHECK(card.image().label == before.label);  // both only propose
+  REQUIRE(over.size() == 1);
+  CHECK(over[0].strip == 1);
+  CHECK(std::count(over[0].labels.begin(), over[0].labels.end(), SmallCard::kTop) == 0);
+  CHECK(card.holding_with(over).open == 0);
+  CHECK(card.holding.open > 0);
+  card.take(without);
+  CHECK(card.image().label != before.label);
 }
 
 TEST_CASE("planes at every step reach as far as those given, and stay those where too many",

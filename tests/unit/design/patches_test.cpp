@@ -6,9 +6,9 @@
 #include <catch2/catch.hpp>
 
 #include "core/design/patches.hpp"
-#include "core/design/strips/mobility.hpp"
 #include "core/design/strips/pattern_builder.hpp"
 #include "core/design/strips/strips.hpp"
+#include "core/rigid/mobility.hpp"
 #include "tests/support/rounds.hpp"
 
 namespace patches_test {
@@ -42,7 +42,7 @@ Design designed(const std::string& fields) {
 int freedoms(const Design& part) {
   const auto built =
       build_pattern(part.strips, part.pattern.wall_mm, part.pattern.ground_mm, part.pattern.card);
-  return built ? mobility(*built).degrees_of_freedom : -1;
+  return built ? rigid::mobility(built->section()).degrees_of_freedom : -1;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/formats/svg/syntax/svg_path.hpp"
+#include "core/geometry/angle.hpp"
 
 namespace popcut {
 namespace {
@@ -73,7 +74,7 @@ void SvgPen::arc(double rx, double ry, double turn_deg, bool large, bool sweep,
   ry = std::abs(ry);
   if (at_ == to) return;
   if (rx == 0.0 || ry == 0.0) return add(to);
-  const double turn = turn_deg * std::numbers::pi / 180;
+  const double turn = radians(turn_deg);
   const double c = std::cos(turn), s = std::sin(turn);
   const double hx = (at_.x - to.x) / 2, hy = (at_.y - to.y) / 2;
   const double x = c * hx + s * hy, y = -s * hx + c * hy;

@@ -4,17 +4,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <span>
 
 #include "core/formats/svg/syntax/svg_scan.hpp"
 #include "core/formats/svg/syntax/svg_units.hpp"
+#include "core/geometry/angle.hpp"
 
 namespace popcut {
 namespace {
 
 std::optional<SvgTransform> one_of(std::string_view name, std::span<const double> v) {
-  const auto radians = [](double degrees) { return degrees * std::numbers::pi / 180; };
   const std::size_t n = v.size();
   if (name == "matrix" && n == 6) return SvgTransform{v[0], v[1], v[2], v[3], v[4], v[5]};
   if (name == "translate" && (n == 1 || n == 2))

@@ -13,10 +13,10 @@
 #include "core/result.hpp"
 #include "core/verify/sheet/fold_model.hpp"
 
-namespace popcut::planning {
+namespace popcut::judge {
 
 /// A pattern as it stands opened, read and opened by the code of the verifier.
-struct OpenedCard {
+struct CardPose {
   std::vector<float> triangles;  ///< nine numbers each, (x, v, z) in mm
   likeness::Corner corner;       ///< ground and wall beside the spine
   double psi_rad{};              ///< opening angle of the pose
@@ -42,8 +42,7 @@ struct OpenedCard {
 /// @retval OutOfRange  no faces, no folds, a pose that stretches the sheet, or a sheet that does
 /// not
 ///                     open; place is within the text
-[[nodiscard]] Result<OpenedCard> open_card(std::string_view fold_text,
-                                           std::optional<double> psi_rad,
-                                           const Progress& progress = {});
+[[nodiscard]] Result<CardPose> open_card(std::string_view fold_text, std::optional<double> psi_rad,
+                                         const Progress& progress = {});
 
-}  // namespace popcut::planning
+}  // namespace popcut::judge

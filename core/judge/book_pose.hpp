@@ -11,7 +11,7 @@
 #include "core/progress.hpp"
 #include "core/result.hpp"
 
-namespace popcut::planning {
+namespace popcut::judge {
 
 /// Turns places, three numbers each, about the spine from the ground (x) toward the wall (z).
 void turn_about_spine(std::vector<float>& places, double angle_rad);
@@ -19,7 +19,7 @@ void turn_about_spine(std::vector<float>& places, double angle_rad);
 /// The cards of a book as they stand around the spine, each opened as it was designed: the first
 /// ground along x, each further card turned by the openings of those before it. What lies in the
 /// pages is left out.
-struct OpenedBook {
+struct BookPose {
   std::vector<float> triangles;  ///< nine numbers each, (x, v, z) in mm
   /// Where the model stands, of the first card that says so, seen from the first card.
   std::optional<likeness::ModelPlacement> model;
@@ -38,4 +38,4 @@ struct OpenedBook {
                                  const Progress& progress = {});
 };
 
-}  // namespace popcut::planning
+}  // namespace popcut::judge

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/planning/judge/opened_book.hpp"
+#include "core/judge/book_pose.hpp"
 
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "core/compare/comparison.hpp"
-#include "daemon/planning/judge/opened_card.hpp"
+#include "core/judge/card_pose.hpp"
 
-namespace popcut::planning {
+namespace popcut::judge {
 namespace {
 
 /// A card's model placement, seen from the first card.
@@ -33,8 +33,8 @@ void turn_about_spine(std::vector<float>& places, double angle_rad) {
   }
 }
 
-Result<bool> OpenedBook::add(const std::string& name, std::string_view fold_text,
-                             const Progress& progress) {
+Result<bool> BookPose::add(const std::string& name, std::string_view fold_text,
+                           const Progress& progress) {
   auto card = open_card(fold_text, std::nullopt, progress);
   if (!card) return tl::unexpected(within(name, card.error()));
   const double touch = 1e-4 * likeness::box_of(card->triangles).diagonal();
@@ -53,4 +53,4 @@ Result<bool> OpenedBook::add(const std::string& name, std::string_view fold_text
   return !standing.empty();
 }
 
-}  // namespace popcut::planning
+}  // namespace popcut::judge

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/planning/judge/opened_card.hpp"
+#include "core/judge/card_pose.hpp"
 
 #include <algorithm>
 #include <array>
@@ -15,15 +15,15 @@
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/geometry/angle.hpp"
 #include "core/geometry/triangulate.hpp"
+#include "core/judge/pattern_model.hpp"
+#include "core/judge/sheet_motion.hpp"
 #include "core/verify/judge.hpp"
 #include "core/verify/motion/motion.hpp"
 #include "core/verify/motion/opening.hpp"
 #include "core/verify/sheet/hinge_lines.hpp"
 #include "core/verify/sheet/sheet.hpp"
-#include "daemon/planning/judge/pattern_model.hpp"
-#include "daemon/planning/judge/sheet_opening.hpp"
 
-namespace popcut::planning {
+namespace popcut::judge {
 namespace {
 
 using verify::FoldModel;
@@ -94,9 +94,7 @@ Result<FoldModel> opened_model(std::string_view text, double psi_rad, const Prog
   Pose pose;
   pose.at = opened->motion->places.front();
   pose.psi_rad = psi_rad;
-  model->poses.clear();
-  model->poses.push_back(std::move(pose));
-  return model;
+  return with_pose(std::move(*model), std::move(pose));
 }
 
 /// Carries a pose of its own axes to where a card stands: spine along v, ground in z = 0.
@@ -123,7 +121,7 @@ void stand_up(FoldModel& model, const Sheet& sheet) {
   pose.psi_rad = std::numbers::pi - std::abs(angle_deg) / kDegrees;
 }
 
-Result<void> add_triangles(OpenedCard& card) {
+Result<void> add_triangles(CardPose& card) {
   std::vector<Triangle> triangles;
   for (std::size_t f = 0; f < card.file.faces(); ++f) {
     const auto face = verify::face_of(card.file, f);
@@ -141,7 +139,7 @@ Result<void> add_triangles(OpenedCard& card) {
   return {};
 }
 
-void add_joints(const FoldModel& file, const Sheet& sheet, OpenedCard& card) {
+void add_joints(const FoldModel& file, const Sheet& sheet, CardPose& card) {
   card.folds = verify::hinge_lines(file, sheet).size();
   card.pieces = sheet.pieces;
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> joints;
@@ -157,11 +155,11 @@ void add_joints(const FoldModel& file, const Sheet& sheet, OpenedCard& card) {
 
 }  // namespace
 
-Result<OpenedCard> open_card(std::string_view fold_text, std::optional<double> psi_rad,
-                             const Progress& progress) {
+Result<CardPose> open_card(std::string_view fold_text, std::optional<double> psi_rad,
+                           const Progress& progress) {
   auto model = verify::read_fold_model(fold_text);
   if (!model) return tl::unexpected(std::move(model.error()));
-  OpenedCard card;
+  CardPose card;
   card.notes = model->notes;
   const double design_rad = model->design_psi_rad.value_or(std::numbers::pi / 2);
   const auto placement = model->model_placement;
@@ -178,7 +176,7 @@ Result<OpenedCard> open_card(std::string_view fold_text, std::optional<double> p
     if (!opened) return tl::unexpected(std::move(opened.error()));
     card.file = std::move(*opened);
     card.notes.push_back(fmt::format("opened to {:.1f} degrees: the file has no such pose",
-                                     psi_rad.value_or(design_rad) * kDegrees));
+                                     degrees(psi_rad.value_or(design_rad))));
   }
   VerifyCheck known;  // what is wrong with the file's own faces was said when its pose was chosen
   const Sheet sheet = verify::make_sheet(card.file, known);
@@ -195,4 +193,4 @@ Result<OpenedCard> open_card(std::string_view fold_text, std::optional<double> p
   return card;
 }
 
-}  // namespace popcut::planning
+}  // namespace popcut::judge

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/planning/judge/sheet_opening.hpp"
+#include "core/judge/sheet_motion.hpp"
 
 #include <algorithm>
 #include <array>
@@ -22,7 +22,7 @@
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/paths.hpp"
 
-namespace sheet_opening_test {
+namespace sheet_motion_test {
 
 using namespace popcut;
 using nlohmann::json;
@@ -83,9 +83,9 @@ std::string drawn(const Pattern& pattern) {
   return *fold;
 }
 
-planning::OpenedSheet opened(const std::string& fold,
-                             const std::vector<double>& psi_rad = {std::numbers::pi / 2}) {
-  auto sheet = planning::open_flat_sheet(fold, psi_rad);
+judge::SheetMotion opened(const std::string& fold,
+                          const std::vector<double>& psi_rad = {std::numbers::pi / 2}) {
+  auto sheet = judge::open_flat_sheet(fold, psi_rad);
   INFO((sheet ? "" : message(sheet.error())));
   REQUIRE(sheet);
   return std::move(*sheet);
@@ -116,7 +116,7 @@ std::string reverse_fold(char slanted) {
 
 std::string refusal(const std::string& fold) {
   const std::array<double, 2> angles{std::numbers::pi, std::numbers::pi / 2};
-  const auto sheet = planning::open_flat_sheet(fold, angles);
+  const auto sheet = judge::open_flat_sheet(fold, angles);
   REQUIRE_FALSE(sheet);
   return message(sheet.error());
 }
@@ -245,4 +245,4 @@ TEST_CASE("the samples of other programs open, or say what is wrong with them", 
     CHECK_THAT(refusal(fold), Catch::Contains("mountains and valleys"));
 }
 
-}  // namespace sheet_opening_test
+}  // namespace sheet_motion_test

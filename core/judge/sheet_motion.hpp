@@ -11,11 +11,11 @@
 #include "core/progress.hpp"
 #include "core/result.hpp"
 
-namespace popcut::planning {
+namespace popcut::judge {
 
 /// How a pattern moves that popcut's own law of motion does not describe: the places of its
 /// vertices at each angle that was asked for.
-struct SolvedMotion {
+struct SolvedPoses {
   std::vector<double> psi_rad;
   std::vector<std::vector<Vec3>> places;  ///< one list an angle, as (x, v, z) in mm
   double slack_mm{};                      ///< how far places may be off: how exact the drawing is
@@ -26,9 +26,9 @@ struct SolvedMotion {
 };
 
 /// A pattern that was opened from its flat sheet alone.
-struct OpenedSheet {
+struct SheetMotion {
   Pattern pattern;
-  std::optional<SolvedMotion> motion;  ///< none: `posed_vertices` describes how it moves
+  std::optional<SolvedPoses> motion;  ///< none: `posed_vertices` describes how it moves
 };
 
 /// Opens a pattern of which only the flat sheet is known: a FOLD file without faces, without a
@@ -45,8 +45,8 @@ struct OpenedSheet {
 /// @retval Malformed   not a FOLD file
 /// @retval OutOfRange  the sheet is not one sound piece, its frames do not fit it, or it does not
 ///                     open as far as asked; the message says how far it does
-[[nodiscard]] Result<OpenedSheet> open_flat_sheet(std::string_view fold_text,
+[[nodiscard]] Result<SheetMotion> open_flat_sheet(std::string_view fold_text,
                                                   std::span<const double> psi_rad,
                                                   const Progress& progress = {});
 
-}  // namespace popcut::planning
+}  // namespace popcut::judge

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/planning/search/opened_pattern.hpp"
+#include "core/deploy/standing_card.hpp"
 
 #include "core/geometry/triangulate.hpp"
 
-namespace popcut::planning {
+namespace popcut {
 
-std::vector<float> opened_pattern(const Pattern& pattern) {
+std::vector<float> standing_triangles(const Pattern& pattern) {
   std::vector<Vec2> flat;
   flat.reserve(pattern.vertices.size());
   for (const PatternVertex& p : pattern.vertices) flat.emplace_back(pattern.u(p), p.v);
@@ -23,4 +23,4 @@ std::vector<float> opened_pattern(const Pattern& pattern) {
   return out;
 }
 
-}  // namespace popcut::planning
+}  // namespace popcut

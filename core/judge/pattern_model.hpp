@@ -7,7 +7,7 @@
 #include "core/result.hpp"
 #include "core/verify/sheet/fold_model.hpp"
 
-namespace popcut::planning {
+namespace popcut::judge {
 
 /// What the verifier reads from the FOLD file of a pattern (`write_fold`, split form, with these
 /// poses), without the text between them: the same numbers, indices and places. O(vertices).
@@ -19,4 +19,4 @@ namespace popcut::planning {
 [[nodiscard]] Result<verify::FoldModel> pattern_model(const Pattern& pattern,
                                                       std::span<const double> psi_rad);
 
-}  // namespace popcut::planning
+}  // namespace popcut::judge

@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/planning/judge/sheet_opening.hpp"
+#include "core/judge/sheet_motion.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "core/deploy/loaded_pattern.hpp"
-#include "core/deploy/rigid.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/geometry/angle.hpp"
+#include "core/rigid/motion.hpp"
 #include "core/verify/judge.hpp"
 #include "core/verify/motion/motion.hpp"
 #include "core/verify/motion/opening.hpp"
@@ -22,7 +21,7 @@
 #include "core/verify/sheet/planar.hpp"
 #include "core/verify/sheet/sheet.hpp"
 
-namespace popcut::planning {
+namespace popcut::judge {
 namespace {
 
 using verify::Assignment;
@@ -107,11 +106,6 @@ struct Spine {
   }
 };
 
-std::array<std::uint32_t, 3> anchors_of(const FoldModel& model, const Sheet& sheet,
-                                        std::uint32_t panel) {
-  return verify::make_panels(model, sheet).anchors[panel];
-}
-
 /// @param edge  a fold of the driving line, as the opening found it
 Spine spine_of(const Ready& ready, std::uint32_t edge) {
   const auto& hinges = ready.sheet.hinges;
@@ -134,7 +128,7 @@ Spine spine_of(const Ready& ready, std::uint32_t edge) {
   // Left of the way along the fold is where u is smaller.
   const bool forth = way.dot(ready.model.flat[hinge->to] - ready.model.flat[hinge->from]) > 0;
   spine.near_panel = ready.sheet.panel_of_face[forth ? hinge->left : hinge->right];
-  spine.anchors = anchors_of(ready.model, ready.sheet, spine.near_panel);
+  spine.anchors = verify::make_panels(ready.model, ready.sheet).anchors[spine.near_panel];
   return spine;
 }
 
@@ -148,10 +142,10 @@ std::vector<Vec3> laid_pose(const Ready& ready, const Spine& spine, const Pose& 
     due[k] = spine.is_valley ? Vec3(-p.x() * std::cos(psi), p.y(), -p.x() * std::sin(psi))
                              : Vec3(p.x(), p.y(), 0);
   }
-  const Motion3 carry = motion_of(is, due);
+  const rigid::Motion carry = rigid::motion_of(is, due);
   std::vector<Vec3> places;
   places.reserve(pose.at.size());
-  for (const Vec3& p : pose.at) places.push_back(moved(carry, p));
+  for (const Vec3& p : pose.at) places.push_back(carry(p));
   return places;
 }
 
@@ -192,50 +186,31 @@ FoldFrame flat_frame_of(const Ready& ready, const Spine& spine, std::vector<char
 Pattern flat_pattern(const FoldFrame& frame) {
   Pattern pattern;
   pattern.card = false;
-  pattern.face_first.push_back(0);
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::int32_t> face_of;
   for (const auto& [u, v, z] : frame.vertices) {
     pattern.vertices.push_back({u, 0, v});
     pattern.width_mm = std::max(pattern.width_mm, v);
     pattern.ground_mm = std::max(pattern.ground_mm, u);
   }
-  for (const auto& face : frame.faces) {
-    for (std::size_t i = 0; i < face.size(); ++i)
-      face_of[{face[i], face[(i + 1) % face.size()]}] = static_cast<std::int32_t>(pattern.faces());
-    pattern.face_vertices.insert(pattern.face_vertices.end(), face.begin(), face.end());
-    pattern.face_first.push_back(static_cast<std::uint32_t>(pattern.face_vertices.size()));
-  }
-  const auto beside = [&](std::uint32_t from, std::uint32_t to) {
-    const auto found = face_of.find({from, to});
-    return found == face_of.end() ? -1 : found->second;
-  };
-  for (std::size_t e = 0; e < frame.edges.size(); ++e) {
-    const auto [from, to] = frame.edges[e];
-    const char letter = frame.assignments[e];
-    pattern.edges.push_back({from, to, beside(from, to), beside(to, from),
-                             letter == 'M'   ? EdgeRole::Mountain
-                             : letter == 'V' ? EdgeRole::Valley
-                                             : EdgeRole::Outline});
-  }
+  add_faces_and_edges(frame, pattern);
   return pattern;
 }
 
 /// What to say of a sheet that does not open as far as asked.
-Error too_far(const verify::Opening& opening, double asked_rad) {
+Error too_far(const verify::Trajectory& opening, double asked_rad) {
   const double reached = opening.reached_psi_rad;
   if (opening.poses.empty() && reached > std::numbers::pi - 0.01)
     return {ErrorKind::OutOfRange, "",
             fmt::format("{}; 'popcut verify' checks its folds and cuts", opening.stopped)};
   // Rounded away from shut, so that the angle can be given as it stands.
-  const double least_deg = std::ceil(10 * reached * kDegrees) / 10;
+  const double least_deg = std::ceil(10 * degrees(reached)) / 10;
   return {ErrorKind::OutOfRange, "",
           fmt::format("opens only to psi = {:.1f} degrees ({}), and {:.1f} degrees are asked for; "
                       "give --to-psi {:.1f}deg or more",
-                      least_deg, opening.stopped, asked_rad * kDegrees, least_deg)};
+                      least_deg, opening.stopped, degrees(asked_rad), least_deg)};
 }
 
-Result<verify::Opening> opened(const Ready& ready, std::span<const double> psi_rad) {
-  verify::Opening opening =
+Result<verify::Trajectory> opened(const Ready& ready, std::span<const double> psi_rad) {
+  verify::Trajectory opening =
       verify::open_sheet(ready.model, ready.sheet, psi_rad, 0.5 * ready.limits.isometry_mm);
   if (opening.poses.size() < psi_rad.size() || !opening.stopped.empty())
     return tl::unexpected(
@@ -263,7 +238,8 @@ void lay_on_card(Pattern& pattern) {
 }
 
 /// The pattern whose law of motion is popcut's own, if this pose is one of it.
-Result<Pattern> lawful(const FoldFrame& flat, const std::vector<Vec3>& places, double psi_rad) {
+Result<Pattern> pattern_of_law(const FoldFrame& flat, const std::vector<Vec3>& places,
+                               double psi_rad) {
   FoldFile file;
   FoldFrame deployed;
   deployed.unit = flat.unit;
@@ -277,10 +253,10 @@ Result<Pattern> lawful(const FoldFrame& flat, const std::vector<Vec3>& places, d
 }
 
 /// Opens to each angle, each flat one being the sheet itself.
-Result<SolvedMotion> solve(const Ready& ready, const Spine& spine, std::span<const double> psi_rad,
-                           const FoldFrame& flat) {
+Result<SolvedPoses> solve(const Ready& ready, const Spine& spine, std::span<const double> psi_rad,
+                          const FoldFrame& flat) {
   constexpr double kFlatWithinRad = 1e-9;
-  SolvedMotion motion;
+  SolvedPoses motion;
   motion.psi_rad.assign(psi_rad.begin(), psi_rad.end());
   std::sort(motion.psi_rad.begin(), motion.psi_rad.end(), std::greater<>());
   motion.slack_mm = ready.limits.isometry_mm;
@@ -296,7 +272,7 @@ Result<SolvedMotion> solve(const Ready& ready, const Spine& spine, std::span<con
   if (bent.empty()) return motion;
   // Shut panels lie on each other, and a solver cannot tell which way they go on.
   constexpr double kLeastDeg = 2;
-  if (bent.back() < kLeastDeg / kDegrees * (1 - 1e-9))
+  if (bent.back() < radians(kLeastDeg) * (1 - 1e-9))
     return fail(ErrorKind::OutOfRange, "",
                 fmt::format("opens only to psi = {0} degrees: its panels are not all parallel to "
                             "wall or ground, and such a pattern is not followed until it is shut; "
@@ -314,8 +290,8 @@ Result<SolvedMotion> solve(const Ready& ready, const Spine& spine, std::span<con
 
 }  // namespace
 
-Result<PoseTable> SolvedMotion::table(const Pattern& pattern,
-                                      std::span<const double> asked_rad) const {
+Result<PoseTable> SolvedPoses::table(const Pattern& pattern,
+                                     std::span<const double> asked_rad) const {
   return pose_table(
       pattern, asked_rad,
       [&](double psi, std::span<Vec3> into) {
@@ -326,7 +302,7 @@ Result<PoseTable> SolvedMotion::table(const Pattern& pattern,
       slack_mm);
 }
 
-Result<OpenedSheet> open_flat_sheet(std::string_view fold_text, std::span<const double> psi_rad,
+Result<SheetMotion> open_flat_sheet(std::string_view fold_text, std::span<const double> psi_rad,
                                     const Progress& progress) {
   auto model = verify::read_fold_model(fold_text);
   if (!model) return tl::unexpected(std::move(model.error()));
@@ -343,12 +319,12 @@ Result<OpenedSheet> open_flat_sheet(std::string_view fold_text, std::span<const 
   auto letters = letters_of(*ready, pose);
   spine.is_valley = letters[spine.edge] != 'M';
   const FoldFrame flat = flat_frame_of(*ready, spine, std::move(letters));
-  if (auto pattern = lawful(flat, laid_pose(*ready, spine, pose), upright[0]); pattern)
-    return OpenedSheet{std::move(*pattern), std::nullopt};
+  if (auto pattern = pattern_of_law(flat, laid_pose(*ready, spine, pose), upright[0]); pattern)
+    return SheetMotion{std::move(*pattern), std::nullopt};
   tell(progress, "opening it to each angle", 0.5);
   auto motion = solve(*ready, spine, psi_rad, flat);
   if (!motion) return tl::unexpected(motion.error());
-  return OpenedSheet{flat_pattern(flat), std::move(*motion)};
+  return SheetMotion{flat_pattern(flat), std::move(*motion)};
 }
 
-}  // namespace popcut::planning
+}  // namespace popcut::judge

@@ -23,13 +23,13 @@ enum class PartsStand : std::uint8_t {
 ///
 /// @param artwork  `design_artwork` of the same parts
 /// @retval OutOfRange  as `face_surface`
-[[nodiscard]] Result<ColourMesh> opened_print(std::span<const Pattern* const> parts,
-                                              PartsStand stand, const Artwork& artwork);
+[[nodiscard]] Result<ColourMesh> standing_print(std::span<const Pattern* const> parts,
+                                                PartsStand stand, const Artwork& artwork);
 
 /// The models whose colours are printed on the parts, as they stand in the opened design.
 ///
 /// @param models  one a part, see `model_on_sheet`
-[[nodiscard]] ColourMesh opened_models(std::span<const Pattern* const> parts, PartsStand stand,
-                                       std::span<const ColourMesh> models);
+[[nodiscard]] ColourMesh standing_models(std::span<const Pattern* const> parts, PartsStand stand,
+                                         std::span<const ColourMesh> models);
 
 }  // namespace popcut

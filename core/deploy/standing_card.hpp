@@ -5,11 +5,11 @@
 
 #include "core/pattern/pattern.hpp"
 
-namespace popcut::planning {
+namespace popcut {
 
 /// The faces of a pattern as it stands when it is opened as it was designed, nine numbers a
 /// triangle, (x, v, z) in mm. Faces that are no simple polygons are left out: the verifier reports
 /// them.
-[[nodiscard]] std::vector<float> opened_pattern(const Pattern& pattern);
+[[nodiscard]] std::vector<float> standing_triangles(const Pattern& pattern);
 
-}  // namespace popcut::planning
+}  // namespace popcut

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "core/deploy/rigid.hpp"
+#include "core/rigid/motion.hpp"
 
 #include <cmath>
 
-namespace popcut {
+namespace popcut::rigid {
 namespace {
 
 /// Three unit columns, square to each other: along the first side, beside it, square to both.
@@ -29,10 +29,10 @@ Turn slerp(const Turn& a, const Turn& b, double part) {
   return Turn(wa * a.coeffs() + wb * toward(b, a).coeffs()).normalized();
 }
 
-Motion3 motion_of(const std::array<Vec3, 3>& from, const std::array<Vec3, 3>& to) {
+Motion motion_of(const std::array<Vec3, 3>& from, const std::array<Vec3, 3>& to) {
   const Eigen::Matrix3d rotation = frame_of(to) * frame_of(from).transpose();
   const Turn turn = Turn(rotation).normalized();
   return {turn, to[0] - turn * from[0]};
 }
 
-}  // namespace popcut
+}  // namespace popcut::rigid

@@ -5,12 +5,12 @@
 
 #include "core/geometry/vec.hpp"
 
-namespace popcut {
+namespace popcut::rigid {
 
 // Places in space are (x, v, z), mm: right-handed, x away from the wall, v along the spine, z up
 // (docs/geometry.md, section 2).
 
-/// A rotation as a unit quaternion; its coefficients are (x, y, z, w), in the order that glTF has.
+/// A rotation as a unit quaternion; its coefficients are (x, y, z, w), in glTF's order.
 using Turn = Eigen::Quaterniond;
 inline const Turn kNoTurn = Turn::Identity();
 
@@ -21,16 +21,14 @@ inline const Turn kNoTurn = Turn::Identity();
 [[nodiscard]] Turn slerp(const Turn& a, const Turn& b, double part);
 
 /// Where a rigid body has gone: first the turn about the origin, then the shift.
-struct Motion3 {
+struct Motion {
   Turn turn{kNoTurn};
   Vec3 shift;
+
+  [[nodiscard]] Vec3 operator()(const Vec3& p) const { return turn * p + shift; }
 };
 
-[[nodiscard]] inline Vec3 moved(const Motion3& motion, const Vec3& p) {
-  return motion.turn * p + motion.shift;
-}
-
 /// The motion that carries the triangle `from` to the congruent triangle `to`.
-[[nodiscard]] Motion3 motion_of(const std::array<Vec3, 3>& from, const std::array<Vec3, 3>& to);
+[[nodiscard]] Motion motion_of(const std::array<Vec3, 3>& from, const std::array<Vec3, 3>& to);
 
-}  // namespace popcut
+}  // namespace popcut::rigid

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/planning/judge/pattern_model.hpp"
+#include "core/judge/pattern_model.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-namespace popcut::planning {
+namespace popcut::judge {
 namespace {
 
 using verify::Assignment;
@@ -73,4 +73,4 @@ Result<verify::FoldModel> pattern_model(const Pattern& pattern, std::span<const 
   return out;
 }
 
-}  // namespace popcut::planning
+}  // namespace popcut::judge

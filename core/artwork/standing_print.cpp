@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/artwork/opened_print.hpp"
+#include "core/artwork/standing_print.hpp"
 
 #include <cmath>
 #include <utility>
@@ -7,7 +7,7 @@
 #include "core/artwork/face_pixels.hpp"
 
 namespace popcut {
-namespace opened_print_parts {
+namespace standing_print_parts {
 namespace {
 
 /// Where a part stands among the others.
@@ -50,10 +50,10 @@ void append(ColourMesh& to, const ColourMesh& more) {
 }
 
 }  // namespace
-}  // namespace opened_print_parts
+}  // namespace standing_print_parts
 
-Result<ColourMesh> opened_print(std::span<const Pattern* const> parts, PartsStand stand,
-                                const Artwork& artwork) {
+Result<ColourMesh> standing_print(std::span<const Pattern* const> parts, PartsStand stand,
+                                  const Artwork& artwork) {
   const PixelFrame& frame = artwork.frame;
   ColourMesh out;
   out.surfacings.push_back({{255, 255, 255, 255}, 0});
@@ -62,7 +62,7 @@ Result<ColourMesh> opened_print(std::span<const Pattern* const> parts, PartsStan
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const auto surface = face_surface(*parts[k]);
     if (!surface) return tl::unexpected(surface.error());
-    const opened_print_parts::Place place(parts, k, stand);
+    const standing_print_parts::Place place(parts, k, stand);
     const PatternPlace& page = parts[k]->place;
     for (const auto& triangle : surface->triangles) {
       for (const FaceSurface::Corner& corner : triangle) {
@@ -80,20 +80,20 @@ Result<ColourMesh> opened_print(std::span<const Pattern* const> parts, PartsStan
   return out;
 }
 
-ColourMesh opened_models(std::span<const Pattern* const> parts, PartsStand stand,
-                         std::span<const ColourMesh> models) {
+ColourMesh standing_models(std::span<const Pattern* const> parts, PartsStand stand,
+                           std::span<const ColourMesh> models) {
   ColourMesh out;
   for (std::size_t k = 0; k < models.size(); ++k) {
     ColourMesh model = models[k];
-    const opened_print_parts::Place place(parts, k, stand);
-    const Opening opening = Opening::of_rad(parts[k]->design_psi_rad);
+    const standing_print_parts::Place place(parts, k, stand);
+    const DesignAngle opening = DesignAngle::of_rad(parts[k]->design_psi_rad);
     auto& corners = model.soup.corners;
     for (std::size_t c = 0; c + 2 < corners.size(); c += 3) {
       opening.to_space(corners[c], corners[c + 2]);
       const Vec3 p = place.of({corners[c], corners[c + 1], corners[c + 2]});
       corners[c] = p[0], corners[c + 1] = p[1], corners[c + 2] = p[2];
     }
-    opened_print_parts::append(out, model);
+    standing_print_parts::append(out, model);
   }
   return out;
 }
