@@ -71,6 +71,14 @@ std::string reason(std::string_view what) {
 
 }  // namespace
 
+std::string json_file(const nlohmann::json& json) {
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
+}
+
+std::string json_file(const nlohmann::ordered_json& json) {
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+}
+
 std::string json_pointer_token(std::string_view key) {
   return (json::json_pointer() / std::string(key.substr(0, kLongestToken))).to_string().substr(1);
 }

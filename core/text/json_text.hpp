@@ -35,10 +35,9 @@ struct JsonFault {
   return list;
 }
 
-/// The text of a JSON file; bytes that are not UTF-8 become U+FFFD.
-[[nodiscard]] inline std::string json_file(const nlohmann::ordered_json& json) {
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-}
+/// The text of a JSON file, indented by two blanks; bytes that are not UTF-8 become U+FFFD.
+[[nodiscard]] std::string json_file(const nlohmann::json& json);
+[[nodiscard]] std::string json_file(const nlohmann::ordered_json& json);
 
 /// A key as a part of a JSON pointer (RFC 6901): "/" and "~" escaped, at most 64 bytes of it.
 [[nodiscard]] std::string json_pointer_token(std::string_view key);

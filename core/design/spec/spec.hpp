@@ -78,12 +78,18 @@ struct FacetSpec {
   double fold_cost_mm2{1.0}, jump_cost_mm2{4.0}, cut_cost_mm2{1.0};  ///< of a line, by length
   CurvedParts curved{CurvedParts::Lattice};
   bool inward{false};  ///< parts behind wall and ground are made too
-  /// No field of a spec: fewer rounds, for who compares many designs before one is made.
+  /// Not a field of a spec. A search sets it: fewer rounds, to compare many designs quickly.
   bool rough{false};
 };
 
 /// `Auto`: the one of the others that comes nearest to the target.
 enum class LatticeMethod { Branching, Slices, Conformal, Levels, Direct, Auto };
+inline constexpr std::array kLatticeNames{"branching", "slices", "conformal",
+                                          "levels",    "direct", "auto"};
+/// How a spec calls it.
+[[nodiscard]] constexpr const char* name_of(LatticeMethod method) {
+  return kLatticeNames[static_cast<std::size_t>(method)];
+}
 enum class SolverMethod { Newton, Slsqp };
 
 /// Where the structure lies when the card is shut.
@@ -135,6 +141,8 @@ struct DesignSpec {
   DesignStyle style{DesignStyle::Lattice};
   FacetSpec facets;                 ///< of that style only
   std::vector<RegionSpec> regions;  ///< one where the spec has none: the whole; none of facets
+  /// R1, R2 and R3 of a composite surface; `regions` have its formulas.
+  std::optional<std::array<double, 3>> composite_radii;
   std::vector<double> widths_mm;    ///< one a slice; empty with `adaptive`
   std::optional<AdaptiveWidths> adaptive;
   LatticeMethod lattice{LatticeMethod::Auto};
