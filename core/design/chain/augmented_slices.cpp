@@ -239,7 +239,7 @@ std::vector<std::string> curvature_notes(const CurvatureReport& report, LatticeM
     notes.push_back(fmt::format(
         "curvature: the {} lattice only starts from the chains and then moves its planes; "
         "\"slices\" and \"branching\" keep them",
-        method == LatticeMethod::Direct ? "direct" : "conformal"));
+        name_of(method)));
   if (method == LatticeMethod::Levels)
     notes.emplace_back(
         "curvature: the levels lattice takes no chains, so the curvature shapes nothing; "
