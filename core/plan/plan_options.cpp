@@ -190,7 +190,7 @@ std::vector<PlanOption> make_table() {
       number("rotate", MEMBER(rotate_deg), "DEG", {-360, 360, "degrees"},
            "Turn the drawing clockwise, in degrees"),
       number("per-sheet", MEMBER(per_sheet), "N", {1, 10'000},
-           "How often to cut the drawing on the sheet, side by side"),
+           "How many copies of the drawing to cut on the sheet, side by side"),
       flag("mirror", MEMBER(mirror),
            "Cut from the back: the mirror image, with mountain and valley folds exchanged"),
       word("order", MEMBER(order.method), {"quick", "best", "keep"},
@@ -201,21 +201,21 @@ std::vector<PlanOption> make_table() {
       number("seed", MEMBER(order.seed), "N", {0, kMostSeed},
            "Random seed of best; the same seed gives the same order"),
       number("weed-box", MEMBER(weed_box_mm), "MM", {0, 1000, "mm"},
-           "Cut a box around the drawing, so far from it, last: vinyl is then weeded in one piece; 0 is "
-           "no box"),
+           "Last, cut a box at this distance around the drawing, so that vinyl can be weeded in one "
+           "piece; 0: no box"),
       text("pen", MEMBER(pens), "TEXT",
            "Settings for this job in place of the material's, such as \"cut: force=90 passes=2; red: "
            "speed=20\": force (gf), speed (mm/s), passes, step (gf more on each further pass), tool; "
            "for cut, fold, draw, score, light, mountain, valley, outline, a colour or a layer"),
       word("blade", MEMBER(blade), {"auto", "autoblade", "ratchet"},
            "Which blade is in the machine: autoblade (the machine sets its depth), ratchet (you set "
-           "it), or auto (the one that the machine reports; the depth stays as it is if it reports "
-           "none)"),
+           "it), or auto (the one that the machine reports; if it reports none, the depth does not "
+           "change)"),
       flag("track-enhancing", MEMBER(track_enhancing),
            "Silhouette: roll the sheet in and out before the cut, so that a long sheet slips less"),
       word("finish", MEMBER(finish), {"home", "below"},
-           "Where the tool goes at the end: home, or below what was cut, so that the sheet comes out; a "
-           "Silhouette begins the next job there"),
+           "Where the tool parks: at home, or below the cut so that the sheet is fed out; a Silhouette "
+           "begins the next job there"),
       flag("mat-free", MEMBER(mat_free),
            "Cut without a mat: work in bands along the feed, never turn the blade in a sharp "
            "corner, cut the outline last"),
@@ -285,7 +285,7 @@ Result<void> set_option(PlanOptions& options, const std::string& name, std::stri
       for (const std::string_view one : {option.name, option.opposite})
         if (!one.empty() && !option.of_request) names.emplace_back(one);
     return fail(ErrorKind::Usage, "/options/" + name.substr(0, 80),
-                fmt::format("there is no such option; {}", suggestion(name, names)));
+                fmt::format("no such option exists; {}", suggestion(name, names)));
   }
   const std::string given = text;
   if (name == found->opposite && (text == "true" || text == "false"))

@@ -38,7 +38,7 @@ enum class BladeKind : std::uint8_t {
   Ratchet,    ///< set by hand
 };
 
-/// Where the tool goes at the end: where it began, or past what was cut, so that the sheet comes
+/// Where the tool parks at the end: where it began, or below what was cut, so that the sheet is fed
 /// out.
 enum class Finish : std::uint8_t { Home, Below };
 

@@ -46,8 +46,8 @@ struct SplaySpec {
 };
 
 /// `curvature` of a spec: what the surface through the chains' vertices is to be, for the augmented
-/// loss of S4. A list is empty (not asked for), has one value for all, or one an inner vertex:
-/// levels 1 .. N - 1 of each slice that has slices on both sides, slice by slice.
+/// loss of S4. A list is empty (not asked for), or has one value for all, or has one for each inner
+/// vertex: levels 1 .. N - 1 of each slice that has slices on both sides, slice by slice.
 struct AugmentedSpec {
   std::vector<double> K_area;                 ///< Gaussian curvature, 1/mm^2
   std::vector<double> H;                      ///< mean curvature, 1/mm, > 0 where convex
@@ -143,7 +143,7 @@ struct DesignSpec {
   std::vector<RegionSpec> regions;  ///< one where the spec has none: the whole; none of facets
   /// R1, R2 and R3 of a composite surface; `regions` have its formulas.
   std::optional<std::array<double, 3>> composite_radii;
-  std::vector<double> widths_mm;    ///< one a slice; empty with `adaptive`
+  std::vector<double> widths_mm;  ///< one for each slice; empty with `adaptive`
   std::optional<AdaptiveWidths> adaptive;
   LatticeMethod lattice{LatticeMethod::Auto};
   SolverMethod solver{SolverMethod::Newton};
