@@ -10,44 +10,44 @@ namespace popcut {
 namespace {
 
 using nlohmann::json;
-using Kind = ValueRule::Kind;
 
 constexpr std::size_t kMostNameBytes = 1024;
 
+}  // namespace
+
 /// A value of a document, with its place below the object that is read.
-struct Place {
+struct ValuePlace {
   FieldReader& fields;
   std::string below;
   const json& value;
 };
 
-/// How a kind of values is read and described.
-struct KindTraits {
-  bool (*takes)(const json& value);  ///< whether the value has its JSON type
-  bool (*read)(const ValueRule& rule, const Place& at);
-  json (*schema)(const ValueRule& rule);
-};
-const KindTraits& traits_of(Kind kind);
+namespace {
 
-bool takes_value(const ValueRule& rule, const json& value) {
-  if (rule.takes_null && value.is_null()) return true;
-  if (rule.is_flat && value.is_array() && !value.empty() && value.front().is_array()) return false;
-  return traits_of(rule.kind).takes(value);
+// 1. The JSON types of values.
+
+bool is_anything(const json&) { return true; }
+bool is_flag(const json& value) { return value.is_boolean(); }
+bool is_number(const json& value) { return value.is_number(); }
+bool is_number_or_null(const json& value) { return value.is_number() || value.is_null(); }
+bool is_text(const json& value) { return value.is_string(); }
+bool is_list(const json& value) { return value.is_array(); }
+bool is_flat_list(const json& value) {
+  return value.is_array() && (value.empty() || !value.front().is_array());
 }
+bool is_object(const json& value) { return value.is_object(); }
 
-bool read_value(const ValueRule& rule, const Place& at) {
-  if (!rule.is_blamed) return traits_of(rule.kind).read(rule, at);
+// 2. Reading.
+
+bool read_value(const ValueRule& rule, const ValuePlace& at) {
+  if (!rule.is_blamed) return rule.read(rule, at);
   const json nothing = json::object();
   FieldReader scratch(nothing);
-  if (traits_of(rule.kind).read(rule, {scratch, at.below, at.value})) return true;
+  if (rule.read(rule, {scratch, at.below, at.value})) return true;
   at.fields.refuse(at.below, ErrorKind::Malformed,
                    fmt::format("is {}; must be {}", shown_type(at.value), rule.what));
   return false;
 }
-
-json schema_of(const ValueRule& rule) { return traits_of(rule.kind).schema(rule); }
-
-// 1. Reading.
 
 bool store(const ValueRule& rule, const json& value) {
   if (rule.into.set != nullptr) rule.into.set(rule.into.at, value);
@@ -60,29 +60,29 @@ bool store(const ValueRule& rule, const std::optional<T>& value) {
   return value && store(rule, json(*value));
 }
 
-bool read_any(const ValueRule& rule, const Place& at) { return store(rule, at.value); }
+bool read_any(const ValueRule& rule, const ValuePlace& at) { return store(rule, at.value); }
 
-bool read_flag(const ValueRule& rule, const Place& at) {
+bool read_flag(const ValueRule& rule, const ValuePlace& at) {
   return store(rule, at.fields.boolean_at(at.below, at.value));
 }
 
-bool read_number(const ValueRule& rule, const Place& at) {
-  if (rule.takes_null && at.value.is_null()) return store(rule, at.value);
+bool read_number(const ValueRule& rule, const ValuePlace& at) {
+  if (at.value.is_null() && rule.takes(at.value)) return store(rule, at.value);
   const auto& [low, high, is_open] = rule.range;
   return store(rule, at.fields.number_at(at.below, at.value, low, high, is_open));
 }
 
-bool read_whole(const ValueRule& rule, const Place& at) {
-  return store(rule,
-               at.fields.integer_at(at.below, at.value, static_cast<std::int64_t>(rule.range.low),
-                                    static_cast<std::int64_t>(rule.range.high)));
+bool read_whole(const ValueRule& rule, const ValuePlace& at) {
+  const auto low = static_cast<std::int64_t>(rule.range.low);
+  const auto high = static_cast<std::int64_t>(rule.range.high);
+  return store(rule, at.fields.integer_at(at.below, at.value, low, high));
 }
 
-bool read_text(const ValueRule& rule, const Place& at) {
+bool read_text(const ValueRule& rule, const ValuePlace& at) {
   return store(rule, at.fields.text_at(at.below, at.value, rule.text));
 }
 
-bool read_file_name(const ValueRule& rule, const Place& at) {
+bool read_file_name(const ValueRule& rule, const ValuePlace& at) {
   const auto name = at.fields.text_at(at.below, at.value, {});
   if (!name ||
       (!name->empty() && name->size() <= kMostNameBytes && name->find('\0') == std::string::npos))
@@ -93,13 +93,13 @@ bool read_file_name(const ValueRule& rule, const Place& at) {
   return false;
 }
 
-bool read_word(const ValueRule& rule, const Place& at) {
+bool read_word(const ValueRule& rule, const ValuePlace& at) {
   const auto index = at.fields.word_at(at.below, at.value, rule.words);
   if (index && !rule.into.takes_index) return store(rule, at.value);
   return store(rule, index);
 }
 
-bool read_list(const ValueRule& rule, const Place& at) {
+bool read_list(const ValueRule& rule, const ValuePlace& at) {
   const Count& count = rule.count;
   const std::size_t size = at.value.size();
   if (!at.value.is_array() || size < count.least || size > count.most) {
@@ -122,12 +122,12 @@ bool read_whole_object(const FieldTable& table, FieldReader& fields) {
   return is_right && fields.faults().size() == before;
 }
 
-bool read_object(const ValueRule& rule, const Place& at) {
+bool read_object(const ValueRule& rule, const ValuePlace& at) {
   FieldReader inner = at.fields.nested(at.value, at.below);
   return at.value.is_object() && read_whole_object(rule.table(), inner);
 }
 
-bool read_tagged(const ValueRule& rule, const Place& at) {
+bool read_tagged(const ValueRule& rule, const ValuePlace& at) {
   FieldReader inner = at.fields.nested(at.value, at.below);
   if (!at.value.is_object()) return false;
   inner.need("type", fmt::format("must be one of {}", fmt::join(rule.words, ", ")));
@@ -135,103 +135,40 @@ bool read_tagged(const ValueRule& rule, const Place& at) {
   return type && read_whole_object(rule.parts[*type].table(), inner);
 }
 
-bool read_either(const ValueRule& rule, const Place& at) {
+bool read_either(const ValueRule& rule, const ValuePlace& at) {
   for (const ValueRule& part : rule.parts)
-    if (takes_value(part, at.value)) return read_value(part, at);
+    if (part.takes(at.value)) return read_value(part, at);
   at.fields.refuse(at.below, ErrorKind::Malformed,
                    fmt::format("is {}; must be {}", shown_type(at.value), rule.what), "type");
   return false;
 }
 
-// 2. The schema.
+// 3. The schema.
 
-json any_schema(const ValueRule& rule) { return rule.schema; }
-json flag_schema(const ValueRule&) { return {{"type", "boolean"}}; }
-json word_schema(const ValueRule& rule) { return {{"enum", rule.words}}; }
-json object_schema_of(const ValueRule& rule) { return object_schema(rule.table()); }
-
-json number_schema(const ValueRule& rule) {
-  const auto& [low, high, is_open] = rule.range;
-  json schema{{"type", "number"}};
-  if (rule.takes_null) schema["type"] = {"number", "null"};
-  if (std::isfinite(low)) schema[is_open ? "exclusiveMinimum" : "minimum"] = low;
-  if (std::isfinite(high)) schema["maximum"] = high;
-  return schema;
-}
-
-json whole_schema(const ValueRule& rule) {
-  const auto low = static_cast<std::int64_t>(rule.range.low);
-  const auto high = static_cast<std::int64_t>(rule.range.high);
-  if (low == high) return {{"const", low}};
-  return {{"type", "integer"}, {"minimum", low}, {"maximum", high}};
-}
-
-json text_schema(const ValueRule& rule) {
-  json schema{{"type", "string"}};
-  if (rule.text.least > 0) schema["minLength"] = rule.text.least;
-  if (rule.text.most != TextRule{}.most) schema["maxLength"] = rule.text.most;
-  return schema;
-}
-
-json list_schema(const ValueRule& rule) {
-  return {{"type", "array"},
-          {"minItems", rule.count.least},
-          {"maxItems", rule.count.most},
-          {"items", schema_of(rule.parts.front())}};
-}
-
-json tagged_schema(const ValueRule& rule) {
-  json schema;
+json schema_of(const ValueRule& rule) {
+  json schema = rule.schema;
+  if (rule.table) schema.update(object_schema(rule.table()));
   for (std::size_t k = 0; k < rule.parts.size(); ++k) {
-    json one = schema_of(rule.parts[k]);
-    one.update(rule.parts[k].schema);
-    one["properties"]["type"]["const"] = rule.words[k];
-    one["required"].push_back("type");
-    schema["oneOf"].push_back(std::move(one));
+    json part = schema_of(rule.parts[k]);
+    if (rule.read == read_list) {
+      schema["items"] = std::move(part);
+      continue;
+    }
+    if (rule.read == read_tagged) {
+      part["properties"]["type"]["const"] = rule.words[k];
+      part["required"].push_back("type");
+    }
+    schema["oneOf"].push_back(std::move(part));
   }
-  return schema;
-}
-
-json either_schema(const ValueRule& rule) {
-  json schema;
-  for (const ValueRule& part : rule.parts) schema["oneOf"].push_back(schema_of(part));
   return schema;
 }
 
 /// The value of a field that is left out; null: there is none.
 json usual_value(const ValueRule& rule) {
-  const bool is_plain = rule.kind != Kind::Any && rule.kind < Kind::List;
-  if (!rule.usual.is_null() || rule.is_needed || !is_plain || rule.into.get == nullptr)
-    return rule.usual;
+  if (!rule.usual.is_null() || rule.is_needed || rule.into.get == nullptr) return rule.usual;
   json usual = rule.into.get(rule.into.at);
   if (rule.into.takes_index && !usual.is_null()) return rule.words.at(usual.get<std::size_t>());
   return usual;
-}
-
-// 3. The kinds.
-
-bool is_anything(const json&) { return true; }
-bool is_flag(const json& value) { return value.is_boolean(); }
-bool is_number(const json& value) { return value.is_number(); }
-bool is_text(const json& value) { return value.is_string(); }
-bool is_list(const json& value) { return value.is_array(); }
-bool is_object(const json& value) { return value.is_object(); }
-
-const KindTraits& traits_of(Kind kind) {
-  static constexpr KindTraits kTraits[] = {
-      {is_anything, read_any, any_schema},         // Any
-      {is_flag, read_flag, flag_schema},           // Flag
-      {is_number, read_number, number_schema},     // Number
-      {is_number, read_whole, whole_schema},       // Whole
-      {is_text, read_text, text_schema},           // Text
-      {is_text, read_file_name, text_schema},      // FileName
-      {is_text, read_word, word_schema},           // Word
-      {is_list, read_list, list_schema},           // List
-      {is_object, read_object, object_schema_of},  // Object
-      {is_object, read_tagged, tagged_schema},     // Tagged
-      {is_anything, read_either, either_schema},   // Either
-  };
-  return kTraits[static_cast<std::size_t>(kind)];
 }
 
 }  // namespace
@@ -252,8 +189,11 @@ json value_of(const std::vector<double>& member) { return member; }
 
 bool read_fields(const FieldTable& table, FieldReader& fields) {
   const std::size_t before = fields.faults().size();
+  const auto& one = table.exactly_one;
+  if (one.size() == 2 && fields.has(one[0]) && fields.has(one[1]))
+    fields.refuse(one[0], ErrorKind::Malformed,
+                  fmt::format("contradicts {}; give one of them", fields.pointer(one[1])));
   bool is_right = true;  // beside the count of faults, which ends at the most that are kept
-  if (table.check_presence) table.check_presence(fields);
   for (const Field& row : table.rows) {
     const std::string name(row.name);
     if (row.rule.is_needed) fields.need(name, "must be " + row.rule.what);
@@ -261,6 +201,10 @@ bool read_fields(const FieldTable& table, FieldReader& fields) {
     is_right &= found ? read_value(row.rule, {fields, name, *found}) : !row.rule.is_needed;
   }
   is_right &= fields.faults().size() == before;
+  if (is_right && !one.empty() && !fields.has(one[1])) {
+    for (const Field& row : table.rows)
+      if (row.name == one[0]) fields.need(one[0], "must be " + row.rule.what);
+  }
   if (is_right && table.complete) table.complete(fields);
   return is_right && fields.faults().size() == before;
 }
@@ -272,6 +216,8 @@ void describe_fields(const FieldTable& table, json& schema) {
     if (json usual = usual_value(rule); !usual.is_null()) field["default"] = std::move(usual);
     if (rule.is_needed) schema["required"].push_back(name);
   }
+  for (const std::string& name : table.exactly_one)
+    schema["oneOf"].push_back({{"required", {name}}});
   if (!table.more.is_null()) schema.update(table.more);
 }
 
@@ -284,49 +230,86 @@ json object_schema(const FieldTable& table) {
 namespace rule {
 
 ValueRule number(Member into, Range range, std::string unit) {
-  return {.kind = Kind::Number,
+  const auto& [low, high, is_open] = range;
+  json schema{{"type", "number"}};
+  if (std::isfinite(low)) schema[is_open ? "exclusiveMinimum" : "minimum"] = low;
+  if (std::isfinite(high)) schema["maximum"] = high;
+  return {.read = read_number,
+          .takes = is_number,
           .into = into,
-          .what = number_words(range.low, range.high, range.is_open),
-          .range = range,
-          .unit = std::move(unit)};
+          .what = number_words(low, high, is_open),
+          .schema = std::move(schema),
+          .unit = std::move(unit),
+          .range = range};
 }
 
 ValueRule number_or_null(Member into, Range range) {
   ValueRule rule = number(into, range);
-  rule.takes_null = true;
+  rule.takes = is_number_or_null;
+  rule.schema["type"] = {"number", "null"};
   return rule;
 }
 
-ValueRule whole(Member into, std::int64_t low, std::int64_t high) {
-  return {.kind = Kind::Whole,
+ValueRule whole(Member into, int low, int high) {
+  json schema{{"type", "integer"}, {"minimum", low}, {"maximum", high}};
+  if (low == high) schema = {{"const", low}};
+  return {.read = read_whole,
+          .takes = is_number,
           .into = into,
           .what = fmt::format("a whole number from {} to {}", low, high),
-          .range = from(static_cast<double>(low), static_cast<double>(high))};
+          .schema = std::move(schema),
+          .range = from(low, high)};
 }
 
 ValueRule text(Member into, const TextRule& limits) {
-  return {.kind = Kind::Text, .into = into, .what = "a text", .text = limits};
+  json schema{{"type", "string"}};
+  if (limits.least > 0) schema["minLength"] = limits.least;
+  if (limits.most != TextRule{}.most) schema["maxLength"] = limits.most;
+  return {.read = read_text,
+          .takes = is_text,
+          .into = into,
+          .what = "a text",
+          .schema = std::move(schema),
+          .text = limits};
 }
 
 ValueRule file_name(Member into) {
-  return {.kind = Kind::FileName, .into = into, .what = "a text", .text = {1, kMostNameBytes}};
+  ValueRule rule = text(into, {1, kMostNameBytes});
+  rule.read = read_file_name;
+  return rule;
 }
 
-ValueRule flag(Member into) { return {.kind = Kind::Flag, .into = into, .what = "true or false"}; }
+ValueRule flag(Member into) {
+  return {.read = read_flag,
+          .takes = is_flag,
+          .into = into,
+          .what = "true or false",
+          .schema = {{"type", "boolean"}}};
+}
 
 ValueRule word(Member into, std::vector<std::string> words) {
-  std::string what = fmt::format("one of {}", fmt::join(words, ", "));
-  return {.kind = Kind::Word, .into = into, .what = std::move(what), .words = std::move(words)};
+  return {.read = read_word,
+          .takes = is_text,
+          .into = into,
+          .what = fmt::format("one of {}", fmt::join(words, ", ")),
+          .schema = {{"enum", words}},
+          .words = std::move(words)};
 }
 
 ValueRule any(Member into, json schema, std::string what) {
-  return {.into = into, .what = std::move(what), .schema = std::move(schema)};
+  return {.read = read_any,
+          .takes = is_anything,
+          .into = into,
+          .what = std::move(what),
+          .schema = std::move(schema)};
 }
 
 ValueRule list(Member into, ValueRule item, Count count, std::string what) {
-  return {.kind = Kind::List,
+  return {.read = read_list,
+          .takes = is_list,
           .into = into,
           .what = std::move(what),
+          .schema = {{"type", "array"}, {"minItems", count.least}, {"maxItems", count.most}},
           .unit = item.unit,
           .count = count,
           .parts = {std::move(item)}};
@@ -334,16 +317,20 @@ ValueRule list(Member into, ValueRule item, Count count, std::string what) {
 
 ValueRule triple(Member into, Range range, std::string what) {
   ValueRule rule = list(into, number({}, range), {3, 3, ErrorKind::Malformed}, std::move(what));
-  if (into.get != nullptr) rule.usual = into.get(into.at);
+  rule.takes = is_flat_list;
   return rule;
 }
 
 ValueRule object(std::function<FieldTable()> table, std::string what) {
-  return {.kind = Kind::Object, .what = std::move(what), .table = std::move(table)};
+  return {.read = read_object,
+          .takes = is_object,
+          .what = std::move(what),
+          .schema = json::object(),
+          .table = std::move(table)};
 }
 
 ValueRule tagged(const std::vector<Field>& kinds) {
-  ValueRule rule{.kind = Kind::Tagged, .what = "an object"};
+  ValueRule rule{.read = read_tagged, .takes = is_object, .what = "an object"};
   for (const auto& [name, part, help] : kinds) {
     rule.words.emplace_back(name);
     rule.parts.push_back(part);
@@ -355,7 +342,8 @@ ValueRule tagged(const std::vector<Field>& kinds) {
 ValueRule either(std::vector<ValueRule> alternatives) {
   std::string what;
   for (const ValueRule& one : alternatives) what += (what.empty() ? "" : ", or ") + one.what;
-  return {.kind = Kind::Either,
+  return {.read = read_either,
+          .takes = is_anything,
           .what = std::move(what),
           .unit = alternatives.front().unit,
           .parts = std::move(alternatives)};

@@ -143,39 +143,28 @@ struct Count {
 };
 
 struct FieldTable;
+struct ValuePlace;
 
 /// What may stand at a field. The functions in `rule` make one.
 struct ValueRule {
-  enum class Kind : std::uint8_t {
-    Any,
-    Flag,
-    Number,
-    Whole,
-    Text,
-    FileName,
-    Word,
-    List,    ///< items that all follow the one rule in `parts`
-    Object,  ///< an object with the fields of `table`
-    Tagged,  ///< one of the objects in `parts`, which "type" calls by their `words`
-    Either   ///< the first of `parts` that takes the JSON type of the value
-  };
-  Kind kind{};
+  /// Reads a value into the member. @return whether the value follows the rule
+  bool (*read)(const ValueRule& rule, const ValuePlace& at){};
+  /// Whether the value has the JSON type of the rule.
+  bool (*takes)(const nlohmann::json& value){};
   Member into{};
   std::string what{};                ///< what a message says must stand there: "a number above 0"
-  Range range{};                     ///< Number, Whole
+  nlohmann::json schema{};           ///< without that of the parts and of the table
   std::string unit{};                ///< "mm"; empty: none
-  TextRule text{};                   ///< Text
-  std::vector<std::string> words{};  ///< Word, Tagged
-  Count count{};                     ///< List
-  std::vector<ValueRule> parts{};
-  /// Makes a new object, and returns a table that is bound to it.
+  Range range{};                     ///< of a number
+  TextRule text{};                   ///< of a text
+  std::vector<std::string> words{};  ///< of a word; else the types of the parts
+  Count count{};                     ///< of a list, whose only part is the rule of its items
+  std::vector<ValueRule> parts{};    ///< of a list, or of a value of one of several forms
+  /// Of an object: makes a new one, and returns a table that is bound to it.
   std::function<FieldTable()> table{};
-  nlohmann::json schema{};  ///< of Any; what a part of Tagged adds to its own
-  nlohmann::json usual{};   ///< the default, where the member does not say it
-  bool is_needed{};         ///< the field may not be left out
-  bool takes_null{};        ///< Number
-  bool is_flat{};           ///< as a part of Either: takes no list of lists
-  bool is_blamed{};         ///< whatever is wrong in the value is one fault of the value itself
+  nlohmann::json usual{};  ///< the default, where the member does not say it
+  bool is_needed{};        ///< the field may not be left out
+  bool is_blamed{};        ///< whatever is wrong in the value is one fault of the value itself
 };
 
 /// A row of a table.
@@ -188,8 +177,8 @@ struct Field {
 /// The fields of one object, with the rules between them.
 struct FieldTable {
   std::vector<Field> rows;
-  /// Checks which fields stand together, before they are read.
-  std::function<void(FieldReader&)> check_presence{};
+  /// Two fields of which exactly one must stand, or nothing. If neither does, the first is missing.
+  std::vector<std::string> exactly_one{};
   /// Checks what concerns several fields, and completes the object. Runs if each field is right.
   std::function<void(FieldReader&)> complete{};
   nlohmann::json more{};  ///< what JSON Schema can say of these rules
@@ -206,9 +195,9 @@ void describe_fields(const FieldTable& table, nlohmann::json& schema);
 namespace rule {
 
 [[nodiscard]] ValueRule number(Member into, Range range, std::string unit = "");
-/// A number, or null for none.
+/// A number, or null for none; the member is an optional.
 [[nodiscard]] ValueRule number_or_null(Member into, Range range);
-[[nodiscard]] ValueRule whole(Member into, std::int64_t low, std::int64_t high);
+[[nodiscard]] ValueRule whole(Member into, int low, int high);
 [[nodiscard]] ValueRule text(Member into, const TextRule& limits = {});
 /// The name of a file: 1 to 1024 bytes, none of them zero.
 [[nodiscard]] ValueRule file_name(Member into);
@@ -219,7 +208,7 @@ namespace rule {
 [[nodiscard]] ValueRule any(Member into, nlohmann::json schema, std::string what);
 /// Items of one rule, which have no member of their own or append themselves.
 [[nodiscard]] ValueRule list(Member into, ValueRule item, Count count, std::string what);
-/// Exactly three numbers. Another count of them is malformed.
+/// Exactly three numbers. Another count of them is malformed, and a list of lists no such value.
 [[nodiscard]] ValueRule triple(Member into, Range range, std::string what);
 /// An object; `table` makes a new one and returns a table that is bound to it.
 [[nodiscard]] ValueRule object(std::function<FieldTable()> table, std::string what = "an object");

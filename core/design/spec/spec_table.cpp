@@ -29,13 +29,6 @@ constexpr double kRightSum = 2.0 * std::numbers::pi;
 
 ValueRule length_mm(Member into) { return number(into, above(0.0, kMaxLength), "mm"); }
 
-/// Two fields of which only one may stand.
-void check_clash(FieldReader& fields, const char* one, const char* other) {
-  if (fields.has(one) && fields.has(other))
-    fields.refuse(one, ErrorKind::Malformed,
-                  fmt::format("contradicts {}; give one of them", fields.pointer(other)));
-}
-
 /// The part of an object's schema that asks for one of two or more fields.
 json one_of(const char* which, const std::vector<std::string>& names) {
   json schema;
@@ -45,7 +38,7 @@ json one_of(const char* which, const std::vector<std::string>& names) {
 
 // ---- curves through points
 
-ValueRule points(Member into, const std::string& what) {
+ValueRule points(Member into, std::string_view what) {
   const ValueRule coordinate = number({}, from(-kMostCoordinate, kMostCoordinate));
   return list(into, list({}, coordinate, {2, 2, ErrorKind::Malformed}, "two numbers"),
               {2, kMostPoints}, fmt::format("a list of 2 to {} points {}", kMostPoints, what));
@@ -103,7 +96,7 @@ void check_falls(FieldReader& fields, const std::string& below, const CurvePoint
 }
 
 /// A formula, or an object with points that `check` accepts.
-ValueRule formula_or_points(Member into, const std::string& what,
+ValueRule formula_or_points(Member into, std::string_view what,
                             void (*check)(FieldReader&, const CurvePoints&)) {
   const auto table = [into, what, check] {
     FieldTable drawn{{{"points", needed(points(into, what)), what}}};
@@ -310,12 +303,7 @@ FieldTable region_table(RegionFields& region) {
       {"widths_mm", fixed_widths(region.widths),
        "one width for all its slices, or a list with one for each slice"},
   }};
-  table.check_presence = [](FieldReader& fields) { check_clash(fields, "width_mm", "widths_mm"); };
-  table.complete = [](FieldReader& fields) {
-    if (!fields.has("widths_mm"))
-      fields.need("width_mm", fmt::format("must be a number above 0 and at most {:g}", kMaxLength));
-  };
-  table.more = one_of("oneOf", {"width_mm", "widths_mm"});
+  table.exactly_one = {"width_mm", "widths_mm"};
   return table;
 }
 
@@ -384,15 +372,7 @@ FieldTable splay_table(SplaySpec& splay, std::optional<double>& given_ligament_m
        "paper left beside V-folds; if left out 1, min_panel_mm, or the shortest fold that "
        "the material dashes well, whichever is most"},
   }};
-  table.check_presence = [](FieldReader& fields) { check_clash(fields, "alpha", "targets"); };
-  table.complete = [](FieldReader& fields) {
-    if (!fields.has("targets"))
-      fields.need("alpha",
-                  fmt::format("must be a number from 0 to {:g}, or a list of them for each "
-                              "inner level",
-                              kMostAlpha));
-  };
-  table.more = one_of("oneOf", {"alpha", "targets"});
+  table.exactly_one = {"alpha", "targets"};
   return table;
 }
 
@@ -409,10 +389,8 @@ ValueRule forms(std::vector<std::array<double, 3>>& read) {
   const auto form = [](Member into) {
     return triple(into, from(-kMostForm, kMostForm), "[ss, st, tt], a list of three numbers");
   };
-  ValueRule one = form(appended(&read));
-  one.is_flat = true;
-  return either(
-      {one, list(&read, form({}), {1, kMostTargets}, "a list with one for each inner vertex")});
+  return either({form(appended(&read)), list(&read, form({}), {1, kMostTargets},
+                                             "a list with one for each inner vertex")});
 }
 
 /// What the values of a curvature contradict: a form that measures no area.
