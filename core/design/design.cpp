@@ -45,11 +45,6 @@ std::string bend_in_words(double K_rad, double psi_rad) {
 
 constexpr double kCardMargin = 15.0;  ///< of wall and ground beyond the highest and farthest end
 
-std::string method_name(LatticeMethod method) {
-  constexpr const char* kNames[] = {"branching", "slices", "conformal", "levels", "direct", "auto"};
-  return kNames[static_cast<std::size_t>(method)];
-}
-
 /// A layout as strips, with its figures.
 struct Laid {
   RunLayout layout;
@@ -381,7 +376,7 @@ class Designer {
     bool best_obeys = false;
     double best_rms = 0.0;
     for (const LatticeMethod one : kLatticesToTry) {
-      LatticeTrial trial{method_name(one), false, 0.0, 0.0, 0.0, {}};
+      LatticeTrial trial{name_of(one), false, 0.0, 0.0, 0.0, {}};
       if (one == LatticeMethod::Conformal && conformal_work(empty) > kMostConformalWork) {
         trial.reason = "left out, since it would take long; ask for it by its name";
         trials_.push_back(std::move(trial));
@@ -545,7 +540,7 @@ class Designer {
     out.pattern.design_psi_rad = design_psi_rad();
     for (const RegionSpec& region : spec_.regions)
       r.units_per_slice.push_back(region.units_per_slice);
-    r.lattice = method_name(method), r.lattice_asked = method_name(spec_.lattice);
+    r.lattice = name_of(method), r.lattice_asked = name_of(spec_.lattice);
     r.lattice_note = std::move(note);
     r.lattices = std::move(trials_);
     add_slices(layout, out.strips, r);

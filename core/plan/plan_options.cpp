@@ -3,18 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "core/text/field_reader.hpp"
+#include "core/text/field_table.hpp"
 #include "core/text/near_names.hpp"
 #include "core/text/words.hpp"
 
 namespace popcut {
 namespace {
 
+using nlohmann::json;
 using Kind = PlanOption::Kind;
 
 constexpr double kMostSeed = 9e18;
@@ -23,161 +25,134 @@ constexpr std::size_t kMostShown = 40;  // characters of a wrong value in an err
 
 // 1. Values from text.
 
-bool read(std::string_view text, double& value) {
-  return read_number(text, value) && std::isfinite(value);
-}
-
-bool read(std::string_view text, std::uint64_t& value) { return read_number(text, value); }
-
-bool read(std::string_view text, bool& value) {
-  value = text == "true";
-  return value || text == "false";
-}
-
-bool read(std::string_view text, std::string& value) {
-  value = text;
-  return true;
-}
-
-bool read(std::string_view text, std::vector<double>& values) {
-  for (values.clear(); values.size() < kMostListed;) {
+std::optional<json> numbers_in(std::string_view text) {
+  json numbers = json::array();
+  while (numbers.size() < kMostListed) {
     const std::string_view item = text.substr(0, text.find(','));
-    if (!read(item, values.emplace_back())) return false;
-    if (item.size() == text.size()) return true;
+    double number{};
+    if (!read_number(item, number) || !std::isfinite(number)) return std::nullopt;
+    numbers.push_back(number);
+    if (item.size() == text.size()) return numbers;
     text.remove_prefix(item.size() + 1);
   }
-  return false;
+  return std::nullopt;
 }
 
-bool read(std::string_view text, PagePoint& point) {
-  std::vector<double> values;
-  if (!read(text, values) || values.size() != 2) return false;
-  point = {values[0], values[1]};
-  return true;
+/// The value in `text`; nothing if the option has no such value.
+std::optional<json> value_in(const PlanOption& option, std::string_view text,
+                             const Member& member) {
+  const auto if_valid = [](bool is_valid, const auto& value) {
+    return is_valid ? std::optional<json>(value) : std::nullopt;
+  };
+  double number{};
+  std::uint64_t whole{};
+  const auto word = std::find(option.words.begin(), option.words.end(), text);
+  const bool is_word = word != option.words.end();
+  switch (option.kind) {
+    case Kind::Flag:
+      return if_valid(text == "true" || text == "false", text == "true");
+    case Kind::Number:
+      return if_valid(read_number(text, number) && std::isfinite(number), number);
+    case Kind::Whole:
+      return if_valid(read_number(text, whole), whole);
+    case Kind::Word:
+      if (member.takes_index) return if_valid(is_word, word - option.words.begin());
+      return if_valid(is_word || text.empty(), std::string(text));
+    case Kind::Lengths:
+      return numbers_in(text);
+    case Kind::Place: {
+      auto place = numbers_in(text);
+      return place && place->size() == 2 ? place : std::nullopt;
+    }
+    case Kind::Text:
+      break;
+  }
+  return std::string(text);
 }
 
-// 2. What each kind of member has in common.
-
-template <typename T>
-struct Inner {
-  using type = T;
-  static constexpr bool is_optional = false;
-};
-template <typename T>
-struct Inner<std::optional<T>> {
-  using type = T;
-  static constexpr bool is_optional = true;
-};
-
-/// The member that `Field` gives, its value where it is there, and whether it may not be there.
-template <typename Field>
-using Member = std::remove_reference_t<std::invoke_result_t<Field, PlanOptions&>>;
-template <typename Field>
-using Value = typename Inner<Member<Field>>::type;
-template <typename Field>
-constexpr bool may_be_absent = Inner<Member<Field>>::is_optional;
-
-std::vector<double> numbers_of(double value) { return {value}; }
-std::vector<double> numbers_of(std::uint64_t value) { return {static_cast<double>(value)}; }
-std::vector<double> numbers_of(const std::vector<double>& values) { return values; }
-template <typename T>
-std::vector<double> numbers_of(const std::optional<T>& value) {
-  return value ? numbers_of(*value) : std::vector<double>();
+/// Sets the option to the value in `text`. @return whether it has such a value
+bool set_value(const PlanOption& option, PlanOptions& options, std::string_view text) {
+  const Member member = option.member(options);
+  const bool is_absent = member.takes_null && text.empty();
+  const std::optional<json> value = is_absent ? json() : value_in(option, text, member);
+  if (value) member.set(member.at, *value);
+  return value.has_value();
 }
 
-/// The row of a member: `field` gives the member of some options.
-template <typename Field>
-PlanOption row(std::string_view name, Kind kind, Field field, std::string_view help) {
-  PlanOption option{.name = name, .kind = kind, .help = help};
-  if constexpr (!std::is_enum_v<Value<Field>>)
-    option.set = [field](PlanOptions& options, std::string_view text) {
-      Value<Field> value{};
-      if (may_be_absent<Field> && text.empty()) {
-        field(options) = Member<Field>{};
-        return true;
-      }
-      const bool is_one = read(text, value);
-      if (is_one) field(options) = std::move(value);
-      return is_one;
-    };
-  return option;
+// 2. The kinds of rows.
+
+using MemberOf = Member (*)(PlanOptions&);
+
+/// The value of the member that is not set: the default.
+json usual_value(MemberOf member) {
+  PlanOptions usual;
+  const Member of = member(usual);
+  return of.get(of.at);
 }
 
-template <typename Field>
-PlanOption flag(std::string_view name, Field field, std::string_view help) {
-  return row(name, Kind::Flag, field, help);
+PlanOption row(std::string_view name, Kind kind, MemberOf member, std::string_view help) {
+  return {.name = name, .kind = kind, .help = help, .member = member};
 }
 
-struct Range {
+PlanOption flag(std::string_view name, MemberOf member, std::string_view help) {
+  return row(name, Kind::Flag, member, help);
+}
+
+struct Limits {
   double least, most;
   std::string_view unit{};
 };
 
-/// A number, or a list of numbers; `usual` describes the default of one that may be absent.
-template <typename Field>
-PlanOption number(std::string_view name, Field field, std::string_view form, const Range& range,
-                  std::string_view help, std::string usual = {}) {
-  PlanOption option = row(name, Kind::Number, field, help);
-  if constexpr (std::is_same_v<Member<Field>, std::uint64_t>) option.kind = Kind::Whole;
-  if constexpr (std::is_same_v<Member<Field>, std::vector<double>>) option.kind = Kind::Lengths;
+/// A number, a whole number or a list of numbers, as the member is. `usual` describes the default
+/// of one that may be absent.
+PlanOption number(std::string_view name, MemberOf member, std::string_view form,
+                  const Limits& limits, std::string_view help, std::string usual = {}) {
+  const json value = usual_value(member);
+  PlanOption option = row(name, Kind::Number, member, help);
+  if (value.is_number_unsigned()) option.kind = Kind::Whole;
+  if (value.is_array()) option.kind = Kind::Lengths;
   option.form = form;
-  option.least = range.least;
-  option.most = range.most;
-  option.unit = range.unit;
-  option.numbers = [field](const PlanOptions& options) {
-    return numbers_of(field(const_cast<PlanOptions&>(options)));  // it only reads
-  };
-  const std::vector<double> before = option.numbers(PlanOptions{});
-  option.usual =
-      !usual.empty() || before.empty() ? std::move(usual) : fmt::format("{:g}", before.front());
+  option.least = limits.least;
+  option.most = limits.most;
+  option.unit = limits.unit;
+  option.usual = value.is_number() ? fmt::format("{:g}", value.get<double>()) : std::move(usual);
   return option;
 }
 
 /// One of the names of an enumeration's values, in their order; or of texts. `usual` describes the
 /// default of one that may be absent.
-template <typename Field>
-PlanOption word(std::string_view name, Field field, std::vector<std::string> words,
+PlanOption word(std::string_view name, MemberOf member, std::vector<std::string> words,
                 std::string_view help, std::string usual = {}) {
-  PlanOption option = row(name, Kind::Word, field, help);
-  option.set = [field, words](PlanOptions& options, std::string_view text) {
-    constexpr bool is_text = std::is_same_v<Member<Field>, std::string>;
-    if ((may_be_absent<Field> || is_text) && text.empty()) {
-      field(options) = Member<Field>{};
-      return true;
-    }
-    const auto found = std::find(words.begin(), words.end(), text);
-    if (found == words.end()) return false;
-    if constexpr (is_text)
-      field(options) = *found;
-    else
-      field(options) = static_cast<Value<Field>>(found - words.begin());
-    return true;
-  };
-  if constexpr (std::is_enum_v<Member<Field>>) {
-    PlanOptions usually;
-    usual = words.at(static_cast<std::size_t>(field(usually)));
-  }
+  PlanOption option = row(name, Kind::Word, member, help);
+  const json value = usual_value(member);
+  option.usual = value.is_number() ? words.at(value.get<std::size_t>()) : std::move(usual);
   option.words = std::move(words);
-  option.usual = std::move(usual);
   return option;
 }
 
-template <typename Field>
-PlanOption text(std::string_view name, Field field, std::string_view form, std::string_view help,
-                std::string usual = {}) {
-  PlanOption option = row(name, Kind::Text, field, help);
-  PlanOptions usually;
+PlanOption text(std::string_view name, MemberOf member, std::string_view form,
+                std::string_view help, std::string usual = {}) {
+  PlanOption option = row(name, Kind::Text, member, help);
   option.form = form;
-  option.usual = usual.empty() ? field(usually) : std::move(usual);
+  option.usual = usual.empty() ? usual_value(member).get<std::string>() : std::move(usual);
   return option;
 }
 
-template <typename Field>
-PlanOption place(std::string_view name, Field field, std::string_view help) {
-  PlanOption option = row(name, Kind::Place, field, help);
+PlanOption place(std::string_view name, MemberOf member, std::string_view help) {
+  PlanOption option = row(name, Kind::Place, member, help);
   option.form = "X,Y";
   option.unit = "mm";
   return option;
+}
+
+Member point(std::optional<PagePoint>* to) {
+  Member member(to, [](void* at, const json& value) {
+    auto& point = *static_cast<std::optional<PagePoint>*>(at);
+    point.reset();
+    if (!value.is_null()) point = PagePoint{value[0].get<double>(), value[1].get<double>()};
+  });
+  member.takes_null = true;
+  return member;
 }
 
 PlanOption of_request(PlanOption option) {
@@ -192,12 +167,11 @@ PlanOption with_opposite(PlanOption option, std::string_view name) {
 
 // 3. The table.
 
-#define MEMBER(path) \
-  [](PlanOptions & options) -> auto& { return options.path; }
+#define MEMBER(path) [](PlanOptions& options) { return Member(&options.path); }
 
 // clang-format off
 std::vector<PlanOption> make_table() {
-  constexpr Range kSeams{-kMaxCoordinate, kMaxCoordinate, "mm"};
+  constexpr Limits kSeams{-kMaxCoordinate, kMaxCoordinate, "mm"};
   return {
       of_request(text("machine", MEMBER(machine), "NAME",
            "The cutter; 'popcut machines' lists them", "cameo3")),
@@ -207,7 +181,7 @@ std::vector<PlanOption> make_table() {
            "A mat of the machine, a paper such as A4, A3-landscape or letter, or a size such as "
            "300x200 (mm), 30x20cm or 12x12in; a paper or size without --machine plans for an ideal "
            "plotter; roll cuts from a roll, as long as the drawing"),
-      place("at", MEMBER(place.at),
+      place("at", [](PlanOptions& options) { return point(&options.place.at); },
            "Where the drawing's upper left corner goes on the sheet, in mm"),
       number("scale", MEMBER(scale), "N", {0.0001, 10'000},
            "Scale the drawing: 2 is twice as large"),
@@ -216,7 +190,7 @@ std::vector<PlanOption> make_table() {
       number("rotate", MEMBER(rotate_deg), "DEG", {-360, 360, "degrees"},
            "Turn the drawing clockwise, in degrees"),
       number("per-sheet", MEMBER(per_sheet), "N", {1, 10'000},
-           "How often to cut the drawing on the sheet, side by side"),
+           "How many copies of the drawing to cut on the sheet, side by side"),
       flag("mirror", MEMBER(mirror),
            "Cut from the back: the mirror image, with mountain and valley folds exchanged"),
       word("order", MEMBER(order.method), {"quick", "best", "keep"},
@@ -227,21 +201,21 @@ std::vector<PlanOption> make_table() {
       number("seed", MEMBER(order.seed), "N", {0, kMostSeed},
            "Random seed of best; the same seed gives the same order"),
       number("weed-box", MEMBER(weed_box_mm), "MM", {0, 1000, "mm"},
-           "Cut a box around the drawing, so far from it, last: vinyl is then weeded in one piece; 0 is "
-           "no box"),
+           "Last, cut a box at this distance around the drawing, so that vinyl can be weeded in one "
+           "piece; 0: no box"),
       text("pen", MEMBER(pens), "TEXT",
            "Settings for this job in place of the material's, such as \"cut: force=90 passes=2; red: "
            "speed=20\": force (gf), speed (mm/s), passes, step (gf more on each further pass), tool; "
            "for cut, fold, draw, score, light, mountain, valley, outline, a colour or a layer"),
       word("blade", MEMBER(blade), {"auto", "autoblade", "ratchet"},
            "Which blade is in the machine: autoblade (the machine sets its depth), ratchet (you set "
-           "it), or auto (the one that the machine reports; the depth stays as it is if it reports "
-           "none)"),
+           "it), or auto (the one that the machine reports; if it reports none, the depth does not "
+           "change)"),
       flag("track-enhancing", MEMBER(track_enhancing),
            "Silhouette: roll the sheet in and out before the cut, so that a long sheet slips less"),
       word("finish", MEMBER(finish), {"home", "below"},
-           "Where the tool goes at the end: home, or below what was cut, so that the sheet comes out; a "
-           "Silhouette begins the next job there"),
+           "Where the tool parks: at home, or below the cut so that the sheet is fed out; a Silhouette "
+           "begins the next job there"),
       flag("mat-free", MEMBER(mat_free),
            "Cut without a mat: work in bands along the feed, never turn the blade in a sharp "
            "corner, cut the outline last"),
@@ -289,7 +263,6 @@ std::vector<PlanOption> make_table() {
 #undef MEMBER
 
 bool is_within(const PlanOption& option, const PlanOptions& options) {
-  if (!option.numbers) return true;
   const std::vector<double> numbers = option.numbers(options);
   return std::all_of(numbers.begin(), numbers.end(),
                      [&](double n) { return n >= option.least && n <= option.most; });
@@ -312,12 +285,12 @@ Result<void> set_option(PlanOptions& options, const std::string& name, std::stri
       for (const std::string_view one : {option.name, option.opposite})
         if (!one.empty() && !option.of_request) names.emplace_back(one);
     return fail(ErrorKind::Usage, "/options/" + name.substr(0, 80),
-                fmt::format("there is no such option; {}", suggestion(name, names)));
+                fmt::format("no such option exists; {}", suggestion(name, names)));
   }
   const std::string given = text;
   if (name == found->opposite && (text == "true" || text == "false"))
     text = text == "true" ? "false" : "true";
-  if (found->set(options, text) && is_within(*found, options)) return {};
+  if (set_value(*found, options, text) && is_within(*found, options)) return {};
   return fail(ErrorKind::Usage, name == found->opposite ? "/options/" + name : pointer_to(*found),
               fmt::format("{}; {}", shown(given), right_value(*found, given)));
 }
@@ -353,6 +326,14 @@ Result<void> check_pairs(const PlanOptions& options) {
 std::span<const PlanOption> plan_option_table() {
   static const std::vector<PlanOption> kTable = make_table();
   return kTable;
+}
+
+std::vector<double> PlanOption::numbers(const PlanOptions& options) const {
+  if (kind != Kind::Number && kind != Kind::Whole && kind != Kind::Lengths) return {};
+  const Member of = member(const_cast<PlanOptions&>(options));  // it only reads
+  const json value = of.get(of.at);
+  if (value.is_array()) return value.get<std::vector<double>>();
+  return value.is_null() ? std::vector<double>() : std::vector{value.get<double>()};
 }
 
 std::string pointer_to(const PlanOption& option) {

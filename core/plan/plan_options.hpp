@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -18,6 +17,8 @@
 #include "core/result.hpp"
 
 namespace popcut {
+
+struct Member;
 
 /// What draws ticks and letters on pieces of an oversized drawing.
 enum class LabelTool : std::uint8_t {
@@ -37,7 +38,7 @@ enum class BladeKind : std::uint8_t {
   Ratchet,    ///< set by hand
 };
 
-/// Where the tool goes at the end: where it began, or past what was cut, so that the sheet comes
+/// Where the tool parks at the end: where it began, or below what was cut, so that the sheet is fed
 /// out.
 enum class Finish : std::uint8_t { Home, Below };
 
@@ -95,10 +96,10 @@ struct PlanOption {
   std::string_view opposite{};       ///< a name under which requests may give a flag's opposite
   bool of_request{false};  ///< stands beside the options of a request: machine and material
 
-  /// Sets the member to the value in `text`; false: it is none.
-  std::function<bool(PlanOptions&, std::string_view text)> set{};
-  /// The numbers in the member, to hold them against the range.
-  std::function<std::vector<double>(const PlanOptions&)> numbers{};
+  Member (*member)(PlanOptions&){};  ///< where the value goes
+
+  /// The numbers in the member; none where the option has no range, or no value.
+  [[nodiscard]] std::vector<double> numbers(const PlanOptions& options) const;
 };
 
 /// All options, in the order in which help lists them.

@@ -7,22 +7,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/design/lattice_choice.hpp"
 #include "core/search/draws.hpp"
 #include "core/text/json_text.hpp"
 
 namespace popcut {
 namespace {
-
-struct NamedLattice {
-  LatticeMethod method;
-  std::string_view name;
-};
-constexpr std::array kLattices{NamedLattice{LatticeMethod::Slices, "slices"},
-                               NamedLattice{LatticeMethod::Branching, "branching"},
-                               NamedLattice{LatticeMethod::Levels, "levels"},
-                               NamedLattice{LatticeMethod::Conformal, "conformal"},
-                               NamedLattice{LatticeMethod::Direct, "direct"},
-                               NamedLattice{LatticeMethod::Auto, "auto"}};
 
 // What is drawn from, by growing value.
 constexpr std::array kFills{0.7, 0.85, 1.0};
@@ -76,13 +66,9 @@ double six_digits(double value) {
 
 const std::vector<StyleChoice>& style_choices() {
   static const std::vector<StyleChoice> choices = [] {
-    std::vector<LatticeMethod> all;
-    for (const NamedLattice& lattice : kLattices)
-      if (lattice.method != LatticeMethod::Auto) all.push_back(lattice.method);
+    const std::vector<LatticeMethod> all(kLatticesToTry.begin(), kLatticesToTry.end());
     std::vector<StyleChoice> out{{"any", true, all}, {"facets", true, {}}, {"lattice", false, all}};
-    for (const NamedLattice& lattice : kLattices)
-      if (lattice.method != LatticeMethod::Auto)
-        out.push_back({lattice.name, false, {lattice.method}});
+    for (const LatticeMethod method : all) out.push_back({name_of(method), false, {method}});
     return out;
   }();
   return choices;
@@ -95,11 +81,7 @@ const StyleChoice& style_choice(std::string_view name) {
 }
 
 std::string_view style_name(const Candidate& candidate) {
-  if (candidate.style == DesignStyle::Facets) return "facets";
-  return std::find_if(
-             kLattices.begin(), kLattices.end(),
-             [&](const NamedLattice& lattice) { return lattice.method == candidate.lattice; })
-      ->name;
+  return candidate.style == DesignStyle::Facets ? "facets" : name_of(candidate.lattice);
 }
 
 StyleChoice styles_for_cards(StyleChoice styles, int cards) {

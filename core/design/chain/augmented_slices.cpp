@@ -39,8 +39,8 @@ Result<void> check_lengths(const AugmentedSpec& spec, std::size_t inner) {
   const auto fits = [&](std::size_t count, const char* name) -> Result<void> {
     if (count <= 1 || count == inner) return {};
     return fail(ErrorKind::OutOfRange, fmt::format("/curvature/{}", name),
-                fmt::format("has {} values; one for all, or {} (one an inner vertex: levels 1 to "
-                            "units - 1 of each slice that has slices on both sides) is needed",
+                fmt::format("has {} values; must have one for all, or {}: one for each inner "
+                            "vertex, on levels 1 to units - 1 of each slice between two others",
                             count, inner));
   };
   for (const auto& [count, name] :
@@ -239,7 +239,7 @@ std::vector<std::string> curvature_notes(const CurvatureReport& report, LatticeM
     notes.push_back(fmt::format(
         "curvature: the {} lattice only starts from the chains and then moves its planes; "
         "\"slices\" and \"branching\" keep them",
-        method == LatticeMethod::Direct ? "direct" : "conformal"));
+        name_of(method)));
   if (method == LatticeMethod::Levels)
     notes.emplace_back(
         "curvature: the levels lattice takes no chains, so the curvature shapes nothing; "

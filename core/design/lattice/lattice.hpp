@@ -19,7 +19,7 @@ struct RunTarget {
   std::vector<SliceCurve> connector_curves;  ///< one between neighbours, at the connector's middle
   std::vector<double> chain_x, chain_z;      ///< slices x (N + 1), the optimised chains
   std::vector<double> slice_s_mm, slice_width_mm;  ///< one a slice: its middle, its w
-  std::vector<double> connector_s_mm;              ///< one a connector
+  std::vector<double> connector_s_mm;              ///< one for each connector
   double min_panel_mm{};
   std::optional<double> max_step_over_mean;
   /// Largest X + Z of a corner, its distance from the spine when the card is shut; none: no limit.

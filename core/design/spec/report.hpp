@@ -90,7 +90,8 @@ struct CurvatureReport {
   int evaluations{};
   bool out_of_time{};
   std::vector<CurvatureFigures> figures;
-  std::vector<std::ptrdiff_t> first_target;  ///< one a slice: of its first target, -1 for none
+  std::vector<std::ptrdiff_t>
+      first_target;  ///< one for each slice: of its first target, -1 for none
 };
 
 /// A lattice that was laid and measured for `"lattice": "auto"`. Distances are those of the panels
@@ -117,7 +118,7 @@ struct FacetFigures {
 /// What a design is, in figures (`report.json`).
 struct DesignReport : LatticeFigures {
   std::string name;
-  std::vector<int> units_per_slice;  ///< one, or one a region
+  std::vector<int> units_per_slice;  ///< one, or one for each region
   std::vector<SliceReport> slices;
   std::string lattice;                 ///< the method that was used
   std::string lattice_asked;           ///< the method that was asked for

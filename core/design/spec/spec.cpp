@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <initializer_list>
-#include <type_traits>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -28,9 +28,10 @@ class Design {
   bool complete() {
     set_min_panel();
     if (spec_.book && !set_book()) return false;
-    if (spec_.style == DesignStyle::Facets) return set_facet_surface() && set_facets();
-    return set_regions() && set_widths() && check_units() && set_surface() && check_placement() &&
-           set_splay() && set_rest();
+    if (spec_.style == DesignStyle::Facets) return check_facet_surface() && set_facets();
+    set_splay();
+    set_lattice();
+    return set_regions() && set_widths() && check_units() && set_surface() && check_placement();
   }
 
  private:
@@ -57,7 +58,7 @@ class Design {
     if (spec_.card->shut == CardShut::Free)
       return wrong("card/shut", ErrorKind::Malformed,
                    "is \"free\"; a book lies inside its pages when it is shut, so leave it out");
-    if (spec_.widths_field && std::holds_alternative<AdaptiveWidths>(*spec_.widths_field))
+    if (spec_.widths.adaptive)
       return wrong("widths_mm", ErrorKind::Malformed,
                    "would differ from card to card; must be a number or a list of numbers in a "
                    "book");
@@ -69,53 +70,45 @@ class Design {
   }
 
   bool set_regions() {
-    if (!spec_.region_fields) {
-      spec_.regions = {{*spec_.units_per_slice, *spec_.slices, std::nullopt}};
+    if (spec_.region_fields.empty()) {
+      spec_.regions.push_back({*spec_.units_per_slice, *spec_.slices, std::nullopt});
       return true;
     }
     long slices = 0;
-    for (std::size_t r = 0; r < spec_.region_fields->size(); ++r) {
-      const RegionFields& region = (*spec_.region_fields)[r];
+    for (std::size_t r = 0; r < spec_.region_fields.size(); ++r) {
+      const RegionFields& region = spec_.region_fields[r];
       if ((slices += region.slices) > kMaxSlices)
         return wrong(
             fmt::format("regions/{}/slices", r), ErrorKind::OutOfRange,
             fmt::format("makes {} slices in all; must make at most {}", slices, kMaxSlices));
-      const FixedWidths widths = region.widths_mm.value_or(region.width_mm.value_or(0.0));
-      if (!add_widths(widths, region.slices, fmt::format("regions/{}/widths_mm", r))) return false;
+      if (!add_widths(region.widths, region.slices, fmt::format("regions/{}/widths_mm", r)))
+        return false;
       spec_.regions.push_back(region);
     }
     return true;
   }
 
   /// One width for `slices` slices, or a list of as many.
-  bool add_widths(const FixedWidths& widths, int slices, const std::string& key) {
+  bool add_widths(const WidthFields& widths, int slices, const std::string& key) {
     const auto count = static_cast<std::size_t>(slices);
-    if (const double* one = std::get_if<double>(&widths)) {
-      spec_.widths_mm.insert(spec_.widths_mm.end(), count, *one);
-      return true;
-    }
-    const auto& list = std::get<std::vector<double>>(widths);
-    if (list.size() != count)
+    const std::vector<double> each =
+        widths.each_mm.value_or(std::vector<double>(count, widths.all_mm.value_or(0.0)));
+    if (each.size() != count)
       return wrong(key, ErrorKind::OutOfRange,
                    fmt::format("has {} widths for {} slices; give one for each slice or a single "
                                "number",
-                               list.size(), slices));
-    spec_.widths_mm.insert(spec_.widths_mm.end(), list.begin(), list.end());
+                               each.size(), slices));
+    spec_.widths_mm.insert(spec_.widths_mm.end(), each.begin(), each.end());
     return true;
   }
 
   bool set_widths() {
-    if (spec_.region_fields) return true;
-    if (!spec_.widths_field)
+    if (!spec_.region_fields.empty()) return true;
+    if (!fields_.has("widths_mm"))
       return wrong("widths_mm", ErrorKind::Malformed,
                    "is missing; must be a number or a list of numbers");
-    if (const auto* chosen = std::get_if<AdaptiveWidths>(&*spec_.widths_field)) {
-      spec_.adaptive = *chosen;
-      return true;
-    }
-    const auto* one = std::get_if<double>(&*spec_.widths_field);
-    return add_widths(one ? FixedWidths(*one) : std::get<std::vector<double>>(*spec_.widths_field),
-                      *spec_.slices, "widths_mm");
+    spec_.adaptive = spec_.widths.adaptive;
+    return spec_.adaptive || add_widths(spec_.widths, *spec_.slices, "widths_mm");
   }
 
   bool check_units() {
@@ -123,20 +116,13 @@ class Design {
     for (const RegionSpec& region : spec_.regions)
       units += static_cast<long>(region.units_per_slice) * region.slices;
     if (units <= kMaxUnits) return true;
-    return wrong(spec_.region_fields ? "regions" : "slices", ErrorKind::OutOfRange,
+    return wrong(!spec_.region_fields.empty() ? "regions" : "slices", ErrorKind::OutOfRange,
                  fmt::format("makes {} units in all; must make at most {}", units, kMaxUnits));
   }
 
   bool set_surface() {
-    if (!spec_.surface_field) return check_radii();
-    if (const auto* composite = std::get_if<CompositeSpec>(&*spec_.surface_field))
-      return set_composite(composite->radii);
-    std::visit(
-        [&](auto&& surface) {
-          if constexpr (!std::is_same_v<std::decay_t<decltype(surface)>, CompositeSpec>)
-            spec_.surface = surface;
-        },
-        *spec_.surface_field);
+    if (spec_.composite_radii) return set_composite(*spec_.composite_radii);
+    if (!spec_.surface) return check_radii();
     const auto has_radius = [](const RegionSpec& region) { return region.radius.has_value(); };
     if (!std::all_of(spec_.regions.begin(), spec_.regions.end(), has_radius)) return true;
     return wrong("surface", ErrorKind::Malformed,
@@ -144,27 +130,18 @@ class Design {
                              fields_.pointer("regions")));
   }
 
-  bool set_facet_surface() {
-    if (!spec_.surface_field)
-      return wrong("surface", ErrorKind::Malformed,
-                   "is missing; give a surface such as {\"type\": \"mesh\", \"file\": ...}");
-    if (std::holds_alternative<CompositeSpec>(*spec_.surface_field))
+  bool check_facet_surface() {
+    if (spec_.composite_radii)
       return wrong("surface/type", ErrorKind::OutOfRange,
                    "is composite, which has regions; facets have none, so give another surface");
-    std::visit(
-        [&](auto&& surface) {
-          if constexpr (!std::is_same_v<std::decay_t<decltype(surface)>, CompositeSpec>)
-            spec_.surface = surface;
-        },
-        *spec_.surface_field);
-    return true;
+    if (spec_.surface) return true;
+    return wrong("surface", ErrorKind::Malformed,
+                 "is missing; give a surface such as {\"type\": \"mesh\", \"file\": ...}");
   }
 
   bool set_facets() {
-    const FacetFields given = spec_.facet_fields.value_or(FacetFields{});
-    spec_.facets = given;
-    spec_.facets.from_given = given.given_from_mm.has_value();
-    spec_.facets.from_mm = given.given_from_mm.value_or(0.0);
+    spec_.facets.from_given = spec_.given_from_mm.has_value();
+    spec_.facets.from_mm = spec_.given_from_mm.value_or(0.0);
     spec_.fit = FitMode::Nearest;
     if (!spec_.card)
       return wrong("card", ErrorKind::Malformed,
@@ -186,7 +163,7 @@ class Design {
     for (std::size_t r = 0; r < spec_.regions.size(); ++r)
       if (!spec_.regions[r].radius)
         return wrong(
-            spec_.region_fields ? fmt::format("regions/{}/radius", r) : "surface",
+            spec_.region_fields.empty() ? "surface" : fmt::format("regions/{}/radius", r),
             ErrorKind::Malformed,
             "is missing; give a surface such as {\"type\": \"revolution\", \"radius\": ...}");
     return true;
@@ -230,30 +207,18 @@ class Design {
     spec_.min_panel_mm = spec_.given_min_panel_mm.value_or(spec_.min_panel_mm);
   }
 
-  bool set_splay() {
-    if (!spec_.splay_fields) return true;
-    SplayFields& given = *spec_.splay_fields;
-    SplaySpec splay = given;
-    splay.ligament_asked = given.given_ligament_mm.has_value();
-    splay.ligament_mm = given.given_ligament_mm.value_or(std::max(1.0, spec_.min_panel_mm));
-    if (given.target_fields)
-      splay.targets.assign(given.target_fields->begin(), given.target_fields->end());
-    else if (const double* alpha = std::get_if<double>(&*given.alpha_field))
-      splay.uniform = *alpha;
-    else
-      splay.alpha = std::get<std::vector<std::vector<double>>>(*given.alpha_field);
-    spec_.splay = std::move(splay);
-    return true;
+  void set_splay() {
+    if (!spec_.splay) return;
+    spec_.splay->ligament_asked = spec_.given_ligament_mm.has_value();
+    spec_.splay->ligament_mm = spec_.given_ligament_mm.value_or(std::max(1.0, spec_.min_panel_mm));
   }
 
-  bool set_rest() {
-    if (spec_.curvature_fields) spec_.curvature = *spec_.curvature_fields;
+  void set_lattice() {
     if (spec_.curvature && !fields_.has("lattice")) spec_.lattice = LatticeMethod::Slices;
     // V-folds need creases with room beside them, which the nearest lattice does not keep.
     else if (spec_.splay && !fields_.has("lattice"))
       spec_.lattice = LatticeMethod::Conformal;
     spec_.max_step_asked = fields_.has("max_step_over_mean");
-    return true;
   }
 
   FieldReader& fields_;
@@ -272,7 +237,7 @@ void check_regions(FieldReader& fields) {
 
 bool is_of_facets(FieldReader& fields) {
   const json* const style = fields.value("style");
-  return style != nullptr && *style == "facets";
+  return style != nullptr && style->is_string() && style->get_ref<const std::string&>() == "facets";
 }
 
 constexpr const char* kOfLattices[] = {
@@ -313,12 +278,12 @@ bool check_curvature(FieldReader& fields, const std::string& key, const DesignSp
 }
 
 /// Reads the rows of one design and applies its rules. @return whether it has no fault
-bool read_design(FieldReader& fields, std::initializer_list<const SpecTable*> tables,
+bool read_design(FieldReader& fields, std::initializer_list<const FieldTable*> tables,
                  SpecFields& spec) {
   const std::size_t before = fields.faults().size();
   check_regions(fields);
   check_style(fields);
-  for (const SpecTable* table : tables) table->read(fields, spec);
+  for (const FieldTable* table : tables) read_fields(*table, fields);
   if (!is_of_facets(fields)) need_one_region(fields);
   static_cast<void>(fields.finish());
   return fields.faults().size() == before && Design(fields, spec).complete() &&
@@ -327,32 +292,31 @@ bool read_design(FieldReader& fields, std::initializer_list<const SpecTable*> ta
 
 // ---- patches
 
-std::vector<PatchJoin> joins_of(FieldReader& fields, const SpecFields& whole) {
+void set_joins(FieldReader& fields, SpecFields& whole) {
   const std::size_t borders = whole.patch_fields.size() - 1;
-  if (const auto* one = std::get_if<PatchJoin>(&whole.join_field))
-    return std::vector<PatchJoin>(borders, *one);
-  const auto& each = std::get<std::vector<PatchJoin>>(whole.join_field);
-  if (each.size() != borders)
+  if (whole.joins.empty()) whole.joins.assign(borders, whole.join_of_all.value_or(PatchJoin::Auto));
+  if (whole.joins.size() != borders)
     fields.refuse("join", ErrorKind::OutOfRange,
                   fmt::format("has {} words for {} borders; give one for each border or a single "
                               "word",
-                              each.size(), borders));
-  return each;
+                              whole.joins.size(), borders));
 }
 
 /// A patch with what the whole has for those that have none of their own.
-json completed(const json& patch, const json& whole) {
+json completed(const json& patch, const json& whole, const FieldTable& shared) {
   json out = patch;
-  for (const auto& row : spec_tables().shared.rows)
-    if (!patch.contains(row.name) && whole.contains(row.name)) out[row.name] = whole[row.name];
+  for (const Field& row : shared.rows) {
+    const std::string name(row.name);
+    if (!patch.contains(name) && whole.contains(name)) out[name] = whole[name];
+  }
   return out;
 }
 
 /// What belongs beside the patches. @return whether the patch has none of it
-bool check_patch(FieldReader& fields, std::size_t k, const json& patch) {
-  for (const SpecTable* table : {&spec_tables().whole, &spec_tables().patches})
-    for (const auto& row : table->rows)
-      if (patch.contains(row.name)) {
+bool check_patch(FieldReader& fields, std::size_t k, const json& patch, const SpecTables& tables) {
+  for (const FieldTable* table : {&tables.whole, &tables.patches})
+    for (const Field& row : table->rows)
+      if (patch.contains(std::string(row.name))) {
         fields.refuse(fmt::format("patches/{}/{}", k, row.name), ErrorKind::Malformed,
                       "belongs to the whole, beside /patches; leave it out here");
         return false;
@@ -367,11 +331,11 @@ bool read_patch(FieldReader& fields, std::size_t k, const json& root, SpecFields
     static_cast<void>(fields.nested(given, below));
     return false;
   }
-  if (!check_patch(fields, k, given)) return false;
-  const json patch = completed(given, root);
-  FieldReader inner = fields.nested(patch, below);
-  const SpecTables& tables = spec_tables();
   SpecFields spec;
+  const SpecTables tables = spec_tables(spec);
+  if (!check_patch(fields, k, given, tables)) return false;
+  const json patch = completed(given, root, tables.shared);
+  FieldReader inner = fields.nested(patch, below);
   if (!read_design(inner, {&tables.name, &tables.shared, &tables.design}, spec)) return false;
   if (spec.style == DesignStyle::Facets) {
     fields.refuse(below + "/style", ErrorKind::OutOfRange,
@@ -405,20 +369,21 @@ void check_size(FieldReader& fields, const DesignSpec& whole) {
 
 /// Reads a spec with "patches": a list of designs without "popcut", "material" and "patches".
 void read_patches(FieldReader& fields, const json& root, SpecFields& whole) {
-  const SpecTables& tables = spec_tables();
+  const SpecTables tables = spec_tables(whole);
   if (fields.has("book"))
     return fields.refuse("book", ErrorKind::Malformed,
                          "contradicts /patches; a book is made of one design, so leave one of them "
                          "out");
-  for (const SpecTable* table : {&tables.whole, &tables.name, &tables.patches})
-    table->read(fields, whole);
-  for (const auto& row : tables.shared.rows) fields.value(row.name);  // read with the patches
-  for (const auto& row : tables.design.rows)
-    if (fields.value(row.name) != nullptr)
-      return fields.refuse(row.name, ErrorKind::Malformed,
+  for (const FieldTable* table : {&tables.whole, &tables.name, &tables.patches})
+    read_fields(*table, fields);
+  for (const Field& row : tables.shared.rows)
+    fields.value(std::string(row.name));  // read with the patches
+  for (const Field& row : tables.design.rows)
+    if (const std::string name(row.name); fields.value(name) != nullptr)
+      return fields.refuse(name, ErrorKind::Malformed,
                            "contradicts /patches, which have their own; give one or the other");
   if (!fields.finish()) return;
-  whole.joins = joins_of(fields, whole);
+  set_joins(fields, whole);
   for (std::size_t k = 0; k < whole.patch_fields.size() && fields.faults().empty(); ++k)
     if (!read_patch(fields, k, root, whole)) return;
   check_size(fields, whole);
@@ -426,63 +391,47 @@ void read_patches(FieldReader& fields, const json& root, SpecFields& whole) {
 
 // ---- the schema
 
-/// Forbids fields of a part of a table; for one of the forms that a spec has.
-void forbid(json& form, const SpecTable& table) {
-  for (const auto& row : table.rows) form["properties"][row.name] = false;
+/// The forms of a spec, each with what it needs and what cannot stand beside it: a lattice of one
+/// region, one of several regions, patches, facets. A book goes with lattices or has four cards.
+constexpr std::string_view kForms = R"({
+  "one": {"required": ["surface", "units_per_slice", "slices", "widths_mm"],
+          "properties": {"style": {"const": "lattice"}, "facets": false, "regions": false},
+          "additionalProperties": true},
+  "several": {"required": ["regions"],
+              "properties": {"style": {"const": "lattice"}, "facets": false},
+              "additionalProperties": true},
+  "patches": {"required": ["patches"], "properties": {"book": false},
+              "additionalProperties": true},
+  "facets": {"required": ["style", "surface"], "properties": {"style": {"const": "facets"}},
+             "additionalProperties": true},
+  "books": [
+    {"properties": {"book": false}, "additionalProperties": true},
+    {"properties": {
+       "design_angle_deg": false,
+       "curvature": false,
+       "widths_mm": {"description": "in a book: the same on all cards",
+                     "type": ["number", "array"]},
+       "card": {"description": "in a book: its pages", "type": "object",
+                "properties": {"shut": {"const": "inside"}}, "additionalProperties": true}},
+     "anyOf": [
+       {"properties": {"style": {"const": "lattice"}}, "additionalProperties": true},
+       {"properties": {"book": {"description": "of facets: four cards",
+                                "properties": {"cards": {"const": 4}},
+                                "additionalProperties": true}},
+        "additionalProperties": true}],
+     "additionalProperties": true}],
+  "patch": {"type": "object", "properties": {}, "additionalProperties": false},
+  "spec": {"$schema": "https://json-schema.org/draft/2020-12/schema",
+           "title": "popcut design spec", "type": "object", "additionalProperties": false}
+})";
+
+/// Forbids a form the fields of a part of the table.
+void forbid(json& form, const FieldTable& table) {
+  for (const Field& row : table.rows) form["properties"][std::string(row.name)] = false;
 }
 
-/// The forms of one lattice: one region, or several.
-json design_forms() {
-  json one{{"required", {"surface", "units_per_slice", "slices", "widths_mm"}},
-           {"additionalProperties", true}};
-  one["properties"]["regions"] = false;
-  json several{{"required", {"regions"}}, {"additionalProperties", true}};
-  for (const char* single : kOneRegion) several["properties"][single] = false;
-  for (json* lattice : {&one, &several}) {
-    (*lattice)["properties"]["style"] = {{"const", "lattice"}};
-    (*lattice)["properties"]["facets"] = false;
-  }
-  return json::array({one, several});
-}
-
-/// The form of facets.
-json facet_form() {
-  json form{{"required", {"style", "surface"}}, {"additionalProperties", true}};
-  for (const char* other : kOfLattices) form["properties"][other] = false;
-  form["properties"]["style"] = {{"const", "facets"}};
-  return form;
-}
-
-/// What a book asks of the other fields: there is none, or they fit to it.
-json book_forms() {
-  json none{{"additionalProperties", true}}, lattice = none, facets = none;
-  none["properties"]["book"] = false;
-  lattice["properties"]["style"] = {{"const", "lattice"}};
-  facets["properties"]["book"] = {{"description", "of facets: four cards"},
-                                  {"properties", {{"cards", {{"const", 4}}}}},
-                                  {"additionalProperties", true}};
-  json book{{"additionalProperties", true}, {"anyOf", {lattice, facets}}};
-  book["properties"] = {
-      {"design_angle_deg", false},
-      {"curvature", false},
-      {"widths_mm",
-       {{"description", "in a book: the same on all cards"}, {"type", {"number", "array"}}}},
-      {"card",
-       {{"description", "in a book: its pages"},
-        {"type", "object"},
-        {"properties", {{"shut", {{"const", "inside"}}}}},
-        {"additionalProperties", true}}}};
-  return json::array({none, book});
-}
-
-/// A patch: its fields are those of the whole.
-json patch_schema() {
-  json schema{{"type", "object"}, {"additionalProperties", false}, {"oneOf", design_forms()}};
-  const SpecTables& tables = spec_tables();
-  for (const SpecTable* table : {&tables.name, &tables.shared, &tables.design})
-    for (const auto& row : table->rows)
-      schema["properties"][row.name] = {{"$ref", "#/properties/" + row.name}};
-  return schema;
+void forbid(json& form, std::span<const char* const> names) {
+  for (const char* name : names) form["properties"][name] = false;
 }
 
 }  // namespace
@@ -497,7 +446,7 @@ Result<DesignSpec> parse_design_spec(std::string_view json_text) {
   if (!root) return tl::unexpected(root.error());
   FieldReader fields(*root);
   SpecFields spec;
-  const SpecTables& tables = spec_tables();
+  const SpecTables tables = spec_tables(spec);
   if (root->is_object() && root->contains("patches"))
     read_patches(fields, *root, spec);
   else if (root->is_object())
@@ -507,28 +456,27 @@ Result<DesignSpec> parse_design_spec(std::string_view json_text) {
 }
 
 std::string design_spec_schema() {
-  const SpecTables& tables = spec_tables();
-  json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
-              {"title", "popcut design spec"},
-              {"type", "object"},
-              {"additionalProperties", false}};
-  for (const SpecTable* table :
-       {&tables.whole, &tables.name, &tables.shared, &tables.design, &tables.patches})
-    table->describe(schema);
-  schema["required"] = {"popcut"};
-  schema["properties"]["patches"]["items"] = patch_schema();
-  json forms = design_forms();
-  for (json& form : forms) forbid(form, tables.patches);
-  json patches{{"required", {"patches"}}, {"additionalProperties", true}};
+  SpecFields usual;
+  const SpecTables tables = spec_tables(usual);
+  json forms = *parse_json(kForms);
+  json &one = forms["one"], &several = forms["several"], &patches = forms["patches"],
+       &facets = forms["facets"], &patch = forms["patch"], &schema = forms["spec"];
+  forbid(several, kOneRegion);
+  forbid(facets, kOfLattices);
+  patch["oneOf"] = {one, several};
+  for (const FieldTable* table : {&tables.name, &tables.shared, &tables.design})
+    for (const Field& row : table->rows)
+      patch["properties"][std::string(row.name)]["$ref"] = fmt::format("#/properties/{}", row.name);
+  for (json* form : {&one, &several, &facets}) forbid(*form, tables.patches);
   forbid(patches, tables.design);
-  patches["properties"]["book"] = false;
-  forms.push_back(patches);
-  json facets = facet_form();
-  forbid(facets, tables.patches);
-  forms.push_back(facets);
-  schema["oneOf"] = std::move(forms);
-  schema["anyOf"] = book_forms();
-  return schema.dump(2) + "\n";
+  for (const FieldTable* table :
+       {&tables.whole, &tables.name, &tables.shared, &tables.design, &tables.patches})
+    describe_fields(*table, schema);
+  schema["required"] = {"popcut"};
+  schema["properties"]["patches"]["items"] = patch;
+  schema["oneOf"] = {one, several, patches, facets};
+  schema["anyOf"] = forms["books"];
+  return json_file(schema);
 }
 
 }  // namespace popcut

@@ -46,8 +46,8 @@ struct SplaySpec {
 };
 
 /// `curvature` of a spec: what the surface through the chains' vertices is to be, for the augmented
-/// loss of S4. A list is empty (not asked for), has one value for all, or one an inner vertex:
-/// levels 1 .. N - 1 of each slice that has slices on both sides, slice by slice.
+/// loss of S4. A list is empty (not asked for), or has one value for all, or has one for each inner
+/// vertex: levels 1 .. N - 1 of each slice that has slices on both sides, slice by slice.
 struct AugmentedSpec {
   std::vector<double> K_area;                 ///< Gaussian curvature, 1/mm^2
   std::vector<double> H;                      ///< mean curvature, 1/mm, > 0 where convex
@@ -78,12 +78,18 @@ struct FacetSpec {
   double fold_cost_mm2{1.0}, jump_cost_mm2{4.0}, cut_cost_mm2{1.0};  ///< of a line, by length
   CurvedParts curved{CurvedParts::Lattice};
   bool inward{false};  ///< parts behind wall and ground are made too
-  /// No field of a spec: fewer rounds, for who compares many designs before one is made.
+  /// Not a field of a spec. A search sets it: fewer rounds, to compare many designs quickly.
   bool rough{false};
 };
 
 /// `Auto`: the one of the others that comes nearest to the target.
 enum class LatticeMethod { Branching, Slices, Conformal, Levels, Direct, Auto };
+inline constexpr std::array kLatticeNames{"branching", "slices", "conformal",
+                                          "levels",    "direct", "auto"};
+/// How a spec calls it.
+[[nodiscard]] constexpr const char* name_of(LatticeMethod method) {
+  return kLatticeNames[static_cast<std::size_t>(method)];
+}
 enum class SolverMethod { Newton, Slsqp };
 
 /// Where the structure lies when the card is shut.
@@ -137,7 +143,7 @@ struct DesignSpec {
   std::vector<RegionSpec> regions;  ///< one where the spec has none: the whole; none of facets
   /// R1, R2 and R3 of a composite surface; `regions` have its formulas.
   std::optional<std::array<double, 3>> composite_radii;
-  std::vector<double> widths_mm;  ///< one a slice; empty with `adaptive`
+  std::vector<double> widths_mm;  ///< one for each slice; empty with `adaptive`
   std::optional<AdaptiveWidths> adaptive;
   LatticeMethod lattice{LatticeMethod::Auto};
   SolverMethod solver{SolverMethod::Newton};

@@ -2,7 +2,6 @@
 #include "core/design/spec/spec_table.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -12,9 +11,8 @@
 namespace popcut {
 namespace {
 
+using namespace rule;
 using nlohmann::json;
-using shape::above;
-using shape::from;
 
 constexpr double kMostCurvature = 1e6;  ///< of 1/mm and 1/mm^2: a radius of a nanometre
 constexpr double kMostForm = 1e10;      ///< of mm and mm^2: the square of the longest sheet
@@ -22,7 +20,6 @@ constexpr double kMostWeight = 1e9;
 constexpr std::size_t kMostTargets = 2'000'000;
 constexpr std::size_t kMostPatches = 100;
 constexpr std::size_t kMostRegions = 1000;
-constexpr std::size_t kMostNameBytes = 1024;
 constexpr std::size_t kMostPoints = 1000;        ///< of one curve
 constexpr std::size_t kMostStations = 200;       ///< of a loft
 constexpr std::size_t kMostLoftPoints = 20'000;  ///< of all stations
@@ -30,55 +27,21 @@ constexpr double kMostCoordinate = 1e9;          ///< of a point, in units of th
 constexpr double kMostAlpha = 1000.0;
 constexpr double kRightSum = 2.0 * std::numbers::pi;
 
-Shape<double> length() { return shape::number(above(0.0, kMaxLength), "mm"); }
+ValueRule length_mm(Member into) { return number(into, above(0.0, kMaxLength), "mm"); }
 
-Shape<std::string> file_name() {
-  Shape<std::string> file = shape::text();
-  file.schema.update({{"minLength", 1}, {"maxLength", kMostNameBytes}});
-  file.read = [read = file.read](FieldReader& fields, const std::string& below, const json& value) {
-    auto name = read(fields, below, value);
-    if (name &&
-        (name->empty() || name->size() > kMostNameBytes || name->find('\0') != std::string::npos)) {
-      fields.refuse(below, ErrorKind::OutOfRange,
-                    fmt::format("is not a file name; must have 1 to {} characters", kMostNameBytes),
-                    "length");
-      name.reset();
-    }
-    return name;
-  };
-  return file;
-}
-
-/// Two fields of which only one may stand.
-void check_clash(FieldReader& fields, const char* one, const char* other) {
-  if (fields.has(one) && fields.has(other))
-    fields.refuse(one, ErrorKind::Malformed,
-                  fmt::format("contradicts {}; give one of them", fields.pointer(other)));
-}
-
-// ---- the surface
-
-template <typename Spec>
-FieldTable<Spec> one_text(const char* name, std::string Spec::*member,
-                          const Shape<std::string>& text, const char* help) {
-  return {{needed<Spec>(name, member, text, help)}};
+/// The part of an object's schema that asks for one of two or more fields.
+json one_of(const char* which, const std::vector<std::string>& names) {
+  json schema;
+  for (const std::string& name : names) schema[which].push_back({{"required", {name}}});
+  return schema;
 }
 
 // ---- curves through points
 
-struct PointFields {
-  CurvePoints points;
-};
-
-Shape<CurvePoints> points(const std::string& what) {
-  const auto number = shape::number(from(-kMostCoordinate, kMostCoordinate));
-  const auto pair = shape::as<std::array<double, 2>>(
-      shape::list(number, {2, 2, ErrorKind::Malformed}, "two numbers"),
-      [](const std::vector<double>& p) {
-        return std::array{p[0], p[1]};
-      });
-  return shape::list(pair, {2, kMostPoints, ErrorKind::OutOfRange},
-                     fmt::format("a list of 2 to {} points {}", kMostPoints, what));
+ValueRule points(Member into, std::string_view what) {
+  const ValueRule coordinate = number({}, from(-kMostCoordinate, kMostCoordinate));
+  return list(into, list({}, coordinate, {2, 2, ErrorKind::Malformed}, "two numbers"),
+              {2, kMostPoints}, fmt::format("a list of 2 to {} points {}", kMostPoints, what));
 }
 
 /// Neighbours that are nearer than this share of the whole are one.
@@ -133,288 +96,301 @@ void check_falls(FieldReader& fields, const std::string& below, const CurvePoint
 }
 
 /// A formula, or an object with points that `check` accepts.
-Shape<FormulaOrPoints> formula_or(
-    const std::string& what, const std::function<void(FieldReader&, const CurvePoints&)>& check) {
-  FieldTable<PointFields> table{{
-      needed<PointFields>("points", &PointFields::points, points(what), what),
-  }};
-  table.check = [check](FieldReader& fields, PointFields& read) { check(fields, read.points); };
-  const auto drawn = shape::as<FormulaOrPoints>(
-      shape::object(table, "an object with points"),
-      [](PointFields read) { return FormulaOrPoints(std::move(read.points)); });
-  return shape::either(
-      shape::as<FormulaOrPoints>(shape::text(),
-                                 [](std::string text) { return FormulaOrPoints(std::move(text)); }),
-      drawn);
+ValueRule formula_or_points(Member into, std::string_view what,
+                            void (*check)(FieldReader&, const CurvePoints&)) {
+  const auto table = [into, what, check] {
+    FieldTable drawn{{{"points", needed(points(into, what)), what}}};
+    drawn.complete = [check](FieldReader& fields) {
+      CurvePoints read;
+      assign(read, *fields.value("points"));
+      check(fields, read);
+    };
+    return drawn;
+  };
+  return either({text(into), object(table, "an object with points")});
 }
 
-Shape<FormulaOrPoints> radius() { return formula_or("[y, radius], by growing y", check_graph); }
+/// A formula or points as a member: `To` is `FormulaOrPoints`, or an optional one.
+template <typename To>
+Member curve(To* to) {
+  return {to, [](void* at, const json& value) {
+            FormulaOrPoints read;
+            if (value.is_string())
+              assign(read.emplace<std::string>(), value);
+            else
+              assign(read.emplace<CurvePoints>(), value);
+            *static_cast<To*>(at) = std::move(read);
+          }};
+}
 
-FieldTable<LoftSpec> loft() {
-  FieldTable<LoftStation> station{{
-      needed<LoftStation>("y", &LoftStation::y,
-                          shape::number(from(-kMostCoordinate, kMostCoordinate)),
-                          "place along the spine"),
-      needed<LoftStation>("curve", &LoftStation::curve,
-                          points("[x, z], from the wall to the ground"),
-                          "points [x, z] that fall from the wall, x = 0, to the ground, z = 0"),
-  }};
-  station.check = [](FieldReader& fields, LoftStation& read) {
-    check_falls(fields, "curve", read.curve);
+ValueRule radius(Member into) {
+  return formula_or_points(into, "[y, radius], by growing y", check_graph);
+}
+
+// ---- the surface
+
+FieldTable profile_table(ProfileSpec& profile) {
+  const auto check = [](FieldReader& fields, const CurvePoints& read) {
+    check_falls(fields, "points", read);
   };
-  FieldTable<LoftSpec> table{{
-      needed<LoftSpec>(
-          "stations", &LoftSpec::stations,
-          shape::list(shape::object(station, "an object with y and curve"),
-                      {2, kMostStations, ErrorKind::OutOfRange},
-                      fmt::format("a list of 2 to {} stations", kMostStations)),
-          "curves at places along the spine, by growing y, all with the same number of points"),
+  return {{
+      {"z",
+       needed(formula_or_points(curve(&profile.z), "[x, z], from the wall to the ground", check)),
+       "expression of x and y, or points of a curve that is the same for each y"},
   }};
-  table.check = [](FieldReader& fields, LoftSpec& read) {
-    std::size_t points = 0;
-    for (std::size_t k = 0; k < read.stations.size(); ++k) {
-      const LoftStation &first = read.stations.front(), &here = read.stations[k];
-      points += here.curve.size();
-      if (here.curve.size() != first.curve.size())
-        return fields.refuse(fmt::format("stations/{}/curve", k), ErrorKind::OutOfRange,
-                             fmt::format("has {} points; must have {} as the first station, since "
-                                         "each point is joined to its like",
-                                         here.curve.size(), first.curve.size()));
-      const double whole = read.stations.back().y - first.y;
-      if (k > 0 && !(here.y - read.stations[k - 1].y > std::max(0.0, kLeastGap * whole)))
-        return fields.refuse(fmt::format("stations/{}/y", k), ErrorKind::OutOfRange,
-                             fmt::format("is {:g}; must be above {:g}, where the station before it "
-                                         "is",
-                                         here.y, read.stations[k - 1].y));
-    }
-    if (points > kMostLoftPoints)
-      fields.refuse(
-          "stations", ErrorKind::OutOfRange,
-          fmt::format("have {} points in all; must have at most {}", points, kMostLoftPoints));
-  };
+}
+
+FieldTable station_table(LoftStation& station) {
+  FieldTable table{{
+      {"y", needed(number(&station.y, from(-kMostCoordinate, kMostCoordinate))),
+       "place along the spine"},
+      {"curve", needed(points(&station.curve, "[x, z], from the wall to the ground")),
+       "points [x, z] that fall from the wall, x = 0, to the ground, z = 0"},
+  }};
+  table.complete = [&station](FieldReader& fields) { check_falls(fields, "curve", station.curve); };
   return table;
 }
 
-Shape<double> outline_length() { return shape::number(above(0.0, kMaxLength)); }
-Shape<double> bridge_width() { return shape::number(from(0.0, kMaxLength)); }
-constexpr const char* kBridgeHelp =
+void check_stations(FieldReader& fields, const std::vector<LoftStation>& stations) {
+  std::size_t points = 0;
+  for (std::size_t k = 0; k < stations.size(); ++k) {
+    const LoftStation &first = stations.front(), &here = stations[k];
+    points += here.curve.size();
+    if (here.curve.size() != first.curve.size())
+      return fields.refuse(fmt::format("stations/{}/curve", k), ErrorKind::OutOfRange,
+                           fmt::format("has {} points; must have {} as the first station, since "
+                                       "each point is joined to its like",
+                                       here.curve.size(), first.curve.size()));
+    const double whole = stations.back().y - first.y;
+    if (k > 0 && !(here.y - stations[k - 1].y > std::max(0.0, kLeastGap * whole)))
+      return fields.refuse(fmt::format("stations/{}/y", k), ErrorKind::OutOfRange,
+                           fmt::format("is {:g}; must be above {:g}, where the station before it "
+                                       "is",
+                                       here.y, stations[k - 1].y));
+  }
+  if (points > kMostLoftPoints)
+    fields.refuse(
+        "stations", ErrorKind::OutOfRange,
+        fmt::format("have {} points in all; must have at most {}", points, kMostLoftPoints));
+}
+
+FieldTable loft_table(LoftSpec& loft) {
+  const auto station = [&loft] { return station_table(loft.stations.emplace_back()); };
+  FieldTable table{{
+      {"stations",
+       needed(list({}, object(station, "an object with y and curve"), {2, kMostStations},
+                   fmt::format("a list of 2 to {} stations", kMostStations))),
+       "curves at places along the spine, by growing y, all with the same number of "
+       "points"},
+  }};
+  table.complete = [&loft](FieldReader& fields) { check_stations(fields, loft.stations); };
+  return table;
+}
+
+constexpr Range kOutlineLength = above(0.0, kMaxLength), kBridgeWidth = from(0.0, kMaxLength);
+constexpr std::string_view kBridgeHelp =
     "width of the bridges that hold a part in a hole; 0: none; if left out 1/15 of the height";
 
-FieldTable<TextSpec> text_fields() {
+FieldTable text_table(TextSpec& letters) {
   return {{
-      needed<TextSpec>("text", &TextSpec::text, shape::text(), "one line of letters"),
-      field<TextSpec>("font", &TextSpec::font, file_name(),
-                      "name of a TrueType or OpenType file, relative to the spec; if left out "
-                      "DejaVu Sans Bold"),
-      field<TextSpec>("height", &TextSpec::height, outline_length(), "height of its capitals"),
-      field<TextSpec>("depth", &TextSpec::depth, outline_length(), "from the wall to its front"),
-      field<TextSpec>("bridge", &TextSpec::bridge, bridge_width(), kBridgeHelp),
+      {"text", needed(text(&letters.text)), "one line of letters"},
+      {"font", file_name(&letters.font),
+       "name of a TrueType or OpenType file, relative to the spec; if left out DejaVu Sans Bold"},
+      {"height", number(&letters.height, kOutlineLength), "height of its capitals"},
+      {"depth", number(&letters.depth, kOutlineLength), "from the wall to its front"},
+      {"bridge", number(&letters.bridge, kBridgeWidth), kBridgeHelp},
   }};
 }
 
-FieldTable<OutlineSpec> outline_fields() {
+FieldTable outline_table(OutlineSpec& outline) {
   return {{
-      needed<OutlineSpec>("file", &OutlineSpec::file, file_name(),
-                          "name of the file, relative to the spec"),
-      field<OutlineSpec>("height", &OutlineSpec::height, outline_length(),
-                         "height of the whole; if left out as it is drawn, in mm"),
-      field<OutlineSpec>("depth", &OutlineSpec::depth, outline_length(),
-                         "from the wall to its front"),
-      field<OutlineSpec>("bridge", &OutlineSpec::bridge, bridge_width(), kBridgeHelp),
+      {"file", needed(file_name(&outline.file)), "name of the file, relative to the spec"},
+      {"height", number(&outline.height, kOutlineLength),
+       "height of the whole; if left out as it is drawn, in mm"},
+      {"depth", number(&outline.depth, kOutlineLength), "from the wall to its front"},
+      {"bridge", number(&outline.bridge, kBridgeWidth), kBridgeHelp},
   }};
 }
 
-Shape<SurfaceField> surface() {
-  const auto positive_triple = shape::blamed(
-      shape::triple(above(0.0), "three positive numbers, R1, R2 and R3"), ErrorKind::Malformed);
-  const FieldTable<CompositeSpec> composite{{needed<CompositeSpec>(
-      "radii", &CompositeSpec::radii, positive_triple, "R1, R2 and R3, where R1 > R3 > R2")}};
-  return shape::tagged<SurfaceField>({
-      shape::kind<SurfaceField>(
-          "revolution",
-          FieldTable<RevolutionSpec>{{needed<RevolutionSpec>(
-              "radius", &RevolutionSpec::radius, radius(),
-              "expression of y, or points that a smooth curve goes through")}},
-          "quarter circles about the spine: x^2 + z^2 = radius(y)^2"),
-      shape::kind<SurfaceField>(
-          "profile",
-          FieldTable<ProfileSpec>{{needed<ProfileSpec>(
-              "z", &ProfileSpec::z,
-              formula_or("[x, z], from the wall to the ground",
-                         [](FieldReader& fields, const CurvePoints& read) {
-                           check_falls(fields, "points", read);
-                         }),
-              "expression of x and y, or points of a curve that is the same for each y")}},
-          "a profile that falls from the wall to the ground for each y"),
-      shape::kind<SurfaceField>(
-          "implicit", one_text("f", &ImplicitSpec::f, shape::text(), "expression of x, y and z"),
-          "a solid: inside where f(x, y, z) < 0"),
-      shape::kind<SurfaceField>(
-          "grid",
-          one_text("file", &GridSpec::file, file_name(),
-                   "name of the CSV file, relative to the spec"),
-          "heights over a grid: a CSV file. Its first row holds the x values and its first column "
-          "the y values; the cell where they meet is empty"),
-      shape::kind<SurfaceField>(
-          "mesh",
-          one_text("file", &MeshSpec::file, file_name(), "name of the file, relative to the spec"),
-          "triangles: an STL or OBJ file"),
-      shape::kind<SurfaceField>("text", text_fields(), "letters that stand on the ground"),
-      shape::kind<SurfaceField>("outline", outline_fields(),
-                                "the closed lines and filled shapes of a drawing, upright: an SVG "
-                                "or DXF file"),
-      shape::kind<SurfaceField>("loft", loft(),
-                                "a surface through falling curves at places along the spine"),
-      shape::kind<SurfaceField>("composite", composite,
-                                "three regions whose radius runs R1, R2, R3"),
+/// A surface with one field.
+FieldTable one_field(std::string_view name, const ValueRule& rule, std::string_view help) {
+  return {{{name, needed(rule), help}}};
+}
+
+ValueRule surface(SpecFields& spec) {
+  const auto revolution = [&spec] {
+    auto& read = spec.surface.emplace().emplace<RevolutionSpec>();
+    return one_field("radius", radius(curve(&read.radius)),
+                     "expression of y, or points that a smooth curve goes through");
+  };
+  const auto profile = [&spec] {
+    return profile_table(spec.surface.emplace().emplace<ProfileSpec>());
+  };
+  const auto implicit = [&spec] {
+    auto& read = spec.surface.emplace().emplace<ImplicitSpec>();
+    return one_field("f", text(&read.f), "expression of x, y and z");
+  };
+  const auto grid = [&spec] {
+    auto& read = spec.surface.emplace().emplace<GridSpec>();
+    return one_field("file", file_name(&read.file), "name of the CSV file, relative to the spec");
+  };
+  const auto mesh = [&spec] {
+    auto& read = spec.surface.emplace().emplace<MeshSpec>();
+    return one_field("file", file_name(&read.file), "name of the file, relative to the spec");
+  };
+  const auto letters = [&spec] { return text_table(spec.surface.emplace().emplace<TextSpec>()); };
+  const auto outline = [&spec] {
+    return outline_table(spec.surface.emplace().emplace<OutlineSpec>());
+  };
+  const auto loft = [&spec] { return loft_table(spec.surface.emplace().emplace<LoftSpec>()); };
+  const auto composite = [&spec] {
+    return one_field(
+        "radii",
+        blamed(triple(&spec.composite_radii, above(0.0), "three positive numbers, R1, R2 and R3")),
+        "R1, R2 and R3, where R1 > R3 > R2");
+  };
+  return tagged({
+      {"revolution", object(revolution),
+       "quarter circles about the spine: x^2 + z^2 = radius(y)^2"},
+      {"profile", object(profile), "a profile that falls from the wall to the ground for each y"},
+      {"implicit", object(implicit), "a solid: inside where f(x, y, z) < 0"},
+      {"grid", object(grid),
+       "heights over a grid: a CSV file. Its first row holds the x values and its first column the "
+       "y values; the cell where they meet is empty"},
+      {"mesh", object(mesh), "triangles: an STL or OBJ file"},
+      {"text", object(letters), "letters that stand on the ground"},
+      {"outline", object(outline),
+       "the closed lines and filled shapes of a drawing, upright: an SVG or DXF file"},
+      {"loft", object(loft), "a surface through falling curves at places along the spine"},
+      {"composite", object(composite), "three regions whose radius runs R1, R2, R3"},
   });
 }
 
 // ---- widths and regions
 
-template <typename Widths>
-Shape<Widths> fixed_widths() {
-  const auto one = shape::as<Widths>(length(), [](double width) { return Widths(width); });
-  const auto each = shape::list(length(), {0, kMaxSlices, ErrorKind::OutOfRange},
-                                "a list with the width of each slice");
-  return shape::either(one, shape::as<Widths>(each, [](std::vector<double> widths) {
-                         return Widths(std::move(widths));
-                       }));
+ValueRule fixed_widths(WidthFields& widths) {
+  return either({length_mm(&widths.all_mm), list(&widths.each_mm, length_mm({}), {0, kMaxSlices},
+                                                 "a list with the width of each slice")});
 }
 
-Shape<WidthsField> widths() {
-  using Row = AdaptiveWidths;
-  const FieldTable<Row> adaptive{{
-      needed<Row>("max_error_mm", &Row::max_error_mm, length(),
-                  "largest distance between the target and its slices: how far the target bulges "
-                  "between neighbouring ones"),
-      field<Row>("length_mm", &Row::length_mm, length(), "length of the whole along the spine"),
+FieldTable adaptive_table(AdaptiveWidths& widths) {
+  return {{
+      {"max_error_mm", needed(length_mm(&widths.max_error_mm)),
+       "largest distance between the target and its slices: how far the target bulges between "
+       "neighbouring ones"},
+      {"length_mm", length_mm(&widths.length_mm), "length of the whole along the spine"},
   }};
-  const auto chosen =
-      shape::as<WidthsField>(shape::object(adaptive, "an object with max_error_mm"),
-                             [](const AdaptiveWidths& asked) { return WidthsField(asked); });
-  return shape::either(fixed_widths<WidthsField>(), chosen);
 }
 
-Shape<int> units() { return shape::whole(1, kMaxUnitsPerSlice); }
-Shape<int> slice_count() { return shape::whole(1, kMaxSlices); }
+ValueRule any_widths(WidthFields& widths) {
+  const auto adaptive = [&widths] { return adaptive_table(widths.adaptive.emplace()); };
+  std::vector<ValueRule> forms = fixed_widths(widths).parts;
+  forms.push_back(object(adaptive, "an object with max_error_mm"));
+  return either(std::move(forms));
+}
 
-Shape<std::vector<RegionFields>> regions() {
-  using Row = RegionFields;
-  FieldTable<Row> region{{
-      needed<Row>("units_per_slice", &Row::units_per_slice, units(), "pop-up units of each slice"),
-      needed<Row>("slices", &Row::slices, slice_count(), "number of slices"),
-      field<Row>("radius", &Row::radius, radius(),
-                 "radius of a surface of revolution: expression of y, from 0 to L in the region, "
-                 "or points that a smooth curve goes through"),
-      field<Row>("width_mm", &Row::width_mm, length(), "width of all its slices"),
-      field<Row>("widths_mm", &Row::widths_mm, fixed_widths<FixedWidths>(),
-                 "one width for all its slices, or a list with one for each slice"),
+ValueRule units(Member into) { return whole(into, 1, kMaxUnitsPerSlice); }
+ValueRule slice_count(Member into) { return whole(into, 1, kMaxSlices); }
+
+FieldTable region_table(RegionFields& region) {
+  FieldTable table{{
+      {"units_per_slice", needed(units(&region.units_per_slice)), "pop-up units of each slice"},
+      {"slices", needed(slice_count(&region.slices)), "number of slices"},
+      {"radius", radius(curve(&region.radius)),
+       "radius of a surface of revolution: expression of y, from 0 to L in the region, or "
+       "points that a smooth curve goes through"},
+      {"width_mm", length_mm(&region.widths.all_mm), "width of all its slices"},
+      {"widths_mm", fixed_widths(region.widths),
+       "one width for all its slices, or a list with one for each slice"},
   }};
-  region.clash = [](FieldReader& fields) { check_clash(fields, "width_mm", "widths_mm"); };
-  region.check = [](FieldReader& fields, Row& read) {
-    if (!read.width_mm && !read.widths_mm)
-      fields.need("width_mm", fmt::format("must be a number above 0 and at most {:g}", kMaxLength));
-  };
-  region.more = {{"oneOf", {{{"required", {"width_mm"}}}, {{"required", {"widths_mm"}}}}}};
-  const std::string what = fmt::format(
-      "a list of 1 to {} regions, such as [{{\"units_per_slice\": 3, \"slices\": 5, "
-      "\"width_mm\": 10}}]",
-      kMostRegions);
-  return shape::list(shape::object(region, "an object"), {1, kMostRegions, ErrorKind::Malformed},
-                     what);
+  table.exactly_one = {"width_mm", "widths_mm"};
+  return table;
+}
+
+ValueRule regions(SpecFields& spec) {
+  const auto region = [&spec] { return region_table(spec.region_fields.emplace_back()); };
+  return list({}, object(region), {1, kMostRegions, ErrorKind::Malformed},
+              fmt::format("a list of 1 to {} regions, such as [{{\"units_per_slice\": 3, "
+                          "\"slices\": 5, \"width_mm\": 10}}]",
+                          kMostRegions));
 }
 
 // ---- splay
 
-Shape<AlphaField> alpha() {
-  const auto tangent = shape::number(from(0.0, kMostAlpha));
-  const auto row = shape::list(tangent, {0, kMaxSlices, ErrorKind::Malformed},
-                               fmt::format("a list of numbers from 0 to {:g}, one for each "
-                                           "connector",
-                                           kMostAlpha));
-  const auto rows = shape::list(shape::blamed(row, ErrorKind::Malformed),
-                                {1, kMaxUnitsPerSlice, ErrorKind::Malformed},
-                                "a list of them for each inner level");
-  return shape::either(shape::as<AlphaField>(shape::blamed(tangent, ErrorKind::Malformed),
-                                             [](double a) { return AlphaField(a); }),
-                       shape::as<AlphaField>(rows, [](std::vector<std::vector<double>> a) {
-                         return AlphaField(std::move(a));
-                       }));
+ValueRule alpha(SplaySpec& splay) {
+  const Range tangent = from(0.0, kMostAlpha);
+  const ValueRule level =
+      list({}, number({}, tangent), {0, kMaxSlices, ErrorKind::Malformed},
+           fmt::format("a list of numbers from 0 to {:g}, one for each connector", kMostAlpha));
+  return either({blamed(number(&splay.uniform, tangent)),
+                 list(&splay.alpha, blamed(level), {1, kMaxUnitsPerSlice, ErrorKind::Malformed},
+                      "a list of them for each inner level")});
 }
 
-Shape<std::vector<TargetFields>> splay_targets() {
-  using Row = TargetFields;
-  FieldTable<Row> target{{
-      needed<Row>("psi_rad", &Row::psi_rad, shape::number(above(0.0, std::numbers::pi)),
-                  "opening angle, from 0 (shut) to pi (flat)"),
-      field<Row>("K", &Row::K_rad, shape::number(from(-20.0, kRightSum)),
-                 "angle defect at the middle fold vertex, rad"),
-      field<Row>("sign", &Row::sign_text, shape::any({{"enum", {"+", "-"}}}, "\"+\" or \"-\""),
-                 "sign of the angle defect, in place of K"),
-      field<Row>("margin_rad", &Row::margin_rad, shape::number(from(0.0, kRightSum)),
-                 "how far from 0 a defect with a sign is at least"),
+/// "+" or "-" as +1 or -1; anything else is 0.
+Member sign(int* to) {
+  return {to, [](void* at, const json& value) {
+            const std::string sign = value.is_string() ? value.get<std::string>() : "";
+            *static_cast<int*>(at) = sign == "+" ? 1 : sign == "-" ? -1 : 0;
+          }};
+}
+
+FieldTable target_table(CurvatureTarget& target) {
+  FieldTable table{{
+      {"psi_rad", needed(number(&target.psi_rad, above(0.0, std::numbers::pi))),
+       "opening angle, from 0 (shut) to pi (flat)"},
+      {"K", number(&target.K_rad, from(-20.0, kRightSum)),
+       "angle defect at the middle fold vertex, rad"},
+      {"sign", any(sign(&target.sign), {{"enum", {"+", "-"}}}, "\"+\" or \"-\""),
+       "sign of the angle defect, in place of K"},
+      {"margin_rad", number(&target.margin_rad, from(0.0, kRightSum)),
+       "how far from 0 a defect with a sign is at least"},
   }};
-  target.check = [](FieldReader& fields, Row& read) {
-    const bool plus = read.sign_text == json("+"), minus = read.sign_text == json("-");
-    if (read.K_rad.has_value() == (plus || minus) || (read.sign_text && !plus && !minus))
+  table.complete = [&target](FieldReader& fields) {
+    const bool has_sign = target.sign != 0;
+    if (target.K_rad.has_value() == has_sign || fields.has("sign") != has_sign)
       fields.refuse(ErrorKind::Malformed, "needs either \"K\" (rad) or \"sign\": \"+\" or \"-\"");
-    read.sign = plus ? 1 : minus ? -1 : 0;
   };
-  target.more = {{"oneOf", {{{"required", {"K"}}}, {{"required", {"sign"}}}}}};
-  return shape::list(shape::object(target, "an object"), {1, 3, ErrorKind::Malformed},
-                     "a list of one to three targets, since three splays are solved for");
+  table.more = one_of("oneOf", {"K", "sign"});
+  return table;
 }
 
-Shape<SplayFields> splay() {
-  using Row = SplayFields;
-  FieldTable<Row> table{{
-      field<Row>("alpha", &Row::alpha_field, alpha(),
-                 "tangent of the splay angle: one number, or a list for each inner level with a "
-                 "number for each connector (0: no V-fold)"),
-      field<Row>("targets", &Row::target_fields, splay_targets(),
-                 "in place of alpha: what the middle fold vertex does at one to three opening "
-                 "angles"),
-      field<Row>("length_mm", &Row::length_mm, length(),
-                 "length of a V-fold along its crease; as long as the connector allows if left "
-                 "out"),
-      field<Row>(
-          "ligament_mm", &Row::given_ligament_mm, shape::number(from(0.0, kMaxLength), "mm"),
-          "paper left beside V-folds; if left out 1, min_panel_mm, or the shortest fold that "
-          "the material dashes well, whichever is most"),
+FieldTable splay_table(SplaySpec& splay, std::optional<double>& given_ligament_mm) {
+  const auto target = [&splay] { return target_table(splay.targets.emplace_back()); };
+  FieldTable table{{
+      {"alpha", alpha(splay),
+       "tangent of the splay angle: one number, or a list for each inner level with a "
+       "number for each connector (0: no V-fold)"},
+      {"targets",
+       list({}, object(target), {1, 3, ErrorKind::Malformed},
+            "a list of one to three targets, since three splays are solved for"),
+       "in place of alpha: what the middle fold vertex does at one to three opening "
+       "angles"},
+      {"length_mm", length_mm(&splay.length_mm),
+       "length of a V-fold along its crease; as long as the connector allows if left out"},
+      {"ligament_mm", number(&given_ligament_mm, from(0.0, kMaxLength), "mm"),
+       "paper left beside V-folds; if left out 1, min_panel_mm, or the shortest fold that "
+       "the material dashes well, whichever is most"},
   }};
-  table.clash = [](FieldReader& fields) { check_clash(fields, "alpha", "targets"); };
-  table.check = [](FieldReader& fields, Row& read) {
-    if (!read.alpha_field && !read.target_fields)
-      fields.need("alpha", fmt::format("must be a number from 0 to {:g}, or a list of them for "
-                                       "each inner level",
-                                       kMostAlpha));
-  };
-  table.more = {{"oneOf", {{{"required", {"alpha"}}}, {{"required", {"targets"}}}}}};
-  return shape::object(table, "an object");
+  table.exactly_one = {"alpha", "targets"};
+  return table;
 }
 
 // ---- curvature
 
-/// One value for all inner vertices, or a list with one for each.
-template <typename Value>
-Shape<std::vector<Value>> for_vertices(const Shape<Value>& one, const std::string& what) {
-  return shape::either(shape::as<std::vector<Value>>(
-                           one, [](const Value& value) { return std::vector<Value>{value}; }),
-                       shape::list(one, {1, kMostTargets, ErrorKind::OutOfRange}, what));
+ValueRule curvatures(std::vector<double>& read) {
+  const Range range = from(-kMostCurvature, kMostCurvature);
+  return either({number(appended(&read), range), list(&read, number({}, range), {1, kMostTargets},
+                                                      "a list with a number for each inner "
+                                                      "vertex")});
 }
 
-Shape<std::vector<double>> curvatures() {
-  return for_vertices(shape::number(from(-kMostCurvature, kMostCurvature)),
-                      "a list with a number for each inner vertex");
-}
-
-Shape<std::vector<std::array<double, 3>>> forms() {
-  auto form = shape::triple(from(-kMostForm, kMostForm), "[ss, st, tt], a list of three numbers");
-  form.takes = [](const json& value) {
-    return value.is_array() && (value.empty() || !value.front().is_array());
+ValueRule forms(std::vector<std::array<double, 3>>& read) {
+  const auto form = [](Member into) {
+    return triple(into, from(-kMostForm, kMostForm), "[ss, st, tt], a list of three numbers");
   };
-  return for_vertices(form, "a list with one for each inner vertex");
+  return either({form(appended(&read)), list(&read, form({}), {1, kMostTargets},
+                                             "a list with one for each inner vertex")});
 }
 
 /// What the values of a curvature contradict: a form that measures no area.
@@ -431,8 +407,7 @@ void check_forms(FieldReader& fields, const AugmentedSpec& spec) {
 }
 
 /// A weight is 1 for what is asked for, and there is none for anything else.
-void set_weights(FieldReader& fields, CurvatureFields& read) {
-  const WeightFields given = read.weights.value_or(WeightFields{});
+void set_weights(FieldReader& fields, AugmentedSpec& read, const WeightFields& given) {
   const auto set = [&](const char* name, const char* of, bool asked,
                        const std::optional<double>& weight, double& to) {
     if (!asked && weight)
@@ -449,267 +424,243 @@ void set_weights(FieldReader& fields, CurvatureFields& read) {
                   "are all 0; one must be above 0, or leave curvature out");
 }
 
-Shape<CurvatureFields> curvature() {
-  using Weight = WeightFields;
-  auto weight = shape::number(from(0.0, kMostWeight));
-  weight.schema["default"] = 1;  // where its curvature is given
-  const FieldTable<Weight> weights{{
-      field<Weight>("K", &Weight::K, weight, "weight of K_area"),
-      field<Weight>("H", &Weight::H, weight, "weight of H"),
-      field<Weight>("first", &Weight::first, weight, "weight of first"),
-      field<Weight>("second", &Weight::second, weight, "weight of second"),
+FieldTable weight_table(WeightFields& weights) {
+  const auto weight = [](Member into) {
+    ValueRule rule = number(into, from(0.0, kMostWeight));
+    rule.usual = 1;  // where its curvature is given
+    return rule;
+  };
+  return {{
+      {"K", weight(&weights.K), "weight of K_area"},
+      {"H", weight(&weights.H), "weight of H"},
+      {"first", weight(&weights.first), "weight of first"},
+      {"second", weight(&weights.second), "weight of second"},
   }};
-  using Row = CurvatureFields;
-  FieldTable<Row> table{{
-      field<Row>("K_area", &Row::K_area, curvatures(), "Gaussian curvature, 1/mm^2"),
-      field<Row>("H", &Row::H, curvatures(), "mean curvature, 1/mm, above 0 where convex"),
-      field<Row>("first", &Row::first, forms(),
-                 "first fundamental form [a_ss, a_st, a_tt], mm^2: s along a slice, t across "
-                 "slices"),
-      field<Row>("second", &Row::second, forms(), "second fundamental form [b_ss, b_st, b_tt], mm"),
-      field<Row>("weights", &Row::weights, shape::object(weights, "an object"),
-                 "how much each of them counts"),
+}
+
+FieldTable curvature_table(AugmentedSpec& read, WeightFields& weights) {
+  FieldTable table{{
+      {"K_area", curvatures(read.K_area), "Gaussian curvature, 1/mm^2"},
+      {"H", curvatures(read.H), "mean curvature, 1/mm, above 0 where convex"},
+      {"first", forms(read.first),
+       "first fundamental form [a_ss, a_st, a_tt], mm^2: s along a slice, t across slices"},
+      {"second", forms(read.second), "second fundamental form [b_ss, b_st, b_tt], mm"},
+      {"weights", object([&weights] { return weight_table(weights); }),
+       "how much each of them counts"},
   }};
-  table.check = [](FieldReader& fields, Row& read) {
+  table.complete = [&read, &weights](FieldReader& fields) {
     if (read.K_area.empty() && read.H.empty() && read.first.empty() && read.second.empty())
       return fields.refuse(ErrorKind::Malformed,
                            "asks for nothing; give K_area, H, first or second");
     const std::size_t before = fields.faults().size();
     check_forms(fields, read);
-    if (fields.faults().size() == before) set_weights(fields, read);
+    if (fields.faults().size() == before) set_weights(fields, read, weights);
   };
-  table.more = {{"anyOf",
-                 {{{"required", {"K_area"}}},
-                  {{"required", {"H"}}},
-                  {{"required", {"first"}}},
-                  {{"required", {"second"}}}}}};
-  return shape::object(table, "an object");
+  table.more = one_of("anyOf", {"K_area", "H", "first", "second"});
+  return table;
 }
 
 // ---- facets
 
-Shape<FacetFields> facets() {
-  using Row = FacetFields;
-  const auto cost = shape::number(from(0.0, kMostWeight), "mm^2");
-  const FieldTable<Row> table{{
-      field<Row>("pitch_mm", &Row::pitch_mm, shape::number(from(0.1, kMaxLength), "mm"),
-                 "distance between the planes that are tried; planes in which much of the target "
-                 "lies are tried too"),
-      field<Row>("strip_mm", &Row::strip_mm, shape::number(from(0.1, kMaxLength), "mm"),
-                 "width of a strip: contours are that fine along the spine"),
-      field<Row>("from_mm", &Row::given_from_mm, shape::number(from(-kMaxLength, kMaxLength), "mm"),
-                 "where it begins along the spine; if left out where a mesh, grid, text or drawing "
-                 "does, else "
-                 "at 0"),
-      field<Row>("length_mm", &Row::length_mm, length(),
-                 "length along the spine; if left out all of a mesh, grid, text or drawing"),
-      field<Row>("fold_cost_mm2", &Row::fold_cost_mm2, cost,
-                 "what a fold costs for each mm of its length: as much as this area 1 mm off the "
-                 "target. More makes fewer folds"),
-      field<Row>("jump_cost_mm2", &Row::jump_cost_mm2, cost, "the same of a cut along the spine"),
-      field<Row>("cut_cost_mm2", &Row::cut_cost_mm2, cost,
-                 "the same of a cut across the spine. More makes larger patches"),
-      field<Row>("curved", &Row::curved, shape::word<CurvedParts>({"lattice", "facets"}),
-                 "how curved parts hold. lattice: by panels in planes of their own from strip to "
-                 "strip, which are moved to where the target is; facets: by struts, as planar "
-                 "parts do"),
-      field<Row>("inward", &Row::inward, shape::boolean(),
-                 "true: parts of the target behind wall and ground are made too, where nothing is "
-                 "in front of them"),
+FieldTable facet_table(FacetSpec& facets, std::optional<double>& given_from_mm) {
+  const auto cost = [](Member into) { return number(into, from(0.0, kMostWeight), "mm^2"); };
+  return {{
+      {"pitch_mm", number(&facets.pitch_mm, from(0.1, kMaxLength), "mm"),
+       "distance between the planes that are tried; planes in which much of the target lies are "
+       "tried too"},
+      {"strip_mm", number(&facets.strip_mm, from(0.1, kMaxLength), "mm"),
+       "width of a strip: contours are that fine along the spine"},
+      {"from_mm", number(&given_from_mm, from(-kMaxLength, kMaxLength), "mm"),
+       "where it begins along the spine; if left out where a mesh, grid, text or drawing does, "
+       "else at 0"},
+      {"length_mm", length_mm(&facets.length_mm),
+       "length along the spine; if left out all of a mesh, grid, text or drawing"},
+      {"fold_cost_mm2", cost(&facets.fold_cost_mm2),
+       "what a fold costs for each mm of its length: as much as this area 1 mm off the target. "
+       "More makes fewer folds"},
+      {"jump_cost_mm2", cost(&facets.jump_cost_mm2), "the same of a cut along the spine"},
+      {"cut_cost_mm2", cost(&facets.cut_cost_mm2),
+       "the same of a cut across the spine. More makes larger patches"},
+      {"curved", word(&facets.curved, {"lattice", "facets"}),
+       "how curved parts hold. lattice: by panels in planes of their own from strip to strip, "
+       "which are moved to where the target is; facets: by struts, as planar parts do"},
+      {"inward", flag(&facets.inward),
+       "true: parts of the target behind wall and ground are made too, where nothing is in front "
+       "of them"},
   }};
-  return shape::object(table, "an object");
 }
 
 // ---- what is shared, and the patches
 
-Shape<std::optional<CardSpec>> card() {
-  using Row = CardSpec;
-  using Card = std::optional<CardSpec>;
-  const FieldTable<Row> table{{
-      field<Row>("wall_mm", &Row::wall_mm, length(),
-                 "height of the wall, H; if left out, 15 above the highest fold, and large enough "
-                 "for shut"),
-      field<Row>(
-          "ground_mm", &Row::ground_mm, length(),
-          "depth of the ground, D; if left out, 15 beyond the farthest fold, and large enough "
-          "for shut"),
-      field<Row>("margin_mm", &Row::margin_mm, shape::number(from(0.1, kMaxLength), "mm"),
-                 "width of the plain strips at both sides, and of the card around the shut "
-                 "structure"),
-      field<Row>("shut", &Row::shut, shape::word<CardShut>({"inside", "free"}),
-                 "inside: the shut structure lies inside the card; free: it may stick out"),
+FieldTable card_table(CardSpec& card) {
+  return {{
+      {"wall_mm", length_mm(&card.wall_mm),
+       "height of the wall, H; if left out, 15 above the highest fold, and large enough for shut"},
+      {"ground_mm", length_mm(&card.ground_mm),
+       "depth of the ground, D; if left out, 15 beyond the farthest fold, and large enough for "
+       "shut"},
+      {"margin_mm", number(&card.margin_mm, from(0.1, kMaxLength), "mm"),
+       "width of the plain strips at both sides, and of the card around the shut structure"},
+      {"shut", word(&card.shut, {"inside", "free"}),
+       "inside: the shut structure lies inside the card; free: it may stick out"},
   }};
-  Shape<Card> with = shape::as<Card>(
-      shape::boolean(), [](bool is_there) { return is_there ? Card(CardSpec{}) : Card(); });
+}
+
+/// false for no card, or its measures.
+ValueRule card(std::optional<CardSpec>& card) {
+  const Member is_there(&card, [](void* at, const json& value) {
+    auto& to = *static_cast<std::optional<CardSpec>*>(at);
+    to = value.get<bool>() ? std::optional(CardSpec{}) : std::nullopt;
+  });
+  ValueRule with = flag(is_there);
   with.what = "false";
-  return shape::either(
-      with,
-      shape::as<Card>(shape::object(table, "an object with wall_mm, ground_mm, margin_mm, shut"),
-                      [](const CardSpec& read) { return Card(read); }));
+  return either({with, object([&card] { return card_table(card.emplace()); },
+                              "an object with wall_mm, ground_mm, margin_mm, shut")});
 }
 
 /// A paper by its name, or [width, height].
-Shape<std::optional<SheetSpec>> sheet() {
-  using Sheet = std::optional<SheetSpec>;
+ValueRule sheet(std::optional<SheetSpec>& sheet) {
+  const Member named(
+      &sheet,
+      [](void* at, const json& index) {
+        const Paper& paper = kPapers.at(index.get<std::size_t>());
+        *static_cast<std::optional<SheetSpec>*>(at) = {paper.name, paper.width_mm, paper.height_mm};
+      },
+      true);
+  const Member measured(&sheet, [](void* at, const json& sides) {
+    *static_cast<std::optional<SheetSpec>*>(at) = {"", sides[0].get<double>(),
+                                                   sides[1].get<double>()};
+  });
   std::vector<std::string> names;
   for (const Paper& paper : kPapers) names.emplace_back(paper.name);
-  const auto which = shape::blamed(shape::text(), ErrorKind::Malformed);
-  Shape<Sheet> named = shape::as<Sheet>(which, [](const std::string&) { return Sheet(); });
-  named.schema = {{"enum", names}};
-  named.what = fmt::format("one of {}", fmt::join(names, ", "));
-  named.read = [names](FieldReader& fields, const std::string& below, const json& value) {
-    std::optional<Sheet> out;
-    if (const auto index = fields.word_at(below, value, names)) {
-      const Paper& paper = kPapers[*index];
-      out = SheetSpec{paper.name, paper.width_mm, paper.height_mm};
-    }
-    return out;
-  };
-  const auto sides = shape::list(length(), {2, 2, ErrorKind::Malformed}, "[width, height] in mm");
-  return shape::either(named, shape::as<Sheet>(sides, [](const std::vector<double>& mm) {
-                         return Sheet(SheetSpec{"", mm[0], mm[1]});
-                       }));
+  return either({word(named, names), list(measured, length_mm({}), {2, 2, ErrorKind::Malformed},
+                                          "[width, height] in mm")});
 }
 
-Shape<std::optional<double>> number_or_null(const shape::Range& range) {
-  const auto number = shape::number(range);
-  Shape<std::optional<double>> out = shape::as<std::optional<double>>(
-      number, [](double value) { return std::optional<double>(value); });
-  out.schema["type"] = {"number", "null"};
-  out.takes = [](const json& value) { return value.is_number() || value.is_null(); };
-  out.read = [read = out.read](FieldReader& fields, const std::string& below, const json& value) {
-    using Number = std::optional<double>;
-    return value.is_null() ? std::optional<Number>(std::in_place) : read(fields, below, value);
-  };
-  out.written = [](const std::optional<double>& value) { return value ? json(*value) : json(); };
-  return out;
+ValueRule joins(SpecFields& spec) {
+  const auto join = [](Member into) { return blamed(word(into, {"auto", "sheet", "seam"})); };
+  ValueRule rule =
+      either({join(&spec.join_of_all), list({}, join(appended(&spec.joins)), {1, kMostPatches - 1},
+                                            "a list with a word for each border")});
+  rule.usual = "auto";
+  return rule;
 }
 
-Shape<JoinField> joins() {
-  auto word =
-      shape::blamed(shape::word<PatchJoin>({"auto", "sheet", "seam"}), ErrorKind::Malformed);
-  const auto each = shape::list(word, {1, kMostPatches - 1, ErrorKind::OutOfRange},
-                                "a list with a word for each border");
-  auto one = shape::as<JoinField>(word, [](PatchJoin join) { return JoinField(join); });
-  one.written = [](const JoinField&) { return json("auto"); };
-  return shape::either(one, shape::as<JoinField>(each, [](std::vector<PatchJoin> all) {
-                         return JoinField(std::move(all));
-                       }));
-}
-
-Shape<BookSpec> book() {
-  const FieldTable<BookSpec> table{{
-      needed<BookSpec>("cards", &BookSpec::cards, shape::whole(kLeastCards, kMostCards),
-                       "how many; each is open to 360 degrees by this number"),
+FieldTable book_table(BookSpec& book) {
+  return {{
+      {"cards", needed(whole(&book.cards, kLeastCards, kMostCards)),
+       "how many; each is open to 360 degrees by this number"},
   }};
-  return shape::object(table, "an object with cards");
 }
 
-SpecTables make_tables() {
-  using Row = SpecFields;
-  SpecTables all;
-  all.whole.rows = {
-      needed<Row>("popcut", &Row::version, shape::whole(1, 1), "version of this format"),
-      field<Row>("material", &Row::material, shape::text(), "name of the material"),
-      field<Row>("pen", &Row::pens, shape::text(),
-                 "settings of the tool in place of the material's, as --pen of popcut plan gives "
-                 "them: \"cut: force=90; outline: passes=2\""),
-      field<Row>("sheet", &Row::sheet, sheet(),
-                 "what it is cut from, to be warned of a pattern that is larger: a paper by its "
-                 "name, or [width, height] in mm"),
-      field<Row>(
-          "design_angle_deg", [](auto& row) -> auto& { return row.placement.design_angle_deg; },
-          shape::number(from(kLeastDesignAngle, kMostDesignAngle)),
-          "opening angle of the card, between wall and ground, at which the structure shows the "
-          "target"),
-      field<Row>("book", &Row::book, book(),
-                 "a book of cards around one spine, glued back to back, that shows the target from "
-                 "all sides. In a book fit is nearest if left out; a mesh without rotate_deg has "
-                 "its z axis along the spine, one without translate_mm its middle there"),
+// ---- the whole
+
+FieldTable whole_table(SpecFields& spec) {
+  return {{
+      {"popcut", needed(whole(&spec.version, 1, 1)), "version of this format"},
+      {"material", text(&spec.material), "name of the material"},
+      {"pen", text(&spec.pens),
+       "settings of the tool in place of the material's, as --pen of popcut plan gives them: "
+       "\"cut: force=90; outline: passes=2\""},
+      {"sheet", sheet(spec.sheet),
+       "what it is cut from, to be warned of a pattern that is larger: a paper by its name, or "
+       "[width, height] in mm"},
+      {"design_angle_deg",
+       number(&spec.placement.design_angle_deg, from(kLeastDesignAngle, kMostDesignAngle)),
+       "opening angle of the card, between wall and ground, at which the structure shows the "
+       "target"},
+      {"book", object([&spec] { return book_table(spec.book.emplace()); }, "an object with cards"),
+       "a book of cards around one spine, glued back to back, that shows the target from all "
+       "sides. In a book fit is nearest if left out; a mesh without rotate_deg has its z axis "
+       "along the spine, one without translate_mm its middle there"},
+  }};
+}
+
+FieldTable shared_table(SpecFields& spec) {
+  return {{
+      {"fit", word(&spec.fit, {"exact", "nearest"}),
+       "what becomes of parts that no curve falling from wall to ground can follow: an error, or "
+       "the nearest curve that falls"},
+      {"lattice", word(&spec.lattice, {kLatticeNames.begin(), kLatticeNames.end()}),
+       "how the levels of neighbouring slices are paired, auto: the way that comes nearest to the "
+       "target; if left out auto, \"slices\" beside curvature, \"conformal\" beside splay"},
+      {"solver", word(&spec.solver, {"newton", "slsqp"}),
+       "how the pop-up units of a slice are fitted to the target"},
+      {"card", card(spec.card),
+       "wall, ground and margins around the design; false leaves them out"},
+      {"min_panel_mm", length_mm(&spec.given_min_panel_mm),
+       "smallest panel, along the strip; if left out 0.5, or 3 times the thickness of the material "
+       "if that is more"},
+      {"max_step_over_mean", number_or_null(&spec.max_step_over_mean, above(1.0, 1e6)),
+       "largest step of a conformal lattice over the mean one; null: no limit"},
+  }};
+}
+
+FieldTable design_table(SpecFields& spec) {
+  TargetPlacement& placement = spec.placement;
+  const auto facets = [&spec] { return facet_table(spec.facets, spec.given_from_mm); };
+  const auto splay = [&spec] { return splay_table(spec.splay.emplace(), spec.given_ligament_mm); };
+  const auto curvature = [&spec] {
+    return curvature_table(spec.curvature.emplace(), spec.weights);
   };
-  all.name.rows = {field<Row>("name", &Row::name, shape::text(), "name of the design")};
-  all.shared.rows = {
-      field<Row>("fit", &Row::fit, shape::word<FitMode>({"exact", "nearest"}),
-                 "what becomes of parts that no curve falling from wall to ground can follow: an "
-                 "error, or the nearest curve that falls"),
-      field<Row>(
-          "lattice", &Row::lattice,
-          shape::word<LatticeMethod>(
-              {"branching", "slices", "conformal", "levels", "direct", "auto"}),
-          "how the levels of neighbouring slices are paired, auto: the way that comes nearest "
-          "to the target; if left out auto, \"slices\" beside curvature, \"conformal\" "
-          "beside splay"),
-      field<Row>("solver", &Row::solver, shape::word<SolverMethod>({"newton", "slsqp"}),
-                 "how the pop-up units of a slice are fitted to the target"),
-      field<Row>("card", &Row::card, card(),
-                 "wall, ground and margins around the design; false leaves them out"),
-      field<Row>("min_panel_mm", &Row::given_min_panel_mm, length(),
-                 "smallest panel, along the strip; if left out 0.5, or 3 times the thickness of "
-                 "the material if that is more"),
-      field<Row>("max_step_over_mean", &Row::max_step_over_mean, number_or_null(above(1.0, 1e6)),
-                 "largest step of a conformal lattice over the mean one; null: no limit"),
-  };
-  all.design.rows = {
-      field<Row>("style", &Row::style, shape::word<DesignStyle>({"lattice", "facets"}),
-                 "what it is made of: lattice, slices of falling staircases; facets, origamic "
-                 "architecture: patches parallel to wall and ground, with cuts along contours"),
-      field<Row>("facets", &Row::facet_fields, facets(),
-                 "in place of units_per_slice, slices, widths_mm and regions, beside \"style\": "
-                 "\"facets\""),
-      field<Row>("surface", &Row::surface_field, surface(), "the target"),
-      field<Row>(
-          "scale_mm", [](auto& row) -> auto& { return row.placement.scale_mm; }, length(),
-          "length of one unit of the surface"),
-      field<Row>(
-          "rotate_deg", [](auto& row) -> auto& { return row.placement.rotate_deg; },
-          shape::triple(from(-3600.0, 3600.0), "a list of three numbers [x, y, z]"),
-          "turns of the scaled surface about the x, then the y, then the z axis; x points "
-          "away from the wall, y along the spine, z up"),
-      field<Row>(
-          "translate_mm", [](auto& row) -> auto& { return row.placement.translate_mm; },
-          shape::triple(from(-kMaxLength, kMaxLength), "a list of three numbers [x, y, z]"),
-          "shift of the scaled and turned surface"),
-      field<Row>("regions", &Row::region_fields, regions(),
-                 "in place of units_per_slice, slices and widths_mm: stretches along the spine, "
-                 "each with its own"),
-      field<Row>("units_per_slice", &Row::units_per_slice, units(), "pop-up units of each slice"),
-      field<Row>("slices", &Row::slices, slice_count(),
-                 "number of slices; the largest number where widths_mm has max_error_mm and "
-                 "length_mm"),
-      field<Row>("widths_mm", &Row::widths_field, widths(),
-                 "one width for all slices, a list with one for each slice, or an object: widths "
-                 "chosen from the target's curvature"),
-      field<Row>("splay", &Row::splay_fields, splay(),
-                 "V-folds on the valley creases of the connectors"),
-      field<Row>("curvature", &Row::curvature_fields, curvature(),
-                 "curvature that the surface through the fold vertices must have: one value for "
-                 "all inner vertices, or a list with one for each. The list holds levels 1 to "
-                 "units - 1 of the second slice, then of the third, up to the last but one"),
-  };
-  all.patches.rows = {
-      needed<Row>("patches", &Row::patch_fields,
-                  shape::list(shape::any(json::object(), "a design"),
-                              {2, kMostPatches, ErrorKind::Malformed},
-                              fmt::format("a list of 2 to {} designs", kMostPatches)),
-                  "designs that are joined one after another along the spine. Each has the fields "
-                  "of a design except popcut and material. card, fit, lattice, solver, "
-                  "min_panel_mm and max_step_over_mean beside patches are the defaults of those"),
-      field<Row>("join", &Row::join_field, joins(),
-                 "auto: one sheet where walls and grounds agree, else a seam; sheet: one sheet or "
-                 "an error; seam: separate patterns that are glued. One word for all borders, or "
-                 "a list"),
-      field<Row>("join_tolerance_mm", &Row::join_tolerance_mm,
-                 shape::number(from(0.0, kMaxLength), "mm"),
-                 "largest distance between the profiles of two edges that are joined"),
-  };
-  return all;
+  return {{
+      {"style", word(&spec.style, {"lattice", "facets"}),
+       "what it is made of: lattice, slices of falling staircases; facets, origamic architecture: "
+       "patches parallel to wall and ground, with cuts along contours"},
+      {"facets", object(facets),
+       "in place of units_per_slice, slices, widths_mm and regions, beside \"style\": \"facets\""},
+      {"surface", surface(spec), "the target"},
+      {"scale_mm", length_mm(&placement.scale_mm), "length of one unit of the surface"},
+      {"rotate_deg",
+       triple(&placement.rotate_deg, from(-3600.0, 3600.0), "a list of three numbers [x, y, z]"),
+       "turns of the scaled surface about the x, then the y, then the z axis; x points away from "
+       "the wall, y along the spine, z up"},
+      {"translate_mm",
+       triple(&placement.translate_mm, from(-kMaxLength, kMaxLength),
+              "a list of three numbers [x, y, z]"),
+       "shift of the scaled and turned surface"},
+      {"regions", regions(spec),
+       "in place of units_per_slice, slices and widths_mm: stretches along the spine, each with "
+       "its own"},
+      {"units_per_slice", units(&spec.units_per_slice), "pop-up units of each slice"},
+      {"slices", slice_count(&spec.slices),
+       "number of slices; the largest number where widths_mm has max_error_mm and length_mm"},
+      {"widths_mm", any_widths(spec.widths),
+       "one width for all slices, a list with one for each slice, or an object: widths chosen from "
+       "the target's curvature"},
+      {"splay", object(splay), "V-folds on the valley creases of the connectors"},
+      {"curvature", object(curvature),
+       "curvature that the surface through the fold vertices must have: one value for all inner "
+       "vertices, or a list with one for each. The list holds levels 1 to units - 1 of the second "
+       "slice, then of the third, up to the last but one"},
+  }};
+}
+
+FieldTable patches_table(SpecFields& spec) {
+  return {{
+      {"patches",
+       needed(list(&spec.patch_fields, any({}, json::object(), "a design"),
+                   {2, kMostPatches, ErrorKind::Malformed},
+                   fmt::format("a list of 2 to {} designs", kMostPatches))),
+       "designs that are joined one after another along the spine. Each has the fields of a design "
+       "except popcut and material. card, fit, lattice, solver, min_panel_mm and "
+       "max_step_over_mean beside patches are the defaults of those"},
+      {"join", joins(spec),
+       "auto: one sheet where walls and grounds agree, else a seam; sheet: one sheet or an error; "
+       "seam: separate patterns that are glued. One word for all borders, or a list"},
+      {"join_tolerance_mm", number(&spec.join_tolerance_mm, from(0.0, kMaxLength), "mm"),
+       "largest distance between the profiles of two edges that are joined"},
+  }};
 }
 
 }  // namespace
 
-const SpecTables& spec_tables() {
-  static const SpecTables tables = make_tables();
-  return tables;
+SpecTables spec_tables(SpecFields& spec) {
+  return {whole_table(spec),
+          {{{"name", text(&spec.name), "name of the design"}}},
+          shared_table(spec),
+          design_table(spec),
+          patches_table(spec)};
 }
 
 }  // namespace popcut

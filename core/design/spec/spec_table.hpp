@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
 #include <optional>
-#include <variant>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -15,72 +13,44 @@
 /// into: the parser, the JSON Schema and the errors follow from the row.
 namespace popcut {
 
-/// Three regions whose radius runs R1 -> R2 -> R3 -> R2 (S2.F of the paper).
-struct CompositeSpec {
-  std::array<double, 3> radii{};
+/// Widths of slices as they are written: one for all, one for each, or chosen from the curvature.
+struct WidthFields {
+  std::optional<double> all_mm;
+  std::optional<std::vector<double>> each_mm;
+  std::optional<AdaptiveWidths> adaptive;
 };
-
-using FixedWidths = std::variant<double, std::vector<double>>;
-using WidthsField = std::variant<double, std::vector<double>, AdaptiveWidths>;
-using SurfaceField = std::variant<RevolutionSpec, ProfileSpec, ImplicitSpec, GridSpec, MeshSpec,
-                                  LoftSpec, TextSpec, OutlineSpec, CompositeSpec>;
-using JoinField = std::variant<PatchJoin, std::vector<PatchJoin>>;
-using AlphaField = std::variant<double, std::vector<std::vector<double>>>;
 
 struct RegionFields : RegionSpec {
-  std::optional<double> width_mm;
-  std::optional<FixedWidths> widths_mm;
-};
-
-struct TargetFields : CurvatureTarget {
-  std::optional<nlohmann::json> sign_text;
-};
-
-struct SplayFields : SplaySpec {
-  std::optional<AlphaField> alpha_field;
-  std::optional<std::vector<TargetFields>> target_fields;
-  std::optional<double> given_ligament_mm;
+  WidthFields widths;
 };
 
 struct WeightFields {
   std::optional<double> K, H, first, second;
 };
 
-struct CurvatureFields : AugmentedSpec {
-  std::optional<WeightFields> weights;
-};
-
-struct FacetFields : FacetSpec {
-  std::optional<double> given_from_mm;
-};
-
 /// A spec as it is written: what `DesignSpec` holds in another form stands here.
 struct SpecFields : DesignSpec {
   int version{1};
-  std::optional<SurfaceField> surface_field;
-  std::optional<std::vector<RegionFields>> region_fields;
+  std::vector<RegionFields> region_fields;
   std::optional<int> units_per_slice, slices;
-  std::optional<double> given_min_panel_mm;
-  std::optional<WidthsField> widths_field;
-  std::optional<SplayFields> splay_fields;
-  std::optional<CurvatureFields> curvature_fields;
-  std::optional<FacetFields> facet_fields;
+  WidthFields widths;
+  std::optional<double> given_min_panel_mm, given_ligament_mm, given_from_mm;
+  WeightFields weights;
   std::vector<nlohmann::json> patch_fields;
-  JoinField join_field{PatchJoin::Auto};
+  std::optional<PatchJoin> join_of_all;  ///< else `joins` has one for each border, or "auto" holds
 };
 
-using SpecTable = FieldTable<SpecFields>;
-
-/// The rows of a spec, in four parts. A spec is its whole, its name, what is shared and either one
+/// The rows of a spec, in five parts. A spec is its whole, its name, what is shared and either one
 /// design or several patches; a patch is a name, what is shared and a design.
 struct SpecTables {
-  SpecTable whole;    ///< "popcut", "material", "pen", "sheet", "design_angle_deg"
-  SpecTable name;     ///< "name"
-  SpecTable shared;   ///< of a design; beside patches, what holds for those that have none
-  SpecTable design;   ///< of one design only
-  SpecTable patches;  ///< "patches" and how they are joined
+  FieldTable whole;    ///< "popcut", "material", "pen", "sheet", "design_angle_deg", "book"
+  FieldTable name;     ///< "name"
+  FieldTable shared;   ///< of a design; beside patches, what holds for those that have none
+  FieldTable design;   ///< of one design only
+  FieldTable patches;  ///< "patches" and how they are joined
 };
-[[nodiscard]] const SpecTables& spec_tables();
+/// The tables, bound to `spec`.
+[[nodiscard]] SpecTables spec_tables(SpecFields& spec);
 
 inline constexpr double kMaxLength = 1e5;  ///< 100 m: no sheet is larger
 

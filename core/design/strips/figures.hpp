@@ -18,9 +18,8 @@ struct TargetStation {
 struct FigureInput {
   const Strips& strips;
   std::vector<TargetStation> slices;      ///< one a slice or box strip, in the order of the strips
-  std::vector<TargetStation> connectors;  ///< one a connector strip
-  std::vector<bool>
-      left_parity;  ///< one a connector: whether its left slice is an odd one of its run
+  std::vector<TargetStation> connectors;  ///< one for each connector strip
+  std::vector<bool> left_parity;  ///< of each connector: its left slice is an odd one of its run
   double mean_step_mm{};
   DesignAngle opening{};  ///< that the target was made for: distances are those in space there
 };

@@ -51,11 +51,11 @@ class Splayer {
     for (std::size_t i = 0; i < splay_.alpha.size(); ++i)
       if (splay_.alpha[i].size() != connectors)
         return fail(ErrorKind::OutOfRange, fmt::format("/splay/alpha/{}", i),
-                    fmt::format("has {} values for {} connectors; one a connector is needed",
+                    fmt::format("has {} values for {} connectors; must have one for each",
                                 splay_.alpha[i].size(), connectors));
     if (static_cast<int>(splay_.alpha.size()) != top_level_)
       return fail(ErrorKind::OutOfRange, "/splay/alpha",
-                  fmt::format("has {} rows for {} inner levels; one a level is needed",
+                  fmt::format("has {} rows for {} inner levels; must have one for each",
                               splay_.alpha.size(), top_level_));
     return {};
   }

@@ -569,7 +569,8 @@ TEST_CASE("each plan option takes its default and its limits and nothing beyond"
     if (option.kind == Kind::Flag) CHECK(place_of("true") == "valid");
     if (option.kind == Kind::Flag || option.kind == Kind::Word || option.kind == Kind::Place)
       CHECK(place_of("nonsense") == pointer_to(option));
-    if (!option.numbers) continue;
+    if (option.kind != Kind::Number && option.kind != Kind::Whole && option.kind != Kind::Lengths)
+      continue;
     CHECK(place_of(fmt::format("{}", option.least)) == "valid");
     CHECK(place_of(fmt::format("{:.0f}", 2 * option.most + 1)) == pointer_to(option));
     CHECK(place_of("nan") == pointer_to(option));
