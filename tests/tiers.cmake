@@ -116,7 +116,7 @@ function(popcut_entry name labels)
   endif()
   add_test(NAME ${name} COMMAND ${launcher} ${ARGN})
   set_tests_properties(${name} PROPERTIES
-    LABELS "${labels}" RESOURCE_GROUPS ${slots}:1 COST ${cost} TIMEOUT 600)
+    LABELS "${labels}" RESOURCE_GROUPS ${slots}:1 COST ${cost} TIMEOUT 1800)
   foreach(pattern ${popcut_on_postgres})
     if(name MATCHES "^${pattern}")
       set_tests_properties(${name} PROPERTIES FIXTURES_REQUIRED PostgreSQL
