@@ -227,12 +227,13 @@ class FleetFiles final : public SharedFiles {
       put(own_line(), name, place, bytes);
       return {};
     } catch (const StoreFault& fault) {
-      return fail(ErrorKind::Unwritable, name,
-                  fmt::format("cannot be stored in the fleet's database: {}",
-                              fault.kind() == FaultKind::Full
-                                  ? "its disk is full; tell who runs it, and try again when it has "
-                                    "space"
-                                  : fault.what()));
+      return fail(
+          ErrorKind::Unwritable, name,
+          fmt::format("cannot be stored in the fleet's database: {}",
+                      fault.kind() == FaultKind::Full
+                          ? "its disk is full; ask its administrator, and try again when it has "
+                            "space"
+                          : fault.what()));
     }
   }
 

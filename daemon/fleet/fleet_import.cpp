@@ -29,7 +29,7 @@ constexpr std::size_t kRowsAtOnce = 50;
   throw StoreFault(FaultKind::Refused, sentence);
 }
 
-// What the fleet may have from another folder, or by itself: it stays as it is there.
+// Rows that the fleet may have already, from another folder or by itself. They stay as they are.
 bool is_shared(std::string_view table) {
   constexpr std::string_view kShared[] = {"asset",  "design",   "plan_asker", "material",
                                           "device", "calendar", "search"};
@@ -101,7 +101,7 @@ class Import {
     files();
     for (const std::string_view table : table_names())
       if (table != "event") move_table(std::string(table));
-    // Last, because from here to the commit nobody else's event gets a number.
+    // Last: until the commit no other event gets a number.
     move_events();
     (void)to_.run("SELECT popcut.node_tidy()");
     (void)to_.number("SELECT pg_notify('popcut', ?)", request_.node);
@@ -109,11 +109,11 @@ class Import {
   }
 
  private:
-  void tell(const std::string& what) const {
-    if (request_.tell) request_.tell(what);
+  void report(const std::string& what) const {
+    if (request_.report) request_.report(what);
   }
 
-  // A start of popcutd ends both in good order.
+  // Nothing is armed or cut. A start of popcutd ends both in order.
   void look_at_cuts() {
     const auto busy = first_of(
         from_.rows(
@@ -150,7 +150,7 @@ class Import {
   }
 
   void move_table(const std::string& table) {
-    tell(table);
+    report(table);
     std::vector<std::string> columns = columns_of(table);
     // The fleet numbers these itself; of an empty one the numbers stay.
     const bool is_numbered = table == "audit" || table == "usage";
@@ -197,7 +197,7 @@ class Import {
     batch.add(values);
   }
 
-  // What a row says in the fleet where it said something else; nothing: the same.
+  // The value that a column gets in the fleet; nothing: the same.
   std::optional<std::string> changed(const std::string& table, const std::string& column,
                                      const Rows& rows, int at) {
     if (is_person(column)) {
@@ -220,7 +220,7 @@ class Import {
   }
 
   void move_events() {
-    tell("event");
+    report("event");
     to_.hold("popcut.event_counter");  // as event_number does
     const std::int64_t last = to_.number("SELECT last FROM popcut.event_counter");
     const std::vector<std::string> columns{"seq", "time", "kind", "job", "data"};
@@ -243,7 +243,7 @@ class Import {
   }
 
   void files() {
-    tell("files");
+    report("files");
     for (const char* table : {"asset", "design"})
       for (const std::string& id :
            all_of(from_.rows(fmt::format("SELECT id FROM {} ORDER BY id", table)), first_text))
@@ -295,8 +295,8 @@ class Import {
   Imported done_;
 };
 
-// The mark in the folder stays: a popcutd without a fleet says that its database is gone, and
-// begins with no empty queue.
+// The mark in the folder stays, so that a popcutd without a fleet says that its database is gone
+// instead of beginning with an empty queue.
 Result<std::string> set_original_aside(const std::string& folder) {
   auto held = StateFolder::open(folder);
   if (!held) return tl::unexpected(held.error());
@@ -330,8 +330,8 @@ Result<Imported> import_folder(Database& fleet, const ImportRequest& request) {
     } catch (const StoreFault& fault) {
       if (fault.kind() == FaultKind::InDoubt)
         return fail(ErrorKind::Refused, "",
-                    fmt::format("{}; it is not known whether all was moved, or nothing: type the "
-                                "command again, and it says so",
+                    fmt::format("{}; either everything was moved or nothing: type the command "
+                                "again to see whether it finished",
                                 fault.what()));
       return fail(ErrorKind::Refused, "",
                   fault.kind() == FaultKind::Refused

@@ -20,7 +20,7 @@ struct Imported {
   };
   std::vector<Table> tables;
   std::int64_t files{}, bytes{};
-  std::vector<std::string> missing;  ///< files that the folder should have and has not
+  std::vector<std::string> missing;  ///< files that should be in the folder but are not
   std::string original;              ///< where the database of the folder is now
 };
 
@@ -28,7 +28,7 @@ struct ImportRequest {
   std::string folder;  ///< STATE
   std::string node;    ///< has joined
   /// Called with what is moved now: "job", "files".
-  std::function<void(const std::string& what)> tell{};
+  std::function<void(const std::string& what)> report{};
 };
 
 /// Moves the jobs, plans, ledgers, events and tokens of a popcutd that was alone, and its files,

@@ -139,7 +139,7 @@ class StandbyListener final : public pqxx::errorhandler {
   explicit StandbyListener(pqxx::connection& connection) : pqxx::errorhandler(connection) {}
   bool operator()(const char[]) noexcept override {
     has_warned = true;
-    return false;  // nobody else hears of it
+    return false;  // no other node is notified
   }
   bool has_warned{false};
 };
@@ -643,9 +643,9 @@ class Heard final : public pqxx::notification_receiver {
   Heard(pqxx::connection_base& connection, const std::string& channel)
       : pqxx::notification_receiver(connection, channel) {}
   void operator()(const std::string& text, int) override {
-    if (tell != nullptr && *tell) (*tell)(text);
+    if (report != nullptr && *report) (*report)(text);
   }
-  const std::function<void(const std::string&)>* tell{};
+  const std::function<void(const std::string&)>* report{};
 };
 
 }  // namespace
@@ -707,11 +707,11 @@ bool PostgresDatabase::listen(std::string_view channel, double wait_s,
       line.watchdog.end();
     }
     auto& ear = static_cast<Heard&>(*one);
-    ear.tell = &heard;
+    ear.report = &heard;
     const auto whole = static_cast<long>(wait_s);
     line.connection->await_notification(
         whole, static_cast<long>((wait_s - static_cast<double>(whole)) * 1e6));
-    ear.tell = nullptr;
+    ear.report = nullptr;
     return true;
   } catch (const std::exception& fault) {
     line.watchdog.end();

@@ -1,12 +1,11 @@
 -- SPDX-License-Identifier: MIT
 -- A fleet's database: PostgreSQL 15 or later, encoding UTF8. docs/fleet.md explains how to run one.
 --
--- Run this file once, in one transaction, as a superuser or as a role with CREATEROLE that may
--- create schemas in the database: 'popcut fleet init', or psql -1 -v ON_ERROR_STOP=1 -f schema.sql.
+-- 'popcut fleet init' runs it once, in one transaction, as a superuser or as a role with CREATEROLE
+-- that may create schemas in the database.
 --
--- The tables have the names and columns of SQLite's (daemon/store/schema.cpp); a test compares
--- them. Text has the collation "C", as in SQLite, so that ids sort by their bytes. Times are
--- milliseconds since 1970, ids are ULIDs, lengths are millimetres, flags are 0 or 1. Only leases
+-- CMake replaces the line "@tables@" by the tables that SQLite has too (daemon/store/tables.sql).
+-- Text has the collation "C", as in SQLite, so that ids sort by their bytes. Only leases
 -- have times of the database's own clock.
 --
 -- The rule of the knife: a blank is started once, and only by the node that has the cutter, while
@@ -70,10 +69,10 @@ CREATE TABLE popcut.popcut_schema(
 CREATE UNIQUE INDEX popcut_schema_one ON popcut.popcut_schema((true));
 INSERT INTO popcut.popcut_schema(version, least) VALUES (1, 1);
 
--- `identity` is that of a machine and its state folder: it tells a node that is back from another
--- with its name. `generation` is that of the database in which the node last compared its journals
--- with it; `ended` says that it was stopped in order. Every beat writes to this table, so no index
--- has a column that a beat changes.
+-- `identity` is that of a machine and its state folder: it distinguishes a node that is back from
+-- another one with its name. `generation` is that of the database in which the node last compared
+-- its journals with it; `ended` says that it was stopped in order. Every beat writes to this table,
+-- so no index has a column that a beat changes.
 CREATE TABLE popcut.node(
   name text COLLATE "C" PRIMARY KEY CHECK (name ~ '^[A-Za-z0-9][A-Za-z0-9._-]{0,62}$'),
   login text COLLATE "C" NOT NULL,
@@ -90,7 +89,7 @@ CREATE TABLE popcut.node(
   draining bigint NOT NULL CHECK (draining IN (0, 1))) WITH (fillfactor = 40);
 CREATE INDEX node_generation ON popcut.node(generation);
 
--- The nodes in the terms of the other tables: milliseconds, 0 for never, and whether the lease lives.
+-- Nodes in the terms of the other tables: milliseconds, 0 for never, and whether the lease lives.
 CREATE VIEW popcut.node_state AS
   SELECT name, login, epoch, url, version, draining, ended, generation, lease_s,
          (extract(epoch FROM greatest(begun, 'epoch')) * 1000)::bigint AS begun_ms,
@@ -125,272 +124,42 @@ CREATE TABLE popcut.event_new(
 -- ---------------------------------------------------------------------------------------------
 -- The tables that SQLite has too
 
-CREATE TABLE popcut.asset(
-  id text COLLATE "C" PRIMARY KEY CHECK (length(id) = 71),
-  bytes bigint NOT NULL, created bigint NOT NULL,
-  name text COLLATE "C" NOT NULL DEFAULT '', owner text COLLATE "C" NOT NULL DEFAULT '');
+-- @tables@
 
-CREATE TABLE popcut.design(
-  id text COLLATE "C" PRIMARY KEY CHECK (length(id) = 71),
-  name text COLLATE "C" NOT NULL,
-  kind text COLLATE "C" NOT NULL CHECK (kind IN ('spec', 'fold', 'svg', 'dxf')),
-  media_type text COLLATE "C" NOT NULL, owner text COLLATE "C" NOT NULL, bytes bigint NOT NULL,
-  created bigint NOT NULL, assets text COLLATE "C" NOT NULL);
-CREATE INDEX design_created ON popcut.design(created, id);
+-- Pages keep room for new versions of a row: most changes of a job move no key of an index, and
+-- rows of chunk change in place while a cut runs.
+ALTER TABLE popcut.plan SET (fillfactor = 80);
+ALTER TABLE popcut.job SET (fillfactor = 80);
+ALTER TABLE popcut.sheet SET (fillfactor = 70);
+ALTER TABLE popcut.attempt SET (fillfactor = 70);
+ALTER TABLE popcut.chunk SET (fillfactor = 50);
+ALTER TABLE popcut.device SET (fillfactor = 60);
 
--- Which design refers to which asset: the lists of the designs, the other way round.
-CREATE TABLE popcut.asset_use(
-  asset text COLLATE "C" NOT NULL,
-  design text COLLATE "C" NOT NULL REFERENCES popcut.design(id) ON DELETE CASCADE,
-  PRIMARY KEY (asset, design));
-CREATE INDEX asset_use_design ON popcut.asset_use(design);
-
--- `key` is the digest of all that decides what comes out: the same is planned once. `planner` is
--- the node that makes it now.
-CREATE TABLE popcut.plan(
-  id text COLLATE "C" PRIMARY KEY CHECK (length(id) = 26),
-  key text COLLATE "C" NOT NULL,
-  kind text COLLATE "C" NOT NULL CHECK (kind IN ('design', 'test')),
-  design text COLLATE "C" NOT NULL, material text COLLATE "C" NOT NULL,
-  machine text COLLATE "C" NOT NULL,
-  state text COLLATE "C" NOT NULL CHECK (state IN ('pending', 'planned', 'failed')),
-  sha256 text COLLATE "C" NOT NULL, sheets bigint NOT NULL, paths bigint NOT NULL,
-  cut_mm double precision NOT NULL, low_s double precision NOT NULL,
-  high_s double precision NOT NULL, width_mm double precision NOT NULL,
-  length_mm double precision NOT NULL,
-  warnings text COLLATE "C" NOT NULL, error text COLLATE "C" NOT NULL,
-  options text COLLATE "C" NOT NULL,
-  machine_json text COLLATE "C" NOT NULL, material_json text COLLATE "C" NOT NULL,
-  created bigint NOT NULL, begun bigint NOT NULL DEFAULT 0,
-  planner text COLLATE "C" NOT NULL DEFAULT '', planner_epoch bigint NOT NULL DEFAULT 0,
-  CHECK (state <> 'planned' OR (sheets > 0 AND length(sha256) = 64))) WITH (fillfactor = 80);
-CREATE UNIQUE INDEX plan_key ON popcut.plan(key) WHERE state IN ('pending', 'planned');
-CREATE INDEX plan_design ON popcut.plan(design);
-CREATE INDEX plan_pending ON popcut.plan(id) WHERE state = 'pending';
-
-CREATE TABLE popcut.plan_sheet(
-  plan text COLLATE "C" NOT NULL REFERENCES popcut.plan(id) ON DELETE CASCADE,
-  number bigint NOT NULL CHECK (number BETWEEN 1 AND 10000),
-  paths bigint NOT NULL CHECK (paths >= 0), cut_mm double precision NOT NULL,
-  fold_mm double precision NOT NULL, travel_mm double precision NOT NULL,
-  seconds double precision NOT NULL, low_s double precision NOT NULL,
-  high_s double precision NOT NULL, width_mm double precision NOT NULL,
-  length_mm double precision NOT NULL,
-  program_sha256 text COLLATE "C" NOT NULL CHECK (length(program_sha256) = 64),
-  index_sha256 text COLLATE "C" NOT NULL DEFAULT '' CHECK (length(index_sha256) IN (0, 64)),
-  mat text COLLATE "C" NOT NULL DEFAULT '', side text COLLATE "C" NOT NULL DEFAULT '',
-  PRIMARY KEY (plan, number));
-
-CREATE TABLE popcut.plan_asker(
-  owner text COLLATE "C" NOT NULL,
-  plan text COLLATE "C" NOT NULL REFERENCES popcut.plan(id) ON DELETE CASCADE,
-  PRIMARY KEY (owner, plan));
-CREATE INDEX plan_asker_plan ON popcut.plan_asker(plan);
-
--- Searches for the best cards of a model, as plans are stored.
-CREATE TABLE popcut.search(
-  id text COLLATE "C" PRIMARY KEY CHECK (length(id) = 26),
-  key text COLLATE "C" NOT NULL, owner text COLLATE "C" NOT NULL,
-  model text COLLATE "C" NOT NULL,
-  state text COLLATE "C" NOT NULL CHECK (state IN ('pending', 'found', 'failed')),
-  words text COLLATE "C" NOT NULL, machine text COLLATE "C" NOT NULL,
-  material text COLLATE "C" NOT NULL,
-  machine_json text COLLATE "C" NOT NULL, material_json text COLLATE "C" NOT NULL,
-  front text COLLATE "C" NOT NULL, error text COLLATE "C" NOT NULL, created bigint NOT NULL,
-  begun bigint NOT NULL DEFAULT 0,
-  planner text COLLATE "C" NOT NULL DEFAULT '', planner_epoch bigint NOT NULL DEFAULT 0,
-  CHECK (state <> 'found' OR front <> ''));
-CREATE UNIQUE INDEX search_key ON popcut.search(key) WHERE state IN ('pending', 'found');
-CREATE INDEX search_model ON popcut.search(model);
-CREATE INDEX search_pending ON popcut.search(owner, id) WHERE state = 'pending';
-
--- `wish` is the device that was asked for, `device` the one that the sheet lies in. Pages keep room
--- for new versions of a row: most changes move no key of an index.
-CREATE TABLE popcut.job(
-  id text COLLATE "C" PRIMARY KEY CHECK (length(id) = 26),
-  rev bigint NOT NULL,
-  state text COLLATE "C" NOT NULL
-    CHECK (state IN ('queued', 'planning', 'ready', 'armed', 'cutting', 'paused', 'interrupted',
-                     'done', 'failed', 'cancelled')),
-  reason text COLLATE "C" NOT NULL,
-  asked text COLLATE "C" NOT NULL CHECK (asked IN ('', 'pause', 'cancel')),
-  name text COLLATE "C" NOT NULL, note text COLLATE "C" NOT NULL, owner text COLLATE "C" NOT NULL,
-  operator text COLLATE "C" NOT NULL,
-  wish text COLLATE "C" NOT NULL, device text COLLATE "C" NOT NULL,
-  design text COLLATE "C" NOT NULL,
-  plan text COLLATE "C" NOT NULL REFERENCES popcut.plan(id), material text COLLATE "C" NOT NULL,
-  priority bigint NOT NULL CHECK (priority BETWEEN -10 AND 10), position bigint NOT NULL,
-  copies bigint NOT NULL CHECK (copies BETWEEN 1 AND 1000),
-  held bigint NOT NULL CHECK (held IN (0, 1)),
-  sheets_total bigint NOT NULL CHECK (sheets_total BETWEEN 0 AND 10000),
-  sheet bigint NOT NULL CHECK (sheet BETWEEN 0 AND sheets_total),
-  blank bigint NOT NULL CHECK (blank >= 1), segment bigint NOT NULL CHECK (segment >= 1),
-  first_stroke bigint NOT NULL CHECK (first_stroke >= 0),
-  paths_certain bigint NOT NULL, paths_sent bigint NOT NULL, paths_total bigint NOT NULL,
-  done_paths bigint NOT NULL, done_mm double precision NOT NULL,
-  low_s double precision NOT NULL, high_s double precision NOT NULL,
-  created bigint NOT NULL, started bigint, finished bigint,
-  outcome text COLLATE "C" NOT NULL, tags text COLLATE "C" NOT NULL,
-  attention text COLLATE "C" NOT NULL, attention_text text COLLATE "C" NOT NULL,
-  attention_since bigint NOT NULL,
-  deleted bigint NOT NULL DEFAULT 0 CHECK (deleted IN (0, 1)),
-  load text COLLATE "C" NOT NULL DEFAULT '', warnings text COLLATE "C" NOT NULL DEFAULT '[]',
-  unaccepted text COLLATE "C" NOT NULL DEFAULT '', site text COLLATE "C" NOT NULL DEFAULT '',
-  CHECK (state NOT IN ('armed', 'cutting', 'paused') OR (device <> '' AND sheet > 0)),
-  CHECK (state NOT IN ('ready', 'interrupted') OR sheet > 0),
-  CHECK ((state IN ('done', 'failed', 'cancelled')) = (finished IS NOT NULL)))
-  WITH (fillfactor = 80);
-CREATE INDEX job_state ON popcut.job(state, id);
-CREATE INDEX job_owner ON popcut.job(owner, id);
-CREATE INDEX job_device ON popcut.job(device, id);
-CREATE INDEX job_wish ON popcut.job(wish, id) WHERE wish <> '';
-CREATE INDEX job_design ON popcut.job(design) WHERE state NOT IN ('done', 'failed', 'cancelled');
-CREATE INDEX job_plan ON popcut.job(plan, state);
-CREATE INDEX job_queue ON popcut.job(priority DESC, position, id)
-  WHERE state NOT IN ('done', 'failed', 'cancelled');
-CREATE INDEX job_position ON popcut.job(position);
-CREATE INDEX job_waiting ON popcut.job(priority DESC, position) WHERE state = 'queued';
-CREATE INDEX job_waiting_of ON popcut.job(owner, priority DESC, position) WHERE state = 'queued';
-CREATE INDEX job_open_of ON popcut.job(owner) WHERE state NOT IN ('done', 'failed', 'cancelled');
--- A device has one sheet in it.
-CREATE UNIQUE INDEX job_busy ON popcut.job(device) WHERE state IN ('armed', 'cutting', 'paused');
-
--- How many jobs there are of each state. A row for each would be locked by every transaction that
--- moves a job, one after the other until each is on the disk. So every change adds rows of its own,
--- the number is their sum, and node_tidy() makes them few again.
-CREATE TABLE popcut.tally(state text COLLATE "C" NOT NULL, jobs bigint NOT NULL);
-
--- Sheets that have been the current one; what the others are follows from the plan.
-CREATE TABLE popcut.sheet(
-  job text COLLATE "C" NOT NULL REFERENCES popcut.job(id),
-  k bigint NOT NULL CHECK (k BETWEEN 1 AND 10000),
-  blank bigint NOT NULL, segment bigint NOT NULL,
-  state text COLLATE "C" NOT NULL
-    CHECK (state IN ('ready', 'armed', 'cutting', 'interrupted', 'done', 'skipped')),
-  started bigint, finished bigint,
-  PRIMARY KEY (job, k)) WITH (fillfactor = 70);
-
-CREATE TABLE popcut.arm(
-  job text COLLATE "C" PRIMARY KEY REFERENCES popcut.job(id), sheet bigint NOT NULL,
-  blank bigint NOT NULL, device text COLLATE "C" NOT NULL, plan_sha256 text COLLATE "C" NOT NULL,
-  operator text COLLATE "C" NOT NULL, armed bigint NOT NULL, invocation text COLLATE "C" NOT NULL,
-  node text COLLATE "C" NOT NULL DEFAULT '', epoch bigint NOT NULL DEFAULT 0);
-
--- `fence` grows with each start of the fleet; a node starts nothing with one below the greatest
--- that its journals know. `identity` is that of the node which started it: its journal knows most.
-CREATE TABLE popcut.attempt(
-  id text COLLATE "C" PRIMARY KEY CHECK (length(id) = 26),
-  job text COLLATE "C" NOT NULL REFERENCES popcut.job(id), k bigint NOT NULL,
-  blank bigint NOT NULL, segment bigint NOT NULL, first_stroke bigint NOT NULL,
-  strokes bigint NOT NULL,
-  device text COLLATE "C" NOT NULL, device_session text COLLATE "C" NOT NULL,
-  operator text COLLATE "C" NOT NULL, plan_sha256 text COLLATE "C" NOT NULL,
-  invocation text COLLATE "C" NOT NULL,
-  created bigint NOT NULL, started_at bigint, ended bigint, end_kind text COLLATE "C" NOT NULL,
-  bytes_taken bigint NOT NULL, last_status text COLLATE "C" NOT NULL,
-  node text COLLATE "C" NOT NULL DEFAULT '', epoch bigint NOT NULL DEFAULT 0,
-  fence bigint UNIQUE,
-  identity text COLLATE "C" NOT NULL DEFAULT '') WITH (fillfactor = 70);
--- The same blank is never started twice.
-CREATE UNIQUE INDEX attempt_once ON popcut.attempt(job, k, blank, segment)
-  WHERE started_at IS NOT NULL;
 -- A machine cuts one sheet at a time, and so does a job.
 CREATE UNIQUE INDEX attempt_machine ON popcut.attempt(device)
   WHERE started_at IS NOT NULL AND ended IS NULL;
 CREATE UNIQUE INDEX attempt_knife ON popcut.attempt(job)
   WHERE started_at IS NOT NULL AND ended IS NULL;
-CREATE INDEX attempt_job ON popcut.attempt(job, k, id);
-CREATE INDEX attempt_open ON popcut.attempt(id) WHERE ended IS NULL;
 CREATE INDEX attempt_node ON popcut.attempt(node) WHERE ended IS NULL OR end_kind = 'lost';
+CREATE INDEX device_node ON popcut.device(node) WHERE node <> '';
+ALTER TABLE popcut.attempt ADD UNIQUE (fence);
 CREATE SEQUENCE popcut.fence_seq AS bigint;
 
--- Rows change in place while a cut goes on.
-CREATE TABLE popcut.chunk(
-  attempt text COLLATE "C" NOT NULL REFERENCES popcut.attempt(id), seq bigint NOT NULL,
-  path_from bigint NOT NULL CHECK (path_from >= 0), path_to bigint NOT NULL,
-  state text COLLATE "C" NOT NULL CHECK (state IN ('intent', 'sent', 'doubt', 'certain')),
-  CHECK (path_to >= path_from),
-  PRIMARY KEY (attempt, seq)) WITH (fillfactor = 50);
+-- The database numbers these rows; SQLite does so by itself.
+ALTER TABLE popcut.audit ALTER seq ADD GENERATED BY DEFAULT AS IDENTITY;
+ALTER TABLE popcut.usage ALTER seq ADD GENERATED BY DEFAULT AS IDENTITY;
 
-CREATE TABLE popcut.event(
-  seq bigint PRIMARY KEY, time bigint NOT NULL,
-  kind text COLLATE "C" NOT NULL CHECK (kind IN ('job', 'sheet', 'device', 'queue', 'notice')),
-  job text COLLATE "C" NOT NULL, data text COLLATE "C" NOT NULL);
-CREATE INDEX event_job ON popcut.event(job, seq) WHERE job <> '';
+-- How many jobs each state has. One row per state would be locked by every transaction that changes
+-- a job, one after the other until each is on the disk. So each change adds rows of its own. The
+-- count is their sum, and node_tidy() merges them.
+CREATE TABLE popcut.tally(state text COLLATE "C" NOT NULL, jobs bigint NOT NULL);
 
-CREATE TABLE popcut.idem(
-  principal text COLLATE "C" NOT NULL, key text COLLATE "C" NOT NULL,
-  request text COLLATE "C" NOT NULL, status bigint NOT NULL,
-  body text COLLATE "C" NOT NULL, etag text COLLATE "C" NOT NULL,
-  location text COLLATE "C" NOT NULL, expires bigint NOT NULL,
-  PRIMARY KEY (principal, key));
-CREATE INDEX idem_expires ON popcut.idem(expires);
-
-CREATE TABLE popcut.audit(
-  seq bigint GENERATED BY DEFAULT AS IDENTITY PRIMARY KEY, time bigint NOT NULL,
-  principal text COLLATE "C" NOT NULL, action text COLLATE "C" NOT NULL,
-  subject text COLLATE "C" NOT NULL, detail text COLLATE "C" NOT NULL);
-
-CREATE TABLE popcut.token(
-  id text COLLATE "C" PRIMARY KEY CHECK (length(id) = 26),
-  kind text COLLATE "C" NOT NULL CHECK (kind IN ('token', 'session')),
-  name text COLLATE "C" NOT NULL,
-  role text COLLATE "C" NOT NULL CHECK (role IN ('viewer', 'submitter', 'operator', 'admin')),
-  principal text COLLATE "C" NOT NULL,
-  secret_sha256 text COLLATE "C" NOT NULL CHECK (length(secret_sha256) = 64),
-  created bigint NOT NULL, expires bigint);
-
--- The root of a session is a token, or a user of a node's unix socket.
-CREATE TABLE popcut.session(
-  id text COLLATE "C" PRIMARY KEY CHECK (length(id) = 26),
-  token text COLLATE "C" REFERENCES popcut.token(id) ON DELETE CASCADE,
-  uid bigint, groups text COLLATE "C" NOT NULL,
-  via text COLLATE "C" REFERENCES popcut.session(id) ON DELETE CASCADE,
-  principal text COLLATE "C" NOT NULL,
-  secret_sha256 text COLLATE "C" NOT NULL CHECK (length(secret_sha256) = 64),
-  created bigint NOT NULL, expires bigint NOT NULL, ends bigint NOT NULL,
-  name text COLLATE "C" NOT NULL DEFAULT '',
-  most text COLLATE "C" NOT NULL DEFAULT ''
-    CHECK (most IN ('', 'viewer', 'submitter', 'operator', 'admin')),
-  CHECK ((token IS NULL) <> (uid IS NULL)));
-CREATE INDEX session_token ON popcut.session(token) WHERE token IS NOT NULL;
-CREATE INDEX session_via ON popcut.session(via) WHERE via IS NOT NULL;
-CREATE INDEX session_principal ON popcut.session(principal, expires);
-
-CREATE TABLE popcut.material(
-  id text COLLATE "C" PRIMARY KEY, rev bigint NOT NULL, json text COLLATE "C" NOT NULL);
-
--- `node` is the node that has the cutter; '' if none does. `materials` is a JSON list of what is
--- set up for it, '' for any; `reasons` is a JSON list.
-CREATE TABLE popcut.device(
-  id text COLLATE "C" PRIMARY KEY, rev bigint NOT NULL, model text COLLATE "C" NOT NULL,
-  title text COLLATE "C" NOT NULL, simulated bigint NOT NULL, width_mm double precision NOT NULL,
-  length_mm double precision NOT NULL, enabled bigint NOT NULL CHECK (enabled IN (0, 1)),
-  state text COLLATE "C" NOT NULL, sheets_done bigint NOT NULL, cut_mm double precision NOT NULL,
-  node text COLLATE "C" NOT NULL DEFAULT '', machine text COLLATE "C" NOT NULL DEFAULT '',
-  materials text COLLATE "C" NOT NULL DEFAULT '', reasons text COLLATE "C" NOT NULL DEFAULT '[]',
-  firmware text COLLATE "C" NOT NULL DEFAULT '',
-  site text COLLATE "C" NOT NULL DEFAULT '') WITH (fillfactor = 60);
-CREATE INDEX device_node ON popcut.device(node) WHERE node <> '';
-
-CREATE TABLE popcut.usage(
-  seq bigint GENERATED BY DEFAULT AS IDENTITY PRIMARY KEY, time bigint NOT NULL,
-  owner text COLLATE "C" NOT NULL, operator text COLLATE "C" NOT NULL,
-  device text COLLATE "C" NOT NULL, material text COLLATE "C" NOT NULL,
-  job text COLLATE "C" NOT NULL, k bigint NOT NULL, seconds double precision NOT NULL,
-  cut_mm double precision NOT NULL, sheets bigint NOT NULL);
-CREATE INDEX usage_time ON popcut.usage(time);
-
-CREATE TABLE popcut.calendar(
-  one bigint PRIMARY KEY CHECK (one = 1), believed bigint NOT NULL,
-  claimed bigint NOT NULL, held_ms bigint NOT NULL);
-
--- How attempts ended; rows of changes, as in tally.
+-- How attempts ended. Each change adds rows, as in tally.
 CREATE TABLE popcut.end_tally(
   device text COLLATE "C" NOT NULL, end_kind text COLLATE "C" NOT NULL, attempts bigint NOT NULL);
 
--- Rows that live for seconds leave room behind, which is to be used again before there is much of
--- it; a fifth of a table of a million jobs, as is usual, would be much.
+-- Rows that live for seconds leave dead rows behind; they are vacuumed early. The default, a fifth
+-- of the table, would be too late for a table of a million jobs.
 ALTER TABLE popcut.tally SET (autovacuum_vacuum_scale_factor = 0, autovacuum_vacuum_threshold = 500);
 ALTER TABLE popcut.end_tally
   SET (autovacuum_vacuum_scale_factor = 0, autovacuum_vacuum_threshold = 500);
@@ -700,7 +469,7 @@ DECLARE
   v_now text := popcut_generation();
   v_name text;
 BEGIN
-  -- Two ranges rather than one <>, so that the index finds that there is none.
+  -- Two ranges instead of one <>, so that the index can answer.
   SELECT name INTO v_name FROM node
     WHERE (generation < v_now OR generation > v_now) AND epoch > 0 AND
       (ended = 0 OR split_part(generation, '.', 2) <> split_part(v_now, '.', 2))
@@ -814,7 +583,7 @@ BEGIN
   now_ms := clock_ms();
 END $$;
 
--- An orderly stop: nobody need wait for the lease.
+-- An orderly stop: other nodes need not wait for the lease.
 CREATE FUNCTION popcut.node_end(p_name text, p_epoch bigint) RETURNS void LANGUAGE plpgsql
 SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 BEGIN
@@ -916,7 +685,7 @@ END $$;
 -- Events
 
 -- Gives numbers to committed events, and wakes the nodes that listen, but for `p_node`, which calls.
--- One caller at a time does the work; others get 0 at once. Whoever does it must call again until
+-- One caller at a time does the work; others get 0 at once. That caller must call again until
 -- the answer is 0, and so also numbers the events of those who were turned away meanwhile.
 -- Events of one job keep their order: a transaction takes their ids while it holds the job's row.
 CREATE FUNCTION popcut.event_number(p_node text) RETURNS bigint LANGUAGE plpgsql
@@ -926,7 +695,7 @@ DECLARE
   v_last bigint;
   v_count bigint;
 BEGIN
-  -- Who finds nothing takes no lock, so that nobody is turned away because of it.
+  -- A caller that finds nothing takes no lock and keeps no other caller out.
   PERFORM FROM event_new ORDER BY id LIMIT 1;
   IF NOT FOUND THEN RETURN 0; END IF;
   IF NOT pg_try_advisory_xact_lock(hashtextextended('popcut.event_counter', 0)) THEN
@@ -1047,7 +816,7 @@ BEGIN
     PERFORM fence_above(p_least_fence);
     RAISE EXCEPTION USING ERRCODE = 'PC001', MESSAGE =
       format('the fence %s is not above %s, which a journal of node %s knows: the database was '
-             'restored to an earlier time; begin again, so that what was started since is told',
+             'restored to an earlier time; restart the node, so that it reports what it started since',
              v_fence, p_least_fence, p_node);
   END IF;
   INSERT INTO attempt(id, job, k, blank, segment, first_stroke, strokes, device, device_session,
@@ -1157,7 +926,7 @@ BEGIN
   DELETE FROM chunk WHERE attempt = p_id;
 END $$;
 
--- What nobody can know any more is in doubt: the strokes that are not certain, up to p_doubt_upto.
+-- Strokes that are not certain, up to p_doubt_upto, become doubtful: it cannot be known any more.
 -- By the node that cut; by any other only when the lease of that node is over.
 CREATE FUNCTION popcut.knife_crash(p_node text, p_epoch bigint, p_id text, p_ended bigint,
                                    p_end_kind text, p_last_status text, p_doubt_upto bigint)
@@ -1191,7 +960,7 @@ BEGIN
     WHERE p_doubt_upto >= greatest(one.first_stroke, v_certain + 1);
 END $$;
 
--- A node that is back goes on with its cut, if nobody acted on the job since.
+-- A node that is back continues its cut, if the job has not been changed since.
 CREATE FUNCTION popcut.knife_again(p_node text, p_epoch bigint, p_id text) RETURNS void
 LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, popcut, pg_temp AS $$
 DECLARE

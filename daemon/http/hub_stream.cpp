@@ -70,10 +70,9 @@ std::string text_of_subject(const Event& event, Service& service) {
     return job ? job_text(*job) : std::string();
   }
   if (event.kind != "device") return {};
-  const auto data = nlohmann::json::parse(event.data, nullptr, false);
-  const auto id = data.is_object() ? data.find("device") : data.end();
-  if (id == data.end() || !id->is_string()) return {};
-  const Answer<DeviceRecord> device = service.devices.find(id->get<std::string>());
+  const std::string id = text_in(event, "device");
+  if (id.empty()) return {};
+  const Answer<DeviceRecord> device = service.devices.find(id);
   return device ? dump(to_json(*device)) : std::string();
 }
 

@@ -2,6 +2,9 @@
 #include "daemon/model/model.hpp"
 
 #include <cstddef>
+#include <utility>
+
+#include <nlohmann/json.hpp>
 
 namespace popcut::daemon {
 namespace {
@@ -14,6 +17,8 @@ constexpr std::array<std::string_view, 10> kStates{"queued",  "planning", "ready
 constexpr std::array<std::string_view, 10> kActions{
     "arm",    "disarm",         "start",       "pause",      "resume",
     "cancel", "confirm-result", "retry-sheet", "skip-sheet", "resume-from"};
+
+constexpr std::array<std::string_view, 3> kPlanStates{"pending", "planned", "failed"};
 
 template <typename Value, std::size_t N>
 std::optional<Value> find(const std::array<std::string_view, N>& names, std::string_view name) {
@@ -28,12 +33,30 @@ std::string_view name_of(Role role) { return kRoles.at(static_cast<std::size_t>(
 std::string_view name_of(JobState state) { return kStates.at(static_cast<std::size_t>(state)); }
 std::string_view name_of(JobAction action) { return kActions.at(static_cast<std::size_t>(action)); }
 
+std::string_view name_of(PlanState state) {
+  return kPlanStates.at(static_cast<std::size_t>(state));
+}
+
 std::optional<Role> role_from(std::string_view name) { return find<Role>(kRoles, name); }
 std::optional<JobState> job_state_from(std::string_view name) {
   return find<JobState>(kStates, name);
 }
 std::optional<JobAction> job_action_from(std::string_view name) {
   return find<JobAction>(kActions, name);
+}
+std::optional<PlanState> plan_state_from(std::string_view name) {
+  return find<PlanState>(kPlanStates, name);
+}
+
+std::string text_in(const Event& event, std::string_view name) {
+  const auto data = nlohmann::json::parse(event.data, nullptr, false);
+  if (!data.is_object()) return {};
+  const auto found = data.find(name);
+  return found != data.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+NextAction next_action(JobAction action, ActionRequest body, std::string job) {
+  return {std::string(name_of(action)), std::move(body), {}, std::move(job)};
 }
 
 bool is_terminal(JobState state) {

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "core/warning.hpp"
@@ -114,8 +115,7 @@ struct Design {
   bool is_new{true};
 };
 
-/// How a design becomes sheets: the words of `popcut plan`, checked by the planner.
-/// A spec that somebody wants to see while they design it.
+/// A spec to show while it is designed.
 struct PreviewRequest {
   std::string spec;   ///< JSON
   std::string key{};  ///< a newer one of the same principal and key takes its place; may be empty
@@ -133,6 +133,7 @@ struct ArtworkRequest {
   std::string model{};  ///< id of an asset; empty: the mesh of the spec
 };
 
+/// How a design becomes sheets: the options of `popcut plan`, checked by the planner.
 struct PlanRequest {
   std::string design;
   std::string material;  ///< empty: the design's own, else paper-220
@@ -158,14 +159,15 @@ struct SheetPlan {
   std::array<double, 2> seconds_range{};
   std::array<double, 2> area_mm{};
   std::string program_sha256;  ///< of `EncodedProgram::bytes`; checked again at START
-  /// Of the file that says what these bytes are for; likewise. Empty: an earlier popcutd planned
-  /// it.
+  /// Of the file that says what these bytes are for; checked again too. Not shown.
   std::string index_sha256{};
   std::string mat{};   ///< that it lies on: "12x12"; empty: none, or one without a name
   std::string side{};  ///< that is up: "pop-up", "printed" or "drawn"; empty: not known
 };
 
 enum class PlanState : std::uint8_t { Pending, Planned, Failed };
+[[nodiscard]] std::string_view name_of(PlanState state);
+[[nodiscard]] std::optional<PlanState> plan_state_from(std::string_view name);
 
 struct PlanRecord {
   std::string id;  ///< ULID
@@ -242,15 +244,6 @@ struct SearchRecord {
   std::optional<double> share{};  ///< of the whole search that is done, 0 to 1
 };
 
-/// A complete request that is possible now: an action, and its body as JSON. "change" is a PATCH of
-/// the job.
-struct NextAction {
-  std::string action;
-  std::string body;
-  std::string device{};  ///< of an action of a device (reset, enable)
-  std::string job{};     ///< of an action of another job than the one that was asked about
-};
-
 struct Attention {
   std::string kind;  ///< load_sheet, confirm_result, device_absent, device_fault, device_busy,
                      ///< media_out, in_doubt
@@ -266,36 +259,16 @@ struct JobProgress {
   double cut_mm{};
 };
 
-struct Job {
-  std::string id;  ///< ULID
-  std::int64_t rev{};
-  JobState state{};
-  std::string reason{};
-  std::string name, note, owner, operator_name{};
-  std::string owner_title{}, operator_title{};  ///< what people call these principals
-  bool is_test{false};                          ///< a test cut
-  std::string device{};                         ///< empty: none chosen yet
-  std::string site{};                           ///< only cutters there cut it; empty: any
-  std::string design, plan, material;
-  int priority{}, copies{1};
-  bool held{false};
-  int sheets_total{};
-  int sheet{};  ///< the current one, from 1; 0: none
-  int blank{1}, segment{1};
-  JobProgress progress{};
-  std::array<double, 2> remaining_s{};
-  TimeMs created{};
-  std::optional<TimeMs> started{}, finished{};
-  std::string outcome{};
-  std::vector<std::string> tags{};
-  std::string load{};                     ///< what to load for the current sheet, as JSON
-  std::string warnings{"[]"};             ///< as JSON (`warnings_json`)
-  std::vector<std::string> unaccepted{};  ///< codes of warnings that `arm` must accept
-  std::optional<Attention> attention{};
-  std::optional<TimeMs> armed_until{};  ///< while it is armed: when that lapses
-  std::vector<std::string> actions{};   ///< allowed now
-  std::vector<NextAction>
-      next_actions{};  ///< of one job that was asked for: requests that pass now
+struct JobEstimate {
+  std::array<double, 2> remaining_s{};  ///< shortest and longest
+};
+
+/// What to put into the cutter for a sheet.
+struct LoadedSheet {
+  std::string material, machine;
+  std::string mat{};  ///< name; empty: none, or one without a name
+  double width_mm{}, length_mm{};
+  std::string side{};  ///< that is up: "pop-up", "printed" or "drawn"; empty: not known
 };
 
 struct JobCreate {
@@ -334,6 +307,75 @@ struct ActionRequest {
   std::string reason{};
 };
 
+/// The body of a request to the queue.
+struct QueueRequest {
+  std::string job;
+};
+
+/// A complete request that would pass now.
+struct NextAction {
+  /// As in the URL: "arm", "release", "reset"; "change" is a PATCH of the job.
+  std::string action;
+  std::variant<ActionRequest, JobPatch, QueueRequest> body{};
+  std::string device{};  ///< of an action of a device (reset, enable)
+  std::string job{};     ///< of an action of another job than the one that was asked about
+};
+
+/// An action of a job, with its body; `job` as in `NextAction`.
+[[nodiscard]] NextAction next_action(JobAction action, ActionRequest body = {},
+                                     std::string job = {});
+
+/// A job as it is stored.
+struct JobRow {
+  std::string id;  ///< ULID
+  std::int64_t rev{0};
+  JobState state{};
+  std::string reason{};
+  std::string asked{};  ///< of a job that is cut: "", "pause", "cancel"
+  std::string name{}, note{}, owner{}, operator_name{};
+  std::string requested_device{};
+  std::string device{};  ///< that holds the sheet; empty: none
+  std::string site{};    ///< only cutters there cut it; empty: any
+  std::string design{}, plan{}, material{};
+  int priority{};
+  std::int64_t position{};  ///< in the queue, among jobs of the same priority
+  int copies{1};
+  bool held{false};
+  int sheets_total{};
+  int sheet{};  ///< the current one, from 1; 0: none
+  int blank{1}, segment{1};
+  std::int64_t first_stroke{0};
+  std::int64_t paths_certain{}, paths_sent{};  ///< of the current sheet
+  std::int64_t paths_total{};                  ///< of all sheets
+  std::int64_t done_paths{};                   ///< of the sheets before the current one
+  double done_mm{};
+  double low_s{}, high_s{};  ///< estimate of what is left, with the whole current sheet
+  TimeMs created{};
+  std::optional<TimeMs> started{}, finished{};
+  std::string outcome{};
+  std::vector<std::string> tags{};
+  std::optional<LoadedSheet> load{};      ///< what the current sheet needs
+  std::vector<Warning> warnings{};        ///< its own and those of its plan
+  std::vector<std::string> unaccepted{};  ///< codes of warnings that `arm` must accept
+  std::string attention_kind{}, attention_text{};
+  TimeMs attention_since{};
+  bool is_deleted{false};
+};
+
+/// A job as the API shows it: what is stored, and what follows from that now. `device` is the
+/// requested one as long as no cutter holds the sheet. Its fields are listed in
+/// daemon/model/fields.hpp.
+struct Job : JobRow {
+  std::string kind{"job"};                      ///< or "test-cut"
+  std::string owner_title{}, operator_title{};  ///< what people call these principals
+  JobProgress progress{};
+  JobEstimate est{};
+  std::optional<Attention> attention{};
+  std::optional<TimeMs> armed_until{};     ///< while it is armed: when that lapses
+  std::vector<std::string> actions{};      ///< allowed now
+  std::vector<NextAction> next_actions{};  ///< only of one job that was asked for
+};
+
 struct SheetRecord {
   int number{}, copy{1}, blank{1}, segment{1};
   std::string state;  ///< waiting, ready, armed, cutting, interrupted, done, skipped
@@ -370,8 +412,10 @@ struct Event {
   std::string kind;    ///< job, sheet, device, queue, progress, notice
   TimeMs time{};
   std::string job{};
-  std::string data;  ///< compact JSON with "rev"
+  std::string data;  ///< as it is stored: compact JSON with "seq", "kind" and what changed
 };
+/// A text that the event says under this name; empty: none.
+[[nodiscard]] std::string text_in(const Event& event, std::string_view name);
 
 struct DeviceRecord {
   std::string id;  ///< "sim:cameo3", "usb:51053P"

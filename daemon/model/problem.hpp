@@ -59,7 +59,7 @@ struct Problem {
   std::vector<std::string> allowed_actions{};  ///< allowed now (StateConflict, Stale)
   std::optional<int> retry_after_s{};
   std::vector<NextAction> next_actions{};  ///< complete requests that would pass now
-  std::string warnings{};  ///< of the job, as JSON, where they are the reason; else empty
+  std::vector<Warning> warnings{};         ///< of the job, where they are the reason; else none
 };
 
 template <typename T>

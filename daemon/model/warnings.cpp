@@ -2,10 +2,11 @@
 #include "daemon/model/warnings.hpp"
 
 #include <algorithm>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include "daemon/model/json_object.hpp"
 
 namespace popcut::daemon {
 namespace {
@@ -14,21 +15,18 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kLongestCode = 40;
 
-std::string quoted(const std::string& text) {
-  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-std::string place_json(const WarningPlace& place) {
-  if (!place.is_known()) return "null";
-  std::string text;
-  const auto add = [&](const char* name, const std::string& value) {
-    text += fmt::format(R"({}"{}":{})", text.empty() ? "" : ",", name, value);
-  };
-  if (place.sheet > 0) add("sheet", std::to_string(place.sheet));
-  if (place.u_mm) add("u_mm", Json(*place.u_mm).dump());
-  if (place.v_mm) add("v_mm", Json(*place.v_mm).dump());
-  if (!place.source.empty()) add("source", quoted(place.source));
-  return "{" + text + "}";
+void put_place(JsonObject& out, const WarningPlace& place) {
+  if (!place.is_known()) {
+    out.null("place");
+    return;
+  }
+  JsonObject known;
+  if (place.sheet > 0) known.number("sheet", place.sheet);
+  // Numbers as nlohmann writes them: "2.0".
+  if (place.u_mm) known.json("u_mm", Json(*place.u_mm).dump());
+  if (place.v_mm) known.json("v_mm", Json(*place.v_mm).dump());
+  if (!place.source.empty()) known.text("source", place.source);
+  out.object("place", known);
 }
 
 bool is_code(std::string_view text) {
@@ -60,13 +58,14 @@ WarningPlace place_from(const Json& json) {
 }  // namespace
 
 std::string warnings_json(const std::vector<Warning>& warnings) {
-  std::string text = "[";
-  for (const Warning& one : warnings)
-    fmt::format_to(std::back_inserter(text),
-                   R"({}{{"code":{},"message":{},"place":{},"spoils":{}}})",
-                   &one == &warnings.front() ? "" : ",", quoted(one.code), quoted(one.message),
-                   place_json(one.place), one.spoils);
-  return text + "]";
+  std::vector<JsonObject> all;
+  for (const Warning& one : warnings) {
+    JsonObject& out = all.emplace_back();
+    out.text("code", one.code).text("message", one.message);
+    put_place(out, one.place);
+    out.flag("spoils", one.spoils);
+  }
+  return json_list_of(all);
 }
 
 std::vector<Warning> warnings_from_json(std::string_view json) {
@@ -99,33 +98,20 @@ void shorten(std::vector<Warning>& warnings, std::size_t most, std::size_t longe
   }
 }
 
-std::string spoiling_codes(const std::vector<Warning>& warnings) {
-  std::vector<std::string> known;
-  std::string codes;
-  for (const Warning& one : warnings) {
-    if (!one.spoils || std::find(known.begin(), known.end(), one.code) != known.end()) continue;
-    codes += (codes.empty() ? "" : " ") + one.code;
-    known.push_back(one.code);
-  }
+std::vector<std::string> spoiling_codes(const std::vector<Warning>& warnings) {
+  std::vector<std::string> codes;
+  for (const Warning& one : warnings)
+    if (one.spoils && std::find(codes.begin(), codes.end(), one.code) == codes.end())
+      codes.push_back(one.code);
   return codes;
 }
 
-std::vector<std::string> codes_of(std::string_view codes) {
-  std::vector<std::string> all;
-  while (!codes.empty()) {
-    const std::size_t end = std::min(codes.find(' '), codes.size());
-    if (end > 0) all.emplace_back(codes.substr(0, end));
-    codes.remove_prefix(std::min(end + 1, codes.size()));
-  }
-  return all;
-}
-
-std::string codes_without(std::string_view codes, const std::vector<std::string>& accepted) {
-  std::string left;
-  for (const std::string& code : codes_of(codes))
-    if (std::find(accepted.begin(), accepted.end(), code) == accepted.end())
-      left += (left.empty() ? "" : " ") + code;
-  return left;
+std::vector<std::string> codes_without(std::vector<std::string> codes,
+                                       const std::vector<std::string>& accepted) {
+  std::erase_if(codes, [&](const std::string& code) {
+    return std::find(accepted.begin(), accepted.end(), code) != accepted.end();
+  });
+  return codes;
 }
 
 }  // namespace popcut::daemon

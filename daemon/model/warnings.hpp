@@ -21,11 +21,10 @@ namespace popcut::daemon {
 /// so; texts of at most `longest` bytes.
 void shorten(std::vector<Warning>& warnings, std::size_t most, std::size_t longest);
 
-/// The codes of those that spoil a cut, each once, with a blank between them.
-[[nodiscard]] std::string spoiling_codes(const std::vector<Warning>& warnings);
+/// The codes of the warnings that may spoil a cut, each once.
+[[nodiscard]] std::vector<std::string> spoiling_codes(const std::vector<Warning>& warnings);
 /// `codes` without those in `accepted`.
-[[nodiscard]] std::string codes_without(std::string_view codes,
-                                        const std::vector<std::string>& accepted);
-[[nodiscard]] std::vector<std::string> codes_of(std::string_view codes);
+[[nodiscard]] std::vector<std::string> codes_without(std::vector<std::string> codes,
+                                                     const std::vector<std::string>& accepted);
 
 }  // namespace popcut::daemon

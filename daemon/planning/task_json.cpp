@@ -9,6 +9,7 @@
 
 #include "core/text/field_reader.hpp"
 #include "core/text/json_text.hpp"
+#include "daemon/model/fields.hpp"
 #include "daemon/model/warnings.hpp"
 
 namespace popcut::planning {
@@ -50,37 +51,32 @@ std::string dumped(const Json& json) {
 }
 
 Json sheet_json(const daemon::SheetPlan& sheet) {
-  return {{"number", sheet.number},
-          {"paths", sheet.paths},
-          {"cut_mm", sheet.cut_mm},
-          {"fold_mm", sheet.fold_mm},
-          {"travel_mm", sheet.travel_mm},
-          {"seconds", sheet.seconds},
-          {"seconds_range", sheet.seconds_range},
-          {"area_mm", sheet.area_mm},
-          {"program_sha256", sheet.program_sha256},
-          {"mat", sheet.mat},
-          {"side", sheet.side}};
+  Json out;
+  list_fields(&sheet, [&](const char* name, auto member, daemon::FieldUse use = {}) {
+    if (!use.is_hidden) out[name] = sheet.*member;
+  });
+  return out;
 }
 
-std::array<double, 2> read_pair(FieldReader& fields, const char* key) {
-  const std::vector<double> pair = fields.numbers(key, 2);
-  return {pair[0], pair[1]};
+void read_member(FieldReader& fields, const char* name, int& value) {
+  value = fields.integer(name, {}, 0, 1 << 30);
+}
+void read_member(FieldReader& fields, const char* name, double& value) {
+  value = fields.number(name, {}, 0, kMost);
+}
+void read_member(FieldReader& fields, const char* name, std::array<double, 2>& pair) {
+  const std::vector<double> both = fields.numbers(name, 2);
+  pair = {both[0], both[1]};
+}
+void read_member(FieldReader& fields, const char* name, std::string& text) {
+  text = fields.text(name, {}).substr(0, kMostName);
 }
 
 daemon::SheetPlan read_sheet(FieldReader& fields) {
   daemon::SheetPlan sheet;
-  sheet.number = fields.integer("number", {}, 1, 1'000'000);
-  sheet.paths = fields.integer("paths", {}, 0, 1 << 30);
-  sheet.cut_mm = fields.number("cut_mm", {}, 0, kMost);
-  sheet.fold_mm = fields.number("fold_mm", {}, 0, kMost);
-  sheet.travel_mm = fields.number("travel_mm", {}, 0, kMost);
-  sheet.seconds = fields.number("seconds", {}, 0, kMost);
-  sheet.seconds_range = read_pair(fields, "seconds_range");
-  sheet.area_mm = read_pair(fields, "area_mm");
-  sheet.program_sha256 = fields.text("program_sha256", {});
-  sheet.mat = fields.text("mat", "").substr(0, kMostName);
-  sheet.side = fields.text("side", "").substr(0, kMostName);
+  list_fields(&sheet, [&](const char* name, auto member, daemon::FieldUse use = {}) {
+    if (!use.is_hidden) read_member(fields, name, sheet.*member);
+  });
   return sheet;
 }
 

@@ -2,7 +2,6 @@
 #include "daemon/service/service_store.hpp"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace popcut::daemon {
 namespace {
@@ -64,12 +63,12 @@ void ServiceStore::follow_up() {
 }
 
 void ServiceStore::emit(const std::string& kind, const std::string& job,
-                        const std::string& members) {
-  std::string data = fmt::format(R"("kind":"{}")", kind);
-  if (!job.empty()) data += fmt::format(R"(,"job":"{}")", job);
-  if (!members.empty()) data += "," + members;
-  data += "}";
-  events_.push_back({0, kind, now(), job, std::move(data)});
+                        const JsonObject& members) {
+  JsonObject data;
+  data.text("kind", kind);
+  if (!job.empty()) data.text("job", job);
+  // Without its "{": the number of the event comes before it.
+  events_.push_back({0, kind, now(), job, data.members_of(members).whole().substr(1)});
 }
 
 void ServiceStore::store_events() {
@@ -296,10 +295,6 @@ void ServiceStore::recover_disk() {
   if (!folder().take_reserve(reserve)) return;
   if (full_) log("the disk has space again");
   full_ = false;
-}
-
-std::string json_text(std::string_view text) {
-  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace popcut::daemon

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "daemon/digest/digest.hpp"
+#include "daemon/model/json_object.hpp"
 #include "daemon/model/metrics.hpp"
 #include "daemon/model/problem.hpp"
 #include "daemon/service/service_options.hpp"
@@ -102,9 +103,8 @@ class ServiceStore {
   /// Runs `work` after the commit of the transaction, and never after a rollback.
   void after_commit(std::function<void()> work) { after_.push_back(std::move(work)); }
 
-  /// Stores an event, in a transaction. `members` are JSON members after those that all have:
-  /// `"state":"ready","rev":3`.
-  void emit(const std::string& kind, const std::string& job, const std::string& members);
+  /// Stores an event, in a transaction. `members` come after those that all events have.
+  void emit(const std::string& kind, const std::string& job, const JsonObject& members);
   /// Calls the listeners now, without storing the event.
   void publish(const Event& event);
   /// In a fleet: publishes the stored events of all nodes that were not published here yet.
@@ -190,6 +190,5 @@ class ServiceStore {
 };
 
 /// `text` as a JSON string with its quotes.
-[[nodiscard]] std::string json_text(std::string_view text);
 
 }  // namespace popcut::daemon

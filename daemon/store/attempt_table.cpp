@@ -3,41 +3,77 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
+#include "daemon/store/columns.hpp"
+
 namespace popcut::daemon {
+template <typename See>
+void list_fields(const AttemptRow*, See&& see) {
+  see("id", &AttemptRow::id);
+  see("job", &AttemptRow::job);
+  see("k", &AttemptRow::sheet);
+  see("blank", &AttemptRow::blank);
+  see("segment", &AttemptRow::segment);
+  see("first_stroke", &AttemptRow::first_stroke);
+  see("strokes", &AttemptRow::strokes);
+  see("device", &AttemptRow::device);
+  see("device_session", &AttemptRow::device_session);
+  see("operator", &AttemptRow::operator_name);
+  see("plan_sha256", &AttemptRow::plan_sha256);
+  see("invocation", &AttemptRow::invocation);
+  see("created", &AttemptRow::created);
+  see("started_at", &AttemptRow::started);
+  see("ended", &AttemptRow::ended);
+  see("end_kind", &AttemptRow::end_kind);
+  see("bytes_taken", &AttemptRow::bytes_taken);
+  see("last_status", &AttemptRow::last_status);
+  see("node", &AttemptRow::node);
+  see("epoch", &AttemptRow::epoch);
+  see("fence", &AttemptRow::fence);
+  see("identity", &AttemptRow::identity);
+}
+
+template <typename See>
+void list_fields(const AttemptTable::ArmRow*, See&& see) {
+  using ArmRow = AttemptTable::ArmRow;
+  see("job", &ArmRow::job);
+  see("sheet", &ArmRow::sheet);
+  see("blank", &ArmRow::blank);
+  see("device", &ArmRow::device);
+  see("plan_sha256", &ArmRow::plan_sha256);
+  see("operator", &ArmRow::operator_name);
+  see("armed", &ArmRow::armed);
+  see("invocation", &ArmRow::invocation);
+  see("node", &ArmRow::node);
+  see("epoch", &ArmRow::epoch);
+}
+
+template <typename See>
+void list_fields(const AttemptTable::SheetRow*, See&& see) {
+  using SheetRow = AttemptTable::SheetRow;
+  see("k", &SheetRow::sheet);
+  see("blank", &SheetRow::blank);
+  see("segment", &SheetRow::segment);
+  see("state", &SheetRow::state);
+  see("started", &SheetRow::started);
+  see("finished", &SheetRow::finished);
+}
+
 namespace {
 
-#define POPCUT_ATTEMPT_COLUMNS                                                                \
-  "id, job, k, blank, segment, first_stroke, strokes, device, device_session, operator, "     \
-  "plan_sha256, invocation, created, started_at, ended, end_kind, bytes_taken, last_status, " \
-  "node, epoch, fence, identity"
-#define POPCUT_ARM_COLUMNS \
-  "job, sheet, blank, device, plan_sha256, operator, armed, invocation, node, epoch"
-
-// The members in the order of the columns.
 template <typename Row>
-auto attempt_values(Row& row) {
-  return std::tie(row.id, row.job, row.sheet, row.blank, row.segment, row.first_stroke, row.strokes,
-                  row.device, row.device_session, row.operator_name, row.plan_sha256,
-                  row.invocation, row.created, row.started, row.ended, row.end_kind,
-                  row.bytes_taken, row.last_status, row.node, row.epoch, row.fence, row.identity);
-}
-
-AttemptRow attempt_row(const Rows& rows) {
-  AttemptRow row;
-  rows.read(0, attempt_values(row));
-  return row;
-}
-
-AttemptTable::SheetRow sheet_row(const Rows& rows) {
-  AttemptTable::SheetRow row;
-  rows.read(0, std::tie(row.sheet, row.blank, row.segment, row.state, row.started, row.finished));
-  return row;
+std::string select(std::string_view table, std::string_view where) {
+  return fmt::format("SELECT {} FROM {} WHERE {}", column_names<Row>(), table, where);
 }
 
 }  // namespace
 
 void AttemptTable::put_all(const AttemptRow& row) {
-  db_.insert("attempt(" POPCUT_ATTEMPT_COLUMNS ")", attempt_values(row));
+  static const std::string into = "attempt(" + column_names<AttemptRow>() + ")";
+  ColumnValues values;
+  put_row(values, row);
+  db_.insert_list(into, values.all());
 }
 
 std::int64_t AttemptTable::start(const AttemptRow& row) {
@@ -168,17 +204,14 @@ std::vector<std::pair<std::string, TimeMs>> AttemptTable::known_among(
 }
 
 std::vector<AttemptRow> AttemptTable::of_sheet(const std::string& job, int sheet) {
-  return all_of(
-      db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS " FROM attempt WHERE job=? AND k=? ORDER BY id",
-               job, sheet),
-      attempt_row);
+  static const std::string sql = select<AttemptRow>("attempt", "job=? AND k=? ORDER BY id");
+  return all_of(db_.rows(sql, job, sheet), read_row<AttemptRow>);
 }
 
 std::vector<AttemptRow> AttemptTable::open_of(const std::string& node, std::int64_t epoch) {
-  return all_of(db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS
-                         " FROM attempt WHERE ended IS NULL AND node=? AND epoch<=? ORDER BY id",
-                         node, epoch),
-                attempt_row);
+  static const std::string sql =
+      select<AttemptRow>("attempt", "ended IS NULL AND node=? AND epoch<=? ORDER BY id");
+  return all_of(db_.rows(sql, node, epoch), read_row<AttemptRow>);
 }
 
 std::optional<AttemptTable::Begun> AttemptTable::last_begun(const std::string& job, int sheet) {
@@ -192,15 +225,14 @@ std::optional<AttemptTable::Begun> AttemptTable::last_begun(const std::string& j
 }
 
 std::optional<AttemptRow> AttemptTable::find(const std::string& attempt) {
-  return first_of(db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS " FROM attempt WHERE id=?", attempt),
-                  attempt_row);
+  static const std::string sql = select<AttemptRow>("attempt", "id=?");
+  return first_of(db_.rows(sql, attempt), read_row<AttemptRow>);
 }
 
 std::vector<AttemptRow> AttemptTable::open() {
-  return all_of(db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS
-                         " FROM attempt WHERE ended IS NULL AND node=? ORDER BY id",
-                         node_.name),
-                attempt_row);
+  static const std::string sql =
+      select<AttemptRow>("attempt", "ended IS NULL AND node=? ORDER BY id");
+  return all_of(db_.rows(sql, node_.name), read_row<AttemptRow>);
 }
 
 std::vector<FateRun> AttemptTable::fates(const std::string& attempt) {
@@ -225,27 +257,30 @@ void AttemptTable::put_sheet(const std::string& job, int sheet, int blank, int s
 
 std::vector<AttemptTable::SheetRow> AttemptTable::sheets(const std::string& job, int first,
                                                          int last) {
-  return all_of(db_.rows("SELECT k, blank, segment, state, started, finished FROM sheet WHERE "
-                         "job=? AND k BETWEEN ? AND ? ORDER BY k",
-                         job, first, last),
-                sheet_row);
+  static const std::string sql =
+      select<SheetRow>("sheet", "job=? AND k BETWEEN ? AND ? ORDER BY k");
+  return all_of(db_.rows(sql, job, first, last), read_row<SheetRow>);
 }
 
 std::optional<AttemptTable::SheetRow> AttemptTable::sheet(const std::string& job, int sheet) {
-  return first_of(
-      db_.rows("SELECT k, blank, segment, state, started, finished FROM sheet WHERE job=? AND k=?",
-               job, sheet),
-      sheet_row);
+  static const std::string sql = select<SheetRow>("sheet", "job=? AND k=?");
+  return first_of(db_.rows(sql, job, sheet), read_row<SheetRow>);
 }
 
 void AttemptTable::arm(const ArmRow& row) {
-  if (db_.is_shared())
+  if (db_.is_shared()) {
     db_.later("SELECT knife_arm(?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", node_.name, node_.epoch, row.job,
               row.sheet, row.blank, row.device, row.plan_sha256, row.operator_name, row.armed,
               row.invocation);
-  else
-    db_.put("arm(" POPCUT_ARM_COLUMNS ")", "job", row.job, row.sheet, row.blank, row.device,
-            row.plan_sha256, row.operator_name, row.armed, row.invocation, node_.name, node_.epoch);
+    return;
+  }
+  static const std::string into = "arm(" + column_names<ArmRow>() + ")";
+  ArmRow own = row;
+  own.node = node_.name;
+  own.epoch = node_.epoch;
+  ColumnValues values;
+  put_row(values, own);
+  db_.put_list(into, "job", values.all());
 }
 
 void AttemptTable::disarm(const std::string& job) {
@@ -263,13 +298,8 @@ std::vector<std::string> AttemptTable::armed_by(const std::string& node, std::in
 }
 
 std::optional<AttemptTable::ArmRow> AttemptTable::armed(const std::string& job) {
-  return first_of(
-      db_.rows("SELECT " POPCUT_ARM_COLUMNS " FROM arm WHERE job=?", job), [](const Rows& rows) {
-        ArmRow row;
-        rows.read(0, std::tie(row.job, row.sheet, row.blank, row.device, row.plan_sha256,
-                              row.operator_name, row.armed, row.invocation, row.node, row.epoch));
-        return row;
-      });
+  static const std::string sql = select<ArmRow>("arm", "job=?");
+  return first_of(db_.rows(sql, job), read_row<ArmRow>);
 }
 
 }  // namespace popcut::daemon

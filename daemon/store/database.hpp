@@ -187,10 +187,6 @@ class Database {
   int put(std::string_view into, std::string_view keys, const Values&... values) {
     return put_list(into, keys, std::array<Bound, sizeof...(Values)>{Bound(values)...});
   }
-  template <typename... Values>
-  int put(std::string_view into, std::string_view keys, const std::tuple<Values...>& values) {
-    return std::apply([&](const auto&... each) { return put(into, keys, each...); }, values);
-  }
   /// Waits until no other transaction holds this name; it is held to the end of this one. In a
   /// database that is not shared there is nobody to wait for.
   virtual void hold(std::string_view name) = 0;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "daemon/digest/digest.hpp"
+#include "daemon/store/schema.hpp"
 #include "daemon/store/state_folder.hpp"
 
 namespace popcut::daemon {
@@ -65,7 +66,7 @@ Integrity integrity_of(const std::string& database, const std::string& scratch) 
     SqliteDatabase opened({.path = copy, .create = false, .exclusive_wal = false});
     found.damage = damage_in(opened);
     found.application = opened.number("PRAGMA application_id");
-    found.version = static_cast<int>(opened.number("PRAGMA user_version"));
+    found.version = schema_version(opened);
     found.jobs = opened.number("SELECT count(*) FROM job");
     found.last_event = opened.number("SELECT max(seq) FROM event");
   } catch (const StoreFault& fault) {

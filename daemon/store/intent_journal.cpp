@@ -15,10 +15,28 @@
 
 #include "daemon/digest/digest.hpp"
 #include "daemon/files/held_folder.hpp"
+#include "daemon/model/json_object.hpp"
 #include "daemon/store/database.hpp"
 #include "daemon/store/ulid.hpp"
 
 namespace popcut::daemon {
+template <typename See>
+void list_fields(const IntentHead*, See&& see) {
+  see("attempt", &IntentHead::attempt);
+  see("job", &IntentHead::job);
+  see("sheet", &IntentHead::sheet);
+  see("blank", &IntentHead::blank);
+  see("segment", &IntentHead::segment);
+  see("first_stroke", &IntentHead::first_stroke);
+  see("strokes", &IntentHead::strokes);
+  see("device", &IntentHead::device);
+  see("device_session", &IntentHead::device_session);
+  see("operator", &IntentHead::operator_name);
+  see("plan_sha256", &IntentHead::plan_sha256);
+  see("invocation", &IntentHead::invocation);
+  see("created", &IntentHead::created);
+}
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -57,19 +75,14 @@ bool read_record(std::string_view text, std::int64_t& number, std::int64_t& last
   return number >= 0 && text == record_text(number, last);
 }
 
+void put(JsonObject& out, std::string_view name, const std::string& text) { out.text(name, text); }
+void put(JsonObject& out, std::string_view name, std::int64_t number) { out.number(name, number); }
+
 std::string head_text(const IntentHead& head) {
-  // Text by text: an object of JSON takes memory to be destroyed, and where there is none it ends
-  // the process.
-  const auto quoted = [](const std::string& text) {
-    return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  };
-  std::string text = fmt::format(
-      R"({{"popcut":1,"attempt":{},"job":{},"sheet":{},"blank":{},"segment":{},"first_stroke":{},)"
-      R"("strokes":{},"device":{},"device_session":{},"operator":{},"plan_sha256":{},)"
-      R"("invocation":{},"created":{}}})",
-      quoted(head.attempt), quoted(head.job), head.sheet, head.blank, head.segment,
-      head.first_stroke, head.strokes, quoted(head.device), quoted(head.device_session),
-      quoted(head.operator_name), quoted(head.plan_sha256), quoted(head.invocation), head.created);
+  JsonObject out;
+  out.number("popcut", 1);
+  list_fields(&head, [&](std::string_view name, auto member) { put(out, name, head.*member); });
+  std::string text = out.whole();
   constexpr std::size_t kRoom = kHeadBytes - kDigestDigits - 2;
   if (text.size() > kRoom) throw StoreFault(FaultKind::Other, "the head of a journal is too long");
   text.resize(kRoom, ' ');
@@ -83,19 +96,7 @@ std::optional<IntentHead> read_head(std::string_view bytes, const std::string& a
   const auto json = nlohmann::json::parse(text, nullptr, false);
   IntentHead head;
   try {
-    head.attempt = json.at("attempt");
-    head.job = json.at("job");
-    head.sheet = json.at("sheet");
-    head.blank = json.at("blank");
-    head.segment = json.at("segment");
-    head.first_stroke = json.at("first_stroke");
-    head.strokes = json.at("strokes");
-    head.device = json.at("device");
-    head.device_session = json.at("device_session");
-    head.operator_name = json.at("operator");
-    head.plan_sha256 = json.at("plan_sha256");
-    head.invocation = json.at("invocation");
-    head.created = json.at("created");
+    list_fields(&head, [&](const char* name, auto member) { json.at(name).get_to(head.*member); });
   } catch (const nlohmann::json::exception&) {
     return std::nullopt;
   }

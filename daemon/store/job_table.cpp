@@ -7,92 +7,47 @@
 
 #include <fmt/format.h>
 
+#include "daemon/store/columns.hpp"
 #include "daemon/store/ulid.hpp"
 
 namespace popcut::daemon {
 namespace {
 
-#define POPCUT_JOB_COLUMNS                                                                     \
-  "state, id, rev, reason, asked, name, note, owner, operator, wish, device, design, plan, "   \
-  "material, priority, position, copies, held, sheets_total, sheet, blank, segment, "          \
-  "first_stroke, paths_certain, paths_sent, paths_total, done_paths, done_mm, low_s, high_s, " \
-  "created, started, finished, outcome, tags, attention, attention_text, attention_since, "    \
-  "load, warnings, unaccepted, site"
-
-constexpr std::string_view kUpdate =
-    "UPDATE job SET rev=?, state=?, reason=?, asked=?, name=?, note=?, operator=?, wish=?, "
-    "device=?, priority=?, position=?, held=?, sheets_total=?, sheet=?, blank=?, segment=?, "
-    "first_stroke=?, paths_certain=?, paths_sent=?, paths_total=?, done_paths=?, done_mm=?, "
-    "low_s=?, high_s=?, started=?, finished=?, outcome=?, attention=?, attention_text=?, "
-    "attention_since=?, plan=?, material=?, load=?, warnings=?, unaccepted=?, site=? WHERE id=? "
-    "AND rev=?";
-constexpr std::string_view kFind =
-    "SELECT " POPCUT_JOB_COLUMNS " FROM job WHERE id=? AND deleted=0";
-constexpr std::string_view kQueue =
-    "SELECT " POPCUT_JOB_COLUMNS
-    " FROM job WHERE state NOT IN ('done', 'failed', 'cancelled') AND "
-    "priority<=?2 AND (priority<?2 OR (position, id)>(?3, ?4)) "
-    "ORDER BY priority DESC, position, id LIMIT ?1";
-// Where they stand among the columns.
-constexpr int kIdColumn = 1, kOwnerColumn = 7, kWishColumn = 9, kDeviceColumn = 10;
-constexpr int kPriorityColumn = 13, kPositionColumn = 14, kSiteColumn = 41, kDeletedColumn = 42;
 // Rows that one request looks at, whether or not they are in its answer.
 constexpr int kMostLooked = 2000;
 constexpr std::int64_t kPositionStep = std::int64_t{1} << 20;
-constexpr std::string_view kWaiting =
-    "SELECT " POPCUT_JOB_COLUMNS " FROM job WHERE plan=? AND state=? LIMIT ?";
-constexpr std::string_view kOnDevice =
-    "SELECT " POPCUT_JOB_COLUMNS
-    " FROM job WHERE device=? AND state IN ('armed', 'cutting', 'paused')";
 
-JobState state_of(const std::string& word) {
-  if (const auto state = job_state_from(word)) return *state;
-  throw StoreFault(FaultKind::Corrupt, fmt::format("a job's state is {:?}", word));
-}
-
-// The members in the order of the columns, without the state.
-template <typename Row>
-auto job_values(Row& row) {
-  return std::tie(row.id, row.rev, row.reason, row.asked, row.name, row.note, row.owner,
-                  row.operator_name, row.requested_device, row.device, row.design, row.plan,
-                  row.material, row.priority, row.position, row.copies, row.held, row.sheets_total,
-                  row.sheet, row.blank, row.segment, row.first_stroke, row.paths_certain,
-                  row.paths_sent, row.paths_total, row.done_paths, row.done_mm, row.low_s,
-                  row.high_s, row.created, row.started, row.finished, row.outcome, row.tags,
-                  row.attention, row.attention_text, row.attention_since, row.load, row.warnings,
-                  row.unaccepted, row.site);
-}
-
-JobRow row_of(const Rows& rows) {
-  JobRow row;
-  row.state = state_of(rows.text(0));
-  rows.read(1, job_values(row));
-  return row;
+// "SELECT id, rev, ... FROM job WHERE " and the rest.
+std::string select(std::string_view rest) {
+  static const std::string head = "SELECT " + column_names<JobRow>() + " FROM job WHERE ";
+  return head + std::string(rest);
 }
 
 }  // namespace
 
 void JobTable::insert(const JobRow& row) {
-  db_.insert("job(" POPCUT_JOB_COLUMNS ")",
-             std::tuple_cat(std::tuple(name_of(row.state)), job_values(row)));
+  static const std::string into = "job(" + column_names<JobRow>() + ")";
+  ColumnValues values;
+  put_row(values, row);
+  db_.insert_list(into, values.all());
 }
 
 void JobTable::update(JobRow& row) {
-  const int changed =
-      db_.run(kUpdate, row.rev + 1, name_of(row.state), row.reason, row.asked, row.name, row.note,
-              row.operator_name, row.requested_device, row.device, row.priority, row.position,
-              row.held, row.sheets_total, row.sheet, row.blank, row.segment, row.first_stroke,
-              row.paths_certain, row.paths_sent, row.paths_total, row.done_paths, row.done_mm,
-              row.low_s, row.high_s, row.started, row.finished, row.outcome, row.attention,
-              row.attention_text, row.attention_since, row.plan, row.material, row.load,
-              row.warnings, row.unaccepted, row.site, row.id, row.rev);
+  static const std::string sql =
+      "UPDATE job SET rev=rev+1, " + column_names<JobRow>(false, "=?") + " WHERE id=? AND rev=?";
+  ColumnValues values;
+  put_row(values, row, false);
+  values.put(row.id);
+  values.put(row.rev);
+  const int changed = db_.run_list(sql, values.all());
   if (changed != 1)
     throw StoreFault(FaultKind::Again, "job " + row.id + " has changed in the meantime");
   ++row.rev;
 }
 
 std::optional<JobRow> JobTable::find(std::string_view id) {
-  return first_of(db_.rows(kFind, id), row_of);
+  static const std::string sql = select("id=? AND deleted=0");
+  return first_of(db_.rows(sql, id), read_row<JobRow>);
 }
 
 std::vector<JobRow> JobTable::list(const JobFilter& filter, const std::string& after, int limit,
@@ -100,8 +55,7 @@ std::vector<JobRow> JobTable::list(const JobFilter& filter, const std::string& a
   // Each state is a run of an index in the order of ids; a page is the first of all these runs. One
   // member of the filter chooses the run, the others are held against its rows.
   const bool by_state = !filter.states.empty();
-  std::string sql = "SELECT " POPCUT_JOB_COLUMNS ", deleted FROM job WHERE id";
-  sql += filter.newest_first ? "<?1" : ">?1";
+  std::string sql = select(filter.newest_first ? "id<?1" : "id>?1");
   if (by_state)
     sql += " AND state=?3";
   else if (!filter.owner.empty())
@@ -125,11 +79,14 @@ std::vector<JobRow> JobTable::list(const JobFilter& filter, const std::string& a
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
   const int most = std::max(limit, kMostLooked / static_cast<int>(keys.size()));
+  static const int deleted_at = column_at<JobRow>("deleted"), owner_at = column_at<JobRow>("owner"),
+                   device_at = column_at<JobRow>("device"), site_at = column_at<JobRow>("site"),
+                   id_at = column_at<JobRow>("id");
   const auto fits = [&](const Rows& rows) {
-    return rows.integer(kDeletedColumn) == 0 &&
-           (filter.owner.empty() || rows.text(kOwnerColumn) == filter.owner) &&
-           (filter.device.empty() || rows.text(kDeviceColumn) == filter.device) &&
-           (filter.site.empty() || rows.text(kSiteColumn) == filter.site);
+    return rows.integer(deleted_at) == 0 &&
+           (filter.owner.empty() || rows.text(owner_at) == filter.owner) &&
+           (filter.device.empty() || rows.text(device_at) == filter.device) &&
+           (filter.site.empty() || rows.text(site_at) == filter.site);
   };
   std::vector<JobRow> all;
   looked_to.clear();
@@ -145,12 +102,12 @@ std::vector<JobRow> JobTable::list(const JobFilter& filter, const std::string& a
       got = 0;
       while (found < limit && looked < most && rows.next()) {
         ++got;
-        if (filter.newest_first && rows.text(kIdColumn) <= oldest) break;
+        if (filter.newest_first && rows.text(id_at) <= oldest) break;
         ++looked;
-        last = rows.text(kIdColumn);
+        last = rows.text(id_at);
         if (!fits(rows)) continue;
         ++found;
-        all.push_back(row_of(rows));
+        all.push_back(read_row<JobRow>(rows));
       }
     }
     // Of the others of this run nothing is known yet.
@@ -188,27 +145,30 @@ JobTable::QueueSlice JobTable::queue(const std::string& device,
                                      const std::optional<QueuePlace>& after, int most) {
   constexpr int kAboveAll = 1000;
   const QueuePlace from = after.value_or(QueuePlace{kAboveAll, 0, {}});
+  static const std::string sql = select(
+      "state NOT IN ('done', 'failed', 'cancelled') AND priority<=?2 AND "
+      "(priority<?2 OR (position, id)>(?3, ?4)) ORDER BY priority DESC, position, id LIMIT ?1");
   QueueSlice slice;
-  Rows rows = db_.rows(kQueue, most, from.priority, from.position, from.id);
+  Rows rows = db_.rows(sql, most, from.priority, from.position, from.id);
   int looked = 0;
   for (; looked < most && rows.next(); ++looked) {
-    slice.last = {rows.small(kPriorityColumn), rows.integer(kPositionColumn), rows.text(kIdColumn)};
-    const std::string bound = device.empty() ? "" : rows.text(kDeviceColumn);
-    const bool fits =
-        device.empty() || bound == device ||
-        (bound.empty() && (rows.text(kWishColumn).empty() || rows.text(kWishColumn) == device));
-    if (fits) slice.jobs.push_back(row_of(rows));
+    JobRow row = read_row<JobRow>(rows);
+    slice.last = {row.priority, row.position, row.id};
+    const std::string& bound = row.device.empty() ? row.requested_device : row.device;
+    if (device.empty() || bound.empty() || bound == device) slice.jobs.push_back(std::move(row));
   }
   slice.is_end = looked < most;
   return slice;
 }
 
 std::vector<JobRow> JobTable::waiting_for(const std::string& plan, JobState state, int limit) {
-  return all_of(db_.rows(kWaiting, plan, name_of(state), limit), row_of);
+  static const std::string sql = select("plan=? AND state=? LIMIT ?");
+  return all_of(db_.rows(sql, plan, name_of(state), limit), read_row<JobRow>);
 }
 
 std::optional<JobRow> JobTable::on_device(const std::string& device) {
-  return first_of(db_.rows(kOnDevice, device), row_of);
+  static const std::string sql = select("device=? AND state IN ('armed', 'cutting', 'paused')");
+  return first_of(db_.rows(sql, device), read_row<JobRow>);
 }
 
 std::int64_t JobTable::last_position() { return db_.number("SELECT max(position) FROM job"); }

@@ -12,36 +12,6 @@
 
 namespace popcut::daemon {
 
-/// A row of the table of jobs.
-struct JobRow {
-  std::string id;
-  std::int64_t rev{0};
-  JobState state{};
-  std::string reason{}, asked{};  ///< asked: "", "pause", "cancel"
-  std::string name{}, note{}, owner{}, operator_name{};
-  std::string requested_device{}, device{};  ///< asked for; that the sheet lies in
-  std::string design{}, plan{}, material{};
-  int priority{};
-  std::int64_t position{};
-  int copies{1};
-  bool held{false};
-  int sheets_total{}, sheet{}, blank{1}, segment{1};
-  std::int64_t first_stroke{0};
-  std::int64_t paths_certain{}, paths_sent{}, paths_total{};  ///< of the current sheet; of all
-  std::int64_t done_paths{};                                  ///< of the sheets before it
-  double done_mm{};
-  double low_s{}, high_s{};  ///< what is left, this sheet whole
-  TimeMs created{};
-  std::optional<TimeMs> started{}, finished{};
-  std::string outcome{}, tags{"[]"};
-  std::string attention{}, attention_text{};
-  TimeMs attention_since{};
-  std::string warnings{"[]"};  ///< of its plan, as JSON (`warnings_json`)
-  std::string load{};          ///< what the current sheet needs, as JSON; empty: not known
-  std::string unaccepted{};    ///< codes of those that `arm` must accept, with blanks between
-  std::string site{};          ///< only cutters there cut it; empty: any
-};
-
 /// Where a job stands in the queue, for the next page.
 struct QueuePlace {
   int priority{};

@@ -1,62 +1,49 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/store/plan_table.hpp"
 
-#include <algorithm>
-#include <array>
-
 #include <nlohmann/json.hpp>
 
-#include "daemon/model/warnings.hpp"
+#include "daemon/store/columns.hpp"
 
 namespace popcut::daemon {
+template <typename See>
+void list_fields(const PlanRow*, See&& see) {
+  see("id", &PlanRow::id, kFixed);
+  see("key", &PlanRow::key, kFixed);
+  see("kind", &PlanRow::kind, kFixed);
+  see("design", &PlanRow::design, kFixed);
+  see("material", &PlanRow::material, kFixed);
+  see("machine", &PlanRow::machine, kFixed);
+  see("state", &PlanRow::state);
+  see("sha256", &PlanRow::sha256);
+  see("sheets", &PlanRow::sheets);
+  see("paths", &PlanRow::paths);
+  see("cut_mm", &PlanRow::cut_mm);
+  see("low_s", &PlanRow::low_s);
+  see("high_s", &PlanRow::high_s);
+  see("width_mm", &PlanRow::width_mm);
+  see("length_mm", &PlanRow::length_mm);
+  see("warnings", &PlanRow::warnings);
+  see("error", &PlanRow::error);
+  see("options", &PlanRow::options, kFixed);
+  see("machine_json", &PlanRow::machine_json, kFixed);
+  see("material_json", &PlanRow::material_json, kFixed);
+  see("created", &PlanRow::created, kFixed);
+  see("begun", &PlanRow::begun);
+  see("planner", &PlanRow::planner);
+}
+
 namespace {
 
-#define POPCUT_PLAN_COLUMNS                                                                    \
-  "state, warnings, id, key, kind, design, material, machine, sha256, sheets, paths, cut_mm, " \
-  "low_s, high_s, width_mm, length_mm, error, options, machine_json, material_json, created, " \
-  "begun, planner"
-#define POPCUT_SHEET_COLUMNS                                                                 \
-  "number, paths, cut_mm, fold_mm, travel_mm, seconds, low_s, high_s, width_mm, length_mm, " \
-  "program_sha256, index_sha256, mat, side"
-
-constexpr std::array<std::string_view, 3> kStates{"pending", "planned", "failed"};
-
-// The members in the order of the columns, without the state and the warnings.
-template <typename Row>
-auto plan_values(Row& row) {
-  return std::tie(row.id, row.key, row.kind, row.design, row.material, row.machine, row.sha256,
-                  row.sheets, row.paths, row.cut_mm, row.low_s, row.high_s, row.width_mm,
-                  row.length_mm, row.error, row.options, row.machine_json, row.material_json,
-                  row.created, row.begun, row.planner);
+// "SELECT id, key, ... FROM plan WHERE " and the rest.
+std::string select_plan(std::string_view rest) {
+  return "SELECT " + column_names<PlanRow>() + " FROM plan WHERE " + std::string(rest);
 }
-
-PlanRow plan_row(const Rows& rows) {
-  PlanRow row;
-  const auto state = std::find(kStates.begin(), kStates.end(), rows.text(0));
-  if (state == kStates.end()) throw StoreFault(FaultKind::Corrupt, "a plan's state is invalid");
-  row.state = static_cast<PlanState>(state - kStates.begin());
-  row.warnings = warnings_from_json(rows.text(1));
-  rows.read(2, plan_values(row));
-  return row;
-}
-
-template <typename Sheet>
-auto sheet_values(Sheet& sheet) {
-  return std::tie(sheet.number, sheet.paths, sheet.cut_mm, sheet.fold_mm, sheet.travel_mm,
-                  sheet.seconds, sheet.seconds_range[0], sheet.seconds_range[1], sheet.area_mm[0],
-                  sheet.area_mm[1], sheet.program_sha256, sheet.index_sha256, sheet.mat,
-                  sheet.side);
-}
-
-SheetPlan sheet_plan(const Rows& rows) {
-  SheetPlan sheet;
-  rows.read(0, sheet_values(sheet));
-  return sheet;
+std::string select_sheet(std::string_view rest) {
+  return "SELECT " + column_names<SheetPlan>() + " FROM plan_sheet WHERE " + std::string(rest);
 }
 
 }  // namespace
-
-std::string_view name_of(PlanState state) { return kStates.at(static_cast<std::size_t>(state)); }
 
 std::string json_list(const std::vector<std::string>& texts) {
   return nlohmann::json(texts).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -75,25 +62,33 @@ std::vector<std::string> list_from_json(const std::string& json) {
 }
 
 void PlanTable::insert(const PlanRow& row) {
-  db_.insert("plan(" POPCUT_PLAN_COLUMNS ")",
-             std::tuple_cat(std::tuple(name_of(row.state), warnings_json(row.warnings)),
-                            plan_values(row)));
+  static const std::string into = "plan(" + column_names<PlanRow>() + ")";
+  ColumnValues values;
+  put_row(values, row);
+  db_.insert_list(into, values.all());
 }
 
 void PlanTable::put_sheets(std::string_view plan, std::span<const SheetPlan> sheets) {
-  for (const SheetPlan& sheet : sheets)
-    db_.put("plan_sheet(plan, " POPCUT_SHEET_COLUMNS ")", "plan, number",
-            std::tuple_cat(std::tuple(plan), sheet_values(sheet)));
+  static const std::string into = "plan_sheet(plan, " + column_names<SheetPlan>() + ")";
+  for (const SheetPlan& sheet : sheets) {
+    ColumnValues values;
+    values.put(plan);
+    put_row(values, sheet);
+    db_.put_list(into, "plan, sheet", values.all());
+  }
 }
 
 void PlanTable::finish(const PlanRow& row) {
-  db_.run(
-      "UPDATE plan SET state=?, sha256=?, sheets=?, paths=?, cut_mm=?, low_s=?, high_s=?, "
-      "width_mm=?, length_mm=?, warnings=?, error=?, begun=0, planner='', planner_epoch=0 "
-      "WHERE id=?",
-      name_of(row.state), row.sha256, row.sheets, row.paths, row.cut_mm, row.low_s, row.high_s,
-      row.width_mm, row.length_mm, warnings_json(row.warnings), row.error, row.id);
-  db_.run("DELETE FROM plan_sheet WHERE plan=? AND number>?", row.id, row.sheets);
+  static const std::string sql =
+      "UPDATE plan SET planner_epoch=0, " + column_names<PlanRow>(false, "=?") + " WHERE id=?";
+  PlanRow done = row;
+  done.begun = 0;
+  done.planner.clear();
+  ColumnValues values;
+  put_row(values, done, false);
+  values.put(row.id);
+  db_.run_list(sql, values.all());
+  db_.run("DELETE FROM plan_sheet WHERE plan=? AND sheet>?", row.id, row.sheets);
   db_.run("DELETE FROM plan_asker WHERE plan=?", row.id);
 }
 
@@ -145,14 +140,13 @@ std::vector<std::string> PlanTable::wanted_by(std::string_view owner, int limit)
 }
 
 std::optional<PlanRow> PlanTable::find(std::string_view id) {
-  return first_of(db_.rows("SELECT " POPCUT_PLAN_COLUMNS " FROM plan WHERE id=?", id), plan_row);
+  static const std::string sql = select_plan("id=?");
+  return first_of(db_.rows(sql, id), read_row<PlanRow>);
 }
 
 std::optional<PlanRow> PlanTable::find_key(std::string_view key) {
-  return first_of(db_.rows("SELECT " POPCUT_PLAN_COLUMNS
-                           " FROM plan WHERE key=? AND state IN ('pending', 'planned')",
-                           key),
-                  plan_row);
+  static const std::string sql = select_plan("key=? AND state IN ('pending', 'planned')");
+  return first_of(db_.rows(sql, key), read_row<PlanRow>);
 }
 
 std::vector<std::string> PlanTable::pending(int limit) {
@@ -163,17 +157,13 @@ std::vector<std::string> PlanTable::pending(int limit) {
 }
 
 std::vector<SheetPlan> PlanTable::sheets(std::string_view plan, int after, int limit) {
-  return all_of(db_.rows("SELECT " POPCUT_SHEET_COLUMNS
-                         " FROM plan_sheet WHERE plan=? AND number>? ORDER BY number LIMIT ?",
-                         plan, after, limit),
-                sheet_plan);
+  static const std::string sql = select_sheet("plan=? AND sheet>? ORDER BY sheet LIMIT ?");
+  return all_of(db_.rows(sql, plan, after, limit), read_row<SheetPlan>);
 }
 
 std::optional<SheetPlan> PlanTable::sheet(std::string_view plan, int number) {
-  return first_of(
-      db_.rows("SELECT " POPCUT_SHEET_COLUMNS " FROM plan_sheet WHERE plan=? AND number=?", plan,
-               number),
-      sheet_plan);
+  static const std::string sql = select_sheet("plan=? AND sheet=?");
+  return first_of(db_.rows(sql, plan, number), read_row<SheetPlan>);
 }
 
 }  // namespace popcut::daemon

@@ -70,8 +70,6 @@ class PlanTable {
   Database& db_;
 };
 
-[[nodiscard]] std::string_view name_of(PlanState state);
-
 /// A list of texts as a JSON array, and back.
 /// @throws StoreFault  Corrupt, if it is none
 [[nodiscard]] std::string json_list(const std::vector<std::string>& texts);

@@ -43,11 +43,8 @@ Result<void> is_usable(const std::string& copy, const Integrity& found) {
   if (found.application != kApplicationId || found.version < 1)
     return fail(ErrorKind::Malformed, copy,
                 "is not a database of popcutd; copies are in the folder backups, as popcut-*.db");
-  if (const int newest = migrations().back().version; found.version > newest)
-    return fail(ErrorKind::OutOfRange, copy,
-                fmt::format("was written by a later popcutd (schema {}, this version supports up "
-                            "to {}); install that version",
-                            found.version, newest));
+  if (std::string misfit = version_misfit(found.version); !misfit.empty())
+    return fail(ErrorKind::OutOfRange, copy, std::move(misfit));
   return {};
 }
 

@@ -20,7 +20,7 @@ struct Restored {
 /// @param older  also where the database that is there is whole and knows more than the copy
 /// @retval Refused      another process has the folder; or without `older` something would be lost
 /// @retval Malformed    the copy is damaged, or no database of popcutd
-/// @retval OutOfRange   a later popcutd wrote the copy
+/// @retval OutOfRange   another version of popcutd wrote the copy
 /// @retval Unwritable   the folder cannot be read or written
 [[nodiscard]] Result<Restored> restore(const std::string& folder, const std::string& copy,
                                        bool older);

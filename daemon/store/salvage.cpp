@@ -59,11 +59,13 @@ Salvage::Table bring_over(Database& from, Database& to, const std::string& table
   return report;
 }
 
-int damaged_version_of(Database& damaged) {
+// That of this popcutd if the damage hides it.
+int version_of(Database& damaged) {
   try {
-    return static_cast<int>(damaged.number("PRAGMA user_version"));
+    const int version = schema_version(damaged);
+    return version < 1 ? kSchemaVersion : version;
   } catch (const StoreFault&) {
-    return 0;
+    return kSchemaVersion;
   }
 }
 
@@ -71,9 +73,7 @@ std::vector<Salvage::Table> bring_all(SqliteDatabase& from, SqliteDatabase& to) 
   std::vector<Salvage::Table> tables;
   Transaction all(to);
   for (const std::string_view name : table_names())
-    // An older database has fewer.
-    if (!columns_of(to, std::string(name), "1").empty())
-      tables.push_back(bring_over(from, to, std::string(name)));
+    tables.push_back(bring_over(from, to, std::string(name)));
   all.commit();
   to.checkpoint(true);
   return tables;
@@ -162,11 +162,9 @@ Result<Salvage> salvage(const std::string& path) {
     for (const char* suffix : {"", "-wal", "-journal"}) remove_tree(fresh + suffix);
     SqliteDatabase from({.path = reading + "/popcut.db", .create = false, .exclusive_wal = false});
     SqliteDatabase to({.path = fresh});
-    const int version = damaged_version_of(from);
-    const int newest = migrations().back().version;
-    if (version > newest)
-      return fail(ErrorKind::OutOfRange, "", original + ": was written by a later popcutd");
-    build_schema(to, migrations(), version < 1 ? newest : version);
+    if (const std::string misfit = version_misfit(version_of(from)); !misfit.empty())
+      return fail(ErrorKind::OutOfRange, "", fmt::format("{}: {}", original, misfit));
+    build_schema(to);
     report.tables = bring_all(from, to);
   } catch (const StoreFault& fault) {
     if (fault.kind() == FaultKind::Corrupt) return unreadable(**folder);

@@ -27,7 +27,7 @@ struct Salvage {
 ///
 /// @retval Refused     another process has the folder
 /// @retval Malformed   nothing can be read of the database
-/// @retval OutOfRange  a later popcutd wrote it
+/// @retval OutOfRange  another version of popcutd wrote it
 /// @retval Unwritable  the folder cannot be read or written, or there is no database
 [[nodiscard]] Result<Salvage> salvage(const std::string& folder);
 

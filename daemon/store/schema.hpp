@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -10,20 +11,21 @@ namespace popcut::daemon {
 
 /// "popc": identifies a database of popcutd.
 inline constexpr int kApplicationId = 0x706F7063;
+/// The version of the tables that this popcutd reads and writes; it touches no other.
+inline constexpr int kSchemaVersion = 1;
 
-/// One step from the version before it to `version`, forward only.
-struct Migration {
-  int version{};
-  std::string_view sql;
-};
+/// The tables and indexes that a fleet has too: tables.sql.
+[[nodiscard]] std::string_view shared_tables();
 
-/// All steps in order, the first making the tables of an empty database.
-[[nodiscard]] const std::vector<Migration>& migrations();
+/// Makes all tables in an empty database.
+void build_schema(Database& database);
+
+/// The version of the tables in a database; 0 if it has none.
+[[nodiscard]] int schema_version(Database& database);
+/// Why a database with tables of `version` is not used, and what to do; empty: it is used.
+[[nodiscard]] std::string version_misfit(int version);
 
 /// The tables, for salvage: those that others refer to come first.
 [[nodiscard]] const std::vector<std::string_view>& table_names();
-
-/// Makes the tables of `version` in an empty database.
-void build_schema(Database& database, const std::vector<Migration>& steps, int version);
 
 }  // namespace popcut::daemon

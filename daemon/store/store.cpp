@@ -13,6 +13,7 @@
 #include "daemon/digest/digest.hpp"
 #include "daemon/store/integrity.hpp"
 #include "daemon/store/salvage.hpp"
+#include "daemon/store/schema.hpp"
 #include "daemon/store/wal_check.hpp"
 
 namespace popcut::daemon {
@@ -23,10 +24,6 @@ namespace fs = std::filesystem;
 constexpr std::string_view kInUse = "in use\n";
 constexpr std::string_view kSuspect = "in use, found damaged\n";
 constexpr std::size_t kWitnessDigits = 18;
-
-int version_of(Database& database) {
-  return static_cast<int>(database.number("PRAGMA user_version"));
-}
 
 // What is wrong with the file before SQLite is let near it; empty: nothing.
 std::string header_damage(const std::string& path) {
@@ -53,7 +50,7 @@ void make_database(const std::string& path, const StoreOptions& options) {
   remove_tree(fresh + "-wal");
   {
     SqliteDatabase database({.path = fresh, .vfs = options.vfs});
-    build_schema(database, options.steps, options.steps.back().version);
+    build_schema(database);
     database.checkpoint(true);
   }
   // A full disk may leave a sound database that is not in the mode that was asked for.
@@ -118,18 +115,14 @@ Result<std::unique_ptr<Store>> Store::open(StoreOptions options) {
         SqliteDatabase::Options{.path = path, .vfs = settings.vfs, .create = false});
     store->file_ = file.get();
     store->database_ = std::move(file);
-    const int version = version_of(*store->database_);
-    const int newest = settings.steps.back().version;
-    if (version > newest) {
+    const int version = schema_version(*store->database_);
+    const std::string misfit = version < 1 ? "" : version_misfit(version);
+    if (!misfit.empty()) {
       store->failed_ = true;
-      return fail(
-          ErrorKind::OutOfRange, "",
-          fmt::format("{}: was written by a later popcutd (schema {}, this version supports up to "
-                      "{}); install that version, or restore the copy that it made",
-                      path, version, newest));
+      return fail(ErrorKind::OutOfRange, "", fmt::format("{}: {}", path, misfit));
     }
     store->checked_ = was_closed;
-    if (!was_closed && (!settings.check_later || mark != kInUse || version < newest)) {
+    if (!was_closed && (!settings.check_later || mark != kInUse)) {
       if (std::string what = damage_in(*store->database_); !what.empty())
         return damaged("is damaged: " + what);
       store->file_->forget_pages();
@@ -143,7 +136,6 @@ Result<std::unique_ptr<Store>> Store::open(StoreOptions options) {
                       "an older copy there yourself, 'popcut db restore COPY --older --state {}' "
                       "goes back to it)",
                       known, store->witnessed(), store->folder_->path()));
-    if (version < newest) store->migrate();
     store->folder_->take_reserve(settings.reserve_bytes);
     return store;
   } catch (const StoreFault& fault) {
@@ -225,24 +217,11 @@ void Store::bear_witness(std::int64_t event) {
   if (witness_ >= 0) (void)!pwrite(witness_, text.data(), text.size(), 0);
 }
 
-void Store::migrate() {
-  const int from = version_of(*database_);
-  const int to = options_.steps.back().version;
-  (void)back_up(
-      *database_, *folder_,
-      fmt::format("before-version-{}-{}.db", to, sha256_hex(random_bytes(8)).substr(0, 8)));
-  Transaction all(*database_);
-  for (const Migration& step : options_.steps)
-    if (step.version > from) database_->script(std::string(step.sql));
-  database_->script(fmt::format("PRAGMA user_version={}", to));
-  all.commit();
-}
-
 void Store::mark_in_use() {
   if (file_ == nullptr) return;
   // With nothing in it yet the log would be taken for one that was cut short.
   if (file_->wal_pages() == 0)
-    database_->script(fmt::format("PRAGMA user_version={}", version_of(*database_)));
+    database_->script(fmt::format("PRAGMA user_version={}", kSchemaVersion));
   if (const Result<void> done = write_file(folder_->at("database-state"), kInUse); !done)
     throw StoreFault(FaultKind::Io, message(done.error()));
   in_use_ = true;

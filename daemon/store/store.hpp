@@ -5,10 +5,8 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "core/result.hpp"
-#include "daemon/store/schema.hpp"
 #include "daemon/store/shared_files.hpp"
 #include "daemon/store/sqlite_database.hpp"
 #include "daemon/store/state_folder.hpp"
@@ -19,7 +17,6 @@ struct StoreOptions {
   std::string folder;                     ///< STATE
   std::uint64_t reserve_bytes{4u << 20};  ///< kept free for the last records of a full disk
   std::string vfs{};                      ///< of SQLite; tests
-  std::vector<Migration> steps{migrations()};
   /// Leaves what takes long after a kill, SQLite's check of all pages, to `damage_at_rest`.
   bool check_later{false};
 };
@@ -27,8 +24,7 @@ struct StoreOptions {
 /// popcutd's memory: STATE/popcut.db and the files beside it, held by this process alone.
 class Store {
  public:
-  /// Takes the lock, checks the database, brings it to the newest version (after a copy into
-  /// STATE/backups) and takes the reserve.
+  /// Takes the lock, checks the database and takes the reserve.
   ///
   /// A damaged database is never used, nor changed: a copy is set aside in STATE/backups, and the
   /// original stays where it is.
@@ -36,7 +32,7 @@ class Store {
   /// @retval Refused      another process has the folder
   /// @retval Unwritable   the folder cannot be read or written
   /// @retval Malformed    the database is damaged: `popcut db salvage`
-  /// @retval OutOfRange   a later popcutd wrote it
+  /// @retval OutOfRange   another version of popcutd wrote it (`kSchemaVersion`)
   /// @retval CheckFailed  the database belongs to another user
   [[nodiscard]] static Result<std::unique_ptr<Store>> open(StoreOptions options);
   /// With the tables in a database that others use too; the folder holds the files beside them, and
@@ -85,7 +81,6 @@ class Store {
   Store(StoreOptions options, std::unique_ptr<StateFolder> folder)
       : options_(std::move(options)), folder_(std::move(folder)) {}
   [[nodiscard]] std::int64_t witnessed() const;
-  void migrate();
   StoreOptions options_;
   std::unique_ptr<StateFolder> folder_;
   std::unique_ptr<Database> database_;

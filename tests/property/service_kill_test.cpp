@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // popcutd's service dies, or its disk fails, at every call that changes a file: at its start, its
-// end, in a cut, in an upgrade, a backup, a restore.
+// end, in a cut, in a backup, a restore.
 #include <sys/mman.h>
 
 #include <algorithm>
@@ -276,29 +276,6 @@ int cut_a_sheet(ServiceBench& bench, Told& told) {
   return 0;
 }
 
-std::vector<Migration> one_more() {
-  std::vector<Migration> steps = migrations();
-  steps.push_back({steps.back().version + 1, "CREATE TABLE later(name TEXT) STRICT;"});
-  return steps;
-}
-
-int upgrade(ServiceBench& bench, Told&) {
-  count_calls_from_here();
-  (void)Store::open({.folder = bench.folder(), .reserve_bytes = 4096, .steps = one_more()});
-  return 0;
-}
-
-/// Opens it with the later schema, and leaves the tables as this version knows them.
-void open_later(ServiceBench& bench) {
-  const auto store =
-      Store::open({.folder = bench.folder(), .reserve_bytes = 4096, .steps = one_more()});
-  INFO((store ? std::string() : message(store.error())));
-  REQUIRE(store);
-  CHECK((*store)->database().number("SELECT count(*) FROM later") == 0);
-  (*store)->database().script("DROP TABLE later; PRAGMA user_version=" +
-                              std::to_string(migrations().back().version));
-}
-
 int back_up_now(ServiceBench& bench, Told&) {
   if (!bench.start().empty()) return 1;
   count_calls_from_here();
@@ -354,11 +331,8 @@ TEST_CASE("killed at every call of a cut popcutd knows of each stroke", "[daemon
   at_every_call("cut", folders().closed, cut_a_sheet);
 }
 
-TEST_CASE("killed at every call of an upgrade or a backup popcutd loses nothing",
-          "[daemon][kill]") {
+TEST_CASE("killed at every call of a backup popcutd loses nothing", "[daemon][kill]") {
   POPCUT_NEEDS_TRACING();
-  at_every_call("upgrade", folders().closed, upgrade, open_later);
-  at_every_call("upgrade after a kill", folders().killed, upgrade, open_later);
   at_every_call("backup", folders().closed, back_up_now, check_backups);
 }
 

@@ -116,7 +116,7 @@ class World : public ServiceBench {
     const std::string this_plan = "id='" + plan + "'", this_job = "id='" + job + "'";
     copies("plan", 300, this_plan, {{"id", id_sql("P")}, {"key", "'key-' || n"}});
     copies("plan_sheet", kSheets, "plan='" + plan + "'",
-           {{"plan", "'" + long_plan + "'"}, {"number", "n"}});
+           {{"plan", "'" + long_plan + "'"}, {"sheet", "n"}});
     db.script(fmt::format("UPDATE plan SET sheets={} WHERE id='{}';", kSheets, long_plan));
     copies("job", 1, this_job,
            {{"id", id_sql("K")},
@@ -124,7 +124,7 @@ class World : public ServiceBench {
             {"sheets_total", std::to_string(kSheets)}});
     // Positions without room between two of them.
     copies("job", 10'000, this_job,
-           {{"id", id_sql("J")}, {"wish", "'sim:other'"}, {"position", "5000000 + n"}});
+           {{"id", id_sql("J")}, {"requested_device", "'sim:other'"}, {"position", "5000000 + n"}});
     copies("job", 10'000, this_job,
            {{"id", id_sql("E")},
             {"state", "'cancelled'"},

@@ -55,7 +55,7 @@ Job& FakeState::add_job(JobState state, const std::string& owner) {
   job.id = id_of(++next_id_);
   job.rev = 1;
   job.state = state;
-  job.owner = owner;
+  job.owner = job.owner_title = owner;
   job.device = "sim:cameo3";
   job.design = "sha256-" + std::string(64, 'a');
   job.plan = id_of(900);

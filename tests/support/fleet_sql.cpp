@@ -95,10 +95,11 @@ std::string new_plan_sql() {
 namespace {
 
 constexpr std::string_view kNewJob =
-    "INSERT INTO job(id, rev, state, reason, asked, name, note, owner, operator, wish, device, "
-    "design, plan, material, priority, position, copies, held, sheets_total, sheet, blank, "
+    "INSERT INTO job(id, rev, state, reason, asked, name, note, owner, operator, "
+    "requested_device, device, design, plan, material, priority, position, copies, held, "
+    "sheets_total, sheet, blank, "
     "segment, first_stroke, paths_certain, paths_sent, paths_total, done_paths, done_mm, low_s, "
-    "high_s, created, finished, outcome, tags, attention, attention_text, attention_since) ";
+    "high_s, created, finished, outcome, tags, attention_kind, attention_text, attention_since) ";
 
 }  // namespace
 

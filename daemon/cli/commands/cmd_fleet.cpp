@@ -450,7 +450,7 @@ Result<void> run_import(const ImportOptions& options, const Globals& globals) {
   return with_database(options.database, [&](Database& database, const FleetUrl&) -> Result<void> {
     daemon::ImportRequest request{.folder = options.folder, .node = options.node};
     if (!globals.json && !globals.quiet && globals.verbose > 0)
-      request.tell = [](const std::string& what) { fmt::print(stderr, "moving {}\n", what); };
+      request.report = [](const std::string& what) { fmt::print(stderr, "moving {}\n", what); };
     const auto done = daemon::import_folder(database, request);
     if (!done) return fail(ErrorKind::Refused, "", message(done.error()));
     if (globals.json) {

@@ -68,7 +68,7 @@ Result<std::string> address_of_page(Api& api) {
   if (!page) return tl::unexpected(page.error());
   if (!*page)
     return fail(ErrorKind::Refused, "popcutd at " + api.http().address().text(),
-                "has no page, since it is of an earlier version; use 'popcut jobs --watch', which "
+                "has no page; use 'popcut jobs --watch', which "
                 "shows all jobs and the next command for each");
   const auto meta = api.get("/v1/meta", "popcutd");
   if (!meta) return tl::unexpected(meta.error());

@@ -13,19 +13,8 @@ void sheet_strokes(const Request& request, Service& service, const HandlerContex
   if (!number)
     return reply(
         problem_response(Problem{ProblemKind::NotFound, "sheet numbers start at 1"}, request));
-  const auto file = [&](const char* ending) {
-    return service.plans.file(plan, fmt::format("sheet-{:02}.{}", *number, ending));
-  };
-  // The sheet is there if its drawing is.
-  if (const Answer<std::string> drawn = file("svg"); !drawn)
-    return reply(problem_response(drawn.error(), request));
-  const Answer<std::string> path = file("strokes.json");
-  if (!path && path.error().kind == ProblemKind::NotFound)
-    return reply(problem_response(
-        Problem{ProblemKind::StateConflict,
-                "this plan was made by an earlier popcutd, which kept no strokes to draw; use the "
-                "sheet's .svg, or plan the design again"},
-        request));
+  const Answer<std::string> path =
+      service.plans.file(plan, fmt::format("sheet-{:02}.strokes.json", *number));
   if (!path) return reply(problem_response(path.error(), request));
   Response response;
   response.file = *path;

@@ -8,7 +8,8 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+
+#include "daemon/http/api/render.hpp"
 
 namespace popcut::daemon::http {
 namespace {
@@ -120,42 +121,33 @@ void Reply::operator()(Response response) const {
 
 Response problem_response(const Problem& problem, std::string_view instance,
                           std::string_view request_id) {
-  using nlohmann::ordered_json;
-  ordered_json body{
-      {"type", fmt::format("https://popcut.invalid/p/{}", slug_of(problem.kind))},
-      {"title", title_of(problem.kind)},
-      {"status", status_of(problem.kind)},
-      {"detail", problem.detail},
-      {"instance", instance.substr(0, instance.find('?'))},
-      {"request_id", request_id},
-  };
+  JsonObject body;
+  body.text("type", fmt::format("https://popcut.invalid/p/{}", slug_of(problem.kind)))
+      .text("title", title_of(problem.kind))
+      .number("status", status_of(problem.kind))
+      .text("detail", problem.detail)
+      .text("instance", instance.substr(0, instance.find('?')))
+      .text("request_id", request_id);
   if (!problem.errors.empty()) {
-    ordered_json& errors = body["errors"] = ordered_json::array();
+    std::vector<JsonObject> errors;
     for (const RequestFault& fault : problem.errors) {
-      errors.push_back(
-          {{"pointer", fault.pointer}, {"code", fault.code}, {"detail", fault.detail}});
-      if (!fault.got.empty()) errors.back()["got"] = ordered_json::parse(fault.got, nullptr, false);
+      errors.emplace_back()
+          .text("pointer", fault.pointer)
+          .text("code", fault.code)
+          .text("detail", fault.detail);
+      if (!fault.got.empty()) errors.back().json("got", fault.got);
     }
+    body.objects("errors", errors);
   }
-  if (problem.rev) body["rev"] = *problem.rev;
-  if (!problem.state.empty()) {
-    body["state"] = problem.state;
-    body["allowed_actions"] = problem.allowed_actions;
-  }
-  if (!problem.next_actions.empty()) {
-    ordered_json& actions = body["ways"] = ordered_json::array();
-    for (const NextAction& action : problem.next_actions) {
-      actions.push_back({{"action", action.action}, {"body", ordered_json::parse(action.body)}});
-      if (!action.device.empty()) actions.back()["device"] = action.device;
-      if (!action.job.empty()) actions.back()["job"] = action.job;
-    }
-  }
-  if (!problem.warnings.empty())
-    body["warnings"] = ordered_json::parse(problem.warnings, nullptr, false);
+  if (problem.rev) body.number("rev", *problem.rev);
+  if (!problem.state.empty())
+    body.text("state", problem.state).texts("allowed_actions", problem.allowed_actions);
+  if (!problem.next_actions.empty()) body.objects("ways", json_of(problem.next_actions));
+  if (!problem.warnings.empty()) body.warnings("warnings", problem.warnings);
   Response response;
   response.status = status_of(problem.kind);
   response.content_type = "application/problem+json";
-  response.body = body.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+  response.body = body.whole();
   if (problem.retry_after_s)
     response.headers.push_back({"Retry-After", std::to_string(*problem.retry_after_s)});
   if (problem.rev) response.headers.push_back({"ETag", fmt::format("\"{}\"", *problem.rev)});

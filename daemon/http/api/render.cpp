@@ -5,11 +5,13 @@
 #include <array>
 #include <cmath>
 #include <ctime>
-#include <iterator>
+#include <type_traits>
+#include <variant>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "daemon/model/fields.hpp"
 #include "daemon/model/found_card_json.hpp"
 #include "daemon/model/warnings.hpp"
 
@@ -32,122 +34,92 @@ ordered_json ranges(const std::vector<PathRange>& all) {
   return out;
 }
 
-// A JSON object that is written down at once, member by member: lists have thousands of jobs.
-class ObjectText {
- public:
-  void text(std::string_view name, std::string_view value) {
-    begin(name);
-    quote(value);
-  }
-  void text_or_null(std::string_view name, std::string_view value) {
-    if (value.empty()) return null(name);
-    text(name, value);
-  }
-  void time_or_null(std::string_view name, const std::optional<TimeMs>& time) {
-    text_or_null(name, time ? rfc3339(*time) : std::string());
-  }
-  void texts(std::string_view name, const std::vector<std::string>& values) {
-    begin(name);
-    out_ += '[';
-    for (const std::string& value : values) {
-      if (&value != &values.front()) out_ += ',';
-      quote(value);
-    }
-    out_ += ']';
-  }
-  void number(std::string_view name, std::int64_t value) {
-    begin(name);
-    fmt::format_to(std::back_inserter(out_), "{}", value);
-  }
-  void number(std::string_view name, double value) {
-    begin(name);
-    put(value);
-  }
-  void range(std::string_view name, const std::array<double, 2>& values) {
-    begin(name);
-    out_ += '[';
-    put(values[0]);
-    out_ += ',';
-    put(values[1]);
-    out_ += ']';
-  }
-  void flag(std::string_view name, bool value) {
-    begin(name);
-    out_ += value ? "true" : "false";
-  }
-  void null(std::string_view name) {
-    begin(name);
-    out_ += "null";
-  }
-  void object(std::string_view name, const ObjectText& inner) {
-    begin(name);
-    out_ += inner.whole();
-  }
-  /// `value` is JSON already.
-  void written(std::string_view name, std::string_view value) {
-    begin(name);
-    out_ += value;
-  }
-  void next_actions(std::string_view name, const std::vector<NextAction>& actions) {
-    begin(name);
-    out_ += '[';
-    for (const NextAction& action : actions) {
-      fmt::format_to(std::back_inserter(out_), R"({}{{"action":"{}","body":{})",
-                     &action == &actions.front() ? "" : ",", action.action, action.body);
-      for (const auto& [key, value] : {std::pair{"device", &action.device}, {"job", &action.job}}) {
-        if (value->empty()) continue;
-        begin(key);
-        quote(*value);
-      }
-      out_ += '}';
-    }
-    out_ += ']';
-  }
-  [[nodiscard]] std::string whole() const { return out_ + '}'; }
-
- private:
-  void begin(std::string_view name) {
-    if (out_.size() > 1) out_ += ',';
-    out_ += '"';
-    out_ += name;
-    out_ += "\":";
-  }
-  void put(double value) {
-    if (std::isfinite(value))
-      fmt::format_to(std::back_inserter(out_), "{}", value);
-    else
-      out_ += "null";
-  }
-  void quote(std::string_view value) {
-    const bool plain = std::all_of(value.begin(), value.end(), [](char c) {
-      return c >= ' ' && c < '\x7F' && c != '"' && c != '\\';
-    });
-    if (!plain) {
-      out_ += dump(ordered_json(value));
-      return;
-    }
-    out_ += '"';
-    out_ += value;
-    out_ += '"';
-  }
-
-  std::string out_{"{"};
-};
-
-ObjectText attention_text(const Attention& attention) {
-  ObjectText out;
-  out.text("kind", attention.kind);
-  out.number("sheet", std::int64_t{attention.sheet});
-  out.number("total", std::int64_t{attention.total});
-  out.text("text", attention.text);
-  out.text("since", rfc3339(attention.since));
-  out.texts("actions", attention.actions);
+JsonObject request_body(const ActionRequest& body) {
+  JsonObject out;
+  if (body.sheet) out.number("sheet", *body.sheet);
+  if (body.blank) out.number("blank", *body.blank);
+  if (!body.device.empty()) out.text("device", body.device);
+  if (body.good) out.flag("good", *body.good);
+  if (body.from_path) out.number("from_path", *body.from_path);
+  if (!body.registration.empty()) out.text("registration", body.registration);
+  if (body.skip_in_doubt) out.flag("skip_in_doubt", true);
+  if (body.accept_double_cut) out.flag("i_accept_double_cut", true);
+  if (!body.accept_warnings.empty()) out.texts("accept_warnings", body.accept_warnings);
   return out;
 }
 
-ObjectText links_text(const Job& job) {
+JsonObject request_body(const JobPatch& body) {
+  JsonObject out;
+  if (body.device) out.text("device", *body.device);
+  if (body.site) out.text("site", *body.site);
+  if (body.plan_again) out.flag("plan_again", true);
+  return out;
+}
+
+JsonObject request_body(const QueueRequest& body) { return JsonObject().text("job", body.job); }
+
+// A value as a member of JSON, by its type.
+class MemberWriter {
+ public:
+  MemberWriter(JsonObject& out, FieldUse use) : out_(out), use_(use) {}
+  void put(std::string_view name, const std::string& text) { out_.text_or_null(name, text); }
+  void put(std::string_view name, int value) { put(name, std::int64_t{value}); }
+  void put(std::string_view name, std::int64_t value) {
+    if (use_.is_time)
+      out_.text(name, rfc3339(value));
+    else if (use_.zero_is_null && value == 0)
+      out_.null(name);
+    else
+      out_.number(name, value);
+  }
+  void put(std::string_view name, double value) { out_.number(name, value); }
+  void put(std::string_view name, bool value) { out_.flag(name, value); }
+  void put(std::string_view name, const std::array<double, 2>& pair) { out_.pair(name, pair); }
+  void put(std::string_view name, const std::optional<TimeMs>& time) {
+    out_.text_or_null(name, time ? rfc3339(*time) : std::string());
+  }
+  void put(std::string_view name, JobState state) { out_.text(name, name_of(state)); }
+  void put(std::string_view name, const std::vector<std::string>& texts) {
+    out_.texts(name, texts);
+  }
+  void put(std::string_view name, const std::vector<Warning>& all) { out_.warnings(name, all); }
+  // Only of a job that was asked for alone.
+  void put(std::string_view name, const std::vector<NextAction>& all) {
+    if (!all.empty()) out_.objects(name, json_of(all));
+  }
+  template <typename Value>
+  void put(std::string_view name, const std::optional<Value>& value) {
+    if (value)
+      put(name, *value);
+    else
+      out_.null(name);
+  }
+  template <typename Value>
+  void put(std::string_view name, const Value& value);
+
+ private:
+  JsonObject& out_;
+  FieldUse use_;
+};
+
+// All fields that the API shows, in its order.
+template <typename Value>
+JsonObject object_of(const Value& value) {
+  JsonObject out;
+  list_fields(&value, [&](std::string_view name, auto member, FieldUse use = {}) {
+    if (!use.is_hidden) MemberWriter(out, use).put(name, value.*member);
+  });
+  return out;
+}
+
+template <typename Value>
+void MemberWriter::put(std::string_view name, const Value& value) {
+  out_.object(name, object_of(value));
+}
+
+JsonObject links_of(const Job& job) {
   const std::string self = "/v1/jobs/" + job.id;
-  ObjectText out;
+  JsonObject out;
   out.text("self", self);
   out.text("sheets", self + "/sheets");
   out.text("events", self + "/events");
@@ -198,28 +170,26 @@ ordered_json to_json(const Design& design) {
 }
 
 ordered_json to_json(const SheetPlan& sheet) {
-  return {{"sheet", sheet.number},
-          {"paths", sheet.paths},
-          {"cut_mm", sheet.cut_mm},
-          {"fold_mm", sheet.fold_mm},
-          {"travel_mm", sheet.travel_mm},
-          {"seconds", sheet.seconds},
-          {"seconds_range", sheet.seconds_range},
-          {"area_mm", sheet.area_mm},
-          {"program_sha256", sheet.program_sha256},
-          {"mat", text_or_null(sheet.mat)},
-          {"side", text_or_null(sheet.side)}};
+  ordered_json out;
+  list_fields(&sheet,
+              [&]<typename Member>(const char* name, Member SheetPlan::*member, FieldUse use = {}) {
+                if (use.is_hidden) return;
+                if constexpr (std::is_same_v<Member, std::string>)
+                  out[name] = text_or_null(sheet.*member);
+                else
+                  out[name] = sheet.*member;
+              });
+  return out;
 }
 
 ordered_json to_json(const PlanRecord& plan) {
-  constexpr std::array<std::string_view, 3> kStates{"pending", "planned", "failed"};
   ordered_json sheets = ordered_json::array();
   for (const SheetPlan& sheet : plan.sheets) sheets.push_back(to_json(sheet));
   return {{"id", plan.id},
           {"design", plan.design},
           {"material", text_or_null(plan.material)},
           {"machine", text_or_null(plan.machine)},
-          {"state", kStates[static_cast<std::size_t>(plan.state)]},
+          {"state", name_of(plan.state)},
           {"sha256", text_or_null(plan.sha256)},
           {"sheets", std::move(sheets)},
           {"sheets_total", plan.sheets_total},
@@ -291,62 +261,27 @@ ordered_json to_json(const SearchRecord& search) {
           {"links", {{"self", self}}}};
 }
 
+JsonObject body_of(const NextAction& action) {
+  return std::visit([](const auto& body) { return request_body(body); }, action.body);
+}
+
+JsonObject json_of(const NextAction& action) {
+  JsonObject out;
+  out.text("action", action.action);
+  out.object("body", body_of(action));
+  if (!action.device.empty()) out.text("device", action.device);
+  if (!action.job.empty()) out.text("job", action.job);
+  return out;
+}
+
+std::vector<JsonObject> json_of(const std::vector<NextAction>& actions) {
+  std::vector<JsonObject> all;
+  for (const NextAction& action : actions) all.push_back(json_of(action));
+  return all;
+}
+
 std::string job_text(const Job& job) {
-  ObjectText progress;
-  progress.number("paths_certain", job.progress.paths_certain);
-  progress.number("paths_sent", job.progress.paths_sent);
-  progress.number("paths_done", job.progress.paths_done);
-  progress.number("paths_total", job.progress.paths_total);
-  progress.number("cut_mm", job.progress.cut_mm);
-  ObjectText estimate;
-  estimate.range("remaining_s", job.remaining_s);
-  ObjectText out;
-  out.text("id", job.id);
-  out.number("rev", job.rev);
-  out.text("state", name_of(job.state));
-  out.text("kind", job.is_test ? "test-cut" : "job");
-  out.text_or_null("reason", job.reason);
-  out.text_or_null("name", job.name);
-  out.text_or_null("note", job.note);
-  out.text("owner", job.owner);
-  out.text("owner_title", job.owner_title.empty() ? job.owner : job.owner_title);
-  out.text_or_null("operator", job.operator_name);
-  out.text_or_null("operator_title",
-                   job.operator_title.empty() ? job.operator_name : job.operator_title);
-  out.text_or_null("device", job.device);
-  out.text_or_null("site", job.site);
-  out.text_or_null("design", job.design);
-  out.text_or_null("plan", job.plan);
-  out.text_or_null("material", job.material);
-  out.number("priority", std::int64_t{job.priority});
-  out.number("copies", std::int64_t{job.copies});
-  out.flag("held", job.held);
-  out.number("sheets_total", std::int64_t{job.sheets_total});
-  if (job.sheet > 0)
-    out.number("sheet", std::int64_t{job.sheet});
-  else
-    out.null("sheet");
-  out.number("blank", std::int64_t{job.blank});
-  out.number("segment", std::int64_t{job.segment});
-  out.object("progress", progress);
-  out.object("est", estimate);
-  out.text("created", rfc3339(job.created));
-  out.time_or_null("started", job.started);
-  out.time_or_null("finished", job.finished);
-  out.text_or_null("outcome", job.outcome);
-  out.texts("tags", job.tags);
-  out.written("load", job.load.empty() ? "null" : job.load);
-  out.written("warnings", job.warnings);
-  out.texts("unaccepted_warnings", job.unaccepted);
-  if (job.attention)
-    out.object("attention", attention_text(*job.attention));
-  else
-    out.null("attention");
-  out.time_or_null("armed_until", job.armed_until);
-  out.texts("actions", job.actions);
-  if (!job.next_actions.empty()) out.next_actions("ways", job.next_actions);
-  out.object("links", links_text(job));
-  return out.whole();
+  return object_of(job).object("links", links_of(job)).whole();
 }
 
 ordered_json to_json(const SheetRecord& sheet) {

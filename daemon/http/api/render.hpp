@@ -7,6 +7,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "core/machines/machine.hpp"
+#include "daemon/model/json_object.hpp"
 #include "daemon/model/model.hpp"
 
 namespace popcut::daemon::http {
@@ -32,7 +33,11 @@ namespace popcut::daemon::http {
 [[nodiscard]] nlohmann::ordered_json to_json(const NewToken& token);
 [[nodiscard]] nlohmann::ordered_json to_json(const UsageRow& row);
 
-/// A job as JSON: as the others above, but written down at once, for long lists.
+// The same as text, for long lists.
+[[nodiscard]] JsonObject json_of(const NextAction& action);
+/// The body of its request.
+[[nodiscard]] JsonObject body_of(const NextAction& action);
+[[nodiscard]] std::vector<JsonObject> json_of(const std::vector<NextAction>& actions);
 [[nodiscard]] std::string job_text(const Job& job);
 
 /// `event.data`, which has "seq" and "kind" and more, with its "time". It is not parsed.

@@ -82,16 +82,13 @@ std::string design_name(const std::string& file) {
 }
 
 std::string search_words(const daemon::CardSearchRequest& request) {
-  nlohmann::ordered_json words{{"model", request.model}, {"name", request.name},
-                               {"mat", request.mat},     {"style", request.style},
-                               {"up", request.up},       {"max_minutes", request.max_minutes},
-                               {"seed", request.seed},   {"effort", request.effort}};
-  // What earlier versions did not know stands here only where it says something: then a search of
-  // theirs is still the same.
-  const daemon::CardSearchRequest usual;
-  if (request.cards != usual.cards) words["cards"] = request.cards;
-  if (request.front != usual.front) words["front"] = request.front;
-  if (request.marks) words["marks"] = true;
+  const nlohmann::ordered_json words{
+      {"model", request.model},  {"name", request.name},
+      {"mat", request.mat},      {"style", request.style},
+      {"up", request.up},        {"front", request.front},
+      {"cards", request.cards},  {"marks", request.marks},
+      {"seed", request.seed},    {"max_minutes", request.max_minutes},
+      {"effort", request.effort}};
   return words.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
@@ -108,8 +105,8 @@ Result<daemon::CardSearchRequest> read_search_words(std::string_view words) {
   request.mat = fields.text("mat", {});
   request.style = styles[fields.word("style", {}, styles)];
   request.up = up_words()[fields.word("up", {}, up_words())];
-  request.cards = fields.integer("cards", request.cards, 1, kMostCards);
-  request.front = up_words()[fields.word("front", 0, up_words())];
+  request.cards = fields.integer("cards", {}, 1, kMostCards);
+  request.front = up_words()[fields.word("front", {}, up_words())];
   request.marks = fields.boolean("marks", false);
   request.max_minutes =
       fields.number("max_minutes", {}, daemon::kLeastMinutes, daemon::kMostMinutes);

@@ -186,10 +186,7 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
       fitting.empty()
           ? std::string("all suitable devices are busy; wait until one is free")
           : fmt::format("name the device that holds the sheet: {}", fmt::join(fitting, ", ")));
-  for (const std::string& one : fitting)
-    unnamed.next_actions.push_back(
-        {"arm", fmt::format(R"({{"sheet":{},"blank":{},"device":{}{}}})", row.sheet, row.blank,
-                            json_text(one), accepting(row))});
+  for (const std::string& one : fitting) unnamed.next_actions.push_back(arm_action(row, one));
   return tl::unexpected(std::move(unnamed));
 }
 
@@ -197,16 +194,12 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
   if (auto sound = parts_.store.accepts_arming(); !sound) return sound;
   if (auto may = parts_.cuts.may_cut(); !may) return may;
   const auto plan = parts_.plans.table().find(row.plan);
-  if (!plan || plan->state != PlanState::Planned)
+  const auto sheet = parts_.jobs.current_sheet(row);
+  if (!plan || plan->state != PlanState::Planned || !sheet)
     return JobRepository::refuse_state(row, "the job's plan is gone; create the job again");
   if (!request.plan_sha256.empty() && request.plan_sha256 != plan->sha256)
     return JobRepository::refuse_state(
         row, "the plan is " + plan->sha256 + ", not the one in the request");
-  if (const auto sheet = parts_.jobs.current_sheet(row); !sheet || sheet->index_sha256.empty())
-    return JobRepository::refuse_state(
-        row,
-        "an earlier popcutd made this job's plan and did not protect it from changes; create the "
-        "job again");
   if (const std::string why = parts_.intents.why_blocked(row.id); !why.empty())
     return JobRepository::refuse_state(row, why);
   const Answer<std::string> device = choose_device(row, request, *plan);
@@ -216,8 +209,7 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
     return JobRepository::refuse_state(row, fmt::format("{} holds a sheet of job {} ({})", *device,
                                                         other->id, name_of(other->state)));
   if (auto accepted = accept_warnings(row, request); !accepted) return accepted;
-  if (const auto sheet = parts_.jobs.current_sheet(row))
-    if (auto here = parts_.plans.bring_sheet(row.plan, sheet->number); !here) return here;
+  if (auto here = parts_.plans.bring_sheet(row.plan, sheet->number); !here) return here;
   const auto known = next_.find(row.id);
   const Waiting waiting = known == next_.end() ? Waiting{} : waiting_of(known->second);
   if (waiting.resume_at && waiting.resume_at->segment == row.segment &&
@@ -241,9 +233,9 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
                     .start = {row.segment, row.first_stroke},
                     .waiting = waiting};
   parts_.store.after_commit([this, id = row.id, armed, folder = parts_.plans.folder_of(row.plan),
-                             sheet = parts_.jobs.current_sheet(row)] {
+                             number = sheet->number] {
     next_[id] = armed;
-    if (sheet) parts_.programs.want(id, folder, sheet->number);
+    parts_.programs.want(id, folder, number);
   });
   return {};
 }
@@ -257,14 +249,13 @@ Answer<void> CutDispatcher::disarm(JobRow& row) {
 }
 
 Answer<void> CutDispatcher::accept_warnings(JobRow& row, const ActionRequest& request) {
-  std::string left = codes_without(row.unaccepted, request.accept_warnings);
-  if (left.empty()) {
+  const std::vector<std::string> codes = codes_without(row.unaccepted, request.accept_warnings);
+  if (codes.empty()) {
     row.unaccepted.clear();
     return {};
   }
-  const std::vector<std::string> codes = codes_of(left);
   std::vector<std::string> messages;
-  for (const Warning& one : warnings_from_json(row.warnings))
+  for (const Warning& one : row.warnings)
     if (one.spoils && std::find(codes.begin(), codes.end(), one.code) != codes.end())
       messages.push_back(one.message);
   Problem problem = JobRepository::conflict(
@@ -331,7 +322,7 @@ Answer<CutDispatcher::ReadySheet> CutDispatcher::ready_sheet(const JobRow& row) 
   // Arming it again would not help.
   const auto lost = [&](std::string detail) {
     Problem problem = JobRepository::conflict(row, std::move(detail));
-    problem.next_actions = {{std::string(name_of(JobAction::Cancel)), "{}"}};
+    problem.next_actions = {next_action(JobAction::Cancel)};
     return tl::unexpected(std::move(problem));
   };
   if (!stored)
@@ -395,7 +386,7 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row) {
     if (fault.kind() != FaultKind::Constraint) throw;
     Problem used = JobRepository::conflict(
         row, "this blank was started before; disarm it and use a new one with retry-sheet");
-    used.next_actions = {{std::string(name_of(JobAction::Disarm)), "{}"}};
+    used.next_actions = {next_action(JobAction::Disarm)};
     return tl::unexpected(std::move(used));
   }
   parts_.jobs.take(row, Step::ToCutting, "");

@@ -96,8 +96,8 @@ class CutDispatcher : public Cutting {
   [[nodiscard]] Answer<ReadySheet> ready_sheet(const JobRow& row);
   /// Takes what the request accepts; refused while a warning that spoils a cut is left.
   [[nodiscard]] static Answer<void> accept_warnings(JobRow& row, const ActionRequest& request);
-  /// The member of an `arm` that accepts the warnings of a job, with a comma; empty: none is left.
-  [[nodiscard]] static std::string accepting(const JobRow& row);
+  /// An arm that accepts all warnings of the job.
+  [[nodiscard]] static NextAction arm_action(const JobRow& row, const std::string& device);
   /// Disarms a job for another reason than a request. What could not be written is tried again.
   void lapse(const std::string& job, const std::string& reason);
   /// Forgets that the sheet of a job was armed here.

@@ -3,30 +3,26 @@
 // is refused twice for reasons that were known the first time.
 #include <algorithm>
 
-#include <fmt/format.h>
-
-#include "daemon/model/warnings.hpp"
 #include "daemon/service/live/cut_dispatcher.hpp"
 
 namespace popcut::daemon {
 namespace {
 
 NextAction resume_action(const ResumeRequest& one) {
-  std::string body = fmt::format(R"({{"from_path":{},"registration":"{}")", one.from_path,
-                                 one.re_registered ? "re-registered" : "kept");
-  if (one.skip_in_doubt) body += R"(,"skip_in_doubt":true)";
-  if (one.accept_double_cut) body += R"(,"i_accept_double_cut":true)";
-  return {"resume-from", body + "}"};
+  return next_action(JobAction::ResumeFrom,
+                     {.from_path = one.from_path,
+                      .registration = one.re_registered ? "re-registered" : "kept",
+                      .accept_double_cut = one.accept_double_cut,
+                      .skip_in_doubt = one.skip_in_doubt});
 }
 
 }  // namespace
 
-std::string CutDispatcher::accepting(const JobRow& row) {
-  if (row.unaccepted.empty()) return {};
-  std::string codes;
-  for (const std::string& code : codes_of(row.unaccepted))
-    codes += fmt::format(R"({}"{}")", codes.empty() ? "" : ",", code);
-  return fmt::format(R"(,"accept_warnings":[{}])", codes);
+NextAction CutDispatcher::arm_action(const JobRow& row, const std::string& device) {
+  return next_action(JobAction::Arm, {.sheet = row.sheet,
+                                      .blank = row.blank,
+                                      .device = device,
+                                      .accept_warnings = row.unaccepted});
 }
 
 std::optional<ResumeState> CutDispatcher::resume_state(const JobRow& row) {
@@ -59,10 +55,9 @@ const Armed* CutDispatcher::valid_arm(const std::string& job) {
 // Requests to arm the sheet; else requests that make a device ready for it.
 std::vector<NextAction> CutDispatcher::arm_actions(const JobRow& row, const ActionRequest* wanted) {
   const auto plan = parts_.plans.table().find(row.plan);
-  const auto sheet = parts_.jobs.current_sheet(row);
-  if (!plan || plan->state != PlanState::Planned || !sheet || sheet->index_sha256.empty() ||
+  if (!plan || plan->state != PlanState::Planned || !parts_.jobs.current_sheet(row) ||
       !parts_.intents.why_blocked(row.id).empty())
-    return {{std::string(name_of(JobAction::Cancel)), "{}"}};
+    return {next_action(JobAction::Cancel)};
   const DeviceRegistry& devices = parts_.devices;
   std::vector<NextAction> others, as_wanted;
   std::vector<std::string> free, busy;
@@ -87,13 +82,8 @@ std::vector<NextAction> CutDispatcher::arm_actions(const JobRow& row, const Acti
     }
   }
   std::vector<NextAction> all = as_wanted;
-  for (const std::string& id : free)
-    all.push_back({std::string(name_of(JobAction::Arm)),
-                   fmt::format(R"({{"sheet":{},"blank":{}{}}})", row.sheet, row.blank,
-                               (free.size() + busy.size() == 1 || !row.requested_device.empty()
-                                    ? ""
-                                    : R"(,"device":)" + json_text(id)) +
-                                   accepting(row))});
+  const bool is_known = free.size() + busy.size() == 1 || !row.requested_device.empty();
+  for (const std::string& id : free) all.push_back(arm_action(row, is_known ? "" : id));
   if (!all.empty()) return all;
   // A job that holds a device is armed, cutting or paused. While it is cutting, one can only wait.
   for (const std::string& id : busy)
@@ -108,14 +98,12 @@ std::vector<NextAction> CutDispatcher::arm_actions(const JobRow& row, const Acti
 
 // START; if it would be refused, requests that make it possible.
 std::vector<NextAction> CutDispatcher::actions_when_armed(const JobRow& row) {
-  const NextAction disarm{std::string(name_of(JobAction::Disarm)), "{}"};
+  const NextAction disarm = next_action(JobAction::Disarm);
   const auto plan = parts_.plans.table().find(row.plan);
   const bool may = valid_arm(row.id) != nullptr && plan && parts_.devices.usable(row.device) &&
                    parts_.devices.misfit(row.device, *plan, row.site).empty() &&
                    knows_place(row, row.device);
-  if (may && !row.held)
-    return {{std::string(name_of(JobAction::Start)), fmt::format("{{\"sheet\":{}}}", row.sheet)},
-            disarm};
+  if (may && !row.held) return {next_action(JobAction::Start, {.sheet = row.sheet}), disarm};
   std::vector<NextAction> all = parts_.devices.remedies(row.device);
   all.push_back(disarm);
   return all;
@@ -124,16 +112,15 @@ std::vector<NextAction> CutDispatcher::actions_when_armed(const JobRow& row) {
 std::vector<NextAction> CutDispatcher::next_actions(const JobRow& row,
                                                     const ActionRequest* wanted) {
   std::vector<NextAction> all;
-  const std::string sheet = fmt::format("{{\"sheet\":{}}}", row.sheet);
+  const ActionRequest sheet{.sheet = row.sheet};
   const std::vector<JobAction> allowed = allowed_actions(JobRepository::facts_of(row));
   const auto may = [&](JobAction action) {
     return std::find(allowed.begin(), allowed.end(), action) != allowed.end();
   };
-  const auto add = [&](JobAction action, const std::string& body) {
-    if (may(action)) all.push_back({std::string(name_of(action)), body});
+  const auto add = [&](JobAction action, const ActionRequest& body = {}) {
+    if (may(action)) all.push_back(next_action(action, body));
   };
-  if (row.held && !is_terminal(row.state))
-    all.push_back({"release", fmt::format("{{\"job\":\"{}\"}}", row.id)});
+  if (row.held && !is_terminal(row.state)) all.push_back({"release", QueueRequest{row.id}});
   const auto append = [&](const std::vector<NextAction>& more) {
     all.insert(all.end(), more.begin(), more.end());
   };
@@ -144,9 +131,9 @@ std::vector<NextAction> CutDispatcher::next_actions(const JobRow& row,
     if (device && !device->enabled)
       append(remedies);
     else
-      add(JobAction::Resume, "{}");
+      add(JobAction::Resume);
   }
-  if (row.state == JobState::Cutting) add(JobAction::Pause, "{}");
+  if (row.state == JobState::Cutting) add(JobAction::Pause);
   if (row.state == JobState::Ready && may(JobAction::Arm) && knows_place(row, row.requested_device))
     append(arm_actions(row, wanted));
   const bool interrupted = row.state == JobState::Interrupted;
@@ -164,8 +151,7 @@ std::vector<NextAction> CutDispatcher::next_actions(const JobRow& row,
   const bool whole =
       state && std::none_of(state->runs.begin(), state->runs.end(),
                             [](const FateRun& run) { return run.fate == PathFate::NotSent; });
-  if (whole)
-    add(JobAction::ConfirmResult, fmt::format("{{\"sheet\":{},\"good\":true}}", row.sheet));
+  if (whole) add(JobAction::ConfirmResult, {.sheet = row.sheet, .good = true});
   if (interrupted) add(JobAction::SkipSheet, sheet);
   return all;
 }

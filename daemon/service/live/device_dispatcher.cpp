@@ -81,11 +81,8 @@ Answer<void> DeviceDispatcher::take(const Principal& who, const DeviceRecord& de
       Problem busy{ProblemKind::StateConflict, id + " holds a sheet of job " + device.job};
       // To free the device, disarm the sheet or cancel the job.
       if (row)
-        busy.next_actions = {
-            {.action = std::string(
-                 name_of(row->state == JobState::Armed ? JobAction::Disarm : JobAction::Cancel)),
-             .body = "{}",
-             .job = row->id}};
+        busy.next_actions = {next_action(
+            row->state == JobState::Armed ? JobAction::Disarm : JobAction::Cancel, {}, row->id)};
       return tl::unexpected(std::move(busy));
     }
     if (resetting_)
@@ -117,8 +114,10 @@ void DeviceDispatcher::reset(const std::string& id) {
       resetting_ = false;
       (void)parts_.store.change([&]() -> Answer<void> {
         parts_.store.emit("notice", "",
-                          fmt::format(R"("device":{},"what":"reset","error":{})", json_text(id),
-                                      done ? "null" : json_text(message(done.error()))));
+                          JsonObject()
+                              .text("device", id)
+                              .text("what", "reset")
+                              .text_or_null("error", done ? "" : message(done.error())));
         return {};
       });
       look();

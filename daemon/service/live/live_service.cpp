@@ -276,9 +276,9 @@ void AssembledService::on_remote_event(const Event& event) {
   if (event.kind == "device") others_changed_ = true;
   if (event.kind == "job") {
     parts_.cuts.apply_remote_request(event.job);
-    const bool is_over = event.data.find(R"("state":"cancelled")") != std::string::npos;
-    if (event.data.find(R"("state":"queued")") != std::string::npos) others_queued_ = true;
-    if (is_over)
+    const std::string state = text_in(event, "state");
+    if (state == name_of(JobState::Queued)) others_queued_ = true;
+    if (state == name_of(JobState::Cancelled))
       (void)parts_.store.look([&]() -> Answer<void> {
         if (const Answer<JobRow> row = parts_.jobs.row(event.job)) parts_.plans.abandon(row->plan);
         return {};

@@ -412,18 +412,26 @@ void RunningCuts::show_progress(Running& running, JobRow& row) {
 void RunningCuts::publish(Running& running, const JobRow& row) {
   const SessionProgress& progress = running.progress;
   const Cut& cut = *running.cut;
-  const std::array<double, 2> left_s = parts_.jobs.shown(row).remaining_s;
   running.published_ms = parts_.store.monotonic();
-  parts_.store.publish(
-      {.seq = 0,
-       .kind = "progress",
-       .time = parts_.store.now(),
-       .job = cut.attempt.job,
-       .data = fmt::format(
-           R"({{"seq":0,"kind":"progress","job":"{}","state":"{}","rev":{},"sheet":{},"phase":"{}","paths_certain":{},"paths_sent":{},"paths_done":{},"paths":{},"seconds_left":{:.1f},"remaining_s":[{:.1f},{:.1f}]}})",
-           cut.attempt.job, name_of(row.state), row.rev, cut.attempt.sheet, name_of(progress.phase),
-           cut.live.certain, cut.live.sent, progress.strokes_done, progress.strokes,
-           std::max(0.0, progress.seconds_left), left_s[0], left_s[1])});
+  parts_.store.publish({.seq = 0,
+                        .kind = "progress",
+                        .time = parts_.store.now(),
+                        .job = cut.attempt.job,
+                        .data = JsonObject()
+                                    .number("seq", 0)
+                                    .text("kind", "progress")
+                                    .text("job", cut.attempt.job)
+                                    .text("state", name_of(row.state))
+                                    .number("rev", row.rev)
+                                    .number("sheet", cut.attempt.sheet)
+                                    .text("phase", name_of(progress.phase))
+                                    .number("paths_certain", cut.live.certain)
+                                    .number("paths_sent", cut.live.sent)
+                                    .number("paths_done", progress.strokes_done)
+                                    .number("paths", progress.strokes)
+                                    .number("seconds_left", std::max(0.0, progress.seconds_left), 1)
+                                    .pair("remaining_s", parts_.jobs.shown(row).est.remaining_s, 1)
+                                    .whole()});
 }
 
 void RunningCuts::pause_unrecorded(const std::string& job) {
@@ -590,7 +598,7 @@ void RunningCuts::record_superseded(const Ended& ended) {
         ended.cut->bytes_taken(),
         fate_runs(end.fates, ended.cut->dots, attempt.first_stroke, attempt.strokes));
   parts_.store.emit("notice", attempt.job,
-                    fmt::format(R"("sheet":{},"state":"superseded")", attempt.sheet));
+                    JsonObject().number("sheet", attempt.sheet).text("state", "superseded"));
 }
 
 void RunningCuts::change_job(JobRow& row, const CutVerdict& verdict, bool is_cancelled) {

@@ -194,7 +194,7 @@ Answer<Design> DesignRepository::store(const Principal& who, const Upload& uploa
                        name, design.kind, design.owner, design.bytes, design.created,
                        json_list(design.assets), media_type);
     store_.audit(who.name, "add-design", id, name);
-    store_.emit("notice", "", fmt::format(R"("design":"{}","what":"added")", id));
+    store_.emit("notice", "", JsonObject().text("design", id).text("what", "added"));
     return design;
   });
 }

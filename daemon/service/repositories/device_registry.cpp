@@ -183,8 +183,10 @@ std::vector<std::string> DeviceRegistry::refresh() {
     for (Entry* entry : changed) {
       keep(*entry);
       store_.emit("device", "",
-                  fmt::format(R"("device":{},"state":{},"rev":{})", json_text(entry->record.id),
-                              json_text(entry->record.state), entry->record.rev));
+                  JsonObject()
+                      .text("device", entry->record.id)
+                      .text("state", entry->record.state)
+                      .number("rev", entry->record.rev));
     }
     return {};
   });
@@ -338,9 +340,9 @@ Answer<void> DeviceRegistry::usable(const std::string& id) const {
 std::vector<NextAction> DeviceRegistry::remedies(const std::string& id) const {
   const auto found = entries_.find(id);
   if (found == entries_.end()) return {};
-  if (!found->second.record.enabled) return {{.action = "enable", .body = "{}", .device = id}};
+  if (!found->second.record.enabled) return {{.action = "enable", .device = id}};
   if (found->second.record.state != "fault") return {};
-  return {{.action = "reset", .body = "{}", .device = id}};
+  return {{.action = "reset", .device = id}};
 }
 
 void DeviceRegistry::set_enabled(const std::string& id, bool enabled) {
@@ -351,8 +353,11 @@ void DeviceRegistry::set_enabled(const std::string& id, bool enabled) {
   ++changed.record.rev;
   keep(changed);
   store_.emit("device", "",
-              fmt::format(R"("device":{},"state":{},"enabled":{},"rev":{})", json_text(id),
-                          json_text(changed.record.state), enabled, changed.record.rev));
+              JsonObject()
+                  .text("device", id)
+                  .text("state", changed.record.state)
+                  .flag("enabled", enabled)
+                  .number("rev", changed.record.rev));
   store_.after_commit([this, id, enabled, rev = changed.record.rev] {
     entries_.at(id).record.enabled = enabled;
     entries_.at(id).record.rev = rev;

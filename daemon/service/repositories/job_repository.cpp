@@ -121,7 +121,7 @@ Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
   row.position = jobs_.last_position() + kPositionStep;
   row.copies = request.copies;
   row.created = created;
-  row.tags = json_list(request.tags);
+  row.tags = request.tags;
   const std::int64_t sheets = std::int64_t{plan.sheets} * request.copies;
   if (plan.state == PlanState::Planned && sheets > parts_.options.sheets_per_job)
     return refuse_value("/copies", "range",
@@ -132,13 +132,13 @@ Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
     if (const std::string why = parts_.devices.misfit(request.device, plan, row.site); !why.empty())
       return refuse_value("/device", "value", why);
   if (request.device.empty() && request.plan.empty())
-    row.warnings = warnings_json(choice_warnings(plan.material, row.site));
+    row.warnings = choice_warnings(plan.material, row.site);
   jobs_.insert(row);
   store.audit(who.name, "create-job", row.id, row.name);
   if (plan.state == PlanState::Planned) {
     apply_plan(row, plan);
   } else {
-    store.emit("job", row.id, fmt::format(R"("state":"queued","rev":{})", row.rev));
+    store.emit("job", row.id, JsonObject().text("state", "queued").number("rev", row.rev));
     store.after_commit([this] { parts_.plans.pump(); });
   }
   return shown(row);
@@ -158,10 +158,9 @@ void JobRepository::apply_plan(JobRow& row, const PlanRow& plan) {
   row.low_s = plan.low_s * row.copies;
   row.high_s = plan.high_s * row.copies;
   row.unaccepted = spoiling_codes(plan.warnings);
-  std::vector<Warning> warnings = warnings_from_json(row.warnings);  // those of the job itself
-  warnings.insert(warnings.end(), plan.warnings.begin(), plan.warnings.end());
-  shorten(warnings, kWarningsOfJob, kWarningOfJob);
-  row.warnings = warnings_json(warnings);
+  // After those of the job itself.
+  row.warnings.insert(row.warnings.end(), plan.warnings.begin(), plan.warnings.end());
+  shorten(row.warnings, kWarningsOfJob, kWarningOfJob);
   take(row, step_of(row.state, JobEvent::PlanComes), "");
 }
 
@@ -176,16 +175,25 @@ void JobRepository::plan_begun(const std::string& plan) {
 void JobRepository::plan_is_at(const std::string& plan, const PlanningPhase& phase) {
   constexpr int kMostPublished = 20;  // jobs of one plan
   (void)parts_.store.look([&]() -> Answer<void> {
-    for (const JobRow& row : jobs_.waiting_for(plan, JobState::Planning, kMostPublished))
-      parts_.store.publish(
-          {.seq = 0,
-           .kind = "progress",
-           .time = parts_.store.now(),
-           .job = row.id,
-           .data = fmt::format(
-               R"({{"seq":0,"kind":"progress","job":"{}","state":"{}","rev":{},"phase":"{}","doing":{},"share":{}}})",
-               row.id, name_of(row.state), row.rev, phase.phase, json_text(phase.doing),
-               phase.done < 0 ? std::string("null") : fmt::format("{:.2f}", phase.done))});
+    for (const JobRow& row : jobs_.waiting_for(plan, JobState::Planning, kMostPublished)) {
+      JsonObject data;
+      data.number("seq", 0)
+          .text("kind", "progress")
+          .text("job", row.id)
+          .text("state", name_of(row.state))
+          .number("rev", row.rev)
+          .text("phase", phase.phase)
+          .text("doing", phase.doing);
+      if (phase.done < 0)
+        data.null("share");
+      else
+        data.number("share", phase.done, 2);
+      parts_.store.publish({.seq = 0,
+                            .kind = "progress",
+                            .time = parts_.store.now(),
+                            .job = row.id,
+                            .data = data.whole()});
+    }
     return {};
   });
 }
@@ -241,21 +249,22 @@ void JobRepository::put_sheet(const JobRow& row, std::string_view state,
 
 void JobRepository::set_attention(JobRow& row, const std::string& kind,
                                   const std::string& text) const {
-  row.attention = kind;
+  row.attention_kind = kind;
   row.attention_text = text;
   row.attention_since = kind.empty() ? 0 : parts_.store.now();
 }
 
-// What a person must load into the cutter, as JSON.
-std::string JobRepository::load_of(const JobRow& row) {
+// What a person must load into the cutter.
+std::optional<LoadedSheet> JobRepository::load_of(const JobRow& row) {
   const auto sheet = current_sheet(row);
   const auto plan = parts_.plans.table().find(row.plan);
-  if (!sheet || !plan) return {};
-  return fmt::format(
-      R"({{"material":{},"machine":{},"mat":{},"width_mm":{},"length_mm":{},"side":{}}})",
-      json_text(plan->material), json_text(plan->machine),
-      sheet->mat.empty() ? "null" : json_text(sheet->mat), sheet->area_mm[0], sheet->area_mm[1],
-      sheet->side.empty() ? "null" : json_text(sheet->side));
+  if (!sheet || !plan) return std::nullopt;
+  return LoadedSheet{.material = plan->material,
+                     .machine = plan->machine,
+                     .mat = sheet->mat,
+                     .width_mm = sheet->area_mm[0],
+                     .length_mm = sheet->area_mm[1],
+                     .side = sheet->side};
 }
 
 void JobRepository::take(JobRow& row, Step step, const std::string& reason) {
@@ -317,11 +326,11 @@ void JobRepository::take_left(JobRow& row, Step step, const std::string& reason)
 
 void JobRepository::save(JobRow& row) {
   jobs_.update(row);
-  std::string members = fmt::format(R"("state":"{}","rev":{})", name_of(row.state), row.rev);
-  if (!row.reason.empty()) members += R"(,"reason":)" + json_text(row.reason);
-  if (row.sheet > 0)
-    members += fmt::format(R"(,"sheet":{},"sheets_total":{})", row.sheet, row.sheets_total);
-  if (!row.attention.empty()) members += R"(,"attention":)" + json_text(row.attention);
+  JsonObject members;
+  members.text("state", name_of(row.state)).number("rev", row.rev);
+  if (!row.reason.empty()) members.text("reason", row.reason);
+  if (row.sheet > 0) members.number("sheet", row.sheet).number("sheets_total", row.sheets_total);
+  if (!row.attention_kind.empty()) members.text("attention", row.attention_kind);
   parts_.store.emit("job", row.id, members);
 }
 
@@ -331,8 +340,11 @@ void JobRepository::finish_sheet(JobRow& row, const std::string& sheet_state,
   const TimeMs now = parts_.store.now();
   put_sheet(row, sheet_state, now);
   parts_.store.emit("sheet", row.id,
-                    fmt::format(R"("sheet":{},"blank":{},"state":"{}","rev":{})", row.sheet,
-                                row.blank, sheet_state, row.rev + 1));
+                    JsonObject()
+                        .number("sheet", row.sheet)
+                        .number("blank", row.blank)
+                        .text("state", sheet_state)
+                        .number("rev", row.rev + 1));
   if (plan) {
     if (sheet_state == "done") {
       row.done_paths += plan->paths;
@@ -401,8 +413,8 @@ Answer<void> JobRepository::check_site(const JobRow& row, const JobPatch& reques
     problem.next_actions = {change_action(there, device, request.plan_again)};
   else if (row.segment == 1)
     problem.next_actions = {
-        {"change", fmt::format(R"({{"device":"","site":{}{}}})", json_text(*request.site),
-                               request.plan_again ? R"(,"plan_again":true)" : "")}};
+        {"change",
+         JobPatch{.device = "", .site = *request.site, .plan_again = request.plan_again}}};
   return tl::unexpected(std::move(problem));
 }
 
@@ -479,9 +491,11 @@ Answer<void> JobRepository::remove(const Principal& who, const std::string& id) 
       return refuse_state(*row, "only a finished job can be deleted; cancel it first");
     parts_.store.db().run("UPDATE job SET deleted=1, rev=rev+1 WHERE id=?", id);
     parts_.store.audit(who.name, "delete-job", id, row->name);
-    parts_.store.emit(
-        "job", id,
-        fmt::format(R"("state":"{}","rev":{},"deleted":true)", name_of(row->state), row->rev + 1));
+    parts_.store.emit("job", id,
+                      JsonObject()
+                          .text("state", name_of(row->state))
+                          .number("rev", row->rev + 1)
+                          .flag("deleted", true));
     return {};
   });
 }
@@ -505,7 +519,7 @@ Answer<Job> JobRepository::hold(const Principal& who, const std::string& id, boo
       save(*row);
     }
     parts_.store.audit(who.name, held ? "hold" : "release", id, "");
-    parts_.store.emit("queue", id, fmt::format(R"("held":{},"rev":{})", held, row->rev));
+    parts_.store.emit("queue", id, JsonObject().flag("held", held).number("rev", row->rev));
     return shown(*row);
   });
 }
@@ -535,7 +549,7 @@ Answer<Job> JobRepository::move(const Principal& who, const std::string& id,
     }
     save(*row);
     parts_.store.audit(who.name, "move", id, before);
-    parts_.store.emit("queue", id, fmt::format(R"("moved":true,"rev":{})", row->rev));
+    parts_.store.emit("queue", id, JsonObject().flag("moved", true).number("rev", row->rev));
     return shown(*row);
   });
 }

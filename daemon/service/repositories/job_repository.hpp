@@ -114,7 +114,7 @@ class JobRepository : public Jobs {
   [[nodiscard]] bool may_plan_again(const JobRow& row);
   [[nodiscard]] Answer<void> plan_again(const Principal& who, JobRow& row, const JobPatch& request);
   /// `JobRow::load` of the current sheet.
-  [[nodiscard]] std::string load_of(const JobRow& row);
+  [[nodiscard]] std::optional<LoadedSheet> load_of(const JobRow& row);
 
   /// What a running cut knows; nullptr if the job is not cut here.
   std::function<const LiveCut*(const std::string& job)> live{};
@@ -131,7 +131,7 @@ class JobRepository : public Jobs {
   /// The devices that a job could change to.
   [[nodiscard]] std::vector<NextAction> other_devices(const JobRow& row) const;
   [[nodiscard]] bool lost_its_place(const JobRow& row) const;
-  [[nodiscard]] std::string warnings_of(const JobRow& row) const;
+  [[nodiscard]] std::vector<Warning> warnings_of(const JobRow& row) const;
   [[nodiscard]] std::vector<std::string> actions_of(const JobRow& row) const;
   [[nodiscard]] Answer<Job> add(const Principal& who, const JobCreate& request,
                                 const PlanRow& plan);

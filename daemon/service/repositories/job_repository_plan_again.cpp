@@ -3,7 +3,6 @@
 // and a new plan for another cutter.
 #include <fmt/format.h>
 
-#include "daemon/model/warnings.hpp"
 #include "daemon/service/repositories/job_repository.hpp"
 
 namespace popcut::daemon {
@@ -33,12 +32,10 @@ std::optional<NextAction> JobRepository::plan_again_action(const JobRow& row,
 NextAction JobRepository::change_action(const JobRow& row, const std::string& device,
                                         bool plan_again) const {
   const bool is_there = parts_.devices.wrong_site(device, row.site).empty();
-  std::string members;
-  if (is_there || plan_again || !row.requested_device.empty())
-    members += R"(,"device":)" + json_text(device);
-  if (!is_there) members += R"(,"site":)" + json_text(parts_.devices.find(device)->site);
-  if (plan_again) members += R"(,"plan_again":true)";
-  return {"change", fmt::format("{{{}}}", members.substr(1))};
+  JobPatch change{.plan_again = plan_again};
+  if (is_there || plan_again || !row.requested_device.empty()) change.device = device;
+  if (!is_there) change.site = parts_.devices.find(device)->site;
+  return {"change", std::move(change)};
 }
 
 // After a part of a sheet is cut, the rest must come from the same plan.
@@ -67,10 +64,10 @@ Answer<void> JobRepository::plan_again(const Principal& who, JobRow& row, const 
   row.sheets_total = row.sheet = 0;
   row.paths_total = 0;
   row.low_s = row.high_s = 0;
-  row.load.clear();
+  row.load.reset();
   row.unaccepted.clear();
-  row.warnings = warnings_json(device.empty() ? choice_warnings(plan->material, row.site)
-                                              : std::vector<Warning>());
+  row.warnings =
+      device.empty() ? choice_warnings(plan->material, row.site) : std::vector<Warning>();
   set_attention(row, "", "");
   take(row, step_of(row.state, JobEvent::PlansAgain), "");
   if (plan->state == PlanState::Planned)

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "daemon/model/warnings.hpp"
 #include "daemon/service/repositories/job_repository.hpp"
 
 namespace popcut::daemon {
@@ -22,7 +21,7 @@ JobFacts JobRepository::facts_of(const JobRow& row) {
           .held = row.held,
           .pausing = row.asked == "pause",
           .cancelling = row.asked == "cancel",
-          .awaits_result = row.attention == "confirm_result",
+          .awaits_result = row.attention_kind == "confirm_result",
           .begun = row.segment > 1};
 }
 
@@ -49,7 +48,7 @@ std::vector<NextAction> JobRepository::other_devices(const JobRow& row) const {
   if (!plan || row.segment > 1) return all;
   for (const std::string& id : parts_.devices.fitting(*plan, row.site))
     if (id != row.requested_device && all.size() < kMost)
-      all.push_back({.action = "change", .body = fmt::format(R"({{"device":{}}})", json_text(id))});
+      all.push_back({.action = "change", .body = JobPatch{.device = id}});
   return all;
 }
 
@@ -61,8 +60,8 @@ std::vector<std::string> JobRepository::actions_of(const JobRow& row) const {
 }
 
 std::optional<Attention> JobRepository::attention_of(const JobRow& row) const {
-  if (row.attention.empty()) return std::nullopt;
-  Attention attention{.kind = row.attention,
+  if (row.attention_kind.empty()) return std::nullopt;
+  Attention attention{.kind = row.attention_kind,
                       .sheet = row.sheet,
                       .total = row.sheets_total,
                       .text = row.attention_text,
@@ -97,48 +96,28 @@ std::optional<TimeMs> JobRepository::armed_until(const JobRow& row) const {
 }
 
 // The stored warnings, and those that depend on the present devices.
-std::string JobRepository::warnings_of(const JobRow& row) const {
-  if (row.site.empty() || is_terminal(row.state) || parts_.devices.has_site(row.site))
-    return row.warnings;
-  std::vector<Warning> all = warnings_from_json(row.warnings);
-  all.insert(all.begin(), {.code = "no_cutter_at_site",
-                           .message = fmt::format("no cutter is at site {}; the job waits for one, "
-                                                  "or until you change its site",
-                                                  row.site)});
-  return warnings_json(all);
+std::vector<Warning> JobRepository::warnings_of(const JobRow& row) const {
+  std::vector<Warning> all = row.warnings;
+  if (!row.site.empty() && !is_terminal(row.state) && !parts_.devices.has_site(row.site))
+    all.insert(all.begin(), {.code = "no_cutter_at_site",
+                             .message = fmt::format("no cutter is at site {}; the job waits for "
+                                                    "one, or until you change its site",
+                                                    row.site)});
+  return all;
 }
 
 Job JobRepository::shown(const JobRow& row) const {
-  Job job;
-  job.id = row.id;
-  job.rev = row.rev;
-  job.state = row.state;
-  job.reason = row.reason;
-  job.name = row.name;
-  job.note = row.note;
-  job.owner = row.owner;
-  job.operator_name = row.operator_name;
+  Job job{row};
+  if (row.design.empty()) job.kind = "test-cut";
+  if (row.device.empty()) job.device = row.requested_device;
   job.owner_title = parts_.titles.of(row.owner);
   job.operator_title = parts_.titles.of(row.operator_name);
-  job.is_test = row.design.empty();
-  job.device = row.device.empty() ? row.requested_device : row.device;
-  job.site = row.site;
-  job.design = row.design;
-  job.plan = row.plan;
-  job.material = row.material;
-  job.priority = row.priority;
-  job.copies = row.copies;
-  job.held = row.held;
-  job.sheets_total = row.sheets_total;
-  job.sheet = row.sheet;
-  job.blank = row.blank;
-  job.segment = row.segment;
   job.progress = {.paths_certain = row.done_paths + row.paths_certain,
                   .paths_sent = row.done_paths + row.paths_sent,
                   .paths_total = row.paths_total,
                   .paths_done = row.done_paths + row.paths_certain,
                   .cut_mm = row.done_mm};
-  job.remaining_s = {row.low_s, row.high_s};
+  std::array<double, 2>& left_s = job.est.remaining_s = {row.low_s, row.high_s};
   if (const LiveCut* now = live ? live(row.id) : nullptr) {
     job.progress.paths_certain = row.done_paths + now->certain;
     job.progress.paths_sent = row.done_paths + now->sent;
@@ -148,18 +127,11 @@ Job JobRepository::shown(const JobRow& row) const {
       const double over = now->seconds_left < 0 || sheet->seconds <= 0
                               ? 0.0
                               : std::clamp(1 - now->seconds_left / sheet->seconds, 0.0, 1.0);
-      job.remaining_s[0] = std::max(0.0, row.low_s - over * sheet->seconds_range[0]);
-      job.remaining_s[1] = std::max(0.0, row.high_s - over * sheet->seconds_range[1]);
+      left_s[0] = std::max(0.0, row.low_s - over * sheet->seconds_range[0]);
+      left_s[1] = std::max(0.0, row.high_s - over * sheet->seconds_range[1]);
     }
   }
-  job.created = row.created;
-  job.started = row.started;
-  job.finished = row.finished;
-  job.outcome = row.outcome;
-  job.tags = list_from_json(row.tags);
-  job.load = row.load;
   job.warnings = warnings_of(row);
-  job.unaccepted = codes_of(row.unaccepted);
   job.attention = attention_of(row);
   job.armed_until = armed_until(row);
   job.actions = actions_of(row);

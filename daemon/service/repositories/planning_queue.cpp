@@ -484,7 +484,7 @@ void PlanningQueue::keep(const std::string& id, const std::shared_ptr<PlanningOu
     plan->warnings = made->warnings;
     add_totals(*plan, made->sheets);
     plans_.finish(*plan);
-    parts_.store.emit("notice", "", fmt::format(R"("plan":"{}","state":"planned")", id));
+    parts_.store.emit("notice", "", JsonObject().text("plan", id).text("state", "planned"));
     return {};
   });
   if (stored && !is_gone && !is_last)
@@ -506,9 +506,8 @@ void PlanningQueue::fail_plan(const std::string& id, const std::string& why) {
     plan->error = why;
     plan->sheets = 0;
     plans_.finish(*plan);
-    parts_.store.emit(
-        "notice", "",
-        fmt::format(R"("plan":"{}","state":"failed","error":{})", id, json_text(why)));
+    parts_.store.emit("notice", "",
+                      JsonObject().text("plan", id).text("state", "failed").text("error", why));
     return {};
   });
   if (!stored) unrecorded_.insert(id);
@@ -543,7 +542,7 @@ Answer<void> PlanningQueue::remove(const Principal& who, const std::string& id) 
                         : fmt::format("job {} uses this plan; cancel the job to stop planning",
                                       used.text(0)));
     store.audit(who.name, "delete-plan", id, plan->design);
-    store.emit("notice", "", fmt::format(R"("plan":"{}","state":"removed")", id));
+    store.emit("notice", "", JsonObject().text("plan", id).text("state", "removed"));
     forget(id);
     return {};
   });

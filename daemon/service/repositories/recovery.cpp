@@ -80,7 +80,7 @@ class Recovery {
           fmt::format("the journal {} does not fit the database: {}; look at the sheets in "
                       "the cutters before you start one",
                       attempt, fault.what()));
-      store_.emit("notice", "", fmt::format(R"("journal":"{}","state":"does not fit")", attempt));
+      note_journal(attempt, "does not fit");
     }
   }
 
@@ -187,7 +187,7 @@ class Recovery {
           fmt::format("the journal {} is damaged and belongs to no attempt that is known; "
                       "look at the sheets in the cutters before you start one",
                       attempt));
-      store_.emit("notice", "", fmt::format(R"("journal":"{}","state":"damaged")", attempt));
+      note_journal(attempt, "damaged");
       return;
     }
     const IntentHead& head = *trail.head;
@@ -207,8 +207,7 @@ class Recovery {
           fmt::format("paths {}..{} of sheet {} of job {} may have been cut on {}, but the "
                       "database does not know this job",
                       head.first_stroke, verdict.doubt_upto, head.sheet, head.job, head.device));
-      store_.emit("notice", "",
-                  fmt::format(R"("journal":"{}","state":"unknown job {}")", attempt, head.job));
+      note_journal(attempt, "unknown job " + head.job);
       return;
     }
     JobRow& row = *found;
@@ -299,15 +298,22 @@ class Recovery {
     losses_[job] = loss;
     store_.log(fmt::format("job {} sheet {}: {}; paths {}..{} count as in doubt unless certain",
                            job, sheet, loss, first, last));
-    store_.emit("notice", job,
-                fmt::format(R"("sheet":{},"state":"records disagree","detail":{})", sheet,
-                            json_text(loss)));
+    store_.emit(
+        "notice", job,
+        JsonObject().number("sheet", sheet).text("state", "records disagree").text("detail", loss));
+  }
+
+  void note_journal(const std::string& attempt, const std::string& state) {
+    store_.emit("notice", "", JsonObject().text("journal", attempt).text("state", state));
   }
 
   void note_recovered(const JobRow& row, const std::string& from) {
-    store_.emit("job", row.id,
-                fmt::format(R"("state":"{}","rev":{},"recovered":{{"from":"{}","to":"{}"}})",
-                            name_of(row.state), row.rev, from, name_of(row.state)));
+    store_.emit(
+        "job", row.id,
+        JsonObject()
+            .text("state", name_of(row.state))
+            .number("rev", row.rev)
+            .object("recovered", JsonObject().text("from", from).text("to", name_of(row.state))));
     store_.log(
         fmt::format("job {}: {} after a restart, it was {}", row.id, name_of(row.state), from));
   }
@@ -428,7 +434,7 @@ Answer<void> close_lost_node(ServiceStore& store, JobRepository& jobs, const std
         "UPDATE search SET planner='', planner_epoch=0 WHERE planner=? AND planner_epoch<=? AND "
         "state='pending'",
         node, epoch);
-    store.emit("notice", "", fmt::format(R"("node":{},"state":"lost")", json_text(node)));
+    store.emit("notice", "", JsonObject().text("node", node).text("state", "lost"));
     return {};
   });
 }

@@ -295,7 +295,7 @@ void SearchRepository::remove_all_of(const std::string& model) {
 void SearchRepository::forget(const std::string& id) {
   parts_.store.db().run("DELETE FROM search WHERE id=?", id);
   parts_.store.files().forget("searches/" + id + "/");
-  parts_.store.emit("notice", "", fmt::format(R"("search":"{}","state":"removed")", id));
+  parts_.store.emit("notice", "", JsonObject().text("search", id).text("state", "removed"));
   parts_.store.after_commit([this, id] {
     // What a planner still makes of it goes when that is over.
     if (running_ && running_->id == id)
@@ -433,9 +433,10 @@ void SearchRepository::finish(const std::string& id, SearchState state, const st
         "id=? AND state='pending' AND planner IN ('', ?)",
         word_of(state), front, error, id, parts_.store.node().name);
     if (changed == 0) return {};
-    parts_.store.emit("notice", "",
-                      fmt::format(R"("search":"{}","state":"{}"{})", id, word_of(state),
-                                  error.empty() ? "" : ",\"error\":" + json_text(error)));
+    JsonObject members;
+    members.text("search", id).text("state", word_of(state));
+    if (!error.empty()) members.text("error", error);
+    parts_.store.emit("notice", "", members);
     return {};
   });
 }

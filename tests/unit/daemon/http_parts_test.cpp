@@ -461,7 +461,7 @@ TEST_CASE("a job is written as JSON whatever its texts and numbers hold",
   job.id = "01ARZ3NDEKTSV4RRFFQ69G5FAV";
   job.name = "a \"card\"\\ <b>\n\x01 \xC3\xA9 \xFF";
   job.tags = {"", "two, three", "\"}"};
-  job.remaining_s = {0.1, std::numeric_limits<double>::infinity()};
+  job.est.remaining_s = {0.1, std::numeric_limits<double>::infinity()};
   job.progress.cut_mm = 1e21;
   job.attention = Attention{.kind = "load_sheet", .sheet = 1, .total = 2, .text = "load \"1\""};
   const nlohmann::json read = nlohmann::json::parse(job_text(job));

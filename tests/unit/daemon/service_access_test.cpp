@@ -196,25 +196,6 @@ TEST_CASE("sessions are listed and ended by an admin and by those whose they are
   }) == ProblemKind::NotFound);
 }
 
-TEST_CASE("sessions of a database of before, which have no root, have ended", "[daemon][service]") {
-  const test::ScratchFolder scratch;
-  const std::string id = "01JD0000000000000000000001";
-  const std::vector<Migration> old{migrations().front()};
-  {
-    auto store = Store::open({.folder = scratch.path() + "/state", .steps = old}).value();
-    for (const char* kind : {"session", "token"})
-      store->database().insert(
-          "token(id, kind, name, role, principal, secret_sha256, created, expires)",
-          kind[0] == 's' ? id : "01JD0000000000000000000002", kind, "page", "admin", "token:gone",
-          sha256_hex(std::string(43, 'x')), 1, std::int64_t{1} << 45);
-    store->mark_in_use();
-  }
-  auto store = Store::open({.folder = scratch.path() + "/state"}).value();
-  CHECK(store->database().number("SELECT count(*) FROM token WHERE kind='session'") == 0);
-  CHECK(store->database().number("SELECT count(*) FROM session") == 0);
-  CHECK(store->database().number("SELECT count(*) FROM token") == 1);
-}
-
 TEST_CASE("nobody takes the one-time words or the sessions of others", "[daemon][service]") {
   Pages bench;
   const std::string mine = bench.word(Pages::local());

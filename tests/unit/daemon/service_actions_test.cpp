@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <catch2/catch.hpp>
 
-#include "tests/support/earlier_schema.hpp"
 #include "tests/support/service_bench.hpp"
 
 namespace service_actions_test {
@@ -237,7 +236,7 @@ TEST_CASE("each cause that ends a cut early has its own reason", "[daemon][servi
   const Job after = broken(bench, row.kind, row.words, row.why);
   CHECK(after.state == JobState::Interrupted);
   CHECK(after.reason == row.reason);
-  CHECK(after.attention->kind == row.attention);
+  CHECK(after.attention->kind == row.attention_kind);
   CHECK(after.progress.paths_certain == 2);
   CHECK(after.progress.paths_sent == 3);
   const Ledger known = ledger(bench, after.id);
@@ -324,28 +323,6 @@ TEST_CASE("a stored program of which any byte changed is not cut", "[daemon][ser
   // As it was planned, it is cut.
   if (moment != 1) REQUIRE(bench.act(job.id, JobAction::Arm));
   CHECK(bench.act(job.id, JobAction::Start));
-}
-
-TEST_CASE("a plan of an earlier popcutd is not cut and not used again",
-          "[alone][daemon][service]") {
-  ServiceBench bench;
-  const Job job = bench.ready_job();
-  bench.stop();
-  {
-    // As the tables were.
-    SqliteDatabase db({.path = bench.folder() + "/popcut.db"});
-    db.script(test::back_to(2));
-    db.checkpoint(true);
-  }
-  for (const char* name : {"database-state", "witness", "popcut.db-wal"})
-    std::filesystem::remove(bench.folder() + "/" + name);
-  REQUIRE(bench.start() == "");
-  const auto refused = bench.act(job.id, JobAction::Arm);
-  REQUIRE_FALSE(refused);
-  CHECK(refused.error().detail.find("create the job again") != std::string::npos);
-  const Job again = bench.ready_job();
-  CHECK(again.plan != job.plan);
-  CHECK(bench.act(again.id, JobAction::Arm));
 }
 
 TEST_CASE("dots are never sent and do not prevent a sheet from being done", "[daemon][service]") {

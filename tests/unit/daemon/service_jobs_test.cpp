@@ -16,7 +16,7 @@ TEST_CASE("a job goes from its design through all sheets to done", "[daemon][ser
   CHECK(ready.sheet == 1);
   CHECK(ready.attention->kind == "load_sheet");
   CHECK(ready.progress.paths_total == 10);
-  CHECK(ready.remaining_s == std::array<double, 2>{16, 26});
+  CHECK(ready.est.remaining_s == std::array<double, 2>{16, 26});
 
   for (int sheet = 1; sheet <= 2; ++sheet) {
     CAPTURE(sheet);

@@ -8,7 +8,6 @@
 #include <catch2/catch.hpp>
 
 #include "daemon/store/schema.hpp"
-#include "tests/support/earlier_schema.hpp"
 #include "tests/support/service_bench.hpp"
 
 namespace service_pairing_test {
@@ -331,18 +330,6 @@ TEST_CASE("whatever a tablet calls itself is its name and nothing else",
   CHECK(bench.on([&](LiveService& s) { return s.access.sessions(bench.admin); }).at(0).name ==
         hostile);
   CHECK(bench.who(tablet.text));
-}
-
-TEST_CASE("the sessions of an earlier popcutd go on as they were",
-          "[alone][daemon][service][pairing]") {
-  Tablets bench;
-  const NewToken page = bench.on([&](LiveService& s) {
-    return s.access.open_session(s.access.create_one_shot(Tablets::local()).value()).value();
-  });
-  bench.on([&](LiveService&) { bench.store().database().script(test::back_to(5)); });
-  bench.stop();
-  REQUIRE(bench.start().empty());
-  CHECK(bench.who(page.text)->role == Role::Operator);
 }
 
 }  // namespace service_pairing_test

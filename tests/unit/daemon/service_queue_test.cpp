@@ -5,7 +5,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/support/earlier_schema.hpp"
+#include "daemon/http/api/render.hpp"
+#include "daemon/model/warnings.hpp"
 #include "tests/support/service_bench.hpp"
 
 namespace service_queue_test {
@@ -329,7 +330,7 @@ TEST_CASE("a job for a site is cut only by cutters that stand there", "[daemon][
   const Job job = create(bench, request).value();
   CHECK(job.site == "upstairs");
   // The cutter may come later; until then the job says that it is not there.
-  CHECK_THAT(job.warnings, Catch::Contains("no cutter is at site upstairs"));
+  CHECK_THAT(warnings_json(job.warnings), Catch::Contains("no cutter is at site upstairs"));
   CHECK(job.unaccepted.empty());
   CHECK(queue(bench, "sim:a") == std::vector<std::string>{anywhere.id});
   CHECK(queue(bench).size() == 2);
@@ -343,7 +344,7 @@ TEST_CASE("a job for a site is cut only by cutters that stand there", "[daemon][
         "sim:b is at site ground floor; the job is for site upstairs; change its site first");
   REQUIRE_FALSE(refused.next_actions.empty());
   CHECK(refused.next_actions.front().action == "change");
-  CHECK(refused.next_actions.front().body == R"({"site":"ground floor"})");
+  CHECK(http::body_of(refused.next_actions.front()).whole() == R"({"site":"ground floor"})");
 
   const auto patch = [&](const JobPatch& wanted) {
     return bench.on([&](LiveService& s) {
@@ -353,7 +354,8 @@ TEST_CASE("a job for a site is cut only by cutters that stand there", "[daemon][
   const Problem at_device = patch({.device = "sim:a"}).error();
   CHECK(at_device.errors.at(0).pointer == "/device");
   REQUIRE(at_device.next_actions.size() == 1);
-  CHECK(at_device.next_actions.front().body == R"({"device":"sim:a","site":"ground floor"})");
+  CHECK(http::body_of(at_device.next_actions.front()).whole() ==
+        R"({"device":"sim:a","site":"ground floor"})");
   CHECK(patch({.site = std::string(257, 'x')}).error().errors.at(0).pointer == "/site");
   CHECK(patch({.site = "a\nb"}).error().errors.at(0).pointer == "/site");
   const auto list = [&](const std::string& site) {
@@ -365,11 +367,12 @@ TEST_CASE("a job for a site is cut only by cutters that stand there", "[daemon][
   CHECK(list("ground floor") == 0);
   REQUIRE(patch({.device = "sim:a", .site = "ground floor"}));
   CHECK(list("ground floor") == 1);
-  CHECK(bench.job(job.id).warnings == "[]");
+  CHECK(bench.job(job.id).warnings.empty());
   const Problem at_site = patch({.site = "upstairs"}).error();
   CHECK(at_site.errors.at(0).pointer == "/site");
   REQUIRE(at_site.next_actions.size() == 1);
-  CHECK(at_site.next_actions.front().body == R"({"device":"","site":"upstairs"})");
+  CHECK(http::body_of(at_site.next_actions.front()).whole() ==
+        R"({"device":"","site":"upstairs"})");
   CHECK(queue(bench, "sim:a").size() == 2);
   CHECK(bench.act(job.id, JobAction::Arm)->device == "sim:a");
   CHECK(patch({.site = ""}).error().kind == ProblemKind::StateConflict);
@@ -410,21 +413,11 @@ TEST_CASE("cutters and jobs keep their sites, and cutters that are off move with
   CHECK_THAT(refused.detail, Catch::Contains("it is at site cellar; the job is for site hall"));
 }
 
-TEST_CASE("jobs of an earlier popcutd are for any site", "[alone][daemon][service]") {
-  ServiceBench bench;
-  const Job ready = bench.ready_job();
-  bench.on([&](LiveService&) { bench.store().database().script(popcut::test::back_to(7)); });
-  bench.stop();
-  REQUIRE(bench.start().empty());
-  CHECK(bench.job(ready.id).site.empty());
-  CHECK(bench.act(ready.id, JobAction::Arm));
-}
-
 TEST_CASE("a job for a site without cutters is planned for those that there are",
           "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
-  CHECK(ready.warnings == "[]");
+  CHECK(ready.warnings.empty());
   JobCreate request;
   request.design = ready.design;
   request.site = "upstairs";
@@ -435,7 +428,8 @@ TEST_CASE("a job for a site without cutters is planned for those that there are"
   bench.on([](LiveService& s) { s.tick(); });
   const Problem refused = bench.act(job.id, {.action = JobAction::Arm, .device = "sim:z"}).error();
   REQUIRE_FALSE(refused.next_actions.empty());
-  CHECK(refused.next_actions.front().body == R"({"device":"sim:z","site":"","plan_again":true})");
+  CHECK(http::body_of(refused.next_actions.front()).whole() ==
+        R"({"device":"sim:z","site":"","plan_again":true})");
 }
 
 TEST_CASE("a test cut is armed by a person like any other job", "[daemon][service]") {

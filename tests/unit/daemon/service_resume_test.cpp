@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Going on with a sheet that is cut in part.
 #include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
 
+#include "daemon/http/api/render.hpp"
 #include "tests/support/service_bench.hpp"
 
 namespace service_resume_test {
@@ -193,18 +193,9 @@ TEST_CASE("a job paused on a disabled cutter waits until it is enabled", "[daemo
   bench.cutters.complete(bench.device);
 }
 
-// A request from its words in the answer.
-ActionRequest request_of(const NextAction& way) {
-  const auto body = nlohmann::json::parse(way.body);
-  ActionRequest request{.action = job_action_from(way.action).value()};
-  if (body.contains("sheet")) request.sheet = body.at("sheet").get<int>();
-  if (body.contains("blank")) request.blank = body.at("blank").get<int>();
-  if (body.contains("good")) request.good = body.at("good").get<bool>();
-  if (body.contains("from_path")) request.from_path = body.at("from_path").get<std::int64_t>();
-  request.device = body.value("device", "");
-  request.registration = body.value("registration", "");
-  request.accept_double_cut = body.value("i_accept_double_cut", false);
-  request.skip_in_doubt = body.value("skip_in_doubt", false);
+ActionRequest request_of(const NextAction& next) {
+  ActionRequest request = std::get<ActionRequest>(next.body);
+  request.action = job_action_from(next.action).value();
   return request;
 }
 
@@ -234,7 +225,7 @@ TEST_CASE("a refused action names complete requests and each of them passes", "[
     CAPTURE(refused.detail);
     REQUIRE_FALSE(refused.next_actions.empty());
     count = refused.next_actions.size();
-    CAPTURE(refused.next_actions[k].action, refused.next_actions[k].body);
+    CAPTURE(http::json_of(refused.next_actions[k]).whole());
     // The job itself says the same.
     CHECK_FALSE(shown(bench, lost).next_actions.empty());
     const auto passed = act(request_of(refused.next_actions[k]));

@@ -155,13 +155,13 @@ TEST_CASE("a job says whether it is a test cut, and a brief answer has no ways",
           "[daemon][service][view]") {
   Heard bench;
   const Job ready = bench.ready_job();
-  CHECK_FALSE(ready.is_test);
+  CHECK(ready.kind == "job");
   const auto device = bench.on([&](LiveService& s) {
     const auto now = s.devices.find(bench.device).value();
     return s.devices.act(bench.tutor, bench.device, now.rev, {.action = "test-cut", .material = {}})
         .value();
   });
-  CHECK(bench.job(device.test_job).is_test);
+  CHECK(bench.job(device.test_job).kind == "test-cut");
   const Job torn = broken(bench);
   CHECK_FALSE(torn.next_actions.empty());
   const auto brief = [&](const std::string& id) {

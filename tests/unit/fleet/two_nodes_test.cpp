@@ -226,7 +226,7 @@ TEST_CASE("a job for a site is cut there, and not at the other nodes", "[fleet]"
     });
   };
   REQUIRE(patched({.site = "upstairs"}));
-  CHECK(fleet.a.bench.job(job).warnings == "[]");
+  CHECK(fleet.a.bench.job(job).warnings.empty());
   // A device of that site may be named from anywhere, and no other.
   CHECK(patched({.device = fleet.b.device()}));
   const Answer<Job> other = patched({.device = fleet.a.device()});
