@@ -85,7 +85,7 @@ std::string unsound_json(const std::vector<UnsoundPart>& parts) {
                 {"verify", part.report ? verify_report_json(*part.report)
                                        : Json{{"ok", false}, {"error", what_fails(part.report)}}}};
   };
-  return json_file({{"sound", false}, {"parts", json_list(parts, part_json)}});
+  return json_file(Json{{"sound", false}, {"parts", json_list(parts, part_json)}});
 }
 
 tl::expected<PatchAssembly, DesignFault> sound_design(const DesignSpec& spec,
