@@ -195,6 +195,7 @@ std::optional<Problem> look_at_head(Hub& hub, const Client& client, Exchange& ex
   exchange.route = match.route;
   request.params = std::move(match.params);
   request.query = std::move(target->query);
+  request.usual_page_items = match.route->usual_page_items;
   if (client.reserved && !match.route->is_urgent) {
     Problem full{ProblemKind::Unavailable, "all connections are in use; try again"};
     full.retry_after_s = 1;

@@ -35,11 +35,13 @@ void http_json(std::string_view text) {
   demand(http::parse_body(copy.dump(), 32).value() == copy);
   FieldReader fields(*body, "", http::body_notation());
   for (const char* name : {"design", "name", "note"})
-    static_cast<void>(fields.optional_text(name, http::lines_or_empty(120)));
+    static_cast<void>(
+        fields.optional_text(name, popcut::TextRule{0, 120, popcut::TextRule::Controls::Lines}));
   static_cast<void>(fields.optional_integer("copies", 1, 1000));
   static_cast<void>(fields.optional_boolean("good"));
   static_cast<void>(fields.optional_word("registration", {"kept", "re-registered"}));
-  static_cast<void>(fields.optional_texts("tags", 20, http::line(40)));
+  static_cast<void>(
+      fields.optional_texts("tags", 20, popcut::TextRule{1, 40, popcut::TextRule::Controls::None}));
   static_cast<void>(http::read_options(fields, "options"));
   fields.need("design", "is needed");
   static_cast<void>(fields.finish());

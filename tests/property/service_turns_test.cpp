@@ -191,6 +191,7 @@ class Asker {
     request->id = "01JREQUEST";
     request->params = match.params;
     request->query = target->query;
+    request->usual_page_items = route.usual_page_items;
     request->body = sent.file.empty() ? sent.body : "";
     request->media_type = sent.media_type;
     request->principal = world_.admin;

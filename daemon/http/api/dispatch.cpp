@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <new>
 
 #include <fmt/format.h>
@@ -11,6 +10,7 @@
 #include "core/text/near_names.hpp"
 #include "core/text/words.hpp"
 #include "daemon/http/api/handler_kit.hpp"
+#include "daemon/http/api/input.hpp"
 #include "daemon/http/api/json_body.hpp"
 #include "daemon/model/turns.hpp"
 
@@ -32,16 +32,6 @@ constexpr std::array<std::string_view, 10> kAssetTypes{"application/octet-stream
 
 // Of a body that anyone may send: a word, no more.
 constexpr std::uint64_t kOpenBytes = 1024;
-
-std::vector<std::string> words_of(std::string_view text) {
-  std::vector<std::string> out;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find(' '), text.size());
-    out.emplace_back(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return out;
-}
 
 std::optional<Problem> check_query(const Request& request, const Route& route) {
   if (request.query.empty()) return std::nullopt;
@@ -87,15 +77,14 @@ std::optional<Problem> check_key(const Request& request, const Route& route) {
   if (!key) {
     if (route.key != KeyRule::Required) return std::nullopt;
     return Problem{ProblemKind::IdempotencyKeyMissing,
-                   "send an Idempotency-Key of 16 to 128 characters; use the same key when you "
-                   "repeat the request"};
+                   fmt::format("send an Idempotency-Key of {} to {} characters; use the same key "
+                               "when you repeat the request",
+                               kLeastKeyCharacters, kMostKeyCharacters)};
   }
-  const bool has_form =
-      key->size() >= 16 && key->size() <= 128 &&
-      std::all_of(key->begin(), key->end(), [](char c) { return c > ' ' && c < '\x7F'; });
-  if (has_form) return std::nullopt;
+  if (is_key(*key)) return std::nullopt;
   return Problem{ProblemKind::IdempotencyKeyMissing,
-                 "Idempotency-Key must be 16 to 128 visible ASCII characters"};
+                 fmt::format("Idempotency-Key must be {} to {} visible ASCII characters",
+                             kLeastKeyCharacters, kMostKeyCharacters)};
 }
 
 Response unless_seen(Response response, const Request& request) {
@@ -129,12 +118,16 @@ std::optional<Problem> check_request(const Request& request, const Route& route)
 
 std::optional<Problem> check_stream(const Request& request, const Route& route) {
   if (auto wrong = check_request(request, route)) return wrong;
-  std::vector<RequestFault> faults;
-  constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
-  static_cast<void>(query_integer(request, "after", 0, kMost, faults));
-  static_cast<void>(query_integer(request, "limit", 1, 200, faults));
-  if (faults.empty()) return std::nullopt;
-  return validation(std::move(faults));
+  QueryReader query(request);
+  static_cast<void>(query.whole("after"));
+  static_cast<void>(query.whole("limit"));
+  return query.problem();
+}
+
+std::span<const std::string_view> upload_types(BodyRule body) {
+  if (body == BodyRule::Design) return kDesignTypes;
+  if (body == BodyRule::Asset) return kAssetTypes;
+  return {};
 }
 
 std::optional<Problem> check_body(const Route& route, std::string_view media_type, bool has_body) {
@@ -147,22 +140,13 @@ std::optional<Problem> check_body(const Route& route, std::string_view media_typ
     return Problem{ProblemKind::UnsupportedMedia,
                    "send the body as Content-Type: application/json"};
   }
-  const auto among = [&](const auto& list) {
-    return std::find(list.begin(), list.end(), media_type) != list.end();
-  };
-  if (route.body == BodyRule::Design && !among(kDesignTypes))
-    return Problem{
-        ProblemKind::UnsupportedMedia,
-        fmt::format(
-            "the media type of a design must be one of {}; send the file's bytes, not a form",
-            fmt::join(kDesignTypes, ", "))};
-  if (route.body == BodyRule::Asset && !among(kAssetTypes))
-    return Problem{
-        ProblemKind::UnsupportedMedia,
-        fmt::format(
-            "the media type of an asset must be one of {}; send the file's bytes, not a form",
-            fmt::join(kAssetTypes, ", "))};
-  return std::nullopt;
+  const std::span<const std::string_view> types = upload_types(route.body);
+  if (std::find(types.begin(), types.end(), media_type) != types.end()) return std::nullopt;
+  return Problem{
+      ProblemKind::UnsupportedMedia,
+      fmt::format("the media type of {} must be one of {}; send the file's bytes, not a form",
+                  route.body == BodyRule::Design ? "a design" : "an asset",
+                  fmt::join(types, ", "))};
 }
 
 std::uint64_t most_bytes(const Route& route, const HttpLimits& limits) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "daemon/http/api/routes.hpp"
@@ -15,7 +16,10 @@ namespace popcut::daemon::http {
 /// The same of a request for a stream, which no handler sees.
 [[nodiscard]] std::optional<Problem> check_stream(const Request& request, const Route& route);
 
-/// Nothing if a body of `media_type` may come to `route`; `length` is what is known of it.
+/// The media types of an upload; none for another body.
+[[nodiscard]] std::span<const std::string_view> upload_types(BodyRule body);
+
+/// Nothing if a body of `media_type` may come to `route`.
 [[nodiscard]] std::optional<Problem> check_body(const Route& route, std::string_view media_type,
                                                 bool has_body);
 

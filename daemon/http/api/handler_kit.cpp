@@ -169,49 +169,13 @@ int answer_once(const Request& request, Service& service, const Reply& reply,
   return answer(from_rendered(std::move(*kept)));
 }
 
-std::optional<std::string> query_text(const Request& request, std::string_view name) {
-  for (const auto& [known, value] : request.query)
-    if (known == name) return value;
-  return std::nullopt;
+std::optional<std::int64_t> whole_number(std::string_view text) {
+  return number_from<std::int64_t>(text);
 }
 
-std::optional<std::int64_t> query_integer(const Request& request, std::string_view name,
-                                          std::int64_t low, std::int64_t high,
-                                          std::vector<RequestFault>& faults) {
-  const std::optional<std::string> text = query_text(request, name);
-  if (!text) return std::nullopt;
-  const std::optional<std::int64_t> value = number_from<std::int64_t>(*text);
-  if (value && *value >= low && *value <= high) return value;
-  faults.push_back({fmt::format("?{}", name), "range", fmt::format("must be {}..{}", low, high)});
-  return std::nullopt;
-}
-
-std::optional<TimeMs> query_time(const Request& request, std::string_view name,
-                                 std::vector<RequestFault>& faults) {
-  const std::optional<std::string> text = query_text(request, name);
-  if (!text) return std::nullopt;
-  const std::optional<TimeMs> time = time_from(*text);
-  if (!time)
-    faults.push_back({fmt::format("?{}", name), "time",
-                      "must be a date like 2026-11-21 or a time like 2026-11-21T10:00:00Z"});
-  return time;
-}
-
-PageRequest page_request(const Request& request, char list, std::vector<RequestFault>& faults,
-                         int usual_limit) {
-  PageRequest wanted;
-  wanted.limit = usual_limit;
-  if (const auto limit = query_integer(request, "limit", 1, 200, faults))
-    wanted.limit = static_cast<int>(*limit);
-  const std::optional<std::string> cursor = query_text(request, "cursor");
-  if (!cursor) return wanted;
-  const std::optional<std::string> place = decode_cursor(*cursor);
-  if (place && place->size() > 1 && place->front() == list)
-    wanted.cursor = place->substr(1);
-  else
-    faults.push_back(
-        {"?cursor", "cursor", "must be the next_cursor of the previous page of the same list"});
-  return wanted;
+bool is_key(std::string_view text) {
+  return text.size() >= kLeastKeyCharacters && text.size() <= kMostKeyCharacters &&
+         std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c < '\x7F'; });
 }
 
 std::optional<TimeMs> time_from(std::string_view text) {

@@ -12,10 +12,7 @@
 
 namespace popcut::daemon::http {
 
-// What handlers share: answers, revisions, pages, words of the query.
-
-/// `limit` of lists that are mostly wanted whole, where the query names none.
-inline constexpr int kUsualWhole = 200;
+// What handlers share: answers, revisions, pages, numbers and times.
 
 [[nodiscard]] Response json_response(int status, const nlohmann::ordered_json& body);
 [[nodiscard]] Response empty_response();  ///< 204
@@ -35,19 +32,10 @@ inline constexpr int kUsualWhole = 200;
 int answer_once(const Request& request, Service& service, const Reply& reply,
                 const std::function<Response()>& effect);
 
-/// The value of a query name, or nothing.
-[[nodiscard]] std::optional<std::string> query_text(const Request& request, std::string_view name);
-/// A whole number of the query. A fault is added if it is not one of `low..high`.
-[[nodiscard]] std::optional<std::int64_t> query_integer(const Request& request,
-                                                        std::string_view name, std::int64_t low,
-                                                        std::int64_t high,
-                                                        std::vector<RequestFault>& faults);
-[[nodiscard]] std::optional<TimeMs> query_time(const Request& request, std::string_view name,
-                                               std::vector<RequestFault>& faults);
-/// The page that `limit` and `cursor` of the query ask for. A cursor is that of one kind of list:
-/// the one of another list is a fault.
-[[nodiscard]] PageRequest page_request(const Request& request, char list,
-                                       std::vector<RequestFault>& faults, int usual_limit = 50);
+/// "12" as a number; nothing if the text is anything else.
+[[nodiscard]] std::optional<std::int64_t> whole_number(std::string_view text);
+/// Whether `text` can be an Idempotency-Key or a Preview-Key.
+[[nodiscard]] bool is_key(std::string_view text);
 
 /// "2026-11-21" or "2026-11-21T10:12:00[.123](Z|+01:00)" as time; nothing if it is neither.
 [[nodiscard]] std::optional<TimeMs> time_from(std::string_view text);
@@ -84,7 +72,7 @@ Page<T> page_of(std::vector<T> all, const PageRequest& wanted, KeyOf key_of) {
 [[nodiscard]] std::string page_text(const std::vector<std::string>& items,
                                     const std::string& next_cursor);
 
-/// A page of the list `list` (see `page_request`); rendered late, on the thread of HTTP.
+/// A page of the list `list` (see `QueryReader::page`); rendered late, on the thread of HTTP.
 template <typename T, typename Render>
 Response page_response(Page<T> page, char list, Render render) {
   Response response;

@@ -1,90 +1,73 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <span>
+#include <string_view>
+
+#include "daemon/http/api/input.hpp"
 #include "daemon/http/api/routes.hpp"
+
+// The bodies that the routes take: their fields, limits and examples. Each is defined beside the
+// handler that reads it.
+namespace popcut::daemon::http::body {
+
+// handlers_system.cpp
+extern const Body kNothing;
+// handlers_access.cpp
+extern const Body kSessionRequest, kPairRequest, kPairAllow, kPairCollect, kTokenCreate;
+// handlers_designs.cpp
+extern const Body kPlanRequest;
+// handlers_searches.cpp
+extern const Body kSearchRequest, kPickRequest;
+// handlers_preview.cpp
+extern const Body kPreviewRequest, kPlaceRequest;
+// handlers_jobs.cpp
+extern const Body kJobCreate, kJobPatch, kHold, kMove;
+// handlers_actions.cpp
+extern const Body kArm, kStart, kCancel, kConfirmResult, kSheetChoice, kResumeFrom;
+// handlers_devices.cpp
+extern const Body kTestCut, kMaterialRow;
+
+}  // namespace popcut::daemon::http::body
 
 // The handlers, one for each route of routes.cpp. They speak with the service and with nothing
 // else, and so are tested without sockets.
 namespace popcut::daemon::http::handle {
 
 // handlers_system.cpp
-/// / and /page/{file}: a part of the program, without the service.
-void page(const Request&, Service&, const HandlerContext&, Reply);
-void healthz(const Request&, Service&, const HandlerContext&, Reply);
-void readyz(const Request&, Service&, const HandlerContext&, Reply);
-void metrics(const Request&, Service&, const HandlerContext&, Reply);
-void meta(const Request&, Service&, const HandlerContext&, Reply);
-void openapi(const Request&, Service&, const HandlerContext&, Reply);
-void list_examples(const Request&, Service&, const HandlerContext&, Reply);
-void design_schema(const Request&, Service&, const HandlerContext&, Reply);
-void list_machines(const Request&, Service&, const HandlerContext&, Reply);
-void usage(const Request&, Service&, const HandlerContext&, Reply);
-void backup(const Request&, Service&, const HandlerContext&, Reply);
-void check_database(const Request&, Service&, const HandlerContext&, Reply);
+HandlerFunction page;  ///< / and /page/{file}: a part of the program, without the service
+HandlerFunction healthz, readyz, metrics, meta, openapi, list_examples, design_schema;
+HandlerFunction list_machines, usage, backup, check_database;
 
 // handlers_access.cpp
-void create_one_shot(const Request&, Service&, const HandlerContext&, Reply);
-void open_session(const Request&, Service&, const HandlerContext&, Reply);
-void ask_pairing(const Request&, Service&, const HandlerContext&, Reply);
-void allow_pairing(const Request&, Service&, const HandlerContext&, Reply);
-void collect_pairing(const Request&, Service&, const HandlerContext&, Reply);
-void close_session(const Request&, Service&, const HandlerContext&, Reply);
-void list_sessions(const Request&, Service&, const HandlerContext&, Reply);
-void end_session(const Request&, Service&, const HandlerContext&, Reply);
-void list_tokens(const Request&, Service&, const HandlerContext&, Reply);
-void create_token(const Request&, Service&, const HandlerContext&, Reply);
-void delete_token(const Request&, Service&, const HandlerContext&, Reply);
+HandlerFunction create_one_shot, open_session, close_session, list_sessions, end_session;
+HandlerFunction ask_pairing, allow_pairing, collect_pairing;
+HandlerFunction list_tokens, create_token, delete_token;
 
 // handlers_designs.cpp
-void add_asset(const Request&, Service&, const HandlerContext&, Reply);
-void list_assets(const Request&, Service&, const HandlerContext&, Reply);
-void delete_asset(const Request&, Service&, const HandlerContext&, Reply);
-void add_design(const Request&, Service&, const HandlerContext&, Reply);
-void list_designs(const Request&, Service&, const HandlerContext&, Reply);
-void get_design(const Request&, Service&, const HandlerContext&, Reply);
-void design_content(const Request&, Service&, const HandlerContext&, Reply);
-void design_preview(const Request&, Service&, const HandlerContext&, Reply);
-void delete_design(const Request&, Service&, const HandlerContext&, Reply);
-void plan_design(const Request&, Service&, const HandlerContext&, Reply);
-void get_plan(const Request&, Service&, const HandlerContext&, Reply);
-void delete_plan(const Request&, Service&, const HandlerContext&, Reply);
-/// The last part of the path is the file's name.
-void plan_file(const Request&, Service&, const HandlerContext&, Reply);
-void sheet_svg(const Request&, Service&, const HandlerContext&, Reply);
-void sheet_program(const Request&, Service&, const HandlerContext&, Reply);
+HandlerFunction add_asset, list_assets, delete_asset;
+HandlerFunction add_design, list_designs, get_design, delete_design;
+HandlerFunction design_content, design_preview;
+HandlerFunction design_picture;  ///< the last part of the path is the picture's name
+HandlerFunction design_file;     ///< one of `design_file_names`
+[[nodiscard]] std::span<const std::string_view> design_file_names();
+HandlerFunction plan_design, get_plan, delete_plan;
+HandlerFunction plan_file;  ///< the last part of the path is the file's name
+HandlerFunction sheet_svg, sheet_program;
+
+// handlers_sheets.cpp
+HandlerFunction sheet_strokes, sheet_artwork;
 
 // handlers_searches.cpp
-void search_cards(const Request&, Service&, const HandlerContext&, Reply);
-void get_search(const Request&, Service&, const HandlerContext&, Reply);
-void delete_search(const Request&, Service&, const HandlerContext&, Reply);
-void card_picture(const Request&, Service&, const HandlerContext&, Reply);
-void pick_card(const Request&, Service&, const HandlerContext&, Reply);
-
-// handlers_strokes.cpp
-void sheet_strokes(const Request&, Service&, const HandlerContext&, Reply);
-void sheet_artwork(const Request&, Service&, const HandlerContext&, Reply);
+HandlerFunction search_cards, get_search, delete_search, card_picture, pick_card;
 
 // handlers_preview.cpp
-void preview_spec(const Request&, Service&, const HandlerContext&, Reply);
-void place_spec(const Request&, Service&, const HandlerContext&, Reply);
-/// The last part of the path is the picture's name.
-void design_picture(const Request&, Service&, const HandlerContext&, Reply);
-void design_file(const Request&, Service&, const HandlerContext&, Reply);
-void design_lattice(const Request&, Service&, const HandlerContext&, Reply);
+HandlerFunction preview_spec, place_spec, design_lattice;
 
 // handlers_jobs.cpp
-void create_job(const Request&, Service&, const HandlerContext&, Reply);
-void list_jobs(const Request&, Service&, const HandlerContext&, Reply);
-void get_job(const Request&, Service&, const HandlerContext&, Reply);
-void patch_job(const Request&, Service&, const HandlerContext&, Reply);
-void delete_job(const Request&, Service&, const HandlerContext&, Reply);
-void job_sheets(const Request&, Service&, const HandlerContext&, Reply);
-void job_sheet(const Request&, Service&, const HandlerContext&, Reply);
-void sheet_ledger(const Request&, Service&, const HandlerContext&, Reply);
-void get_queue(const Request&, Service&, const HandlerContext&, Reply);
-void hold_job(const Request&, Service&, const HandlerContext&, Reply);
-void release_job(const Request&, Service&, const HandlerContext&, Reply);
-void move_job(const Request&, Service&, const HandlerContext&, Reply);
+HandlerFunction create_job, list_jobs, get_job, patch_job, delete_job;
+HandlerFunction job_sheets, job_sheet, sheet_ledger;
+HandlerFunction get_queue, hold_job, release_job, move_job;
 
 // handlers_actions.cpp
 void act_on_job(const Request&, Service&, JobAction, const HandlerContext&, const Reply&);
@@ -94,17 +77,11 @@ void act(const Request& request, Service& service, const HandlerContext& context
 }
 
 // handlers_devices.cpp
-void list_devices(const Request&, Service&, const HandlerContext&, Reply);
-void get_device(const Request&, Service&, const HandlerContext&, Reply);
-/// The last part of the path is the action.
-void act_on_device(const Request&, Service&, const HandlerContext&, Reply);
-void list_materials(const Request&, Service&, const HandlerContext&, Reply);
-void get_material(const Request&, Service&, const HandlerContext&, Reply);
-void put_material(const Request&, Service&, const HandlerContext&, Reply);
-void delete_material(const Request&, Service&, const HandlerContext&, Reply);
+HandlerFunction list_devices, get_device;
+HandlerFunction act_on_device;  ///< the last part of the path is the action
+HandlerFunction list_materials, get_material, put_material, delete_material;
 
 // handlers_events.cpp
-void list_events(const Request&, Service&, const HandlerContext&, Reply);
-void job_events(const Request&, Service&, const HandlerContext&, Reply);
+HandlerFunction list_events, job_events;
 
 }  // namespace popcut::daemon::http::handle

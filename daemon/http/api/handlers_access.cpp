@@ -3,10 +3,44 @@
 
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/handlers.hpp"
-#include "daemon/http/api/json_body.hpp"
+#include "daemon/http/api/input.hpp"
 #include "daemon/http/api/render.hpp"
 
-namespace popcut::daemon::http::handle {
+namespace popcut::daemon::http {
+
+const Body body::kSessionRequest{
+    .schema = "SessionRequest",
+    .fields = {text("one_shot", kSecretLimit)
+                   .required("must be the one-shot word of the address that 'popcut open' opened")},
+    .example = R"({"one_shot": "one-shot-word"})"};
+
+const Body body::kPairRequest{.schema = "PairRequest",
+                              .fields = {text("name", kNameLimit)
+                                             .required("must be what a person calls this tablet")
+                                             .described("what people call the tablet")},
+                              .example = R"({"name": "tablet by the window"})"};
+
+const Body body::kPairAllow{
+    .schema = "PairAllow",
+    .fields = {text("code", kPairingCodeLimit)
+                   .required("must be the code that the tablet shows")
+                   .described("in any case, with or without blanks and dashes"),
+               role("role").required()},
+    .example = R"({"code": "K7Q2MX", "role": "viewer"})"};
+
+const Body body::kPairCollect{
+    .schema = "PairCollect",
+    .fields = {text("secret", kSecretLimit).required("must be the secret that came with the code")},
+    .example = R"({"secret": "0123456789"})"};
+
+const Body body::kTokenCreate{
+    .schema = "TokenCreate",
+    .fields =
+        {text("name", kNameLimit).required("give a name, for those who read the list of tokens"),
+         role("role").required(), whole("lifetime_s", kLeastTokenLifetime_s, kMostTokenLifetime_s)},
+    .example = R"({"name": "script", "role": "submitter"})"};
+
+namespace handle {
 namespace {
 
 Response new_session(const NewToken& token) {
@@ -18,22 +52,17 @@ Response new_session(const NewToken& token) {
                                                  : nlohmann::ordered_json(nullptr)}});
 }
 
-constexpr std::int64_t kLongestLife_s = std::int64_t{10} * 366 * 24 * 3600;
-
 struct TokenRequest {
   std::string name;
   Role role{};
   std::optional<int> lifetime_s;
 };
 
-TokenRequest read_token_request(FieldReader& fields) {
+TokenRequest read_token_request(BodyReader& body) {
   TokenRequest wanted;
-  fields.need("name", "give a name, for those who read the list of tokens");
-  wanted.name = fields.text("name", "", line(120));
-  wanted.role =
-      static_cast<Role>(fields.word("role", {}, {"viewer", "submitter", "operator", "admin"}));
-  if (const auto life = fields.optional_integer("lifetime_s", 60, kLongestLife_s))
-    wanted.lifetime_s = static_cast<int>(*life);
+  wanted.name = body.text("name");
+  wanted.role = body.role("role");
+  wanted.lifetime_s = body.optional_whole("lifetime_s");
   return wanted;
 }
 
@@ -41,9 +70,8 @@ TokenRequest read_token_request(FieldReader& fields) {
 
 void create_one_shot(const Request& request, Service& service, const HandlerContext& context,
                      Reply reply) {
-  const auto body =
-      read_body_as<bool>(request, context.limits.json_depth, [](FieldReader&) { return true; });
-  if (!body) return reply(problem_response(body.error(), request));
+  if (const auto body = read_nothing(request, context); !body)
+    return reply(problem_response(body.error(), request));
   const Answer<std::string> word = service.access.create_one_shot(request.principal);
   if (!word) return reply(problem_response(word.error(), request));
   reply(json_response(201, {{"one_shot", *word}}));
@@ -51,12 +79,8 @@ void create_one_shot(const Request& request, Service& service, const HandlerCont
 
 void open_session(const Request& request, Service& service, const HandlerContext& context,
                   Reply reply) {
-  const auto word =
-      read_body_as<std::string>(request, context.limits.json_depth, [](FieldReader& fields) {
-        fields.need("one_shot",
-                    "must be the one-shot word of the address that 'popcut open' opened");
-        return fields.text("one_shot", "", line(200));
-      });
+  const auto word = read_body<std::string>(request, context, body::kSessionRequest,
+                                           [](BodyReader& body) { return body.text("one_shot"); });
   if (!word) return reply(problem_response(word.error(), request));
   const Answer<NewToken> token = service.access.open_session(*word);
   if (!token) return reply(problem_response(token.error(), request));
@@ -65,11 +89,8 @@ void open_session(const Request& request, Service& service, const HandlerContext
 
 void ask_pairing(const Request& request, Service& service, const HandlerContext& context,
                  Reply reply) {
-  const auto name =
-      read_body_as<std::string>(request, context.limits.json_depth, [](FieldReader& fields) {
-        fields.need("name", "must be what a person calls this tablet");
-        return fields.text("name", "", line(120));
-      });
+  const auto name = read_body<std::string>(request, context, body::kPairRequest,
+                                           [](BodyReader& body) { return body.text("name"); });
   if (!name) return reply(problem_response(name.error(), request));
   const Answer<NewPairing> made = service.access.ask_pairing(*name, request.place);
   if (!made) return reply(problem_response(made.error(), request));
@@ -85,15 +106,12 @@ void allow_pairing(const Request& request, Service& service, const HandlerContex
     std::string code;
     Role role{};
   };
-  const auto wanted =
-      read_body_as<Wanted>(request, context.limits.json_depth, [](FieldReader& fields) {
-        Wanted one;
-        fields.need("code", "must be the code that the tablet shows");
-        one.code = fields.text("code", "", line(20));
-        one.role = static_cast<Role>(
-            fields.word("role", {}, {"viewer", "submitter", "operator", "admin"}));
-        return one;
-      });
+  const auto wanted = read_body<Wanted>(request, context, body::kPairAllow, [](BodyReader& body) {
+    Wanted one;
+    one.code = body.text("code");
+    one.role = body.role("role");
+    return one;
+  });
   if (!wanted) return reply(problem_response(wanted.error(), request));
   const Answer<AllowedPairing> allowed =
       service.access.allow_pairing(request.principal, wanted->code, wanted->role);
@@ -103,11 +121,8 @@ void allow_pairing(const Request& request, Service& service, const HandlerContex
 
 void collect_pairing(const Request& request, Service& service, const HandlerContext& context,
                      Reply reply) {
-  const auto secret =
-      read_body_as<std::string>(request, context.limits.json_depth, [](FieldReader& fields) {
-        fields.need("secret", "must be the secret that came with the code");
-        return fields.text("secret", "", line(200));
-      });
+  const auto secret = read_body<std::string>(request, context, body::kPairCollect,
+                                             [](BodyReader& body) { return body.text("secret"); });
   if (!secret) return reply(problem_response(secret.error(), request));
   const Answer<std::optional<NewToken>> made = service.access.collect_pairing(*secret);
   if (!made) return reply(problem_response(made.error(), request));
@@ -122,9 +137,9 @@ void close_session(const Request& request, Service& service, const HandlerContex
 
 void list_sessions(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 's';
-  std::vector<RequestFault> faults;
-  const PageRequest wanted = page_request(request, kList, faults, kUsualWhole);
-  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  QueryReader query(request);
+  const PageRequest wanted = query.page(kList);
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
   reply(page_response(page_of(service.access.sessions(request.principal), wanted,
                               [](const SessionRecord& session) { return session.id; }),
                       kList, [](const SessionRecord& session) { return dump(to_json(session)); }));
@@ -138,9 +153,9 @@ void end_session(const Request& request, Service& service, const HandlerContext&
 
 void list_tokens(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 't';
-  std::vector<RequestFault> faults;
-  const PageRequest wanted = page_request(request, kList, faults, kUsualWhole);
-  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  QueryReader query(request);
+  const PageRequest wanted = query.page(kList);
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
   reply(page_response(
       page_of(service.access.tokens(), wanted, [](const TokenRecord& token) { return token.id; }),
       kList, [](const TokenRecord& token) { return dump(to_json(token)); }));
@@ -149,7 +164,7 @@ void list_tokens(const Request& request, Service& service, const HandlerContext&
 void create_token(const Request& request, Service& service, const HandlerContext& context,
                   Reply reply) {
   const auto wanted =
-      read_body_as<TokenRequest>(request, context.limits.json_depth, read_token_request);
+      read_body<TokenRequest>(request, context, body::kTokenCreate, read_token_request);
   if (!wanted) return reply(problem_response(wanted.error(), request));
   const Answer<NewToken> token = service.access.create_token(request.principal, wanted->name,
                                                              wanted->role, wanted->lifetime_s);
@@ -163,4 +178,5 @@ void delete_token(const Request& request, Service& service, const HandlerContext
   reply(empty_response());
 }
 
-}  // namespace popcut::daemon::http::handle
+}  // namespace handle
+}  // namespace popcut::daemon::http

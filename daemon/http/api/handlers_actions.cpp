@@ -2,70 +2,98 @@
 
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/handlers.hpp"
-#include "daemon/http/api/json_body.hpp"
+#include "daemon/http/api/input.hpp"
 #include "daemon/http/api/render.hpp"
 
-namespace popcut::daemon::http::handle {
+namespace popcut::daemon::http {
 namespace {
 
-constexpr std::int64_t kMostSheets = 10'000;
-constexpr std::int64_t kMostBlanks = 1'000'000;
-constexpr std::size_t kMostWarnings = 100;
-constexpr std::int64_t kMostPaths = std::int64_t{1} << 40;
+constexpr InputRule kSheet = whole("sheet", 1, kMostSheets);
+constexpr InputRule kNeededSheet = kSheet.required("must be the sheet number, counted from 1");
 
-std::optional<int> small(const std::optional<std::int64_t>& value) {
-  return value ? std::optional<int>(static_cast<int>(*value)) : std::nullopt;
-}
+}  // namespace
 
-void read_sheet(FieldReader& fields, ActionRequest& wanted, bool required) {
-  if (required) fields.need("sheet", "must be the sheet number, counted from 1");
-  wanted.sheet = small(fields.optional_integer("sheet", 1, kMostSheets));
-}
+const Body body::kArm{
+    .schema = "Arm",
+    .fields =
+        {kNeededSheet, whole("blank", 1, kMostBlanks).described("default: the current one"),
+         text("device", kIdLimit)
+             .described("the cutter that holds the sheet; must match the device of the job "
+                        "if it has one"),
+         text("plan_sha256", kIdLimit).described("if given, it must match the sha256 of the plan"),
+         texts("accept_warnings", kMostAcceptedWarnings, kWarningCodeLimit)
+             .described("codes of unaccepted_warnings: cut although the cut may be spoiled")},
+    .description = "What the operator has loaded.",
+    .example = R"({"sheet": 1})"};
 
-void read_arm(FieldReader& fields, ActionRequest& wanted) {
-  read_sheet(fields, wanted, true);
-  wanted.blank = small(fields.optional_integer("blank", 1, kMostBlanks));
-  wanted.device = fields.text("device", "", line(64));
-  wanted.plan_sha256 = fields.text("plan_sha256", "", line(64));
-  wanted.accept_warnings = fields.optional_texts("accept_warnings", kMostWarnings, line(40))
-                               .value_or(std::vector<std::string>());
-}
+const Body body::kStart{.schema = "Start", .fields = {kSheet}, .is_optional = true};
 
-void read_resume_from(FieldReader& fields, ActionRequest& wanted) {
-  fields.need("from_path", "must be the path to continue from, counted from 0");
-  fields.need("registration", "must be one of kept, re-registered");
-  wanted.from_path = fields.optional_integer("from_path", 0, kMostPaths);
-  const std::vector<std::string> registrations{"kept", "re-registered"};
-  if (const auto word = fields.optional_word("registration", registrations))
-    wanted.registration = registrations[*word];
-  wanted.accept_double_cut = fields.boolean("i_accept_double_cut", false);
-  wanted.skip_in_doubt = fields.boolean("skip_in_doubt", false);
-}
+const Body body::kCancel{.schema = "Cancel",
+                         .fields = {text("reason", kReasonLimit)},
+                         .example = R"({"reason": "wrong paper"})",
+                         .is_optional = true};
 
-ActionRequest read_action(FieldReader& fields, JobAction action) {
+const Body body::kConfirmResult{
+    .schema = "ConfirmResult",
+    .fields = {kNeededSheet,
+               flag("good")
+                   .required("must be true or false: is the sheet usable?")
+                   .described("false: the job stays interrupted, with the reason result_bad")},
+    .example = R"({"sheet": 1, "good": true})"};
+
+const Body body::kSheetChoice{
+    .schema = "SheetChoice", .fields = {kNeededSheet}, .example = R"({"sheet": 1})"};
+
+const Body body::kResumeFrom{
+    .schema = "ResumeFrom",
+    .fields = {whole("from_path", 0, kMostPaths)
+                   .required("must be the path to continue from, counted from 0")
+                   .with_schema(R"({"type": "integer", "minimum": 0})")
+                   .described("first path to cut, counted from 0 as in the ledger"),
+               word("registration", "kept re-registered")
+                   .required("must be one of kept, re-registered")
+                   .described("kept: the sheet has not moved; re-registered: you loaded it again "
+                              "in the same place"),
+               flag("i_accept_double_cut")
+                   .described("true: popcutd may cut a path a second time if it is cut already or "
+                              "in doubt"),
+               flag("skip_in_doubt")
+                   .described("true: paths in doubt may come before from_path; popcutd does not "
+                              "cut them")},
+    .description = "Continue on the same blank.",
+    .example = R"({"from_path": 3, "registration": "kept"})"};
+
+namespace handle {
+namespace {
+
+ActionRequest read_action(BodyReader& body, JobAction action) {
   ActionRequest wanted;
   wanted.action = action;
   switch (action) {
     case JobAction::Arm:
-      read_arm(fields, wanted);
-      break;
-    case JobAction::Start:
-      read_sheet(fields, wanted, false);
+      wanted.sheet = body.optional_whole("sheet");
+      wanted.blank = body.optional_whole("blank");
+      wanted.device = body.text("device");
+      wanted.plan_sha256 = body.text("plan_sha256");
+      wanted.accept_warnings = body.texts("accept_warnings");
       break;
     case JobAction::Cancel:
-      wanted.reason = fields.text("reason", "", line(200));
+      wanted.reason = body.text("reason");
       break;
     case JobAction::ConfirmResult:
-      read_sheet(fields, wanted, true);
-      fields.need("good", "must be true or false: is the sheet usable?");
-      wanted.good = fields.optional_boolean("good");
+      wanted.sheet = body.optional_whole("sheet");
+      wanted.good = body.optional_flag("good");
       break;
+    case JobAction::Start:
     case JobAction::RetrySheet:
     case JobAction::SkipSheet:
-      read_sheet(fields, wanted, true);
+      wanted.sheet = body.optional_whole("sheet");
       break;
     case JobAction::ResumeFrom:
-      read_resume_from(fields, wanted);
+      wanted.from_path = body.optional_large("from_path");
+      wanted.registration = body.optional_word("registration").value_or("");
+      wanted.accept_double_cut = body.flag("i_accept_double_cut");
+      wanted.skip_in_doubt = body.flag("skip_in_doubt");
       break;
     case JobAction::Disarm:
     case JobAction::Pause:
@@ -75,13 +103,36 @@ ActionRequest read_action(FieldReader& fields, JobAction action) {
   return wanted;
 }
 
+const Body& body_of(JobAction action) {
+  switch (action) {
+    case JobAction::Arm:
+      return body::kArm;
+    case JobAction::Start:
+      return body::kStart;
+    case JobAction::Cancel:
+      return body::kCancel;
+    case JobAction::ConfirmResult:
+      return body::kConfirmResult;
+    case JobAction::RetrySheet:
+    case JobAction::SkipSheet:
+      return body::kSheetChoice;
+    case JobAction::ResumeFrom:
+      return body::kResumeFrom;
+    case JobAction::Disarm:
+    case JobAction::Pause:
+    case JobAction::Resume:
+      break;
+  }
+  return body::kNothing;
+}
+
 }  // namespace
 
 void act_on_job(const Request& request, Service& service, JobAction action,
                 const HandlerContext& context, const Reply& reply) {
-  const auto wanted = read_body_as<ActionRequest>(
-      request, context.limits.json_depth,
-      [action](FieldReader& fields) { return read_action(fields, action); });
+  const auto wanted =
+      read_body<ActionRequest>(request, context, body_of(action),
+                               [action](BodyReader& body) { return read_action(body, action); });
   if (!wanted) {
     Problem problem = wanted.error();
     if (const Answer<Job> job = service.jobs.find(request.params[0]))
@@ -108,4 +159,5 @@ void act_on_job(const Request& request, Service& service, JobAction action,
     service.cutting.stop_unrecorded(request.principal, request.params[0], action);
 }
 
-}  // namespace popcut::daemon::http::handle
+}  // namespace handle
+}  // namespace popcut::daemon::http

@@ -4,16 +4,22 @@
 
 #include <fmt/format.h>
 
-#include "core/text/utf8.hpp"
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/handlers.hpp"
-#include "daemon/http/api/json_body.hpp"
+#include "daemon/http/api/input.hpp"
 #include "daemon/http/api/render.hpp"
 
-namespace popcut::daemon::http::handle {
+namespace popcut::daemon::http {
+
+const Body body::kPlanRequest{.schema = "PlanRequest",
+                              .fields = {text("material", kIdLimit), text("device", kIdLimit),
+                                         text("machine", kIdLimit), plan_options("options")},
+                              .example = R"({"material": "paper-220"})",
+                              .is_optional = true};
+
+namespace handle {
 namespace {
 
-constexpr std::size_t kLongestName = 120;
 constexpr std::array<std::string_view, 10> kExports{
     "pattern.fold", "pattern.svg",  "cut.svg",    "pattern.dxf", "segments.csv",
     "deploy.glb",   "deployed.svg", "poster.svg", "report.json", "spec.json"};
@@ -78,31 +84,24 @@ std::optional<std::string> sheet_name(const Request& request, const Reply& reply
   return std::nullopt;
 }
 
-// The label that the query gives to an upload.
-Answer<std::string> upload_name(const Request& request) {
-  std::string name = query_text(request, "name").value_or("");
-  if (name.size() <= kLongestName * 4 && !has_controls(name)) return name;
-  return tl::unexpected(validation(
-      {{"?name", "length",
-        fmt::format("must have at most {} characters, and no control characters", kLongestName)}}));
-}
-
-PlanRequest read_plan_request(FieldReader& fields) {
+PlanRequest read_plan_request(BodyReader& body) {
   PlanRequest wanted;
-  wanted.material = fields.text("material", "", line(64));
-  wanted.device = fields.text("device", "", line(64));
-  wanted.machine = fields.text("machine", "", line(64));
-  wanted.options = read_options(fields, "options");
+  wanted.material = body.text("material");
+  wanted.device = body.text("device");
+  wanted.machine = body.text("machine");
+  wanted.options = body.options("options");
   return wanted;
 }
 
 }  // namespace
 
+std::span<const std::string_view> design_file_names() { return kExports; }
+
 void add_asset(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const Answer<std::string> name = upload_name(request);
-  if (!name) return reply(problem_response(name.error(), request));
+  QueryReader query(request);
   Upload upload = request.upload.value_or(Upload{});
-  upload.name = *name;
+  upload.name = query.text("name");
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
   const Answer<Asset> asset = service.designs.add_asset(request.principal, upload);
   if (!asset) return reply(problem_response(asset.error(), request));
   reply(json_response(asset->is_new ? 201 : 200, to_json(*asset)));
@@ -110,9 +109,9 @@ void add_asset(const Request& request, Service& service, const HandlerContext&, 
 
 void list_assets(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 'a';
-  std::vector<RequestFault> faults;
-  const PageRequest wanted = page_request(request, kList, faults);
-  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  QueryReader query(request);
+  const PageRequest wanted = query.page(kList);
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
   reply(page_response(service.designs.assets(wanted), kList,
                       [](const Asset& asset) { return dump(listed_json(asset)); }));
 }
@@ -124,9 +123,9 @@ void delete_asset(const Request& request, Service& service, const HandlerContext
 }
 
 void add_design(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const Answer<std::string> given = upload_name(request);
-  if (!given) return reply(problem_response(given.error(), request));
-  const std::string& name = *given;
+  QueryReader query(request);
+  const std::string name = query.text("name");
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
   service.designs.add(
       request.principal, request.upload.value_or(Upload{}), request.media_type, name,
       [reply, target = request.target, id = request.id](const Answer<Design>& design) {
@@ -139,9 +138,9 @@ void add_design(const Request& request, Service& service, const HandlerContext&,
 
 void list_designs(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 'd';
-  std::vector<RequestFault> faults;
-  const PageRequest wanted = page_request(request, kList, faults);
-  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  QueryReader query(request);
+  const PageRequest wanted = query.page(kList);
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
   reply(page_response(service.designs.list(wanted), kList,
                       [](const Design& design) { return dump(to_json(design)); }));
 }
@@ -187,9 +186,9 @@ void design_picture(const Request& request, Service& service, const HandlerConte
 void design_file(const Request& request, Service& service, const HandlerContext& context,
                  Reply reply) {
   const std::string& name = request.params[1];
-  std::vector<RequestFault> faults;
-  const auto part = query_integer(request, "part", 1, 10'000, faults);
-  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  QueryReader query(request);
+  const int part = static_cast<int>(query.whole("part").value_or(1));
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
   const Answer<Design> design = service.designs.find(request.params[0]);
   if (!design) return reply(problem_response(design.error(), request));
   const bool is_known = std::find(kExports.begin(), kExports.end(), name) != kExports.end();
@@ -202,11 +201,11 @@ void design_file(const Request& request, Service& service, const HandlerContext&
         request));
   if (name == "spec.json")
     return answer_file(request, reply, service.designs.content(design->id), name);
-  const std::string etag = fmt::format("\"{}-{}-{}-{}{}\"", design->id, name, part.value_or(1),
-                                       context.build, service.designs.material_mark(design->id));
+  const std::string etag = fmt::format("\"{}-{}-{}-{}{}\"", design->id, name, part, context.build,
+                                       service.designs.material_mark(design->id));
   if (has_seen(request, etag)) return reply(unchanged(etag, kKept));
   Designs::CallOff call_off = service.designs.file(
-      request.principal, design->id, name, static_cast<int>(part.value_or(1)),
+      request.principal, design->id, name, part,
       [reply, etag, name, target = request.target, id = request.id](Answer<std::string> bytes) {
         if (!bytes) return reply(problem_response(bytes.error(), target, id));
         Response response = drawing(type_of(name));
@@ -232,7 +231,7 @@ void delete_design(const Request& request, Service& service, const HandlerContex
 
 void plan_design(const Request& request, Service& service, const HandlerContext& context,
                  Reply reply) {
-  auto wanted = read_body_as<PlanRequest>(request, context.limits.json_depth, read_plan_request);
+  auto wanted = read_body<PlanRequest>(request, context, body::kPlanRequest, read_plan_request);
   if (!wanted) return reply(problem_response(wanted.error(), request));
   wanted->design = request.params[0];
   answer_once(request, service, reply, [&] {
@@ -290,4 +289,5 @@ void sheet_program(const Request& request, Service& service, const HandlerContex
   answer_file(request, reply, path, name);
 }
 
-}  // namespace popcut::daemon::http::handle
+}  // namespace handle
+}  // namespace popcut::daemon::http

@@ -1,14 +1,24 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/handlers.hpp"
-#include "daemon/http/api/json_body.hpp"
+#include "daemon/http/api/input.hpp"
 #include "daemon/http/api/render.hpp"
 
-namespace popcut::daemon::http::handle {
+namespace popcut::daemon::http {
+
+const Body body::kTestCut{.schema = "TestCut",
+                          .fields = {text("material", kIdLimit).described("default: paper-220")},
+                          .example = R"({"material": "paper-220"})",
+                          .is_optional = true};
+
+const Body body::kMaterialRow{.schema = "MaterialRow", .is_in_source = true};
+
+namespace handle {
 namespace {
 
 Response answer_device(const Request& request, const Answer<DeviceRecord>& device) {
@@ -17,7 +27,7 @@ Response answer_device(const Request& request, const Answer<DeviceRecord>& devic
 }
 
 bool is_material_id(const std::string& id) {
-  return id.size() <= 64 && std::all_of(id.begin(), id.end(), [](char c) {
+  return id.size() <= kMaterialIdLimit.characters && std::all_of(id.begin(), id.end(), [](char c) {
            return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||
                   c == '.';
          });
@@ -27,9 +37,9 @@ bool is_material_id(const std::string& id) {
 
 void list_devices(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 'v';
-  std::vector<RequestFault> faults;
-  const PageRequest wanted = page_request(request, kList, faults, kUsualWhole);
-  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  QueryReader query(request);
+  const PageRequest wanted = query.page(kList);
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
   reply(page_response(
       page_of(service.devices.list(), wanted, [](const DeviceRecord& device) { return device.id; }),
       kList, [](const DeviceRecord& device) { return dump(to_json(device)); }));
@@ -43,12 +53,12 @@ void act_on_device(const Request& request, Service& service, const HandlerContex
                    Reply reply) {
   DeviceRequest wanted;
   wanted.action = request.path().substr(request.path().rfind('/') + 1);
-  const auto body =
-      read_body_as<std::string>(request, context.limits.json_depth, [&wanted](FieldReader& fields) {
-        return wanted.action == "test-cut" ? fields.text("material", "", line(64)) : std::string();
-      });
-  if (!body) return reply(problem_response(body.error(), request));
-  wanted.material = *body;
+  const bool is_test = wanted.action == "test-cut";
+  const auto material = read_body<std::string>(
+      request, context, is_test ? body::kTestCut : body::kNothing,
+      [is_test](BodyReader& body) { return is_test ? body.text("material") : std::string(); });
+  if (!material) return reply(problem_response(material.error(), request));
+  wanted.material = *material;
   const Answer<std::int64_t> rev = wanted_rev(request, std::nullopt);
   if (!rev) return reply(problem_response(rev.error(), request));
   answer_once(request, service, reply, [&] {
@@ -63,9 +73,9 @@ void act_on_device(const Request& request, Service& service, const HandlerContex
 
 void list_materials(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 'm';
-  std::vector<RequestFault> faults;
-  const PageRequest wanted = page_request(request, kList, faults, kUsualWhole);
-  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  QueryReader query(request);
+  const PageRequest wanted = query.page(kList);
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
   reply(page_response(page_of(service.materials.list(), wanted,
                               [](const MaterialRecord& material) { return material.id; }),
                       kList,
@@ -88,7 +98,9 @@ void put_material(const Request& request, Service& service, const HandlerContext
   const std::string& id = request.params[0];
   if (!is_material_id(id))
     return reply(problem_response(
-        validation({{"/name", "format", "must be 1 to 64 characters of a-z, 0-9, '-', '_', '.'"}}),
+        validation({{"/name", "format",
+                     fmt::format("must be 1 to {} characters of a-z, 0-9, '-', '_', '.'",
+                                 kMaterialIdLimit.characters)}}),
         request));
   std::int64_t rev = 0;  // it must be new
   if (request.header("if-match")) {
@@ -110,4 +122,5 @@ void delete_material(const Request& request, Service& service, const HandlerCont
   reply(empty_response());
 }
 
-}  // namespace popcut::daemon::http::handle
+}  // namespace handle
+}  // namespace popcut::daemon::http

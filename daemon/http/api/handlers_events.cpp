@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include <limits>
-
 #include <fmt/format.h>
 
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/handlers.hpp"
-#include "daemon/http/api/json_body.hpp"
+#include "daemon/http/api/input.hpp"
 #include "daemon/http/api/render.hpp"
 
 namespace popcut::daemon::http::handle {
@@ -13,13 +11,11 @@ namespace {
 
 void answer_events(const Request& request, Service& service, const Reply& reply,
                    const std::string& job) {
-  std::vector<RequestFault> faults;
-  const auto after =
-      query_integer(request, "after", 0, std::numeric_limits<std::int64_t>::max(), faults);
-  const auto limit = query_integer(request, "limit", 1, 200, faults);
-  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
-  Answer<std::vector<Event>> events =
-      service.operations.events(after.value_or(0), static_cast<int>(limit.value_or(50)), job);
+  QueryReader query(request);
+  const auto after = query.whole("after"), limit = query.whole("limit");
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
+  Answer<std::vector<Event>> events = service.operations.events(
+      after.value_or(0), static_cast<int>(limit.value_or(request.usual_page_items)), job);
   if (!events) return reply(problem_response(events.error(), request));
   Response response;
   response.make_body = [events = std::move(*events), first = service.operations.first_event(),

@@ -5,67 +5,118 @@
 
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/handlers.hpp"
-#include "daemon/http/api/json_body.hpp"
+#include "daemon/http/api/input.hpp"
 #include "daemon/http/api/render.hpp"
 
-namespace popcut::daemon::http::handle {
+namespace popcut::daemon::http {
 namespace {
 
-JobCreate read_job(FieldReader& fields) {
+constexpr InputRule kPriority = whole("priority", kLeastPriority, kMostPriority);
+constexpr InputRule kJob = text("job", kIdLimit).required("must be the id of a job");
+
+}  // namespace
+
+const Body body::kJobCreate{
+    .schema = "JobCreate",
+    .fields = {text("design", kContentIdLimit).described("id of a design"),
+               text("plan", kContentIdLimit).described("id of a plan"),
+               text("material", kIdLimit)
+                   .described("default: the material of the design, else paper-220"),
+               text("device", kIdLimit)
+                   .described("default: popcutd plans for the first cutter in /v1/devices that is "
+                              "connected, and any cutter of that model can cut the job"),
+               text_or_empty("site", kIdLimit)
+                   .described("where the job is to be cut: only cutters of that site fit it; "
+                              "empty: anywhere"),
+               plan_options("options"), whole("copies", 1, kMostCopies).by_default(1),
+               kPriority.by_default(0), text_or_empty("name", kNameLimit),
+               lines("note", kNoteLimit),
+               texts("tags", kMostTags, kTagLimit)
+                   .described("words of your own; popcutd only stores them"),
+               word("on_sheet_done", "wait")
+                   .described("what popcutd does after a sheet: it waits until you arm the next "
+                              "one")},
+    .description = "Give either design or plan.",
+    .example = R"({"design": "sha256-aa", "copies": 2, "name": "a card"})"};
+
+const Body body::kJobPatch{
+    .schema = "JobPatch",
+    .fields = {kPriority, text_or_empty("name", kNameLimit), lines("note", kNoteLimit),
+               text_or_empty("device", kIdLimit),
+               text_or_empty("site", kIdLimit).described("empty: anywhere"),
+               text("material", kIdLimit).described("needs plan_again"),
+               flag("plan_again")
+                   .by_default(0)
+                   .described("make a new plan for the device and the material, with the same "
+                              "options; possible while nothing of the job has been cut")},
+    .description = "At least one member is required.",
+    .example = R"({"priority": 3})",
+    .least_fields = 1};
+
+const Body body::kHold{
+    .schema = "Hold", .fields = {kJob}, .example = R"({"job": "01JD0000000000000000000001"})"};
+
+const Body body::kMove{
+    .schema = "Move",
+    .fields = {kJob, text("before", kIdLimit)
+                         .described("id of a job of the same priority; default: after all other "
+                                    "jobs of this priority")},
+    .example = R"({"job": "01JD0000000000000000000001"})"};
+
+namespace handle {
+namespace {
+
+JobCreate read_job(BodyReader& body) {
+  FieldReader& fields = body.fields();
   JobCreate wanted;
-  wanted.design = fields.text("design", "", line(80));
-  wanted.plan = fields.text("plan", "", line(80));
+  wanted.design = body.text("design");
+  wanted.plan = body.text("plan");
   if (fields.has("design") == fields.has("plan"))
     fields.refuse(fields.has("plan") ? "plan" : "design", ErrorKind::Malformed,
                   "must be the only one: give a design or a plan", "one_of");
-  wanted.material = fields.text("material", "", line(64));
-  wanted.device = fields.text("device", "", line(64));
-  wanted.site = fields.text("site", "", line_or_empty(64));
-  wanted.options = read_options(fields, "options");
-  wanted.copies = fields.integer("copies", 1, 1, 1000);
-  wanted.priority = fields.integer("priority", 0, -10, 10);
-  wanted.name = fields.text("name", "", line_or_empty(120));
-  wanted.note = fields.text("note", "", lines_or_empty(2000));
-  wanted.tags = fields.optional_texts("tags", 20, line(40)).value_or(std::vector<std::string>());
-  // No cutter feeds itself so that it could go on alone.
-  fields.word("on_sheet_done", 0, {"wait"});
+  wanted.material = body.text("material");
+  wanted.device = body.text("device");
+  wanted.site = body.text("site");
+  wanted.options = body.options("options");
+  wanted.copies = body.whole("copies");
+  wanted.priority = body.whole("priority");
+  wanted.name = body.text("name");
+  wanted.note = body.text("note");
+  wanted.tags = body.texts("tags");
+  // No cutter feeds itself, so none can go on alone.
+  static_cast<void>(body.optional_word("on_sheet_done"));
   return wanted;
 }
 
-JobPatch read_patch(FieldReader& fields) {
+JobPatch read_patch(BodyReader& body) {
   JobPatch patch;
-  if (const auto priority = fields.optional_integer("priority", -10, 10))
-    patch.priority = static_cast<int>(*priority);
-  patch.name = fields.optional_text("name", line_or_empty(120));
-  patch.note = fields.optional_text("note", lines_or_empty(2000));
-  patch.device = fields.optional_text("device", line_or_empty(64));
-  patch.site = fields.optional_text("site", line_or_empty(64));
-  patch.material = fields.optional_text("material", line(64));
-  patch.plan_again = fields.boolean("plan_again", false);
+  patch.priority = body.optional_whole("priority");
+  patch.name = body.optional_text("name");
+  patch.note = body.optional_text("note");
+  patch.device = body.optional_text("device");
+  patch.site = body.optional_text("site");
+  patch.material = body.optional_text("material");
+  patch.plan_again = body.flag("plan_again");
   return patch;
 }
 
-JobFilter read_filter(const Request& request, std::vector<RequestFault>& faults) {
+JobFilter read_filter(QueryReader& query) {
   JobFilter filter;
-  filter.owner = query_text(request, "owner").value_or("");
-  filter.device = query_text(request, "device").value_or("");
-  filter.site = query_text(request, "site").value_or("");
-  filter.since = query_time(request, "since", faults);
-  const std::string order = query_text(request, "order").value_or("asc");
-  filter.newest_first = order == "desc";
-  if (order != "asc" && order != "desc")
-    faults.push_back({"?order", "word", "must be asc (the oldest first) or desc"});
-  std::string states = query_text(request, "state").value_or("");
+  filter.owner = query.text("owner");
+  filter.device = query.text("device");
+  filter.site = query.text("site");
+  filter.since = query.time("since");
+  filter.newest_first = query.word("order") == "desc";
+  std::string states = query.text("state");
   while (!states.empty()) {
     const std::size_t comma = std::min(states.find(','), states.size());
-    const std::string word = states.substr(0, comma);
-    if (const auto state = job_state_from(word))
+    if (const auto state = job_state_from(states.substr(0, comma)))
       filter.states.push_back(*state);
     else
-      faults.push_back({"?state", "word",
-                        "must be a comma-separated list of states: queued, planning, ready, armed, "
-                        "cutting, paused, interrupted, done, failed, cancelled"});
-    if (!faults.empty()) break;
+      query.refuse("state", "word",
+                   "must be a comma-separated list of states: queued, planning, ready, armed, "
+                   "cutting, paused, interrupted, done, failed, cancelled");
+    if (query.problem()) break;
     states.erase(0, comma + 1);
   }
   return filter;
@@ -86,11 +137,6 @@ std::optional<int> sheet_number(const Request& request, const Reply& reply) {
   return number;
 }
 
-std::string read_job_id(FieldReader& fields) {
-  fields.need("job", "must be the id of a job");
-  return fields.text("job", "", line(64));
-}
-
 // The job that a body names, held against an If-Match if there is one.
 std::optional<Problem> check_named(const Request& request, Service& service,
                                    const std::string& id) {
@@ -101,7 +147,8 @@ std::optional<Problem> check_named(const Request& request, Service& service,
 
 void set_held(const Request& request, Service& service, const HandlerContext& context, bool held,
               const Reply& reply) {
-  const auto job = read_body_as<std::string>(request, context.limits.json_depth, read_job_id);
+  const auto job = read_body<std::string>(request, context, body::kHold,
+                                          [](BodyReader& body) { return body.text("job"); });
   if (!job) return reply(problem_response(job.error(), request));
   answer_once(request, service, reply, [&] {
     if (const auto stale = check_named(request, service, *job))
@@ -114,7 +161,7 @@ void set_held(const Request& request, Service& service, const HandlerContext& co
 
 void create_job(const Request& request, Service& service, const HandlerContext& context,
                 Reply reply) {
-  const auto wanted = read_body_as<JobCreate>(request, context.limits.json_depth, read_job);
+  const auto wanted = read_body<JobCreate>(request, context, body::kJobCreate, read_job);
   if (!wanted) return reply(problem_response(wanted.error(), request));
   answer_once(request, service, reply, [&] {
     const Answer<Job> job = service.jobs.create(request.principal, *wanted);
@@ -127,10 +174,10 @@ void create_job(const Request& request, Service& service, const HandlerContext& 
 
 void list_jobs(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 'j';
-  std::vector<RequestFault> faults;
-  const PageRequest wanted = page_request(request, kList, faults);
-  const JobFilter filter = read_filter(request, faults);
-  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  QueryReader query(request);
+  const PageRequest wanted = query.page(kList);
+  const JobFilter filter = read_filter(query);
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
   Answer<Page<Job>> page = service.jobs.list(filter, wanted);
   if (!page) return reply(problem_response(page.error(), request));
   reply(page_response(std::move(*page), kList, [](const Job& job) { return job_text(job); }));
@@ -142,7 +189,7 @@ void get_job(const Request& request, Service& service, const HandlerContext&, Re
 
 void patch_job(const Request& request, Service& service, const HandlerContext& context,
                Reply reply) {
-  const auto patch = read_body_as<JobPatch>(request, context.limits.json_depth, read_patch);
+  const auto patch = read_body<JobPatch>(request, context, body::kJobPatch, read_patch);
   if (!patch) return reply(problem_response(patch.error(), request));
   if (!patch->priority && !patch->name && !patch->note && !patch->device && !patch->site &&
       !patch->material && !patch->plan_again)
@@ -175,9 +222,9 @@ void delete_job(const Request& request, Service& service, const HandlerContext&,
 
 void job_sheets(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 's';
-  std::vector<RequestFault> faults;
-  const PageRequest wanted = page_request(request, kList, faults, kUsualWhole);
-  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  QueryReader query(request);
+  const PageRequest wanted = query.page(kList);
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
   const int after = path_number(wanted.cursor).value_or(0);
   Answer<std::vector<SheetRecord>> sheets =
       service.jobs.sheets(request.params[0], after + 1, wanted.limit + 1);
@@ -213,10 +260,10 @@ void sheet_ledger(const Request& request, Service& service, const HandlerContext
 
 void get_queue(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 'q';
-  std::vector<RequestFault> faults;
-  const PageRequest wanted = page_request(request, kList, faults, kUsualWhole);
-  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
-  Answer<Page<Job>> page = service.jobs.queue(query_text(request, "device").value_or(""), wanted);
+  QueryReader query(request);
+  const PageRequest wanted = query.page(kList);
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
+  Answer<Page<Job>> page = service.jobs.queue(query.text("device"), wanted);
   if (!page) return reply(problem_response(page.error(), request));
   reply(page_response(std::move(*page), kList, [](const Job& job) { return job_text(job); }));
 }
@@ -236,13 +283,12 @@ void move_job(const Request& request, Service& service, const HandlerContext& co
   struct Move {
     std::string job, before;
   };
-  const auto wanted =
-      read_body_as<Move>(request, context.limits.json_depth, [](FieldReader& fields) {
-        Move move;
-        move.job = read_job_id(fields);
-        move.before = fields.text("before", "", line(64));
-        return move;
-      });
+  const auto wanted = read_body<Move>(request, context, body::kMove, [](BodyReader& body) {
+    Move move;
+    move.job = body.text("job");
+    move.before = body.text("before");
+    return move;
+  });
   if (!wanted) return reply(problem_response(wanted.error(), request));
   answer_once(request, service, reply, [&] {
     if (const auto stale = check_named(request, service, wanted->job))
@@ -252,4 +298,5 @@ void move_job(const Request& request, Service& service, const HandlerContext& co
   });
 }
 
-}  // namespace popcut::daemon::http::handle
+}  // namespace handle
+}  // namespace popcut::daemon::http

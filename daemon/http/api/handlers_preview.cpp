@@ -1,19 +1,47 @@
 // SPDX-License-Identifier: MIT
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/handlers.hpp"
-#include "daemon/http/api/json_body.hpp"
+#include "daemon/http/api/input.hpp"
 #include "daemon/http/api/render.hpp"
 
-namespace popcut::daemon::http::handle {
+namespace popcut::daemon::http {
+namespace {
+
+constexpr InputRule kSpec = other("spec", R"({"type": "object"})")
+                                .required()
+                                .described("the spec of a design; its files are ids of assets");
+constexpr InputRule kPlace =
+    word("place", "whole quarter").with_schema(R"({"enum": ["whole", "quarter"]})");
+
+}  // namespace
+
+const Body body::kPreviewRequest{
+    .schema = "PreviewRequest",
+    .fields =
+        {kSpec,
+         word("quality", "draft exact").required().with_schema(R"({"enum": ["draft", "exact"]})"),
+         kPlace.described("with its shape moved into place first, as /v1/place does")},
+    .example = R"json({
+      "spec": {"popcut": 1, "surface": {"type": "revolution", "radius": "sqrt(36 - y^2)"},
+               "units_per_slice": 3, "slices": 4, "widths_mm": 1.2, "min_panel_mm": 0.2},
+      "quality": "draft"})json"};
+
+const Body body::kPlaceRequest{
+    .schema = "PlaceRequest",
+    .fields = {kSpec, kPlace.required().described(
+                          "whole: all of it in the corner; quarter: its middle on the spine")},
+    .example = R"({
+      "spec": {"popcut": 1, "surface": {"type": "mesh", "file": "sha256-aa"},
+               "units_per_slice": 3, "slices": 4, "widths_mm": 1.2},
+      "place": "whole"})"};
+
+namespace handle {
 namespace {
 
 constexpr std::string_view kLatticeType = "application/vnd.popcut.lattice";
 constexpr std::string_view kKeptByClient = "private, max-age=86400";
-const std::vector<std::string> kStands{"whole", "quarter"};
 
 void read_spec(FieldReader& fields, PreviewRequest& wanted) {
   const nlohmann::json* const spec = fields.value("spec");
@@ -29,29 +57,28 @@ void read_spec(FieldReader& fields, PreviewRequest& wanted) {
                 spec == nullptr ? "missing" : "type");
 }
 
-PreviewRequest read_preview(FieldReader& fields) {
+PreviewRequest read_preview(BodyReader& body) {
   PreviewRequest wanted;
-  read_spec(fields, wanted);
-  wanted.is_draft = fields.word("quality", {}, {"draft", "exact"}) == 0;
-  if (const auto stand = fields.optional_word("place", kStands)) wanted.place = kStands[*stand];
+  read_spec(body.fields(), wanted);
+  wanted.is_draft = body.word("quality") == "draft";
+  wanted.place = body.optional_word("place").value_or("");
   return wanted;
 }
 
-PreviewRequest read_place(FieldReader& fields) {
+PreviewRequest read_place(BodyReader& body) {
   PreviewRequest wanted;
-  read_spec(fields, wanted);
-  wanted.place = kStands[fields.word("place", {}, kStands)];
+  read_spec(body.fields(), wanted);
+  wanted.place = body.word("place");
   return wanted;
 }
 
 Answer<std::string> preview_key(const Request& request) {
   const auto key = request.header("preview-key");
   if (!key) return std::string();
-  const bool has_form =
-      key->size() >= 16 && key->size() <= 128 &&
-      std::all_of(key->begin(), key->end(), [](char c) { return c > ' ' && c < '\x7F'; });
-  if (has_form) return std::string(*key);
-  return refuse(ProblemKind::BadRequest, "Preview-Key must be 16 to 128 visible ASCII characters");
+  if (is_key(*key)) return std::string(*key);
+  return refuse(ProblemKind::BadRequest,
+                fmt::format("Preview-Key must be {} to {} visible ASCII characters",
+                            kLeastKeyCharacters, kMostKeyCharacters));
 }
 
 void end_with_client(const Request& request, Designs::CallOff call_off) {
@@ -71,7 +98,7 @@ void preview_spec(const Request& request, Service& service, const HandlerContext
                   Reply reply) {
   const Answer<std::string> key = preview_key(request);
   if (!key) return reply(problem_response(key.error(), request));
-  auto wanted = read_body_as<PreviewRequest>(request, context.limits.json_depth, read_preview);
+  auto wanted = read_body<PreviewRequest>(request, context, body::kPreviewRequest, read_preview);
   if (!wanted) return reply(problem_response(wanted.error(), request));
   wanted->key = *key;
   end_with_client(request,
@@ -85,7 +112,7 @@ void preview_spec(const Request& request, Service& service, const HandlerContext
 
 void place_spec(const Request& request, Service& service, const HandlerContext& context,
                 Reply reply) {
-  const auto wanted = read_body_as<PreviewRequest>(request, context.limits.json_depth, read_place);
+  const auto wanted = read_body<PreviewRequest>(request, context, body::kPlaceRequest, read_place);
   if (!wanted) return reply(problem_response(wanted.error(), request));
   end_with_client(request,
                   service.designs.place_spec(
@@ -118,4 +145,5 @@ void design_lattice(const Request& request, Service& service, const HandlerConte
           }));
 }
 
-}  // namespace popcut::daemon::http::handle
+}  // namespace handle
+}  // namespace popcut::daemon::http

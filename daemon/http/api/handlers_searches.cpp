@@ -4,31 +4,84 @@
 #include "core/search/candidate.hpp"
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/handlers.hpp"
-#include "daemon/http/api/json_body.hpp"
+#include "daemon/http/api/input.hpp"
 #include "daemon/http/api/render.hpp"
 
-namespace popcut::daemon::http::handle {
+namespace popcut::daemon::http {
+namespace {
+
+std::vector<std::string> style_words() {
+  std::vector<std::string> out;
+  for (const StyleChoice& style : style_choices()) out.emplace_back(style.name);
+  return out;
+}
+
+std::vector<std::string> axis_words() { return up_words(); }
+
+}  // namespace
+
+const Body body::kSearchRequest{
+    .schema = "SearchRequest",
+    .fields = {number("max_minutes", kLeastMinutes, kMostMinutes)
+                   .by_default(CardSearchRequest{}.max_minutes)
+                   .described("the longest time of cutting"),
+               text("mat", kIdLimit)
+                   .described("a mat of the machine, or a size such as 210x297; cards fit on one "
+                              "sheet"),
+               text("machine", kIdLimit),
+               text("device", kIdLimit).described("a cutter, in place of its machine"),
+               text("material", kIdLimit), word("style", style_words).by_default(0),
+               word("up", axis_words)
+                   .by_default(0)
+                   .described("which axis of the file points up; any: whichever way the card looks "
+                              "most like the model"),
+               word("front", axis_words)
+                   .by_default(0)
+                   .described("which axis of the file points out of the card, toward you; any: "
+                              "popcut turns the model as it looks best. For cards only, and "
+                              "another axis than that of up"),
+               whole("cards", 1, kMostCards)
+                   .by_default(CardSearchRequest{}.cards)
+                   .with_schema(R"({"type": "integer", "enum": [1, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12],
+                                    "default": 1})")
+                   .described("1: cards; 3 to 12: books of so many cards around one spine, which "
+                              "show the model from all sides. Facets make books of 4 cards only"),
+               flag("marks").by_default(0).described(
+                   "cards fit between the registration marks that are printed with the "
+                   "artwork of a sheet"),
+               number("effort", kLeastEffort, kMostEffort)
+                   .by_default(CardSearchRequest{}.effort)
+                   .described("how many cards are tried, a factor; 1 takes one to two minutes"),
+               whole("seed", 0, kMostSeed).by_default(1)},
+    .example = R"({"max_minutes": 10, "up": "z", "effort": 0.25})",
+    .is_optional = true};
+
+const Body body::kPickRequest{
+    .schema = "PickRequest",
+    .fields =
+        {text_or_empty("name", kNameLimit).described("of the design; left out: that of the model")},
+    .example = R"({"name": "teapot"})",
+    .is_optional = true};
+
+namespace handle {
 namespace {
 
 constexpr std::string_view kPictureKept = "private, max-age=86400";
 
-CardSearchRequest read_search(FieldReader& fields) {
-  std::vector<std::string> styles;
-  for (const StyleChoice& style : style_choices()) styles.emplace_back(style.name);
+CardSearchRequest read_search(BodyReader& body) {
   CardSearchRequest wanted;
-  wanted.material = fields.text("material", "", line(64));
-  wanted.device = fields.text("device", "", line(64));
-  wanted.machine = fields.text("machine", "", line(64));
-  wanted.mat = fields.text("mat", "", line(64));
-  wanted.style = styles[fields.word("style", 0, styles)];
-  wanted.up = up_words()[fields.word("up", 0, up_words())];
-  wanted.front = up_words()[fields.word("front", 0, up_words())];
-  wanted.cards = fields.integer("cards", wanted.cards, 1, kMostCards);
-  wanted.marks = fields.boolean("marks", wanted.marks);
-  wanted.max_minutes =
-      fields.number("max_minutes", wanted.max_minutes, kLeastMinutes, kMostMinutes);
-  wanted.effort = fields.number("effort", wanted.effort, kLeastEffort, kMostEffort);
-  wanted.seed = fields.optional_integer("seed", 0, kMostSeed).value_or(wanted.seed);
+  wanted.material = body.text("material");
+  wanted.device = body.text("device");
+  wanted.machine = body.text("machine");
+  wanted.mat = body.text("mat");
+  wanted.style = body.word("style");
+  wanted.up = body.word("up");
+  wanted.front = body.word("front");
+  wanted.cards = body.whole("cards");
+  wanted.marks = body.flag("marks");
+  wanted.max_minutes = body.number("max_minutes");
+  wanted.effort = body.number("effort");
+  wanted.seed = body.optional_large("seed").value_or(wanted.seed);
   return wanted;
 }
 
@@ -44,7 +97,7 @@ std::optional<int> card_number(const Request& request, const Reply& reply) {
 
 void search_cards(const Request& request, Service& service, const HandlerContext& context,
                   Reply reply) {
-  auto wanted = read_body_as<CardSearchRequest>(request, context.limits.json_depth, read_search);
+  auto wanted = read_body<CardSearchRequest>(request, context, body::kSearchRequest, read_search);
   if (!wanted) return reply(problem_response(wanted.error(), request));
   wanted->model = request.params[0];
   answer_once(request, service, reply, [&] {
@@ -90,9 +143,8 @@ void pick_card(const Request& request, Service& service, const HandlerContext& c
                Reply reply) {
   const std::optional<int> card = card_number(request, reply);
   if (!card) return;
-  const Answer<std::string> name = read_body_as<std::string>(
-      request, context.limits.json_depth,
-      [](FieldReader& fields) { return fields.text("name", "", line_or_empty(120)); });
+  const auto name = read_body<std::string>(request, context, body::kPickRequest,
+                                           [](BodyReader& body) { return body.text("name"); });
   if (!name) return reply(problem_response(name.error(), request));
   service.searches.pick(
       request.principal, request.params[0], *card, *name,
@@ -104,4 +156,5 @@ void pick_card(const Request& request, Service& service, const HandlerContext& c
       });
 }
 
-}  // namespace popcut::daemon::http::handle
+}  // namespace handle
+}  // namespace popcut::daemon::http

@@ -7,13 +7,17 @@
 #include "daemon/examples/examples.hpp"
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/handlers.hpp"
-#include "daemon/http/api/json_body.hpp"
+#include "daemon/http/api/input.hpp"
 #include "daemon/http/api/openapi.hpp"
 #include "daemon/http/api/page_response.hpp"
 #include "daemon/http/api/render.hpp"
 #include "daemon/model/wall_clock.hpp"
 
-namespace popcut::daemon::http::handle {
+namespace popcut::daemon::http {
+
+const Body body::kNothing{.schema = "Nothing", .is_optional = true};
+
+namespace handle {
 
 void page(const Request& request, Service&, const HandlerContext&, Reply reply) {
   const std::string name = request.params.empty() ? std::string() : request.params[0];
@@ -158,12 +162,10 @@ void list_machines(const Request& request, Service& service, const HandlerContex
 }
 
 void usage(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  std::vector<RequestFault> faults;
-  const auto from = query_time(request, "from", faults), to = query_time(request, "to", faults);
-  const std::string by = query_text(request, "by").value_or("owner");
-  if (by != "owner" && by != "device" && by != "material")
-    faults.push_back({"?by", "word", "must be one of owner, device, material"});
-  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  QueryReader query(request);
+  const auto from = query.time("from"), to = query.time("to");
+  const std::string by = query.word("by");
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
   const bool is_csv = request.header("accept").value_or("").find("text/csv") != std::string::npos;
   service.operations.usage(
       from, to, by,
@@ -180,17 +182,6 @@ void usage(const Request& request, Service& service, const HandlerContext&, Repl
         reply(std::move(response));
       });
 }
-
-namespace {
-
-struct Nothing {};
-
-Answer<Nothing> read_nothing(const Request& request, const HandlerContext& context) {
-  return read_body_as<Nothing>(request, context.limits.json_depth,
-                               [](FieldReader&) { return Nothing{}; });
-}
-
-}  // namespace
 
 void backup(const Request& request, Service& service, const HandlerContext& context, Reply reply) {
   if (const auto body = read_nothing(request, context); !body)
@@ -214,4 +205,5 @@ void check_database(const Request& request, Service& service, const HandlerConte
       });
 }
 
-}  // namespace popcut::daemon::http::handle
+}  // namespace handle
+}  // namespace popcut::daemon::http

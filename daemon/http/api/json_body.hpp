@@ -20,19 +20,6 @@ namespace popcut::daemon::http {
 /// @retval MalformedJson  with the byte at which it went wrong
 [[nodiscard]] Answer<nlohmann::json> parse_body(std::string_view text, int max_depth);
 
-/// One line of 1 to `most` characters.
-[[nodiscard]] constexpr TextRule line(std::size_t most) {
-  return {1, most, TextRule::Controls::None};
-}
-/// One line of at most `most` characters, which may be empty.
-[[nodiscard]] constexpr TextRule line_or_empty(std::size_t most) {
-  return {0, most, TextRule::Controls::None};
-}
-/// Lines of at most `most` characters together, which may be empty.
-[[nodiscard]] constexpr TextRule lines_or_empty(std::size_t most) {
-  return {0, most, TextRule::Controls::Lines};
-}
-
 /// How a body names its fields: for the `FieldReader` of a body.
 [[nodiscard]] const Notation& body_notation();
 

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/model/input_limits.hpp"
 #include "daemon/model/model.hpp"
 #include "daemon/model/problem.hpp"
 
@@ -68,6 +69,7 @@ struct Request {
   Principal principal{};
   std::string place{};                     ///< the user or network that it came from
   std::shared_ptr<Departure> departure{};  ///< of its client; null: nobody looks
+  int usual_page_items{kUsualPageItems};   ///< of a list, if the query has no `limit`
 
   [[nodiscard]] std::optional<std::string_view> header(std::string_view lower_name) const;
   /// The path of `target`, without the query.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "daemon/http/api/message.hpp"
+#include "daemon/model/input_limits.hpp"
 #include "daemon/model/limits.hpp"
 #include "daemon/service/service.hpp"
 
@@ -26,7 +27,8 @@ struct HandlerContext {
 };
 
 /// Answers one request. Runs on the service's thread; the reply may come later.
-using Handler = void (*)(const Request&, Service&, const HandlerContext&, Reply);
+using HandlerFunction = void(const Request&, Service&, const HandlerContext&, Reply);
+using Handler = HandlerFunction*;
 
 /// Who may use a route. There is no default: a route without it does not compile.
 class RouteAccess {
@@ -67,15 +69,41 @@ enum class Guess : std::uint8_t {
   Another  ///< each answer is one more secret to be guessed
 };
 
-struct Route {
-  Method method;
-  std::string_view path;  ///< "/v1/jobs/{id}/sheets/{k}"; {..} stands for one part of it
-  RouteAccess access;
-  Handler handler;
+/// An answer of a route that succeeds.
+struct Success {
+  /// What the body is, with a space between where a client may choose: a schema ("Job"; "JobPage"
+  /// is the page of a list of them), a media type ("image/png"), or a media type with the type of
+  /// its schema ("text/csv:string").
+  std::string_view content{};
+  int status{};             ///< 0: 200, or 204 without content
+  std::string_view text{};  ///< empty: what the status usually means
+};
+
+struct Body;
+
+/// What a row of the table says beyond method, path, role and handler. The server holds requests
+/// against it, and the description of the API is made from it.
+struct RouteRules {
+  const Body* takes{nullptr};  ///< the JSON body
   BodyRule body{BodyRule::None};
   KeyRule key{KeyRule::None};
   MatchRule match{MatchRule::None};
-  std::string_view query{};  ///< the names that a query may have, with a space between
+  std::string_view query{};               ///< the names that a query may have, with a space between
+  int usual_page_items{kUsualPageItems};  ///< of a list whose query has no `limit`
+  std::string_view parameter{};           ///< of components/parameters: a header that it takes too
+
+  Success gives{};
+  Success gives_too{};         ///< another status than that of `gives`
+  std::string_view headers{};  ///< further headers of its answers, with a space between
+  bool has_etag{false};        ///< its answers carry a revision
+  bool is_cached{false};       ///< the same, and 304 for a client that has the answer already
+
+  // Which problems a handler can give beyond those that follow from the rest of the row.
+  bool can_miss{false};        ///< 404 although the path names nothing
+  bool can_conflict{false};    ///< 409
+  bool stores_nothing{false};  ///< changes nothing on disk, so that a full disk does not matter
+  bool is_constant{false};     ///< gives what the program contains: never 500
+
   /// Stops a knife, or is what one must ask before: served when all places are taken.
   bool is_urgent{false};
   Patience patience{Patience::Usual};
@@ -88,9 +116,18 @@ struct Route {
   /// The handler learns when its client goes, and ends what it began (`Request::departure`).
   bool ends_with_client{false};
   Guess guess{Guess::None};
+  std::string_view details{};  ///< what `summary` leaves out, in sentences
 };
 
-/// All routes. Each is documented in openapi.json; a test compares the two.
+struct Route : RouteRules {
+  Method method{};
+  std::string_view path{};  ///< "/v1/jobs/{id}/sheets/{k}"; {..} stands for one part of it
+  RouteAccess access{RouteAccess::everyone()};
+  Handler handler{nullptr};
+  std::string_view summary{};  ///< for the description of the API: "Get a job"
+};
+
+/// All routes. The description of the API (openapi.hpp) is made from them.
 [[nodiscard]] std::span<const Route> routes();
 
 struct Match {

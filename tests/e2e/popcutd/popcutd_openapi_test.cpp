@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "daemon/http/api/openapi.hpp"
 #include "daemon/model/problem.hpp"
 #include "tests/support/api_generator.hpp"
 #include "tests/support/contract_life.hpp"
@@ -18,6 +19,7 @@
 namespace popcutd_openapi_test {
 
 using namespace popcut::testing;
+using nlohmann::json;
 using popcut::daemon::RawConnection;
 using popcut::daemon::WireResponse;
 
@@ -77,11 +79,51 @@ void wait_for_the_disk(ContractCaller& all) {
   all.add(caller);
 }
 
+// 422: each field of each body is read, required if it is documented as that, and no other field is
+// taken.
+void misspell_bodies(ContractCaller& caller) {
+  const json& schemas = caller.document().at("components").at("schemas");
+  for (const ContractCall& call : all_calls(caller)) {
+    const json content =
+        caller.operation(call).value("/requestBody/content"_json_pointer, json::object());
+    const std::string schema_of_json =
+        content.value("/application~1json/schema/$ref"_json_pointer, std::string());
+    if (schema_of_json.empty() || call.route == "/v1/materials/{id}") continue;
+    const json& schema = schemas.at(schema_of_json.substr(schema_of_json.rfind('/') + 1));
+    const json& example = schema.at("example");
+    CAPTURE(call.route);
+    const auto refused = [&](const json& body) {
+      ContractCall wrong = call;
+      wrong.body = body.dump();
+      const WireResponse response = caller.ask(wrong);
+      CHECK(response.status == 422);
+      return response.body;
+    };
+    for (const auto& [name, ignored] : schema.at("properties").items()) {
+      CAPTURE(name);
+      json wrong = example, misspelt = example;
+      wrong[name] = json::array({json::array()});
+      CHECK(refused(wrong).find(fmt::format("\"pointer\":\"/{}\"", name)) != std::string::npos);
+      // One letter too many, and the right name is proposed.
+      misspelt[name + "x"] = 1;
+      const std::string answer = refused(misspelt);
+      CHECK(answer.find("unknown_member") != std::string::npos);
+      CHECK(answer.find(fmt::format("did you mean /{}?", name)) != std::string::npos);
+    }
+    for (const std::string name : schema.value("required", json::array())) {
+      json without = example;
+      without.erase(name);
+      CHECK(refused(without).find(fmt::format("\"pointer\":\"/{}\",\"code\":\"missing\"", name)) !=
+            std::string::npos);
+    }
+    CHECK(refused(json::array()).find("must be an object") != std::string::npos);
+  }
+}
+
 // Why a documented status does not come from a popcutd that is sound, or nothing.
 std::string excuse(const ContractCaller::Pair& pair) {
   if (pair.second == 500 && pair.first != "GET /v1/designs/{id}/content")
-    return "a fault in popcutd itself, which no request causes; http_openapi_test throws one at "
-           "each route";
+    return "a fault in popcutd itself, which no request causes; http_handlers_test throws one";
   return {};
 }
 
@@ -92,6 +134,7 @@ TEST_CASE("the daemon produces every documented answer of every route",
   ContractLife life;
   life.make_design_and_plans();
   life.knock();
+  misspell_bodies(life.caller());
   life.use_devices_and_materials();
   life.see_a_job_through();
   life.pause_a_cut();
@@ -100,8 +143,9 @@ TEST_CASE("the daemon produces every documented answer of every route",
   life.open_sessions();
   life.fill_the_queue();
   life.fill_the_disk();
-  CHECK(life.end() == 0);
   ContractCaller& all = life.caller();
+  CHECK(all.document() == json::parse(popcut::daemon::http::openapi_json()));
+  CHECK(life.end() == 0);
   ask_too_often(all);
   wait_for_the_disk(all);
 

@@ -41,6 +41,7 @@ Asked ask(FakeService& fake, Method method, const std::string& target,
   request.id = "01JREQUEST";
   request.params = match.params;
   request.query = parts->query;
+  request.usual_page_items = match.route->usual_page_items;
   request.headers = std::move(headers);
   request.body = body;
   request.principal = std::move(principal);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/json_body.hpp"
 #include "daemon/http/api/message.hpp"
 #include "daemon/http/api/render.hpp"
@@ -22,6 +23,8 @@ using namespace popcut::daemon;
 using namespace popcut::daemon::http;
 
 namespace {
+
+constexpr TextRule line(std::size_t most) { return {1, most, TextRule::Controls::None}; }
 
 std::vector<RequestFault> faults_of(const std::string& body,
                                     const std::function<void(FieldReader&)>& read) {
@@ -192,7 +195,7 @@ TEST_CASE("all faults of a body are reported at once", "[daemon][http][json]") {
                   (void)fields.optional_integer("copies", 1, 1000);
                   (void)fields.optional_text("name", line(120));
                   (void)fields.optional_boolean("good");
-                  (void)fields.optional_text("note", lines_or_empty(2000));
+                  (void)fields.optional_text("note", TextRule{0, 2000, TextRule::Controls::Lines});
                   (void)fields.optional_word("state", {"armed", "ready"});
                   fields.need("job", "must be the id of a job");
                   (void)fields.optional_text("job", line(64));

@@ -1,39 +1,54 @@
 // SPDX-License-Identifier: MIT
-#include <array>
-
 #include <fmt/format.h>
 
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/handlers.hpp"
-#include "daemon/http/api/render.hpp"
+#include "daemon/http/api/input.hpp"
 
 namespace popcut::daemon::http::handle {
 namespace {
 
 constexpr std::string_view kPageKept = "private, max-age=86400";
 
-bool read_flag(const Request& request, std::string_view name, std::vector<RequestFault>& faults) {
-  const std::string text = query_text(request, name).value_or("false");
-  if (text != "true" && text != "false")
-    faults.push_back({fmt::format("?{}", name), "word", "must be true or false"});
-  return text == "true";
-}
-
-ArtworkRequest read_artwork(const Request& request, std::vector<RequestFault>& faults) {
+ArtworkRequest read_artwork(QueryReader& query) {
   ArtworkRequest wanted;
-  wanted.mode = query_text(request, "mode").value_or("view");
-  if (wanted.mode != "view" && wanted.mode != "surface")
-    faults.push_back({"?mode", "word",
-                      "must be view (the model as it is seen) or surface (the colour of its "
-                      "nearest point)"});
-  wanted.dpi = static_cast<int>(query_integer(request, "dpi", 50, 600, faults).value_or(300));
-  wanted.clay = read_flag(request, "clay", faults);
-  wanted.back = read_flag(request, "back", faults);
-  wanted.model = query_text(request, "model").value_or("");
+  wanted.mode = query.word("mode");
+  wanted.dpi = static_cast<int>(query.whole("dpi").value_or(wanted.dpi));
+  wanted.clay = query.flag("clay");
+  wanted.back = query.flag("back");
+  wanted.model = query.text("model");
   return wanted;
 }
 
 }  // namespace
+
+// A plan never changes, so neither does this file of it.
+void sheet_strokes(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  const std::string& plan = request.params[0];
+  const std::optional<int> number = path_number(request.params[1]);
+  if (!number)
+    return reply(
+        problem_response(Problem{ProblemKind::NotFound, "sheet numbers start at 1"}, request));
+  const auto file = [&](const char* ending) {
+    return service.plans.file(plan, fmt::format("sheet-{:02}.{}", *number, ending));
+  };
+  // The sheet is there if its drawing is.
+  if (const Answer<std::string> drawn = file("svg"); !drawn)
+    return reply(problem_response(drawn.error(), request));
+  const Answer<std::string> path = file("strokes.json");
+  if (!path && path.error().kind == ProblemKind::NotFound)
+    return reply(problem_response(
+        Problem{ProblemKind::StateConflict,
+                "this plan was made by an earlier popcutd, which kept no strokes to draw; use the "
+                "sheet's .svg, or plan the design again"},
+        request));
+  if (!path) return reply(problem_response(path.error(), request));
+  Response response;
+  response.file = *path;
+  response.headers = {{"ETag", fmt::format("\"{}-{}-strokes\"", plan, *number)},
+                      {"Cache-Control", "private, no-cache"}};
+  reply(std::move(response));
+}
 
 void sheet_artwork(const Request& request, Service& service, const HandlerContext& context,
                    Reply reply) {
@@ -41,9 +56,9 @@ void sheet_artwork(const Request& request, Service& service, const HandlerContex
   if (!sheet)
     return reply(
         problem_response(Problem{ProblemKind::NotFound, "sheet numbers start at 1"}, request));
-  std::vector<RequestFault> faults;
-  const ArtworkRequest wanted = read_artwork(request, faults);
-  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  QueryReader query(request);
+  const ArtworkRequest wanted = read_artwork(query);
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
   if (const Answer<PlanRecord> plan = service.plans.find(request.params[0]); !plan)
     return reply(problem_response(plan.error(), request));
   const std::string etag =
