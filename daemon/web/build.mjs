@@ -137,10 +137,11 @@ function kilobytes(bytes) {
   return `${(bytes / 1000).toFixed(1)} kB`;
 }
 
-/** Writes the description of the HTTP interface as TypeScript. */
+/** Writes what popcutd answers as TypeScript: the schemas of openapi.json, to which popcutd adds those of requests. */
 async function writeTypes() {
   const { default: openapiTS, astToString } = await import('openapi-typescript');
-  writeFileSync(join(here, 'src/api.d.ts'), astToString(await openapiTS(JSON.parse(readFileSync(openapi, 'utf8')))));
+  const description = JSON.parse(readFileSync(openapi, 'utf8'));
+  writeFileSync(join(here, 'src/api.d.ts'), astToString(await openapiTS(description, { arrayLength: true })));
 }
 
 async function build() {

@@ -4,6 +4,7 @@ import { batch, computed, effect, signal } from '@preact/signals';
 import { isThere } from './again';
 import type { Lattice, Place } from './lattice';
 import { FaceKind, readLattice } from './lattice';
+import type { Design, Example as Listed } from './model';
 import { Previews, type Quality } from './preview';
 import type { Colouring } from './ramps';
 import { isProblem, newKey, read, readAnswer, request, send, ServerProblem, waitsUntil } from './server';
@@ -17,11 +18,8 @@ export { unsaved } from './unsaved';
 const kUndoKey = 'popcut.design.steps';
 const kAgain_ms = [1000, 2000, 5000];
 
-export interface Example {
-  name: string;
-  title?: string;
-  spec: Spec;
-}
+/** One of the examples; without a title until popcutd has listed it. */
+export type Example = Omit<Listed, 'title'> & Partial<Pick<Listed, 'title'>>;
 
 /** A pattern of popcutd that is no spec: to look at and to cut. */
 export interface Foreign {
@@ -319,12 +317,6 @@ export function leave(): void {
 /** The spec is kept somewhere else too: in popcutd, in a file or in a link. */
 export function saved(): void {
   noteUnsaved(false);
-}
-
-export interface Design {
-  id: string;
-  name: string;
-  kind: string;
 }
 
 /** Stores a file as a design in popcutd. Throws ServerProblem. */

@@ -1,5 +1,4 @@
-// What popcutd tells, as types. The generated description of its interface is the source; the server may leave out
-// the members marked optional here.
+// What popcutd answers, as types. All but the event are generated from its description (daemon/http/api/openapi.json).
 import type { components } from './api';
 
 type Schemas = components['schemas'];
@@ -12,24 +11,15 @@ export type Plan = Schemas['Plan'];
 export type Search = Schemas['Search'];
 export type SheetPlan = Schemas['SheetPlan'];
 export type Sheet = Schemas['Sheet'];
+export type Strokes = Schemas['Strokes'];
 export type Device = Schemas['Device'];
+export type Design = Schemas['Design'];
+export type Example = Schemas['Example'];
 export type UsageRow = Schemas['UsageRow'];
 export type SessionListed = Schemas['SessionListed'];
-
-export type Job = Omit<Schemas['Job'], 'progress'> & {
-  progress: Schemas['Job']['progress'] & { paths_done?: number };
-  ways?: Way[];
-  armed_until?: string | null;
-  owner_title?: string | null;
-  operator_title?: string | null;
-  kind?: string;
-};
-
-export type Meta = Omit<Schemas['Meta'], 'principal'> & {
-  now?: string;
-  page?: string;
-  principal: { name: string; role: Role; title?: string };
-};
+export type Job = Schemas['Job'];
+export type Meta = Schemas['Meta'];
+export type ProblemEntry = NonNullable<Schemas['Problem']['errors']>[number];
 
 /** What a `progress` event says about the cut of a job; of one that is planned, only `phase` and `share`. */
 export interface Progress {
@@ -43,8 +33,6 @@ export interface Progress {
   seconds_left?: number;
   share?: number | null;
 }
-
-export interface ProblemEntry { pointer: string; code: string; detail: string }
 
 const ranks: Record<Role, number> = { viewer: 0, submitter: 1, operator: 2, admin: 3 };
 

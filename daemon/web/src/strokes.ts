@@ -1,19 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The strokes of a sheet: where they are, when they are cut, which one is meant. Pure.
 
-/** Strokes of a sheet in columns, as GET /v1/plans/{id}/sheets/{k}/strokes. */
-export interface Strokes {
-  sheet: number;
-  width_mm: number;
-  length_mm: number;
-  mat: string | null;
-  material?: string | null;
-  side?: string | null;
-  drawing_mm: [number, number, number, number];
-  kinds: string[];
-  stroke: { kind: number[]; piece: number[]; pass: number[]; start_s: number[]; end_s: number[]; points: number[] };
-  xy_mm: number[];
-}
+import type { Strokes as SheetStrokes } from './model';
+
+/** The strokes of a sheet, or lines of a design that are drawn like them, of kinds of their own. */
+export type Strokes = Omit<SheetStrokes, 'kinds' | 'material' | 'side'> & { kinds: string[] };
 
 /** Where each stroke's points begin in `xy_mm`, with one entry more. */
 export function strokeStarts(strokes: Strokes): Int32Array {
