@@ -8,6 +8,9 @@
 
 #include <fmt/format.h>
 
+#include "core/text/utf8.hpp"
+#include "daemon/model/input_limits.hpp"
+
 namespace popcut::daemon {
 namespace {
 
@@ -15,7 +18,6 @@ constexpr std::int64_t kOneShotMs = 60'000;
 constexpr std::size_t kMostOneShots = 100;
 constexpr std::size_t kOneShotsOfOne = 10;   // of one principal
 constexpr std::int64_t kSessionsOfOne = 32;  // of one principal; the one that ends first goes
-constexpr int kLongestLifetimeS = 10 * 366 * 86'400;
 // A session is extended at most so often, so that reading requests write nearly nothing.
 constexpr std::int64_t kExtendMs = 10 * 60'000;
 constexpr std::size_t kMostKnown = 1000;
@@ -195,10 +197,12 @@ Answer<NewToken> Tokens::create_token(const Principal& who, const std::string& n
                                       std::optional<int> lifetime_s) {
   if (who.role < Role::Admin)
     return refuse(ProblemKind::Forbidden, "only an admin may create tokens");
-  if (name.empty() || name.size() > 120)
-    return refuse_value("/name", "range", "must have 1 to 120 characters", "the name is not valid");
-  if (lifetime_s && (*lifetime_s < 1 || *lifetime_s > kLongestLifetimeS))
-    return refuse_value("/lifetime_s", "range", fmt::format("must be 1..{}", kLongestLifetimeS),
+  if (name.empty() || code_points(name) > kNameLimit.characters)
+    return refuse_value("/name", "range",
+                        fmt::format("must have 1 to {} characters", kNameLimit.characters),
+                        "the name is not valid");
+  if (lifetime_s && (*lifetime_s < 1 || *lifetime_s > kMostTokenLifetime_s))
+    return refuse_value("/lifetime_s", "range", fmt::format("must be 1..{}", kMostTokenLifetime_s),
                         "the lifetime is not valid");
   return store_.change([&]() -> Answer<NewToken> {
     std::optional<TimeMs> expires;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "daemon/model/input_limits.hpp"
 #include "daemon/model/warnings.hpp"
 #include "daemon/service/repositories/reports.hpp"
 
@@ -47,7 +48,7 @@ std::string why_none(const DeviceRegistry& devices, const PlanRow& plan, const s
 Answer<void> CutDispatcher::check_members(const JobRow& row, const ActionRequest& request) const {
   if (needs_sheet(request.action) && !request.sheet)
     return refuse_value("/sheet", "missing", fmt::format("must be {}", row.sheet));
-  if (auto fine = check_text(request.reason, 2000, "/reason"); !fine) return fine;
+  if (auto fine = check_text(request.reason, kReasonLimit, "/reason"); !fine) return fine;
   if (request.action == JobAction::ConfirmResult && !request.good)
     return refuse_value("/good", "missing", "must be true or false");
   if (request.action == JobAction::ResumeFrom) {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/text/utf8.hpp"
 #include "daemon/store/plan_table.hpp"
 
 namespace popcut::daemon {
@@ -87,12 +88,13 @@ std::string material_in(const std::string& path, std::uint64_t most) {
 
 }  // namespace
 
-Answer<void> check_text(const std::string& text, std::size_t most, const std::string& pointer,
+Answer<void> check_text(const std::string& text, TextLimit limit, const std::string& pointer,
                         bool lines_allowed) {
   const auto wrong = [&](const char* code, std::string advice) {
     return refuse_value(pointer, code, std::move(advice), pointer + " is not valid");
   };
-  if (text.size() > most) return wrong("range", fmt::format("must be at most {} bytes", most));
+  if (code_points(text) > limit.characters)
+    return wrong("range", fmt::format("must have at most {} characters", limit.characters));
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto c = static_cast<unsigned char>(text[i]);
     const bool c1 =
@@ -118,7 +120,7 @@ void DesignRepository::add(const Principal& who, Upload upload, std::string medi
   };
   if (who.role < Role::Submitter)
     return give_up({ProblemKind::Forbidden, "only a submitter may upload designs"});
-  if (const auto fine = check_text(name, 120, "?name"); !fine) return give_up(fine.error());
+  if (const auto fine = check_text(name, kNameLimit, "?name"); !fine) return give_up(fine.error());
   if (const auto room = store_.accepts_work(); !room) return give_up(room.error());
   const Answer<std::optional<Design>> before = store_.look(
       [&]() -> Answer<std::optional<Design>> { return row("sha256-" + upload.sha256); });
@@ -212,7 +214,7 @@ Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& up
                    .bytes = static_cast<std::uint64_t>(rows.integer(0)),
                    .created = rows.integer(1),
                    .is_new = false};
-    if (const auto fine = check_text(upload.name, 480, "?name"); !fine)
+    if (const auto fine = check_text(upload.name, kNameLimit, "?name"); !fine)
       return tl::unexpected(fine.error());
     if (const auto room = store_.accepts_work(); !room) return tl::unexpected(room.error());
     const std::string place = store_.folder().at("assets/" + id);

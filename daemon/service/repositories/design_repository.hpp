@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/model/input_limits.hpp"
 #include "daemon/planning/planner.hpp"
 #include "daemon/previews/previewer.hpp"
 #include "daemon/service/aside.hpp"
@@ -106,8 +107,8 @@ class DesignRepository : public Designs {
   std::map<std::string, std::string> materials_{};  ///< results of `own_material`, by design
 };
 
-/// Checks text from people: no control characters, at most `most` bytes.
-[[nodiscard]] Answer<void> check_text(const std::string& text, std::size_t most,
+/// Checks text from people: no control characters, and not longer than `limit`.
+[[nodiscard]] Answer<void> check_text(const std::string& text, TextLimit limit,
                                       const std::string& pointer, bool lines_allowed = false);
 
 }  // namespace popcut::daemon

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "daemon/model/input_limits.hpp"
 #include "daemon/model/warnings.hpp"
 
 namespace popcut::daemon {
@@ -12,10 +13,12 @@ namespace {
 
 constexpr int kAtOnce = 200;  // jobs of one plan that change in one transaction
 constexpr std::int64_t kPositionStep = std::int64_t{1} << 20;
-constexpr std::size_t kMostTags = 20;
-constexpr std::size_t kMostSiteBytes = 256;
 // Each job of a list shows only these warnings; the plan has all.
 constexpr std::size_t kWarningsOfJob = 10, kWarningOfJob = 300;  // how many, and their bytes
+
+std::string priority_range() {
+  return fmt::format("must be {}..{}", kLeastPriority, kMostPriority);
+}
 
 bool same_owner(const Principal& who, const JobRow& row) { return who.name == row.owner; }
 
@@ -33,15 +36,17 @@ Answer<void> JobRepository::check(const JobCreate& request) const {
     add("/design", request.design.empty() ? "missing" : "value", "give either a design or a plan");
   if (!request.plan.empty() && !request.options.empty())
     add("/options", "value", "a plan already has its options; remove them");
-  if (request.copies < 1 || request.copies > 1000) add("/copies", "range", "must be 1..1000");
-  if (request.priority < -10 || request.priority > 10) add("/priority", "range", "must be -10..10");
-  add_text(check_text(request.name, 480, "/name"));
-  add_text(check_text(request.note, 8000, "/note", true));
-  add_text(check_text(request.site, kMostSiteBytes, "/site"));
+  if (request.copies < 1 || request.copies > kMostCopies)
+    add("/copies", "range", fmt::format("must be 1..{}", kMostCopies));
+  if (request.priority < kLeastPriority || request.priority > kMostPriority)
+    add("/priority", "range", priority_range());
+  add_text(check_text(request.name, kNameLimit, "/name"));
+  add_text(check_text(request.note, kNoteLimit, "/note", true));
+  add_text(check_text(request.site, kIdLimit, "/site"));
   if (request.tags.size() > kMostTags)
     add("/tags", "range", fmt::format("must be at most {}", kMostTags));
   for (std::size_t i = 0; i < std::min(request.tags.size(), kMostTags); ++i)
-    add_text(check_text(request.tags[i], 160, fmt::format("/tags/{}", i)));
+    add_text(check_text(request.tags[i], kTagLimit, fmt::format("/tags/{}", i)));
   if (!request.device.empty() && !parts_.devices.find(request.device))
     all.errors.push_back(parts_.devices.unknown(request.device, "/device").errors.front());
   if (const std::string why = parts_.devices.wrong_site(request.device, request.site); !why.empty())
@@ -418,16 +423,17 @@ Answer<Job> JobRepository::patch(const Principal& who, const std::string& id, st
         row->state != JobState::Ready)
       return refused(
           *row, conflict(*row, "a job can be changed only while it is queued, planning or ready"));
-    if (request.priority && (*request.priority < -10 || *request.priority > 10))
-      return refuse_value("/priority", "range", "must be -10..10");
+    if (request.priority &&
+        (*request.priority < kLeastPriority || *request.priority > kMostPriority))
+      return refuse_value("/priority", "range", priority_range());
     if (request.name)
-      if (const auto fine = check_text(*request.name, 480, "/name"); !fine)
+      if (const auto fine = check_text(*request.name, kNameLimit, "/name"); !fine)
         return tl::unexpected(fine.error());
     if (request.note)
-      if (const auto fine = check_text(*request.note, 8000, "/note", true); !fine)
+      if (const auto fine = check_text(*request.note, kNoteLimit, "/note", true); !fine)
         return tl::unexpected(fine.error());
     if (request.site)
-      if (const auto fine = check_text(*request.site, kMostSiteBytes, "/site"); !fine)
+      if (const auto fine = check_text(*request.site, kIdLimit, "/site"); !fine)
         return tl::unexpected(fine.error());
     if (request.material && !request.plan_again)
       return refuse_value("/material", "value",

@@ -8,6 +8,7 @@
 #include "core/machines/table.hpp"
 #include "core/text/json_text.hpp"
 #include "core/text/near_names.hpp"
+#include "daemon/model/input_limits.hpp"
 
 namespace popcut::daemon {
 namespace {
@@ -27,7 +28,7 @@ std::vector<std::string> names_of(const std::map<std::string, std::string>& rows
 }
 
 bool is_name(const std::string& id) {
-  return !id.empty() && id.size() <= 60 &&
+  return !id.empty() && id.size() <= kMaterialIdLimit.characters &&
          id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_.") == std::string::npos;
 }
 
@@ -117,8 +118,10 @@ Answer<MaterialRecord> MaterialRepository::put(const Principal& who, const std::
   if (who.role < Role::Admin)
     return refuse(ProblemKind::Forbidden, "only an admin may change materials");
   if (!is_name(id))
-    return refuse_value("/name", "format", "must be 1 to 60 characters of a-z 0-9 - _ .",
-                        "the material's name is not valid");
+    return refuse_value(
+        "/name", "format",
+        fmt::format("must be 1 to {} characters of a-z 0-9 - _ .", kMaterialIdLimit.characters),
+        "the material's name is not valid");
   return store_.change([&]() -> Answer<MaterialRecord> {
     const Answer<MaterialRecord> before = find(id);
     if (before && if_match != before->rev) return tl::unexpected(stale(before->rev));

@@ -81,6 +81,23 @@ TEST_CASE("a design that cannot be read is refused with its place", "[daemon][se
   CHECK_FALSE(bench.add_design("{}", std::string(121, 'x')));
 }
 
+TEST_CASE("a name may have 120 characters of any script", "[daemon][service]") {
+  ServiceBench bench;
+  std::string longest;
+  for (int k = 0; k < 120; ++k) longest += "\u00fc";
+  const auto design = bench.add_design("{}", longest);
+  REQUIRE(design);
+  CHECK(design->name == longest);
+  const auto token = [&](const std::string& name) {
+    return bench.on([&](LiveService& s) {
+      return s.access.create_token(bench.admin, name, Role::Viewer, std::nullopt);
+    });
+  };
+  CHECK(token(longest));
+  CHECK_FALSE(token(longest + "x"));
+  CHECK_FALSE(bench.add_design("{}", longest + "x"));
+}
+
 TEST_CASE("a spec gets the assets that it names and no others", "[daemon][service]") {
   ServiceBench bench;
   const Asset asset = bench
