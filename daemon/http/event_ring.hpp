@@ -16,7 +16,7 @@ namespace popcut::daemon::http {
 struct EventFrame;
 using EventFramePtr = std::shared_ptr<const EventFrame>;  // one frame, many clients
 struct EventFrame {
-  std::int64_t seq{};  ///< 0: not stored, and so without an id
+  std::int64_t seq{};  ///< 0: not stored, so it has no id
   bool is_progress{false};
   std::string job{};
   std::string text{};  ///< "id: 7\nevent: job\ndata: {...}\n\n"
@@ -25,15 +25,15 @@ struct EventFrame {
 };
 
 [[nodiscard]] EventFramePtr frame_of(const Event& event);
-/// With more members, `"whole":{...}`, which clients that are slow do not get.
+/// With the member `"whole":{...}`, which slow clients do not get.
 [[nodiscard]] EventFramePtr frame_of(const Event& event, std::string_view members);
 /// A frame without an id.
 [[nodiscard]] std::string frame_text(std::string_view event, std::string_view data);
 
-/// What one client has yet to be sent. Bounded: what an event is about comes along only while half
-/// of the ring is free, since it can be read too; progress goes first, the older of one job before
-/// anything else; when that is not enough the ring is cleared and has overflowed for good, and the
-/// client comes again by the id that it saw last.
+/// The events that one client has yet to get. Bounded: `whole` is sent only while half of the ring
+/// is free, because a client can request it; then progress is dropped, older events of a job first;
+/// if that is not enough, the ring overflows and stays empty, and the client reconnects with its
+/// last id.
 class EventRing {
  public:
   EventRing(std::size_t most_events, std::size_t most_bytes)

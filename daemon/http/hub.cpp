@@ -17,16 +17,16 @@
 namespace popcut::daemon::http {
 namespace {
 
-// How long a connection may have said nothing before its place is given to another.
+// A connection that sends nothing for this long can lose its place to another.
 constexpr double kQuiet_s = 1;
 
-constexpr double kReading_s = 2;  // for so long nobody who reads an answer is slow
-// And for so long who has connected may take to say who they are when all places are taken: a head
-// comes with the connection, or soon after it.
+constexpr double kReading_s = 2;  // a client may pause this long while it reads an answer
+// When all places are taken, a new client must identify itself within this time: a head arrives
+// with the connection, or soon after it.
 constexpr double kStranger_s = 0.02;
 
-// For how many seconds of their rate previews and pictures may come at once: a list of designs is a
-// picture each.
+// Bursts of previews and pictures, in seconds of their rate: a list of designs needs a picture
+// each.
 constexpr double kPreview_s = 2, kPicture_s = 10;
 double burst(double per_s, double seconds) { return std::max(1.0, per_s * seconds); }
 
@@ -34,7 +34,7 @@ double age_s(const Client& client) {
   return std::chrono::duration<double>(Clock::now() - client.since).count();
 }
 
-// The kernel gives the lowest that is free, so what is left is known from the last one given.
+// The kernel gives the lowest free descriptor, so the last one tells how many are left.
 bool is_among_last(int descriptor) {
   rlimit now{};
   return ::getrlimit(RLIMIT_NOFILE, &now) == 0 && now.rlim_cur != RLIM_INFINITY &&
@@ -179,7 +179,7 @@ bool Hub::make_room(const Peer& peer, int descriptor, bool& reserved) {
   reserved = true;
   const auto kept = static_cast<int>(clients.size()) - static_cast<int>(usual);
   if (kept < limits().reserved_connections) return true;
-  // Of those in reserved places the one goes that has waited longest to say what it wants.
+  // In the reserved places, the client goes that has been silent the longest.
   ClientPtr slowest;
   for (const ClientPtr& client : clients)
     if (client->reserved && client->state != Client::State::Busy && !client->closed &&
@@ -279,7 +279,7 @@ void Hub::log_request(const Request& request, const Response& response, double m
                      : response.status >= 400 ? spdlog::level::warn
                      : is_quiet               ? spdlog::level::debug
                                               : spdlog::level::info;
-  // The path without its query: names of designs are nobody's business in a log.
+  // The path without its query: the log does not contain names of designs.
   options.log->log(level, "http {} {} {} {} {} {:.1f} ms", request.id,
                    request.principal.name.empty() ? "-" : for_log(request.principal.name),
                    name_of(request.method), for_log(request.path()), response.status, ms);
@@ -291,7 +291,7 @@ asio::awaitable<bool> Hub::wait_for(ClientPtr client, std::function<bool(Done)> 
   ticket->timer.expires_after(
       std::chrono::microseconds(static_cast<std::int64_t>(patience_s * 1e6)));
   client->ticket = ticket;
-  // Whoever is asked may keep this longer than there is a server, and a ticket belongs to its
+  // The receiver may keep this longer than the server lives, and a ticket belongs to the server's
   // thread.
   Done done = [waiting = std::weak_ptr<Ticket>(ticket), out = link](std::function<void()> arrive) {
     out->post([waiting, arrive = std::move(arrive)] {
@@ -309,7 +309,7 @@ asio::awaitable<bool> Hub::wait_for(ClientPtr client, std::function<bool(Done)> 
   }
   client->ticket.reset();
   const bool answered = ticket->done;
-  ticket->done = true;  // what comes later comes too late
+  ticket->done = true;  // later results are too late
   co_return answered;
 }
 
@@ -319,13 +319,13 @@ asio::awaitable<bool> Hub::ask(ClientPtr client, std::function<void(Service&, Do
     const auto& lane =
         is_urgent && options.on_service_urgent ? options.on_service_urgent : options.on_service;
     return lane([work, done = std::move(done), service = options.service] {
-      // Nothing that goes wrong here may end the service's thread.
+      // No fault here may end the service's thread.
       try {
         work(*service, done);
       } catch (const std::exception&) {
         try {
           done({});
-        } catch (const std::exception&) {  // the client's patience ends it
+        } catch (const std::exception&) {  // the time limit of the client ends it
         }
       }
     });
@@ -337,14 +337,14 @@ asio::awaitable<bool> Hub::run_aside(ClientPtr client, asio::thread_pool& where,
                                      std::function<void()> work) {
   std::function<bool(Done)> start = [&where, work = std::move(work)](Done done) {
     asio::post(where, [work, done = std::move(done)] {
-      // What is thrown would end popcutd.
+      // An exception would end popcutd.
       try {
         work();
-      } catch (const std::exception&) {  // what it did not make is missed by who waits
+      } catch (const std::exception&) {  // the waiting coroutine notices that the result is missing
       }
       try {
         done({});
-      } catch (const std::exception&) {  // the client's patience ends it
+      } catch (const std::exception&) {  // the time limit of the client ends it
       }
     });
     return true;

@@ -26,22 +26,22 @@ namespace asio = boost::asio;
 using Socket = asio::generic::stream_protocol::socket;
 using Clock = std::chrono::steady_clock;
 
-/// The way from other threads to that of HTTP. Outlives the server: what comes too late is dropped.
+/// The way from other threads to the HTTP thread. Outlives the server: late work is dropped.
 class Link {
  public:
   explicit Link(asio::io_context& io) : io_(&io) {}
   void post(std::function<void()> work);
   void cut();
-  std::atomic<int> listeners{0};    ///< streams that are or are about to be served
-  std::atomic<bool> missed{false};  ///< an event could not be passed on: streams start again
+  std::atomic<int> listeners{0};    ///< streams that run or are about to start
+  std::atomic<bool> missed{false};  ///< an event was lost: all streams must restart
 
  private:
   std::mutex mutex_;
   asio::io_context* io_;
 };
 
-/// Something that another thread will do; the coroutine that waits wakes when it is done, when it
-/// has waited long enough, or when its client goes.
+/// Work of another thread. The coroutine that waits for it resumes when the work is done, when its
+/// time is over, or when its client disconnects.
 struct Ticket {
   explicit Ticket(asio::io_context& io) : timer(io) {}
   asio::steady_timer timer;
@@ -54,7 +54,7 @@ struct Stream {
       : ring(limits.stream_events, limits.stream_bytes), wake(io) {}
   EventRing ring;
   asio::steady_timer wake;
-  bool doubted{false};  ///< its credential may have ended
+  bool doubted{false};  ///< its credential may have expired: check it
 };
 
 /// One connection.
@@ -71,17 +71,17 @@ struct Client {
   State state{State::Idle};
   Clock::time_point since{Clock::now()};  ///< of `state`
   std::uint64_t served{0};
-  bool reserved{false};         ///< in a place that serves urgent requests only
-  bool uploads{false};          ///< a body of its goes to the disk
-  std::string principal{};      ///< whose last request it was; empty: nobody known
-  std::size_t answer_bytes{0};  ///< of a large answer that it is being sent from memory
+  bool reserved{false};         ///< its place serves urgent requests only
+  bool uploads{false};          ///< one of its bodies is being written to disk
+  std::string principal{};      ///< of its last request; empty: unknown
+  std::size_t answer_bytes{0};  ///< of the large answer that it is reading from memory
   bool closed{false};
   std::shared_ptr<Ticket> ticket{};
   std::shared_ptr<Stream> stream{};
   std::array<char, 16384> buffer{};
 
   void enter(State next);
-  /// Closes the connection in `seconds` unless it is called again or `relax`ed.
+  /// Closes the connection after `seconds`, unless called again or `relax`ed before.
   void expect_within(const std::shared_ptr<Client>& self, double seconds);
   void relax();
   void close();
@@ -109,56 +109,57 @@ struct Hub {
 
   [[nodiscard]] const HttpLimits& limits() const { return options.limits; }
   [[nodiscard]] double now_s() const;
-  /// A place for a new connection: one that is free, else that of the longest idle one, else that
-  /// of who has not said for longest who they are, else a reserved one. False: there is none.
+  /// Finds a place for a new connection: a free one, else the place of the connection that is idle
+  /// the longest, else of the one that is unidentified the longest, else a reserved place. False:
+  /// all are taken.
   ///
-  /// @param descriptor  of its socket; the last `kDescriptorsLeft` are no places
+  /// @param descriptor  of its socket; the last `kDescriptorsLeft` must stay free
   [[nodiscard]] bool make_room(const Peer& peer, int descriptor, bool& reserved);
-  /// Over TCP, the one who has not said for longest who they are; null: none is that slow.
+  /// The TCP client that is unidentified the longest; null: none is late.
   [[nodiscard]] ClientPtr oldest_stranger() const;
-  /// True if one principal, this client's, has more than half of all places.
+  /// True if the principal of this client has more than half of all places.
   [[nodiscard]] bool is_crowding(const Client& client) const;
-  /// How many uploads of a principal are under way.
+  /// Running uploads of a principal.
   [[nodiscard]] int uploads_of(const std::string& principal) const;
   /// True for a user of the unix socket who has half of all places already.
   [[nodiscard]] bool is_greedy(const Peer& peer) const;
-  /// Counts a large answer that is sent to `client` from memory. If there are too many, it ends
-  /// those that have been read the longest: of this principal if theirs are half of
-  /// `answer_bytes`, else of who has most. False: there is none that may be ended.
+  /// Counts a large answer that is sent to `client` from memory. If these exceed `answer_bytes`, it
+  /// ends the oldest ones: those of this principal if they take half, else those of the principal
+  /// with the most bytes. False: none can be ended.
   [[nodiscard]] bool make_room_for_answer(const ClientPtr& client, std::size_t bytes);
   void remove(const ClientPtr& client);
   /// See `HttpServer::retune`.
   void retune(HttpTuning tuning);
   void publish(const EventFramePtr& frame);
-  /// Looks again whether the clients of the streams are still known: a credential has ended.
+  /// Checks the credentials of all streams again, because one has expired.
   void check_streams();
-  /// Ends all streams by overflow if an event was missed.
+  /// Ends all streams with overflow if an event was lost.
   void end_missed();
   void log_fault(std::string_view what) const;
   void log_request(const Request& request, const Response& response, double ms) const;
-  /// To be called once, on any thread, when something is done: the coroutine that waits for it
-  /// wakes, and `arrive` has run on the thread of HTTP before.
+  /// Call it once, on any thread, when the work is done: `arrive` runs on the HTTP thread, then the
+  /// waiting coroutine resumes.
   using Done = std::function<void(std::function<void()> arrive)>;
-  /// Begins something by `start` and waits for it. False: it did not begin, or takes too long.
+  /// Starts work by `start` and waits for it. False: it did not start, or took too long.
   asio::awaitable<bool> wait_for(ClientPtr client, std::function<bool(Done)> start,
                                  double patience_s);
-  /// Runs `work` on the service's thread and waits until it calls the function that it is given,
-  /// there or later. False: too late, or the service takes nothing.
+  /// Runs `work` on the service's thread and waits until it calls the function that it gets, at
+  /// once or later. False: it took too long, or the service accepts no work.
   asio::awaitable<bool> ask(ClientPtr client, std::function<void(Service&, Done)> work,
                             double patience_s, bool is_urgent = false);
-  /// Runs `work`, which takes long or waits for the disk, on another thread and waits until it has
-  /// ended. What it throws is dropped.
+  /// Runs slow `work`, such as disk access, on another thread and waits for its end. Exceptions are
+  /// dropped.
   asio::awaitable<bool> run_aside(ClientPtr client, asio::thread_pool& where,
                                   std::function<void()> work);
 };
 
-/// How slowly a body may come: after `body_s` at `body_bytes_per_s` at least, over each such time
-/// again, so that what came quickly is no credit for being slow ever after; and no longer in all
-/// than `upload_s`.
+/// The slowest that a body may arrive: after `body_s`, at least `body_bytes_per_s` over each
+/// further `body_s`, so that a fast start gives no credit for later; and at most `upload_s` in
+/// total.
 class BodyPace {
  public:
   explicit BodyPace(double now_s) : begun_s_(now_s), window_s_(now_s) {}
-  /// In how many seconds more must come, when there are `got` bytes.
+  /// Seconds in which more must arrive, after `got` bytes.
   [[nodiscard]] double left_s(const HttpLimits& limits, std::uint64_t got, double now_s);
 
  private:
@@ -168,16 +169,15 @@ class BodyPace {
 
 /// Serves one connection until it ends.
 asio::awaitable<void> serve(Hub& hub, ClientPtr client);
-/// Sends all of `bytes`, at the least speed that limits want; false: the client is gone.
+/// Sends all of `bytes`, not slower than the limits allow; false: the client is gone.
 asio::awaitable<bool> send_all(Hub& hub, ClientPtr client, std::string_view bytes);
-/// An event as it goes to those who hear it now: with `now`, and `whole`, the job or the device as
-/// it is, so that they need not ask for it. One that is very large, or gone, is left out. On the
-/// service's thread.
+/// An event as connected clients get it: with `now`, and `whole`, the current job or device, so
+/// that they need not request it. A very large or deleted one is left out. On the service's thread.
 [[nodiscard]] EventFramePtr live_frame(const Event& event, Service& service);
 /// Streams events until the client goes, or is too slow.
 asio::awaitable<void> stream_events(Hub& hub, ClientPtr client, const Request& request);
 
-/// Calls a function when it is destroyed: a coroutine returns what it took, however it ends.
+/// Calls a function when destroyed, so that a coroutine releases what it took however it ends.
 class AtEnd {
  public:
   explicit AtEnd(std::function<void()> what) : what_(std::move(what)) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One connection: reads requests, lets the front door look at them, asks the service, answers.
+// One connection: reads requests, checks them at the front door, asks the service, answers.
 #include <fcntl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -25,11 +25,11 @@ constexpr std::size_t kFilePiece = 64 << 10;
 constexpr std::size_t kMostLinger = 1 << 20;
 constexpr double kLinger_s = 2;
 
-// What is known of a request while it goes through the front door.
+// A request on its way through the front door.
 struct Exchange {
   Request request{};
   const Route* route{nullptr};
-  // Shared with whoever writes it or reads it: the file goes with the last of them.
+  // Shared by writer and reader: the last owner removes the file.
   std::shared_ptr<Spool> spool{};
   Clock::time_point begun{Clock::now()};
 };
@@ -80,7 +80,7 @@ class File {
   int descriptor_;
 };
 
-// Reads until the head is whole. False: the client is gone, or too slow.
+// Reads until the head is complete. False: the client is gone, or too slow.
 asio::awaitable<bool> receive(ClientPtr client) {
   error_code ec;
   const std::size_t got = co_await client->socket.async_read_some(
@@ -90,7 +90,7 @@ asio::awaitable<bool> receive(ClientPtr client) {
   co_return true;
 }
 
-// Reads and throws away what a client still sends that was refused, so that it can read why.
+// Reads and drops what a refused client still sends, so that it can read the reason.
 asio::awaitable<void> linger(ClientPtr client) {
   error_code ec;
   client->socket.shutdown(asio::socket_base::shutdown_send, ec);
@@ -108,7 +108,7 @@ asio::awaitable<bool> send_file(Hub& hub, ClientPtr client, const File& file, st
   std::uint64_t sent = 0;
   while (sent < size) {
     const std::string piece = file.read(std::min<std::uint64_t>(kFilePiece, size - sent));
-    if (piece.empty()) co_return false;  // it shrank: the length that was announced is wrong now
+    if (piece.empty()) co_return false;  // the file shrank: the announced length is wrong now
     const bool fine = co_await send_all(hub, client, piece);
     if (!fine) co_return false;
     sent += piece.size();
@@ -168,7 +168,7 @@ asio::awaitable<bool> respond(Hub& hub, ClientPtr client, Exchange& exchange, Re
   co_return fine && !close;
 }
 
-// Host, path, method, length: what needs neither the body nor the service.
+// Checks host, path, method and length, which need neither the body nor the service.
 std::optional<Problem> look_at_head(Hub& hub, const Client& client, Exchange& exchange,
                                     Response& refusal) {
   const RequestHead& head = client.reader.head();
@@ -207,7 +207,7 @@ std::optional<Problem> look_at_head(Hub& hub, const Client& client, Exchange& ex
   return std::nullopt;
 }
 
-// What becomes of a failure to log in: a refusal, and after too many of them a longer one.
+// The problem of a failed login; after too many of them, the client must wait.
 Problem failed_login(Hub& hub, const Client& client, Problem problem) {
   if (const auto wait = hub.logins.note(place_of(client.peer), hub.now_s())) {
     problem = Problem{ProblemKind::Rate, "too many failed logins"};
@@ -227,13 +227,13 @@ asio::awaitable<Answer<Principal>> authenticate(Hub& hub, ClientPtr client, bool
   }
   const Answer<std::string> bearer = bearer_of(head);
   if (!bearer) {
-    // A request without any token is no try to guess one.
+    // A request without a token is not an attempt to guess one.
     if (!head.header("authorization")) co_return tl::unexpected<Problem>(bearer.error());
     co_return tl::unexpected<Problem>(failed_login(hub, *client, bearer.error()));
   }
   struct Found {
     std::optional<Principal> who;
-    bool is_unknown{false};  ///< whether it is somebody
+    bool is_unknown{false};  ///< the credential is not valid
   };
   auto found = std::make_shared<Found>();
   std::function<void(Service&, Hub::Done)> work = [token = *bearer, found](Service& service,
@@ -249,7 +249,7 @@ asio::awaitable<Answer<Principal>> authenticate(Hub& hub, ClientPtr client, bool
   const bool answered = co_await hub.ask(client, std::move(work), kAuthenticate_s, is_urgent);
   if (!answered) co_return refuse(ProblemKind::Unavailable, "popcutd is not answering");
   if (found->who) co_return *found->who;
-  // A client that took this for a no would throw a good token away.
+  // A client that took this for a refusal would discard a valid token.
   if (found->is_unknown) {
     Problem later{ProblemKind::Unavailable,
                   "popcutd cannot look your token up now; send the request again in a moment"};
@@ -263,7 +263,7 @@ asio::awaitable<Answer<Principal>> authenticate(Hub& hub, ClientPtr client, bool
               "one ('popcut token create')"}));
 }
 
-// Whose requests are counted together: nobody uses up what is another's.
+// The key under which requests are counted: nobody uses up the rate of another.
 std::string bucket_of(const Peer& peer, const Route& route, const Principal& principal) {
   const std::string place = place_of(peer);
   if (route.access.is_open()) return fmt::format("{} open {}", place, route.path);
@@ -298,13 +298,13 @@ std::optional<Problem> take_from_bucket(Hub& hub, const Client& client, const Ex
   return problem;
 }
 
-// Who has a good word opens a page however many bad ones come from the same address: all users of
-// this computer share 127.0.0.1.
+// A valid one-time code works however many wrong ones come from the same address: all users of this
+// computer share 127.0.0.1.
 bool counts_failures(const Route& route) {
   return route.guess == Guess::Word || route.guess == Guess::Secret;
 }
 
-// Under which name the tries of a route are counted. A wrong word is a failed login.
+// The key under which the attempts of a route are counted. A wrong one-time code is a failed login.
 std::string tries_of(const Client& client, const Exchange& exchange) {
   const Route& route = *exchange.route;
   if (route.guess == Guess::Word) return place_of(client.peer);
@@ -315,16 +315,15 @@ std::string tries_of(const Client& client, const Exchange& exchange) {
 Problem too_many_tries(const Route& route, int wait_s) {
   Problem problem{ProblemKind::Rate, "too many failed logins"};
   if (route.guess == Guess::Secret)
-    problem.detail = "too many pairings that have ended; ask for a new code";
+    problem.detail = "too many expired pairings; request a new code";
   if (route.guess == Guess::Code)
-    problem.detail = "too many wrong codes; wait, then look at the code again";
-  if (route.guess == Guess::Another)
-    problem.detail = "too many tablets ask to be let in; wait a little";
+    problem.detail = "too many wrong codes; wait, then check the code";
+  if (route.guess == Guess::Another) problem.detail = "too many pairing requests; wait a little";
   problem.retry_after_s = wait_s;
   return problem;
 }
 
-// What a response means for who tries: a wrong code counts, and so does each new secret.
+// Counts the attempt that a response reports: a wrong code, or a new secret.
 std::optional<Problem> count_try(Hub& hub, const Client& client, const Exchange& exchange,
                                  const Response& response) {
   const Guess guess = exchange.route->guess;
@@ -338,7 +337,7 @@ std::optional<Problem> count_try(Hub& hub, const Client& client, const Exchange&
   return too_many_tries(*exchange.route, *wait);
 }
 
-// Before it is asked: a code that is right must not pass between too many wrong ones.
+// Checked before the attempt: a right code must not pass among too many wrong ones.
 std::optional<Problem> too_many_before(Hub& hub, const Client& client, const Exchange& exchange) {
   const Guess guess = exchange.route->guess;
   if (guess != Guess::Code && guess != Guess::Another) return std::nullopt;
@@ -368,7 +367,7 @@ std::optional<Problem> look_at_principal(Hub& hub, Client& client, Exchange& exc
   if (!counts_failures(route) && !route.is_static)
     if (auto wait = take_from_bucket(hub, client, exchange)) return wait;
   const RequestHead& head = client.reader.head();
-  // What describes a body means nothing where there is none.
+  // Headers that describe a body do not matter without one.
   if (route.body != BodyRule::None)
     if (auto wrong = check_media(head, exchange.request.media_type)) return wrong;
   const bool has_body = head.is_chunked || head.content_length.value_or(0) > 0;
@@ -451,7 +450,7 @@ double patience_of(const Route& route, const HttpLimits& limits) {
   return limits.answer_s;
 }
 
-// What is a part of the program needs nobody else.
+// Static files need neither the service nor its thread.
 Response static_response(Hub& hub, const Exchange& exchange) {
   Response answer;
   dispatch(exchange.request, *exchange.route, *hub.options.service, hub.context,
@@ -459,8 +458,8 @@ Response static_response(Hub& hub, const Exchange& exchange) {
   return answer;
 }
 
-// Notices that a client goes while it waits for its answer. What it sends meanwhile is left to be
-// read later, and then it is no more looked at.
+// Notices a client that disconnects while it waits for its answer. If it sends more, that is read
+// later, and the watch ends.
 void watch_for_end(const ClientPtr& client) {
   client->socket.async_wait(asio::socket_base::wait_read, [client](const error_code& ec) {
     if (ec || client->closed) return;
@@ -473,12 +472,12 @@ void watch_for_end(const ClientPtr& client) {
 
 asio::awaitable<Response> ask_handler(Hub& hub, ClientPtr client, Exchange& exchange) {
   auto answer = std::make_shared<std::optional<Response>>();
-  // Shared with the service, since a client that goes does not take its request back.
+  // Shared with the service, because a client that disconnects does not cancel its request.
   auto request = std::make_shared<Request>(exchange.request);
   const Route* const route = exchange.route;
   const auto context = std::make_shared<HandlerContext>(hub.context);
-  const std::shared_ptr<Spool> spool = exchange.spool;  // until the service has answered
-  // A body may take minutes: who sent it is looked at again when it is here.
+  const std::shared_ptr<Spool> spool = exchange.spool;  // kept until the service has answered
+  // A body may take minutes, so the credential is checked again when it is complete.
   std::string bearer;
   if (!route->access.is_open() && !client->peer.is_local)
     bearer = bearer_of(client->reader.head()).value_or("");
@@ -513,7 +512,7 @@ asio::awaitable<Response> ask_handler(Hub& hub, ClientPtr client, Exchange& exch
                                          route->is_urgent);
   if (route->ends_with_client && !client->closed) {
     error_code none;
-    client->socket.cancel(none);  // nothing but `watch_for_end` waits for it
+    client->socket.cancel(none);  // only `watch_for_end` waits for it
   }
   if (request->departure && !answered) request->departure->happens();
   if (answered && *answer) co_return std::move(**answer);
@@ -526,13 +525,13 @@ asio::awaitable<Response> ask_handler(Hub& hub, ClientPtr client, Exchange& exch
   co_return problem_response(late, *request);
 }
 
-// The word under which a response that refuses is counted, beside those of the front door.
+// The word under which metrics count a refusal, beside those of the front door.
 void count_refusal(Hub& hub, const Response& response) {
   if (response.status == 400 && response.body.find("nested more than") != std::string::npos)
     hub.metrics.reject("depth");
 }
 
-// Reads one request, whose head is here, and answers it. False: the connection ends.
+// Reads the rest of one request and answers it. False: the connection ends.
 asio::awaitable<bool> serve_one(Hub& hub, ClientPtr client, Exchange& exchange) {
   Request& request = exchange.request;
   const RequestHead& head = client->reader.head();
@@ -552,7 +551,7 @@ asio::awaitable<bool> serve_one(Hub& hub, ClientPtr client, Exchange& exchange) 
   if (!problem) problem = too_many_before(hub, *client, exchange);
   if (!problem) problem = co_await read_whole_body(hub, client, exchange);
   if (client->closed) co_return false;
-  // Whatever of the body is unread would be taken for the next request.
+  // An unread rest of the body would be taken for the next request.
   const bool has_rest = !client->reader.is_done();
   const bool close = has_rest || head.asks_close || hub.stopping || client->reserved;
   if (problem) {
@@ -581,14 +580,14 @@ asio::awaitable<bool> serve_one(Hub& hub, ClientPtr client, Exchange& exchange) 
   if (counts_failures(*exchange.route) && response.status >= 400 && response.status < 500)
     if (const auto wait = take_from_bucket(hub, *client, exchange))
       response = problem_response(*wait, request);
-  // A word that is not known may be a guess; a body that cannot be read is none.
+  // An unknown word may be a guess; a malformed body is not.
   if (const auto wrong = count_try(hub, *client, exchange, response))
     response = problem_response(*wrong, request);
   count_refusal(hub, response);
   co_return co_await respond(hub, client, exchange, std::move(response), close);
 }
 
-// Waits for a head. False: the connection ends, whether or not something was answered.
+// Waits for a head. False: the connection ends, answered or not.
 asio::awaitable<bool> next_head(Hub& hub, ClientPtr client) {
   client->enter(client->reader.has_begun() ? Client::State::Head : Client::State::Idle);
   const bool may_idle = client->served > 0 && !client->reader.has_begun();

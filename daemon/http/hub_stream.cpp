@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Server-sent events: what a client missed, then what happens.
+// Server-sent events: first those that a client missed, then new ones.
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -21,12 +21,12 @@ constexpr int kPage = 200;
 constexpr std::size_t kPiece = 16 << 10;
 constexpr int kSendBuffer = 64 << 10;
 constexpr double kCatchUp_s = 30;
-constexpr std::size_t kMostWhole = 12 << 10;  // of a job with its notes and warnings; usual: 2 kB
+constexpr std::size_t kMostWhole = 12 << 10;  // of a job with its notes and warnings; usually 2 kB
 
-// What a client gets before it hears of what happens now.
+// What a client gets before new events.
 struct CatchUp {
   std::string text;
-  std::int64_t seq{};  ///< all up to here are in it
+  std::int64_t seq{};  ///< number of the last event in it
   bool is_whole{false};
   bool failed{false};
 };
@@ -43,8 +43,7 @@ std::optional<std::int64_t> wanted_seq(const Request& request) {
   return seq;
 }
 
-// The state of things at one moment: all devices, and the jobs that are not ended, those that have
-// begun before those that wait.
+// The current state: all devices, and the unfinished jobs, started ones before waiting ones.
 std::string snapshot(Service& service, std::int64_t seq) {
   nlohmann::ordered_json devices = nlohmann::ordered_json::array();
   for (const DeviceRecord& device : service.devices.list()) devices.push_back(to_json(device));
@@ -63,7 +62,7 @@ std::string snapshot(Service& service, std::int64_t seq) {
                      rfc3339(wall_clock_ms()), dump(devices), fmt::join(jobs, ","), more);
 }
 
-// What an event is about, as it is now; empty if it is gone.
+// The current job or device of an event; empty if it does not exist any more.
 std::string text_of_subject(const Event& event, Service& service) {
   if (event.kind == "job" || event.kind == "queue") {
     const Answer<Job> job = service.jobs.brief(event.job);
@@ -84,7 +83,8 @@ CatchUp catch_up(Service& service, std::optional<std::int64_t> after) {
   if (!is_known) {
     out.seq = last;
     out.is_whole = true;
-    // The id comes with the snapshot, so that who is cut off after it resumes from there.
+    // The id comes with the snapshot, so that a client that loses its connection resumes from
+    // there.
     out.text = frame_text("reset", fmt::format("{{\"seq\":{}}}", last)) +
                fmt::format("id: {}\n", last) + frame_text("snapshot", snapshot(service, last));
     return out;
@@ -98,8 +98,8 @@ CatchUp catch_up(Service& service, std::optional<std::int64_t> after) {
   return out;
 }
 
-// Takes the stream in among those that hear of events, at the very moment when what it missed
-// arrives: events are posted in the order of their commits, so none falls between.
+// Adds the stream to the listeners exactly when the events that it missed arrive: events are posted
+// in the order of their commits, so none is lost in between.
 asio::awaitable<CatchUp> ask_catch_up(Hub& hub, ClientPtr client,
                                       std::optional<std::int64_t> after) {
   auto result = std::make_shared<CatchUp>();
@@ -124,7 +124,7 @@ asio::awaitable<CatchUp> ask_catch_up(Hub& hub, ClientPtr client,
   co_return *result;
 }
 
-// A client that goes is noticed by reading: there is nothing else to be read from it.
+// Reading notices a client that disconnects; it sends nothing else.
 void watch(const ClientPtr& client) {
   client->socket.async_read_some(asio::buffer(client->buffer),
                                  [client](const error_code& ec, std::size_t got) {
@@ -143,8 +143,8 @@ std::string take_piece(EventRing& ring, std::int64_t seen) {
   return piece;
 }
 
-// A token that was deleted, or has run out, ends its streams too, and those of its sessions.
-// Gives the seconds until this is to be looked at again; nothing if the client is not known.
+// A deleted or expired token ends its streams and those of its sessions. Returns the seconds until
+// the next check; nothing if the client is not known.
 asio::awaitable<std::optional<double>> known_for_s(Hub& hub, ClientPtr client) {
   const double heartbeat_s = hub.limits().heartbeat_s;
   if (client->peer.is_local) co_return heartbeat_s;
@@ -156,7 +156,7 @@ asio::awaitable<std::optional<double>> known_for_s(Hub& hub, ClientPtr client) {
     std::optional<Principal> found;
     try {
       found = service.access.authenticate(token);
-    } catch (const std::exception&) {  // then not
+    } catch (const std::exception&) {  // treated as unknown
     }
     done([known, found = std::move(found)] { *known = found; });
   };
@@ -169,7 +169,7 @@ asio::awaitable<std::optional<double>> known_for_s(Hub& hub, ClientPtr client) {
 
 asio::awaitable<void> stream_on(Hub& hub, ClientPtr client, std::int64_t seen) {
   Stream& stream = *client->stream;
-  stream.doubted = true;  // it may have ended since the request came
+  stream.doubted = true;  // the credential may have expired since the request
   double check_s = 0;
   while (!client->closed) {
     if (stream.doubted || hub.now_s() >= check_s) {
@@ -221,7 +221,7 @@ EventFramePtr live_frame(const Event& event, Service& service) {
     if (!whole.empty() && whole.size() <= kMostWhole)
       return frame_of(event,
                       fmt::format("\"now\":\"{}\",\"whole\":{}", rfc3339(wall_clock_ms()), whole));
-  } catch (const std::exception&) {  // whoever needs it asks for it
+  } catch (const std::exception&) {  // clients that need it request it
   }
   return frame_of(event);
 }
@@ -246,7 +246,7 @@ asio::awaitable<void> stream_events(Hub& hub, ClientPtr client, const Request& r
     hub.metrics.set_streams(--hub.link->listeners);
   });
   client->stream = std::make_shared<Stream>(hub.io, hub.limits());
-  // Little lies between us and a client that does not read.
+  // Keep the buffer to a client that does not read small.
   ::setsockopt(client->socket.native_handle(), SOL_SOCKET, SO_SNDBUF, &kSendBuffer,
                sizeof(kSendBuffer));
   Response head;

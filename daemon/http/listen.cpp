@@ -86,7 +86,7 @@ bool is_loopback(Address& address) {
   return address.storage.ss_family == AF_UNIX;
 }
 
-// A socket file that nobody listens on any more is taken away; anything else is left alone.
+// Removes a stale socket file that nobody listens on; leaves anything else alone.
 void remove_stale(Address& address, const std::string& path) {
   struct stat found {};
   if (::lstat(path.c_str(), &found) != 0 || !S_ISSOCK(found.st_mode)) return;
@@ -97,7 +97,7 @@ void remove_stale(Address& address, const std::string& path) {
   ::close(probe);
 }
 
-/// Something that is no socket has the name already.
+/// The name exists already and is not a socket.
 bool is_other_file(const std::string& path) {
   struct stat found {};
   return ::lstat(path.c_str(), &found) == 0 && !S_ISSOCK(found.st_mode);
@@ -141,7 +141,7 @@ Result<Listener> Listener::open(const std::string& endpoint, bool allow_remote) 
     if (is_other_file(path))
       return fail(ErrorKind::Refused, endpoint, "exists and is not a socket; name another path");
     remove_stale(*address, path);
-    // Linux takes the mode of the file from here: it is never open to others, not for a moment.
+    // Linux takes the mode of the file from here, so it is never open to others, not even briefly.
     ::fchmod(listener.socket_, S_IRUSR | S_IWUSR);
   } else {
     ::setsockopt(listener.socket_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));

@@ -8,14 +8,14 @@
 
 namespace popcut::daemon::http {
 
-/// A socket that listens. Owned: closed when it goes, and the file of a unix socket that was made
-/// here is removed.
+/// A listening socket. The destructor closes it, and removes the file of a unix socket that was
+/// made here.
 class Listener {
  public:
   /// @param endpoint "127.0.0.1:8631", "[::1]:0" (any free port) or "unix:/path"
-  /// @param allow_remote lets an address be other than a loopback one
-  /// @retval Usage    it is none of these, or not a loopback address
-  /// @retval Refused  the system says no; the detail has its reason
+  /// @param allow_remote  also allow addresses that are not loopback
+  /// @retval Usage    not such an endpoint, or not a loopback address
+  /// @retval Refused  the system refuses; the detail has the reason
   [[nodiscard]] static Result<Listener> open(const std::string& endpoint, bool allow_remote);
   /// A listening socket that was inherited (systemd).
   [[nodiscard]] static Result<Listener> adopt(int socket, bool allow_remote);

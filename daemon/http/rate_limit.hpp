@@ -35,9 +35,9 @@ class FailedLogins {
  public:
   explicit FailedLogins(int per_minute) : per_minute_(per_minute) {}
   void set(int per_minute) { per_minute_ = per_minute; }
-  /// Notes a failure; seconds to wait if it is one too many.
+  /// Records a failure; seconds to wait if that is one too many.
   [[nodiscard]] std::optional<int> note(const std::string& key, double now_s);
-  /// Seconds to wait if another one would be one too many; notes nothing.
+  /// Seconds to wait if another failure would be too many; records nothing.
   [[nodiscard]] std::optional<int> wait(const std::string& key, double now_s) const;
 
  private:

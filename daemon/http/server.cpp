@@ -35,12 +35,12 @@ std::int64_t steady_ms() {
       .count();
 }
 
-// Who is at the other end of a unix socket, as the kernel knows it.
+// The process at the other end of a unix socket, from the kernel.
 void look_at_process(int socket, Peer& peer) {
   ucred who{};
   socklen_t size = sizeof(who);
   if (::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &who, &size) != 0) {
-    peer.uid = static_cast<uid_t>(-1);  // nobody, and so without a role
+    peer.uid = static_cast<uid_t>(-1);  // unknown, so it has no role
     return;
   }
   peer.uid = who.uid;
@@ -83,7 +83,7 @@ Peer peer_of(int socket, const http::Listener& listener) {
 void welcome(Hub& hub, Socket socket, const http::Listener& listener) {
   bool reserved = false;
   Peer peer = peer_of(socket.native_handle(), listener);
-  // Without a place the socket closes here.
+  // Without a place, the socket closes here.
   if (hub.stopping || !hub.make_room(peer, socket.native_handle(), reserved)) return;
   auto client = std::make_shared<Client>(hub.io, std::move(socket), std::move(peer), hub.limits());
   client->reserved = reserved;
@@ -101,12 +101,13 @@ asio::awaitable<void> accept_all(Hub& hub, Acceptor& acceptor, const http::Liste
     if (!ec) {
       try {
         welcome(hub, std::move(socket), listener);
-      } catch (const std::exception& fault) {  // of this client; the next ones are welcome
+      } catch (
+          const std::exception& fault) {  // ends this client only; popcutd accepts the next ones
         hub.log_fault(fault.what());
       }
       continue;
     }
-    // Out of descriptors, for example: what is there goes on, new ones wait a little.
+    // Out of descriptors, for example: open connections continue, new ones wait a little.
     pause.expires_after(std::chrono::milliseconds(100));
     co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ec));
   }
@@ -165,8 +166,8 @@ Result<void> HttpServer::Impl::accept_on_all() {
   return {};
 }
 
-// Runs until nothing is left to do. What is thrown (there is no memory, for example) ends what
-// threw it and nothing else.
+// Runs until nothing is left to do. An exception (no memory, for example) ends only the handler
+// that threw it.
 void HttpServer::Impl::run() {
   while (true) {
     try {
@@ -178,7 +179,7 @@ void HttpServer::Impl::run() {
   }
 }
 
-// Shows that the thread turns; the second half of the watchdog's question.
+// Shows that the thread is alive, for the watchdog.
 void HttpServer::Impl::turn() {
   turned_ms = steady_ms();
   if (hub.stopping) return;
@@ -219,20 +220,20 @@ Result<void> HttpServer::start() {
   if (auto fine = impl.accept_on_all(); !fine) return fine;
   impl.hub.options.on_service(
       [&hub = impl.hub, link = impl.hub.link, service = impl.hub.options.service] {
-        // The hub is looked at on its own thread only; the service may call as long as it lives.
+        // Only its own thread uses the hub; the service may call this as long as it lives.
         service->operations.listen([&hub, link, service](const Event& event) {
           if (link->listeners == 0) return;
           try {
             link->post([&hub, frame = http::live_frame(event, *service)] { hub.publish(frame); });
           } catch (const std::exception&) {
-            link->missed = true;  // whoever tells of an event is never held up by those who hear
+            link->missed = true;  // a listener never delays the publisher of an event
           }
         });
         service->access.on_access_change([&hub, link] {
           if (link->listeners == 0) return;
           try {
             link->post([&hub] { hub.check_streams(); });
-          } catch (const std::exception&) {  // each stream looks by itself, a little later
+          } catch (const std::exception&) {  // each stream checks by itself a little later
           }
         });
       });

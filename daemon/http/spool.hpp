@@ -11,11 +11,11 @@
 
 namespace popcut::daemon::http {
 
-/// A body on its way to the disk: a new file in the folder for what comes in, with its SHA-256.
-/// Whatever ends it early removes the file.
+/// A body on its way to the disk: a new file in the folder for uploads, with its SHA-256.
+/// The file is removed if the upload ends early.
 class Spool {
  public:
-  /// @param name of the file in `folder`; made by us, never by a client
+  /// @param name of the file in `folder`; chosen by popcutd, never by a client
   /// @retval DiskFull, Unavailable
   [[nodiscard]] static Answer<Spool> create(const std::string& folder, const std::string& name);
   ~Spool();
@@ -36,7 +36,7 @@ class Spool {
   std::uint64_t bytes_{0};
 };
 
-/// Removes what an earlier run left in `folder`: files with the ending of spools, nothing else.
+/// Removes leftovers of an earlier run from `folder`: only files with the extension of spools.
 void clear_spools(const std::string& folder);
 
 }  // namespace popcut::daemon::http

@@ -83,7 +83,8 @@ Response json_response(int status, const nlohmann::ordered_json& body) {
   return response;
 }
 
-Response empty_response() {
+Response done_response(const Request& request, const Answer<void>& done) {
+  if (!done) return problem_response(done.error(), request);
   Response response;
   response.status = 204;
   response.content_type.clear();
@@ -157,7 +158,7 @@ int answer_once(const Request& request, Service& service, const Reply& reply,
     hash.add(part);
     hash.add(std::string_view("\0", 1));
   }
-  // What goes beyond a kept answer (Retry-After) goes only to who made it.
+  // Headers that are not stored (Retry-After) go only to the first request with the key.
   std::optional<Response> fresh;
   Answer<Rendered> kept = service.operations.once(request.principal, {key, hash.hex()},
                                                   [&effect, &fresh]() -> Rendered {

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "daemon/http/api/input.hpp"
 #include "daemon/http/api/routes.hpp"
 
 namespace popcut::daemon::http {
@@ -15,20 +16,21 @@ namespace popcut::daemon::http {
 // What handlers share: answers, revisions, pages, numbers and times.
 
 [[nodiscard]] Response json_response(int status, const nlohmann::ordered_json& body);
-[[nodiscard]] Response empty_response();  ///< 204
+/// 204, or the problem.
+[[nodiscard]] Response done_response(const Request& request, const Answer<void>& done);
 [[nodiscard]] std::string etag_of(std::int64_t rev);
 /// 200 with an ETag.
 [[nodiscard]] Response revised(int status, std::int64_t rev, const nlohmann::ordered_json& body);
 [[nodiscard]] Response revised(int status, std::int64_t rev, std::string text);
-/// True if the client says that it has what `etag` names.
+/// True if the client already has the version `etag`.
 [[nodiscard]] bool has_seen(const Request& request, std::string_view etag);
-/// 304 for what the client has already.
+/// 304: the client already has this version.
 [[nodiscard]] Response unchanged(std::string_view etag, std::string_view cache_control = {});
-/// A rendered answer as it is kept with a key.
+/// A rendered answer, as stored with an Idempotency-Key.
 [[nodiscard]] Response from_rendered(Rendered rendered);
 [[nodiscard]] Rendered to_rendered(const Response& response);
 
-/// Answers with `effect`, which runs once for each Idempotency-Key. The status of the answer.
+/// Answers with `effect`, which runs once for each Idempotency-Key. Returns the status.
 int answer_once(const Request& request, Service& service, const Reply& reply,
                 const std::function<Response()>& effect);
 
@@ -40,17 +42,17 @@ int answer_once(const Request& request, Service& service, const Reply& reply,
 /// "2026-11-21" or "2026-11-21T10:12:00[.123](Z|+01:00)" as time; nothing if it is neither.
 [[nodiscard]] std::optional<TimeMs> time_from(std::string_view text);
 
-/// The revision that If-Match names: `"12"`. "*" gives `current` where the route lets it.
+/// The revision in If-Match: `"12"`. "*" is `current`, where the route allows it.
 [[nodiscard]] Answer<std::int64_t> wanted_rev(const Request& request,
                                               std::optional<std::int64_t> current);
 
 /// The number in a path: 1, 2, ... without sign or leading zero; nothing otherwise.
 [[nodiscard]] std::optional<int> path_number(const std::string& text);
 
-/// The problem of an optional If-Match: it is not the job's revision.
+/// The problem of an optional If-Match that is not the revision of the job.
 [[nodiscard]] std::optional<Problem> check_seen(const Request& request, const Job& job);
 
-/// Submitters may change only what is theirs.
+/// A problem if a submitter changes something of someone else.
 [[nodiscard]] std::optional<Problem> check_owner(const Request& request, const std::string& owner);
 
 /// The page of a complete list, ordered by `key_of`, a string.
@@ -84,6 +86,17 @@ Response page_response(Page<T> page, char list, Render render) {
     return page_text(texts, next);
   };
   return response;
+}
+
+/// The page that the query asks for of the list `list`, whose items `all` are ordered by `key_of`,
+/// a string.
+template <typename T, typename KeyOf, typename Render>
+Response whole_list_response(const Request& request, char list, std::vector<T> all, KeyOf key_of,
+                             Render render) {
+  QueryReader query(request);
+  const PageRequest wanted = query.page(list);
+  if (const auto wrong = query.problem()) return problem_response(*wrong, request);
+  return page_response(page_of(std::move(all), wanted, key_of), list, render);
 }
 
 }  // namespace popcut::daemon::http

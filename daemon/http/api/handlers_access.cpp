@@ -11,20 +11,20 @@ namespace popcut::daemon::http {
 const Body body::kSessionRequest{
     .schema = "SessionRequest",
     .fields = {text("one_shot", kSecretLimit)
-                   .required("must be the one-shot word of the address that 'popcut open' opened")},
+                   .required("must be the one-time code of the address that 'popcut open' opened")},
     .example = R"({"one_shot": "one-shot-word"})"};
 
 const Body body::kPairRequest{.schema = "PairRequest",
                               .fields = {text("name", kNameLimit)
-                                             .required("must be what a person calls this tablet")
-                                             .described("what people call the tablet")},
+                                             .required("must be a name for this tablet")
+                                             .described("name of the tablet")},
                               .example = R"({"name": "tablet by the window"})"};
 
 const Body body::kPairAllow{
     .schema = "PairAllow",
     .fields = {text("code", kPairingCodeLimit)
                    .required("must be the code that the tablet shows")
-                   .described("in any case, with or without blanks and dashes"),
+                   .described("case does not matter; spaces and dashes are ignored"),
                role("role").required()},
     .example = R"({"code": "K7Q2MX", "role": "viewer"})"};
 
@@ -36,7 +36,7 @@ const Body body::kPairCollect{
 const Body body::kTokenCreate{
     .schema = "TokenCreate",
     .fields =
-        {text("name", kNameLimit).required("give a name, for those who read the list of tokens"),
+        {text("name", kNameLimit).required("must be a name, to recognize the token in the list"),
          role("role").required(), whole("lifetime_s", kLeastTokenLifetime_s, kMostTokenLifetime_s)},
     .example = R"({"name": "script", "role": "submitter"})"};
 
@@ -130,35 +130,26 @@ void collect_pairing(const Request& request, Service& service, const HandlerCont
 }
 
 void close_session(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const Answer<void> gone = service.access.close_session(request.principal);
-  if (!gone) return reply(problem_response(gone.error(), request));
-  reply(empty_response());
+  reply(done_response(request, service.access.close_session(request.principal)));
 }
 
 void list_sessions(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 's';
-  QueryReader query(request);
-  const PageRequest wanted = query.page(kList);
-  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
-  reply(page_response(page_of(service.access.sessions(request.principal), wanted,
-                              [](const SessionRecord& session) { return session.id; }),
-                      kList, [](const SessionRecord& session) { return dump(to_json(session)); }));
+  reply(whole_list_response(
+      request, kList, service.access.sessions(request.principal),
+      [](const SessionRecord& session) { return session.id; },
+      [](const SessionRecord& session) { return dump(to_json(session)); }));
 }
 
 void end_session(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const Answer<void> gone = service.access.end_session(request.principal, request.params[0]);
-  if (!gone) return reply(problem_response(gone.error(), request));
-  reply(empty_response());
+  reply(done_response(request, service.access.end_session(request.principal, request.params[0])));
 }
 
 void list_tokens(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 't';
-  QueryReader query(request);
-  const PageRequest wanted = query.page(kList);
-  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
-  reply(page_response(
-      page_of(service.access.tokens(), wanted, [](const TokenRecord& token) { return token.id; }),
-      kList, [](const TokenRecord& token) { return dump(to_json(token)); }));
+  reply(whole_list_response(
+      request, kList, service.access.tokens(), [](const TokenRecord& token) { return token.id; },
+      [](const TokenRecord& token) { return dump(to_json(token)); }));
 }
 
 void create_token(const Request& request, Service& service, const HandlerContext& context,
@@ -173,9 +164,7 @@ void create_token(const Request& request, Service& service, const HandlerContext
 }
 
 void delete_token(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const Answer<void> gone = service.access.delete_token(request.principal, request.params[0]);
-  if (!gone) return reply(problem_response(gone.error(), request));
-  reply(empty_response());
+  reply(done_response(request, service.access.delete_token(request.principal, request.params[0])));
 }
 
 }  // namespace handle

@@ -141,7 +141,7 @@ void act_on_job(const Request& request, Service& service, JobAction action,
   }
   const bool any_rev =
       action == JobAction::Pause || action == JobAction::Cancel || action == JobAction::Disarm;
-  // A knife that moves stops whether or not anything can be looked up or stored now.
+  // A moving knife stops even if nothing can be looked up or stored now.
   const bool to_the_knife = action == JobAction::Pause || action == JobAction::Cancel;
   const int status = answer_once(request, service, reply, [&] {
     const Answer<Job> before = service.jobs.find(request.params[0]);

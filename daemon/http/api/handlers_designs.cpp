@@ -27,7 +27,7 @@ constexpr std::string_view kKept = "private, max-age=86400";
 constexpr std::string_view kDrawingPolicy =
     "default-src 'none'; style-src 'unsafe-inline'; sandbox; frame-ancestors 'none'";
 
-// What was uploaded, or drawn from it: never run, never shown in place of a page.
+// Uploaded content, or a drawing of it: never executed, never shown as a page.
 Response drawing(std::string content_type) {
   Response response;
   response.content_type = std::move(content_type);
@@ -58,7 +58,7 @@ std::string last_part(const Request& request) {
   return std::string(request.path().substr(request.path().rfind('/') + 1));
 }
 
-// A picture of a design, which stays as it is: it is of bytes that never change.
+// A picture of a design. It never changes, because the bytes of a design do not.
 void answer_picture(const Request& request, Service& service, const HandlerContext& context,
                     const Reply& reply, const std::function<void(Designs::Shown)>& make) {
   const std::string etag =
@@ -117,9 +117,7 @@ void list_assets(const Request& request, Service& service, const HandlerContext&
 }
 
 void delete_asset(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const Answer<void> gone = service.designs.remove_asset(request.principal, request.params[0]);
-  if (!gone) return reply(problem_response(gone.error(), request));
-  reply(empty_response());
+  reply(done_response(request, service.designs.remove_asset(request.principal, request.params[0])));
 }
 
 void add_design(const Request& request, Service& service, const HandlerContext&, Reply reply) {
@@ -156,7 +154,7 @@ void get_design(const Request& request, Service& service, const HandlerContext&,
 void design_content(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   const Answer<Design> design = service.designs.find(request.params[0]);
   if (!design) return reply(problem_response(design.error(), request));
-  // Whatever it is, it goes out as bytes to be saved: what users upload is never shown.
+  // Always sent as an attachment: a browser must never show what users upload.
   const std::string ending = design->kind == "svg" || design->kind == "dxf" ? design->kind : "json";
   const Answer<std::string> path = service.designs.content(design->id);
   if (!path) return reply(problem_response(path.error(), request));
@@ -224,9 +222,7 @@ void delete_design(const Request& request, Service& service, const HandlerContex
   if (!design) return reply(problem_response(design.error(), request));
   if (const auto not_theirs = check_owner(request, design->owner))
     return reply(problem_response(*not_theirs, request));
-  const Answer<void> gone = service.designs.remove(request.principal, design->id);
-  if (!gone) return reply(problem_response(gone.error(), request));
-  reply(empty_response());
+  reply(done_response(request, service.designs.remove(request.principal, design->id)));
 }
 
 void plan_design(const Request& request, Service& service, const HandlerContext& context,
@@ -256,9 +252,7 @@ void get_plan(const Request& request, Service& service, const HandlerContext&, R
 }
 
 void delete_plan(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const Answer<void> gone = service.plans.remove(request.principal, request.params[0]);
-  if (!gone) return reply(problem_response(gone.error(), request));
-  reply(empty_response());
+  reply(done_response(request, service.plans.remove(request.principal, request.params[0])));
 }
 
 void plan_file(const Request& request, Service& service, const HandlerContext&, Reply reply) {
@@ -279,7 +273,7 @@ void sheet_program(const Request& request, Service& service, const HandlerContex
   std::string name = *sheet + ".gpgl";
   Answer<std::string> path = service.plans.file(request.params[0], name);
   if (!path && path.error().kind == ProblemKind::NotFound) {
-    // A plan holds the one or the other.
+    // A plan has one or the other.
     const std::string other = *sheet + ".hpgl";
     if (Answer<std::string> hpgl = service.plans.file(request.params[0], other)) {
       path = std::move(hpgl);

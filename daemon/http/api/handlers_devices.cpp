@@ -37,12 +37,9 @@ bool is_material_id(const std::string& id) {
 
 void list_devices(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 'v';
-  QueryReader query(request);
-  const PageRequest wanted = query.page(kList);
-  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
-  reply(page_response(
-      page_of(service.devices.list(), wanted, [](const DeviceRecord& device) { return device.id; }),
-      kList, [](const DeviceRecord& device) { return dump(to_json(device)); }));
+  reply(whole_list_response(
+      request, kList, service.devices.list(), [](const DeviceRecord& device) { return device.id; },
+      [](const DeviceRecord& device) { return dump(to_json(device)); }));
 }
 
 void get_device(const Request& request, Service& service, const HandlerContext&, Reply reply) {
@@ -73,13 +70,10 @@ void act_on_device(const Request& request, Service& service, const HandlerContex
 
 void list_materials(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 'm';
-  QueryReader query(request);
-  const PageRequest wanted = query.page(kList);
-  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
-  reply(page_response(page_of(service.materials.list(), wanted,
-                              [](const MaterialRecord& material) { return material.id; }),
-                      kList,
-                      [](const MaterialRecord& material) { return dump(to_json(material)); }));
+  reply(whole_list_response(
+      request, kList, service.materials.list(),
+      [](const MaterialRecord& material) { return material.id; },
+      [](const MaterialRecord& material) { return dump(to_json(material)); }));
 }
 
 void get_material(const Request& request, Service& service, const HandlerContext&, Reply reply) {
@@ -117,9 +111,8 @@ void put_material(const Request& request, Service& service, const HandlerContext
 void delete_material(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   const Answer<std::int64_t> rev = wanted_rev(request, std::nullopt);
   if (!rev) return reply(problem_response(rev.error(), request));
-  const Answer<void> gone = service.materials.remove(request.principal, request.params[0], *rev);
-  if (!gone) return reply(problem_response(gone.error(), request));
-  reply(empty_response());
+  reply(
+      done_response(request, service.materials.remove(request.principal, request.params[0], *rev)));
 }
 
 }  // namespace handle

@@ -18,24 +18,22 @@ constexpr InputRule kJob = text("job", kIdLimit).required("must be the id of a j
 
 const Body body::kJobCreate{
     .schema = "JobCreate",
-    .fields = {text("design", kContentIdLimit).described("id of a design"),
-               text("plan", kContentIdLimit).described("id of a plan"),
-               text("material", kIdLimit)
-                   .described("default: the material of the design, else paper-220"),
-               text("device", kIdLimit)
-                   .described("default: popcutd plans for the first cutter in /v1/devices that is "
-                              "connected, and any cutter of that model can cut the job"),
-               text_or_empty("site", kIdLimit)
-                   .described("where the job is to be cut: only cutters of that site fit it; "
-                              "empty: anywhere"),
-               plan_options("options"), whole("copies", 1, kMostCopies).by_default(1),
-               kPriority.by_default(0), text_or_empty("name", kNameLimit),
-               lines("note", kNoteLimit),
-               texts("tags", kMostTags, kTagLimit)
-                   .described("words of your own; popcutd only stores them"),
-               word("on_sheet_done", "wait")
-                   .described("what popcutd does after a sheet: it waits until you arm the next "
-                              "one")},
+    .fields =
+        {text("design", kContentIdLimit).described("id of a design"),
+         text("plan", kContentIdLimit).described("id of a plan"),
+         text("material", kIdLimit)
+             .described("default: the material of the design, else paper-220"),
+         text("device", kIdLimit)
+             .described("default: popcutd plans for the first cutter in /v1/devices that is "
+                        "connected, and any cutter of that model can cut the job"),
+         text_or_empty("site", kIdLimit)
+             .described("only cutters at this site can cut the job; empty: any site"),
+         plan_options("options"), whole("copies", 1, kMostCopies).by_default(1),
+         kPriority.by_default(0), text_or_empty("name", kNameLimit), lines("note", kNoteLimit),
+         texts("tags", kMostTags, kTagLimit).described("your own labels; popcutd only stores them"),
+         word("on_sheet_done", "wait")
+             .described("what popcutd does after a sheet: it waits until you arm the next "
+                        "one")},
     .description = "Give either design or plan.",
     .example = R"({"design": "sha256-aa", "copies": 2, "name": "a card"})"};
 
@@ -43,7 +41,7 @@ const Body body::kJobPatch{
     .schema = "JobPatch",
     .fields = {kPriority, text_or_empty("name", kNameLimit), lines("note", kNoteLimit),
                text_or_empty("device", kIdLimit),
-               text_or_empty("site", kIdLimit).described("empty: anywhere"),
+               text_or_empty("site", kIdLimit).described("empty: any site"),
                text("material", kIdLimit).described("needs plan_again"),
                flag("plan_again")
                    .by_default(0)
@@ -215,9 +213,7 @@ void delete_job(const Request& request, Service& service, const HandlerContext&,
   if (const auto not_theirs = check_owner(request, job->owner))
     return reply(problem_response(*not_theirs, request));
   if (const auto stale = check_seen(request, *job)) return reply(problem_response(*stale, request));
-  const Answer<void> gone = service.jobs.remove(request.principal, job->id);
-  if (!gone) return reply(problem_response(gone.error(), request));
-  reply(empty_response());
+  reply(done_response(request, service.jobs.remove(request.principal, job->id)));
 }
 
 void job_sheets(const Request& request, Service& service, const HandlerContext&, Reply reply) {

@@ -22,7 +22,7 @@ const Body body::kPreviewRequest{
     .fields =
         {kSpec,
          word("quality", "draft exact").required().with_schema(R"({"enum": ["draft", "exact"]})"),
-         kPlace.described("with its shape moved into place first, as /v1/place does")},
+         kPlace.described("first move the shape into place, like POST /v1/place")},
     .example = R"json({
       "spec": {"popcut": 1, "surface": {"type": "revolution", "radius": "sqrt(36 - y^2)"},
                "units_per_slice": 3, "slices": 4, "widths_mm": 1.2, "min_panel_mm": 0.2},
@@ -30,8 +30,10 @@ const Body body::kPreviewRequest{
 
 const Body body::kPlaceRequest{
     .schema = "PlaceRequest",
-    .fields = {kSpec, kPlace.required().described(
-                          "whole: all of it in the corner; quarter: its middle on the spine")},
+    .fields =
+        {kSpec,
+         kPlace.required().described(
+             "whole: all of the shape stands in the corner; quarter: its middle is on the spine")},
     .example = R"({
       "spec": {"popcut": 1, "surface": {"type": "mesh", "file": "sha256-aa"},
                "units_per_slice": 3, "slices": 4, "widths_mm": 1.2},

@@ -22,44 +22,45 @@ std::vector<std::string> axis_words() { return up_words(); }
 
 const Body body::kSearchRequest{
     .schema = "SearchRequest",
-    .fields = {number("max_minutes", kLeastMinutes, kMostMinutes)
-                   .by_default(CardSearchRequest{}.max_minutes)
-                   .described("the longest time of cutting"),
-               text("mat", kIdLimit)
-                   .described("a mat of the machine, or a size such as 210x297; cards fit on one "
-                              "sheet"),
-               text("machine", kIdLimit),
-               text("device", kIdLimit).described("a cutter, in place of its machine"),
-               text("material", kIdLimit), word("style", style_words).by_default(0),
-               word("up", axis_words)
-                   .by_default(0)
-                   .described("which axis of the file points up; any: whichever way the card looks "
-                              "most like the model"),
-               word("front", axis_words)
-                   .by_default(0)
-                   .described("which axis of the file points out of the card, toward you; any: "
-                              "popcut turns the model as it looks best. For cards only, and "
-                              "another axis than that of up"),
-               whole("cards", 1, kMostCards)
-                   .by_default(CardSearchRequest{}.cards)
-                   .with_schema(R"({"type": "integer", "enum": [1, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12],
+    .fields =
+        {number("max_minutes", kLeastMinutes, kMostMinutes)
+             .by_default(CardSearchRequest{}.max_minutes)
+             .described("the longest cutting time"),
+         text("mat", kIdLimit)
+             .described("a mat of the machine, or a size such as 210x297; cards fit on one "
+                        "sheet"),
+         text("machine", kIdLimit),
+         text("device", kIdLimit).described("a cutter, instead of 'machine'"),
+         text("material", kIdLimit), word("style", style_words).by_default(0),
+         word("up", axis_words)
+             .by_default(0)
+             .described(
+                 "the axis of the file that points up; any: popcut chooses the most similar card"),
+         word("front", axis_words)
+             .by_default(0)
+             .described("the axis of the file that points out of the card, toward you; any: popcut "
+                        "chooses. Only for cards; must not be the axis of 'up'"),
+         whole("cards", 1, kMostCards)
+             .by_default(CardSearchRequest{}.cards)
+             .with_schema(R"({"type": "integer", "enum": [1, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12],
                                     "default": 1})")
-                   .described("1: cards; 3 to 12: books of so many cards around one spine, which "
-                              "show the model from all sides. Facets make books of 4 cards only"),
-               flag("marks").by_default(0).described(
-                   "cards fit between the registration marks that are printed with the "
-                   "artwork of a sheet"),
-               number("effort", kLeastEffort, kMostEffort)
-                   .by_default(CardSearchRequest{}.effort)
-                   .described("how many cards are tried, a factor; 1 takes one to two minutes"),
-               whole("seed", 0, kMostSeed).by_default(1)},
+             .described("1: single cards; 3 to 12: books of this many cards around one spine, "
+                        "which show the model from all sides. Facets: books of 4 cards only"),
+         flag("marks").by_default(0).described(
+             "cards fit between the registration marks that are printed with the "
+             "artwork of a sheet"),
+         number("effort", kLeastEffort, kMostEffort)
+             .by_default(CardSearchRequest{}.effort)
+             .described("search effort, a factor on the number of cards tried; 1 takes one to two "
+                        "minutes"),
+         whole("seed", 0, kMostSeed).by_default(1)},
     .example = R"({"max_minutes": 10, "up": "z", "effort": 0.25})",
     .is_optional = true};
 
 const Body body::kPickRequest{
     .schema = "PickRequest",
-    .fields =
-        {text_or_empty("name", kNameLimit).described("of the design; left out: that of the model")},
+    .fields = {text_or_empty("name", kNameLimit)
+                   .described("name of the design; default: the name of the model")},
     .example = R"({"name": "teapot"})",
     .is_optional = true};
 
@@ -118,9 +119,7 @@ void get_search(const Request& request, Service& service, const HandlerContext&,
 }
 
 void delete_search(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const Answer<void> gone = service.searches.remove(request.principal, request.params[0]);
-  if (!gone) return reply(problem_response(gone.error(), request));
-  reply(empty_response());
+  reply(done_response(request, service.searches.remove(request.principal, request.params[0])));
 }
 
 void card_picture(const Request& request, Service& service, const HandlerContext&, Reply reply) {

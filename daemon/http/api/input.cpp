@@ -138,8 +138,8 @@ const std::vector<InputRule>& query_rules() {
       whole("limit", 1, kMostPageItems),
       InputRule{.name = "cursor"}.described("next_cursor of the previous page"),
       whole("after", 0, kNoLimit)
-          .described("the number of the last event that you received; the list begins with the "
-                     "next one"),
+          .described(
+              "number of the last event that you received; the list starts with the next one"),
       time("from").described(kTime),
       time("to").described(kTime),
       time("since").described(kTime),
@@ -153,18 +153,17 @@ const std::vector<InputRule>& query_rules() {
       {.name = "device"},
       {.name = "site"},
       whole("part", 1, kMostSheets)
-          .described("of a design of several parts: which one")
+          .described("number of the part, if the design has several")
           .by_default(1),
       word("mode", "view surface")
-          .described("the model as it is seen (view), or the colour of its nearest point "
-                     "(surface)")
+          .described("view: the model as you see it; surface: the colour of the nearest point of "
+                     "its surface")
           .by_default(0),
-      whole("dpi", kLeastDpi, kMostDpi).described("dots an inch").by_default(300),
-      flag("clay").described("leave the model's colours out").by_default(0),
-      flag("back").described("a second page for the other side, mirrored").by_default(0),
-      InputRule{.name = "model"}.described(
-          "id of an asset whose colours are printed: OBJ, GLB, glTF or STL, in the units and "
-          "axes of the spec's mesh"),
+      whole("dpi", kLeastDpi, kMostDpi).described("dots per inch").by_default(300),
+      flag("clay").described("print without the colours of the model").by_default(0),
+      flag("back").described("add a mirrored second page for the other side").by_default(0),
+      InputRule{.name = "model"}.described("id of the asset with the colours to print: OBJ, GLB, "
+                                           "glTF or STL, in the units and axes of the spec's mesh"),
   };
   return rules;
 }

@@ -16,7 +16,7 @@ using nlohmann::json;
 
 constexpr std::size_t kMostOptions = 32;
 constexpr std::size_t kLongestOption = 200;
-// More than any body needs, and few enough that reading them holds nobody up.
+// More than any body needs, and few enough to read quickly.
 constexpr std::size_t kMostValues = 4096;
 
 /// JSON bodies: the body itself has the empty pointer, and 5.0 is not a whole number.

@@ -41,11 +41,10 @@ struct RequestHead {
   [[nodiscard]] std::optional<std::string_view> header(std::string_view lower_name) const;
 };
 
-/// Tells what a request has begun that its client went before the answer was there. From any
-/// thread.
+/// Cancels the work of a request when its client disconnects before the answer. From any thread.
 class Departure {
  public:
-  /// `what` is called when the client goes; now, if it has gone.
+  /// Calls `what` when the client disconnects; at once, if it already has.
   void then(std::function<void()> what);
   void happens();
 
@@ -59,7 +58,7 @@ class Departure {
 struct Request {
   Method method{};
   std::string target;
-  std::string id;                     ///< given by the server, in each problem and log line
+  std::string id;                     ///< chosen by the server; in each problem and log line
   std::vector<std::string> params{};  ///< what stands for {...} in the route, decoded
   std::vector<std::pair<std::string, std::string>> query{};
   std::vector<Header> headers{};
@@ -68,7 +67,7 @@ struct Request {
   std::optional<Upload> upload{};
   Principal principal{};
   std::string place{};                     ///< the user or network that it came from
-  std::shared_ptr<Departure> departure{};  ///< of its client; null: nobody looks
+  std::shared_ptr<Departure> departure{};  ///< of its client; null: not watched
   int usual_page_items{kUsualPageItems};   ///< of a list, if the query has no `limit`
 
   [[nodiscard]] std::optional<std::string_view> header(std::string_view lower_name) const;
@@ -80,16 +79,16 @@ struct Response {
   int status{200};
   std::string content_type{"application/json"};
   std::string body{};
-  /// Gives the body later, on a thread for that alone: a long list holds up neither the service nor
-  /// other clients.
+  /// Makes the body later, on a thread of its own: a long list delays neither the service nor other
+  /// clients.
   std::function<std::string()> make_body{};
-  bool is_brief{false};  ///< `make_body` is quick, and wants to be called on the thread of HTTP
+  bool is_brief{false};  ///< `make_body` is quick; call it on the HTTP thread
   std::string file{};    ///< if not empty: the body is what this file holds
   std::vector<Header> headers{};
 };
 
-/// Answers one request, once; from any thread, now or later. When the last copy goes without an
-/// answer, the client gets 500.
+/// Answers one request, once; from any thread, now or later. If the last copy is destroyed without
+/// an answer, the client gets 500.
 class Reply {
  public:
   explicit Reply(std::function<void(Response)> send);

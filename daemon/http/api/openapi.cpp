@@ -283,8 +283,9 @@ Json preview_key_parameter() {
       {"name", "Preview-Key"},
       {"in", "header"},
       {"required", false},
-      {"description", fmt::format("one for each page: {} to {} visible ASCII characters",
-                                  kLeastKeyCharacters, kMostKeyCharacters)},
+      {"description",
+       fmt::format("your own key, one per open page: {} to {} visible ASCII characters",
+                   kLeastKeyCharacters, kMostKeyCharacters)},
       {"schema",
        {{"type", "string"},
         {"pattern", fmt::format("^[!-~]{{{},{}}}$", kLeastKeyCharacters, kMostKeyCharacters)}}}};

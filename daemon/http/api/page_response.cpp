@@ -51,7 +51,7 @@ bool takes_gzip(std::string_view accepted) {
   return any;
 }
 
-// The file that `bytes` is a gzip of; empty if it is none, which a test of the program finds.
+// The file that `bytes` is a gzip of; empty if malformed, which a test finds.
 std::string inflated(std::string_view bytes) {
   constexpr int kGzip = 16 + MAX_WBITS;
   std::string in(bytes), out, piece(1 << 16, '\0');
@@ -70,7 +70,7 @@ std::string inflated(std::string_view bytes) {
   return state == Z_STREAM_END ? out : std::string();
 }
 
-// Each file is inflated once: whoever takes no gzip costs no more than others.
+// Each file is inflated once, so that clients without gzip cost no more than others.
 const std::string& inflated_once(const PageFile& file) {
   static std::mutex mutex;
   static std::map<const char*, std::string> known;

@@ -36,7 +36,7 @@ constexpr Route remove(std::string_view path, RouteAccess access, Handler handle
   return route(Method::Delete, path, access, handler, summary, rules);
 }
 
-// An action: a person asks it of a revision that was seen, and it takes effect once.
+// An action of a person on the revision that they saw; it takes effect once.
 constexpr Route action(std::string_view path, RouteAccess access, Handler handler,
                        std::string_view summary, RouteRules rules) {
   if (rules.takes == nullptr) rules.takes = &body::kNothing;
@@ -46,12 +46,21 @@ constexpr Route action(std::string_view path, RouteAccess access, Handler handle
   return post(path, access, handler, summary, rules);
 }
 
+// An action on a job, which answers with the job.
+constexpr Route job_action(std::string_view path, RouteAccess access, Handler handler,
+                           std::string_view summary, RouteRules rules = {}) {
+  rules.gives = {"Job"};
+  rules.can_conflict = true;
+  return action(path, access, handler, summary, rules);
+}
+
 constexpr auto kTable = std::to_array<Route>({
     get("/", kEveryone, handle::page,
-        "Get the page for people. It is in the program, needs no token, and counts in no rate",
+        "Get the web page. Built in; needs no token and is not rate limited",
         {.gives = {"text/html:string"}, .is_cached = true, .is_static = true}),
     get("/page/{file}", kEveryone, handle::page,
-        "Get a file of the page. Its name changes with its content, so it may be kept for ever",
+        "Get a file of the web page. Its name changes with its content, so it can be cached "
+        "forever",
         {.gives = {"text/css:string text/javascript:string text/plain:string image/svg+xml:string"},
          .is_cached = true,
          .is_static = true}),
@@ -59,8 +68,7 @@ constexpr auto kTable = std::to_array<Route>({
         "Check that popcutd runs and that its database answers",
         {.gives = {"text/plain:string"}, .patience = Patience::Probe}),
     get("/readyz", kEveryone, handle::readyz,
-        "Check whether popcutd accepts work; if it does not, the status is 503 and the body has "
-        "the same members",
+        "Check whether popcutd accepts work; if not, the status is 503 with the same body",
         {.gives = {"Ready"},
          .gives_too = {"Ready", 503, "popcutd does not accept work, or is unavailable"},
          .patience = Patience::Probe}),
@@ -89,22 +97,22 @@ constexpr auto kTable = std::to_array<Route>({
     post("/v1/session", kEveryone, handle::open_session, "Open a session",
          {.takes = &body::kSessionRequest, .gives = {"Session", 201}, .guess = Guess::Word}),
     post("/v1/session/pair", kEveryone, handle::ask_pairing,
-         "Ask for a tablet to be let in: it shows the code, and a person who is signed in types it",
+         "Request access for a tablet: it shows the code, and a signed-in user enters it",
          {.takes = &body::kPairRequest,
           .gives = {"Pairing", 201},
           .stores_nothing = true,
           .guess = Guess::Another}),
     post("/v1/session/pair/allow", kViewer, handle::allow_pairing,
-         "Let in the tablet that shows a code, with a role that is at most yours",
+         "Allow the tablet that shows this code, with your role or a lower one",
          {.takes = &body::kPairAllow,
           .gives = {"PairAllowed"},
           .stores_nothing = true,
           .guess = Guess::Code}),
     post("/v1/session/pair/collect", kEveryone, handle::collect_pairing,
-         "Get the session of a tablet that was let in, once",
+         "Collect the session of an allowed tablet; possible once",
          {.takes = &body::kPairCollect,
           .gives = {"Session", 201},
-          .gives_too = {"PairWaiting", 202, "nobody has let it in yet"},
+          .gives_too = {"PairWaiting", 202, "not allowed yet"},
           .guess = Guess::Secret}),
     remove("/v1/session", kViewer, handle::close_session, "End your session", {.can_miss = true}),
     get("/v1/tokens", kAdmin, handle::list_tokens, "List tokens, without their secrets",
@@ -115,18 +123,18 @@ constexpr auto kTable = std::to_array<Route>({
     remove("/v1/tokens/{id}", kAdmin, handle::delete_token,
            "Delete a token; it stops working at once"),
 
-    get("/v1/sessions", kViewer, handle::list_sessions, "List the sessions of pages that are open",
+    get("/v1/sessions", kViewer, handle::list_sessions, "List the open sessions of the web page",
         {.query = "limit cursor",
          .usual_page_items = kMostPageItems,
          .gives = {"SessionPage"},
-         .details = "An admin sees all sessions, everyone else those of the same user or token."}),
+         .details = "An admin sees all sessions; others see those of their own user or token."}),
     remove("/v1/sessions/{id}", kViewer, handle::end_session,
-           "End a session, and those that it opened; its event streams end at once",
+           "End a session and those that it opened; its event streams end at once",
            {.details =
-                "An admin can end each session, everyone else those of the same user or token."}),
+                "An admin can end any session; others can end those of their own user or token."}),
 
     post("/v1/assets", kSubmitter, handle::add_asset,
-         "Upload an asset that a spec refers to: a mesh, grid or drawing",
+         "Upload an asset for a spec: a mesh, grid or drawing",
          {.body = BodyRule::Asset,
           .query = "name",
           .gives = {"Asset", 201},
@@ -138,35 +146,35 @@ constexpr auto kTable = std::to_array<Route>({
         {.query = "limit cursor", .gives = {"AssetPage"}}),
     remove("/v1/assets/{id}", kSubmitter, handle::delete_asset, "Delete an asset",
            {.can_conflict = true,
-            .details = "409 if a design refers to it; the answer names the designs."}),
+            .details = "409 if a design refers to it; the response names the designs."}),
     post("/v1/assets/{id}/search", kSubmitter, handle::search_cards,
          "Search for the best cards or books of a 3D model",
          {.takes = &body::kSearchRequest,
           .key = KeyRule::Allowed,
           .gives = {"Search", 202, "accepted; read the search until its state is found or failed"},
           .headers = "Location",
-          .details = "As 'popcut auto': popcut tries styles, ways to stand, sizes and finenesses. "
-                     "The same request gives the same search."}),
+          .details = "Works like 'popcut auto': popcut tries styles, orientations, sizes and "
+                     "levels of detail. The same request returns the same search."}),
     get("/v1/searches/{id}", kViewer, handle::get_search,
         "Get a search; it has cards when its state is found", {.gives = {"Search"}}),
     remove("/v1/searches/{id}", kSubmitter, handle::delete_search,
            "Delete a search, and stop it if it runs",
-           {.details = "Designs that were made of its cards stay."}),
+           {.details = "Designs made from its cards are kept."}),
     get("/v1/searches/{id}/cards/{k}.png", kViewer, handle::card_picture,
-        "Get a picture of the model and, beside it, of a card that was found",
+        "Get a picture of the model beside a card of the search",
         {.gives = {"image/png", 200, "success; 640 by 320 pixels"},
          .is_cached = true,
          .can_conflict = true,
          .bucket = Bucket::Picture}),
     post("/v1/searches/{id}/cards/{k}/design", kSubmitter, handle::pick_card,
-         "Make a design of a card that was found",
+         "Create a design from a card of the search",
          {.takes = &body::kPickRequest,
           .gives = {"Design", 200, "this design exists already"},
           .gives_too = {"Design", 201},
           .headers = "Location",
           .can_conflict = true,
           .patience = Patience::Design,
-          .details = "The same as uploading its spec."}),
+          .details = "Same as uploading the spec of the card."}),
     post(
         "/v1/designs", kSubmitter, handle::add_design,
         "Upload a design: a spec or FOLD (JSON), SVG or DXF",
@@ -212,8 +220,8 @@ constexpr auto kTable = std::to_array<Route>({
     get("/v1/plans/{id}/deploy.glb", kViewer, handle::plan_file, "Get deploy.glb",
         {.gives = {"model/gltf-binary"}, .can_conflict = true}),
     get("/v1/plans/{id}/report.json", kViewer, handle::plan_file,
-        "Get report.json: what the design is; fit says how far the opened structure is from the "
-        "target",
+        "Get report.json, the figures of the design; 'fit' is the distance of the opened structure "
+        "from the target",
         {.gives = {"application/json"}, .can_conflict = true}),
     get("/v1/plans/{id}/sheets/{k}.svg", kViewer, handle::sheet_svg,
         "Get a drawing of what will be cut on a sheet, in mm",
@@ -225,33 +233,34 @@ constexpr auto kTable = std::to_array<Route>({
         "Get the strokes of a sheet to draw them: stroke i is path i of the program",
         {.gives = {"Strokes"}, .is_cached = true, .can_conflict = true}),
     get("/v1/plans/{id}/sheets/{k}/artwork.pdf", kViewer, handle::sheet_artwork,
-        "Get what is printed on a sheet before it is cut, with the marks that its program looks "
-        "for",
+        "Get the artwork to print on a sheet before you cut it, with the registration marks that "
+        "its program detects",
         {.query = "mode dpi clay back model",
-         .gives = {"application/pdf", 200, "the page, to be printed at actual size"},
+         .gives = {"application/pdf", 200, "the page; print it at actual size"},
          .headers = "Content-Disposition",
          .is_cached = true,
          .can_conflict = true,
          .patience = Patience::Design,
          .ends_with_client = true,
-         .details = "Of plans of specs. Made from the same placement as the program. The mesh of "
-                    "the spec gives the colours, or a model of yours."}),
+         .details = "Only for plans of specs. The artwork is placed like the program. The colours "
+                    "come from the mesh of the spec, or from 'model'."}),
 
     // What a page shows while somebody designs.
-    post("/v1/preview", kSubmitter, handle::preview_spec, "See a spec while you design it",
-         {.takes = &body::kPreviewRequest,
-          .parameter = "Preview-Key",
-          .gives = {"application/vnd.popcut.lattice", 200, "the lattice blob"},
-          .can_conflict = true,
-          .stores_nothing = true,
-          .bucket = Bucket::Preview,
-          .ends_with_client = true,
-          .details = "Designs the spec in a worker and answers with its lattice blob "
-                     "(docs/geometry.md, section 9). Nothing is stored. draft: at once, with the "
-                     "lattice levels, or slices where that is not possible, whatever the spec "
-                     "says. exact: as it would be cut. A newer request with the same Preview-Key "
-                     "ends the older one: 409 superseded. The request ends when you close its "
-                     "connection. Pointers of errors are relative to the spec."}),
+    post(
+        "/v1/preview", kSubmitter, handle::preview_spec, "Preview a spec while you design it",
+        {.takes = &body::kPreviewRequest,
+         .parameter = "Preview-Key",
+         .gives = {"application/vnd.popcut.lattice", 200, "the lattice blob"},
+         .can_conflict = true,
+         .stores_nothing = true,
+         .bucket = Bucket::Preview,
+         .ends_with_client = true,
+         .details =
+             "Designs the spec in a worker process and returns its lattice blob (docs/geometry.md, "
+             "section 9). Nothing is stored. draft: fast; uses the lattice levels, or slices if "
+             "levels is impossible, whatever the spec says. exact: as it would be cut. A newer "
+             "request with the same Preview-Key cancels the older one: 409 superseded. Close the "
+             "connection to cancel the request. Error pointers are relative to the spec."}),
     post("/v1/place", kSubmitter, handle::place_spec, "Move the shape of a spec into place",
          {.takes = &body::kPlaceRequest,
           .gives = {"PlacedSpec"},
@@ -260,9 +269,9 @@ constexpr auto kTable = std::to_array<Route>({
           .bucket = Bucket::Preview,
           .ends_with_client = true,
           .details =
-              "Gives the spec with its 3D model or table of heights turned and moved so that the "
-              "pattern reaches as much of it as possible, as popcut design --place does. It takes "
-              "at most two minutes, and ends with your connection. Nothing is stored."}),
+              "Returns the spec with its 3D model or height table turned and moved so that the "
+              "pattern reaches as much of it as possible, like 'popcut design --place'. Takes at "
+              "most two minutes; close the connection to cancel it. Nothing is stored."}),
     get("/v1/designs/{id}/deployed.svg", kViewer, handle::design_picture,
         "Get a small picture of the opened card; flat, if popcut does not know how it opens",
         {.gives = {"image/svg+xml"},
@@ -280,7 +289,7 @@ constexpr auto kTable = std::to_array<Route>({
         {.query = "part",
          .gives = {"application/octet-stream image/svg+xml application/dxf text/csv "
                    "model/gltf-binary application/json",
-                   200, "the file, to be saved"},
+                   200, "the file, as an attachment"},
          .headers = "Content-Disposition",
          .is_cached = true,
          .patience = Patience::Design,
@@ -292,8 +301,8 @@ constexpr auto kTable = std::to_array<Route>({
          .patience = Patience::Design,
          .bucket = Bucket::Picture,
          .ends_with_client = true,
-         .details = "A spec as it would be cut. Another pattern opens as popcut deploy opens it, "
-                    "or lies flat."}),
+         .details = "A spec is shown as it would be cut. Any other pattern opens as 'popcut "
+                    "deploy' opens it, or lies flat."}),
 
     get("/v1/materials", kViewer, handle::list_materials, "List materials",
         {.query = "limit cursor", .usual_page_items = kMostPageItems, .gives = {"MaterialPage"}}),
@@ -360,65 +369,49 @@ constexpr auto kTable = std::to_array<Route>({
         "Get which paths of a sheet are cut, in doubt, or not sent", {.gives = {"Ledger"}}),
     get("/v1/jobs/{id}/events", kViewer, handle::job_events, "List the events of a job",
         {.query = "after limit", .gives = {"EventList"}}),
-    action("/v1/jobs/{id}/actions/arm", kOperator, handle::act<JobAction::Arm>,
-           "Arm a sheet: confirm that the blank is loaded; valid for ten minutes",
-           {.takes = &body::kArm, .gives = {"Job"}, .can_conflict = true}),
-    action("/v1/jobs/{id}/actions/disarm", kOperator, handle::act<JobAction::Disarm>,
-           "Disarm a sheet", {.match = MatchRule::OrAny, .gives = {"Job"}, .can_conflict = true}),
-    action("/v1/jobs/{id}/actions/start", kOperator, handle::act<JobAction::Start>,
-           "Cut the armed sheet", {.takes = &body::kStart, .gives = {"Job"}, .can_conflict = true}),
-    action("/v1/jobs/{id}/actions/pause", kOperator, handle::act<JobAction::Pause>,
-           "Pause at the end of the current stroke, with the tool up",
-           {.match = MatchRule::OrAny, .gives = {"Job"}, .can_conflict = true, .is_urgent = true}),
-    action("/v1/jobs/{id}/actions/resume", kOperator, handle::act<JobAction::Resume>,
-           "Continue after a pause", {.gives = {"Job"}, .can_conflict = true}),
-    action("/v1/jobs/{id}/actions/cancel", kSubmitter, handle::act<JobAction::Cancel>,
-           "Cancel a job: your own, or any as an operator; a running cut stops at the end of the "
-           "stroke",
-           {.takes = &body::kCancel,
-            .match = MatchRule::OrAny,
-            .gives = {"Job"},
-            .can_conflict = true,
-            .is_urgent = true}),
-    action("/v1/jobs/{id}/actions/confirm-result", kOperator, handle::act<JobAction::ConfirmResult>,
-           "Record whether a sheet came out well",
-           {.takes = &body::kConfirmResult, .gives = {"Job"}, .can_conflict = true}),
-    action("/v1/jobs/{id}/actions/retry-sheet", kOperator, handle::act<JobAction::RetrySheet>,
-           "Cut a sheet again on a new blank; then arm and start it",
-           {.takes = &body::kSheetChoice, .gives = {"Job"}, .can_conflict = true}),
-    action("/v1/jobs/{id}/actions/skip-sheet", kOperator, handle::act<JobAction::SkipSheet>,
-           "Skip a sheet and go on with the next",
-           {.takes = &body::kSheetChoice, .gives = {"Job"}, .can_conflict = true}),
-    action(
+    job_action("/v1/jobs/{id}/actions/arm", kOperator, handle::act<JobAction::Arm>,
+               "Arm a sheet: confirm that the blank is loaded; valid for ten minutes",
+               {.takes = &body::kArm}),
+    job_action("/v1/jobs/{id}/actions/disarm", kOperator, handle::act<JobAction::Disarm>,
+               "Disarm a sheet", {.match = MatchRule::OrAny}),
+    job_action("/v1/jobs/{id}/actions/start", kOperator, handle::act<JobAction::Start>,
+               "Cut the armed sheet", {.takes = &body::kStart}),
+    job_action("/v1/jobs/{id}/actions/pause", kOperator, handle::act<JobAction::Pause>,
+               "Pause at the end of the current stroke, with the tool up",
+               {.match = MatchRule::OrAny, .is_urgent = true}),
+    job_action("/v1/jobs/{id}/actions/resume", kOperator, handle::act<JobAction::Resume>,
+               "Continue after a pause"),
+    job_action(
+        "/v1/jobs/{id}/actions/cancel", kSubmitter, handle::act<JobAction::Cancel>,
+        "Cancel a job: your own, or any as an operator; a running cut stops at the end of the "
+        "stroke",
+        {.takes = &body::kCancel, .match = MatchRule::OrAny, .is_urgent = true}),
+    job_action("/v1/jobs/{id}/actions/confirm-result", kOperator,
+               handle::act<JobAction::ConfirmResult>, "Record whether a sheet came out well",
+               {.takes = &body::kConfirmResult}),
+    job_action("/v1/jobs/{id}/actions/retry-sheet", kOperator, handle::act<JobAction::RetrySheet>,
+               "Cut a sheet again on a new blank; then arm and start it",
+               {.takes = &body::kSheetChoice}),
+    job_action("/v1/jobs/{id}/actions/skip-sheet", kOperator, handle::act<JobAction::SkipSheet>,
+               "Skip a sheet and go on with the next", {.takes = &body::kSheetChoice}),
+    job_action(
         "/v1/jobs/{id}/actions/resume-from", kOperator, handle::act<JobAction::ResumeFrom>,
         "Continue an interrupted sheet on the same blank from a given path; then arm and start it",
-        {.takes = &body::kResumeFrom, .gives = {"Job"}, .can_conflict = true}),
+        {.takes = &body::kResumeFrom}),
 
     get("/v1/queue", kViewer, handle::get_queue,
-        "List unfinished jobs in queue order; a page can have fewer items than limit although "
+        "List unfinished jobs in queue order; a page can have fewer items than limit even if "
         "another page follows",
         {.query = "limit cursor device", .usual_page_items = kMostPageItems, .gives = {"JobPage"}}),
-    action("/v1/queue/actions/hold", kOperator, handle::hold_job,
-           "Hold a job back: nobody can arm it",
-           {.takes = &body::kHold,
-            .match = MatchRule::Allowed,
-            .gives = {"Job"},
-            .can_miss = true,
-            .can_conflict = true}),
-    action("/v1/queue/actions/release", kOperator, handle::release_job, "Release a held job",
-           {.takes = &body::kHold,
-            .match = MatchRule::Allowed,
-            .gives = {"Job"},
-            .can_miss = true,
-            .can_conflict = true}),
-    action(
+    job_action("/v1/queue/actions/hold", kOperator, handle::hold_job,
+               "Hold a job back: nobody can arm it",
+               {.takes = &body::kHold, .match = MatchRule::Allowed, .can_miss = true}),
+    job_action("/v1/queue/actions/release", kOperator, handle::release_job, "Release a held job",
+               {.takes = &body::kHold, .match = MatchRule::Allowed, .can_miss = true}),
+    job_action(
         "/v1/queue/actions/move", kOperator, handle::move_job,
         "Move a job before another job of the same priority, or after all others of its priority",
-        {.takes = &body::kMove,
-         .match = MatchRule::Allowed,
-         .gives = {"Job"},
-         .can_miss = true,
-         .can_conflict = true}),
+        {.takes = &body::kMove, .match = MatchRule::Allowed, .can_miss = true}),
 
     get("/v1/events", kViewer, handle::list_events,
         "Stream events (text/event-stream), or list them (application/json)",
@@ -429,13 +422,12 @@ constexpr auto kTable = std::to_array<Route>({
          .details = "To get a stream, send Accept: text/event-stream. Without Last-Event-ID, or if "
                     "that event is too old, the stream starts with 'reset' and a 'snapshot' of "
                     "devices and jobs. Each 'id' is the 'seq' of an event. 'progress' has no 'id', "
-                    "its 'seq' is 0, and it is not stored; it tells what a sheet that is cut, or "
-                    "the plan of a job in 'planning', is at. If you read too slowly, popcutd sends "
-                    "'overflow' and ends the stream; reconnect with the last id."}),
+                    "its 'seq' is 0, and it is not stored; it reports the progress of a sheet that "
+                    "is being cut, or of the plan of a job in 'planning'. If you read too slowly, "
+                    "popcutd sends 'overflow' and ends the stream; reconnect with the last id."}),
 
-    // A copy of the database cannot be made inside the transaction that a key would need, and both
-
-    // may well be done twice.
+    // No key: a database cannot be copied inside the transaction of a key, and both actions can be
+    // repeated.
     post("/v1/db/actions/backup", kAdmin, handle::backup, "Back up the database",
          {.takes = &body::kNothing, .gives = {"Backup"}, .can_conflict = true}),
     post("/v1/db/actions/check", kAdmin, handle::check_database, "Check the database",
@@ -449,14 +441,13 @@ constexpr bool is_action(const Route& route) {
   return route.path.find("/actions/") != std::string_view::npos;
 }
 
-// Whoever adds a route that moves a knife and forgets its key, its revision or its role learns it
-// from the compiler.
+// The compiler refuses a route that moves a knife without a key, a revision or a role.
 constexpr bool is_sound(const Route& route) {
   const bool changes = route.method != Method::Get;
   if (route.path.empty() || route.path.front() != '/') return false;
   if (route.path.size() > 1 && route.path.back() == '/') return false;
   if (route.is_static && (changes || !route.access.is_open())) return false;
-  // What everyone may change is a session that begins, and nobody may try as often as they like.
+  // Without authentication one can only start a session, and only with limited attempts.
   if (changes && route.access.is_open() &&
       (!route.path.starts_with("/v1/session") || route.guess == Guess::None))
     return false;

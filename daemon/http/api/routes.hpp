@@ -15,26 +15,26 @@
 
 namespace popcut::daemon::http {
 
-/// What a handler may know besides the request and the service.
+/// What a handler knows besides the request and the service.
 struct HandlerContext {
   HttpLimits limits{};
   std::string build{};           ///< version of the program
   std::string openapi_sha256{};  ///< of /v1/openapi.json
   std::string page_url{};        ///< "http://localhost:8631/"; empty: it listens on no TCP address
-  std::function<void(const std::string&)> log_fault{};      ///< from any thread; may be empty
-  std::function<std::string()> metrics{};                   ///< those of HTTP; called on its thread
-  std::function<std::vector<WorkerWall>()> worker_walls{};  ///< what confines them; may be empty
+  std::function<void(const std::string&)> log_fault{};      ///< from any thread; can be empty
+  std::function<std::string()> metrics{};                   ///< of HTTP; called on its thread
+  std::function<std::vector<WorkerWall>()> worker_walls{};  ///< what isolates workers; can be empty
 };
 
 /// Answers one request. Runs on the service's thread; the reply may come later.
 using HandlerFunction = void(const Request&, Service&, const HandlerContext&, Reply);
 using Handler = HandlerFunction*;
 
-/// Who may use a route. There is no default: a route without it does not compile.
+/// Who may use a route. Without a default, so that a route that forgets it does not compile.
 class RouteAccess {
  public:
   constexpr explicit RouteAccess(Role least) : role_(least), open_(false) {}
-  /// For everyone, without authentication. Only for requests that change nothing.
+  /// Everyone, without authentication. Only for requests that change nothing.
   static constexpr RouteAccess everyone() { return RouteAccess(); }
   [[nodiscard]] constexpr bool is_open() const { return open_; }
   [[nodiscard]] constexpr Role role() const { return role_; }
@@ -50,23 +50,23 @@ enum class BodyRule : std::uint8_t { None, Json, Design, Asset };
 enum class KeyRule : std::uint8_t { None, Allowed, Required };  ///< Idempotency-Key
 enum class MatchRule : std::uint8_t {
   None,
-  Required,  ///< If-Match names the revision that was seen
-  OrAny,     ///< or is "*": stopping a knife must not depend on a current revision
-  OrNew,     ///< or If-None-Match is "*": it must not be there yet
-  Allowed    ///< held against the revision if it is sent
+  Required,  ///< If-Match has the revision that the client saw
+  OrAny,     ///< or is "*": you can stop a knife without knowing the revision
+  OrNew,     ///< or If-None-Match is "*": it must not exist yet
+  Allowed    ///< compared with the revision if it is sent
 };
 /// Which rate of a principal a request counts against.
 enum class Bucket : std::uint8_t { Usual, Preview, Picture };
 enum class Patience : std::uint8_t { Usual, Probe, Design };  ///< how long the answer may take
 
-/// What someone who tries could find out by asking again and again: all of it is limited like
-/// failed logins, five in a minute.
+/// What an attacker could guess with many requests. All of it is limited like failed logins, five a
+/// minute.
 enum class Guess : std::uint8_t {
   None,
-  Word,    ///< 401: a word was wrong; good ones pass however many bad ones come from that address
-  Secret,  ///< the same, with 404; counted by itself, since a tablet that is gone is no login
+  Word,    ///< 401: the one-time code was wrong; valid ones always pass
+  Secret,  ///< the same, with 404; counted apart from logins
   Code,    ///< 404: a code was wrong
-  Another  ///< each answer is one more secret to be guessed
+  Another  ///< each answer is one more secret that can be guessed
 };
 
 /// An answer of a route that succeeds.
@@ -104,16 +104,16 @@ struct RouteRules {
   bool stores_nothing{false};  ///< changes nothing on disk, so that a full disk does not matter
   bool is_constant{false};     ///< gives what the program contains: never 500
 
-  /// Stops a knife, or is what one must ask before: served when all places are taken.
+  /// Stops a knife, or is needed for that: served even when all places are taken.
   bool is_urgent{false};
   Patience patience{Patience::Usual};
   /// May become a stream of events (see `wants_stream`).
   bool is_stream{false};
-  /// Is a part of the program: answered without the service and its thread, and not counted in the
-  /// rates. Its handler must not touch the service.
+  /// Built into the program: answered without the service and its thread, and not rate limited. Its
+  /// handler must not use the service.
   bool is_static{false};
   Bucket bucket{Bucket::Usual};
-  /// The handler learns when its client goes, and ends what it began (`Request::departure`).
+  /// The handler cancels its work when the client disconnects (`Request::departure`).
   bool ends_with_client{false};
   Guess guess{Guess::None};
   std::string_view details{};  ///< what `summary` leaves out, in sentences
@@ -121,7 +121,7 @@ struct RouteRules {
 
 struct Route : RouteRules {
   Method method{};
-  std::string_view path{};  ///< "/v1/jobs/{id}/sheets/{k}"; {..} stands for one part of it
+  std::string_view path{};  ///< "/v1/jobs/{id}/sheets/{k}"; {..} is any one part
   RouteAccess access{RouteAccess::everyone()};
   Handler handler{nullptr};
   std::string_view summary{};  ///< for the description of the API: "Get a job"
@@ -132,7 +132,7 @@ struct Route : RouteRules {
 
 struct Match {
   const Route* route{nullptr};      ///< nullptr: nothing for this method and path
-  std::vector<std::string> params;  ///< what stood for {..}
+  std::vector<std::string> params;  ///< the values of {..}
   std::vector<Method> allowed;      ///< the methods of that path; empty: no such path
 };
 /// HEAD is served by the route of GET.
