@@ -170,7 +170,7 @@ void ContractLife::use_an_asset() {
   CHECK(remove(add("of nobody")).status == 204);
 }
 
-json ContractLife::search_until(const std::string& asset, const std::string& state) {
+std::string ContractLife::begin_search(const std::string& asset) {
   const ContractCall search{
       .method = "POST",
       .route = "/v1/assets/{id}/search",
@@ -180,21 +180,25 @@ json ContractLife::search_until(const std::string& asset, const std::string& sta
   REQUIRE(begun.status == 202);
   const std::string id = json::parse(begun.body).at("id");
   CHECK(json::parse(ask(search).body).at("id") == id);
+  return id;
+}
+
+void ContractLife::wait_for_search(const std::string& id, const std::string& state) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(2);
   while (true) {
-    json now = caller_->get("/v1/searches/{id}", {{"id", id}});
+    const json now = caller_->get("/v1/searches/{id}", {{"id", id}});
     if (now.at("state") == state || std::chrono::steady_clock::now() > until) {
       INFO(now.dump().substr(0, 500));
       CHECK(now.at("state") == state);
-      return now;
+      return;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
 }
 
-// Cards are found for a model, and for what is none nothing is.
-void ContractLife::search_cards() {
-  search_ = search_until(used_asset_, "found").at("id");
+// A search finds cards for a model, and fails for a file that is not one.
+void ContractLife::finish_searches() {
+  wait_for_search(search_, "found");
   const auto pick = [&](const std::string& search) {
     return ask({.method = "POST",
                 .route = "/v1/searches/{id}/cards/{k}/design",
@@ -203,7 +207,7 @@ void ContractLife::search_cards() {
   };
   CHECK(pick(search_) == 201);
   CHECK(pick(search_) == 200);
-  failed_search_ = search_until(spare_asset_, "failed").at("id");
+  wait_for_search(failed_search_, "failed");
   CHECK(pick(failed_search_) == 409);
 }
 
@@ -251,7 +255,9 @@ void ContractLife::make_design_and_plans() {
               .status == status);
   CHECK(caller_->get("/v1/assets").at("items").at(0).at("name") == "a.stl");
   use_an_asset();
-  search_cards();
+  // They compute while other routes are called; see `finish_searches`.
+  search_ = begin_search(used_asset_);
+  failed_search_ = begin_search(spare_asset_);
   plan_ = plan_until({{"material", "paper-220"}}, "planned").at("id");
   failed_plan_ = plan_until({{"options", {{"mat", "10x10"}}}}, "failed").at("id");
   CHECK(caller_->get("/v1/plans/{id}", {{"id", plan_}}).at("length_mm") > 0);

@@ -24,7 +24,7 @@ class ContractLife {
 
   void make_design_and_plans();
   void use_an_asset();
-  void search_cards();
+  void finish_searches();
   void look_at(const nlohmann::json& spec);
   void knock();
   void use_devices_and_materials();
@@ -53,8 +53,8 @@ class ContractLife {
   std::string new_token(const std::string& role);
   nlohmann::json new_session();
   nlohmann::json plan_until(const nlohmann::json& body, const std::string& state);
-  /// The search of an asset, once it is in that state.
-  nlohmann::json search_until(const std::string& asset, const std::string& state);
+  std::string begin_search(const std::string& asset);
+  void wait_for_search(const std::string& id, const std::string& state);
 
   TempFolder files_;
   DaemonProcess daemon_;

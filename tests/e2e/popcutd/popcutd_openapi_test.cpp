@@ -139,6 +139,7 @@ TEST_CASE("the daemon produces every documented answer of every route",
   life.see_a_job_through();
   life.pause_a_cut();
   life.mend_a_sheet();
+  life.finish_searches();
   life.read_everything();
   life.open_sessions();
   life.fill_the_queue();
