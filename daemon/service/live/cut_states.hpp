@@ -16,16 +16,17 @@
 
 namespace popcut::daemon {
 
-// What this run of popcutd knows of jobs and cuts beyond what the database says. Each state has the
-// data that is valid in it, and no other. They follow each other in this way:
+// What this run of popcutd knows about jobs and cuts, beyond what the database says. Each state has
+// exactly the data that is valid in it:
 //
 //   Waiting --arm--> Armed --START--> InDoubt --committed--> Running --session over--> Ended
-//      ^               |                 |                      |                        |
-//      +--disarm-------+              revoked           the cutter refuses           recorded
-//                                                            Refused --recorded
 //
-// `Waiting` and `Armed` are states of a job, in which it is not cut. The others are states of an
-// attempt, which begins with a START and is forgotten when its end is recorded.
+// A disarmed job is `Waiting` again. An attempt in doubt whose answer is lost is revoked. A cut
+// that the cutter refuses goes from `Running` to `Refused`. `Refused` and `Ended` are forgotten
+// when they are recorded.
+//
+// `Waiting` and `Armed` are states of a job that is not cut. The others are states of an attempt,
+// which begins with a START.
 
 /// The part of a sheet with which a cut begins.
 struct CutStart {
