@@ -42,7 +42,9 @@ struct ColourMesh {
 /// area of `pixels`; 0 without a texture.
 [[nodiscard]] double texels_across(const ColourMesh& mesh, std::size_t triangle, double pixels);
 
+inline constexpr Colour kClay{204, 160, 126, 255};
+
 /// All of it in one colour: for models without colours, or to see the shape alone.
-void make_clay(ColourMesh& mesh, const Colour& clay = {204, 160, 126, 255});
+void make_clay(ColourMesh& mesh, const Colour& clay = kClay);
 
 }  // namespace popcut

@@ -7,7 +7,7 @@
 
 #include "core/design/strips/strips.hpp"
 #include "core/design/target/curve.hpp"
-#include "core/design/target/triangle_mesh.hpp"
+#include "core/model/triangle_mesh.hpp"
 #include "core/geometry/vec.hpp"
 
 namespace popcut {

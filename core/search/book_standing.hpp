@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "core/design/target/triangle_mesh.hpp"
+#include "core/model/triangle_mesh.hpp"
 #include "core/search/standing.hpp"
 
 namespace popcut {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "core/design/target/triangle_mesh.hpp"
+#include "core/model/triangle_mesh.hpp"
 
 namespace popcut {
 

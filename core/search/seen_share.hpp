@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/design/target/triangle_mesh.hpp"
+#include "core/model/triangle_mesh.hpp"
 #include "core/geometry/vec.hpp"
 
 namespace popcut {

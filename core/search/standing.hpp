@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/compare/comparison.hpp"
-#include "core/design/target/triangle_mesh.hpp"
+#include "core/model/triangle_mesh.hpp"
 
 namespace popcut {
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/design/target/mesh_reader.hpp"
+#include "core/model/model.hpp"
 #include "core/design/target/mesh_slicer.hpp"
 #include "core/design/target/surface_kinds.hpp"
 #include "tests/support/meshes.hpp"

@@ -8,8 +8,9 @@
 #include "core/design/outline/extrusion.hpp"
 #include "core/design/outline/text_outline.hpp"
 #include "core/design/spec/spec.hpp"
-#include "core/design/target/mesh_reader.hpp"
 #include "core/formats/csv/segments_reader.hpp"
+#include "core/model/height_grid.hpp"
+#include "core/model/model.hpp"
 #include "daemon/pictures/image_reader.hpp"
 #include "tests/fuzz/targets.hpp"
 

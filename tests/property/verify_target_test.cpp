@@ -293,13 +293,17 @@ TEST_CASE("verify reports a pattern that does not belong to its target",
   using Catch::Matchers::Contains;
   const std::string grid = R"({"type":"grid","file":"h.csv"})",
                     mesh = R"({"type":"mesh","file":"m.stl"})";
-  CHECK_THAT(refused(grid, ",0,10\n0,5,\n80,5,0\n"), Contains("line 2: column 3 is not a number"));
-  CHECK_THAT(refused(grid, ",0,10\n0,5,0\n0,5,0\n"), Contains("does not increase"));
-  CHECK_THAT(refused(grid, ""), Contains("at least two values"));
-  CHECK_THAT(refused(mesh, "solid\nvertex 1 2\n"), Contains("line 2: give three numbers"));
-  CHECK_THAT(refused(mesh, ""), Contains("no triangle"));
+  CHECK_THAT(refused(grid, ",0,10\n0,5,\n80,5,0\n"), Contains("line 2, column 3: is empty"));
+  CHECK_THAT(refused(grid, ",0,10\n0,5,0\n0,5,0\n"),
+             Contains("line 3, column 1: y is 0 after 0; values of y must grow"));
+  CHECK_THAT(refused(grid, ""), Contains("x values are needed"));
+  CHECK_THAT(refused(mesh, "solid\nvertex 1 2\n"), Contains("line 2: "));
+  CHECK_THAT(refused(mesh, "solid\nfacet\nvertex 1 2\n"),
+             Contains("line 3: has \"\" where a number is needed"));
+  CHECK_THAT(refused(mesh, ""), Contains("m.stl: is not an STL file"));
+  CHECK_THAT(refused(mesh, "solid\n"), Contains("no triangle"));
   CHECK_THAT(refused(R"({"type":"mesh","file":"m.obj"})", "v 0 0 0\nf 1 2 3\n"),
-             Contains("line 2: a face uses a point that does not exist"));
+             Contains("line 2: names vertex \"2\""));
   CHECK_THAT(refused(R"({"type":"blob"})", ""), Contains("\"blob\" is unknown"));
   CHECK_THAT(refused(R"({"type":"implicit","f":"x+"})", ""), Contains("/surface/f"));
 }

@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-#include "core/design/target/triangle_mesh.hpp"
+#include "core/model/triangle_mesh.hpp"
 
 namespace popcut::testing {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/design/target/section.hpp"
-#include "core/design/target/triangle_mesh.hpp"
+#include "core/model/triangle_mesh.hpp"
 
 namespace popcut {
 

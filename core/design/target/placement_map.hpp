@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/design/target/surface_spec.hpp"
-#include "core/design/target/triangle_mesh.hpp"
+#include "core/model/triangle_mesh.hpp"
 #include "core/geometry/opening.hpp"
 #include "core/result.hpp"
 

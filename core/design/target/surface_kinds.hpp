@@ -8,7 +8,7 @@
 
 #include "core/design/target/placement_map.hpp"
 #include "core/design/target/surface.hpp"
-#include "core/design/target/triangle_mesh.hpp"
+#include "core/model/triangle_mesh.hpp"
 
 namespace popcut {
 

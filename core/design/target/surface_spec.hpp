@@ -45,7 +45,7 @@ struct GridSpec {
 
 /// Triangles of a file.
 struct MeshSpec {
-  std::string file;  ///< name of an STL or OBJ file (`read_mesh`)
+  std::string file;  ///< name of an STL, OBJ or glTF file (`read_mesh`)
 };
 
 /// A line of text that stands on the ground and reaches to the wall (`text_areas`), in units of the

@@ -15,6 +15,10 @@
 #include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/target/target_surface.hpp"
 
+namespace popcut {
+struct DesignSpec;
+}  // namespace popcut
+
 namespace popcut::verify {
 
 /// A slice of the spec: what decides its place on the sheet.
@@ -50,12 +54,14 @@ struct Target {
 /// Contents of the files that a spec names, by the name that it gives.
 using TargetFiles = std::map<std::string, std::string>;
 
-/// Reads from a design spec what the distance needs: the surface (of any kind, including regions,
-/// composites and patches), its placement, the slices with their widths, and `card`. Ignores other
-/// members. `files` has the contents of `target_files_of`.
+/// Makes from a design spec what the distance needs: the surface (of any kind, including regions,
+/// composites and patches), its placement, the slices with their widths, and the margin of the card.
+/// `files` has the contents of `target_files_of`.
 ///
-/// @retval Malformed   not JSON, a wrong type, or an expression or file that cannot be read
-/// @retval OutOfRange  a number that is not valid, or an unknown kind of surface
+/// @retval Malformed   facets, or an expression or file that cannot be read
+/// @retval OutOfRange  a kind of surface that is not measured; widths that are chosen in patches
+[[nodiscard]] Result<Target> read_target(const DesignSpec& spec, const TargetFiles& files = {});
+/// The same of the text of a spec; also the errors of `parse_design_spec`.
 [[nodiscard]] Result<Target> read_target(std::string_view spec_json, const TargetFiles& files = {});
 
 /// A slice or connector: its strip on the sheet, and the place of its middle on the target.

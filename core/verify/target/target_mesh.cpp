@@ -99,7 +99,7 @@ bool clip(const TargetWall& wall, Piece& piece, double touch_mm) {
 
 class Mesh : public TargetSurface {
  public:
-  Mesh(TargetTriangles triangles, const TargetPlacement& placement)
+  Mesh(TriangleMesh triangles, const TargetPlacement& placement)
       : triangles_(std::move(triangles)), frame_(placement), wall_(placement.wall) {
     const std::size_t count = triangles_.size();
     low_ = std::numeric_limits<double>::infinity(), high_ = -low_;
@@ -135,7 +135,7 @@ class Mesh : public TargetSurface {
     return ends;
   }
 
-  void add_triangles(const TargetReach&, TargetTriangles& out) const override {
+  void add_triangles(const TargetReach&, TriangleMesh& out) const override {
     out.corners.reserve(out.corners.size() + triangles_.corners.size());
     for (std::size_t t = 0; t < triangles_.size(); ++t)
       for (std::size_t k = 0; k < 3; ++k)
@@ -189,7 +189,7 @@ class Mesh : public TargetSurface {
     return found == 2;
   }
 
-  TargetTriangles triangles_;
+  TriangleMesh triangles_;
   PlacedFrame frame_;
   TargetWall wall_;
   double low_{}, high_{}, slab_{1.0};
@@ -201,7 +201,7 @@ class Mesh : public TargetSurface {
 
 }  // namespace
 
-std::unique_ptr<TargetSurface> mesh_target(TargetTriangles triangles,
+std::unique_ptr<TargetSurface> mesh_target(TriangleMesh triangles,
                                            const TargetPlacement& placement) {
   return std::make_unique<Mesh>(std::move(triangles), placement);
 }

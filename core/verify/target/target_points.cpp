@@ -218,7 +218,7 @@ class Lofted : public TargetSurface {
     if (!section) return {-1.0, -1.0};
     return {placement_.scale_mm * section->h(), placement_.scale_mm * section->d()};
   }
-  void add_triangles(const TargetReach& reach, TargetTriangles& out) const override {
+  void add_triangles(const TargetReach& reach, TriangleMesh& out) const override {
     constexpr int kSteps = 96;
     add_sections(
         reach,

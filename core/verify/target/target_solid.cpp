@@ -42,7 +42,7 @@ class Solid : public TargetSurface {
     return {end(s_mm, true), end(s_mm, false)};
   }
 
-  void add_triangles(const TargetReach& reach, TargetTriangles& out) const override {
+  void add_triangles(const TargetReach& reach, TriangleMesh& out) const override {
     TargetReach box = reach;
     constexpr int kWidenings = 4;
     for (int k = 0; k < kWidenings; ++k) {
@@ -89,7 +89,7 @@ class Solid : public TargetSurface {
     [[nodiscard]] bool reaches_z() const { return any_inside(2); }
 
     // Six tetrahedra about a diagonal fill each cell; a plane cuts each in a triangle or two.
-    void add_border(TargetTriangles& out) const {
+    void add_border(TriangleMesh& out) const {
       static constexpr std::array<std::array<std::size_t, 2>, 6> kWays{
           {{1, 3}, {3, 2}, {2, 6}, {6, 4}, {4, 5}, {5, 1}}};  // corners between 0 and 7
       for (std::size_t k = 0; k + 1 < count_[2]; ++k)
@@ -138,7 +138,7 @@ class Solid : public TargetSurface {
       }
       return a;
     }
-    void add_tetrahedron(const std::array<Node, 4>& corner, TargetTriangles& out) const {
+    void add_tetrahedron(const std::array<Node, 4>& corner, TriangleMesh& out) const {
       std::vector<Node> in, outside;
       for (const Node& n : corner) (inside_[index(n)] ? in : outside).push_back(n);
       const auto add = [&](const Place& a, const Place& b, const Place& c) {

@@ -69,7 +69,7 @@ class Revolution : public TargetSurface {
     const double r_mm = radius_mm(s_mm);
     return {r_mm, r_mm};
   }
-  void add_triangles(const TargetReach& reach, TargetTriangles& out) const override {
+  void add_triangles(const TargetReach& reach, TriangleMesh& out) const override {
     const double opening = std::atan2(placement_.wall.sine, placement_.wall.cosine);
     const auto section = [&](double s_mm) {
       TargetPoints points;
@@ -128,7 +128,7 @@ class Profile : public TargetSurface {
     const double y = upright_y(placement_, s_mm);
     return {scale_ * z_(0.0, y, 0.0), scale_ * ground_end(y)};
   }
-  void add_triangles(const TargetReach& reach, TargetTriangles& out) const override {
+  void add_triangles(const TargetReach& reach, TriangleMesh& out) const override {
     const auto section = [&](double s_mm) {
       TargetPoints points;
       const double y = upright_y(placement_, s_mm), end = ground_end(y);
@@ -213,7 +213,7 @@ class Stretched : public TargetSurface {
     const TargetStretch& here = at(s_mm);
     return here.surface->ends_mm(s_mm - here.origin_mm);
   }
-  void add_triangles(const TargetReach& reach, TargetTriangles& out) const override {
+  void add_triangles(const TargetReach& reach, TriangleMesh& out) const override {
     for (std::size_t k = 0; k < stretches_.size(); ++k) {
       TargetReach own = reach;
       if (k > 0) own.begin_mm = std::max(reach.begin_mm, stretches_[k].begin_mm);
@@ -331,7 +331,7 @@ std::unique_ptr<TargetSurface> profile_target(TargetFormula z, const TargetPlace
       placement);
 }
 
-void add_sections(const TargetReach& reach, const SectionPoints& section, TargetTriangles& out) {
+void add_sections(const TargetReach& reach, const SectionPoints& section, TriangleMesh& out) {
   constexpr int kSections = 160, kHalvings = 40;
   struct Station {
     double s_mm{};

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/model/triangle_mesh.hpp"
 #include "core/result.hpp"
 
 namespace popcut::verify {
@@ -29,12 +30,6 @@ struct TargetWall {
   [[nodiscard]] double ahead(double x, double z) const { return x - z * cosine / sine; }
 };
 
-/// Triangles: nine coordinates each.
-struct TargetTriangles {
-  std::vector<float> corners;
-  [[nodiscard]] std::size_t size() const { return corners.size() / 9; }
-};
-
 /// Where triangles of a surface are asked for: a stretch of the spine, and how far from wall and
 /// ground a solid is looked for at least. In mm.
 struct TargetReach {
@@ -53,7 +48,7 @@ class TargetSurface {
   /// Appends the surface as triangles, in corner coordinates: (x, s, z). Formulas and drawn curves
   /// over the stretch of the spine that is asked for, as far as they are there; the triangles of a
   /// file all. Wall, ground and the ends of the stretch are no part of the surface.
-  virtual void add_triangles(const TargetReach& reach, TargetTriangles& out) const = 0;
+  virtual void add_triangles(const TargetReach& reach, TriangleMesh& out) const = 0;
 };
 
 /// Points of a section from wall to ground, equally many at each place along the spine; none where
@@ -61,7 +56,7 @@ class TargetSurface {
 using SectionPoints = std::function<std::vector<std::array<double, 2>>(double s_mm)>;
 /// Appends the surface through sections of the stretch: 160 of them, and one more where they begin
 /// or end within it.
-void add_sections(const TargetReach& reach, const SectionPoints& section, TargetTriangles& out);
+void add_sections(const TargetReach& reach, const SectionPoints& section, TriangleMesh& out);
 
 /// How a surface is placed in the corner: its point q is at `R_z R_y R_x (scale_mm q) +
 /// translate_mm`.
@@ -124,28 +119,9 @@ struct DrawnStation {
 [[nodiscard]] std::unique_ptr<TargetSurface> solid_target(TargetFormula f,
                                                           const TargetPlacement& placement);
 
-/// Reads binary and text STL, OBJ (decided by `name`), and glTF with all of its mesh in the file.
-///
-/// @retval Malformed   invalid or without faces
-/// @retval OutOfRange  more than ten million triangles, or a coordinate that is not finite
-[[nodiscard]] Result<TargetTriangles> read_target_mesh(const std::string& name,
-                                                       const std::string& bytes);
-/// The triangles of a glTF 2.0 file, .glb or .gltf, its nodes put together; in units and axes of
-/// the file. As `read_target_mesh`.
-[[nodiscard]] Result<TargetTriangles> read_target_gltf(const std::string& name,
-                                                       const std::string& bytes);
-/// Reads heights over a grid from CSV (x values in the first row, y values in the first column).
-/// Each cell becomes two triangles that share the diagonal from the smallest to the largest x and
-/// y.
-///
-/// @retval Malformed  a cell that is not a number, a row of a different length, or x or y that do
-///                    not increase
-[[nodiscard]] Result<TargetTriangles> read_target_grid(const std::string& name,
-                                                       const std::string& bytes);
-
 /// The sections of triangles: the nearest piece in a plane counts, whether or not it is visible
 /// from outside. The ends are where the section reaches wall and ground.
-[[nodiscard]] std::unique_ptr<TargetSurface> mesh_target(TargetTriangles triangles,
+[[nodiscard]] std::unique_ptr<TargetSurface> mesh_target(TriangleMesh triangles,
                                                          const TargetPlacement& placement);
 
 /// A stretch of the spine with its own surface, whose positions count from `origin_mm`.

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "core/compare/view.hpp"
 #include "core/design/book.hpp"
@@ -32,15 +31,14 @@ void append(const std::vector<float>& from, std::vector<float>& to) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-/// Where card `card` of a book shows its target, as a design of its own that the verifier reads.
-nlohmann::json spec_of_card(nlohmann::json spec, const DesignSpec& card) {
-  spec.erase("book");
-  spec["design_angle_deg"] = card.placement.design_angle_deg;
+/// The design of a book as one of `card`, with the placement that the verifier reads.
+DesignSpec spec_of_card(DesignSpec spec, const DesignSpec& card) {
+  spec.placement.design_angle_deg = card.placement.design_angle_deg;
   if (!card.surface || std::holds_alternative<RevolutionSpec>(*card.surface) ||
       !turns_with_cards(*card.surface))
     if (card.placement.about_spine_deg == 0.0) return spec;
-  spec["rotate_deg"] = degrees_of(whole_turn(card.placement));
-  spec["translate_mm"] = whole_shift_mm(card.placement);
+  spec.placement.rotate_deg = degrees_of(whole_turn(card.placement));
+  spec.placement.translate_mm = whole_shift_mm(card.placement);
   return spec;
 }
 
@@ -111,7 +109,6 @@ Result<ComparedTarget> read_book_target(const std::string& file, const std::stri
   if (!assets) return tl::unexpected(within(file, assets.error()));
   const auto placement = book_placement(*spec, *assets);
   if (!placement) return tl::unexpected(within(file, placement.error()));
-  const auto json = nlohmann::json::parse(text, nullptr, false);
   const bool is_mesh = spec->surface && std::holds_alternative<MeshSpec>(*spec->surface);
   if (spec->style == DesignStyle::Facets) {
     auto facets = facet_book_target(*spec, *assets, *placement, is_mesh);
@@ -128,7 +125,7 @@ Result<ComparedTarget> read_book_target(const std::string& file, const std::stri
   std::optional<double> shift;  // from the target to the sheets
   for (std::size_t i = 0; i < (is_mesh ? 1 : cards); ++i) {
     const DesignSpec card = card_of_book(*spec, *placement, i);
-    auto target = verify::read_target(spec_of_card(json, card).dump(), target_files);
+    auto target = verify::read_target(spec_of_card(*spec, card), target_files);
     if (!target) return tl::unexpected(within(file, target.error()));
     if (i == 0) {
       shift = shift_along_spine(structure.fold_text, *target);
@@ -140,7 +137,7 @@ Result<ComparedTarget> read_book_target(const std::string& file, const std::stri
       wanted.begin_mm = -0.5 * target->slices.front().width_mm;
       wanted.end_mm = target->slices.back().s_mm + 0.5 * target->slices.back().width_mm;
     }
-    verify::TargetTriangles triangles;
+    TriangleMesh triangles;
     target->surface->add_triangles(wanted, triangles);
     planning::turn_about_spine(triangles.corners, static_cast<double>(i) * spec->book->angle_deg() *
                                                       std::numbers::pi / 180.0);

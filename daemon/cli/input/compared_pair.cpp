@@ -15,6 +15,8 @@
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/geometry/triangulate.hpp"
 #include "core/geometry/vec.hpp"
+#include "core/model/height_grid.hpp"
+#include "core/model/model.hpp"
 #include "core/text/file_kind.hpp"
 #include "core/text/words.hpp"
 #include "core/verify/sheet/check.hpp"
@@ -38,8 +40,8 @@ bool has_ending(const std::string& file, std::string_view ending) {
 }
 
 Result<std::vector<float>> mesh_triangles(const std::string& file, const std::string& bytes) {
-  auto triangles = has_ending(file, ".csv") ? verify::read_target_grid(file, bytes)
-                                            : verify::read_target_mesh(file, bytes);
+  auto triangles = has_ending(file, ".csv") ? read_height_grid(file, bytes)
+                                            : read_mesh(file, bytes);
   if (!triangles) return tl::unexpected(within(file, triangles.error()));
   return std::move(triangles->corners);
 }
@@ -167,7 +169,7 @@ Result<SpecSurface> read_spec(const std::string& file, const std::string& text,
     reach.begin_mm = -0.5 * target->slices.front().width_mm;
     reach.end_mm = target->slices.back().s_mm + 0.5 * target->slices.back().width_mm;
   }
-  verify::TargetTriangles triangles;
+  TriangleMesh triangles;
   target->surface->add_triangles(reach, triangles);
   out.triangles = std::move(triangles.corners);
   const auto json = nlohmann::json::parse(text, nullptr, false);

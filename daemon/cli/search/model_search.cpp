@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "core/design/target/mesh_reader.hpp"
+#include "core/model/model.hpp"
 #include "core/search/choices.hpp"
 #include "core/text/words.hpp"
 #include "daemon/cli/input/drawn_pattern.hpp"

@@ -11,7 +11,7 @@
 #include "core/compare/comparison.hpp"
 #include "core/compare/placement.hpp"
 #include "core/design/patches.hpp"
-#include "core/design/target/triangle_mesh.hpp"
+#include "core/model/triangle_mesh.hpp"
 #include "core/machines/machine.hpp"
 #include "core/plan/plan_options.hpp"
 #include "core/progress.hpp"

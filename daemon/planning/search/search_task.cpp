@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/design/target/mesh_reader.hpp"
+#include "core/model/model.hpp"
 #include "core/machines/machine.hpp"
 #include "core/search/choices.hpp"
 #include "daemon/planning/plan_job.hpp"

@@ -17,7 +17,7 @@ using Catch::WithinRel;
 
 namespace {
 
-TriangleSoup soup_of(const verify::TargetTriangles& triangles) {
+TriangleSoup soup_of(const TriangleMesh& triangles) {
   TriangleSoup soup;
   soup.corners.assign(triangles.corners.begin(), triangles.corners.end());
   return soup;
@@ -53,7 +53,7 @@ TEST_CASE("the verifier's triangles of a surface are those of the designer", "[c
       from = std::min(from, theirs.corners[k + 1]), to = std::max(to, theirs.corners[k + 1]);
       x = std::max(x, theirs.corners[k]), z = std::max(z, theirs.corners[k + 2]);
     }
-    verify::TargetTriangles triangles;
+    TriangleMesh triangles;
     target->surface->add_triangles({from, to, x, z}, triangles);
     const TriangleSoup ours = soup_of(triangles);
     CHECK_THAT(area_of(ours), WithinRel(area_of(theirs), 0.01));

@@ -9,7 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/design/design.hpp"
-#include "core/design/target/mesh_reader.hpp"
+#include "core/model/model.hpp"
 #include "core/search/book_standing.hpp"
 #include "core/search/candidate.hpp"
 #include "core/search/coarse_mesh.hpp"

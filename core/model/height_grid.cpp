@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/design/target/mesh_reader.hpp"
+#include "core/model/height_grid.hpp"
 
 #include <charconv>
 #include <cmath>

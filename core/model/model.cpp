@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "core/model/model.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/model/model_readers.hpp"
+#include "core/text/file_kind.hpp"
+#include "core/text/words.hpp"
+
+namespace popcut {
+namespace model_readers {
+
+Result<void> check_triangles(const std::string& name, std::size_t count) {
+  if (count <= kMaxTriangles) return {};
+  return fail(
+      ErrorKind::OutOfRange, name,
+      fmt::format("has {} triangles; at most {} are read: reduce the mesh", count, kMaxTriangles));
+}
+
+Result<std::int32_t> add_picture(Model& model, const ModelOptions& options,
+                                 const std::string& place, ModelPicture picture,
+                                 std::string_view bytes) {
+  if (options.take_picture)
+    if (auto taken = options.take_picture(picture.name, bytes); !taken)
+      return tl::unexpected(within(place, taken.error()));
+  model.pictures.push_back(std::move(picture));
+  return static_cast<std::int32_t>(model.pictures.size() - 1);
+}
+
+Result<std::array<float, 3>> read_vertex(const std::string& name, std::size_t number,
+                                         std::string_view& words) {
+  std::array<float, 3> out{};
+  for (float& value : out) {
+    std::string_view word = next_word(words);
+    if (!word.empty() && word.front() == '+') word.remove_prefix(1);
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (word.empty() || end != word.data() + word.size() || error == std::errc::invalid_argument)
+      return fail(ErrorKind::Malformed, line_place(name, number),
+                  fmt::format("has \"{}\" where a number is needed; a vertex has three",
+                              word.substr(0, 24)));
+    const bool tiny = error == std::errc::result_out_of_range && word.find("e-") != word.npos;
+    if ((error != std::errc{} && !tiny) || !std::isfinite(value))
+      return fail(ErrorKind::OutOfRange, line_place(name, number),
+                  fmt::format("has the coordinate {}; a finite number is needed: repair the mesh",
+                              word.substr(0, 24)));
+  }
+  return out;
+}
+
+}  // namespace model_readers
+
+namespace {
+
+std::string extension(const std::string& name) {
+  const auto dot = name.rfind('.');
+  return dot == std::string::npos ? "" : lower(std::string_view(name).substr(dot + 1));
+}
+
+/// The format of a file whose name has no extension, as assets are named. An OBJ is text with
+/// vertices in it, a .gltf begins with a brace.
+std::string kind_by_bytes(std::string_view bytes) {
+  if (bytes.starts_with("glTF") || trimmed(bytes.substr(0, 256)).starts_with('{')) return "gltf";
+  const bool stl = bytes.starts_with("solid") || bytes.find('\0') != std::string_view::npos;
+  return stl ? "stl" : "obj";
+}
+
+}  // namespace
+
+Result<Model> read_model(const std::string& name, std::string_view bytes,
+                         const ModelOptions& options) {
+  using namespace model_readers;
+  if (const auto foreign = foreign_kind(bytes); !foreign.empty() && !is_whole_binary_stl(bytes))
+    return fail(ErrorKind::Malformed, name,
+                fmt::format("is {}; give a 3D model as an STL, OBJ or GLB file", foreign));
+  std::string kind = extension(name);
+  if (kind.empty()) kind = kind_by_bytes(bytes);
+  if (kind == "glb" || kind == "gltf") return read_gltf(name, bytes, options);
+  if (kind == "obj") return read_obj(name, bytes, options);
+  if (kind == "stl") return read_stl(name, bytes);
+  return fail(
+      ErrorKind::Malformed, name,
+      fmt::format("is a \"{}\" file; meshes are read from .stl, .obj, .glb and .gltf", kind));
+}
+
+Result<TriangleMesh> read_mesh(const std::string& name, std::string_view bytes) {
+  const auto model = read_model(name, bytes);
+  if (!model) return tl::unexpected(model.error());
+  TriangleMesh mesh;
+  mesh.corners.reserve(model->corners.size());
+  for (const double value : model->corners) mesh.corners.push_back(static_cast<float>(value));
+  return mesh;
+}
+
+}  // namespace popcut

@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/geometry/triangulate.hpp"
+#include "core/model/model_readers.hpp"
+
+namespace popcut::model_readers {
+namespace {
+
+using Vertex = std::array<float, 3>;
+
+constexpr std::size_t kLongestLine = 1u << 16;
+constexpr std::string_view kSpaces = " \t\r";
+constexpr ModelColour kWhite{1, 1, 1};
+
+/// The vertex that one "v", "v/t" or "v/t/n" of a face names: counted from 1, or backward from the
+/// last one with a minus.
+std::optional<std::size_t> named_vertex(std::string_view word, std::size_t vertices) {
+  const bool backward = !word.empty() && word.front() == '-';
+  if (backward) word.remove_prefix(1);
+  std::size_t value = 0, digits = 0;
+  for (; digits < word.size() && word[digits] >= '0' && word[digits] <= '9' && digits < 10;
+       ++digits)
+    value = 10 * value + static_cast<std::size_t>(word[digits] - '0');
+  if (digits == 0 || (digits < word.size() && word[digits] != '/')) return std::nullopt;
+  if (word.find_first_not_of("0123456789-/", digits) != std::string_view::npos) return std::nullopt;
+  if (value < 1 || value > vertices) return std::nullopt;  // only what was read so far
+  return backward ? vertices - value : value - 1;
+}
+
+/// A polygon as triangles of its corners, counted from its first: a fan where it is convex, else by
+/// its ears, as it is seen from where it looks largest. What is no simple polygon is a fan too.
+///
+/// @param face  its corners as indices of `vertices`, at least three
+std::vector<Triangle> polygon_triangles(std::span<const Vertex> vertices,
+                                        const std::vector<std::uint32_t>& face) {
+  std::vector<Vec3> corners;
+  for (const std::uint32_t i : face)
+    corners.push_back(Eigen::Vector3f(vertices[i].data()).cast<double>() -
+                      Eigen::Vector3f(vertices[face[0]].data()).cast<double>());
+  Vec3 normal;
+  for (std::size_t k = 2; k < corners.size(); ++k) normal += corners[k - 1].cross(corners[k]);
+  std::vector<Triangle> fan;
+  bool convex = true;
+  for (std::uint32_t k = 2; k < corners.size(); ++k) {
+    fan.push_back({0, k - 1, k});
+    convex = convex && corners[k - 1].cross(corners[k]).dot(normal) >= 0.0;
+  }
+  if (convex) return fan;
+  Eigen::Index along{};
+  normal.cwiseAbs().maxCoeff(&along);
+  const Eigen::Index u = (along + 1) % 3, v = (along + 2) % 3;
+  std::vector<Vec2> seen;
+  for (const Vec3& p : corners) seen.emplace_back(normal[along] < 0.0 ? -p[u] : p[u], p[v]);
+  std::vector<std::uint32_t> all(corners.size());
+  std::iota(all.begin(), all.end(), 0U);
+  std::vector<Triangle> ears;
+  return triangulate(seen, all, ears) ? ears : fan;
+}
+
+/// Reads up to `numbers.size()` finite numbers. @return how many stand before another word
+std::size_t numbers_of(std::string_view line, std::span<float> numbers) {
+  std::size_t count = 0;
+  while (count < numbers.size()) {
+    const std::string_view word = next_word(line, kSpaces);
+    if (!read_number(word, numbers[count]) || !std::isfinite(numbers[count])) break;
+    ++count;
+  }
+  return count;
+}
+
+/// The file of a "map_Kd" line: what stands after its options, each with its own count of words.
+std::string picture_name(std::string_view line) {
+  static const std::map<std::string_view, int> kWords{
+      {"-blendu", 1}, {"-blendv", 1}, {"-boost", 1}, {"-mm", 2},      {"-o", 3}, {"-s", 3},
+      {"-t", 3},      {"-texres", 1}, {"-clamp", 1}, {"-imfchan", 1}, {"-bm", 1}};
+  while (!line.empty() && line.front() == '-') {
+    const auto known = kWords.find(next_word(line, kSpaces));
+    if (known == kWords.end()) break;
+    for (int k = 0; k < known->second; ++k) {
+      std::string_view rest = line;
+      const std::string_view word = next_word(rest, kSpaces);
+      float number{};
+      // Of three numbers, the last ones may be left out.
+      if (k > 0 && known->second == 3 && !read_number(word, number)) break;
+      line = rest;
+    }
+    line = trimmed(line, kSpaces);
+  }
+  std::string name(line);
+  std::replace(name.begin(), name.end(), '\\', '/');
+  return name;
+}
+
+/// Whether a line begins with this letter as a word of its own.
+bool is_key(std::string_view line, char key) {
+  return line.size() > 1 && line[0] == key && is_blank(line[1]);
+}
+
+/// The first word of a line of colours, and what follows it.
+struct Entry {
+  std::string_view key, rest;
+  std::size_t number{};  ///< of the line
+
+  Entry(std::string_view line, std::size_t at) : rest(line), number(at) {
+    key = next_word(rest, kSpaces);
+    rest = trimmed(rest, kSpaces);
+  }
+};
+
+/// The materials of the MTL files that an OBJ names.
+class Materials {
+ public:
+  Materials(Model& model, const ModelOptions& options) : model_(model), options_(options) {}
+
+  /// Reads an MTL file. @param place  of the line that names it
+  Result<void> read(const std::string& file, const std::string& place) {
+    const auto bytes = options_.open
+                           ? options_.open(file)
+                           : Result<std::string>(fail(ErrorKind::Malformed, file, "is beside it"));
+    if (!bytes)
+      return fail(ErrorKind::Malformed, place,
+                  fmt::format("the materials {} cannot be read; {}", file, options_.advice));
+    std::uint32_t now = 0;
+    return for_each_line(*bytes, [&](std::string_view line, std::size_t number) -> Result<void> {
+      const Entry entry(line, number);
+      if (entry.key == "newmtl") {
+        now = static_cast<std::uint32_t>(model_.materials.size());
+        model_.materials.push_back({kWhite});
+        by_name_[std::string(entry.rest)] = now;
+      }
+      if (now == 0) return {};
+      if (entry.key == "Kd") return colour(entry, file, model_.materials[now]);
+      if (entry.key == "map_Kd") return picture(entry, file, model_.materials[now]);
+      return {};
+    });
+  }
+
+  /// The index of a material in the model.
+  [[nodiscard]] std::optional<std::uint32_t> find(const std::string& name) const {
+    const auto known = by_name_.find(name);
+    return known == by_name_.end() ? std::nullopt : std::optional(known->second);
+  }
+
+ private:
+  static Result<void> colour(const Entry& entry, const std::string& file, ModelMaterial& material) {
+    ModelColour kd{};
+    const std::size_t count = numbers_of(entry.rest, kd);
+    if (count == 0)
+      return fail(ErrorKind::Malformed, line_place(file, entry.number),
+                  "is no colour; Kd needs numbers from 0 to 1, such as \"Kd 0.8 0.4 0.2\"");
+    for (std::size_t k = count; k < 3; ++k) kd[k] = kd[0];  // a grey
+    for (float& part : kd) part = std::clamp(part, 0.0F, 1.0F);
+    material.colour = kd;
+    return {};
+  }
+
+  Result<void> picture(const Entry& entry, const std::string& library, ModelMaterial& material) {
+    const std::string file = picture_name(entry.rest);
+    const auto [known, fresh] = pictures_.try_emplace(file, 0);
+    if (fresh) {
+      const std::string place = line_place(library, entry.number);
+      const auto bytes = options_.open(file);
+      if (!bytes)
+        return fail(ErrorKind::Malformed, place,
+                    fmt::format("the picture {} cannot be read; {}", file, options_.advice));
+      const auto added = add_picture(model_, options_, place, {file}, *bytes);
+      if (!added) return tl::unexpected(added.error());
+      known->second = *added;
+    }
+    material.picture = known->second;
+    // Many programs write a black Kd beside a picture and mean the picture alone.
+    if (material.colour == ModelColour{}) material.colour = kWhite;
+    return {};
+  }
+
+  Model& model_;
+  const ModelOptions& options_;
+  std::map<std::string, std::uint32_t> by_name_;
+  std::map<std::string, std::int32_t> pictures_;
+};
+
+/// Reads vertices and faces, and colours on the way if they are asked for. What is wrong with the
+/// shape goes before what is wrong with colours, so the first fault of those waits for the end.
+class ObjReader {
+ public:
+  ObjReader(const std::string& name, const ModelOptions& options)
+      : name_(name), colours_(options.colours), materials_(model_, options) {}
+
+  Result<Model> read(std::string_view bytes) {
+    if (colours_) model_.materials.emplace_back();
+    const auto done = for_each_line(bytes, [&](std::string_view line, std::size_t number) {
+      number_ = number;
+      if (is_key(line, 'v') || is_key(line, 'f')) return read_shape(line);
+      if (reads_colours()) keep(read_colours(Entry(line, number)));
+      return Result<void>{};
+    });
+    if (!done) return tl::unexpected(done.error());
+    if (vertices_.empty())
+      return fail(ErrorKind::Malformed, name_, "has no vertices; is it an OBJ file?");
+    if (model_.size() == 0)
+      return fail(ErrorKind::Malformed, name_, "has no faces; a mesh needs some");
+    if (colour_fault_) return tl::unexpected(*colour_fault_);
+    if (!has_corner_colours_) model_.corner_colours.clear();
+    return std::move(model_);
+  }
+
+ private:
+  [[nodiscard]] Result<void> broken(std::string what) const {
+    return fail(ErrorKind::Malformed, line_place(name_, number_), std::move(what));
+  }
+  [[nodiscard]] bool reads_colours() const { return colours_ && !colour_fault_; }
+  void keep(Result<void> of_colours) {
+    if (!of_colours && !colour_fault_) colour_fault_ = std::move(of_colours.error());
+  }
+
+  Result<void> read_shape(std::string_view line) {
+    if (line.size() > kLongestLine) return broken("is longer than 65536 characters");
+    if (line.back() == '\\') return broken("goes on in the next line; write it in one");
+    const std::string_view rest = line.substr(1);
+    return line[0] == 'v' ? read_vertex_line(rest) : read_face(rest);
+  }
+
+  Result<void> read_vertex_line(std::string_view rest) {
+    const auto vertex = read_vertex(name_, number_, rest);
+    if (!vertex) return tl::unexpected(vertex.error());
+    vertices_.push_back(*vertex);
+    if (colours_) colours_of_vertices_.push_back(colour_of_vertex(rest));
+    return vertices_.size() > 3 * kMaxTriangles ? check_triangles(name_, kMaxTriangles + 1)
+                                                : Result<void>{};
+  }
+
+  /// "r g b" after the place of a vertex, or with a weight before the colour.
+  ModelColour colour_of_vertex(std::string_view rest) {
+    std::array<float, 4> numbers{};
+    const std::size_t count = numbers_of(rest, numbers);
+    if (count < 3) return kWhite;
+    has_corner_colours_ = true;
+    ModelColour out{};
+    for (std::size_t k = 0; k < 3; ++k) out[k] = std::clamp(numbers[count - 3 + k], 0.0F, 1.0F);
+    return out;
+  }
+
+  Result<void> read_face(std::string_view rest) {
+    face_.clear(), places_.clear();
+    for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
+      const auto vertex = named_vertex(word, vertices_.size());
+      if (!vertex)
+        return broken(
+            fmt::format("names vertex \"{}\"; a number from 1 to {}, the vertices before "
+                        "it, is needed",
+                        word.substr(0, 24), vertices_.size()));
+      face_.push_back(static_cast<std::uint32_t>(*vertex));
+      if (reads_colours()) keep(add_picture_place(word));
+    }
+    if (face_.size() < 3) return broken("a face needs three vertices");
+    triangles_ += face_.size() - 2;
+    if (auto few = check_triangles(name_, triangles_); !few) return few;
+    for (const Triangle& triangle : polygon_triangles(vertices_, face_)) add(triangle);
+    return {};
+  }
+
+  void add(const Triangle& triangle) {
+    for (const std::uint32_t k : triangle) {
+      const Vertex& at = vertices_[face_[k]];
+      model_.corners.insert(model_.corners.end(), at.begin(), at.end());
+      if (!reads_colours()) continue;
+      model_.picture_places.push_back(places_[k]);
+      model_.corner_colours.push_back(colours_of_vertices_[face_[k]]);
+    }
+    if (reads_colours()) model_.material_of.push_back(material_);
+  }
+
+  /// Keeps the place in a picture that "v/t/n" names, counted as vertices are; the corner if it
+  /// names none.
+  Result<void> add_picture_place(std::string_view word) {
+    static_cast<void>(take_word(word, "/"));
+    const std::string_view text = take_word(word, "/");
+    places_.emplace_back();
+    if (text.empty()) return {};
+    long long at = 0;
+    const auto most = static_cast<long long>(picture_places_.size());
+    if (!read_number(text, at) || at == 0 || at > most || at < -most)
+      return broken(fmt::format("names place {} of the texture; a number from 1 to {}, the vt "
+                                "lines before it, is needed",
+                                text.substr(0, 24), most));
+    places_.back() = picture_places_[static_cast<std::size_t>(at < 0 ? most + at : at - 1)];
+    return {};
+  }
+
+  Result<void> read_colours(const Entry& entry) {
+    if (entry.key == "vt") {
+      std::array<float, 2> n{};
+      if (numbers_of(entry.rest, n) == 0)
+        return broken("is no place of a texture; vt needs numbers, such as \"vt 0.5 0.25\"");
+      picture_places_.push_back({n[0], 1.0F - n[1]});  // v of an OBJ goes up
+    }
+    if (entry.key == "mtllib")
+      return materials_.read(std::string(entry.rest), line_place(name_, number_));
+    if (entry.key == "usemtl") {
+      const auto known = materials_.find(std::string(entry.rest));
+      if (!known)
+        return broken(fmt::format("names the material {}, which no mtllib before it defines; add "
+                                  "it, or leave the colours out",
+                                  entry.rest));
+      material_ = *known;
+      model_.uses_materials = true;
+    }
+    return {};
+  }
+
+  const std::string& name_;
+  bool colours_;
+  Model model_;
+  Materials materials_;
+  std::optional<Error> colour_fault_;
+  std::size_t number_{}, triangles_{};
+  std::vector<Vertex> vertices_;
+  std::vector<ModelColour> colours_of_vertices_;
+  std::vector<std::array<float, 2>> picture_places_;
+  std::vector<std::uint32_t> face_;                   ///< vertices of the face that is read
+  std::vector<std::array<float, 2>> places_;          ///< of its corners
+  std::uint32_t material_{0};
+  bool has_corner_colours_{false};
+};
+
+}  // namespace
+
+Result<Model> read_obj(const std::string& name, std::string_view bytes,
+                       const ModelOptions& options) {
+  return ObjReader(name, options).read(bytes);
+}
+
+}  // namespace popcut::model_readers
