@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/artwork/triangle_pixels.hpp"
+#include "core/artwork/pixel_frame.hpp"
 #include "core/fit/triangle_tree.hpp"
 
 namespace popcut {

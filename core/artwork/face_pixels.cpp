@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "core/artwork/triangle_pixels.hpp"
+#include "core/artwork/pixel_frame.hpp"
 #include "core/geometry/triangulate.hpp"
 
 namespace popcut {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/artwork/pixel_frame.hpp"
-#include "core/artwork/triangle_pixels.hpp"
 
 namespace popcut {
 namespace lit_picture_parts {

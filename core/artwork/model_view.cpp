@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/artwork/triangle_pixels.hpp"
+#include "core/artwork/pixel_frame.hpp"
 #include "core/geometry/vec.hpp"
 
 namespace popcut {

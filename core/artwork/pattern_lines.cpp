@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "core/artwork/triangle_pixels.hpp"
+#include "core/artwork/pixel_frame.hpp"
 #include "core/geometry/opening.hpp"
 #include "core/geometry/vec.hpp"
 #include "core/text/text_sink.hpp"

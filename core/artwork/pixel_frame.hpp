@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 
 #include "core/geometry/page_point.hpp"
+#include "core/geometry/raster.hpp"
 
 namespace popcut {
 
@@ -26,6 +28,17 @@ struct PixelFrame {
     return {(p.x - left_mm) / pixel_mm - 0.5, (p.y - top_mm) / pixel_mm - 0.5};
   }
 };
+
+/// Visits the pixels of a frame that a triangle covers (`for_each_pixel`).
+///
+/// @param corners  in mm of the page
+template <typename Visit>
+void each_pixel(const PixelFrame& frame, const std::array<PagePoint, 3>& corners, Visit&& visit) {
+  for_each_pixel(
+      frame.width, frame.height,
+      {frame.in_pixels(corners[0]), frame.in_pixels(corners[1]), frame.in_pixels(corners[2])},
+      visit);
+}
 
 /// The frame of pixels of `pixel_mm` that covers a box and `around_mm` more on each side.
 [[nodiscard]] inline PixelFrame frame_around(const Box& box, double around_mm, double pixel_mm) {

@@ -6,24 +6,26 @@
 #include <cmath>
 #include <cstddef>
 
-#include "core/artwork/pixel_frame.hpp"
+#include "core/geometry/page_point.hpp"
 
 namespace popcut {
 
-/// Calls `visit(i, j, weights)` for each pixel whose middle lies in a triangle, its sides included,
-/// with the weights of the three corners there (their sum is 1). Rows from top to bottom. A middle
-/// on a side that two triangles share is visited for both.
+/// Calls `visit(column, row, weights)` for each pixel whose middle lies in a triangle, its sides
+/// included, with the weights of the three corners there (their sum is 1). Row by row. A middle on
+/// a side that two triangles share is visited for both.
 ///
-/// @param corners  in mm of the page
+/// Weight k falls from 1 at its corner to 0 on the side across from it (barycentric coordinates).
+/// Middles within 1e-9 pixels of a side are on it.
+///
+/// @param columns, rows  of the picture, at least one
+/// @param p  corners in pixels: the middle of pixel (i, j) is at (i, j)
 template <typename Visit>
-void each_pixel(const PixelFrame& frame, const std::array<PagePoint, 3>& corners, Visit&& visit) {
-  std::array<PagePoint, 3> p;
-  for (std::size_t k = 0; k < 3; ++k) p[k] = frame.in_pixels(corners[k]);
+void for_each_pixel(std::size_t columns, std::size_t rows, const std::array<PagePoint, 3>& p,
+                    Visit&& visit) {
   const double twice =
       (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
   if (!(std::abs(twice) > 1e-12)) return;
-  // Weight k falls from 1 at its corner to 0 on the side across from it: at (x, y) it is
-  // along[k] x + down[k] y + rest[k].
+  // At (x, y) weight k is along[k] x + down[k] y + rest[k].
   std::array<double, 3> along, down, rest;
   for (std::size_t k = 0; k < 3; ++k) {
     const PagePoint &a = p[(k + 1) % 3], &b = p[(k + 2) % 3];
@@ -33,8 +35,8 @@ void each_pixel(const PixelFrame& frame, const std::array<PagePoint, 3>& corners
   }
   constexpr double kOn = 1e-9;
   const auto [top, bottom] = std::minmax({p[0].y, p[1].y, p[2].y});
-  const double last_row = static_cast<double>(frame.height) - 1;
-  const double last_column = static_cast<double>(frame.width) - 1;
+  const double last_row = static_cast<double>(rows) - 1;
+  const double last_column = static_cast<double>(columns) - 1;
   if (!(bottom >= 0) || !(top <= last_row)) return;
   const auto from_row = static_cast<std::size_t>(std::max(0.0, std::ceil(top - kOn)));
   const auto to_row = static_cast<std::size_t>(std::floor(std::min(last_row, bottom + kOn)));
