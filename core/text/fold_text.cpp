@@ -345,6 +345,20 @@ bool FoldSax::parse_error(std::size_t position, const std::string&,
 
 }  // namespace
 
+double fold_unit_mm(std::string_view unit) {
+  constexpr std::array<std::pair<std::string_view, double>, 8> kUnits{{{"mm", 1.0},
+                                                                       {"cm", 10.0},
+                                                                       {"m", 1000.0},
+                                                                       {"in", 25.4},
+                                                                       {"pt", 25.4 / 72},
+                                                                       {"um", 1e-3},
+                                                                       {"nm", 1e-6},
+                                                                       {"unit", 1.0}}};
+  for (const auto& [name, mm] : kUnits)
+    if (unit == name) return mm;
+  return unit.empty() ? 1.0 : 0.0;
+}
+
 Result<std::vector<FrameText>> read_fold_text(std::string_view text, const FoldLimits& limits) {
   if (text.size() > limits.bytes) {
     return fail(ErrorKind::OutOfRange, "",

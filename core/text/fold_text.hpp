@@ -56,15 +56,18 @@ struct FoldLimits {
     return {bytes * factor, numbers * factor, frame_bytes * factor};
   }
 };
+/// The size of one `frame_unit` in mm; 1 for "unit" or none, 0 for an unknown word.
+[[nodiscard]] double fold_unit_mm(std::string_view unit);
+
 inline constexpr int kMaxFoldDepth = 64;
 inline constexpr std::size_t kMaxFoldFrames = 10'000;
 
-/// Reads the JSON of a FOLD file: the arrays as they stand, for the two readers that give them a
-/// meaning (core/formats/fold/fold_reader.hpp and, independent of it,
-/// core/verify/sheet/fold_model.hpp).
+/// Reads the JSON of a FOLD file: the arrays as they stand. Two readers check them and give them a
+/// meaning: core/formats/fold/fold_reader.hpp, which is lenient, and
+/// core/verify/sheet/fold_model.hpp.
 ///
-/// Reads without building a tree of it: memory stays within a few times
-/// the text. Frame 0 is the key frame, the others are `file_frames` in order.
+/// Reads without building a tree: memory stays within a few times the text. Frame 0 is the key
+/// frame, the others are `file_frames` in order.
 ///
 /// @retval Malformed   not JSON (with line and column), nested too deep, or a member of another
 ///                     type than in FOLD 1.2 (with JSON pointer)

@@ -45,9 +45,6 @@ struct FoldFile {
 /// because a model folded flat is flat too.
 [[nodiscard]] const FoldFrame* flat_frame(const FoldFile& file);
 
-/// The size of one `frame_unit` in mm; 1 for "unit", 0 for an unknown word.
-[[nodiscard]] double fold_unit_mm(const std::string& unit);
-
 /// The lines of the first flat frame, in page mm: x = second coordinate, y = first coordinate. This
 /// is a rotation as seen from +Z, so mountains and valleys keep their side. A frame that is flat in
 /// another plane is first turned to +Z, by the smallest rotation: the side from which its faces run

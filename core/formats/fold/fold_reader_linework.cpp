@@ -255,20 +255,6 @@ bool seen_from_back(const FoldFrame& frame) {
 
 }  // namespace
 
-double fold_unit_mm(const std::string& unit) {
-  constexpr std::array<std::pair<std::string_view, double>, 8> kUnits{{{"mm", 1.0},
-                                                                       {"cm", 10.0},
-                                                                       {"m", 1000.0},
-                                                                       {"in", 25.4},
-                                                                       {"pt", 25.4 / 72},
-                                                                       {"um", 1e-3},
-                                                                       {"nm", 1e-6},
-                                                                       {"unit", 1.0}}};
-  for (const auto& [name, mm] : kUnits)
-    if (unit == name) return mm;
-  return unit.empty() ? 1.0 : 0.0;
-}
-
 const FoldFrame* flat_frame(const FoldFile& file) {
   for (const bool folded : {false, true})
     for (const FoldFrame& frame : file.frames)

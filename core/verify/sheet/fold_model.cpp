@@ -54,17 +54,11 @@ std::size_t owner(const std::vector<FrameText>& frames, const std::vector<std::s
 }
 
 Result<double> millimetres(const FrameText& frame) {
-  const std::string& unit = frame.unit;
-  if (unit.empty() || unit == "unit" || unit == "mm") return 1.0;
-  if (unit == "m") return 1e3;
-  if (unit == "cm") return 10.0;
-  if (unit == "um") return 1e-3;
-  if (unit == "nm") return 1e-6;
-  if (unit == "in") return 25.4;
-  if (unit == "pt") return 25.4 / 72.0;
+  const double mm = fold_unit_mm(frame.unit);
+  if (mm > 0.0) return mm;
   return fail(ErrorKind::OutOfRange, frame.place + "/frame_unit",
               fmt::format("unknown unit \"{}\"; write mm, cm, m, um, nm, in, pt or unit",
-                          unit.substr(0, 20)));
+                          frame.unit.substr(0, 20)));
 }
 
 Result<std::vector<Vec3>> coordinates(const FrameText& frame, double scale) {
