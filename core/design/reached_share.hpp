@@ -7,8 +7,8 @@
 
 #include "core/design/strips/strips.hpp"
 #include "core/design/target/curve.hpp"
-#include "core/model/triangle_mesh.hpp"
 #include "core/geometry/vec.hpp"
+#include "core/model/triangle_mesh.hpp"
 
 namespace popcut {
 

@@ -140,10 +140,9 @@ class Numbers {
     const std::size_t room =
         begins ? data.size() - view.byteOffset - accessor.byteOffset : std::size_t{0};
     if (accessor.count > 0 && (room < each || (accessor.count - 1) > (room - each) / step))
-      return fail(
-          ErrorKind::Malformed, place,
-          fmt::format("announces {} values, more than its buffer holds; is the file whole?",
-                      accessor.count));
+      return fail(ErrorKind::Malformed, place,
+                  fmt::format("announces {} values, more than its buffer holds; is the file whole?",
+                              accessor.count));
     Numbers out;
     if (begins) out.at_ = data.data() + view.byteOffset + accessor.byteOffset;
     out.count_ = accessor.count, out.step_ = step;
@@ -350,11 +349,11 @@ class SceneReader {
 
   Result<void> add_corner(std::size_t vertex, const Numbers& places, const Matrix& here) {
     if (vertex >= places.size())
-      return fail(ErrorKind::Malformed, name_,
-                  fmt::format("a triangle names vertex {} of {}; repair the model", vertex,
-                              places.size()));
-    const Eigen::Vector4d at =
-        here * Eigen::Vector4d(places.get(vertex, 0), places.get(vertex, 1), places.get(vertex, 2), 1);
+      return fail(
+          ErrorKind::Malformed, name_,
+          fmt::format("a triangle names vertex {} of {}; repair the model", vertex, places.size()));
+    const Eigen::Vector4d at = here * Eigen::Vector4d(places.get(vertex, 0), places.get(vertex, 1),
+                                                      places.get(vertex, 2), 1);
     if (!at.allFinite())
       return fail(ErrorKind::OutOfRange, name_,
                   "has a corner that is not a finite number; repair the mesh");

@@ -293,9 +293,10 @@ class ObjReader {
     long long at = 0;
     const auto most = static_cast<long long>(picture_places_.size());
     if (!read_number(text, at) || at == 0 || at > most || at < -most)
-      return broken(fmt::format("names place {} of the texture; a number from 1 to {}, the vt "
-                                "lines before it, is needed",
-                                text.substr(0, 24), most));
+      return broken(
+          fmt::format("names place {} of the texture; a number from 1 to {}, the vt "
+                      "lines before it, is needed",
+                      text.substr(0, 24), most));
     places_.back() = picture_places_[static_cast<std::size_t>(at < 0 ? most + at : at - 1)];
     return {};
   }
@@ -312,9 +313,10 @@ class ObjReader {
     if (entry.key == "usemtl") {
       const auto known = materials_.find(std::string(entry.rest));
       if (!known)
-        return broken(fmt::format("names the material {}, which no mtllib before it defines; add "
-                                  "it, or leave the colours out",
-                                  entry.rest));
+        return broken(
+            fmt::format("names the material {}, which no mtllib before it defines; add "
+                        "it, or leave the colours out",
+                        entry.rest));
       material_ = *known;
       model_.uses_materials = true;
     }
@@ -330,8 +332,8 @@ class ObjReader {
   std::vector<Vertex> vertices_;
   std::vector<ModelColour> colours_of_vertices_;
   std::vector<std::array<float, 2>> picture_places_;
-  std::vector<std::uint32_t> face_;                   ///< vertices of the face that is read
-  std::vector<std::array<float, 2>> places_;          ///< of its corners
+  std::vector<std::uint32_t> face_;           ///< vertices of the face that is read
+  std::vector<std::array<float, 2>> places_;  ///< of its corners
   std::uint32_t material_{0};
   bool has_corner_colours_{false};
 };

@@ -26,8 +26,7 @@ bool is_binary(std::string_view bytes) {
   if (bytes.size() < kHead) return false;
   if (is_whole_binary_stl(bytes)) return true;
   // A text file begins with "solid" and holds no zero bytes.
-  return !bytes.starts_with("solid") ||
-         bytes.substr(0, 1000).find('\0') != std::string_view::npos;
+  return !bytes.starts_with("solid") || bytes.substr(0, 1000).find('\0') != std::string_view::npos;
 }
 
 tl::unexpected<Error> no_triangles(const std::string& name) {

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "core/model/triangle_mesh.hpp"
 #include "core/geometry/vec.hpp"
+#include "core/model/triangle_mesh.hpp"
 
 namespace popcut {
 

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/model/model.hpp"
 #include "core/design/target/mesh_slicer.hpp"
 #include "core/design/target/surface_kinds.hpp"
+#include "core/model/model.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/timing.hpp"
 

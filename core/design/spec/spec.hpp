@@ -137,7 +137,7 @@ struct DesignSpec {
   std::vector<RegionSpec> regions;  ///< one where the spec has none: the whole; none of facets
   /// R1, R2 and R3 of a composite surface; `regions` have its formulas.
   std::optional<std::array<double, 3>> composite_radii;
-  std::vector<double> widths_mm;    ///< one a slice; empty with `adaptive`
+  std::vector<double> widths_mm;  ///< one a slice; empty with `adaptive`
   std::optional<AdaptiveWidths> adaptive;
   LatticeMethod lattice{LatticeMethod::Auto};
   SolverMethod solver{SolverMethod::Newton};

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/design/target/surface_spec.hpp"
-#include "core/model/triangle_mesh.hpp"
 #include "core/geometry/opening.hpp"
+#include "core/model/triangle_mesh.hpp"
 #include "core/result.hpp"
 
 namespace popcut {

@@ -13,11 +13,11 @@
 #include "core/design/outline/drawing_outline.hpp"
 #include "core/design/outline/extrusion.hpp"
 #include "core/design/outline/text_outline.hpp"
-#include "core/model/height_grid.hpp"
-#include "core/model/model.hpp"
 #include "core/design/target/mesh_slicer.hpp"
 #include "core/design/target/surface_kinds.hpp"
 #include "core/fit/triangle_soup.hpp"
+#include "core/model/height_grid.hpp"
+#include "core/model/model.hpp"
 
 namespace popcut {
 namespace {

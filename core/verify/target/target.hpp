@@ -55,8 +55,8 @@ struct Target {
 using TargetFiles = std::map<std::string, std::string>;
 
 /// Makes from a design spec what the distance needs: the surface (of any kind, including regions,
-/// composites and patches), its placement, the slices with their widths, and the margin of the card.
-/// `files` has the contents of `target_files_of`.
+/// composites and patches), its placement, the slices with their widths, and the margin of the
+/// card. `files` has the contents of `target_files_of`.
 ///
 /// @retval Malformed   facets, or an expression or file that cannot be read
 /// @retval OutOfRange  a kind of surface that is not measured; widths that are chosen in patches

@@ -54,7 +54,8 @@ Result<Surface> surface_of(const SurfaceSpec& spec, const TargetPlacement& place
     return surface_of_file(mesh->file, false, placement, files);
   if (const auto* loft = std::get_if<LoftSpec>(&spec)) {
     std::vector<DrawnStation> stations;
-    for (const LoftStation& station : loft->stations) stations.push_back({station.y, station.curve});
+    for (const LoftStation& station : loft->stations)
+      stations.push_back({station.y, station.curve});
     return loft_target(std::move(stations), placement);
   }
   if (const auto* revolution = std::get_if<RevolutionSpec>(&spec)) {
@@ -130,13 +131,13 @@ Result<Surface> surface_of_regions(const DesignSpec& spec, const std::vector<Reg
       continue;
     }
     const double length = places[r].length_mm / placement.scale_mm;
-    auto radius = spec.composite_radii
-                      ? Result<TargetFormula>(composite_radius(*spec.composite_radii, r, length))
-                      : formula_of(*spec.regions[r].radius, fmt::format("/regions/{}/radius", r),
-                                   length);
+    auto radius =
+        spec.composite_radii
+            ? Result<TargetFormula>(composite_radius(*spec.composite_radii, r, length))
+            : formula_of(*spec.regions[r].radius, fmt::format("/regions/{}/radius", r), length);
     if (!radius) return tl::unexpected(radius.error());
-    stretches.push_back({places[r].begin_mm, places[r].begin_mm,
-                         revolution_target(std::move(*radius), placement)});
+    stretches.push_back(
+        {places[r].begin_mm, places[r].begin_mm, revolution_target(std::move(*radius), placement)});
   }
   return stretched_target(std::move(stretches));
 }

@@ -40,8 +40,8 @@ bool has_ending(const std::string& file, std::string_view ending) {
 }
 
 Result<std::vector<float>> mesh_triangles(const std::string& file, const std::string& bytes) {
-  auto triangles = has_ending(file, ".csv") ? read_height_grid(file, bytes)
-                                            : read_mesh(file, bytes);
+  auto triangles =
+      has_ending(file, ".csv") ? read_height_grid(file, bytes) : read_mesh(file, bytes);
   if (!triangles) return tl::unexpected(within(file, triangles.error()));
   return std::move(triangles->corners);
 }
@@ -139,8 +139,10 @@ std::optional<Strips> strips_of(const std::string& fold_text, const verify::Targ
 
 Result<SpecSurface> read_spec(const std::string& file, const std::string& text,
                               const ComparedStructure& structure) {
+  const auto spec = parse_design_spec(text);
+  if (!spec) return tl::unexpected(within(file, spec.error()));
   // Facets have no slices to check, so that verify does not read them.
-  if (const auto spec = parse_design_spec(text); spec && spec->style == DesignStyle::Facets) {
+  if (spec->style == DesignStyle::Facets) {
     const auto assets = load_assets(*spec, file);
     if (!assets) return tl::unexpected(within(file, assets.error()));
     auto target = facet_target(*spec, *assets);
@@ -156,7 +158,7 @@ Result<SpecSurface> read_spec(const std::string& file, const std::string& text,
     if (!bytes) return tl::unexpected(within(file, bytes.error()));
     files.emplace(name, std::move(*bytes));
   }
-  auto target = verify::read_target(text, files);
+  auto target = verify::read_target(*spec, files);
   if (!target) return tl::unexpected(within(file, target.error()));
   const likeness::Box box = likeness::box_of(structure.triangles);
   verify::TargetReach reach{box.low.y(), box.high.y(), 1.05 * box.high.x(), 1.05 * box.high.z()};
@@ -172,9 +174,7 @@ Result<SpecSurface> read_spec(const std::string& file, const std::string& text,
   TriangleMesh triangles;
   target->surface->add_triangles(reach, triangles);
   out.triangles = std::move(triangles.corners);
-  const auto json = nlohmann::json::parse(text, nullptr, false);
-  const auto type = nlohmann::json::json_pointer("/surface/type");
-  out.is_mesh = json.contains(type) && json.at(type) == "mesh";
+  out.is_mesh = spec->surface && std::holds_alternative<MeshSpec>(*spec->surface);
   return out;
 }
 

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/model/model.hpp"
 #include "core/machines/machine.hpp"
+#include "core/model/model.hpp"
 #include "core/search/choices.hpp"
 #include "daemon/planning/plan_job.hpp"
 #include "daemon/planning/search/card_search.hpp"

@@ -125,6 +125,32 @@ TEST_CASE("what a model names and cannot be read is one error with its place", "
              Catch::Contains("q.gltf"));
 }
 
+TEST_CASE("a picture of a glTF that reaches beyond its buffer is refused", "[artwork]") {
+  const std::string png = small_png(), places(36, '\0');
+  const auto read = [&](std::size_t picture_bytes) {
+    return read_colour_mesh(
+        "q.gltf",
+        fmt::format(R"({{"asset": {{"version": "2.0"}}, "scenes": [{{"nodes": [0]}}],
+        "nodes": [{{"mesh": 0}}],
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "material": 0}}]}}],
+        "materials": [{{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}}}}}],
+        "textures": [{{"source": 0}}], "images": [{{"bufferView": 1, "mimeType": "image/png"}}],
+        "buffers": [{{"byteLength": {0}, "uri": "b.bin"}}],
+        "bufferViews": [{{"buffer": 0, "byteLength": 36}},
+                        {{"buffer": 0, "byteOffset": 36, "byteLength": {1}}}],
+        "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}}]}})",
+                    36 + png.size(), picture_bytes),
+        files_of({{"b.bin", places + png}}));
+  };
+  const auto whole = read(png.size());
+  if (!whole) FAIL(message(whole.error()));
+  CHECK(whole->textures.size() == 1);
+  const auto beyond = read(png.size() + 1);
+  REQUIRE(!beyond);
+  CHECK(message(beyond.error()) ==
+        "q.gltf: /images/0: reaches beyond its buffer; is the file whole?");
+}
+
 /// A JPEG of noise.
 std::string noisy_jpeg(unsigned side) {
   jpeg_compress_struct info{};
