@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "core/compare/comparison.hpp"
 #include "core/design/facet_design.hpp"
