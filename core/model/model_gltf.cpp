@@ -88,7 +88,7 @@ Result<tinygltf::Model> parsed(const std::string& name, std::string_view bytes,
   while (!error.empty() && std::string_view(" .;").find(error.back()) != std::string_view::npos)
     error.pop_back();
   return fail(ErrorKind::Malformed, name,
-              fmt::format("is no glTF that can be read{}{}; save the model again",
+              fmt::format("cannot be read as glTF{}{}; save the model again",
                           error.empty() ? "" : ": ", error.substr(0, 200)));
 }
 

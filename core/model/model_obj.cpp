@@ -160,7 +160,7 @@ class Materials {
     const std::size_t count = numbers_of(entry.rest, kd);
     if (count == 0)
       return fail(ErrorKind::Malformed, line_place(file, entry.number),
-                  "is no colour; Kd needs numbers from 0 to 1, such as \"Kd 0.8 0.4 0.2\"");
+                  "is not a colour; Kd needs numbers from 0 to 1, such as \"Kd 0.8 0.4 0.2\"");
     for (std::size_t k = count; k < 3; ++k) kd[k] = kd[0];  // a grey
     for (float& part : kd) part = std::clamp(part, 0.0F, 1.0F);
     material.colour = kd;
@@ -305,7 +305,7 @@ class ObjReader {
     if (entry.key == "vt") {
       std::array<float, 2> n{};
       if (numbers_of(entry.rest, n) == 0)
-        return broken("is no place of a texture; vt needs numbers, such as \"vt 0.5 0.25\"");
+        return broken("is not a place in a texture; vt needs numbers, such as \"vt 0.5 0.25\"");
       picture_places_.push_back({n[0], 1.0F - n[1]});  // v of an OBJ goes up
     }
     if (entry.key == "mtllib")

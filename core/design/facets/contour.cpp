@@ -29,7 +29,7 @@ struct Step {
 class ContourFollower {
  public:
   ContourFollower(LabelPattern& pattern, const LabelImage& labels, const FacetPlanes& planes,
-                  const DepthImage& target, double min_panel_mm)
+                  const SeenTarget& target, double min_panel_mm)
       : pattern_(pattern.built.pattern),
         strips_(pattern.strips),
         labels_(labels),
@@ -272,7 +272,7 @@ class ContourFollower {
   const LabelStrips& strips_;
   const LabelImage& labels_;
   const FacetPlanes& planes_;
-  const DepthImage& target_;
+  const SeenTarget& target_;
   double min_panel_mm_;
   StripRuns runs_;  ///< without the card's
   std::map<Spot, std::vector<std::uint32_t>> at_;
@@ -283,7 +283,7 @@ class ContourFollower {
 }  // namespace
 
 std::size_t follow_contours(LabelPattern& pattern, const LabelImage& labels,
-                            const FacetPlanes& planes, const DepthImage& target,
+                            const FacetPlanes& planes, const SeenTarget& target,
                             double min_panel_mm) {
   return ContourFollower(pattern, labels, planes, target, min_panel_mm).run();
 }

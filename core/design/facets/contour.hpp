@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/design/facets/depth_image.hpp"
 #include "core/design/facets/label_pattern.hpp"
+#include "core/design/facets/seen_target.hpp"
 
 namespace popcut {
 
@@ -15,7 +15,7 @@ namespace popcut {
 ///
 /// @return how many corners were taken away
 std::size_t follow_contours(LabelPattern& pattern, const LabelImage& labels,
-                            const FacetPlanes& planes, const DepthImage& target,
+                            const FacetPlanes& planes, const SeenTarget& target,
                             double min_panel_mm);
 
 }  // namespace popcut

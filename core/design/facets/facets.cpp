@@ -59,7 +59,7 @@ class FacetMaker {
   Result<FacetCard> run() {
     if (auto done = set_grid(); !done) return tl::unexpected(done.error());
     tell(progress_, "looking at the shape along the diagonal");
-    const DepthImage image = depth_image(target_, raster(), options_.inward);
+    const SeenTarget image = seen_target(target_, raster(), options_.inward);
     if (std::all_of(image.facing.begin(), image.facing.end(),
                     [](Facing facing) { return facing == Facing::Card; }))
       return nothing_there();
@@ -263,7 +263,7 @@ class FacetMaker {
   }
 
   /// What labels cost without what windows will take away.
-  [[nodiscard]] double seen_cost(const DepthImage& image, const FacetPlanes& planes,
+  [[nodiscard]] double seen_cost(const SeenTarget& image, const FacetPlanes& planes,
                                  const Labelling& labelling) const {
     LabelImage open = labelling.image();
     double gone = 0.0;
@@ -281,7 +281,7 @@ class FacetMaker {
   }
 
   /// Windows, where the card with them is as sound as without.
-  void open_windows(const DepthImage& image, FacetCard& out) const {
+  void open_windows(const SeenTarget& image, FacetCard& out) const {
     LabelImage labels = out.labels;
     out.windows = cut_windows(labels, out.planes, image, window_depth_mm(), options_.min_panel_mm);
     if (out.windows == 0) return;
@@ -294,7 +294,7 @@ class FacetMaker {
     }
   }
 
-  void measure(const DepthImage& image, const Labelling& labelling, double least,
+  void measure(const SeenTarget& image, const Labelling& labelling, double least,
                FacetCard& out) const {
     std::vector<double> off;
     double sum = 0.0, whole = 0.0;

@@ -11,7 +11,7 @@ constexpr std::size_t kMostKept = 40'000'000;  ///< costs that are kept, of four
 
 }  // namespace
 
-Labelling::Labelling(const DepthImage& target, const FacetPlanes& planes, const FacetGrid& grid,
+Labelling::Labelling(const SeenTarget& target, const FacetPlanes& planes, const FacetGrid& grid,
                      const FacetWeights& weights, const FacetLimits& limits)
     : target_(&target), planes_(&planes), grid_(grid), weights_(weights), limits_(limits) {
   const auto columns = static_cast<std::size_t>(grid.columns);

@@ -4,8 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include "core/design/facets/depth_image.hpp"
 #include "core/design/facets/labels.hpp"
+#include "core/design/facets/seen_target.hpp"
 #include "core/design/facets/strip_chain.hpp"
 
 namespace popcut {
@@ -36,7 +36,7 @@ struct LabelBan {
 /// folds and cuts: strips by dynamic programming, each beside its neighbours as they are.
 class Labelling {
  public:
-  Labelling(const DepthImage& target, const FacetPlanes& planes, const FacetGrid& grid,
+  Labelling(const SeenTarget& target, const FacetPlanes& planes, const FacetGrid& grid,
             const FacetWeights& weights, const FacetLimits& limits);
 
   [[nodiscard]] const LabelImage& image() const { return image_; }
@@ -73,7 +73,7 @@ class Labelling {
   void compute(int strip, double* cost) const;
   [[nodiscard]] std::vector<Label> solve(int strip, bool jumps, double coupling);
 
-  const DepthImage* target_;
+  const SeenTarget* target_;
   const FacetPlanes* planes_;
   FacetGrid grid_;
   FacetWeights weights_;

@@ -78,7 +78,7 @@ std::vector<LabelRun> runs_of(std::span<const Label> strip, const FacetPlanes& p
   return out;
 }
 
-FacetPlanes planes_for(const DepthImage& target, const FacetGrid& grid, int pitch, int most_x,
+FacetPlanes planes_for(const SeenTarget& target, const FacetGrid& grid, int pitch, int most_x,
                        int most_z, bool inward) {
   std::map<int, double> upright, level;
   int least_x = 0, least_z = 0, reach_x = 0, reach_z = 0;

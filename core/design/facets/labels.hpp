@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/design/facets/depth_image.hpp"
+#include "core/design/facets/seen_target.hpp"
 
 namespace popcut {
 
@@ -104,7 +104,7 @@ struct LabelRun {
 ///
 /// @param most_x, most_z  largest offsets, in steps
 /// @param inward          offsets below 0 too
-[[nodiscard]] FacetPlanes planes_for(const DepthImage& target, const FacetGrid& grid, int pitch,
+[[nodiscard]] FacetPlanes planes_for(const SeenTarget& target, const FacetGrid& grid, int pitch,
                                      int most_x, int most_z, bool inward);
 
 }  // namespace popcut

@@ -19,7 +19,7 @@ struct WindowStretch {
 
 class WindowCutter {
  public:
-  WindowCutter(LabelImage& image, const FacetPlanes& planes, const DepthImage& target,
+  WindowCutter(LabelImage& image, const FacetPlanes& planes, const SeenTarget& target,
                double deeper_mm, double min_panel_mm)
       : image_(image), planes_(planes), target_(target), deeper_mm_(deeper_mm) {
     least_ = std::max(1, static_cast<int>(std::ceil(min_panel_mm / grid().step_mm - 1e-9)));
@@ -184,7 +184,7 @@ class WindowCutter {
 
   LabelImage& image_;
   const FacetPlanes& planes_;
-  const DepthImage& target_;
+  const SeenTarget& target_;
   double deeper_mm_;
   int least_{}, ring_{};
   std::vector<std::uint8_t> slit_;  ///< of each cell, whether a slit parts it from the strip before
@@ -192,7 +192,7 @@ class WindowCutter {
 
 }  // namespace
 
-std::size_t cut_windows(LabelImage& image, const FacetPlanes& planes, const DepthImage& target,
+std::size_t cut_windows(LabelImage& image, const FacetPlanes& planes, const SeenTarget& target,
                         double deeper_mm, double min_panel_mm) {
   return WindowCutter(image, planes, target, deeper_mm, min_panel_mm).run();
 }

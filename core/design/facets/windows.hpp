@@ -3,8 +3,8 @@
 
 #include <cstddef>
 
-#include "core/design/facets/depth_image.hpp"
 #include "core/design/facets/labels.hpp"
+#include "core/design/facets/seen_target.hpp"
 
 namespace popcut {
 
@@ -13,7 +13,7 @@ namespace popcut {
 /// `min_panel_mm` and a strip of the patch left all around. Such cells get no label.
 ///
 /// @return how many windows there are
-std::size_t cut_windows(LabelImage& image, const FacetPlanes& planes, const DepthImage& target,
+std::size_t cut_windows(LabelImage& image, const FacetPlanes& planes, const SeenTarget& target,
                         double deeper_mm, double min_panel_mm);
 
 }  // namespace popcut

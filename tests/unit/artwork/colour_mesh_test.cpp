@@ -100,11 +100,11 @@ TEST_CASE("what a model names and cannot be read is one error with its place", "
   CHECK_THAT(error_of("q.obj", kQuad + "f 1/9 2/2 3/3\n", {}),
              Catch::Contains("names place 9 of the texture"));
   CHECK_THAT(error_of("q.obj", named, {{"m.mtl", "newmtl skin\nKd red\n"}}),
-             Catch::Contains("m.mtl: line 2: is no colour"));
+             Catch::Contains("m.mtl: line 2: is not a colour"));
   CHECK_THAT(error_of("q.obj", named, {{"m.mtl", "newmtl skin\nKd nan 0 0\n"}}),
-             Catch::Contains("m.mtl: line 2: is no colour"));
+             Catch::Contains("m.mtl: line 2: is not a colour"));
   CHECK_THAT(error_of("q.obj", kQuad + "vt inf 0\nf 1 2 3\n", {}),
-             Catch::Contains("is no place of a texture"));
+             Catch::Contains("is not a place in a texture"));
   const auto gltf = [&](const std::string& mesh, int node) {
     return error_of("q.gltf",
                     fmt::format(R"({{"asset": {{"version": "2.0"}},
@@ -118,7 +118,7 @@ TEST_CASE("what a model names and cannot be read is one error with its place", "
   CHECK_THAT(gltf(R"({"attributes": {"POSITION": 0}})", 3), Catch::Contains("q.gltf: /meshes/3"));
   CHECK_THAT(gltf(R"({"attributes": {"POSITION": 0}, "material": 7})", 0),
              Catch::Contains("q.gltf: /materials/7"));
-  CHECK_THAT(error_of("q.glb", "glTF nonsense", {}), Catch::Contains("q.glb: is no glTF"));
+  CHECK_THAT(error_of("q.glb", "glTF nonsense", {}), Catch::Contains("q.glb: cannot be read as glTF"));
   CHECK_THAT(error_of("q.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
                         "nodes": [{"children": [0]}]})",
                       {}),

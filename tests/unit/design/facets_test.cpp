@@ -12,7 +12,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/design/design.hpp"
-#include "core/design/facets/depth_image.hpp"
+#include "core/design/facets/seen_target.hpp"
 #include "core/design/facets/facets.hpp"
 #include "core/design/facets/label_holding.hpp"
 #include "core/design/facets/label_pattern.hpp"
@@ -59,7 +59,7 @@ double area_beside(const Pattern& pattern, const PatternVertex& a, const Pattern
 TEST_CASE("the picture of a box shows its top, its front and the card around it", "[facets]") {
   TriangleSoup box;
   add_box(box, {0, 10, 0}, {20, 30, 15});
-  const DepthImage image = depth_image(box, {-30, 1, 0, 1, 60, 40}, false);
+  const SeenTarget image = seen_target(box, {-30, 1, 0, 1, 60, 40}, false);
   const auto at = [&](double across, double v) {
     return std::pair(static_cast<std::size_t>(v), static_cast<std::size_t>(across + 30));
   };
@@ -80,8 +80,8 @@ TEST_CASE("parts behind the card are seen only where they are asked for", "[face
   TriangleSoup niche;  // a sheet 5 behind the wall
   niche.add({-5, 0, 10}, {-5, 10, 10}, {-5, 10, 40}, {-5, 0, 40});
   const SheetRaster raster{-50, 1, 0, 1, 100, 10};
-  const DepthImage closed = depth_image(niche, raster, false),
-                   open = depth_image(niche, raster, true);
+  const SeenTarget closed = seen_target(niche, raster, false),
+                   open = seen_target(niche, raster, true);
   CHECK(closed.x_mm(5, 20) == Approx(0).margin(1e-5));
   CHECK(open.x_mm(5, 20) == Approx(-5));
   CHECK(open.x_mm(5, 2) == Approx(0).margin(1e-5));  // nothing is there
@@ -281,7 +281,7 @@ TEST_CASE("patches move only to where labels cost less and all holds", "[facets]
     FacetGrid grid;
     grid.step_mm = 0.5, grid.wall = 110, grid.columns = 220, grid.strip_mm = 2, grid.strips = 26;
     const SheetRaster raster{-55, 0.25, 0, 0.5, 440, 104};
-    const DepthImage image = depth_image(scene, raster, false);
+    const SeenTarget image = seen_target(scene, raster, false);
     const FacetPlanes planes = planes_for(image, grid, 4, 100, 100, false);
     FacetLimits limits;
     limits.least_run = 1 + k % 3;

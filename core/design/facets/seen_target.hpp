@@ -35,7 +35,7 @@ enum class Facing : unsigned char {
 
 /// The target as it is seen along (1, 0, 1), from outside of the corner: at each point of the sheet
 /// the nearest part of it. Where nothing is in front of the card, the card is seen.
-struct DepthImage {
+struct SeenTarget {
   SheetRaster raster;
   std::vector<float> depth_mm;  ///< x + z, row by row
   std::vector<Facing> facing;
@@ -55,7 +55,7 @@ struct DepthImage {
 ///
 /// @param inward  parts behind wall and ground are seen too where nothing is in front of them, as
 ///                if the card had an opening there
-[[nodiscard]] DepthImage depth_image(const TriangleSoup& target, const SheetRaster& raster,
+[[nodiscard]] SeenTarget seen_target(const TriangleSoup& target, const SheetRaster& raster,
                                      bool inward);
 
 }  // namespace popcut

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/design/facets/depth_image.hpp"
+#include "core/design/facets/seen_target.hpp"
 
 #include <array>
 #include <cmath>
@@ -21,7 +21,7 @@ Facing facing_of(const TriangleSoup& target, std::size_t t) {
 }
 
 /// Draws one triangle in front of what is there.
-void draw(const TriangleSoup& target, std::size_t t, DepthImage& image) {
+void draw(const TriangleSoup& target, std::size_t t, SeenTarget& image) {
   const SheetRaster& raster = image.raster;
   std::array<PagePoint, 3> at;
   std::array<double, 3> depth{};
@@ -45,10 +45,10 @@ void draw(const TriangleSoup& target, std::size_t t, DepthImage& image) {
 
 }  // namespace
 
-DepthImage depth_image(const TriangleSoup& target, const SheetRaster& raster, bool inward) {
+SeenTarget seen_target(const TriangleSoup& target, const SheetRaster& raster, bool inward) {
   constexpr float kNothing = -std::numeric_limits<float>::infinity();
   const std::size_t points = raster.columns * raster.rows;
-  DepthImage image{raster, std::vector<float>(points, kNothing),
+  SeenTarget image{raster, std::vector<float>(points, kNothing),
                    std::vector<Facing>(points, Facing::Card)};
   const auto show_card = [&] {  // where nothing is seen
     for (std::size_t row = 0, point = 0; row < raster.rows; ++row)
