@@ -184,6 +184,7 @@ class Design {
       if (spec_.regions[r].radius)
         return wrong(fmt::format("regions/{}/radius", r), ErrorKind::Malformed,
                      "contradicts the composite surface, which sets it");
+    spec_.composite_radii = radii;
     spec_.regions[0].radius = fmt::format("{0} + ({1} - {0})*0.5*(1 + cos(pi*(y/L - 1)))", r1, r2);
     spec_.regions[1].radius =
         fmt::format("{0} + ({1} - {0})*0.5*(1 + sin(pi*(y/L - 0.5)))", r2, r3);
