@@ -236,7 +236,7 @@ TEST_CASE("each cause that ends a cut early has its own reason", "[daemon][servi
   const Job after = broken(bench, row.kind, row.words, row.why);
   CHECK(after.state == JobState::Interrupted);
   CHECK(after.reason == row.reason);
-  CHECK(after.attention->kind == row.attention_kind);
+  CHECK(after.attention->kind == row.attention);
   CHECK(after.progress.paths_certain == 2);
   CHECK(after.progress.paths_sent == 3);
   const Ledger known = ledger(bench, after.id);

@@ -353,15 +353,15 @@ class SmallCard {
     out.step_mm = 1, out.wall = 10, out.columns = 20, out.strip_mm = 2, out.strips = 3;
     return out;
   }
-  const DepthImage& image() {
+  const SeenTarget& image() {
     TriangleSoup scene;
     add_box(scene, {0, 2, 0}, {4, 4, 6});
-    image_ = depth_image(scene, {-10, 0.5, 0, 0.5, 40, 12}, false);
+    image_ = seen_target(scene, {-10, 0.5, 0, 0.5, 40, 12}, false);
     return image_;
   }
 
   FacetPlanes planes_;
-  DepthImage image_;
+  SeenTarget image_;
   Labelling labelling_;
 };
 
