@@ -97,7 +97,7 @@ TEST_CASE("an event that is heard as it happens comes with the job or the device
   server.ask([&](FakeService& fake) {
     job = fake.add_job(JobState::Ready, "token:submitter").id;
     fake.job_map.at(job).name = "a\nb\u2028\"<script>";
-    fake.job_map.at(job).next_actions = {{"retry-sheet", "{}"}};
+    fake.job_map.at(job).next_actions = {{.action = "retry-sheet"}};
     Job& long_one = fake.add_job(JobState::Ready, "token:submitter");
     large = long_one.id;
     long_one.note = std::string(13'000, 'x');
