@@ -3,8 +3,8 @@
 
 # Pools run side by side (pools.json). An entry that computes takes a core for itself and runs with lower
 # priority than those that wait. An entry that waits (for a lease, a device, a process, a page)
-# takes little of a core and has deadlines, so eight of them run at once,
-# and three of those that look at the page in a browser.
+# takes little of a core and has deadlines, so four of them run at once, two of those that start several popcutd on a
+# PostgreSQL, whose leases lapse on a busy machine, and two of those that look at the page in a browser.
 set(popcut_waiting
   "e2e/popcutd/"
   "e2e/in_process/(confinement|cutters|http_events|http_front_door|http_limits|http_server|planner|previewer|search)"
@@ -61,13 +61,12 @@ set(popcut_sanitized
   "property/(faults_memory|service_faults) : memory or the disk ends at any call"
   "unit/daemon/http_memory : memory ends at any call")
 
-# What needs the PostgreSQL of the run (support/fleet_postgres.cpp).
+# What needs the PostgreSQL of the run (support/fleet_postgres.cpp); unit/support/ configures and freezes its own.
 set(popcut_on_postgres
   "e2e/popcut/fleet_command"
   "in a fleet: "
   "the service keeps its contract in a fleet"
-  "unit/fleet/"
-  "unit/support/")
+  "unit/fleet/")
 
 # What takes longest is begun first, so that the end of a run does not wait for it.
 set(popcut_longest
@@ -90,6 +89,8 @@ function(popcut_entry name labels)
   set(slots ${pool})
   if(name MATCHES "^page: ")
     set(slots page)
+  elseif(name MATCHES "fleet|^unit/support/")
+    set(slots fleet)
   endif()
   list(APPEND labels ${pool})
   foreach(row ${popcut_sanitized})

@@ -19,7 +19,7 @@ constexpr std::int64_t kPositionStep = std::int64_t{1} << 20;
 
 // "SELECT id, rev, ... FROM job WHERE " and the rest.
 std::string select(std::string_view rest) {
-  static const std::string head = "SELECT " + column_names<JobRow>() + " FROM job WHERE ";
+  static const std::string head = fmt::format("SELECT {} FROM job WHERE ", column_names<JobRow>());
   return head + std::string(rest);
 }
 
@@ -33,8 +33,8 @@ void JobTable::insert(const JobRow& row) {
 }
 
 void JobTable::update(JobRow& row) {
-  static const std::string sql =
-      "UPDATE job SET rev=rev+1, " + column_names<JobRow>(false, "=?") + " WHERE id=? AND rev=?";
+  static const std::string sql = fmt::format("UPDATE job SET rev=rev+1, {} WHERE id=? AND rev=?",
+                                             column_names<JobRow>(false, "=?"));
   ColumnValues values;
   put_row(values, row, false);
   values.put(row.id);

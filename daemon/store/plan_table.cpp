@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/store/plan_table.hpp"
 
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 #include "daemon/store/columns.hpp"
@@ -37,10 +39,10 @@ namespace {
 
 // "SELECT id, key, ... FROM plan WHERE " and the rest.
 std::string select_plan(std::string_view rest) {
-  return "SELECT " + column_names<PlanRow>() + " FROM plan WHERE " + std::string(rest);
+  return fmt::format("SELECT {} FROM plan WHERE {}", column_names<PlanRow>(), rest);
 }
 std::string select_sheet(std::string_view rest) {
-  return "SELECT " + column_names<SheetPlan>() + " FROM plan_sheet WHERE " + std::string(rest);
+  return fmt::format("SELECT {} FROM plan_sheet WHERE {}", column_names<SheetPlan>(), rest);
 }
 
 }  // namespace
@@ -79,8 +81,8 @@ void PlanTable::put_sheets(std::string_view plan, std::span<const SheetPlan> she
 }
 
 void PlanTable::finish(const PlanRow& row) {
-  static const std::string sql =
-      "UPDATE plan SET planner_epoch=0, " + column_names<PlanRow>(false, "=?") + " WHERE id=?";
+  static const std::string sql = fmt::format("UPDATE plan SET planner_epoch=0, {} WHERE id=?",
+                                             column_names<PlanRow>(false, "=?"));
   PlanRow done = row;
   done.begun = 0;
   done.planner.clear();

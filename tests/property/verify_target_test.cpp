@@ -304,7 +304,7 @@ TEST_CASE("verify reports a pattern that does not belong to its target",
   CHECK_THAT(refused(mesh, "solid\n"), Contains("no triangle"));
   CHECK_THAT(refused(R"({"type":"mesh","file":"m.obj"})", "v 0 0 0\nf 1 2 3\n"),
              Contains("line 2: names vertex \"2\""));
-  CHECK_THAT(refused(R"({"type":"blob"})", ""), Contains("\"blob\" is unknown"));
+  CHECK_THAT(refused(R"({"type":"blob"})", ""), Contains("is \"blob\"; must be one of"));
   CHECK_THAT(refused(R"({"type":"implicit","f":"x+"})", ""), Contains("/surface/f"));
 }
 

@@ -122,7 +122,7 @@ struct RouteRules {
 struct Route : RouteRules {
   Method method{};
   std::string_view path{};  ///< "/v1/jobs/{id}/sheets/{k}"; {..} is any one part
-  RouteAccess access{RouteAccess::everyone()};
+  RouteAccess access;  ///< must be given: a route that says nothing does not compile (tests/misuse)
   Handler handler{nullptr};
   std::string_view summary{};  ///< for the description of the API: "Get a job"
 };

@@ -160,7 +160,7 @@ TEST_CASE("what cannot be calibrated is refused before anything is cut", "[cli][
   };
   refused("--device file:a.gpgl", 2, "calibrate needs a cutter");
   refused("--device sim:cameo3 --machine hpgl-generic", 2, "does not understand");
-  refused("--as \"my cutter\"", 2, "no name for a machine");
+  refused("--as \"my cutter\"", 2, "is not a valid name");
   refused("--steps axes,taste", 2, "\"taste\" is not a step");
   refused("--material wood", 2, "wood");
   refused("--device sim:cameo3 --mat 60x60 --steps ruler", 4, "too small to measure");

@@ -133,7 +133,7 @@ TEST_CASE("a resumed sheet is shown with the advice to leave it in place", "[cli
   const std::string both = joined(waiting_for(again));
   CHECK(both.find("popcut resume 01JDX7KQ4M8Z --from 6 --skip-in-doubt   # continue this sheet, "
                   "skips what is in doubt") != std::string::npos);
-  CHECK(both.find("popcut resume 01JDX7KQ4M8Z --from 4 --accept-double-cut   # go on with this "
+  CHECK(both.find("popcut resume 01JDX7KQ4M8Z --from 4 --accept-double-cut   # continue this "
                   "sheet, cuts again what may be cut already") != std::string::npos);
   again["actions"] = {"arm"};
   again["segment"] = 1;
