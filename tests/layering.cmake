@@ -27,7 +27,7 @@ set(walls
   "core/plan : core/(curvature|deploy|design|figures|formats|pattern|verify)/ : a plan is made from lines"
   "core/artwork : core/(curvature|deploy|figures|formats/(csv|dxf|fold|lattice|pens|svg|write)|machines|print|verify)/ : pictures are laid on a plan or a pattern"
   "core/print : core/(curvature|deploy|design|figures|formats|verify)/ : pages are made from a plan or a pattern"
-  "core/verify : core/(artwork|curvature|deploy|design/(chain|facets|lattice|outline|spline|strips|target|[a-z_]+[.]hpp)|drawing|figures|formats|judge|layout|machines|pattern|plan|rigid)/? : it computes the geometry of patterns and targets on its own; it shares the parsers of specs (core/design/spec) and models (core/model), core/geometry and core/text with what makes patterns"
+  "core/verify : core/(artwork|curvature|deploy|design/(chain|facets|lattice|outline|spline|strips|target|[a-z_]+[.]hpp)|drawing|figures|formats|judge|layout|machines|pattern|plan|rigid)/? : it judges with geometry of its own, of patterns and of targets; it shares the parsers of specs (core/design/spec) and models (core/model), core/geometry and core/text with what makes patterns"
   "core/judge : core/(artwork|calibrate|curvature|drawing|figures|layout|machines|picture|plan|plot|print|search)/ : it gives patterns to the verifier, and opens them with its solver"
   "core except core/judge : core/verify/ : nothing in core rests on what judges it"
   "core : core/judge/ : nothing in core rests on what judges it"

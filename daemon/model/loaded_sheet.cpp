@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/model/loaded_sheet.hpp"
 
-#include <nlohmann/json.hpp>
-
 #include "daemon/model/fields.hpp"
+#include "daemon/model/json_leaves.hpp"
 
 namespace popcut::daemon {
 namespace {
@@ -13,11 +12,11 @@ void put(JsonObject& out, std::string_view name, const std::string& text) {
 }
 void put(JsonObject& out, std::string_view name, double number) { out.number(name, number); }
 
-void take(const nlohmann::json& value, std::string& text) {
-  if (value.is_string()) text = value.get<std::string>();
+void take(const JsonLeaf& leaf, std::string& text) {
+  if (leaf.text) text = *leaf.text;
 }
-void take(const nlohmann::json& value, double& number) {
-  if (value.is_number()) number = value.get<double>();
+void take(const JsonLeaf& leaf, double& number) {
+  if (leaf.number) number = *leaf.number;
 }
 
 }  // namespace
@@ -29,13 +28,13 @@ JsonObject json_of(const LoadedSheet& load) {
 }
 
 std::optional<LoadedSheet> loaded_sheet_from_json(std::string_view json) {
-  const auto object = nlohmann::json::parse(json, nullptr, false);
-  if (!object.is_object()) return std::nullopt;
   LoadedSheet load;
-  list_fields(&load, [&](std::string_view name, auto member) {
-    if (const auto found = object.find(name); found != object.end()) take(*found, load.*member);
+  const bool whole = each_json_leaf(json, [&](const JsonLeaf& leaf) {
+    list_fields(&load, [&](std::string_view name, auto member) {
+      if (leaf.depth == 1 && leaf.name == name) take(leaf, load.*member);
+    });
   });
-  return load;
+  return whole && json.starts_with('{') ? std::optional(load) : std::nullopt;
 }
 
 }  // namespace popcut::daemon

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <utility>
 
-#include <nlohmann/json.hpp>
+#include "daemon/model/json_leaves.hpp"
 
 namespace popcut::daemon {
 namespace {
@@ -49,10 +49,11 @@ std::optional<PlanState> plan_state_from(std::string_view name) {
 }
 
 std::string text_in(const Event& event, std::string_view name) {
-  const auto data = nlohmann::json::parse(event.data, nullptr, false);
-  if (!data.is_object()) return {};
-  const auto found = data.find(name);
-  return found != data.end() && found->is_string() ? found->get<std::string>() : std::string();
+  std::string text;
+  const bool whole = each_json_leaf(event.data, [&](const JsonLeaf& leaf) {
+    if (leaf.depth == 1 && leaf.name == name && leaf.text) text = *leaf.text;
+  });
+  return whole ? text : std::string();
 }
 
 NextAction next_action(JobAction action, ActionRequest body, std::string job) {

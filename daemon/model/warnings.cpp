@@ -2,10 +2,12 @@
 #include "daemon/model/warnings.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "daemon/model/json_leaves.hpp"
 #include "daemon/model/json_object.hpp"
 
 namespace popcut::daemon {
@@ -36,23 +38,19 @@ bool is_code(std::string_view text) {
          });
 }
 
-std::string text_of(const Json& object, const char* name) {
-  const auto found = object.find(name);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
-WarningPlace place_from(const Json& json) {
-  WarningPlace place;
-  if (!json.is_object()) return place;
-  const auto number = [&](const char* name) -> std::optional<double> {
-    const auto found = json.find(name);
-    if (found == json.end() || !found->is_number()) return std::nullopt;
-    return found->get<double>();
-  };
-  place.sheet = static_cast<int>(std::clamp(number("sheet").value_or(0), 0.0, 1e6));
-  place.u_mm = number("u_mm"), place.v_mm = number("v_mm");
-  place.source = text_of(json, "source");
-  return place;
+void take(const JsonLeaf& leaf, Warning& warning) {
+  WarningPlace& place = warning.place;
+  if (leaf.depth == 2) {
+    if (leaf.name == "code" && leaf.text) warning.code = *leaf.text;
+    if (leaf.name == "message" && leaf.text) warning.message = *leaf.text;
+    if (leaf.name == "spoils") warning.spoils = leaf.is_true;
+  } else if (leaf.depth == 3 && leaf.parent == "place") {
+    if (leaf.name == "sheet" && leaf.number)
+      place.sheet = static_cast<int>(std::clamp(*leaf.number, 0.0, 1e6));
+    if (leaf.name == "u_mm") place.u_mm = leaf.number;
+    if (leaf.name == "v_mm") place.v_mm = leaf.number;
+    if (leaf.name == "source" && leaf.text) place.source = *leaf.text;
+  }
 }
 
 }  // namespace
@@ -69,16 +67,14 @@ std::string warnings_json(const std::vector<Warning>& warnings) {
 }
 
 std::vector<Warning> warnings_from_json(std::string_view json) {
+  std::map<std::size_t, Warning> by_item;
+  const bool whole = each_json_leaf(json, [&](const JsonLeaf& leaf) {
+    if (leaf.depth >= 2) take(leaf, by_item[leaf.item]);
+  });
   std::vector<Warning> warnings;
-  const Json list = Json::parse(json, nullptr, false);
-  if (!list.is_array()) return warnings;
-  for (const Json& one : list) {
-    if (!one.is_object()) continue;
-    Warning warning{.code = text_of(one, "code"), .message = text_of(one, "message")};
+  if (!whole) return warnings;
+  for (auto& [item, warning] : by_item) {
     if (!is_code(warning.code)) warning.code = "note";
-    const auto place = one.find("place"), spoils = one.find("spoils");
-    if (place != one.end()) warning.place = place_from(*place);
-    warning.spoils = spoils != one.end() && *spoils == true;
     warnings.push_back(std::move(warning));
   }
   return warnings;

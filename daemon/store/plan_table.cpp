@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
+#include "daemon/model/json_leaves.hpp"
+#include "daemon/model/json_object.hpp"
 #include "daemon/store/columns.hpp"
 
 namespace popcut::daemon {
@@ -48,18 +48,22 @@ std::string select_sheet(std::string_view rest) {
 }  // namespace
 
 std::string json_list(const std::vector<std::string>& texts) {
-  return nlohmann::json(texts).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  std::string out = "[";
+  for (const std::string& text : texts) out += (out.size() > 1 ? "," : "") + json_text(text);
+  return out + ']';
 }
 
 std::vector<std::string> list_from_json(const std::string& json) {
   std::vector<std::string> texts;
-  const nlohmann::json list = nlohmann::json::parse(json, nullptr, false);
-  if (!list.is_array()) throw StoreFault(FaultKind::Corrupt, "a stored list is invalid");
-  for (const nlohmann::json& one : list) {
-    if (!one.is_string())
-      throw StoreFault(FaultKind::Corrupt, "a stored list contains an item that is not a string");
-    texts.push_back(one.get<std::string>());
-  }
+  bool only_texts = true;
+  const bool whole = each_json_leaf(json, [&](const JsonLeaf& leaf) {
+    only_texts = only_texts && leaf.depth == 1 && leaf.name.empty() && leaf.text;
+    if (leaf.text) texts.emplace_back(*leaf.text);
+  });
+  if (!whole || !json.starts_with('['))
+    throw StoreFault(FaultKind::Corrupt, "a stored list is invalid");
+  if (!only_texts)
+    throw StoreFault(FaultKind::Corrupt, "a stored list contains an item that is not a string");
   return texts;
 }
 
