@@ -3,8 +3,8 @@
 
 # Pools run side by side (pools.json). An entry that computes takes a core for itself and runs with lower
 # priority than those that wait. An entry that waits (for a lease, a device, a process, a page)
-# takes little of a core and has deadlines, so four of them run at once, two of those that start several popcutd on a
-# PostgreSQL, whose leases lapse on a busy machine, and two of those that look at the page in a browser.
+# takes little of a core and has deadlines, so two of them run beside those that compute, one of those that start several
+# popcutd on a PostgreSQL, whose leases lapse on a busy machine, and one of those that look at the page in a browser.
 set(popcut_waiting
   "e2e/popcutd/"
   "e2e/in_process/(confinement|cutters|http_events|http_front_door|http_limits|http_server|planner|previewer|search)"

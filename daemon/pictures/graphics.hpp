@@ -6,8 +6,8 @@
 #include <fontconfig/fontconfig.h>
 #include <librsvg/rsvg.h>
 
-#include "core/result.hpp"
 #include "daemon/files/late_library.hpp"
+#include "daemon/pictures/load_graphics.hpp"
 
 namespace popcut::pictures {
 
@@ -76,10 +76,6 @@ struct Graphics : LateLibrary {
 
 #undef POPCUT_FUNCTION
 
-/// The functions, loaded at the first call.
-///
-/// @retval Internal  librsvg or one of its functions is missing; the detail names the package
-[[nodiscard]] Result<void> load_graphics();
 /// The functions, once `load_graphics` has succeeded.
 [[nodiscard]] const Graphics& graphics();
 

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/pictures/load_graphics.hpp"
 #include "daemon/planning/confinement.hpp"
 #include "daemon/planning/frames.hpp"
 #include "daemon/planning/search/freed_memory.hpp"
@@ -182,6 +183,8 @@ int run_worker(int in, int out, std::string_view word) {
   if (alone) {
     end_when_out_of_time();
     end_when_out_of_memory();
+    // What draws pages of artwork cannot be loaded later; if it is missing, the task says so.
+    (void)pictures::load_graphics();
     walls = confine_worker();
   }
   Pipes pipes(in, out);
