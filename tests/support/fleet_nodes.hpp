@@ -19,7 +19,7 @@ class FleetNodes {
     int nodes{2};
     double time_scale{0};         ///< of the cutters; 0: at once
     double first_time_scale{-1};  ///< of the first node's, if it is another
-    double lease_s{2}, beat_s{0.4};
+    double lease_s{4}, beat_s{0.4};
     bool proxies{false};  ///< a FaultProxy between each node and the database
     bool tcp{false};      ///< the nodes come by 127.0.0.1, with the password `password`
     std::string more{};   ///< at the end of each node's configuration
