@@ -397,7 +397,7 @@ TEST_CASE("a search that ends just as the database is away is found all the same
 TEST_CASE("a plan that ends just as the database is away is made all the same", "[fleet]") {
   NEEDS_POSTGRES();
   Fleet fleet;
-  fleet.a.proxy.cut_at("COMMIT", FaultProxy::Lost::Request, "UPDATE plan SET state");
+  fleet.a.proxy.cut_at("COMMIT", FaultProxy::Lost::Request, "UPDATE plan SET planner_epoch=0");
   fleet.ready();
   CHECK_FALSE(fleet.a.proxy.cut_to_come());
 }
