@@ -30,10 +30,10 @@ struct Mobility {
 /// Counts the freedoms exactly, in O(panels) where there is one.
 ///
 /// All folds are parallel to the spine, so every small motion is planar. An upright panel at x = X
-/// moves with velocities (a - w z, B) and a level one at z = Z with (C, e + w x). Folds equate them,
-/// and the two coordinates part: on each upright panel the C of its folds are affine in z, on each
-/// level panel the B are affine in x. Both systems are solved by `Propagation`. What it does not
-/// reach, loose ends mostly, falls into components, and the rank of each one's interpolation
+/// moves with velocities (a - w z, B) and a level one at z = Z with (C, e + w x). Folds equate
+/// them, and the two coordinates part: on each upright panel the C of its folds are affine in z, on
+/// each level panel the B are affine in x. Both systems are solved by `Propagation`. What it does
+/// not reach, loose ends mostly, falls into components, and the rank of each one's interpolation
 /// equations is found by a QR factorisation. Freedoms = unknowns of both systems less the three
 /// motions of the whole.
 [[nodiscard]] Mobility mobility(const Section& section);
@@ -41,9 +41,9 @@ struct Mobility {
 /// Follows one of the two systems of `mobility` from the panels that are held.
 ///
 /// The panels of one direction are lines, which have an affine function each; those of the other
-/// direction are nodes, which have one number each. A node lies on a line where they meet in a fold,
-/// at the node's offset. A line that is held holds its nodes. Two held nodes at different places
-/// hold a line. O(folds) for all calls together.
+/// direction are nodes, which have one number each. A node lies on a line where they meet in a
+/// fold, at the node's offset. A line that is held holds its nodes. Two held nodes at different
+/// places hold a line. O(folds) for all calls together.
 class Propagation {
  public:
   explicit Propagation(const Section& section)

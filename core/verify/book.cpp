@@ -13,9 +13,9 @@
 #include "core/geometry/angle.hpp"
 #include "core/text/json_text.hpp"
 #include "core/verify/judge.hpp"
-#include "core/verify/verify_json.hpp"
 #include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/target/target.hpp"
+#include "core/verify/verify_json.hpp"
 
 namespace popcut {
 namespace {

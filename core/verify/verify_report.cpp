@@ -78,6 +78,8 @@ Json verify_report_json(const VerifyReport& report) {
   return json;
 }
 
-std::string verify_json(const VerifyReport& report) { return json_file(verify_report_json(report)); }
+std::string verify_json(const VerifyReport& report) {
+  return json_file(verify_report_json(report));
+}
 
 }  // namespace popcut

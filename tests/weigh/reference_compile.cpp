@@ -1,8 +1,9 @@
-// The unit of './run weigh' for builds: what compiling this file costs, without a precompiled header. It holds what
-// popcut compiles most, and must never change: a change makes all budgets wrong.
+// The unit of './run weigh' for builds: what compiling this file costs, without a precompiled
+// header. It holds what popcut compiles most, and must never change: a change makes all budgets
+// wrong.
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <fmt/format.h>
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -18,7 +19,9 @@ using Value = std::variant<double, std::string, std::vector<double>, Eigen::Vect
 template <int N>
 struct Part {
   std::map<std::string, Value> values;
-  std::function<double(const Part&)> size = [](const Part& part) { return static_cast<double>(part.values.size() + N); };
+  std::function<double(const Part&)> size = [](const Part& part) {
+    return static_cast<double>(part.values.size() + N);
+  };
   Eigen::Matrix<double, N, N> turn = Eigen::Matrix<double, N, N>::Identity();
 };
 
@@ -46,9 +49,11 @@ template <int N>
 std::string sorted_names(const Part<N>& part) {
   std::vector<std::string> names;
   for (const auto& entry : part.values) names.push_back(entry.first);
-  std::sort(names.begin(), names.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  std::sort(names.begin(), names.end(),
+            [](const auto& a, const auto& b) { return a.size() < b.size(); });
   std::string out;
-  for (const std::string& name : names) out += fmt::format("{:>12} {:08.3f}\n", name, part.size(part));
+  for (const std::string& name : names)
+    out += fmt::format("{:>12} {:08.3f}\n", name, part.size(part));
   return out;
 }
 

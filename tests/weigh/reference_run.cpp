@@ -1,13 +1,14 @@
-// The unit of './run weigh' for the suite: what running this program costs. It does what tests do most: compute with
-// numbers and texts, and start programs. It must never change: a change makes all budgets wrong.
+// The unit of './run weigh' for the suite: what running this program costs. It does what tests do
+// most: compute with numbers and texts, and start programs. It must never change: a change makes
+// all budgets wrong.
+#include <sys/wait.h>
+#include <unistd.h>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <string>
-#include <sys/wait.h>
-#include <unistd.h>
 #include <vector>
 
 namespace {

@@ -118,10 +118,10 @@ Answer<MaterialRecord> MaterialRepository::put(const Principal& who, const std::
   if (who.role < Role::Admin)
     return refuse(ProblemKind::Forbidden, "only an admin may change materials");
   if (!is_name(id))
-    return refuse_value("/name", "format",
-                        fmt::format("must be 1 to {} characters of a-z 0-9 - _ .",
-                                    kMaterialIdLimit.characters),
-                        "the material's name is not valid");
+    return refuse_value(
+        "/name", "format",
+        fmt::format("must be 1 to {} characters of a-z 0-9 - _ .", kMaterialIdLimit.characters),
+        "the material's name is not valid");
   return store_.change([&]() -> Answer<MaterialRecord> {
     const Answer<MaterialRecord> before = find(id);
     if (before && if_match != before->rev) return tl::unexpected(stale(before->rev));

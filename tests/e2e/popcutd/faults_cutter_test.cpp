@@ -280,8 +280,7 @@ TEST_CASE("a name is plain text and never a path or an escape sequence", "[popcu
     CAPTURE(Json(control).dump());
     CHECK(make("name", control).status == 422);
     CHECK(make("tags", {control}).status == 422);
-    CHECK(popcutd.ask("POST", "/v1/designs?name=" + percent_encoded(control), svg,
-                      "image/svg+xml")
+    CHECK(popcutd.ask("POST", "/v1/designs?name=" + percent_encoded(control), svg, "image/svg+xml")
                   .status /
               100 ==
           4);
@@ -294,8 +293,7 @@ TEST_CASE("a name is plain text and never a path or an escape sequence", "[popcu
     const client::HttpResponse made = make("name", odd);
     CHECK(made.status == 201);
     CHECK(Json::parse(made.body)["name"] == odd);
-    CHECK(popcutd
-              .ask("POST", "/v1/designs?name=" + percent_encoded(odd), svg, "image/svg+xml")
+    CHECK(popcutd.ask("POST", "/v1/designs?name=" + percent_encoded(odd), svg, "image/svg+xml")
               .status < 300);
   }
   const Json listed = popcutd.get("/v1/jobs");

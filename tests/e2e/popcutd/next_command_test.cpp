@@ -136,8 +136,7 @@ TEST_CASE("every refusal names a command that cures it", "[popcutd][cli][next]")
     CHECK(shop.cure({"change", id, "--device", "sim:wide"}, "planned for") == again);
     CHECK(shop.cure({"arm", id, "--device", "sim:wide"}, "") == again);
     CHECK(shop.cure({"change", id, "--device", "sim:none"}, "one of") == change);
-    CHECK(shop.cure({"resume", id, "--from"}, "needs a path") ==
-          Words{"jobs", id.substr(0, 12)});
+    CHECK(shop.cure({"resume", id, "--from"}, "needs a path") == Words{"jobs", id.substr(0, 12)});
     CHECK(shop.cure({"arm"}, "name one of") == Words{"arm", std::min(id, other)});
     CHECK(shop.cure({"pause"}, "not possible for any job") == Words{"jobs"});
     shop.must({"hold", id});

@@ -118,7 +118,8 @@ TEST_CASE("what a model names and cannot be read is one error with its place", "
   CHECK_THAT(gltf(R"({"attributes": {"POSITION": 0}})", 3), Catch::Contains("q.gltf: /meshes/3"));
   CHECK_THAT(gltf(R"({"attributes": {"POSITION": 0}, "material": 7})", 0),
              Catch::Contains("q.gltf: /materials/7"));
-  CHECK_THAT(error_of("q.glb", "glTF nonsense", {}), Catch::Contains("q.glb: cannot be read as glTF"));
+  CHECK_THAT(error_of("q.glb", "glTF nonsense", {}),
+             Catch::Contains("q.glb: cannot be read as glTF"));
   CHECK_THAT(error_of("q.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
                         "nodes": [{"children": [0]}]})",
                       {}),

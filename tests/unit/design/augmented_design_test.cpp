@@ -165,7 +165,8 @@ TEST_CASE("curvature that cannot be requested is refused with its place",
   };
   for (const Row& row :
        {Row{"{}", "/curvature: asks for nothing", 3}, Row{"[]", "/curvature: is a list", 3},
-        Row{R"({"K_area":[1,2]})", "/curvature/K_area: has 2 values; must have one for all, or 30", 3},
+        Row{R"({"K_area":[1,2]})", "/curvature/K_area: has 2 values; must have one for all, or 30",
+            3},
         Row{R"({"first":[[1,0,1],[1,0,1]]})", "/curvature/first: has 2 values", 3},
         Row{R"({"K_area":0,"weights":{"K":-1}})", "/curvature/weights/K: is -1", 3},
         Row{R"({"K_area":0,"weights":{"H":1}})", "give /curvature/H too", 3},

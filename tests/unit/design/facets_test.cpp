@@ -12,7 +12,6 @@
 #include <catch2/catch.hpp>
 
 #include "core/design/design.hpp"
-#include "core/design/facets/seen_target.hpp"
 #include "core/design/facets/facets.hpp"
 #include "core/design/facets/label_card.hpp"
 #include "core/design/facets/label_holding.hpp"
@@ -20,6 +19,7 @@
 #include "core/design/facets/labelling.hpp"
 #include "core/design/facets/labels.hpp"
 #include "core/design/facets/patch_moves.hpp"
+#include "core/design/facets/seen_target.hpp"
 #include "core/design/facets/strip_chain.hpp"
 #include "core/design/facets/strip_moves.hpp"
 #include "core/design/shape_fit.hpp"
