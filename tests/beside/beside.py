@@ -3,7 +3,8 @@
 
 usage: beside.py OLD NEW [--designs N] [--plans N] [--requests N] [--lines N] [--seed S] [--keep FOLDER]
 
-OLD and NEW are build folders, such as build/release of another checkout and build/dev. For each input both programs must
+OLD and NEW are build folders of one compiler, such as build/dev of two checkouts: tours, and the order of GLB accessors,
+differ between GCC and clang. For each input both programs must
 end with the same exit code, write the same files, byte for byte, and print the same on standard output. Of an error the
 place (what stands before the first ": ") and all JSON pointers must be equal; its words may differ, and each pair of
 words that does is listed once. Times that were measured and random identifiers are left out of the comparison.
@@ -154,7 +155,7 @@ def files_of(folder):
     return {str(path.relative_to(folder)): path for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
-def told(text):
+def relied_on(text):
     """What programs rely on in an error: its place, and the JSON pointers in it."""
     return [(line.split(": ")[:2], re.findall(r"(?<![\w.])/[a-z_][\w/]*", line)) for line in text.splitlines()
             if line.startswith("popcut: ")]
@@ -171,7 +172,7 @@ class Comparison:
             return
         if without_times(old[1]) != without_times(new[1]):
             self.differences.append(f"{name}: prints something else")
-        if told(old[2]) != told(new[2]):
+        if relied_on(old[2]) != relied_on(new[2]):
             self.differences.append(f"{name}: another place: {old[2].strip()[:200]} | {new[2].strip()[:200]}")
         elif without_times(old[2].encode()) != without_times(new[2].encode()):
             for a, b in zip(old[2].splitlines(), new[2].splitlines()):
@@ -184,7 +185,7 @@ class Comparison:
                     without_times(old_files[file].read_bytes()) != without_times(new_files[file].read_bytes()):
                 self.differences.append(f"{name}: {file} differs")
 
-    def told(self, what, count):
+    def print_differences(self, what, count):
         print(f"{what}: {count} inputs, exit codes {dict(sorted(self.codes.items(), key=str))}, "
               f"{len(self.differences)} differences, {len(self.words)} messages in other words")
         for line in self.differences[:40]:
@@ -215,7 +216,7 @@ def beside(what, programs, inputs, folder):
             result.add(*row)
             if len(result.differences) == before:
                 shutil.rmtree(folder / f"{what}-{k}", ignore_errors=True)
-    return result.told(what, len(inputs))
+    return result.print_differences(what, len(inputs))
 
 
 # Requests

@@ -241,7 +241,7 @@ TEST_CASE("doctor and cut explain --treat-as for an unknown model", "[cli][usb][
 }
 
 TEST_CASE("doctor names the program that uses the cutter", "[cli][usb][doctor][e2e]") {
-  Workshop shop({{900, UsbFault::Kind::Nak, 1e6}});  // it cuts until it is told to go on
+  Workshop shop({{900, UsbFault::Kind::Nak, 1e6}});  // it cuts until the test lets it go on
   AtTerminal other(popcut_program(), shop.cut_words(), shop.folder);
   REQUIRE(other.shows("Start cutting? [y/N]"));
   other.type("y\n");

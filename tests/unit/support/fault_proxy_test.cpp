@@ -20,7 +20,7 @@ using Clock = std::chrono::steady_clock;
 using Way = FaultProxy::Way;
 using Lost = FaultProxy::Lost;
 
-constexpr auto kSoon = 60s;  // a client that is told of a fault is told at once; machines are busy
+constexpr auto kSoon = 60s;  // a fault is reported at once; machines are busy
 
 /// A database with a table, and a proxy before its server.
 struct Bench {
