@@ -177,8 +177,8 @@ class Judge:
 
     def judge(self, what, value, allowed, margin, unit=""):
         limit = allowed * (1 + margin)
-        self.beyond += [f"{what}: {value:.1f}{unit}, and the budget is {allowed:.1f}{unit}, with margin {limit:.1f}{unit}"] \
-            if value > limit else []
+        if value > limit:
+            self.beyond.append(f"{what}: {value:.1f}{unit}, and the budget is {allowed:.1f}{unit}, with margin {limit:.1f}{unit}")
 
     def times(self, kind, measured, unit_s):
         margin = self.budget["margin"]
@@ -229,7 +229,6 @@ def report_suite(judge, build, units):
 
 def report_lines():
     print("\n== lines by folder                          C++        other")
-    total = {"C++": 0, "other": 0}
     folders = lines_by_folder()
     for name in sorted(folders):
         print(f"  {name:36}{folders[name]['C++']:12,}{folders[name]['other']:12,}")
