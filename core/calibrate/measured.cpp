@@ -52,16 +52,18 @@ Result<Machine> with_ways(const Machine& machine, Way one_tick, Way two_ticks) {
       real.mirrored = mirrored;
       if (ways(machine, real) != std::array{one_tick, two_ticks}) continue;
       if (machine.language == "gpgl" && (axes != machine.axes || mirrored != machine.mirrored))
-        return fail(ErrorKind::OutOfRange, "",
-                    "no machine that speaks GPGL draws so; look again, with the edge that went in "
-                    "first away from you and the cut side up");
+        return fail(
+            ErrorKind::OutOfRange, "",
+            "these directions are not possible for GPGL; look again, with the edge that went in "
+            "first away from you and the cut side up");
       return real;
     }
   const auto flat = [](Way way) { return way == Way::Right || way == Way::Left; };
   return fail(ErrorKind::Infeasible, "",
               flat(one_tick) == flat(two_ticks)
                   ? "the two lines cannot run the same way or opposite ways; look again"
-                  : "no machine draws so; look again, with the edge that went in first away from "
+                  : "these directions are not possible; look again, with the edge that went in "
+                    "first away from "
                     "you and the cut side up");
 }
 

@@ -180,7 +180,7 @@ std::vector<PlanOption> make_table() {
       text("mat", MEMBER(mat), "NAME|WxH",
            "A mat of the machine, a paper such as A4, A3-landscape or letter, or a size such as "
            "300x200 (mm), 30x20cm or 12x12in; a paper or size without --machine plans for an ideal "
-           "plotter; roll cuts from a roll, as long as the drawing"),
+           "plotter; roll cuts from a roll, over the length of the drawing"),
       place("at", [](PlanOptions& options) { return point(&options.place.at); },
            "Where the drawing's upper left corner goes on the sheet, in mm"),
       number("scale", MEMBER(scale), "N", {0.0001, 10'000},

@@ -61,7 +61,7 @@ class Look {
     add(Level::Problem, std::move(what), std::move(remedy));
   }
   [[nodiscard]] std::string join_again() const {
-    return fmt::format("as who looks after the database: popcut fleet join --node {} --again",
+    return fmt::format("as the administrator of the database: popcut fleet join --node {} --again",
                        probe_.node);
   }
 
@@ -129,7 +129,7 @@ class Look {
     if (std::abs(ahead) <= kClock_ms + (after - before))
       fine("this machine's clock agrees with the database's");
     else
-      note(fmt::format("this machine's clock is {} {} the database's, which popcut goes by",
+      note(fmt::format("this machine's clock is {} {} the database's, which popcut uses",
                        rough_time(std::abs(ahead) / 1000), ahead > 0 ? "behind" : "ahead of"),
            "timedatectl set-ntp true");
   }
@@ -141,7 +141,7 @@ class Look {
     if (at == nodes.end())
       return problem(
           fmt::format("the fleet has no node {}", name),
-          fmt::format("as who looks after the database: popcut fleet join --node {}", name));
+          fmt::format("as the administrator of the database: popcut fleet join --node {}", name));
     if (at->draining)
       note(fmt::format("node {} is being drained: it arms no sheet", name),
            fmt::format("popcut fleet drain {} --undo", name));

@@ -133,13 +133,13 @@ constexpr const char* kHelp =
     "  front.json     figures of each card, and which one is the best\n"
     "  card-NN/       one card: spec.json, from which 'popcut design' makes it again, the\n"
     "                 pattern (FOLD, SVG, DXF), cut.svg, and thumbnail.png beside the model;\n"
-    "                 of books: book-NN/, with a folder for each card\n\n"
+    "                 for books: book-NN/, with a folder for each card\n\n"
     "card-01 is the quickest to cut; the last card looks most like the model. The same seed gives\n"
     "the same cards on every computer.";
 
 void add_search_options(const Command& command, ModelSearchOptions& search) {
   real_number(command.add_option("--max-minutes", search.max_minutes,
-                                 "Longest time that the cutter may take, as popcut reckons it"),
+                                 "Longest time that the cutter may take, as popcut estimates it"),
               0.1, 1e5, "minutes")
       .value_text("MINUTES [15]");
   command.add_option("--mat", search.mat, "Mat or paper to cut on, such as 12x12 or A4, as in plan")
@@ -166,24 +166,23 @@ void add_search_options(const Command& command, ModelSearchOptions& search) {
       })
       .value_text("N [1]");
   command.add_flag("--marks", search.marks,
-                   "Cards fit between the registration marks that popcut print sets");
+                   "Make cards that fit between the registration marks of popcut print");
   std::vector<std::string> styles;
   for (const StyleChoice& style : style_choices()) styles.emplace_back(style.name);
   one_word(command.add_option("--style", search.style,
                               "What cards are made of: any, facets, any lattice, or one lattice"),
            styles, "any");
-  one_word(
-      command.add_option("--up", search.up,
-                         "Which axis of the file points up (mostly y or z); any: whichever way "
-                         "the card is most like the model, so it may lie on its side"),
-      up_words(), "any");
+  one_word(command.add_option("--up", search.up,
+                              "Which axis of the file points up (mostly y or z); any: as the card "
+                              "looks most like the model, which may then lie on its side"),
+           up_words(), "any");
   one_word(command.add_option("--front", search.front,
                               "Which axis of the file points out of the card, toward you (a house: "
-                              "out of its door); any: popcut turns the model as it looks best"),
+                              "out of its door); any: popcut chooses"),
            up_words(), "any");
   whole_number(
-      command.add_option("--seed", search.seed, "Random seed: the same one, the same cards"), 0,
-      std::int64_t{1} << 53)
+      command.add_option("--seed", search.seed, "Random seed; the same seed gives the same cards"),
+      0, std::int64_t{1} << 53)
       .value_text("N [1]");
   real_number(
       command.add_option("--effort", search.effort,
@@ -191,9 +190,10 @@ void add_search_options(const Command& command, ModelSearchOptions& search) {
                          "as long; 1 takes up to a minute on two idle cores"),
       0.01, 100)
       .value_text("X [1]");
-  whole_number(command.add_option("--threads", search.threads,
-                                  "Threads to use, 0 for all; they change nothing but the time"),
-               0, 256)
+  whole_number(
+      command.add_option("--threads", search.threads,
+                         "Threads to use, 0 for all; they change only the time, not the cards"),
+      0, 256)
       .value_text("N [0]");
 }
 

@@ -197,9 +197,9 @@ class Calibration {
       return ready;
     if (const auto done = cut(measure::short_angle().path(material_.cut), "axes"); !done)
       return done;
-    fmt::print(stderr,
-               "Look at the sheet: the edge that went in first away from you, the cut side "
-               "up.\n");
+    fmt::print(
+        stderr,
+        "Look at the sheet with the cut side up, and the edge that went in first away from you.\n");
     for (;;) {
       const auto one = person_.way("From the corner, the line with one tick runs");
       if (!one) return tl::unexpected(one.error());
@@ -397,8 +397,8 @@ class Calibration {
   }
 
   Result<void> find_depth(MaterialForce& found) {
-    if (const auto ready = load("Depth: squares with the blade a step deeper each. The same sheet "
-                                "will do, if it still holds.",
+    if (const auto ready = load("Depth: squares, each with the blade a step deeper. Use the same "
+                                "sheet if it still holds.",
                                 2);
         !ready)
       return ready;
@@ -529,8 +529,8 @@ Result<void> run_calibrate(const Options& options, const Globals& globals) {
     folder = std::move(*opened);
   }
   fmt::print(stderr,
-             "Calibrating {} at {}. Nothing is written before you say so at the end.\nAny answer "
-             "but Enter where popcut waits for a sheet stops.\n",
+             "Calibrating {} at {}. popcut writes nothing until you agree at the end.\n"
+             "When popcut waits for a sheet, any answer except Enter stops.\n",
              shown_text(machine.title), shown_text(target->device.text));
   Calibration calibration(options, globals, std::move(*target), machine, *material, *mat,
                           std::move(folder));
@@ -565,8 +565,8 @@ constexpr const char* kHelp =
     "  time   seven short runs: how fast it moves (with a stopwatch if it reports nothing)\n"
     "  force  squares with growing force (and blade depth, with --autoblade): what your paper "
     "needs\n\n"
-    "The result is a row in ~/.config/popcut/machines.json. Nothing is written before you agree.\n"
-    "To practise, simulate a machine whose settings are wrong:\n\n"
+    "The result is a row in ~/.config/popcut/machines.json. popcut writes nothing until you\n"
+    "agree. To practise, simulate a machine whose settings are wrong:\n\n"
     "  popcut calibrate --device sim:stika-sv15 --machine vevor-cutter --as practice -o practice";
 
 }  // namespace
@@ -581,7 +581,7 @@ void register_calibrate(const Command& app, const Globals& globals, Run& run) {
       .value_text("ID [sim:cameo3]");
   command
       .add_option("--machine", options->machine,
-                  "The machine that popcut takes it for, where it does not say what it is")
+                  "The machine, if the cutter does not report its model")
       .value_text("NAME");
   command
       .add_option("--treat-as", options->treat_as,

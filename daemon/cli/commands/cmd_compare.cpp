@@ -167,7 +167,7 @@ Result<ComparedStructure> read_given(const Options& options, const Given& given,
   if (given.cards.empty()) return read_structure(options.pattern, psi, progress);
   if (psi)
     return fail(ErrorKind::Usage, "--psi",
-                "is for one pattern; a book is compared as it stands open all around");
+                "is for one pattern; popcut compares a book when it is open all around");
   return read_compared_book(given.cards, progress);
 }
 
@@ -195,8 +195,8 @@ Result<void> run_compare(Options options, const Globals& globals) {
   const likeness::Target aim(target->triangles, scene);
   if (aim.is_unseen())
     return fail(ErrorKind::OutOfRange, options.target,
-                "no part of the model stands in front of the card; say where it stands with "
-                "--scale, --rotate and --move, or let popcut search with --fit");
+                "no part of the model is in front of wall and ground; place it with --scale, "
+                "--rotate and --move, or let popcut search with --fit");
   CompareReport report;
   report.pattern = options.pattern, report.target = options.target;
   report.psi_rad = structure->psi_rad;
@@ -232,11 +232,11 @@ constexpr const char* kHelp =
     "PATTERN is a FOLD file or a drawing (SVG, DXF), from popcut or any other program, or a mesh\n"
     "(STL, OBJ) of an opened card. TARGET is a mesh, heights (CSV) or a design (.json). popcut\n"
     "draws both from nine directions around the card's diagonal and compares depths, contours,\n"
-    "what is covered and the volume; it also says what the card costs to cut. The last line is\n"
-    "the error, one figure to rank cards by: 0 is the model itself. A book, by its folder or by\n"
-    "the FOLD files of its cards, is looked at from all around.\n\n"
-    "A pattern that popcut designed from a mesh says where the mesh stands. Else give --scale,\n"
-    "--rotate and --move, as in a design; without them popcut searches for the best place.";
+    "the covered part and the volume; it also says what the card costs to cut. The last line is\n"
+    "the error, a number to rank cards: 0 is the model itself. popcut looks at a book (its folder\n"
+    "or the FOLD files of its cards) from all around.\n\n"
+    "A pattern that popcut designed from a mesh says where the mesh stands. Otherwise give\n"
+    "--scale, --rotate and --move, as in a design; without them popcut searches for the place.";
 
 void add_place_options(const Command& command, Options& options) {
   real_number(command.add_option("--scale", options.scale, "Size of one unit of the model, in mm"),
@@ -255,8 +255,9 @@ void add_place_options(const Command& command, Options& options) {
          "Turn the model about x, then y, then z, in degrees; x runs away from the wall, y along "
          "the spine and z up");
   triple("--move", options.move, "Then move it by this distance, in mm");
-  command.add_flag("--fit", options.fit,
-                   "Search where the model fits best, whatever the pattern says");
+  command.add_flag(
+      "--fit", options.fit,
+      "Search for the place where the model fits best, and ignore that in the pattern");
 }
 
 }  // namespace
@@ -275,7 +276,8 @@ void register_compare(const Command& app, const Globals& globals, Run& run) {
                   "The model: a mesh (.stl, .obj, .glb), heights (.csv) or a design (.json)")
       .required();
   command.add_option("MORE", options->more,
-                     "With more than two files all but the last are the cards of a book, in order");
+                     "With more than two files, the last is the model, and all others are the "
+                     "cards of a book, in order");
   add_place_options(command, *options);
   command
       .add_option("--psi", options->psi,
@@ -283,7 +285,7 @@ void register_compare(const Command& app, const Globals& globals, Run& run) {
                   "pattern is designed for")
       .value_text("ANGLE");
   command.add_flag("--around", options->around,
-                   "Look from 36 directions all around the spine; always so for books");
+                   "Look from 36 directions all around the spine; books always do");
   whole_number(
       command.add_option("--pixels", options->pixels, "Width and height of each image, in pixels"),
       likeness::kLeastPixels, likeness::kMostPixels)

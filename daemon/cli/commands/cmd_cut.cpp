@@ -65,7 +65,8 @@ Result<void> go_round(const PlanJob& job, std::size_t sheet, const CutTarget& ta
   if (sent->trace && !sent->trace->strokes.empty())
     return fail(ErrorKind::Internal, "--frame", "the tool came down");
   if (!globals.quiet)
-    fmt::print(stderr, "sheet {}: the tool went round {:.1f} x {:.1f} mm at {:.1f}, {:.1f}, up\n",
+    fmt::print(stderr,
+               "sheet {}: the lifted tool went around {:.1f} x {:.1f} mm at {:.1f}, {:.1f}\n",
                sheet + 1, box.width(), box.height(), box.x0, box.y0);
   return {};
 }
@@ -233,7 +234,7 @@ Result<std::optional<Shift>> cut_all(const Options& options, const Globals& glob
   for (std::size_t sheet = 0; sheet < job.plan.sheets.size(); ++sheet) {
     if (options.frame) {
       if (!options.yes && isatty(STDIN_FILENO) == 1) {
-        fmt::print(stderr, "Load sheet {}, then press Enter: the tool goes round it, up. ",
+        fmt::print(stderr, "Load sheet {}, then press Enter: the lifted tool goes around it. ",
                    sheet + 1);
         std::string enter;
         std::getline(std::cin, enter);
@@ -431,8 +432,8 @@ void register_cut(const Command& app, const Globals& globals, Run& run) {
       .value_text("FILE");
   command.add_flag("--direct", options->direct, "Cut at once, without popcutd");
   command.add_flag("--frame", options->frame,
-                   "First move the tool, up, round what will be cut on each sheet; then you can "
-                   "still move the drawing; with --direct");
+                   "With --direct: first move the lifted tool around the area to cut on each "
+                   "sheet; then you can still move the drawing");
   command.add_flag("--yes", options->yes,
                    "Do not ask before each sheet; only with simulated devices");
   command.add_option("-o,--output", options->folder, "Folder for programs, drawings and traces")

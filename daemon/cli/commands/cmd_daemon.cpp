@@ -378,15 +378,15 @@ void add_db(const Command& app, const Globals& globals, Run& run) {
       .value_text("DIR [~/.local/state/popcut]");
   when_chosen(salvage, run, [folder, &globals] { return salvage_database(*folder, globals); });
   auto restoring = std::make_shared<RestoreOptions>();
-  const Command restore = command.add_command(
-      "restore", "Put a copy in the place of the database; the one that is there is kept");
+  const Command restore =
+      command.add_command("restore", "Replace the database by a copy, and keep the old one");
   restore.add_option("COPY", restoring->copy, "A copy that 'popcut db backup' made")
       .required()
       .value_text("COPY");
   restore.add_option("--state", restoring->folder, "popcutd's state folder")
       .value_text("DIR [~/.local/state/popcut]");
   restore.add_flag("--older", restoring->older,
-                   "Also when the present database is whole and knows more than the copy");
+                   "Restore even if the present database is whole and newer than the copy");
   when_chosen(restore, run,
               [restoring, &globals] { return restore_database(*restoring, globals); });
 }

@@ -227,10 +227,11 @@ Result<void> deploy_book(Options options, double thickness_mm, const Globals& gl
   if (!angles) return tl::unexpected(angles.error());
   constexpr double kRounding = 1e-9;
   if (std::max(angles->front(), angles->back()) > design_psi + kRounding)
-    return fail(ErrorKind::Usage, options.motion.to_psi.empty() ? "--from-psi" : "--to-psi",
-                fmt::format("opens each card to more than {:.4g} rad, and then they meet; give at "
-                            "most that",
-                            design_psi));
+    return fail(
+        ErrorKind::Usage, options.motion.to_psi.empty() ? "--from-psi" : "--to-psi",
+        fmt::format(
+            "opens each card to more than {:.4g} rad, so that the cards meet; give at most that",
+            design_psi));
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
   if (auto done = write_book(options, *book, *angles, thickness_mm, *folder, *work); !done)
@@ -309,8 +310,9 @@ constexpr const char* kHelp =
     "main fold; y in a design), z up. The opening angle (psi) is pi for the flat sheet, pi/2 for\n"
     "the designed shape and 0 for the closed card. A design with design_angle_deg has its shape\n"
     "at that angle, and the poses end there. --convention paper reads and writes the axes of the\n"
-    "scientific paper (X = x, Z = 1 - y, v = z), from psi = 0 to pi/2. Of a book, by its folder,\n"
-    "each mesh has all cards around the spine, from shut to open; --glb writes book.glb.";
+    "scientific paper (X = x, Z = 1 - y, v = z), from psi = 0 to pi/2. For a book, give\n"
+    "its folder: each mesh has all cards around the spine, from shut to open; --glb writes\n"
+    "book.glb.";
 
 }  // namespace
 }  // namespace deploy_command

@@ -165,12 +165,14 @@ std::optional<Report> look_at_fleet(const Options& options) {
       const bool is_there = ::access(fleet.password_file.c_str(), F_OK) == 0;
       report.findings.push_back(
           {is_there ? Level::Note : Level::Problem,
-           is_there ? fleet.password_file + " cannot be read by you, so the fleet was not asked"
-                    : fleet.password_file + ", the password_file of [fleet], does not exist",
-           is_there ? "sudo popcut doctor"
-                    : fmt::format("as who looks after the database: popcut fleet join --node {} "
-                                  "--again",
-                                  probe.node)});
+           is_there
+               ? fleet.password_file + ": you may not read it, so popcut did not check the fleet"
+               : fleet.password_file + ", the password_file of [fleet], does not exist",
+           is_there
+               ? "sudo popcut doctor"
+               : fmt::format(
+                     "as the administrator of the database: popcut fleet join --node {} --again",
+                     probe.node)});
       return report;
     }
     probe.password = secret->substr(0, secret->find('\n'));

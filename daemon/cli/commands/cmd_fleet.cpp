@@ -69,7 +69,7 @@ Error trouble(const FleetUrl& url, const StoreFault& fault) {
     detail += "; give --database a role that may, such as the one of 'popcut fleet init'";
   if (fault.kind() == FaultKind::Away) detail += "; check the address and that PostgreSQL runs";
   if (fault.kind() == FaultKind::InDoubt)
-    detail += "; it is not known whether it was done: type the command again";
+    detail += "; popcut does not know whether it was done: type the command again";
   return {ErrorKind::Refused, url.shown(), std::move(detail)};
 }
 
@@ -89,8 +89,8 @@ Result<void> with_database(const std::string& given, Work work) {
 void add_database(const Command& command, std::string& database) {
   command
       .add_option("--database", database,
-                  "The fleet's PostgreSQL, as a role that may do this; a password is better in "
-                  "~/.pgpass. Default: $POPCUT_FLEET_DATABASE")
+                  "Address of the fleet's PostgreSQL, with a role that may do this; put the "
+                  "password into ~/.pgpass. Default: $POPCUT_FLEET_DATABASE")
       .value_text("URL");
 }
 
@@ -142,7 +142,7 @@ Result<void> run_init(const std::string& given, const Globals& globals) {
       if (globals.quiet) return;
       if (created) fmt::print("created the database {}\n", url->database);
       if (made.from == made.to)
-        fmt::print("nothing to do: the tables of the fleet are there (version {})\n", made.to);
+        fmt::print("nothing to do: the tables of the fleet exist (version {})\n", made.to);
       else if (made.from == 0)
         fmt::print("made the tables and roles of the fleet (version {})\n", made.to);
       else
@@ -256,7 +256,7 @@ constexpr const char* kJoinHelp =
     "    --node room-1                              # on the machine of the database\n"
     "  popcut fleet join --node room-1 --write /etc/popcut >> /etc/popcut/popcutd.toml\n"
     "  popcut fleet join --node room-1 --again      # a new password; the old one stops working\n\n"
-    "Each node has a login of its own, which can do no more than a node must.";
+    "Each node has its own login, with only the permissions that it needs.";
 
 void add_join(const Command& fleet, const Globals& globals, Run& run) {
   auto options = std::make_shared<JoinOptions>();
@@ -483,8 +483,8 @@ constexpr const char* kHelp =
     "  popcut fleet join --node room-1        # for each machine: its login\n"
     "  popcut fleet nodes                     # who is alive\n"
     "  popcut fleet drain room-1              # before work on a machine\n"
-    "  popcut fleet forget room-1             # it does not come back\n"
-    "  popcut fleet import --node room-1 --state DIR   # move a popcutd that was alone";
+    "  popcut fleet forget room-1             # remove a node that does not come back\n"
+    "  popcut fleet import --node room-1 --state DIR   # move a standalone popcutd";
 
 }  // namespace
 }  // namespace fleet_command

@@ -65,7 +65,7 @@ bool accepts_warnings(const Options& options, const Json& job) {
   if (options.accept_warnings || asks)
     for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", warning);
   if (!asks) return options.accept_warnings;
-  fmt::print(stderr, "This may spoil the sheet. Arm it all the same? [y/N] ");
+  fmt::print(stderr, "This may spoil the sheet. Arm it anyway? [y/N] ");
   std::string answer;
   std::getline(std::cin, answer);
   return answer == "y" || answer == "Y" || answer == "yes";
@@ -326,7 +326,7 @@ void add_resume(const Command& app, const Globals& globals, Run& run) {
   const Command command = add(app, globals, run, {"resume", kResumeHelp, resume}, options);
   const Option from = command.add_option(
       "--from", options->from,
-      "First path to cut, counted from 0; alone: print the commands to choose from");
+      "First path to cut, counted from 0; without a value: print the commands to choose from");
   whole_number_if_given(from, 0, kMostPath).value_text("PATH");
   command.on_read([options, from] { options->has_from = from.is_given(); });
   one_word(
@@ -337,10 +337,8 @@ void add_resume(const Command& app, const Globals& globals, Run& run) {
   command.add_flag("--accept-double-cut", options->double_cut,
                    "Allow popcutd to cut a path a second time if it is cut already, or perhaps cut "
                    "(in doubt)");
-  command.add_flag(
-      "--skip-in-doubt", options->skip_in_doubt,
-      "Accept that paths in doubt (perhaps cut) come before --from; popcutd does not cut "
-      "them");
+  command.add_flag("--skip-in-doubt", options->skip_in_doubt,
+                   "Leave out paths in doubt (perhaps cut) before --from");
 }
 
 void add_change(const Command& app, const Globals& globals, Run& run) {

@@ -262,7 +262,7 @@ constexpr const char* kDevicesHelp =
 constexpr const char* kMachinesHelp =
     "List the machines popcut knows: name, language, largest area, USB id, mats.\n\n"
     "  popcut machines\n"
-    "  popcut machines cameo3       # all that popcut knows of it, and from where\n\n"
+    "  popcut machines cameo3       # all that popcut knows about it, with sources\n\n"
     "Add your own machines in ~/.config/popcut/machines.json or /etc/popcut/machines.json (a\n"
     "service reads only /etc):\n"
     "  {\"popcut\": 1, \"machines\": [{\"name\": \"mine\", \"like\": \"cameo3\", \"length_mm\": "

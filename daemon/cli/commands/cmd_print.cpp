@@ -94,7 +94,7 @@ Result<void> keep_design(const Options& options, PrintMode mode, const DesignSpe
   }
   if (!spec.patches.empty() && !options.model.empty())
     return fail(ErrorKind::Usage, "--model",
-                "is for designs of one surface, and this one has patches; leave it out");
+                "is only for designs of one surface, but this one has patches; leave it out");
   const auto model = model_of(options, spec, assets);
   if (!model) return tl::unexpected(model.error());
   auto printed = planning::printed_design(spec, assets, made, *model);
@@ -143,8 +143,8 @@ Result<void> choose_marks(const Options& options, PlanArguments& plan) {
   if (!machine || !machine->driven() || machine->language != "gpgl") return {};
   if (const std::string name = unmarked_option(plan); !name.empty())
     return fail(ErrorKind::Usage, "--" + name,
-                fmt::format("does not go with registration marks, which popcut prints for {}; "
-                            "leave it out, or print without marks (--no-marks)",
+                fmt::format("and registration marks exclude each other, and popcut prints marks "
+                            "for {}; leave it out, or print without marks (--no-marks)",
                             machine->title));
   plan.options["marks"] = "true";
   return {};
@@ -385,18 +385,18 @@ constexpr const char* kHelp =
     "  popcut print cat.json -o pages --machine cameo3 --preview\n"
     "  popcut print cat.json -o pages --mode flat --image sky.png\n"
     "  popcut print cat.json -o pages --machine none --mat A4\n\n"
-    "INPUT is a design (.json). Seen from half way between ground and wall, the card shows what\n"
-    "is printed as if the model itself stood there, however coarse its panels are. Colours come\n"
-    "from the mesh of the design (OBJ with MTL) or from --model (also .glb, .gltf), from the same\n"
-    "place as the mesh; a model without colours is printed as clay. popcut plans the sheets as\n"
-    "'popcut plan' does and writes into DIR:\n\n"
+    "INPUT is a design (.json). From half way between ground and wall, the printed card looks\n"
+    "like the model itself, even if its panels are coarse. Colours come from the mesh of the\n"
+    "design (OBJ with MTL) or from --model (also .glb, .gltf), in the same units and axes; popcut\n"
+    "prints a model without colours as clay. It plans the sheets as 'popcut plan' does and writes\n"
+    "into DIR:\n\n"
     "  sheet-NN.pdf            the page of each sheet, with the marks that the cutter looks for\n"
     "  sheet-NN.gpgl or .hpgl  the program that cuts it\n"
     "  sheet-NN.svg            with --cut-lines: artwork and lines as layers, for other programs\n"
     "  sheet-NN.png, sheet-NN-cricut.svg  for a Cricut: the artwork and the lines, to upload\n"
-    "  assembly.pdf            by hand, where there are several pieces: how to glue them\n"
+    "  assembly.pdf            to cut by hand: how to glue the pieces, if there are several\n"
     "  plan.json               lengths, time and warnings\n"
-    "  scale.pdf               two bars of 100 mm, to measure what your printer makes of them\n"
+    "  scale.pdf               two bars of 100 mm, to measure the scale of your printer\n"
     "  preview.glb             with --preview: the card as it opens, with its artwork\n"
     "  preview.png             with --preview: the model, and the printed card from two sides\n\n"
     "Print at actual size. Load the sheet with the printed side up and the black square at the\n"
@@ -437,20 +437,21 @@ void add_options(const Command& command, Options& options) {
               0, 10, "mm")
       .value_text("MM [1]");
   command.add_flag("--bare-card", options.bare_card,
-                   "With --mode surface: wall and ground stay paper");
+                   "With --mode surface: leave wall and ground white");
   command.add_flag("--cut-lines", options.cut_lines,
                    "Draw the lines to cut (solid) and to fold (dashed) over the artwork, and write "
-                   "sheet-NN.svg; always so for --machine none and Cricuts");
+                   "sheet-NN.svg; always on with --machine none and Cricuts");
   command.add_flag("--back", options.back,
-                   "A second page for the other side of each sheet, mirrored");
+                   "Add a second, mirrored page for the back of each sheet");
   command.add_flag("--no-marks", options.no_marks, "Print no registration marks");
-  real_number(command.add_option("--scale-x", options.scale_x,
-                                 "What the level bar of 100 mm measures on a print (90 to 110 mm)"),
-              90, 110, "mm")
+  real_number(
+      command.add_option("--scale-x", options.scale_x,
+                         "Length of the horizontal bar of 100 mm on your print (90 to 110 mm)"),
+      90, 110, "mm")
       .value_text("MM [100]");
   real_number(
       command.add_option("--scale-y", options.scale_y,
-                         "What the upright bar of 100 mm measures on a print (90 to 110 mm)"),
+                         "Length of the vertical bar of 100 mm on your print (90 to 110 mm)"),
       90, 110, "mm")
       .value_text("MM [100]");
   command

@@ -141,12 +141,13 @@ Result<void> run_send(const Options& options, const Globals& globals) {
 }
 
 constexpr const char* kHelp =
-    "Send a program file to a cutter, your own or that of another program.\n\n"
+    "Send a program file, from popcut or another program, to a cutter.\n\n"
     "  popcut send sheets/sheet-01.gpgl --device usb:51053P\n"
     "  popcut send old-job.plt --device serial:/dev/ttyUSB0 --machine hpgl-generic\n\n"
-    "popcut first reads and rehearses it: it sends nothing that it cannot read, and nothing that\n"
-    "runs off the machine. Then it asks, and sends it as 'popcut cut --direct' does: Ctrl-C stops\n"
-    "at the end of a stroke, p pauses, and at the end you know which strokes are cut.";
+    "popcut first reads and simulates it: it sends nothing that it cannot read, and nothing that\n"
+    "leaves the area of the machine. Then it asks, and sends the program as 'popcut cut --direct'\n"
+    "does: Ctrl-C stops at the end of a stroke, p pauses, and at the end you know which strokes\n"
+    "are cut.";
 
 }  // namespace
 }  // namespace send_command

@@ -526,10 +526,10 @@ TEST_CASE("what popcut print cannot print is one line", "[cli][e2e][artwork]") {
   refused({"--at", "11,11", "--mode", "surface"}, 4, "registration mark");
   refused({"--scale-x", "80"}, 2, "--scale-x");
   // Nobody asked for the marks: what was asked for is named, and what to type instead.
-  refused({"--scale", "2"}, 2, "--scale: does not go with registration marks");
+  refused({"--scale", "2"}, 2, "--scale: and registration marks exclude each other");
   refused({"--scale", "2"}, 2, "--no-marks");
   refused({"--per-sheet", "2"}, 2,
-          "--per-sheet: does not go with registration marks, which popcut prints for");
+          "--per-sheet: and registration marks exclude each other, and popcut prints marks for");
   refused({"--per-sheet", "2", "--marks"}, 2, "--per-sheet");
   refused({"--scale", "x"}, 2, "--scale");
   refused({"--model", "absent.glb"}, 3, "absent.glb");

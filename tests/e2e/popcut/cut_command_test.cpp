@@ -105,7 +105,7 @@ TEST_CASE("before a cut the tool goes round the sheet if a person wants to see w
   const Ran ran = bench.popcut({"cut", spec, "--direct", "--yes", "--frame"});
   INFO(ran.err);
   CHECK(ran.exit == 0);
-  CHECK(says(ran.err, "the tool went round 60.0 x 150."));
+  CHECK(says(ran.err, "the lifted tool went around 60.0 x 150."));
   CHECK(says(ran.err, "mm cut on sim:cameo3"));
   check_refused(bench.popcut({"cut", spec, "--frame"}), 2, "works only with --direct");
   check_refused(bench.popcut({"cut", spec, "--direct", "--frame", "--device", "file:a.gpgl"}), 2,

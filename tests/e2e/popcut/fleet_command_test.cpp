@@ -575,7 +575,7 @@ TEST_CASE("doctor tells of a node and its fleet in plain sentences", "[fleet]") 
   std::filesystem::remove(bench.temp / "fleet.password");
   text = doctor();
   CHECK(says(text,
-             "the password_file of [fleet], does not exist; as who looks after the database: "
+             "the password_file of [fleet], does not exist; as the administrator of the database: "
              "popcut fleet join --node " +
                  node + " --again"));
   write_file(bench.temp / "popcutd.toml", "[fleet]\ndatabse = 1\n");
@@ -612,14 +612,15 @@ TEST_CASE("doctor tells what keeps a node from its database, and a clock that is
   (void)popcut::daemon::make_fleet(database);
   (void)server.run_sql("CREATE ROLE stranger LOGIN");
   CHECK(says(look(server.url("pop", "stranger")),
-             "problem: the login of [fleet] may not read the fleet's tables; as who looks after"));
+             "problem: the login of [fleet] may not read the fleet's tables; as the administrator "
+             "of the"));
   const std::string late = look(server.url("pop"), 3 * 3'700'000);
   CHECK(says(late,
-             "note: this machine's clock is 3 h behind the database's, which popcut goes by; "
+             "note: this machine's clock is 3 h behind the database's, which popcut uses; "
              "timedatectl set-ntp true"));
   CHECK(says(late, "note: the login postgres may do anything in the fleet's database"));
   CHECK(says(late,
-             "problem: the fleet has no node a; as who looks after the database: popcut fleet "
+             "problem: the fleet has no node a; as the administrator of the database: popcut fleet "
              "join --node a"));
   CHECK(says(look(server.url("pop"), -200'000), "is 3 min ahead of the database's"));
   (void)server.run_sql("ALTER ROLE postgres SET synchronous_commit=off");

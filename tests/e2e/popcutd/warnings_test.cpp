@@ -92,7 +92,7 @@ TEST_CASE("a person at a terminal is asked before a cut that may be spoiled",
   const std::string id = shop.ready();
   for (const bool yes : {false, true}) {
     AtTerminal arm(popcut_program(), {"arm", id}, shop.daemon.folder());
-    REQUIRE(arm.shows("Arm it all the same? [y/N]"));
+    REQUIRE(arm.shows("Arm it anyway? [y/N]"));
     CHECK(says(arm.shown, "no unit of length"));
     arm.type(yes ? "y\n" : "\n");
     CHECK(arm.ended() == (yes ? 0 : 5));
