@@ -195,7 +195,7 @@ Result<void> run_compare(Options options, const Globals& globals) {
   const likeness::Target aim(target->triangles, scene);
   if (aim.is_unseen())
     return fail(ErrorKind::OutOfRange, options.target,
-                "no part of the model is in front of wall and ground; place it with --scale, "
+                "no part of the model is in front of the card; place it with --scale, "
                 "--rotate and --move, or let popcut search with --fit");
   CompareReport report;
   report.pattern = options.pattern, report.target = options.target;
