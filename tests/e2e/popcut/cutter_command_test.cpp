@@ -238,13 +238,13 @@ TEST_CASE("after the tool went round the sheet a person can move the drawing", "
     popcut.type(words + "\n");
   };
   answers("press Enter", "");
-  REQUIRE(popcut.shows("mm at 1.0, 2.0, up"));
+  REQUIRE(popcut.shows("mm at 1.0, 2.0"));
   answers("or X,Y", "500,0");  // off the mat
   REQUIRE(popcut.shows("it stays at 1,2"));
   answers("press Enter", "");
   answers("or X,Y", "10,-0.5");
   answers("press Enter", "");
-  REQUIRE(popcut.shows("mm at 11.0, 1.5, up"));
+  REQUIRE(popcut.shows("mm at 11.0, 1.5"));
   answers("or X,Y", "y");
   const int exit = popcut.ended();
   INFO(popcut.shown);
