@@ -114,20 +114,38 @@ def test_times(build):
     return list(out.values())
 
 
-def lines_compiled(build):
-    """Lines of all files that the compilations of a build read, precompiled headers counted once each."""
-    lines, total = {}, 0
+def inputs_of_objects(build):
+    """The files that each compilation of a build read: {object: [file]}, as ninja knows them."""
     deps = subprocess.run(["ninja", "-C", str(build), "-t", "deps"], capture_output=True, text=True, check=True)
-    for name in deps.stdout.splitlines():
-        if not name.startswith("    "):
-            continue
-        path = name.strip()
+    out, current = {}, []
+    for line in deps.stdout.splitlines():
+        if line.startswith("    "):
+            current.append(line.strip())
+        elif ": #deps" in line:
+            current = out.setdefault(line.split(": #deps")[0], [])
+    return out
+
+
+def lines_compiled(build):
+    """Lines of all files that the compilations of a build read.
+
+    A compiler names what a precompiled header holds for each object that uses it. Those lines count once for each
+    precompiled header, since the compilation of the object does not read them.
+    """
+    inputs = inputs_of_objects(build)
+    precompiled = {made: set(files) for made, files in inputs.items() if made.endswith((".pch", ".gch"))}
+    held = set().union(*precompiled.values()) if precompiled else set()
+    lines = {}
+
+    def lines_of(path):
         if path not in lines:
             file = Path(path) if path.startswith("/") else build / path
             is_source = file.suffix not in (".pch", ".gch") and file.is_file()
             lines[path] = sum(1 for _ in file.open("rb")) if is_source else 0
-        total += lines[path]
-    return total
+        return lines[path]
+
+    return sum(lines_of(path) for made, files in inputs.items() for path in files
+               if made in precompiled or path not in held)
 
 
 def sources(*patterns):
