@@ -9,6 +9,7 @@
 
 #include "core/model/model_readers.hpp"
 #include "core/text/file_kind.hpp"
+#include "core/text/utf8.hpp"
 #include "core/text/words.hpp"
 
 namespace popcut {
@@ -31,22 +32,29 @@ Result<std::int32_t> add_picture(Model& model, const ModelOptions& options,
   return static_cast<std::int32_t>(model.pictures.size() - 1);
 }
 
+Result<float> read_coordinate(const std::string& name, std::size_t number, std::string_view word) {
+  const std::string_view shown = word.substr(0, 24);
+  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
+  float value{};
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (word.empty() || end != word.data() + word.size() || error == std::errc::invalid_argument)
+    return fail(ErrorKind::Malformed, line_place(name, number),
+                fmt::format("has \"{}\" where a number is needed; a vertex has three", shown));
+  const bool tiny = error == std::errc::result_out_of_range && word.find("e-") != word.npos;
+  if ((error != std::errc{} && !tiny) || !std::isfinite(value))
+    return fail(
+        ErrorKind::OutOfRange, line_place(name, number),
+        fmt::format("has the coordinate {}; a finite number is needed: repair the mesh", shown));
+  return value;
+}
+
 Result<std::array<float, 3>> read_vertex(const std::string& name, std::size_t number,
                                          std::string_view& words) {
   std::array<float, 3> out{};
   for (float& value : out) {
-    std::string_view word = next_word(words);
-    if (!word.empty() && word.front() == '+') word.remove_prefix(1);
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (word.empty() || end != word.data() + word.size() || error == std::errc::invalid_argument)
-      return fail(ErrorKind::Malformed, line_place(name, number),
-                  fmt::format("has \"{}\" where a number is needed; a vertex has three",
-                              word.substr(0, 24)));
-    const bool tiny = error == std::errc::result_out_of_range && word.find("e-") != word.npos;
-    if ((error != std::errc{} && !tiny) || !std::isfinite(value))
-      return fail(ErrorKind::OutOfRange, line_place(name, number),
-                  fmt::format("has the coordinate {}; a finite number is needed: repair the mesh",
-                              word.substr(0, 24)));
+    const auto read = read_coordinate(name, number, next_word(words));
+    if (!read) return tl::unexpected(read.error());
+    value = *read;
   }
   return out;
 }
@@ -63,9 +71,13 @@ std::string extension(const std::string& name) {
 /// The format of a file whose name has no extension, as assets are named. An OBJ is text with
 /// vertices in it, a .gltf begins with a brace.
 std::string kind_by_bytes(std::string_view bytes) {
-  if (bytes.starts_with("glTF") || trimmed(bytes.substr(0, 256)).starts_with('{')) return "gltf";
-  const bool stl = bytes.starts_with("solid") || bytes.find('\0') != std::string_view::npos;
-  return stl ? "stl" : "obj";
+  std::string kept;
+  if (bytes.starts_with("glTF")) return "gltf";
+  const std::string_view begin = trimmed(plain_text(bytes.substr(0, 256), kept));
+  if (begin.starts_with('{')) return "gltf";
+  const bool stl =
+      lower(begin.substr(0, 5)) == "solid" || begin.find('\0') != std::string_view::npos;
+  return stl || (kept.empty() && bytes.find('\0') != std::string_view::npos) ? "stl" : "obj";
 }
 
 }  // namespace

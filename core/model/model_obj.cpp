@@ -3,9 +3,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -15,6 +17,7 @@
 
 #include "core/geometry/triangulate.hpp"
 #include "core/model/model_readers.hpp"
+#include "core/text/utf8.hpp"
 
 namespace popcut::model_readers {
 namespace {
@@ -24,10 +27,15 @@ using Vertex = std::array<float, 3>;
 constexpr std::size_t kLongestLine = 1u << 16;
 constexpr std::string_view kSpaces = " \t\r";
 constexpr ModelColour kWhite{1, 1, 1};
+constexpr ModelColour kNoColour{-1, -1, -1};  // of a vertex that has none, until all are read
 
-/// The vertex that one "v", "v/t" or "v/t/n" of a face names: counted from 1, or backward from the
-/// last one with a minus.
-std::optional<std::size_t> named_vertex(std::string_view word, std::size_t vertices) {
+/// The vertex that one "v", "v/t" or "v/t/n" of a face names: counted from 1, or with a minus
+/// backward from the last one before the face.
+///
+/// @param before    vertices before the face
+/// @param vertices  of the file
+std::optional<std::size_t> named_vertex(std::string_view word, std::size_t before,
+                                        std::size_t vertices) {
   const bool backward = !word.empty() && word.front() == '-';
   if (backward) word.remove_prefix(1);
   std::size_t value = 0, digits = 0;
@@ -36,8 +44,8 @@ std::optional<std::size_t> named_vertex(std::string_view word, std::size_t verti
     value = 10 * value + static_cast<std::size_t>(word[digits] - '0');
   if (digits == 0 || (digits < word.size() && word[digits] != '/')) return std::nullopt;
   if (word.find_first_not_of("0123456789-/", digits) != std::string_view::npos) return std::nullopt;
-  if (value < 1 || value > vertices) return std::nullopt;  // only what was read so far
-  return backward ? vertices - value : value - 1;
+  if (value < 1 || value > (backward ? before : vertices)) return std::nullopt;
+  return backward ? before - value : value - 1;
 }
 
 /// A polygon as triangles of its corners, counted from its first: a fan where it is convex, else by
@@ -81,6 +89,26 @@ std::size_t numbers_of(std::string_view line, std::span<float> numbers) {
   return count;
 }
 
+/// The name of a file as a model gives it, in quotes or not, with slashes of either kind: one name
+/// for each file.
+std::string plain_name(std::string_view name) {
+  if (name.size() > 1 && name.front() == '"' && name.back() == '"')
+    name = name.substr(1, name.size() - 2);
+  std::string out(name);
+  std::replace(out.begin(), out.end(), '\\', '/');
+  return std::filesystem::path(out).lexically_normal().generic_string();
+}
+
+/// Removes the first name of a file from a line, which may be in quotes.
+std::string_view next_name(std::string_view& line) {
+  line = trimmed(line, kSpaces);
+  const std::size_t end = line.starts_with('"') ? line.find('"', 1) : std::string_view::npos;
+  if (end == std::string_view::npos) return next_word(line, kSpaces);
+  const std::string_view name = line.substr(0, end + 1);
+  line.remove_prefix(end + 1);
+  return name;
+}
+
 /// The file of a "map_Kd" line: what stands after its options, each with its own count of words.
 std::string picture_name(std::string_view line) {
   static const std::map<std::string_view, int> kWords{
@@ -99,9 +127,7 @@ std::string picture_name(std::string_view line) {
     }
     line = trimmed(line, kSpaces);
   }
-  std::string name(line);
-  std::replace(name.begin(), name.end(), '\\', '/');
-  return name;
+  return plain_name(line);
 }
 
 /// Whether a line begins with this letter as a word of its own.
@@ -125,27 +151,25 @@ class Materials {
  public:
   Materials(Model& model, const ModelOptions& options) : model_(model), options_(options) {}
 
-  /// Reads an MTL file. @param place  of the line that names it
-  Result<void> read(const std::string& file, const std::string& place) {
-    const auto bytes = options_.open
-                           ? options_.open(file)
-                           : Result<std::string>(fail(ErrorKind::Malformed, file, "is beside it"));
-    if (!bytes)
-      return fail(ErrorKind::Malformed, place,
-                  fmt::format("the materials {} cannot be read; {}", file, options_.advice));
-    std::uint32_t now = 0;
-    return for_each_line(*bytes, [&](std::string_view line, std::size_t number) -> Result<void> {
-      const Entry entry(line, number);
-      if (entry.key == "newmtl") {
-        now = static_cast<std::uint32_t>(model_.materials.size());
-        model_.materials.push_back({kWhite});
-        by_name_[std::string(entry.rest)] = now;
-      }
-      if (now == 0) return {};
-      if (entry.key == "Kd") return colour(entry, file, model_.materials[now]);
-      if (entry.key == "map_Kd") return picture(entry, file, model_.materials[now]);
-      return {};
-    });
+  /// Reads the MTL files that a line names: one whose name may hold blanks, or several.
+  /// @param place  of the line
+  Result<void> read_all(std::string_view names, const std::string& place) {
+    const std::string whole = plain_name(names);
+    if (!read_.insert(whole).second) return {};
+    if (const auto bytes = opened(whole)) return read(whole, *bytes);
+    std::vector<std::string> files;
+    for (std::string_view word = next_name(names); !word.empty(); word = next_name(names))
+      files.push_back(plain_name(word));
+    for (const std::string& file : files) {
+      if (files.size() > 1 && !read_.insert(file).second) continue;
+      const auto bytes = files.size() > 1 ? opened(file) : std::nullopt;
+      if (!bytes)
+        return fail(ErrorKind::Malformed, place,
+                    fmt::format("the materials {} cannot be read; {}",
+                                files.size() > 1 ? file : whole, options_.advice));
+      if (auto done = read(file, *bytes); !done) return done;
+    }
+    return {};
   }
 
   /// The index of a material in the model.
@@ -155,6 +179,31 @@ class Materials {
   }
 
  private:
+  [[nodiscard]] std::optional<std::string> opened(const std::string& file) const {
+    if (!options_.open) return std::nullopt;
+    auto bytes = options_.open(file);
+    return bytes ? std::optional(std::move(*bytes)) : std::nullopt;
+  }
+
+  Result<void> read(const std::string& file, const std::string& bytes) {
+    std::uint32_t now = 0;
+    std::string kept;
+    return for_each_line(plain_text(bytes, kept),
+                         [&](std::string_view line, std::size_t number) -> Result<void> {
+                           const Entry entry(line, number);
+                           if (entry.key == "newmtl") {
+                             now = static_cast<std::uint32_t>(model_.materials.size());
+                             model_.materials.push_back({kWhite});
+                             by_name_[std::string(entry.rest)] = now;
+                           }
+                           if (now == 0) return {};
+                           if (entry.key == "Kd") return colour(entry, file, model_.materials[now]);
+                           if (entry.key == "map_Kd")
+                             return picture(entry, file, model_.materials[now]);
+                           return {};
+                         });
+  }
+
   static Result<void> colour(const Entry& entry, const std::string& file, ModelMaterial& material) {
     ModelColour kd{};
     const std::size_t count = numbers_of(entry.rest, kd);
@@ -188,6 +237,7 @@ class Materials {
 
   Model& model_;
   const ModelOptions& options_;
+  std::set<std::string> read_;  ///< files, each of which is read once
   std::map<std::string, std::uint32_t> by_name_;
   std::map<std::string, std::int32_t> pictures_;
 };
@@ -201,13 +251,12 @@ class ObjReader {
 
   Result<Model> read(std::string_view bytes) {
     if (colours_) model_.materials.emplace_back();
-    const auto done = for_each_line(bytes, [&](std::string_view line, std::size_t number) {
-      number_ = number;
-      if (is_key(line, 'v') || is_key(line, 'f')) return read_shape(line);
-      if (reads_colours()) keep(read_colours(Entry(line, number)));
-      return Result<void>{};
-    });
-    if (!done) return tl::unexpected(done.error());
+    // Faces may come before the vertices that they name, so those are read first.
+    for (const Pass pass : {Pass::Vertices, Pass::Faces}) {
+      places_so_far_ = vertices_so_far_ = 0;
+      if (auto done = read_lines(bytes, pass); !done) return tl::unexpected(done.error());
+      if (pass == Pass::Vertices) scale_colours();
+    }
     if (vertices_.empty())
       return fail(ErrorKind::Malformed, name_, "has no vertices; is it an OBJ file?");
     if (model_.size() == 0)
@@ -218,8 +267,45 @@ class ObjReader {
   }
 
  private:
+  enum class Pass : std::uint8_t { Vertices, Faces };
+
   [[nodiscard]] Result<void> broken(std::string what) const {
     return fail(ErrorKind::Malformed, line_place(name_, number_), std::move(what));
+  }
+
+  /// Reads all lines; those that end with a backslash go on in the next one.
+  Result<void> read_lines(std::string_view bytes, Pass pass) {
+    std::string joined;
+    const auto done =
+        for_each_line(bytes, [&](std::string_view line, std::size_t number) -> Result<void> {
+          if (joined.empty()) number_ = number;
+          if (line.back() == '\\') {
+            joined.append(line.substr(0, line.size() - 1)) += ' ';
+            return joined.size() > kLongestLine ? broken("is longer than 65536 characters")
+                                                : Result<void>{};
+          }
+          if (joined.empty()) return read_line(line, pass);
+          const std::string whole = std::exchange(joined, {}).append(line);
+          return read_line(whole, pass);
+        });
+    return done && !joined.empty() ? read_line(joined, pass) : done;
+  }
+
+  Result<void> read_line(std::string_view line, Pass pass) {
+    const bool is_vertex = is_key(line, 'v'), is_face = is_key(line, 'f');
+    const bool is_place = line.starts_with("vt") && line.size() > 2 && is_blank(line[2]);
+    // A comment may stand behind numbers; names may hold its sign.
+    if (is_vertex || is_face || is_place) line = trimmed(line.substr(0, line.find('#')), kSpaces);
+    if (pass == Pass::Vertices) {
+      if (is_vertex) return read_shape(line);
+      if (is_place && reads_colours()) keep(read_picture_place(Entry(line, number_)));
+      return {};
+    }
+    vertices_so_far_ += is_vertex ? 1U : 0U;
+    places_so_far_ += is_place ? 1U : 0U;
+    if (is_face) return read_shape(line);
+    if (!is_vertex && !is_place && reads_colours()) keep(read_colours(Entry(line, number_)));
+    return {};
   }
   [[nodiscard]] bool reads_colours() const { return colours_ && !colour_fault_; }
   void keep(Result<void> of_colours) {
@@ -228,7 +314,6 @@ class ObjReader {
 
   Result<void> read_shape(std::string_view line) {
     if (line.size() > kLongestLine) return broken("is longer than 65536 characters");
-    if (line.back() == '\\') return broken("goes on in the next line; write it in one");
     const std::string_view rest = line.substr(1);
     return line[0] == 'v' ? read_vertex_line(rest) : read_face(rest);
   }
@@ -242,26 +327,35 @@ class ObjReader {
                                                 : Result<void>{};
   }
 
+  /// Some programs write colours from 0 to 1, others from 0 to 255: one above 1 tells.
+  void scale_colours() {
+    float most = 1;
+    for (const ModelColour& colour : colours_of_vertices_)
+      most = std::max({most, colour[0], colour[1], colour[2]});
+    const float whole = most > 1 ? 255.0F : 1.0F;
+    for (ModelColour& colour : colours_of_vertices_)
+      for (float& part : colour) part = part < 0 ? 1.0F : std::min(part / whole, 1.0F);
+  }
+
   /// "r g b" after the place of a vertex, or with a weight before the colour.
   ModelColour colour_of_vertex(std::string_view rest) {
     std::array<float, 4> numbers{};
     const std::size_t count = numbers_of(rest, numbers);
-    if (count < 3) return kWhite;
+    if (count < 3) return kNoColour;
     has_corner_colours_ = true;
     ModelColour out{};
-    for (std::size_t k = 0; k < 3; ++k) out[k] = std::clamp(numbers[count - 3 + k], 0.0F, 1.0F);
+    for (std::size_t k = 0; k < 3; ++k) out[k] = std::max(numbers[count - 3 + k], 0.0F);
     return out;
   }
 
   Result<void> read_face(std::string_view rest) {
     face_.clear(), places_.clear();
     for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
-      const auto vertex = named_vertex(word, vertices_.size());
+      const auto vertex = named_vertex(word, vertices_so_far_, vertices_.size());
       if (!vertex)
-        return broken(
-            fmt::format("names vertex \"{}\"; a number from 1 to {}, the vertices before "
-                        "it, is needed",
-                        word.substr(0, 24), vertices_.size()));
+        return broken(fmt::format(
+            "names vertex \"{}\"; a number from 1 to {}, the vertices of the file, is needed",
+            word.substr(0, 24), vertices_.size()));
       face_.push_back(static_cast<std::uint32_t>(*vertex));
       if (reads_colours()) keep(add_picture_place(word));
     }
@@ -292,24 +386,26 @@ class ObjReader {
     if (text.empty()) return {};
     long long at = 0;
     const auto most = static_cast<long long>(picture_places_.size());
-    if (!read_number(text, at) || at == 0 || at > most || at < -most)
+    const auto before = static_cast<long long>(places_so_far_);
+    if (!read_number(text, at) || at == 0 || at > most || at < -std::min(before, most))
       return broken(
-          fmt::format("names place {} of the texture; a number from 1 to {}, the vt "
-                      "lines before it, is needed",
+          fmt::format("names place {} of the texture; a number from 1 to {}, the vt lines of the "
+                      "file, is needed",
                       text.substr(0, 24), most));
-    places_.back() = picture_places_[static_cast<std::size_t>(at < 0 ? most + at : at - 1)];
+    places_.back() = picture_places_[static_cast<std::size_t>(at < 0 ? before + at : at - 1)];
+    return {};
+  }
+
+  Result<void> read_picture_place(const Entry& entry) {
+    std::array<float, 2> n{};
+    if (numbers_of(entry.rest, n) == 0)
+      return broken("is not a place in a texture; vt needs numbers, such as \"vt 0.5 0.25\"");
+    picture_places_.push_back({n[0], 1.0F - n[1]});  // v of an OBJ goes up
     return {};
   }
 
   Result<void> read_colours(const Entry& entry) {
-    if (entry.key == "vt") {
-      std::array<float, 2> n{};
-      if (numbers_of(entry.rest, n) == 0)
-        return broken("is not a place in a texture; vt needs numbers, such as \"vt 0.5 0.25\"");
-      picture_places_.push_back({n[0], 1.0F - n[1]});  // v of an OBJ goes up
-    }
-    if (entry.key == "mtllib")
-      return materials_.read(std::string(entry.rest), line_place(name_, number_));
+    if (entry.key == "mtllib") return materials_.read_all(entry.rest, line_place(name_, number_));
     if (entry.key == "usemtl") {
       const auto known = materials_.find(std::string(entry.rest));
       if (!known)
@@ -329,6 +425,7 @@ class ObjReader {
   Materials materials_;
   std::optional<Error> colour_fault_;
   std::size_t number_{}, triangles_{};
+  std::size_t vertices_so_far_{}, places_so_far_{};  ///< before the line that is read
   std::vector<Vertex> vertices_;
   std::vector<ModelColour> colours_of_vertices_;
   std::vector<std::array<float, 2>> picture_places_;
@@ -342,7 +439,8 @@ class ObjReader {
 
 Result<Model> read_obj(const std::string& name, std::string_view bytes,
                        const ModelOptions& options) {
-  return ObjReader(name, options).read(bytes);
+  std::string kept;
+  return ObjReader(name, options).read(plain_text(bytes, kept));
 }
 
 }  // namespace popcut::model_readers

@@ -53,6 +53,14 @@ namespace popcut::model_readers {
   return fmt::format("{}: line {}", name, number);
 }
 
+/// A coordinate of a vertex.
+///
+/// @param number  of the line, counted from 1
+/// @retval Malformed   the word is not a number
+/// @retval OutOfRange  the number is not finite
+[[nodiscard]] Result<float> read_coordinate(const std::string& name, std::size_t number,
+                                            std::string_view word);
+
 /// Removes the three finite numbers of a vertex from the front of a line; more words may follow.
 ///
 /// @param number  of the line, counted from 1
@@ -62,11 +70,14 @@ namespace popcut::model_readers {
                                                        std::string_view& words);
 
 /// Visits the lines of a text that are not empty, without the blanks around them, and their
-/// numbers. An error of `visit` ends it.
+/// numbers. A line ends with LF, CR or both. An error of `visit` ends it.
 template <typename Visit>
 [[nodiscard]] Result<void> for_each_line(std::string_view text, const Visit& visit) {
   for (std::size_t number = 1; !text.empty(); ++number) {
-    const std::string_view line = trimmed(take_word(text, "\n"), " \t\r");
+    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
+    const std::string_view line = trimmed(text.substr(0, end), " \t");
+    text.remove_prefix(
+        std::min(text.size(), text.substr(end).starts_with("\r\n") ? end + 2 : end + 1));
     if (line.empty()) continue;
     if (auto done = visit(line, number); !done) return done;
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "core/text/utf8.hpp"
 
+#include <optional>
+
 #include <algorithm>
 
 namespace popcut {
@@ -88,6 +90,47 @@ std::string shown_ascii(std::string_view text, std::size_t most) {
   std::replace_if(
       shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   return shown;
+}
+
+namespace {
+
+/// Which byte of a pair is the low one of UTF-16; none for other texts.
+std::optional<std::size_t> low_byte(std::string_view bytes) {
+  if (bytes.starts_with("\xFF\xFE")) return 0;
+  if (bytes.starts_with("\xFE\xFF")) return 1;
+  if (bytes.size() < 4) return std::nullopt;
+  const auto is_ascii = [&](std::size_t k) { return bytes[k] > 0 && bytes[k + 2] > 0; };
+  const auto is_zero = [&](std::size_t k) { return bytes[k] == 0 && bytes[k + 2] == 0; };
+  if (is_ascii(0) && is_zero(1)) return 0;
+  if (is_zero(0) && is_ascii(1)) return 1;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string_view plain_text(std::string_view bytes, std::string& kept) {
+  if (bytes.starts_with("\xEF\xBB\xBF")) return bytes.substr(3);
+  const auto low = low_byte(bytes);
+  if (!low) return bytes;
+  const auto unit = [&](std::size_t k) {
+    const auto byte = [&](std::size_t i) {
+      return std::uint32_t{static_cast<unsigned char>(bytes[i])};
+    };
+    return byte(k + *low) | byte(k + 1 - *low) << 8;
+  };
+  constexpr std::uint32_t kHigh = 0xD800, kLow = 0xDC00, kEnd = 0xE000, kUnknown = 0xFFFD;
+  kept.clear();
+  for (std::size_t k = 0; k + 1 < bytes.size(); k += 2) {
+    std::uint32_t character = unit(k);
+    if (k == 0 && character == 0xFEFF) continue;
+    if (character >= kHigh && character < kLow && k + 3 < bytes.size() && unit(k + 2) >= kLow &&
+        unit(k + 2) < kEnd) {
+      character = 0x10000 + ((character - kHigh) << 10) + (unit(k + 2) - kLow);
+      k += 2;
+    }
+    append_utf8(kept, character >= kHigh && character < kEnd ? kUnknown : character);
+  }
+  return kept;
 }
 
 }  // namespace popcut

@@ -20,6 +20,11 @@ struct CodePoint {
 /// Whether all of `text` is UTF-8, as `code_point` defines it.
 [[nodiscard]] bool is_utf8(std::string_view text);
 
+/// The text of a file as most programs write it: UTF-16, with its mark or plainly so from its first
+/// two characters, becomes UTF-8; a byte order mark goes. What is already so is not copied: `kept`
+/// holds the text only where it was changed.
+[[nodiscard]] std::string_view plain_text(std::string_view bytes, std::string& kept);
+
 /// Appends a character as UTF-8.
 void append_utf8(std::string& out, std::uint32_t character);
 

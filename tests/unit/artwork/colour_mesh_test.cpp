@@ -55,6 +55,65 @@ TEST_CASE("an OBJ takes its colours from its MTL, with v upward in the picture",
   CHECK(low_right.g == Approx(127.5).margin(1));
 }
 
+TEST_CASE("an OBJ may name several MTL files, in quotes or not, and name one twice", "[artwork]") {
+  int opened = 0;
+  ModelFiles files = files_of(
+      {{"a.mtl", "newmtl one\nKd 1 0 0\n"}, {"b c.mtl", "\xEF\xBB\xBFnewmtl two\nKd 0 1 0\n"}});
+  files.open = [&opened, open = files.open](const std::string& name) {
+    auto bytes = open(name);
+    opened += bytes ? 1 : 0;
+    return bytes;
+  };
+  const auto mesh = read_colour_mesh("two.obj",
+                                     "mtllib a.mtl \"b c.mtl\"\nmtllib .\\a.mtl\n" + kQuad +
+                                         "usemtl one\nf 1 2 3\nusemtl two\nf 1 3 4\n",
+                                     files);
+  if (!mesh) FAIL(message(mesh.error()));
+  CHECK(colour_of(*mesh, 0, {0.4, 0.3, 0.3}, 1).r == Approx(255).margin(1));
+  CHECK(colour_of(*mesh, 1, {0.4, 0.3, 0.3}, 1).g == Approx(255).margin(1));
+  CHECK(opened == 2);
+}
+
+TEST_CASE("colours of vertices from 0 to 255 are read as such", "[artwork]") {
+  const auto mesh = read_colour_mesh(
+      "tri.obj", "v 0 0 0 200 150 100\nv 1 0 0 200 150 100\nv 0 1 0 200 150 100\nf 1 2 3\n",
+      files_of({}));
+  if (!mesh) FAIL(message(mesh.error()));
+  const Colour colour = colour_of(*mesh, 0, {0.4, 0.3, 0.3}, 1);
+  CHECK(colour.r == Approx(200).margin(1));
+  CHECK(colour.g == Approx(150).margin(1));
+  CHECK(colour.b == Approx(100).margin(1));
+}
+
+// Khronos, KHR_texture_transform: a place is scaled, turned, then moved.
+TEST_CASE("KHR_texture_transform moves the places of a texture", "[artwork]") {
+  const std::string head =
+      R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0}]}],
+"textures": [{"source": 0}], "images": [{"uri": "skin.png"}], "buffers": [{"byteLength": 60, "uri": "q.bin"}],
+"bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 24}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+              {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2"}],
+"materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0)";
+  // All corners are at (0.25, 0.25): red, the upper left pixel.
+  const std::vector<float> numbers{0, 0, 0, 1, 0, 0, 0, 1, 0, 0.25, 0.25, 0.25, 0.25, 0.25, 0.25};
+  const std::string buffer(reinterpret_cast<const char*>(numbers.data()), 60);
+  const auto colour = [&](const std::string& transform) {
+    const auto mesh = read_colour_mesh("q.gltf", head + transform + "}}}]}",
+                                       files_of({{"q.bin", buffer}, {"skin.png", small_png()}}));
+    if (!mesh) FAIL(message(mesh.error()));
+    return colour_of(*mesh, 0, {0.4, 0.3, 0.3}, 1);
+  };
+  const auto moved = [&](const std::string& by) {
+    return colour(R"(, "extensions": {"KHR_texture_transform": {)" + by + "}}");
+  };
+  CHECK(colour("").r == Approx(255).margin(1));
+  CHECK(moved(R"("offset": [0, 0.5])").b == Approx(255).margin(1));
+  CHECK(moved(R"("scale": [3, 1])").g == Approx(255).margin(1));
+  // A quarter turn takes (0.25, 0.25) to (0.25, -0.25), which repeats as (0.25, 0.75): blue.
+  CHECK(moved(R"("rotation": 1.5707963)").b == Approx(255).margin(1));
+}
+
 TEST_CASE("colours after the vertices of an OBJ are read", "[artwork]") {
   const auto mesh = read_colour_mesh(
       "tri.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n", files_of({}));

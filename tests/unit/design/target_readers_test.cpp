@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
 #include <limits>
 #include <random>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
@@ -105,6 +107,181 @@ TEST_CASE("vertices of a glTF may be interleaved, and its indices of each size",
   CHECK(mesh->corners == std::vector<float>{0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 0, 0, 2, 2, 0, 0, 2, 0});
 }
 
+namespace {
+
+/// A .gltf with a square of two triangles in the plane z = 0, from (0,0) to (2,2), whose corners
+/// are in accessor 0.
+/// @param primitive   the rest of its primitive, with a comma before it
+/// @param mesh        the rest of its mesh
+/// @param nodes       of the scene: all
+/// @param rest        more members of the file, with a comma before them
+/// @param more        numbers after the corners, as accessors of three numbers each from 1 on: a
+/// buffer view for each
+struct Square {
+  std::string indices = "[0, 1, 2, 0, 2, 3]", primitive, mesh, nodes = R"({"mesh": 0})", rest;
+  std::vector<std::vector<float>> more;
+  std::vector<std::string> types;  ///< of `more`
+
+  [[nodiscard]] std::string text() const {
+    std::string buffer;
+    const std::array<float, 12> corners{0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 2, 0};
+    buffer.append(reinterpret_cast<const char*>(corners.data()), sizeof corners);
+    std::string views = R"({"buffer": 0, "byteLength": 48})";
+    std::string accessors =
+        R"({"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"})";
+    for (std::size_t k = 0; k < more.size(); ++k) {
+      const std::size_t size = more[k].size() * sizeof(float);
+      views += fmt::format(R"(, {{"buffer": 0, "byteOffset": {}, "byteLength": {}}})",
+                           buffer.size(), size);
+      const std::size_t parts = types[k] == "VEC3"   ? 3
+                                : types[k] == "VEC4" ? 4
+                                : types[k] == "MAT4" ? 16
+                                                     : 1;
+      accessors +=
+          fmt::format(R"(, {{"bufferView": {}, "componentType": 5126, "count": {}, "type": "{}"}})",
+                      k + 1, more[k].size() / parts, types[k]);
+      buffer.append(reinterpret_cast<const char*>(more[k].data()), size);
+    }
+    std::string all;
+    for (std::size_t k = 0,
+                     n = 1 + static_cast<std::size_t>(std::count(nodes.begin(), nodes.end(), '\n'));
+         k < n; ++k)
+      all += fmt::format("{}{}", k ? ", " : "", k);
+    return fmt::format(
+        R"({{"asset": {{"version": "2.0"}}, "scenes": [{{"nodes": [{}]}}], "nodes": [{}],
+"meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0{}}} {}}}] {}}}],
+"buffers": [{{"byteLength": {}, "uri": "data:application/octet-stream;base64,{}"}}],
+"bufferViews": [{}], "accessors": [{}] {}}})",
+        all, nodes, attributes, primitive, mesh, buffer.size(), base64(buffer), views, accessors,
+        rest);
+  }
+  std::string attributes;  ///< more of them, with a comma before them
+};
+
+/// The corners of triangles, as text that is easy to compare.
+std::vector<float> corners_of(const Square& square) {
+  const auto mesh = read_mesh("square.gltf", square.text());
+  if (!mesh) FAIL(message(mesh.error()));
+  return mesh->corners;
+}
+
+const std::vector<float> kTwoTriangles{0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 0, 0, 2, 2, 0, 0, 2, 0};
+
+}  // namespace
+
+// Khronos, glTF 2.0 Specification, 3.7.2.1: strips turn every second triangle, fans share their
+// first vertex.
+TEST_CASE("strips and fans of a glTF are triangles", "[core][mesh]") {
+  Square fan;
+  fan.primitive = R"(, "mode": 6)";  // 1 2 0, then 2 3 0
+  CHECK(corners_of(fan) ==
+        std::vector<float>{2, 0, 0, 2, 2, 0, 0, 0, 0, 2, 2, 0, 0, 2, 0, 0, 0, 0});
+  Square strip;  // its second triangle is turned: 1, 3, 2
+  strip.primitive = R"(, "mode": 5)";
+  CHECK(corners_of(strip) ==
+        std::vector<float>{0, 0, 0, 2, 0, 0, 2, 2, 0, 2, 0, 0, 0, 2, 0, 2, 2, 0});
+}
+
+TEST_CASE("a node that is not to be seen is left out, with all below it", "[core][mesh]") {
+  Square square;
+  square.primitive = R"(, "mode": 6)";
+  square.nodes = R"({"mesh": 0},
+{"mesh": 0, "extensions": {"KHR_node_visibility": {"visible": false}}})";
+  CHECK(corners_of(square).size() == 18);
+  square.nodes = R"({"mesh": 0},
+{"mesh": 0, "extensions": {"KHR_node_visibility": {"visible": true}}})";
+  CHECK(corners_of(square).size() == 36);
+}
+
+TEST_CASE("a skin moves its vertices from the joints, and the place of the node does not count",
+          "[core][mesh]") {
+  Square square;
+  square.primitive = R"(, "mode": 6)";
+  square.attributes = R"(, "JOINTS_0": 1, "WEIGHTS_0": 2)";
+  // All hang on joint 0, but the third vertex to three quarters on joint 1.
+  square.types = {"VEC4", "VEC4", "MAT4"};
+  square.more = {{0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0},
+                 {1, 0, 0, 0, 1, 0, 0, 0, 0.25F, 0.75F, 0, 0, 1, 0, 0, 0},
+                 {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0,  1,
+                  1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -8, 1}};
+  square.rest = R"(, "skins": [{"joints": [1, 2], "inverseBindMatrices": 3}])";
+  square.nodes = R"({"mesh": 0, "skin": 0, "translation": [500, 0, 0]},
+{"translation": [10, 0, 0]},
+{"translation": [10, 0, 16]})";
+  CHECK(corners_of(square) ==
+        std::vector<float>{12, 0, 0, 12, 2, 6, 10, 0, 0, 12, 2, 6, 10, 2, 0, 10, 0, 0});
+  square.rest = R"(, "skins": [{"joints": [1], "inverseBindMatrices": 3}])";
+  CHECK_THAT(refused(read_mesh("a.gltf", square.text())).detail,
+             Catch::Contains("a joint that does not exist"));
+}
+
+TEST_CASE("morph targets move vertices by the weights of the node, else by those of the mesh",
+          "[core][mesh]") {
+  Square square;
+  square.primitive = R"(, "mode": 6, "targets": [{"POSITION": 1}])";
+  square.types = {"VEC3"};
+  square.more = {{0, 0, 4, 0, 0, 4, 0, 0, 4, 0, 0, 4}};
+  CHECK(corners_of(square)[2] == 0.0F);
+  square.mesh = R"(, "weights": [0.5])";
+  CHECK(corners_of(square)[2] == 2.0F);
+  square.nodes = R"({"mesh": 0, "weights": [0.25]})";
+  CHECK(corners_of(square)[2] == 1.0F);
+}
+
+TEST_CASE("each instance of a node is there", "[core][mesh]") {
+  Square square;
+  square.primitive = R"(, "mode": 6)";
+  square.types = {"VEC3", "VEC3"};
+  square.more = {{0, 0, 0, 0, 0, 7}, {1, 1, 1, 2, 2, 2}};
+  square.nodes =
+      R"({"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 1, "SCALE": 2}}}})";
+  const auto corners = corners_of(square);
+  REQUIRE(corners.size() == 36);
+  CHECK(corners[0] == 2.0F);
+  CHECK(corners[18] == 4.0F);
+  CHECK(corners[20] == 7.0F);
+}
+
+TEST_CASE("a glTF that needs what popcut does not know is refused by name", "[core][mesh]") {
+  const auto needs = [](const std::string& extension) {
+    Square square;
+    square.primitive = R"(, "mode": 6)";
+    square.rest = fmt::format(R"(, "extensionsRequired": ["{}"])", extension);
+    return read_mesh("a.gltf", square.text());
+  };
+  CHECK(needs("KHR_mesh_quantization"));
+  CHECK(needs("KHR_materials_unlit"));
+  CHECK_THAT(message(refused(needs("VENDOR_voxels"))),
+             Catch::Contains("a.gltf: /extensionsRequired/0: needs the extension VENDOR_voxels"));
+  CHECK_THAT(refused(needs("EXT_meshopt_compression")).detail,
+             Catch::Contains("is compressed (EXT_meshopt_compression)"));
+}
+
+TEST_CASE("a few bytes of glTF take neither the stack nor minutes", "[core][mesh]") {
+  Square deep;
+  deep.rest = R"(, "extras": )" + std::string(100'000, '[') + std::string(100'000, ']');
+  CHECK_THAT(refused(read_mesh("a.gltf", deep.text())).detail,
+             Catch::Contains("nests its JSON deeper"));
+  Square quoted;  // brackets in texts do not nest
+  quoted.primitive = R"(, "mode": 6)";
+  quoted.rest = R"(, "extras": ")" + std::string(100'000, '[') + R"(\"[")";
+  CHECK(read_mesh("a.gltf", quoted.text()));
+  std::string many = "[{}";
+  for (int k = 0; k < 1'100'000; ++k) many += ",{}";
+  Square nodes;
+  nodes.rest = ", \"extras\": " + many + "]";
+  CHECK_THAT(refused(read_mesh("a.gltf", nodes.text())).detail, Catch::Contains("2000000 values"));
+  // 2,000 nodes that draw 1,000 parts without a triangle.
+  Square parts;
+  parts.primitive = R"(, "mode": 0})";
+  for (int k = 0; k < 999; ++k)
+    parts.primitive += R"(, {"attributes": {"POSITION": 0}, "mode": 0})";
+  parts.primitive.pop_back();
+  for (int k = 0; k < 1999; ++k) parts.nodes += ",\n{\"mesh\": 0}";
+  CHECK_THAT(refused(read_mesh("a.gltf", parts.text())).detail,
+             Catch::Contains("draws more than 1000000 parts"));
+}
+
 TEST_CASE("a glTF that is broken, or keeps its mesh in another file, says so", "[core][mesh]") {
   const TriangleMesh ball = icosphere(1.0, 1);
   const auto broken = [](const std::string& name, const std::string& bytes,
@@ -159,6 +336,75 @@ TEST_CASE("a file that is no mesh is called what it is, whatever its name says",
     CHECK_THAT(error.detail, Catch::StartsWith("is ") && Catch::Contains(kind) &&
                                  Catch::Contains("; give a 3D model as an STL"));
     CHECK_THAT(refused(read_mesh(name, bytes)).detail, Catch::Contains(kind));
+  }
+}
+
+TEST_CASE("text models are read as other programs write them", "[core][mesh]") {
+  const TriangleMesh ball = icosphere(2.0, 0);
+  const auto same = [&](const std::string& name, const std::string& bytes) {
+    CAPTURE(name, bytes.substr(0, 80));
+    const auto read = read_mesh(name, bytes);
+    const auto right = read_mesh("right.obj", obj(ball));
+    REQUIRE(right);
+    if (!read) FAIL(message(read.error()));
+    REQUIRE(read->size() == right->size());
+    for (std::size_t k = 0; k < right->corners.size(); ++k)
+      CHECK_THAT(read->corners[k], Catch::WithinAbs(right->corners[k], 1e-4));
+  };
+  const auto changed = [](std::string text, const std::string& from, const std::string& to) {
+    for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+      text.replace(at, from.size(), to);
+    return text;
+  };
+  const auto utf16 = [](const std::string& text, bool big, bool mark) {
+    std::string out = !mark ? "" : big ? "\xFE\xFF" : "\xFF\xFE";
+    for (const char c : text) big ? (out += '\0') += c : (out += c) += '\0';
+    return out;
+  };
+  std::string upper = text_stl(ball);
+  for (char& c : upper) c = c >= 'a' && c <= 'z' && c != 'e' ? static_cast<char>(c - 32) : c;
+  for (const auto& [name, text] :
+       {std::pair<std::string, std::string>{"m.obj", obj(ball)}, {"m.stl", text_stl(ball)}}) {
+    same(name, "\xEF\xBB\xBF" + text);
+    same(name, utf16(text, false, true));
+    same(name, utf16(text, true, true));
+    same(name, utf16(text, false, false));
+    same(name, utf16(text, true, false));
+    same(name, changed(text, "\n", "\r"));
+    same(name, changed(text, "\n", "\r\n"));
+    same(name, "\n \t\n" + text);
+  }
+  same("m.stl", upper);
+  same("m.stl", " " + text_stl(ball));
+  same("m.stl", changed(text_stl(ball), "\n", " "));
+  same("m.stl", "# written by hand\n" + text_stl(ball));
+  same("m.stl",
+       "solid a vertex of a facet\n" + text_stl(ball).substr(text_stl(ball).find('\n') + 1));
+  const std::string text = obj(ball);
+  same("m.obj", changed(text, "\n", " # a comment\n"));
+  same("m.obj", changed(changed(text, "v ", "v \\\n"), "f ", "f \\\r\n\t"));
+  const std::size_t faces = text.find("f ");
+  REQUIRE(faces != std::string::npos);
+  same("m.obj", text.substr(faces) + text.substr(0, faces));
+}
+
+TEST_CASE("numbers of an OBJ may count backward from the face that names them", "[core][mesh]") {
+  const auto read =
+      read_mesh("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf -3 -2 -1\nv 9 9 9\nf -3 -2 -1\n");
+  if (!read) FAIL(message(read.error()));
+  CHECK(read->corners == std::vector<float>{0, 0, 0, 1, 0, 0, 1, 1, 0, 1, 0, 0, 1, 1, 0, 9, 9, 9});
+  CHECK_THAT(refused(read_mesh("m.obj", "v 0 0 0\nv 1 0 0\nf -3 -2 -1\nv 9 9 9\n")).detail,
+             Catch::Contains("names vertex \"-3\""));
+}
+
+TEST_CASE("a binary STL whose count is too small is read whole", "[core][mesh]") {
+  const TriangleMesh ball = icosphere(2.0, 0);
+  for (const char count : {0, 1, 19}) {
+    std::string stl = binary_stl(ball);
+    stl[80] = count;
+    const auto read = read_mesh("m.stl", stl);
+    if (!read) FAIL(message(read.error()));
+    CHECK(read->size() == 20);
   }
 }
 

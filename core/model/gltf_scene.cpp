@@ -1,0 +1,407 @@
+// SPDX-License-Identifier: MIT
+#include "core/model/gltf_scene.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <tiny_gltf.h>
+
+#include "core/geometry/vec.hpp"
+#include "core/model/gltf_materials.hpp"
+#include "core/model/gltf_numbers.hpp"
+
+namespace popcut::model_readers {
+namespace {
+
+using Matrix = Eigen::Matrix4d;
+
+/// Parts of the scene that are visited at most: a few bytes can draw a part many times.
+constexpr std::size_t kMostParts = 1'000'000;
+/// Numbers that are added up at most, to move vertices: a few bytes can name a target or a joint
+/// many times.
+constexpr std::size_t kMostMoves = 500'000'000;
+
+Matrix matrix_of(const Eigen::Vector3d& move, const Eigen::Vector4d& turn,
+                 const Eigen::Vector3d& scale) {
+  Matrix out = Matrix::Identity();
+  out.topLeftCorner<3, 3>() =
+      Eigen::Quaterniond(turn[3], turn[0], turn[1], turn[2]).normalized().toRotationMatrix() *
+      scale.asDiagonal();
+  out.topRightCorner<3, 1>() = move;
+  return out;
+}
+
+Matrix matrix_of(const tinygltf::Node& node) {
+  if (node.matrix.size() == 16) return Eigen::Map<const Matrix>(node.matrix.data());
+  Eigen::Vector3d move = Eigen::Vector3d::Zero(), scale = Eigen::Vector3d::Ones();
+  Eigen::Vector4d turn(0, 0, 0, 1);
+  if (node.translation.size() == 3)
+    move = Eigen::Map<const Eigen::Vector3d>(node.translation.data());
+  if (node.scale.size() == 3) scale = Eigen::Map<const Eigen::Vector3d>(node.scale.data());
+  if (node.rotation.size() == 4) turn = Eigen::Map<const Eigen::Vector4d>(node.rotation.data());
+  return matrix_of(move, turn, scale);
+}
+
+/// What an extension says of a node; none if it says nothing.
+const tinygltf::Value* extension_of(const tinygltf::Node& node, const char* name) {
+  const auto found = node.extensions.find(name);
+  return found == node.extensions.end() ? nullptr : &found->second;
+}
+
+bool is_visible(const tinygltf::Node& node) {
+  const tinygltf::Value* const said = extension_of(node, "KHR_node_visibility");
+  return !said || !said->Has("visible") || !said->Get("visible").IsBool() ||
+         said->Get("visible").Get<bool>();
+}
+
+/// The three vertices of triangle `k` of a primitive, counted in its list of vertices
+/// (glTF 2.0, 3.7.2.1).
+std::array<std::size_t, 3> triangle_of(int mode, std::size_t k) {
+  if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) return {k, k + 1 + k % 2, k + 2 - k % 2};
+  if (mode == TINYGLTF_MODE_TRIANGLE_FAN) return {k + 1, k + 2, 0};
+  return {3 * k, 3 * k + 1, 3 * k + 2};
+}
+
+/// Moves the vertices of a skinned mesh: a sum over joints, weighted.
+struct Skin {
+  std::vector<Matrix> joints;  ///< of a vertex at rest to the scene
+  std::vector<GltfNumbers> indices, weights;
+};
+
+/// Moves the vertices of a mesh toward a target.
+struct Morph {
+  double weight{};
+  GltfNumbers move;
+};
+
+class SceneReader {
+ public:
+  SceneReader(const std::string& name, const tinygltf::Model& file, const ModelOptions& options)
+      : name_(name), file_(file), options_(options), materials_(name, file, options, model_) {}
+
+  Result<Model> read() {
+    if (options_.colours)
+      if (auto done = materials_.read(); !done) return tl::unexpected(done.error());
+    is_joint_.assign(file_.nodes.size(), false);
+    for (const tinygltf::Skin& skin : file_.skins)
+      for (const int joint : skin.joints)
+        if (joint >= 0 && static_cast<std::size_t>(joint) < file_.nodes.size())
+          is_joint_[static_cast<std::size_t>(joint)] = true;
+    // Joints may come after what they move.
+    if (!file_.skins.empty())
+      if (auto done = visit_scene(false); !done) return tl::unexpected(done.error());
+    if (auto done = visit_scene(true); !done) return tl::unexpected(done.error());
+    if (model_.size() == 0)
+      return fail(ErrorKind::Malformed, name_, "has no triangles; a mesh needs faces");
+    if (!has_corner_colours_) model_.corner_colours.clear();
+    return std::move(model_);
+  }
+
+ private:
+  [[nodiscard]] tl::unexpected<Error> broken(const char* list, int index, const char* what) const {
+    return fail(ErrorKind::Malformed, fmt::format("{}: /{}/{}", name_, list, index), what);
+  }
+
+  [[nodiscard]] tl::unexpected<Error> too_many_parts() const {
+    return fail(
+        ErrorKind::OutOfRange, name_,
+        fmt::format("draws more than {} parts; join them, and save the model again", kMostParts));
+  }
+
+  /// Visits all nodes of the scene: draws them, or keeps where the joints are.
+  Result<void> visit_scene(bool draws) {
+    visited_ = 0;
+    draws_ = draws;
+    const std::size_t scene = static_cast<std::size_t>(std::max(file_.defaultScene, 0));
+    if (scene >= file_.scenes.size()) return {};
+    for (const int root : file_.scenes[scene].nodes)
+      if (auto done = visit(root, Matrix::Identity(), true, 0); !done) return done;
+    return {};
+  }
+
+  Result<void> visit(int index, const Matrix& above, bool visible, int depth) {
+    constexpr int kDeepest = 256;  // a tree this deep goes round in a circle
+    if (index < 0 || static_cast<std::size_t>(index) >= file_.nodes.size() || depth > kDeepest)
+      return broken("nodes", index, "does not exist, or lies in itself; repair the model");
+    // Each has one place, or some nodes that lie in two would be visited for ever.
+    if (++visited_ > file_.nodes.size())
+      return broken("nodes", index, "lies in two nodes; repair the model");
+    const tinygltf::Node& node = file_.nodes[static_cast<std::size_t>(index)];
+    const Matrix here = above * matrix_of(node);
+    visible = visible && is_visible(node);
+    if (!draws_ && is_joint_[static_cast<std::size_t>(index)]) joint_places_[index] = here;
+    if (draws_ && visible && node.mesh >= 0)
+      if (auto done = draw(node, here); !done) return done;
+    for (const int child : node.children)
+      if (auto done = visit(child, here, visible, depth + 1); !done) return done;
+    return {};
+  }
+
+  Result<void> draw(const tinygltf::Node& node, const Matrix& here) {
+    if (static_cast<std::size_t>(node.mesh) >= file_.meshes.size())
+      return broken("meshes", node.mesh, "does not exist; repair the model");
+    const tinygltf::Mesh& mesh = file_.meshes[static_cast<std::size_t>(node.mesh)];
+    const std::vector<double>& weights = node.weights.empty() ? mesh.weights : node.weights;
+    const auto places = places_of(node, here);
+    if (!places) return tl::unexpected(places.error());
+    for (const Matrix& place : *places)
+      for (const tinygltf::Primitive& primitive : mesh.primitives) {
+        if (++parts_ > kMostParts) return too_many_parts();
+        if (auto done = add_primitive(primitive, node.skin, weights, place); !done) return done;
+      }
+    return {};
+  }
+
+  /// Where a node has its mesh: in one place, or in that of each instance.
+  Result<std::vector<Matrix>> places_of(const tinygltf::Node& node, const Matrix& here) const {
+    const tinygltf::Value* const said = extension_of(node, "EXT_mesh_gpu_instancing");
+    if (!said || !said->Has("attributes")) return std::vector{here};
+    const tinygltf::Value& attributes = said->Get("attributes");
+    std::optional<GltfNumbers> move, turn, scale;
+    std::optional<std::size_t> count;
+    for (const auto& [word, parts, numbers] :
+         {std::tuple{"TRANSLATION", 3U, &move}, std::tuple{"ROTATION", 4U, &turn},
+          std::tuple{"SCALE", 3U, &scale}}) {
+      if (!attributes.Has(word)) continue;
+      const auto found =
+          GltfNumbers::of(file_, attributes.Get(word).GetNumberAsInt(), parts, name_);
+      if (!found) return tl::unexpected(found.error());
+      *numbers = *found;
+      count = std::min(count.value_or(found->size()), found->size());
+    }
+    if (!count) return std::vector{here};
+    if (*count > kMostParts) return too_many_parts();
+    std::vector<Matrix> out;
+    out.reserve(*count);
+    for (std::size_t i = 0; i < *count; ++i) {
+      Eigen::Vector3d to = Eigen::Vector3d::Zero(), size = Eigen::Vector3d::Ones();
+      Eigen::Vector4d by(0, 0, 0, 1);
+      for (std::size_t k = 0; k < 4; ++k) {
+        const auto row = static_cast<Eigen::Index>(k);
+        if (turn) by[row] = turn->get(i, k);
+        if (k < 3 && move) to[row] = move->get(i, k);
+        if (k < 3 && scale) size[row] = scale->get(i, k);
+      }
+      out.push_back(here * matrix_of(to, by, size));
+    }
+    return out;
+  }
+
+  /// The numbers that a primitive has for each of its vertices; none if it does not have them.
+  Result<std::optional<GltfNumbers>> attribute(const std::map<std::string, int>& of,
+                                               const std::string& word,
+                                               std::size_t least_parts) const {
+    const auto found = of.find(word);
+    if (found == of.end()) return std::optional<GltfNumbers>{};
+    const auto numbers = GltfNumbers::of(file_, found->second, least_parts, name_);
+    if (!numbers) return tl::unexpected(numbers.error());
+    return std::optional(*numbers);
+  }
+
+  /// The triangles of a primitive; points and lines have no surface.
+  Result<void> add_primitive(const tinygltf::Primitive& of, int skin,
+                             const std::vector<double>& weights, const Matrix& here) {
+    const int mode = of.mode < 0 ? TINYGLTF_MODE_TRIANGLES : of.mode;
+    if (mode < TINYGLTF_MODE_TRIANGLES) return {};
+    if (mode > TINYGLTF_MODE_TRIANGLE_FAN)
+      return fail(ErrorKind::Malformed, name_,
+                  fmt::format("has a primitive of mode {}, which glTF does not define", mode));
+    if (of.extensions.contains("KHR_draco_mesh_compression"))
+      return fail(ErrorKind::Malformed, name_,
+                  "is compressed (KHR_draco_mesh_compression); save the model without compression");
+    const auto places = attribute(of.attributes, "POSITION", 3);
+    if (!places) return tl::unexpected(places.error());
+    if (!*places) return {};
+    std::optional<GltfNumbers> indices;
+    if (of.indices >= 0) {
+      const auto numbers = GltfNumbers::of(file_, of.indices, 1, name_);
+      if (!numbers) return tl::unexpected(numbers.error());
+      indices = *numbers;
+    }
+    const std::size_t vertices = indices ? indices->size() : (*places)->size();
+    const std::size_t triangles =
+        mode == TINYGLTF_MODE_TRIANGLES ? vertices / 3 : std::max<std::size_t>(vertices, 2) - 2;
+    if (triangles > kMaxTriangles - model_.size())
+      return fail(ErrorKind::OutOfRange, name_,
+                  fmt::format("has more than {} triangles; reduce the mesh", kMaxTriangles));
+    const auto morphs = morphs_of(of, weights);
+    if (!morphs) return tl::unexpected(morphs.error());
+    const auto bones = skin < 0 ? Result<std::optional<Skin>>{} : skin_of(of, skin);
+    if (!bones) return tl::unexpected(bones.error());
+    const std::size_t each = morphs->size() + (*bones ? 4 * (*bones)->indices.size() : 0);
+    moves_ += 3 * triangles * each + (*bones ? (*bones)->joints.size() : 0);
+    if (moves_ > kMostMoves)
+      return fail(ErrorKind::OutOfRange, name_,
+                  "has too many joints and morph targets; apply them, and save the model again");
+    Colours colours;
+    if (options_.colours)
+      if (auto done = find_colours(of, colours); !done) return done;
+    for (std::size_t k = 0; k < triangles; ++k)
+      for (const std::size_t corner : triangle_of(mode, k)) {
+        const auto i = indices ? static_cast<std::size_t>(indices->get(corner, 0)) : corner;
+        if (i >= (*places)->size())
+          return fail(ErrorKind::Malformed, name_,
+                      fmt::format("a triangle names vertex {} of {}; repair the model", i,
+                                  (*places)->size()));
+        if (auto done = add_corner(i, **places, *morphs, *bones, here); !done) return done;
+        if (options_.colours) add_colour(i, colours);
+      }
+    if (options_.colours)
+      model_.material_of.insert(model_.material_of.end(), triangles, colours.material);
+    return {};
+  }
+
+  /// The targets of a primitive whose weight is not zero.
+  Result<std::vector<Morph>> morphs_of(const tinygltf::Primitive& of,
+                                       const std::vector<double>& weights) const {
+    std::vector<Morph> out;
+    for (std::size_t k = 0; k < of.targets.size() && k < weights.size(); ++k) {
+      if (weights[k] == 0) continue;
+      const auto move = attribute(of.targets[k], "POSITION", 3);
+      if (!move) return tl::unexpected(move.error());
+      if (*move) out.push_back({weights[k], **move});
+    }
+    return out;
+  }
+
+  /// How a skin moves the vertices of a primitive; none if the primitive does not say which joints.
+  Result<std::optional<Skin>> skin_of(const tinygltf::Primitive& of, int index) const {
+    if (static_cast<std::size_t>(index) >= file_.skins.size())
+      return broken("skins", index, "does not exist; repair the model");
+    const tinygltf::Skin& skin = file_.skins[static_cast<std::size_t>(index)];
+    Skin out;
+    for (int set = 0; set < 8 && of.attributes.contains(fmt::format("JOINTS_{}", set)); ++set) {
+      const auto indices = attribute(of.attributes, fmt::format("JOINTS_{}", set), 4);
+      if (!indices) return tl::unexpected(indices.error());
+      const auto weights = attribute(of.attributes, fmt::format("WEIGHTS_{}", set), 4);
+      if (!weights) return tl::unexpected(weights.error());
+      if (!*weights)
+        return broken("skins", index,
+                      "moves a mesh that has joints without weights; repair the model");
+      out.indices.push_back(**indices), out.weights.push_back(**weights);
+    }
+    if (out.indices.empty()) return std::optional<Skin>{};
+    std::optional<GltfNumbers> rest;
+    if (skin.inverseBindMatrices >= 0) {
+      const auto numbers = GltfNumbers::of(file_, skin.inverseBindMatrices, 16, name_);
+      if (!numbers) return tl::unexpected(numbers.error());
+      if (numbers->size() < skin.joints.size())
+        return broken("skins", index, "has fewer matrices than joints; repair the model");
+      rest = *numbers;
+    }
+    for (std::size_t k = 0; k < skin.joints.size(); ++k) {
+      const auto place = joint_places_.find(skin.joints[k]);
+      if (place == joint_places_.end())
+        return broken("skins", index, "has a joint that is not in the scene; save the model again");
+      Matrix back = Matrix::Identity();
+      for (std::size_t i = 0; rest && i < 16; ++i) back.data()[i] = rest->get(k, i);
+      out.joints.push_back(place->second * back);
+    }
+    return std::optional(std::move(out));
+  }
+
+  /// Where a skin moves a vertex. The place of the node itself does not count (glTF 2.0, 3.7.3.3).
+  [[nodiscard]] std::optional<Matrix> moved_by(const Skin& skin, std::size_t vertex) const {
+    Matrix out = Matrix::Zero();
+    double sum = 0;
+    for (std::size_t set = 0; set < skin.indices.size(); ++set)
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (vertex >= skin.weights[set].size() || vertex >= skin.indices[set].size())
+          return std::nullopt;
+        const double weight = skin.weights[set].get(vertex, k);
+        if (weight == 0) continue;
+        const double joint = skin.indices[set].get(vertex, k);
+        if (!(joint >= 0 && joint < static_cast<double>(skin.joints.size()))) return std::nullopt;
+        out += weight * skin.joints[static_cast<std::size_t>(joint)];
+        sum += weight;
+      }
+    if (!(sum > 0)) return std::nullopt;
+    return out / sum;  // weights of a few bits each do not add up to one
+  }
+
+  Result<void> add_corner(std::size_t vertex, const GltfNumbers& places,
+                          const std::vector<Morph>& morphs, const std::optional<Skin>& skin,
+                          const Matrix& here) {
+    Eigen::Vector4d at(places.get(vertex, 0), places.get(vertex, 1), places.get(vertex, 2), 1);
+    for (const Morph& morph : morphs)
+      for (std::size_t k = 0; k < 3 && vertex < morph.move.size(); ++k)
+        at[static_cast<Eigen::Index>(k)] += morph.weight * morph.move.get(vertex, k);
+    std::optional<Matrix> by = here;
+    if (skin) by = moved_by(*skin, vertex);
+    if (!by)
+      return fail(
+          ErrorKind::Malformed, name_,
+          fmt::format(
+              "vertex {} has no weight, or names a joint that does not exist; repair the model",
+              vertex));
+    at = *by * at;
+    if (!at.allFinite())
+      return fail(ErrorKind::OutOfRange, name_,
+                  "has a corner that is not a finite number; repair the mesh");
+    model_.corners.insert(model_.corners.end(), at.data(), at.data() + 3);
+    return {};
+  }
+
+  /// What colours the corners of a primitive.
+  struct Colours {
+    std::uint32_t material{};
+    const GltfPlaces* moved{};
+    std::optional<GltfNumbers> picture_places, corner_colours;
+  };
+
+  Result<void> find_colours(const tinygltf::Primitive& of, Colours& out) {
+    if (of.material >= 0) {
+      const auto material = static_cast<std::size_t>(of.material);
+      if (material >= file_.materials.size())
+        return broken("materials", of.material, "does not exist; repair the model");
+      out.moved = &materials_.places(material);
+      const auto places = attribute(of.attributes, fmt::format("TEXCOORD_{}", out.moved->set), 2);
+      if (!places) return tl::unexpected(places.error());
+      out.picture_places = *places;
+      out.material = static_cast<std::uint32_t>(material + 1);
+      model_.uses_materials = true;
+    }
+    const auto colours = attribute(of.attributes, "COLOR_0", 3);
+    if (!colours) return tl::unexpected(colours.error());
+    out.corner_colours = *colours;
+    has_corner_colours_ = has_corner_colours_ || out.corner_colours.has_value();
+    return {};
+  }
+
+  void add_colour(std::size_t vertex, const Colours& of) {
+    std::array<float, 2> place{};
+    if (of.picture_places && vertex < of.picture_places->size())
+      place = of.moved->moved(of.picture_places->get(vertex, 0), of.picture_places->get(vertex, 1));
+    model_.picture_places.push_back(place);
+    ModelColour colour{1, 1, 1};
+    if (of.corner_colours && vertex < of.corner_colours->size())
+      for (std::size_t k = 0; k < 3; ++k)
+        colour[k] = srgb_of_light(of.corner_colours->get(vertex, k));
+    model_.corner_colours.push_back(colour);
+  }
+
+  const std::string& name_;
+  const tinygltf::Model& file_;
+  const ModelOptions& options_;
+  Model model_;
+  GltfMaterials materials_;
+  std::vector<bool> is_joint_;          ///< of each node
+  std::map<int, Matrix> joint_places_;  ///< of nodes that are joints
+  std::size_t visited_{}, parts_{}, moves_{};
+  bool draws_{false}, has_corner_colours_{false};
+};
+
+}  // namespace
+
+Result<Model> read_gltf_scene(const std::string& name, const tinygltf::Model& file,
+                              const ModelOptions& options) {
+  return SceneReader(name, file, options).read();
+}
+
+}  // namespace popcut::model_readers
