@@ -30,31 +30,28 @@ set(popcut_sanitized
   "conformance/(dxf_ezdxf|fold_samples|strokes_corpus) : files of other programs are read"
   "conformance/(device|protocol)_captures : recorded bytes of cutters are read"
   "unit/artwork/colour_mesh : models with textures are read, as glTF, OBJ, PNG and JPEG"
-  "unit/artwork/artwork : pictures are decoded and their pixels addressed"
-  "unit/daemon/(client|config|http_handlers|http_parts|pages|png|sheet_motion|store|webhook) : bytes of clients, servers, files and databases are read"
+  "unit/daemon/(client|config|http_handlers|http_parts|pages|png|store|webhook) : bytes of clients, servers, files and databases are read"
   "unit/design/(outline|target_readers|targets) : fonts, meshes and tables are read"
   "unit/formats/ : drawings and patterns are read"
   "unit/protocol/ : commands and replies of cutters are read"
   "unit/verify/verify_input : pattern files are read"
-  "property/(lattice_blob|protocol_fuzz|protocol_round_trip|design/spec_schema|design/targets|verify_target) : random bytes and values are read"
+  "property/(protocol_fuzz|protocol_round_trip|design/targets) : random bytes and values are read"
   "property/store_damage : damaged databases are read"
   "e2e/in_process/http_ : requests, broken and slow ones, reach the server"
   "e2e/popcutd/popcutd_openapi : thousands of generated requests reach popcutd"
-  "e2e/popcut/(svg|targets|deploy)_command : files of other programs go through the whole program"
   # Memory that threads share.
   "unit/daemon/(fair_line|job_view|service_access|service_actions|service_jobs|service_queue|service_resume|service_upkeep|service_view) : the service's thread and its callers share jobs"
   "unit/device/ : a cutter, its port and its session are threads"
   "unit/fleet/(connection|postgres_database|two_nodes) : connections end while threads use them"
-  "unit/search/ : workers share a search"
   "property/(service_race|service_turns|session_journal|device) : threads race"
-  "e2e/in_process/(cutters|planner|planner_limits|previewer|search|sheet_strokes) : threads of popcutd, and worker processes that die"
+  "e2e/in_process/(cutters|planner_test|previewer|search|sheet_strokes) : threads of popcutd, and worker processes that die"
   "e2e/popcutd/(crash|disk_full|popcutd|preview|takeover)_test : popcutd's threads, while it dies, its disk fills up, or its clients go"
   "e2e/popcutd/faults_(cutter|network) : popcutd's threads, while cutters and clients go"
   "e2e/popcutd/fleet_failover : popcutd's threads, while its database dies or moves"
   "usb/ : libusb's callbacks come on threads of their own"
   # Raw memory.
-  "unit/design/(facets|pictures) : pixels and depths are addressed by hand"
-  "unit/compare/ : pixels and depths are addressed by hand"
+  "unit/design/pictures : pixels and depths are addressed by hand"
+  "unit/compare/comparison : pixels and depths are addressed by hand"
   "unit/artwork/lit_picture : pixels are addressed by hand"
   "unit/plan/(layout|order) : indices into tours and grids"
   "property/(layout|order|clean|compare) : indices into tours, grids and graphs, for random lines"
@@ -75,6 +72,44 @@ set(popcut_longest
   "property/design/"
   "the service keeps its contract in a fleet")
 
+# popcut_tier(NAME OUT): the pattern of the sanitizer tier that the entry NAME has, or nothing.
+function(popcut_tier name out)
+  set(${out} "" PARENT_SCOPE)
+  foreach(row ${popcut_sanitized})
+    string(REGEX REPLACE " : .*" "" pattern "${row}")
+    if(name MATCHES "^${pattern}")
+      set(${out} "${pattern}" PARENT_SCOPE)
+      return()
+    endif()
+  endforeach()
+endfunction()
+
+# popcut_name(SOURCE OUT): a source of tests by its path below tests/.
+function(popcut_name source out)
+  cmake_path(ABSOLUTE_PATH source NORMALIZE OUTPUT_VARIABLE path)
+  cmake_path(RELATIVE_PATH path BASE_DIRECTORY ${PROJECT_SOURCE_DIR}/tests OUTPUT_VARIABLE name)
+  set(${out} ${name} PARENT_SCOPE)
+endfunction()
+
+# popcut_only_tier(LIST): with POPCUT_ONLY_SANITIZED, a list of sources without the tests that are not in the sanitizer
+# tier. A program none of whose tests are in it stays whole: the tier does not build it.
+function(popcut_only_tier list)
+  set(kept ${${list}})
+  set(found FALSE)
+  foreach(source ${${list}})
+    popcut_name(${source} name)
+    popcut_tier("${name}" pattern)
+    if(pattern)
+      set(found TRUE)
+    elseif(name MATCHES "_test\\.cpp$")
+      list(REMOVE_ITEM kept ${source})
+    endif()
+  endforeach()
+  if(found AND POPCUT_ONLY_SANITIZED)
+    set(${list} ${kept} PARENT_SCOPE)
+  endif()
+endfunction()
+
 # popcut_entry(NAME LABELS command ...): an entry, with the labels LABELS, 'cpu' or 'wait', and
 # 'sanitize' if it is in that tier.
 find_program(POPCUT_NICE nice)
@@ -93,14 +128,14 @@ function(popcut_entry name labels)
     set(slots fleet)
   endif()
   list(APPEND labels ${pool})
-  foreach(row ${popcut_sanitized})
-    string(REGEX REPLACE " : .*" "" pattern "${row}")
-    if(name MATCHES "^${pattern}")
-      list(APPEND labels sanitize)
-      set_property(GLOBAL APPEND PROPERTY POPCUT_SANITIZED_PATTERNS "${pattern}")
-      break()
-    endif()
-  endforeach()
+  popcut_tier("${name}" pattern)
+  if(pattern)
+    list(APPEND labels sanitize)
+    set_property(GLOBAL APPEND PROPERTY POPCUT_SANITIZED_PATTERNS "${pattern}")
+    string(REGEX MATCHALL "[$]<TARGET_FILE:[^>]+" programs "${ARGN}")
+    list(TRANSFORM programs REPLACE "^.*:" "")
+    set_property(GLOBAL APPEND PROPERTY POPCUT_SANITIZED_PROGRAMS ${programs})
+  endif()
   set(cost 10)
   foreach(pattern ${popcut_longest})
     if(name MATCHES "^${pattern}")
@@ -122,6 +157,9 @@ function(popcut_entry name labels)
     if(name MATCHES "^${pattern}")
       set_tests_properties(${name} PROPERTIES FIXTURES_REQUIRED PostgreSQL
         ENVIRONMENT POPCUT_TEST_POSTGRES=${popcut_postgres_file})
+      if(sanitize IN_LIST labels)
+        set_property(GLOBAL APPEND PROPERTY POPCUT_SANITIZED_PROGRAMS fleet_postgres)
+      endif()
     endif()
   endforeach()
 endfunction()
