@@ -114,7 +114,7 @@ LineWork with_weed_box(LineWork drawing, double mm) {
 }
 
 double reading_tolerance_mm(const PlanOptions& options) {
-  return options.curve_tolerance_mm / (options.width_mm ? 10.0 : std::max(options.scale, 1.0));
+  return options.curve_tolerance_mm / std::max(options.scale, 1.0);
 }
 
 }  // namespace popcut

@@ -42,7 +42,7 @@ namespace popcut {
 
 /// How far curves may lie from the lines that replace them when a drawing is read, mm of the
 /// drawing: on the sheet, after `scale`, this is `curve_tolerance_mm`. The scale that `width` makes
-/// is not known yet; up to 10 is allowed for.
+/// is known only then.
 [[nodiscard]] double reading_tolerance_mm(const PlanOptions& options);
 
 }  // namespace popcut

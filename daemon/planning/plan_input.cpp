@@ -85,7 +85,8 @@ Result<DrawingInput> from_dxf(const std::string& text, const SvgReadOptions& how
 
 Result<DrawingInput> from_fold(const std::string& text, const SvgReadOptions& how,
                                unsigned factor) {
-  return only_drawing(linework_from_fold(text, FoldLimits{}.raised(factor), how.unit_mm));
+  return only_drawing(
+      linework_from_fold(text, FoldLimits{}.raised(factor), how.unit_mm, how.enlarged));
 }
 
 /// Looks at the keys of the outermost object until one decides; never keeps a value.

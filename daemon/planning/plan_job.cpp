@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/planning/plan_job.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -72,10 +73,28 @@ Result<SvgReadOptions> read_options(const PlanOptions& options, const Tables& ta
   SvgReadOptions how;
   how.profile = std::move(*profile);
   how.tolerance_mm = reading_tolerance_mm(options);
+  how.enlarged = options.scale;
   how.dpi = options.svg_dpi;
   how.unit_mm = unit_mm(options.units);
   how.pens = named_pens(options.pens);
   return how;
+}
+
+/// Reads the input. What `width` makes of a drawing is known only when it is read: then it is read
+/// once more, so that nothing is flattened or joined for a size that it does not have. A design has
+/// its size.
+///
+/// @param how  gets what it was read with
+Result<DrawingInput> read_at_its_size(const PlanOptions& options, SvgReadOptions& how,
+                                      const DrawingReader& read) {
+  auto input = read(how);
+  if (!input || !options.width_mm || input->material) return input;
+  const Placement map = drawing_transform(input->drawing, options);
+  const double larger = std::hypot(map.xx, map.yx);
+  if (!(larger > 0) || !std::isfinite(larger) || larger == 1) return input;
+  how.enlarged = larger;
+  how.tolerance_mm = options.curve_tolerance_mm / std::max(larger, 1.0);
+  return read(how);
 }
 
 /// The tool in each holder of a sheet: the firmware needs the offset of a blade.
@@ -173,7 +192,7 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
     return tl::unexpected(of_option || input_name.empty() ? std::move(error)
                                                           : within(input_name, std::move(error)));
   };
-  const auto reading = read_options(options, tables);
+  auto reading = read_options(options, tables);
   if (!reading) return tl::unexpected(reading.error());
   const auto machine = choose_machine(options, tables);
   if (!machine) return tl::unexpected(machine.error());
@@ -188,7 +207,7 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
         fmt::format("goes into a program, and {} takes none; leave `overcut` out", machine->title));
   const bool ideal_machine = machine->name.rfind("ideal", 0) == 0;
   tell(options.progress, "reading the input");
-  auto input = read(*reading);
+  auto input = read_at_its_size(options, *reading, read);
   if (!input) return tl::unexpected(input.error());
   // A person gave the size that the file does not.
   if (options.width_mm)
@@ -231,6 +250,7 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
   auto planned = plan(std::move(input->drawing), *machine, *material, how);
   if (!planned) return named(planned.error());
   planned->unit_mm = reading->unit_mm;
+  planned->curve_tolerance_mm = reading->tolerance_mm;
   planned->parts = std::move(input->parts);
   PlanJob job{std::move(*planned), {}, {}};
   if (!machine->driven()) return job;

@@ -114,7 +114,7 @@ Result<PlanJob> planned(WorkerTask& task, PlanningOutcome& outcome, const Design
         task.design_kind.empty() ? kind_of_content(task.design) : input_kind_from(task.design_kind);
     if (!kind) return tl::unexpected(kind.error());
     outcome.design_kind = std::string(name_of(*kind));
-    auto input = drawing_from_text(std::move(task.design), *kind, how, 1, sources);
+    auto input = drawing_from_text(task.design, *kind, how, 1, sources);
     if (input && input->drawing.name.empty()) input->drawing.name = "design";
     return input;
   };

@@ -54,10 +54,15 @@ struct FoldFile {
 /// Other B edges become the outline, or a cut if they bound a hole. F, J and flat U edges are left
 /// out.
 ///
-/// @param unit_mm  of one unit, whatever the file says
+/// @param unit_mm   of one unit, whatever the file says
+/// @param enlarged  times that the lines become larger afterwards: edges that meet at that size are
+/// joined, and edges that
+///                  lie on each other at that size are one. Most programs give a square of 1 x 1
+///                  units.
 /// @retval Malformed, OutOfRange  as `read_fold`; no frame is flat; coordinates beyond 100 m
 [[nodiscard]] Result<LineWork> linework_from_fold(std::string_view text,
                                                   const FoldLimits& limits = {},
-                                                  std::optional<double> unit_mm = {});
+                                                  std::optional<double> unit_mm = {},
+                                                  double enlarged = 1);
 
 }  // namespace popcut

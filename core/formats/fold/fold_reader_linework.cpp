@@ -263,7 +263,7 @@ const FoldFrame* flat_frame(const FoldFile& file) {
 }
 
 Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& limits,
-                                    std::optional<double> unit_mm) {
+                                    std::optional<double> unit_mm, double enlarged) {
   const auto file = read_fold(text, limits);
   if (!file) return tl::unexpected(file.error());
   std::optional<FoldFrame> frame = flat_anywhere(*file);
@@ -304,11 +304,13 @@ Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& lim
   UncutEdges uncut;
   for (std::size_t e = 0; e < frame->edges.size(); ++e) {
     const auto point = [&](std::uint32_t v) {
-      return PagePoint{mm * frame->vertices[v][1], mm * frame->vertices[v][0]};
+      return PagePoint{mm * enlarged * frame->vertices[v][1],
+                       mm * enlarged * frame->vertices[v][0]};
     };
     const Segment s{point(frame->edges[e][0]), point(frame->edges[e][1])};
+    const double most = kMaxCoordinate * std::max(enlarged, 1.0);
     for (const PagePoint& p : {s.a, s.b})
-      if (std::abs(p.x) > kMaxCoordinate || std::abs(p.y) > kMaxCoordinate)
+      if (std::abs(p.x) > most || std::abs(p.y) > most)
         return fail(ErrorKind::OutOfRange, fmt::format("/edges_vertices/{}", e),
                     "an end lies more than 100 m from the origin");
     const double angle = frame->fold_angles_deg[e];
@@ -341,6 +343,7 @@ Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& lim
   if (!add_borders(std::move(borders), work))
     return fail(ErrorKind::OutOfRange, "/edges_vertices",
                 "too many border edges overlap; draw each side of a cut once");
+  for (PagePoint& p : work.points) p = {p.x / enlarged, p.y / enlarged};
   uncut.add_warnings(work.warnings);
   const bool cuts = std::any_of(work.lines.begin(), work.lines.end(),
                                 [](const DrawnLine& line) { return is_cut(line.operation); });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/cli/input/expectation.hpp"
 
+#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <optional>
@@ -297,6 +298,7 @@ Result<SvgReadOptions> reading_of(const PlanFacts& plan, const UserTables& table
   how.unit_mm = plan.unit_mm;
   for (const PenSettings& pen : plan.pens) how.pens.push_back(pen.name);
   how.tolerance_mm = plan.curve_tolerance_mm;
+  how.enlarged = std::hypot(plan.drawing_transform.xx, plan.drawing_transform.yx);
   return how;
 }
 

@@ -133,10 +133,17 @@ Result<PlanJob> plan_input(const PlanArguments& arguments, bool progress,
   LongWork work(progress, "planning");
   const auto options = options_of(arguments, work.progress());
   if (!options) return tl::unexpected(client::on_command_line(options.error()));
-  const auto read = [&](const SvgReadOptions& how) {
-    return arguments.test_shape ? planning::test_shape_input()
-                                : read_drawing(arguments.input, how, tables->texts,
-                                               options->material, work.progress(), designed);
+  // What comes through a pipe can be read once only.
+  std::error_code ignored;
+  const bool is_file = std::filesystem::is_regular_file(arguments.input, ignored);
+  std::optional<DrawingInput> from_pipe;
+  const auto read = [&](const SvgReadOptions& how) -> Result<DrawingInput> {
+    if (arguments.test_shape) return planning::test_shape_input();
+    if (from_pipe) return *from_pipe;
+    auto input = read_drawing(arguments.input, how, tables->texts, options->material,
+                              work.progress(), designed);
+    if (input && !is_file) from_pipe = *input;
+    return input;
   };
   auto job = planning::make_plan_job(*options, tables->texts, read, arguments.input);
   if (!job) return tl::unexpected(client::on_command_line(tables->with_file(job.error())));

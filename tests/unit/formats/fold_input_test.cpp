@@ -228,6 +228,30 @@ TEST_CASE("a FOLD pattern is read in whatever plane it lies, from the side of it
   }
 }
 
+// flat-folder, Oriedita, Rabbit Ear and others write a square of 1 x 1 units.
+TEST_CASE("a FOLD file of one unit is read at the size that it is cut", "[core][formats][fold]") {
+  // Corners of 3 mm at 300 mm: cut off by a side of 0.01 units each; and a slot 0.008 units wide.
+  const std::string text =
+      R"({"vertices_coords":[[0,0.01],[0.01,0],[1,0],[1,1],[0.508,1],[0.508,0.5],[0.5,0.5],[0.5,1],[0,1]],)"
+      R"("edges_vertices":[[0,1],[1,2],[2,3],[3,4],[4,5],[5,6],[6,7],[7,8],[8,0]],)"
+      R"("edges_assignment":["B","B","B","B","B","B","B","B","B"]})";
+  const double whole = std::hypot(0.01, 0.01) + 0.99 + 1 + 0.492 + 0.5 + 0.008 + 0.5 + 0.5 + 0.99;
+  for (const double enlarged : {100.0, 300.0, 3000.0}) {
+    const auto work = linework_from_fold(text, {}, {}, enlarged);
+    REQUIRE(work);
+    CHECK(work->lines.size() == 1);
+    CHECK(total_mm(*work, Operation::Outline) == Approx(whole).epsilon(1e-9));
+  }
+  // Of 1000 units on 100 mm, ends that are 0.1 units apart meet.
+  const auto large = linework_from_fold(
+      R"({"vertices_coords":[[0,0],[1000,0],[1000,1000],[0,1000],[0.05,0.1]],)"
+      R"("edges_vertices":[[0,1],[1,2],[2,3],[3,4]],"edges_assignment":["B","B","B","B"]})",
+      {}, {}, 0.1);
+  REQUIRE(large);
+  CHECK(large->lines.size() == 1);
+  CHECK(large->points_of(large->lines[0]).front() == large->points_of(large->lines[0]).back());
+}
+
 TEST_CASE("faces of a FOLD file stand for edges and border where no list gives them",
           "[core][formats][fold]") {
   const std::string square = R"("vertices_coords":[[0,0],[10,0],[10,10],[0,10]],)"
