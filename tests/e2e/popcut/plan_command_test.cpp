@@ -62,6 +62,27 @@ TEST_CASE("a spec and its FOLD and its SVG files plan to the same sheet", "[cli]
   }
 }
 
+TEST_CASE("a drawing that --width or --scale makes larger loses neither corners nor curves",
+          "[cli][e2e][plan]") {
+  const Bench bench;
+  // Corners of 3 mm at 300 mm, and a circle of 0.1 units that becomes 200 mm wide.
+  write_file(
+      bench.temp / "unit.fold",
+      R"({"vertices_coords":[[0,0],[0.99,0],[1,0],[1,0.01],[1,1],[0,1]],)"
+      R"("edges_vertices":[[0,1],[1,2],[2,3],[3,4],[4,5],[5,0]],"edges_assignment":["B","B","B","B","B","B"]})");
+  write_file(bench.temp / "dot.svg",
+             "<svg xmlns='http://www.w3.org/2000/svg' width='1mm' height='1mm' viewBox='0 0 1 1'>"
+             "<circle cx='0.5' cy='0.5' r='0.05' fill='none' stroke='black'/></svg>");
+  const auto cut_mm = [&](const Names& arguments) {
+    Names all = arguments;
+    all.insert(all.end(), {"--machine", "none", "--mat", "400x400", "--overcut", "0"});
+    return bench.planned(all)["sheets"][0]["cut_mm"].get<double>();
+  };
+  for (const char* size : {"--width", "--scale"})
+    CHECK(cut_mm({"unit.fold", size, "300"}) == Approx(1200).margin(0.05));
+  CHECK(cut_mm({"dot.svg", "--width", "200"}) == Approx(200 * 3.14159265).margin(0.2));
+}
+
 TEST_CASE("plan writes the sheets and their programs and nothing else", "[cli][e2e][plan]") {
   const Bench bench;
   const json plan = bench.planned({kExamples + "sphere.json"});
