@@ -22,7 +22,7 @@ Eigen::AlignedBox2d box_of(std::span<const Vec2> points, std::span<const std::ui
 }
 
 /// What is left of a polygon while its ears are clipped. Corners that can lie in the way of an ear
-/// (reflex or flat ones) wait in buckets along the polygon's longer side.
+/// (reflex or flat ones) wait in about as many cells of a grid as it has corners.
 class Ring {
  public:
   Ring(std::span<const Vec2> points, std::span<const std::uint32_t> polygon)
@@ -37,11 +37,20 @@ class Ring {
     }
     const Eigen::AlignedBox2d box = box_of(points, polygon);
     const Vec2 size = box.sizes();
-    axis_ = size[1] > size[0] ? 1 : 0;
-    low_ = box.min()[axis_];
-    per_mm_ = size[axis_] > 0 ? n / size[axis_] : 0;
+    low_ = box.min();
+    // Cells as square as the polygon allows; one row for what has no height.
+    const double longer = std::max(size[0], size[1]), shorter = std::min(size[0], size[1]);
+    const double rows =
+        longer > 0 ? std::clamp(std::sqrt(n * (shorter / longer)), 1.0, static_cast<double>(n))
+                   : 1.0;
+    const Eigen::Index along = size[1] > size[0] ? 1 : 0;
+    for (const Eigen::Index axis : {Eigen::Index{0}, Eigen::Index{1}}) {
+      const double cells = axis == along ? std::ceil(n / rows) : std::ceil(rows);
+      last_cell_[static_cast<std::size_t>(axis)] = static_cast<std::size_t>(cells);
+      per_mm_[axis] = size[axis] > 0 ? cells / size[axis] : 0;
+    }
     sliver_ = kSliver * dot(size, size);
-    bucket_.resize(n + 1);
+    bucket_.resize((last_cell_[0] + 1) * (last_cell_[1] + 1));
     for (std::uint32_t i = 0; i < n; ++i) mark(i);
   }
 
@@ -76,12 +85,17 @@ class Ring {
   [[nodiscard]] double turn_at(std::uint32_t i) const {
     return turn(at(prev_[i]), at(i), at(next_[i]));
   }
-  [[nodiscard]] std::size_t slot(const Vec2& p) const {
-    return static_cast<std::size_t>(std::max(0.0, (p[axis_] - low_) * per_mm_));
+  /// The cell of a coordinate along an axis.
+  [[nodiscard]] std::size_t cell(const Vec2& p, Eigen::Index axis) const {
+    const double at = std::max(0.0, (p[axis] - low_[axis]) * per_mm_[axis]);
+    return std::min(static_cast<std::size_t>(at), last_cell_[static_cast<std::size_t>(axis)]);
+  }
+  [[nodiscard]] std::vector<std::uint32_t>& bucket(std::size_t x, std::size_t y) {
+    return bucket_[y * (last_cell_[0] + 1) + x];
   }
   void mark(std::uint32_t i) {
     const bool blunt = turn_at(i) <= sliver_;
-    if (blunt && blunt_[i] == 0) bucket_[slot(at(i))].push_back(i);
+    if (blunt && blunt_[i] == 0) bucket(cell(at(i), 0), cell(at(i), 1)).push_back(i);
     blunt_[i] = blunt ? 1 : 0;
   }
 
@@ -93,17 +107,20 @@ class Ring {
     if (loose_ && twice == 0) return true;  // a notch without width
     if (!(twice > sliver_)) return false;
     const double least = loose_ ? std::numeric_limits<double>::denorm_min() : -sliver_;
-    const auto [low, high] = std::minmax({slot(a), slot(b), slot(c)});
-    for (std::size_t s = low; s <= high; ++s) {
-      auto& bucket = bucket_[s];
-      std::erase_if(bucket, [&](std::uint32_t k) { return blunt_[k] == 0; });
-      for (const std::uint32_t k : bucket) {
-        const Vec2& p = at(k);
-        if (k == prev_[i] || k == i || k == next_[i] || p == a || p == b || p == c) continue;
-        if (turn(a, b, p) >= least && turn(b, c, p) >= least && turn(c, a, p) >= least)
-          return false;
+    const auto in_way = [&](std::uint32_t k) {
+      const Vec2& p = at(k);
+      if (k == prev_[i] || k == i || k == next_[i] || p == a || p == b || p == c) return false;
+      return turn(a, b, p) >= least && turn(b, c, p) >= least && turn(c, a, p) >= least;
+    };
+    const auto [left, right] = std::minmax({cell(a, 0), cell(b, 0), cell(c, 0)});
+    const auto [low, high] = std::minmax({cell(a, 1), cell(b, 1), cell(c, 1)});
+    for (std::size_t y = low; y <= high; ++y)
+      for (std::size_t x = left; x <= right; ++x) {
+        auto& waiting = bucket(x, y);
+        if (waiting.empty()) continue;
+        std::erase_if(waiting, [&](std::uint32_t k) { return blunt_[k] == 0; });
+        if (std::any_of(waiting.begin(), waiting.end(), in_way)) return false;
       }
-    }
     return true;
   }
 
@@ -122,8 +139,8 @@ class Ring {
   std::vector<std::uint8_t> blunt_;
   std::vector<std::vector<std::uint32_t>> bucket_;
   std::size_t left_{};
-  Eigen::Index axis_{};
-  double low_{}, per_mm_{};
+  Vec2 low_, per_mm_;
+  std::array<std::size_t, 2> last_cell_{};
   double sliver_{};  ///< twice the area, mm^2, of what counts as none
   bool loose_{false};
 };

@@ -25,7 +25,7 @@ using Triangle = std::array<std::uint32_t, 3>;
 /// Cuts a counter-clockwise polygon into triangles by clipping ears and appends them to
 /// `triangles`: two fewer than `turning_corners`, which are left out first. No corner ever lies
 /// within the side of a triangle unless there is no other way. About O(n) for the long combs that
-/// the walls of pop-ups are, O(n^2) at worst.
+/// the walls of pop-ups are and for round shapes, O(n^2) at worst.
 ///
 /// @return false when the triangles do not make up the polygon's area: it is not simple
 [[nodiscard]] bool triangulate(std::span<const Vec2> points, std::span<const std::uint32_t> polygon,

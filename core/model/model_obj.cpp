@@ -51,9 +51,12 @@ std::optional<std::size_t> named_vertex(std::string_view word, std::size_t befor
 /// A polygon as triangles of its corners, counted from its first: a fan where it is convex, else by
 /// its ears, as it is seen from where it looks largest. What is no simple polygon is a fan too.
 ///
-/// @param face  its corners as indices of `vertices`, at least three
-std::vector<Triangle> polygon_triangles(std::span<const Vertex> vertices,
-                                        const std::vector<std::uint32_t>& face) {
+/// @param face    its corners as indices of `vertices`, at least three
+/// @param effort  pairs of corners that may be compared yet
+/// @return none if the effort is used up
+std::optional<std::vector<Triangle>> polygon_triangles(std::span<const Vertex> vertices,
+                                                       const std::vector<std::uint32_t>& face,
+                                                       std::size_t& effort) {
   std::vector<Vec3> corners;
   for (const std::uint32_t i : face)
     corners.push_back(Eigen::Vector3f(vertices[i].data()).cast<double>() -
@@ -67,6 +70,9 @@ std::vector<Triangle> polygon_triangles(std::span<const Vertex> vertices,
     convex = convex && corners[k - 1].cross(corners[k]).dot(normal) >= 0.0;
   }
   if (convex) return fan;
+  const std::size_t pairs = face.size() * face.size();
+  if (pairs > effort) return std::nullopt;
+  effort -= pairs;
   Eigen::Index along{};
   normal.cwiseAbs().maxCoeff(&along);
   const Eigen::Index u = (along + 1) % 3, v = (along + 2) % 3;
@@ -362,7 +368,14 @@ class ObjReader {
     if (face_.size() < 3) return broken("a face needs three vertices");
     triangles_ += face_.size() - 2;
     if (auto few = check_triangles(name_, triangles_); !few) return few;
-    for (const Triangle& triangle : polygon_triangles(vertices_, face_)) add(triangle);
+    const auto triangles = polygon_triangles(vertices_, face_, effort_);
+    if (!triangles)
+      return fail(
+          ErrorKind::OutOfRange, line_place(name_, number_),
+          fmt::format(
+              "has {} corners and is not convex, as faces before it; save the model as triangles",
+              face_.size()));
+    for (const Triangle& triangle : *triangles) add(triangle);
     return {};
   }
 
@@ -425,6 +438,7 @@ class ObjReader {
   Materials materials_;
   std::optional<Error> colour_fault_;
   std::size_t number_{}, triangles_{};
+  std::size_t effort_{400'000'000};  ///< for faces that are not convex: a few seconds
   std::size_t vertices_so_far_{}, places_so_far_{};  ///< before the line that is read
   std::vector<Vertex> vertices_;
   std::vector<ModelColour> colours_of_vertices_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -395,6 +396,26 @@ TEST_CASE("numbers of an OBJ may count backward from the face that names them", 
   CHECK(read->corners == std::vector<float>{0, 0, 0, 1, 0, 0, 1, 1, 0, 1, 0, 0, 1, 1, 0, 9, 9, 9});
   CHECK_THAT(refused(read_mesh("m.obj", "v 0 0 0\nv 1 0 0\nf -3 -2 -1\nv 9 9 9\n")).detail,
              Catch::Contains("names vertex \"-3\""));
+}
+
+TEST_CASE("faces of very many corners are refused before they take minutes", "[core][mesh]") {
+  const auto star = [](int corners, int faces) {
+    std::string text, face = "f";
+    for (int k = 0; k < corners; ++k) {
+      const double at = 6.283185307 * k / corners, r = k % 2 == 0 ? 1 : 2;
+      text += fmt::format("v {:.7f} {:.7f} 0\n", r * std::cos(at), r * std::sin(at));
+      face += fmt::format(" {}", k + 1);
+    }
+    for (int k = 0; k < faces; ++k) text += face + "\n";
+    return text;
+  };
+  const auto read = read_mesh("m.obj", star(2000, 1));
+  if (!read) FAIL(message(read.error()));
+  CHECK(read->size() == 1998);
+  const Error error = refused(read_mesh("m.obj", star(11'000, 4)));
+  CHECK(error.kind == ErrorKind::OutOfRange);
+  CHECK(error.place == "m.obj: line 11004");
+  CHECK_THAT(error.detail, Catch::Contains("11000 corners") && Catch::Contains("as triangles"));
 }
 
 TEST_CASE("a binary STL whose count is too small is read whole", "[core][mesh]") {
