@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -100,9 +99,22 @@ std::size_t numbers_of(std::string_view line, std::span<float> numbers) {
 std::string plain_name(std::string_view name) {
   if (name.size() > 1 && name.front() == '"' && name.back() == '"')
     name = name.substr(1, name.size() - 2);
-  std::string out(name);
-  std::replace(out.begin(), out.end(), '\\', '/');
-  return std::filesystem::path(out).lexically_normal().generic_string();
+  std::string out(name.starts_with('/') || name.starts_with('\\') ? "/" : "");
+  std::vector<std::size_t> ends;  // where folders of the name end that ".." takes back
+  while (!name.empty()) {
+    const std::string_view part = take_word(name, "/\\");
+    if (part.empty() || part == ".") continue;
+    if (part == ".." && !ends.empty()) {
+      out.resize(ends.back());
+      ends.pop_back();
+      continue;
+    }
+    const std::size_t before = out.size();
+    if (!out.empty() && out.back() != '/') out += '/';
+    out += part;
+    if (part != "..") ends.push_back(before);
+  }
+  return out;
 }
 
 /// Removes the first name of a file from a line, which may be in quotes.

@@ -65,7 +65,7 @@ TEST_CASE("an OBJ may name several MTL files, in quotes or not, and name one twi
     return bytes;
   };
   const auto mesh = read_colour_mesh("two.obj",
-                                     "mtllib a.mtl \"b c.mtl\"\nmtllib .\\a.mtl\n" + kQuad +
+                                     "mtllib a.mtl \"b c.mtl\"\nmtllib .\\x\\..\\.//a.mtl\n" + kQuad +
                                          "usemtl one\nf 1 2 3\nusemtl two\nf 1 3 4\n",
                                      files);
   if (!mesh) FAIL(message(mesh.error()));
