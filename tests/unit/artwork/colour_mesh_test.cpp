@@ -65,8 +65,8 @@ TEST_CASE("an OBJ may name several MTL files, in quotes or not, and name one twi
     return bytes;
   };
   const auto mesh = read_colour_mesh("two.obj",
-                                     "mtllib a.mtl \"b c.mtl\"\nmtllib .\\x\\..\\.//a.mtl\n" + kQuad +
-                                         "usemtl one\nf 1 2 3\nusemtl two\nf 1 3 4\n",
+                                     "mtllib a.mtl \"b c.mtl\"\nmtllib .\\x\\..\\.//a.mtl\n" +
+                                         kQuad + "usemtl one\nf 1 2 3\nusemtl two\nf 1 3 4\n",
                                      files);
   if (!mesh) FAIL(message(mesh.error()));
   CHECK(colour_of(*mesh, 0, {0.4, 0.3, 0.3}, 1).r == Approx(255).margin(1));
