@@ -178,13 +178,11 @@ class Materials {
     std::vector<std::string> files;
     for (std::string_view word = next_name(names); !word.empty(); word = next_name(names))
       files.push_back(plain_name(word));
+    if (files.size() < 2) return unreadable(whole, place);
     for (const std::string& file : files) {
-      if (files.size() > 1 && !read_.insert(file).second) continue;
-      const auto bytes = files.size() > 1 ? opened(file) : std::nullopt;
-      if (!bytes)
-        return fail(ErrorKind::Malformed, place,
-                    fmt::format("the materials {} cannot be read; {}",
-                                files.size() > 1 ? file : whole, options_.advice));
+      if (!read_.insert(file).second) continue;
+      const auto bytes = opened(file);
+      if (!bytes) return unreadable(file, place);
       if (auto done = read(file, *bytes); !done) return done;
     }
     return {};
@@ -197,6 +195,12 @@ class Materials {
   }
 
  private:
+  [[nodiscard]] tl::unexpected<Error> unreadable(const std::string& file,
+                                                 const std::string& place) const {
+    return fail(ErrorKind::Malformed, place,
+                fmt::format("the materials {} cannot be read; {}", file, options_.advice));
+  }
+
   [[nodiscard]] std::optional<std::string> opened(const std::string& file) const {
     if (!options_.open) return std::nullopt;
     auto bytes = options_.open(file);

@@ -94,42 +94,46 @@ std::string shown_ascii(std::string_view text, std::size_t most) {
 
 namespace {
 
-/// Which byte of a pair is the low one of UTF-16; none for other texts.
-std::optional<std::size_t> low_byte(std::string_view bytes) {
-  if (bytes.starts_with("\xFF\xFE")) return 0;
-  if (bytes.starts_with("\xFE\xFF")) return 1;
+/// Whether a text is UTF-16 with the high byte first, or the low one; none for other texts.
+std::optional<bool> big_utf16(std::string_view bytes) {
+  if (bytes.starts_with("\xFF\xFE")) return false;
+  if (bytes.starts_with("\xFE\xFF")) return true;
   if (bytes.size() < 4) return std::nullopt;
-  const auto is_ascii = [&](std::size_t k) { return bytes[k] > 0 && bytes[k + 2] > 0; };
-  const auto is_zero = [&](std::size_t k) { return bytes[k] == 0 && bytes[k + 2] == 0; };
-  if (is_ascii(0) && is_zero(1)) return 0;
-  if (is_zero(0) && is_ascii(1)) return 1;
+  const auto is_ascii = [&](char c) { return c != 0 && static_cast<unsigned char>(c) < 0x80; };
+  if (is_ascii(bytes[0]) && bytes[1] == 0 && is_ascii(bytes[2]) && bytes[3] == 0) return false;
+  if (bytes[0] == 0 && is_ascii(bytes[1]) && bytes[2] == 0 && is_ascii(bytes[3])) return true;
   return std::nullopt;
 }
 
 }  // namespace
 
+std::string utf8_of_utf16(std::string_view text, bool big) {
+  const auto unit = [&](std::size_t i) {
+    const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
+    return static_cast<std::uint32_t>(big ? byte(i) << 8 | byte(i + 1)
+                                          : byte(i + 1) << 8 | byte(i));
+  };
+  std::string out;
+  out.reserve(text.size() / 2 + 16);
+  for (std::size_t i = 0; i + 1 < text.size(); i += 2) {
+    std::uint32_t c = unit(i);
+    if (c >= 0xD800 && c < 0xE000) {
+      const std::uint32_t low = c < 0xDC00 && i + 3 < text.size() ? unit(i + 2) : 0;
+      const bool pair = low >= 0xDC00 && low < 0xE000;
+      c = pair ? 0x10000 + ((c - 0xD800) << 10) + (low - 0xDC00) : 0xFFFD;
+      if (pair) i += 2;
+    }
+    append_utf8(out, c);
+  }
+  return out;
+}
+
 std::string_view plain_text(std::string_view bytes, std::string& kept) {
   if (bytes.starts_with("\xEF\xBB\xBF")) return bytes.substr(3);
-  const auto low = low_byte(bytes);
-  if (!low) return bytes;
-  const auto unit = [&](std::size_t k) {
-    const auto byte = [&](std::size_t i) {
-      return std::uint32_t{static_cast<unsigned char>(bytes[i])};
-    };
-    return byte(k + *low) | byte(k + 1 - *low) << 8;
-  };
-  constexpr std::uint32_t kHigh = 0xD800, kLow = 0xDC00, kEnd = 0xE000, kUnknown = 0xFFFD;
-  kept.clear();
-  for (std::size_t k = 0; k + 1 < bytes.size(); k += 2) {
-    std::uint32_t character = unit(k);
-    if (k == 0 && character == 0xFEFF) continue;
-    if (character >= kHigh && character < kLow && k + 3 < bytes.size() && unit(k + 2) >= kLow &&
-        unit(k + 2) < kEnd) {
-      character = 0x10000 + ((character - kHigh) << 10) + (unit(k + 2) - kLow);
-      k += 2;
-    }
-    append_utf8(kept, character >= kHigh && character < kEnd ? kUnknown : character);
-  }
+  const auto big = big_utf16(bytes);
+  if (!big) return bytes;
+  const bool marked = bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF");
+  kept = utf8_of_utf16(bytes.substr(marked ? 2 : 0), *big);
   return kept;
 }
 

@@ -20,9 +20,15 @@ struct CodePoint {
 /// Whether all of `text` is UTF-8, as `code_point` defines it.
 [[nodiscard]] bool is_utf8(std::string_view text);
 
-/// The text of a file as most programs write it: UTF-16, with its mark or plainly so from its first
-/// two characters, becomes UTF-8; a byte order mark goes. What is already so is not copied: `kept`
-/// holds the text only where it was changed.
+/// UTF-16 as UTF-8; half a surrogate pair becomes U+FFFD.
+///
+/// @param big  the high byte of a pair comes first
+[[nodiscard]] std::string utf8_of_utf16(std::string_view text, bool big);
+
+/// The text of a file without its byte order mark. UTF-16 becomes UTF-8; without a mark it is known
+/// by its first two characters, if these are ASCII.
+///
+/// @param kept  holds a text that was changed; the result may point into it, else into `bytes`
 [[nodiscard]] std::string_view plain_text(std::string_view bytes, std::string& kept);
 
 /// Appends a character as UTF-8.

@@ -55,10 +55,9 @@ struct FoldFile {
 /// out.
 ///
 /// @param unit_mm   of one unit, whatever the file says
-/// @param enlarged  times that the lines become larger afterwards: edges that meet at that size are
-/// joined, and edges that
-///                  lie on each other at that size are one. Most programs give a square of 1 x 1
-///                  units.
+/// @param enlarged  times that the lines become larger afterwards. Edges are joined, and are one
+///                  where they lie on each other, as they do at that size: most programs give a
+///                  square of 1 x 1 units.
 /// @retval Malformed, OutOfRange  as `read_fold`; no frame is flat; coordinates beyond 100 m
 [[nodiscard]] Result<LineWork> linework_from_fold(std::string_view text,
                                                   const FoldLimits& limits = {},

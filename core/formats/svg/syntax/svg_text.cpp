@@ -24,28 +24,6 @@ struct Entity {
   std::string name, value;
 };
 
-// UTF-16 of either byte order to UTF-8; half a surrogate pair becomes U+FFFD.
-std::string from_utf16(std::string_view text, bool big) {
-  const auto unit = [&](std::size_t i) {
-    const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
-    return static_cast<std::uint32_t>(big ? byte(i) << 8 | byte(i + 1)
-                                          : byte(i + 1) << 8 | byte(i));
-  };
-  std::string out;
-  out.reserve(text.size() / 2 + 16);
-  for (std::size_t i = 0; i + 1 < text.size(); i += 2) {
-    std::uint32_t c = unit(i);
-    if (c >= 0xD800 && c < 0xE000) {
-      const std::uint32_t low = c < 0xDC00 && i + 3 < text.size() ? unit(i + 2) : 0;
-      const bool pair = low >= 0xDC00 && low < 0xE000;
-      c = pair ? 0x10000 + ((c - 0xD800) << 10) + (low - 0xDC00) : 0xFFFD;
-      if (pair) i += 2;
-    }
-    append_utf8(out, c);
-  }
-  return out;
-}
-
 Result<void> to_utf8(std::string& text) {
   const auto begins = [&](std::string_view bytes) {
     return std::string_view(text).substr(0, bytes.size()) == bytes;
@@ -54,9 +32,9 @@ Result<void> to_utf8(std::string& text) {
     return fail(ErrorKind::Malformed, "",
                 "is compressed (svgz); unpack it first: gunzip < FILE.svgz > FILE.svg");
   if (begins("\xFF\xFE") || begins(std::string_view("<\0", 2)))
-    text = from_utf16(std::string_view(text).substr(text[0] == '<' ? 0 : 2), false);
+    text = utf8_of_utf16(std::string_view(text).substr(text[0] == '<' ? 0 : 2), false);
   else if (begins("\xFE\xFF") || begins(std::string_view("\0<", 2)))
-    text = from_utf16(std::string_view(text).substr(text[0] == '\0' ? 0 : 2), true);
+    text = utf8_of_utf16(std::string_view(text).substr(text[0] == '\0' ? 0 : 2), true);
   else if (begins("\xEF\xBB\xBF"))
     text.replace(0, 3, "   ");
   return {};
