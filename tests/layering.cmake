@@ -19,6 +19,7 @@ set(walls
   "core/curvature : core/(deploy|design|drawing|figures|layout|machines|plan|verify)/ : it computes for design"
   "core/design : core/(deploy|figures|formats/(csv|fold|lattice|write)|layout|machines|plan|verify)/ : a design knows no machine and no file but its target, which may be a drawing"
   "core/plot : core/(curvature|deploy|design|drawing|figures|formats|layout|machines|pattern|plan|verify)/ : it draws plain numbers"
+  "core/hands : core/(artwork|calibrate|compare|curvature|deploy|design|drawing|figures|fit|formats|judge|layout|machines|model|picture|plan|plot|print|rigid|search|verify)/ : paper and hands know a pattern alone"
   "core/fit : core/(curvature|deploy|design|drawing|figures|formats|layout|machines|pattern|plan|plot|text|verify)/ : it compares plain triangles"
   "core/compare : core/(artwork|calibrate|curvature|deploy|design|drawing|figures|fit|formats|layout|machines|pattern|picture|plan|plot|print|text|verify)/ : it compares plain triangles, and shares nothing with what makes them"
   "core/search : core/(curvature|deploy|drawing|figures|formats|layout|machines|plan|plot|print|verify)/ : it chooses by plain numbers"

@@ -1,6 +1,6 @@
 # Writes SOURCE with the text of each of TEXTS (name=file) as a constant of popcut::.
-# cmake -DOUT=tables.cpp "-DTEXTS=kMachinesJson=machines.json;..." -P embed.cmake
-set(code "// Made from core/data by embed.cmake\n#include \"core/machines/table.hpp\"\n\nnamespace popcut {\n")
+# cmake -DOUT=tables.cpp -DHEADER=core/machines/table.hpp "-DTEXTS=kMachinesJson=machines.json;..." -P embed.cmake
+set(code "// Made from core/data by embed.cmake\n#include \"${HEADER}\"\n\nnamespace popcut {\n")
 foreach(entry ${TEXTS})
   string(REPLACE "=" ";" pair "${entry}")
   list(GET pair 0 name)

@@ -59,6 +59,34 @@ void add_patch(const DesignReport& patch, std::int32_t first_slice, bool alone, 
   r.fit_nearest = r.fit_nearest || patch.fit_nearest;
 }
 
+constexpr double kFloppyShare = 0.25;  ///< of what stands: more that moves makes a useless card
+
+/// A panel that moves, and its middle on the sheet.
+struct LoosePanel {
+  double moves_mm{}, u_mm{}, v_mm{};
+};
+
+/// The panels that move most, above `hands::kFirm_mm`, at most three.
+std::vector<LoosePanel> loosest(const Pattern& pattern, const hands::Wobble& wobble) {
+  constexpr std::size_t kNamed = 3;
+  std::vector<LoosePanel> out;
+  for (std::size_t f = 0; f < pattern.faces(); ++f) {
+    if (!(wobble.face_mm[f] > hands::kFirm_mm)) continue;
+    LoosePanel panel{wobble.face_mm[f], 0.0, 0.0};
+    const auto corners = pattern.face(f);
+    for (const std::uint32_t corner : corners) {
+      panel.u_mm += pattern.u(pattern.vertices[corner]) / static_cast<double>(corners.size());
+      panel.v_mm += pattern.vertices[corner].v / static_cast<double>(corners.size());
+    }
+    out.push_back(panel);
+  }
+  std::stable_sort(out.begin(), out.end(), [](const LoosePanel& a, const LoosePanel& b) {
+    return a.moves_mm > b.moves_mm;
+  });
+  out.resize(std::min(out.size(), kNamed));
+  return out;
+}
+
 }  // namespace
 
 void count_pattern(const Pattern& pattern, DesignReport& report) {
@@ -75,6 +103,32 @@ void count_pattern(const Pattern& pattern, DesignReport& report) {
   }
   report.sheet_u_mm = u_most - u_least;
   report.sheet_v_mm = pattern.width_mm;
+}
+
+void add_hands(const Pattern& pattern, DesignReport& report) {
+  report.handwork = hands::handwork(pattern);
+  const auto wobble = hands::wobble_of(pattern);
+  if (!wobble) return;
+  report.wobble = *wobble;
+  if (wobble->loose == 0) return;
+  const std::vector<LoosePanel> worst = loosest(pattern, *wobble);
+  std::string where;
+  for (const LoosePanel& panel : worst)
+    where += fmt::format("{}{:.1f} mm at u = {:.1f}, v = {:.1f}", where.empty() ? "" : "; ",
+                         panel.moves_mm, panel.u_mm, panel.v_mm);
+  report.warnings.push_back(
+      {.code = "moves_in_paper",
+       .message = fmt::format(
+           "{} panel{} ({:.0f} % of what stands) move{} by more than {:g} mm when folds lie {:g} "
+           "mm "
+           "off their lines ({}{}): {} folds lie too near to each other to hold {}; make panels "
+           "hold at places farther apart",
+           wobble->loose, wobble->loose == 1 ? "" : "s", 100.0 * wobble->loose_share,
+           wobble->loose == 1 ? "s" : "", hands::kFirm_mm, hands::Play{}.line_mm, where,
+           wobble->loose > worst.size() ? "; ..." : "", wobble->loose == 1 ? "its" : "their",
+           wobble->loose == 1 ? "it" : "them"),
+       .place = {.u_mm = worst.front().u_mm, .v_mm = worst.front().v_mm},
+       .spoils = wobble->loose_share > kFloppyShare});
 }
 
 void add_closing(const Pattern& pattern, CardShut asked, DesignReport& report) {

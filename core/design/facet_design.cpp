@@ -93,6 +93,7 @@ FacetOptions options_of(const DesignSpec& spec, const FacetTarget& target) {
   out.shut_inside = spec.card->shut == CardShut::Inside;
   out.inward = spec.facets.inward;
   out.lattice = spec.facets.curved == CurvedParts::Lattice;
+  out.in_paper = spec.facets.hold == FacetHold::Paper;
   out.rough = spec.facets.rough;
   out.weights = {spec.facets.fold_cost_mm2, spec.facets.jump_cost_mm2, spec.facets.cut_cost_mm2};
   return out;

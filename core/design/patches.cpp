@@ -341,10 +341,8 @@ class Assembler {
   PatchAssembly out_;
 };
 
-}  // namespace
-
-Result<PatchAssembly> design_assembly(const DesignSpec& spec, const SurfaceAssets& assets,
-                                      const Progress& progress) {
+Result<PatchAssembly> assembly_of(const DesignSpec& spec, const SurfaceAssets& assets,
+                                  const Progress& progress) {
   if (spec.book) return design_book(spec, assets, progress);
   if (!spec.patches.empty()) return Assembler(spec, assets, progress).run();
   auto made = design(spec, assets, progress);
@@ -353,6 +351,16 @@ Result<PatchAssembly> design_assembly(const DesignSpec& spec, const SurfaceAsset
   out.name = spec.name;
   out.u_mm = made->report.sheet_u_mm, out.v_mm = made->report.sheet_v_mm;
   out.parts.push_back(std::move(*made));
+  return out;
+}
+
+}  // namespace
+
+Result<PatchAssembly> design_assembly(const DesignSpec& spec, const SurfaceAssets& assets,
+                                      const Progress& progress) {
+  auto out = assembly_of(spec, assets, progress);
+  if (out)
+    for (Design& part : out->parts) add_hands(part.pattern, part.report);
   return out;
 }
 

@@ -162,12 +162,16 @@ void Propagation::hold(std::uint32_t line) {
 /// A node of a line has become held.
 void Propagation::reach(std::uint32_t line, std::uint32_t node) {
   if (held_[line] != 0) return;
-  if (first_[line] == kNone) {
-    first_[line] = node;
+  const double place = section_.offset[node];
+  Ends& ends = ends_[line];
+  if (ends.low > ends.high) {
+    ends = {place, place};
     with_one_node_.push_back(line);
-  } else if (section_.offset[first_[line]] != section_.offset[node]) {
-    work_.push_back(line);
+    return;
   }
+  ends = {std::min(ends.low, place), std::max(ends.high, place)};
+  const double apart = section_.apart.empty() ? 0.0 : section_.apart[line];
+  if (ends.high > ends.low && ends.high - ends.low >= apart) work_.push_back(line);
 }
 
 int Propagation::pin(std::uint32_t line) {

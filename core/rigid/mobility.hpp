@@ -16,6 +16,9 @@ struct Section {
   std::vector<std::uint8_t> upright;  ///< one a panel: 1 parallel to the wall, 0 to the ground
   std::vector<double> offset;         ///< one a panel: its x if it is upright, else its z
   Buckets<std::uint32_t> folds;       ///< the panels that each panel meets in a fold
+  /// For `Propagation` alone, one a panel: folds of a panel that are nearer to each other are one
+  /// place. Empty: only folds at the same place are.
+  std::vector<double> apart{};
 
   [[nodiscard]] std::size_t panels() const { return upright.size(); }
 };
@@ -43,11 +46,11 @@ struct Mobility {
 /// The panels of one direction are lines, which have an affine function each; those of the other
 /// direction are nodes, which have one number each. A node lies on a line where they meet in a
 /// fold, at the node's offset. A line that is held holds its nodes. Two held nodes at different
-/// places hold a line. O(folds) for all calls together.
+/// places, farther apart than `Section::apart`, hold a line. O(folds) for all calls together.
 class Propagation {
  public:
   explicit Propagation(const Section& section)
-      : section_(section), held_(section.panels(), 0), first_(section.panels(), kNone) {}
+      : section_(section), held_(section.panels(), 0), ends_(section.panels()) {}
 
   /// Holds a line and what follows.
   void hold(std::uint32_t line);
@@ -59,13 +62,16 @@ class Propagation {
   int pin(std::uint32_t line);
 
  private:
-  static constexpr std::uint32_t kNone = static_cast<std::uint32_t>(-1);
+  /// The places of the held nodes of a line lie between these.
+  struct Ends {
+    double low{1.0}, high{0.0};  ///< low > high: there are none
+  };
 
   void reach(std::uint32_t line, std::uint32_t node);
 
   const Section& section_;
   std::vector<std::uint8_t> held_;
-  std::vector<std::uint32_t> first_;  ///< the first held node of each line
+  std::vector<Ends> ends_;  ///< one a line
   std::vector<std::uint32_t> work_, with_one_node_;
 };
 

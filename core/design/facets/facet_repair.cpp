@@ -245,7 +245,7 @@ class Repairer {
       if (any) break;
     }
     ++out_.dropped;
-    fill_enclosed(image, card_.planes(), card_.min_panel_mm);
+    fill_enclosed(image, card_.planes(), card_.rule.min_panel_mm);
     take(image);
   }
 
@@ -294,29 +294,29 @@ void keep_real_struts(const LabelCard& card, const FacetCardSize& size, FacetRep
     LabelImage image = card.image();
     std::copy(strut.without.begin(), strut.without.end(), image.strip(strut.strip).begin());
     LabelImage filled = image;
-    if (fill_enclosed(filled, card.planes(), card.min_panel_mm)) {
+    if (fill_enclosed(filled, card.planes(), card.rule.min_panel_mm)) {
       ++(falls_into_card(image, filled) ? out.bridges : out.inner);
       return true;
     }
-    const auto made = pattern_of(image, card.planes(), size, card.min_panel_mm);
+    const auto made = pattern_of(image, card.planes(), size, card.rule.min_panel_mm);
     return !made || made->motion.degrees_of_freedom == 1;
   });
 }
 
 }  // namespace
 
-Result<FacetRepair> repair(Labelling& labelling, const FacetCardSize& size, double min_panel_mm,
+Result<FacetRepair> repair(Labelling& labelling, const FacetCardSize& size, const HoldRule& rule,
                            const RepairOptions& how, const Progress& progress) {
   FacetRepair out;
-  if (how.jumps) hold_enclosed(labelling, min_panel_mm, out.struts);
+  if (how.jumps) hold_enclosed(labelling, rule.min_panel_mm, out.struts);
   LabelImage whole = labelling.image();
-  fill_enclosed(whole, labelling.planes(), min_panel_mm);
+  fill_enclosed(whole, labelling.planes(), rule.min_panel_mm);
   const LabelImage begin = how.shifts ? with_worthy_pieces(labelling, whole) : whole;
-  const auto first = pattern_of(whole, labelling.planes(), size, min_panel_mm);
+  const auto first = pattern_of(whole, labelling.planes(), size, rule.min_panel_mm);
   if (!first) return tl::unexpected(first.error());
   out.loose_before = first->motion.degrees_of_freedom - 1;
   for (int s = 0; s < begin.grid.strips; ++s) labelling.set(s, labels_of(begin, s));
-  LabelCard card(labelling, min_panel_mm);
+  LabelCard card(labelling, rule);
   Repairer(card, how, out).run(progress);
   if (how.rough || out.unfinished) return out;
   polish(card, how.jumps);

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/design/facets/label_pattern.hpp"
+#include "core/design/facets/label_holding.hpp"
 #include "core/design/facets/labelling.hpp"
 #include "core/progress.hpp"
 #include "core/result.hpp"
@@ -60,7 +60,7 @@ struct RepairOptions {
 ///
 /// @retval Internal  the labels do not make a pattern (a fault of the labels)
 [[nodiscard]] Result<FacetRepair> repair(Labelling& labelling, const FacetCardSize& size,
-                                         double min_panel_mm, const RepairOptions& how,
+                                         const HoldRule& rule, const RepairOptions& how,
                                          const Progress& progress = {});
 
 }  // namespace popcut

@@ -96,7 +96,7 @@ class FacetMaker {
       tell(progress_, "moving panels nearer to the shape");
       moved_on.emplace(image, fine, grid_, options_.weights, limits());
       take_over(labelling, *repaired, *moved_on);
-      moves = move_patches(*moved_on, options_.min_panel_mm, kMostRepairWork);
+      moves = move_patches(*moved_on, hold_rule(), kMostRepairWork);
       least = moved_on->least_distance();
     }
     const Labelling& last = moved_on ? *moved_on : labelling;
@@ -127,7 +127,7 @@ class FacetMaker {
     how.jumps = jumps, how.rough = options_.rough;
     how.shifts = options_.lattice && !options_.rough;
     if (!jumps) how.most_work = std::numeric_limits<std::size_t>::max();
-    return repair(labelling, card, options_.min_panel_mm, how, progress_);
+    return repair(labelling, card, hold_rule(), how, progress_);
   }
 
   /// The labels, and those of the struts, as labels of other planes, of which each is one.
@@ -141,6 +141,10 @@ class FacetMaker {
       to.set(s, in_new({strip.begin(), strip.end()}));
     }
     for (FacetStrut& strut : repaired.struts) strut.without = in_new(std::move(strut.without));
+  }
+
+  [[nodiscard]] HoldRule hold_rule() const {
+    return options_.in_paper ? paper_rule(options_.min_panel_mm) : HoldRule{options_.min_panel_mm};
   }
 
   Result<void> set_grid() {

@@ -25,8 +25,9 @@ struct FacetOptions {
   std::optional<double> wall_mm, ground_mm;
   bool shut_inside{true};  ///< the shut structure lies inside the card
   bool inward{};           ///< planes behind wall and ground may be taken
-  bool lattice{true};  ///< curved parts hold as a lattice does, in planes that are fitted to them
-  bool rough{};        ///< fewer sweeps and repairs, and no strips that are cut across
+  bool lattice{true};   ///< curved parts hold as a lattice does, in planes that are fitted to them
+  bool in_paper{true};  ///< panels hold at places that are far enough apart (`paper_rule`)
+  bool rough{};         ///< fewer sweeps and repairs, and no strips that are cut across
   FacetWeights weights;
 };
 

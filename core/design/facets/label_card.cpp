@@ -24,9 +24,9 @@ double extra_cost(Labelling& labelling, const NewStrips& strips) {
   return sum;
 }
 
-LabelCard::LabelCard(Labelling& labels, double min_panel)
-    : labelling(labels), min_panel_mm(min_panel), runs(strip_runs(image(), planes())) {
-  holding = holding_of(runs, planes(), grid(), min_panel_mm);
+LabelCard::LabelCard(Labelling& labels, const HoldRule& hold_rule)
+    : labelling(labels), rule(hold_rule), runs(strip_runs(image(), planes())) {
+  holding = holding_of(runs, planes(), grid(), rule);
 }
 
 LabelHolding LabelCard::holding_with(const NewStrips& strips) {
@@ -35,7 +35,7 @@ LabelHolding LabelCard::holding_with(const NewStrips& strips) {
     const auto at = static_cast<std::size_t>(s) + 1;
     before.emplace_back(at, std::exchange(runs[at], runs_of(labels, planes(), grid())));
   }
-  LabelHolding then = holding_of(runs, planes(), grid(), min_panel_mm);
+  LabelHolding then = holding_of(runs, planes(), grid(), rule);
   for (auto& [at, old] : before) runs[at] = std::move(old);
   return then;
 }
@@ -51,7 +51,7 @@ void LabelCard::take(const NewStrips& strips, LabelHolding then) {
 void LabelCard::take(const LabelImage& image) {
   for (int s = 0; s < grid().strips; ++s) labelling.set(s, labels_of(image, s));
   runs = strip_runs(image, planes());
-  holding = holding_of(runs, planes(), grid(), min_panel_mm);
+  holding = holding_of(runs, planes(), grid(), rule);
 }
 
 std::vector<LoosePatch> loose_patches(const LabelCard& card) {

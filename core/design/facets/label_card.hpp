@@ -27,11 +27,11 @@ using NewStrips = std::vector<NewStrip>;
 /// A labelling, its runs, and which of its patches are held.
 struct LabelCard {
   Labelling& labelling;
-  double min_panel_mm{};
+  HoldRule rule{};
   StripRuns runs{};  ///< with a strip of plain card before the first and after the last one
   LabelHolding holding{};
 
-  LabelCard(Labelling& labels, double min_panel);
+  LabelCard(Labelling& labels, const HoldRule& hold_rule);
 
   [[nodiscard]] const LabelImage& image() const { return labelling.image(); }
   [[nodiscard]] const FacetPlanes& planes() const { return labelling.planes(); }

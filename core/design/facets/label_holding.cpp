@@ -2,15 +2,39 @@
 #include "core/design/facets/label_holding.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "core/rigid/mobility.hpp"
 
 namespace popcut {
 namespace {
 
+/// How far apart the folds of each patch must lie, in steps: never farther than it is long.
+std::vector<double> least_apart(const LabelPatches& p, const FacetGrid& grid,
+                                const HoldRule& rule) {
+  constexpr double kMostOfLength = 0.9;
+  struct Columns {
+    int begin{std::numeric_limits<int>::max()}, end{std::numeric_limits<int>::min()};
+  };
+  std::vector<Columns> columns(p.count);
+  for (std::size_t r = 0; r < p.runs.size(); ++r) {
+    Columns& c = columns[p.patch[r]];
+    c = {std::min(c.begin, p.runs[r].begin), std::max(c.end, p.runs[r].end)};
+  }
+  std::vector<double> out;
+  for (const Columns& c : columns) {
+    const double length = c.end - c.begin;
+    out.push_back(std::min(kMostOfLength * length,
+                           std::max(rule.apart_mm / grid.step_mm, rule.apart_share * length)));
+  }
+  return out;
+}
+
 /// The patches seen along the spine; neighbours by growing number, each once.
-rigid::Section section_of(const LabelPatches& p, const FacetPlanes& planes) {
+rigid::Section section_of(const LabelPatches& p, const FacetPlanes& planes, const FacetGrid& grid,
+                          const HoldRule& rule) {
   rigid::Section out{std::vector<std::uint8_t>(p.count), std::vector<double>(p.count), {}};
+  if (rule.apart_mm > 0.0) out.apart = least_apart(p, grid, rule);
   for (std::size_t r = 0; r < p.runs.size(); ++r) {
     const FacetPlane& plane = planes[p.runs[r].label];
     out.upright[p.patch[r]] = plane.upright ? 1 : 0;
@@ -40,15 +64,15 @@ rigid::Section section_of(const LabelPatches& p, const FacetPlanes& planes) {
 
 }  // namespace
 
-LabelHolding holding_of(const LabelImage& image, const FacetPlanes& planes, double min_panel_mm) {
-  return holding_of(strip_runs(image, planes), planes, image.grid, min_panel_mm);
+LabelHolding holding_of(const LabelImage& image, const FacetPlanes& planes, const HoldRule& rule) {
+  return holding_of(strip_runs(image, planes), planes, image.grid, rule);
 }
 
 LabelHolding holding_of(const StripRuns& runs, const FacetPlanes& planes, const FacetGrid& grid,
-                        double min_panel_mm) {
+                        const HoldRule& rule) {
   LabelHolding out;
-  out.patches = patches_of(runs, grid, min_panel_mm);
-  const rigid::Section section = section_of(out.patches, planes);
+  out.patches = patches_of(runs, grid, rule.min_panel_mm);
+  const rigid::Section section = section_of(out.patches, planes, grid, rule);
   out.loose.assign(section.panels(), 0);
   for (const std::size_t first : {0U, 1U}) {  // the wall and the ground of the margin
     rigid::Propagation propagation(section);

@@ -8,6 +8,19 @@
 
 namespace popcut {
 
+/// What holds a patch.
+struct HoldRule {
+  double min_panel_mm{};  ///< shorter joints and folds are none
+  /// Folds of a patch that are nearer to each other than `apart_mm`, and than `apart_share` of the
+  /// patch's length across the spine, are one place: paper turns about them (docs/hands.md). 0:
+  /// only folds at the same place are.
+  double apart_mm{}, apart_share{};
+};
+/// What holds in paper.
+[[nodiscard]] constexpr HoldRule paper_rule(double min_panel_mm) {
+  return {min_panel_mm, 5.0, 1.0 / 3.0};
+}
+
 /// Which patches of a labelling follow the card's one motion, found without building the pattern,
 /// by `rigid::Propagation` from the card's wall and ground. Where all are held, the pattern has
 /// exactly one freedom and is one piece. O(runs).
@@ -18,8 +31,8 @@ struct LabelHolding {
   int pins{};  ///< that would hold all: about the freedoms of what is open, no fewer
 };
 [[nodiscard]] LabelHolding holding_of(const StripRuns& runs, const FacetPlanes& planes,
-                                      const FacetGrid& grid, double min_panel_mm);
+                                      const FacetGrid& grid, const HoldRule& rule);
 [[nodiscard]] LabelHolding holding_of(const LabelImage& image, const FacetPlanes& planes,
-                                      double min_panel_mm);
+                                      const HoldRule& rule);
 
 }  // namespace popcut

@@ -13,8 +13,8 @@ namespace {
 
 class PatchMover {
  public:
-  PatchMover(Labelling& labelling, double min_panel_mm, std::size_t most_work)
-      : card_(labelling, min_panel_mm),
+  PatchMover(Labelling& labelling, const HoldRule& rule, std::size_t most_work)
+      : card_(labelling, rule),
         stale_(static_cast<std::size_t>(card_.grid().strips), 1),
         most_work_(most_work) {}
 
@@ -170,8 +170,8 @@ class PatchMover {
 
 }  // namespace
 
-std::size_t move_patches(Labelling& labelling, double min_panel_mm, std::size_t most_work) {
-  return PatchMover(labelling, min_panel_mm, most_work).run();
+std::size_t move_patches(Labelling& labelling, const HoldRule& rule, std::size_t most_work) {
+  return PatchMover(labelling, rule, most_work).run();
 }
 
 }  // namespace popcut

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 
+#include "core/design/facets/label_holding.hpp"
 #include "core/design/facets/labelling.hpp"
 
 namespace popcut {
@@ -18,6 +19,6 @@ namespace popcut {
 /// @param most_work  runs that are looked at, after which it stops
 ///
 /// @return how many moves were made
-std::size_t move_patches(Labelling& labelling, double min_panel_mm, std::size_t most_work);
+std::size_t move_patches(Labelling& labelling, const HoldRule& rule, std::size_t most_work);
 
 }  // namespace popcut

@@ -10,6 +10,9 @@ namespace {
 
 constexpr int kLedgeReach = 8;  ///< steps from a cut, where no plane is tried just there
 constexpr int kMostShift = 8;   ///< steps
+constexpr int kShifts = 2;      ///< planes that are tried on each side
+constexpr int kPaperShifts = 4;
+constexpr double kFarthest = 3.0;  ///< times the distance that counts as another place
 
 void paint(std::vector<Label>& labels, int begin, int end, Label label) {
   std::fill(labels.begin() + begin, labels.begin() + end, label);
@@ -132,12 +135,19 @@ std::vector<std::vector<Label>> with_ledges(const LabelCard& card, int s, std::s
 std::vector<std::vector<Label>> shifted(const LabelCard& card, int s, std::size_t r) {
   std::vector<std::vector<Label>> out;
   const FacetPlane& plane = card.planes()[card.runs_of_strip(s)[r].label];
+  // The nearest planes, and the nearest ones that count as another place in paper.
+  const double step_mm = card.grid().step_mm, apart_mm = card.rule.apart_mm;
+  const bool in_paper = apart_mm > 0.0;
+  const int most = in_paper ? static_cast<int>(kFarthest * apart_mm / step_mm) : kMostShift;
+  const int shifts = in_paper ? kPaperShifts : kShifts;
   for (const int way : {-1, 1}) {
     int found = 0;
-    for (int by = way; found < 2 && std::abs(by) <= kMostShift; by += way) {
+    double next_mm = 0.0;
+    for (int by = way; found < shifts && std::abs(by) <= most; by += way) {
+      if (std::abs(by) * step_mm < next_mm) continue;
       const Label label = card.planes().find({plane.upright, plane.offset + by});
       if (label == kNoLabel) continue;
-      ++found;
+      if (++found >= kShifts) next_mm = std::max(apart_mm, std::abs(by) * step_mm + 0.5 * apart_mm);
       if (auto labels = shifted_to(card, s, r, label, plane.upright ? by : -by))
         out.push_back(std::move(*labels));
     }

@@ -22,7 +22,8 @@ namespace popcut {
 [[nodiscard]] std::vector<std::vector<Label>> with_ledges(const LabelCard& card, int s,
                                                           std::size_t r);
 
-/// Run `r` in the nearest planes beside its own, at most two on each side, with its folds. The
+/// Run `r` in the nearest planes beside its own, at most two on each side, with its folds; in
+/// paper, in at most two more that lie so far away that their folds count as another place. The
 /// panels that it meets go on in the strips beside it, so that they meet planes at two places. That
 /// holds them, as in a lattice.
 [[nodiscard]] std::vector<std::vector<Label>> shifted(const LabelCard& card, int s, std::size_t r);

@@ -8,6 +8,8 @@
 
 #include "core/design/target/surface_spec.hpp"
 #include "core/fit/fit_figures.hpp"
+#include "core/hands/folding.hpp"
+#include "core/hands/wobble.hpp"
 #include "core/warning.hpp"
 
 namespace popcut {
@@ -128,6 +130,8 @@ struct DesignReport : LatticeFigures {
   double cut_length_mm{};      ///< of the slits, each once
   double outline_length_mm{};  ///< of the sheet's border
   double fold_length_mm{};
+  hands::Handwork handwork;                    ///< what it takes to fold it
+  std::optional<hands::WobbleFigures> wobble;  ///< how firmly it holds in paper; none: not measured
   int degrees_of_freedom{};
   int pieces{};
   double sheet_u_mm{}, sheet_v_mm{};

@@ -68,6 +68,10 @@ enum class CurvedParts {
   Facets    ///< as the planar parts
 };
 
+/// What holds a panel of facets: folds at any two different places, or so far apart that it holds
+/// in paper too.
+enum class FacetHold { Exact, Paper };
+
 /// How a target is made of facets (`"facets"` of a spec, docs/facets.md).
 struct FacetSpec {
   double pitch_mm{2.0};               ///< between the planes that are tried
@@ -78,6 +82,7 @@ struct FacetSpec {
   double fold_cost_mm2{1.0}, jump_cost_mm2{4.0}, cut_cost_mm2{1.0};  ///< of a line, by length
   CurvedParts curved{CurvedParts::Lattice};
   bool inward{false};  ///< parts behind wall and ground are made too
+  FacetHold hold{FacetHold::Paper};
   /// Not a field of a spec. A search sets it: fewer rounds, to compare many designs quickly.
   bool rough{false};
 };

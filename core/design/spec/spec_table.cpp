@@ -484,6 +484,9 @@ FieldTable facet_table(FacetSpec& facets, std::optional<double>& given_from_mm) 
       {"curved", word(&facets.curved, {"lattice", "facets"}),
        "how curved parts hold. lattice: by panels in planes of their own from strip to strip, "
        "which are moved to where the target is; facets: by struts, as planar parts do"},
+      {"hold", word(&facets.hold, {"exact", "paper"}),
+       "paper: panels hold at folds that lie far enough apart, so that a fold 0.1 mm off its line "
+       "moves none much; exact: any two different places hold, as in exact geometry"},
       {"inward", flag(&facets.inward),
        "true: parts of the target behind wall and ground are made too, where nothing is in front "
        "of them"},

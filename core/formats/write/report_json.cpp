@@ -141,6 +141,22 @@ Json facets(const FacetFigures& f) {
       {"dropped", f.dropped}};
 }
 
+Json handwork(const hands::Handwork& work) {
+  return {{"folds", work.folds},   {"shortest_fold_mm", work.shortest_mm},
+          {"waste", work.waste},   {"tabs", work.tabs},
+          {"fold_s", work.time_s}, {"label", work.label}};
+}
+
+Json wobble(const hands::WobbleFigures& figures) {
+  return {{"about",
+           "how far panels move, root mean square of the farthest point, when folds lie 0.1 mm off "
+           "their lines"},
+          {"largest_mm", figures.largest_mm},
+          {"mean_mm", figures.mean_mm},
+          {"loose_panels", figures.loose},
+          {"loose_share", figures.loose_share}};
+}
+
 Json report_object(const DesignReport& report) {
   Json json;
   json["name"] = report.name;
@@ -164,6 +180,8 @@ Json report_object(const DesignReport& report) {
   json["cut_length_mm"] = report.cut_length_mm;
   json["outline_length_mm"] = report.outline_length_mm;
   json["fold_length_mm"] = report.fold_length_mm;
+  json["handwork"] = handwork(report.handwork);
+  if (report.wobble) json["wobble"] = wobble(*report.wobble);
   json["degrees_of_freedom"] = report.degrees_of_freedom;
   json["pieces"] = report.pieces;
   json["sheet_mm"] = {report.sheet_u_mm, report.sheet_v_mm};

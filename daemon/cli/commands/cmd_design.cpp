@@ -236,6 +236,12 @@ void say_figures(const DesignReport& report) {
              report.sheet_u_mm, report.sheet_v_mm);
   fmt::print(stderr, "  folds    {}, {:.0f} mm; cuts {}, {:.0f} mm; {} rigid faces\n", report.folds,
              report.fold_length_mm, report.cuts, report.cut_length_mm, report.faces);
+  fmt::print(stderr, "  by hand  {}\n", hands::handwork_words(report.handwork));
+  if (report.wobble)
+    fmt::print(stderr,
+               "  holds    panels move {:.2g} mm on average, {:.2g} mm at most, when folds are 0.1 "
+               "mm off\n",
+               report.wobble->mean_mm, report.wobble->largest_mm);
 }
 
 void say_remarks(const DesignReport& report, bool all) {

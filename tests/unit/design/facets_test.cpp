@@ -187,7 +187,7 @@ TEST_CASE("labels that hold by propagation have one freedom, and what encloses o
     const auto pattern = pattern_of(image, planes, card, 0.5);
     INFO("round " << k);
     if (!pattern) FAIL(message(pattern.error()));
-    const LabelHolding holding = holding_of(image, planes, 0.5);
+    const LabelHolding holding = holding_of(image, planes, {0.5});
     CHECK(holding.patches.count == pattern->built.pattern.faces());
     // Propagation finds what one face after the other determines; that is never too much.
     if (holding.open == 0) {
@@ -292,8 +292,8 @@ TEST_CASE("patches move only to where labels cost less and all holds", "[facets]
     RepairOptions how;
     how.jumps = how.shifts = true;
     const double least_mm = limits.least_run * grid.step_mm;
-    REQUIRE(repair(labelling, {55, 55, 3}, least_mm, how));
-    REQUIRE(holding_of(labelling.image(), planes, least_mm).open == 0);
+    REQUIRE(repair(labelling, {55, 55, 3}, {least_mm}, how));
+    REQUIRE(holding_of(labelling.image(), planes, {least_mm}).open == 0);
     const FacetPlanes fine = every_step(planes);
     Labelling moved(image, fine, grid, {}, limits);
     for (int s = 0; s < grid.strips; ++s) {
@@ -304,17 +304,17 @@ TEST_CASE("patches move only to where labels cost less and all holds", "[facets]
     }
     const double before = moved.whole_cost();
     CHECK(before == Approx(labelling.whole_cost()));
-    const std::size_t made = move_patches(moved, least_mm, kMostRepairWork);
+    const std::size_t made = move_patches(moved, {least_mm}, kMostRepairWork);
     moves += made;
     CHECK(moved.whole_cost() <= before + 1e-6);
     if (made == 0) CHECK(moved.whole_cost() == Approx(before));
-    CHECK(holding_of(moved.image(), fine, least_mm).open == 0);
+    CHECK(holding_of(moved.image(), fine, {least_mm}).open == 0);
     for (int s = 0; s < grid.strips; ++s)
       for (const LabelRun& run : runs_of(std::as_const(moved).image().strip(s), fine, grid))
         CHECK(moved.allows(run));
     // Without work to do it leaves all as it is.
     Labelling still = moved;
-    move_patches(still, least_mm, 0);
+    move_patches(still, {least_mm}, 0);
     CHECK(still.whole_cost() <= moved.whole_cost() + 1e-6);
   }
   CHECK(moves > 0);
@@ -343,7 +343,7 @@ class SmallCard {
 
   LabelCard with(const std::vector<Label>& middle) {
     labelling_.set(1, middle);
-    return {labelling_, 1};
+    return {labelling_, {1}};
   }
   [[nodiscard]] Label level(int z) const { return planes_.find({false, z}); }
 

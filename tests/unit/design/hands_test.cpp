@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: MIT
+// What paper and hands add to a card: how firmly its panels hold, and what it costs to fold it.
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <Eigen/Dense>
+#include <catch2/catch.hpp>
+
+#include "core/design/facets/facets.hpp"
+#include "core/design/patches.hpp"
+#include "core/design/spec/spec.hpp"
+#include "core/hands/folding.hpp"
+#include "core/hands/waste.hpp"
+#include "core/hands/wobble.hpp"
+#include "tests/support/box_card.hpp"
+#include "tests/support/boxes.hpp"
+
+namespace hands_test {
+
+using namespace popcut;
+
+// ---- the same by other means: folds are drawn off their lines, and the panels laid to fit best
+
+/// The root mean square over `draws` of how far each face's farthest corner is from its place.
+std::vector<double> drawn_wobble(const Pattern& pattern, int draws, std::mt19937& random) {
+  const auto faces = static_cast<int>(pattern.faces());
+  const double far_mm = pattern.wall_mm + pattern.ground_mm;
+  std::vector<int> first(pattern.faces(), -1);
+  int unknowns = 0;
+  for (int f = 0; f < faces; ++f) {
+    const auto at = static_cast<std::size_t>(f);
+    const bool is_card = std::ranges::any_of(pattern.face(at), [&](std::uint32_t corner) {
+      const double u = pattern.u(pattern.vertices[corner]);
+      return u < 1e-6 || u > far_mm - 1e-6;
+    });
+    if (!is_card) first[at] = unknowns, unknowns += 3;
+  }
+  struct Line {
+    double length_mm{};
+  };
+  std::vector<Line> lines;
+  Eigen::MatrixXd rows(2 * pattern.edges.size(), unknowns);
+  rows.setZero();
+  for (const PatternEdge& e : pattern.edges) {
+    if (e.role != EdgeRole::Mountain && e.role != EdgeRole::Valley) continue;
+    const PatternVertex& p = pattern.vertices[e.from];
+    const auto row = static_cast<Eigen::Index>(2 * lines.size());
+    for (const auto& [face, sign] : {std::pair{e.left, 1.0}, {e.right, -1.0}}) {
+      const int at = first[static_cast<std::size_t>(face)];
+      if (at < 0) continue;
+      rows(row, at) = sign, rows(row, at + 2) = -sign * p.z;
+      rows(row + 1, at + 1) = sign, rows(row + 1, at + 2) = sign * p.x;
+    }
+    lines.push_back({std::abs(pattern.vertices[e.to].v - p.v)});
+  }
+  rows.conservativeResize(static_cast<Eigen::Index>(2 * lines.size()), unknowns);
+  const hands::Play play;
+  Eigen::VectorXd weight(rows.rows());
+  for (Eigen::Index r = 0; r < rows.rows(); ++r)
+    weight[r] = std::sqrt(
+        std::min(1.0, lines[static_cast<std::size_t>(r / 2)].length_mm / play.short_fold_mm));
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(weight.asDiagonal() * rows);
+  std::normal_distribution<double> normal;
+  std::vector<std::vector<double>> squares(pattern.faces());
+  for (std::size_t f = 0; f < pattern.faces(); ++f) squares[f].assign(pattern.face(f).size(), 0.0);
+  for (int d = 0; d < draws; ++d) {
+    Eigen::VectorXd off(rows.rows());
+    for (Eigen::Index r = 0; r < rows.rows(); r += 2) {
+      // The line as a whole, and the middle of its two ends; what moves it along the sheet moves
+      // the edge of both panels.
+      const double by =
+          play.line_mm * normal(random) + 0.5 * play.end_mm * (normal(random) + normal(random));
+      off[r] = off[r + 1] = by;  // a shorter fold has the larger error 1 / weight, times its weight
+    }
+    const Eigen::VectorXd moved = solver.solve(off);
+    for (std::size_t f = 0; f < pattern.faces(); ++f) {
+      if (first[f] < 0) continue;
+      const double a = moved[first[f]], c = moved[first[f] + 1], w = moved[first[f] + 2];
+      for (std::size_t k = 0; k < squares[f].size(); ++k) {
+        const PatternVertex& p = pattern.vertices[pattern.face(f)[k]];
+        squares[f][k] += std::pow(a - w * p.z, 2) + std::pow(c + w * p.x, 2);
+      }
+    }
+  }
+  std::vector<double> out;
+  for (const std::vector<double>& face : squares)
+    out.push_back(std::sqrt(std::ranges::max(face) / draws));
+  return out;
+}
+
+/// Boxes and slopes at random places, as facets.
+FacetCard card_of(std::mt19937& random, bool in_paper) {
+  std::uniform_real_distribution<double> any(0.0, 1.0);
+  TriangleSoup soup;
+  for (int k = 0; k < 3; ++k) {
+    const double v = 30.0 * k, x = 20 + 20 * any(random), z = 15 + 25 * any(random);
+    soup.add({x, v, 0}, {x, v + 24, 0}, {x, v + 24, z}, {x, v, z});
+    soup.add({x, v, z}, {x, v + 24, z}, {x / 2, v + 12, z + 15 * any(random)});
+    soup.add({0, v, z}, {x, v, z}, {x, v + 24, z}, {0, v + 24, z});
+  }
+  FacetOptions options;
+  options.to_mm = 84, options.pitch_mm = 1, options.strip_mm = 3, options.in_paper = in_paper;
+  auto made = facet_card(soup, options);
+  REQUIRE(made);
+  return std::move(*made);
+}
+
+TEST_CASE("wobble is what folds drawn off their lines make of the panels", "[hands]") {
+  std::mt19937 random(7);
+  std::vector<Pattern> patterns{testing::box_card_pattern(), testing::row_of_boxes(4)};
+  for (int k = 0; k < 3; ++k) patterns.push_back(card_of(random, k > 0).pattern.built.pattern);
+  std::size_t compared = 0;
+  for (const Pattern& pattern : patterns) {
+    const auto wobble = hands::wobble_of(pattern);
+    REQUIRE(wobble);
+    const std::vector<double> drawn = drawn_wobble(pattern, 2000, random);
+    REQUIRE(wobble->face_mm.size() == drawn.size());
+    for (std::size_t f = 0; f < drawn.size(); ++f) {
+      INFO("face " << f << " of " << pattern.faces());
+      CHECK(wobble->face_mm[f] == Approx(drawn[f]).epsilon(0.1));
+      compared += drawn[f] > 0.0 ? 1 : 0;
+    }
+    CHECK(wobble->largest_mm == Approx(*std::ranges::max_element(wobble->face_mm)));
+    CHECK(wobble->mean_mm <= wobble->largest_mm);
+  }
+  CHECK(compared > 30);
+}
+
+TEST_CASE("a level panel whose two folds lie a millimetre apart moves far in paper", "[hands]") {
+  // Wall, ground, and a deep level panel that two upright panels hold, `apart` from each other.
+  const auto largest_mm = [](double apart) {
+    Pattern p;
+    p.wall_mm = p.ground_mm = 60, p.width_mm = 30;
+    const auto quad = [&](std::vector<PatternVertex> corners) {
+      if (p.face_first.empty()) p.face_first.push_back(0);
+      for (const PatternVertex& v : corners) {
+        p.face_vertices.push_back(static_cast<std::uint32_t>(p.vertices.size()));
+        p.vertices.push_back(v);
+      }
+      p.face_first.push_back(static_cast<std::uint32_t>(p.face_vertices.size()));
+    };
+    const auto fold = [&](std::int32_t left, std::int32_t right, double x, double z, double v0,
+                          double v1) {
+      p.vertices.push_back({x, z, v0}), p.vertices.push_back({x, z, v1});
+      const auto last = static_cast<std::uint32_t>(p.vertices.size());
+      p.edges.push_back({last - 2, last - 1, left, right, EdgeRole::Mountain});
+    };
+    quad({{0, 60, 0}, {0, 60, 30}, {0, 0, 30}, {0, 0, 0}});        // 0: the wall
+    quad({{0, 0, 0}, {0, 0, 30}, {60, 0, 30}, {60, 0, 0}});        // 1: the ground
+    quad({{10, 20, 5}, {10, 20, 15}, {40, 20, 15}, {40, 20, 5}});  // 2: the level panel
+    quad({{10, 20, 5}, {10, 20, 10}, {10, 0, 10}, {10, 0, 5}});    // 3
+    quad({{10 + apart, 20, 10}, {10 + apart, 20, 15}, {10 + apart, 0, 15}, {10 + apart, 0, 10}});
+    fold(3, 1, 10, 0, 5, 10), fold(4, 1, 10 + apart, 0, 10, 15);
+    fold(2, 3, 10, 20, 5, 10), fold(2, 4, 10 + apart, 20, 10, 15);
+    quad({{0, 10, 5}, {0, 10, 15}, {10, 10, 15}, {10, 10, 5}});  // 5: keeps 3 upright
+    fold(0, 5, 0, 10, 5, 15), fold(5, 3, 10, 10, 5, 10);
+    quad({{0, 5, 5}, {0, 5, 15}, {10 + apart, 5, 15}, {10 + apart, 5, 5}});  // 6: keeps 4
+    fold(0, 6, 0, 5, 5, 15), fold(6, 4, 10 + apart, 5, 10, 15);
+    const auto wobble = hands::wobble_of(p);
+    REQUIRE(wobble);
+    return wobble->face_mm[2];
+  };
+  CHECK(largest_mm(1) > 3.0);
+  CHECK(largest_mm(30) < 0.5);
+  CHECK(largest_mm(1) > largest_mm(5));
+  CHECK(largest_mm(5) > largest_mm(15));
+}
+
+TEST_CASE("facets hold in paper where their spec does not ask for exact geometry", "[hands]") {
+  std::mt19937 random(3);
+  std::size_t loose_exact = 0;
+  for (int k = 0; k < 4; ++k) {
+    std::mt19937 same = random;
+    const auto exact = hands::wobble_of(card_of(same, false).pattern.built.pattern);
+    const auto paper = hands::wobble_of(card_of(random, true).pattern.built.pattern);
+    REQUIRE((exact && paper));
+    loose_exact += exact->loose;
+    INFO("card " << k << ": " << paper->largest_mm << " mm, exact " << exact->largest_mm << " mm");
+    CHECK(paper->largest_mm <= exact->largest_mm + 0.5);
+    CHECK(paper->loose_share < 0.02);
+  }
+  CHECK(loose_exact > 0);
+}
+
+TEST_CASE("wobble is not measured of too many faces or of none that stands", "[hands]") {
+  CHECK_FALSE(hands::wobble_of(Pattern{}));
+  CHECK_FALSE(hands::wobble_of(testing::row_of_boxes(hands::kMostWobbleFaces / 2)));
+}
+
+TEST_CASE("folding costs its folds by their length, its waste and its tabs", "[hands]") {
+  const std::vector<double> lengths{30, 12, 10, 9.9, 5, 4.9, 1};
+  const hands::Handwork work = hands::handwork(lengths, 2, 1);
+  CHECK(work.folds == 7);
+  CHECK(work.shortest_mm == 1.0);
+  CHECK(work.time_s == 3 * 10 + 2 * 20 + 2 * 40 + 2 * 5 + 45);
+  CHECK(work.label == "hard");
+  CHECK(hands::handwork_words(work) ==
+        "7 folds, the shortest 1 mm; about 3 minutes to fold (hard)");
+  CHECK(hands::handwork(std::vector<double>(25, 8.0), 0, 0).label == "easy");
+  CHECK(hands::handwork(std::vector<double>(26, 8.0), 0, 0).label == "medium");
+  CHECK(hands::handwork(std::vector<double>(25, 7.9), 0, 0).label == "medium");
+  CHECK(hands::handwork(std::vector<double>(81, 8.0), 0, 0).label == "hard");
+  CHECK(hands::handwork({}, 0, 0).label == "easy");
+  CHECK(hands::handwork_words(hands::handwork({}, 0, 0)) == "no folds");
+}
+
+TEST_CASE("a table of hands is read, and what is wrong in it is named", "[hands]") {
+  const auto table = hands::read_hands(
+      R"({"popcut": 1, "folds": [{"from_mm": 0, "fold_s": 3}], "waste_s": 1, "tab_s": 2, "labels": []})");
+  REQUIRE(table);
+  CHECK(hands::handwork(std::vector<double>{4, 5}, 1, 1, *table).time_s == 9);
+  CHECK(hands::handwork(std::vector<double>{4}, 1, 1, *table).label == "hard");
+  const auto place = [](const std::string& text) {
+    const auto read = hands::read_hands(text);
+    return read ? std::string("read") : read.error().place;
+  };
+  const std::string rest = R"(, "waste_s": 1, "tab_s": 2, "labels": []})";
+  CHECK(place(R"({"popcut": 1, "folds": [{"from_mm": 5, "fold_s": 3}])" + rest) == "/folds");
+  CHECK(place(R"({"popcut": 1, "folds": [])" + rest) == "/folds");
+  CHECK(
+      place(R"({"popcut": 1, "folds": [{"from_mm": 0, "fold_s": 3}, {"from_mm": 2, "fold_s": 3}])" +
+            rest) == "/folds/1/from_mm");
+  CHECK(place(R"({"popcut": 1, "folds": [{"from_mm": 0, "fold_s": -3}])" + rest) ==
+        "/folds/0/fold_s");
+}
+
+TEST_CASE("waste is what falls out of a sheet, and slits are none", "[hands]") {
+  CHECK(hands::waste_pieces(testing::box_card_pattern()) == 0);
+  // A sheet of 30 x 30 mm in two faces around a hole in the middle.
+  Pattern p;
+  p.wall_mm = 0;
+  for (const auto& [u, v] : {std::pair{0., 0.},
+                             {15, 0},
+                             {30, 0},
+                             {30, 30},
+                             {15, 30},
+                             {0, 30},
+                             {15, 10},
+                             {20, 10},
+                             {20, 20},
+                             {15, 20}})
+    p.vertices.push_back({u, 0, v});
+  const auto edges = [&](std::vector<std::uint32_t> loop, EdgeRole role) {
+    for (std::size_t k = 0; k + 1 < loop.size(); ++k)
+      p.edges.push_back({loop[k], loop[k + 1], 0, -1, role});
+  };
+  edges({0, 1, 2, 3, 4, 5, 0}, EdgeRole::Outline);
+  CHECK(hands::waste_pieces(p) == 0);
+  edges({6, 9, 8, 7, 6}, EdgeRole::Slit);  // clockwise: the paper is to its left
+  CHECK(hands::waste_pieces(p) == 1);
+}
+
+}  // namespace hands_test
