@@ -16,11 +16,11 @@ namespace {
 
 // What is drawn from, by growing value.
 constexpr std::array kFills{0.7, 0.85, 1.0};
-constexpr std::array kUnits{4, 5, 6, 8, 10, 12, 14, 16, 20, 24, 28, 32};
-constexpr std::array kSlices{5, 6, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 48};
-constexpr std::array kStrips{1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0};
-constexpr std::array kPitches{1.0, 1.5, 2.0, 3.0, 4.0, 6.0};
-constexpr std::array kLineCosts{0.125, 0.25, 0.5, 1.0, 2.0, 4.0};
+constexpr std::array kUnits{2, 3, 4, 5, 6, 8, 10, 12, 14, 16, 20, 24, 28, 32};
+constexpr std::array kSlices{3, 4, 5, 6, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 48};
+constexpr std::array kStrips{2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0};
+constexpr std::array kPitches{1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 15.0};
+constexpr std::array kLineCosts{0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0};
 
 /// The value beside the one that is nearest to `now`, or that one itself at an end.
 template <typename Values, typename Value>
@@ -103,6 +103,20 @@ std::vector<Candidate> usual_candidates(const StyleChoice& styles, int cards) {
   usual.lattice = LatticeMethod::Auto;
   if (styles.lattices.size() > 1) out.push_back(usual);
   for (Candidate& candidate : out) candidate.cards = cards;
+  return out;
+}
+
+std::vector<Candidate> broad_candidates(const StyleChoice& styles, int cards, std::size_t ways) {
+  std::vector<Candidate> out;
+  if (!styles.facets) return out;
+  for (std::size_t way = 0; way < ways; ++way)
+    for (const auto& [strip_mm, pitch_mm, line_cost] :
+         {std::array{8.0, 10.0, 4.0}, std::array{10.0, 6.0, 8.0}, std::array{6.0, 4.0, 2.0}}) {
+      Candidate broad;
+      broad.cards = cards, broad.way = way;
+      broad.strip_mm = strip_mm, broad.pitch_mm = pitch_mm, broad.line_cost = line_cost;
+      out.push_back(broad);
+    }
   return out;
 }
 

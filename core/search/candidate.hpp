@@ -52,6 +52,10 @@ struct StyleChoice {
 /// Each style with the usual settings, standing in the first way.
 [[nodiscard]] std::vector<Candidate> usual_candidates(const StyleChoice& styles, int cards);
 
+/// Facets in broad strips and few planes, standing in each way: cards of few long folds.
+[[nodiscard]] std::vector<Candidate> broad_candidates(const StyleChoice& styles, int cards,
+                                                      std::size_t ways);
+
 /// Candidate `index` of a seed. Better ways are drawn more often.
 [[nodiscard]] Candidate drawn_candidate(const StyleChoice& styles, int cards, std::size_t ways,
                                         std::uint64_t seed, std::uint64_t index);

@@ -217,11 +217,15 @@ struct FoundCardRecord {
   std::array<double, 2> sheet_mm{};  ///< across and along the spine, of a book each of its sheets
   std::optional<double> page_mm{};   ///< of a book: how far a page reaches from the spine
   int folds{};
+  double shortest_fold_mm{};
+  double hand_seconds{};  ///< to fold it
+  std::string label{};    ///< "easy", "medium", "hard"
+  double wobble_mm{};     ///< of the panel that moves most in paper
   std::vector<Warning> warnings{};
   std::string spec;  ///< JSON; its mesh is the id of the asset
 };
 
-/// What a search found, by growing time of cutting; the error falls from each to the next.
+/// What a search found, by growing time of folding; the error falls from each to the next.
 struct SearchFront {
   std::vector<FoundCardRecord> cards{};
   int designed{}, planned{}, verified{};  ///< how many were tried

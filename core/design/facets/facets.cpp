@@ -2,6 +2,7 @@
 #include "core/design/facets/facets.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "core/design/facets/contour.hpp"
 #include "core/design/facets/patch_moves.hpp"
 #include "core/design/facets/windows.hpp"
+#include "core/hands/wobble.hpp"
 
 namespace popcut {
 namespace {
@@ -22,7 +24,8 @@ constexpr double kCardMargin_mm = 15.0;             ///< of wall and ground beyo
 constexpr int kPointsAcross = 2, kPointsAlong = 4;  ///< of the picture in a cell
 constexpr double kMostPoints = 64e6;
 constexpr int kSweeps = 12, kRoughSweeps = 4;
-constexpr double kLeastDeeper_mm = 2.0;  ///< of what a window shows
+constexpr std::array kStrengths{1.0, 1.6};  ///< of holding, until a card holds in paper
+constexpr double kLeastDeeper_mm = 2.0;     ///< of what a window shows
 
 int steps_up(double mm, double step_mm) { return static_cast<int>(std::ceil(mm / step_mm - 1e-9)); }
 
@@ -53,8 +56,10 @@ TargetReach reach_of(const TriangleSoup& target, double from_mm, double to_mm) {
 
 class FacetMaker {
  public:
-  FacetMaker(const TriangleSoup& target, const FacetOptions& options, const Progress& progress)
-      : target_(target), options_(options), progress_(progress) {}
+  /// @param strength  of the rule of what holds in paper
+  FacetMaker(const TriangleSoup& target, const FacetOptions& options, const Progress& progress,
+             double strength)
+      : target_(target), options_(options), progress_(progress), strength_(strength) {}
 
   Result<FacetCard> run() {
     if (auto done = set_grid(); !done) return tl::unexpected(done.error());
@@ -144,7 +149,8 @@ class FacetMaker {
   }
 
   [[nodiscard]] HoldRule hold_rule() const {
-    return options_.in_paper ? paper_rule(options_.min_panel_mm) : HoldRule{options_.min_panel_mm};
+    return options_.in_paper ? paper_rule(options_.min_panel_mm, strength_)
+                             : HoldRule{options_.min_panel_mm};
   }
 
   Result<void> set_grid() {
@@ -344,6 +350,7 @@ class FacetMaker {
   const TriangleSoup& target_;
   const FacetOptions& options_;
   const Progress& progress_;
+  double strength_;
   TargetReach reach_;
   FacetGrid grid_;
   double step_mm_{};
@@ -353,7 +360,20 @@ class FacetMaker {
 
 Result<FacetCard> facet_card(const TriangleSoup& target, const FacetOptions& options,
                              const Progress& progress) {
-  return FacetMaker(target, options, progress).run();
+  std::optional<FacetCard> firmest;
+  double least_mm = std::numeric_limits<double>::infinity();
+  for (const double strength : kStrengths) {
+    auto made = FacetMaker(target, options, progress, strength).run();
+    if (!made) {
+      if (firmest) break;
+      return made;
+    }
+    if (!options.in_paper || options.rough) return made;
+    const auto wobble = hands::wobble_of(made->pattern.built.pattern);
+    if (!wobble || wobble->loose == 0) return made;
+    if (wobble->largest_mm < least_mm) least_mm = wobble->largest_mm, firmest = std::move(*made);
+  }
+  return std::move(*firmest);
 }
 
 }  // namespace popcut

@@ -17,8 +17,9 @@ struct HoldRule {
   double apart_mm{}, apart_share{};
 };
 /// What holds in paper.
-[[nodiscard]] constexpr HoldRule paper_rule(double min_panel_mm) {
-  return {min_panel_mm, 5.0, 1.0 / 3.0};
+/// @param strength  1; more for a card that does not hold yet
+[[nodiscard]] constexpr HoldRule paper_rule(double min_panel_mm, double strength = 1.0) {
+  return {min_panel_mm, 5.0 * strength, strength / 3.0};
 }
 
 /// Which patches of a labelling follow the card's one motion, found without building the pattern,

@@ -125,16 +125,18 @@ constexpr const char* kHelp =
     "  popcut auto teapot.obj -o teapot\n"
     "  popcut auto house.obj --up y --machine cameo3 --mat A4 --marks -o house    # to print\n\n"
     "MODEL is a mesh (STL, OBJ, GLB). popcut tries styles, orientations, sizes and finenesses. It\n"
-    "keeps the best cards: each looks more like the model, or is quicker to cut, than all others.\n"
+    "keeps the best cards: each looks more like the model, or is quicker to fold, than all "
+    "others.\n"
     "Each passes 'popcut verify --dof 1'. With --cards it finds books, which show the model from "
     "all\n"
     "sides. popcut writes into DIR:\n\n"
     "  front.svg      all cards on one page; look at this first\n"
-    "  front.json     figures of each card, and which one is the best\n"
+    "  front.json     figures of each card, and which one popcut recommends\n"
     "  card-NN/       one card: spec.json, from which 'popcut design' makes it again, the\n"
     "                 pattern (FOLD, SVG, DXF), cut.svg, and thumbnail.png beside the model;\n"
     "                 for books: book-NN/, with a folder for each card\n\n"
-    "card-01 is the quickest to cut; the last card looks most like the model. The same seed gives\n"
+    "card-01 is the quickest to fold; the last card looks most like the model. The same seed "
+    "gives\n"
     "the same cards on every computer.";
 
 void add_search_options(const Command& command, ModelSearchOptions& search) {
@@ -142,6 +144,22 @@ void add_search_options(const Command& command, ModelSearchOptions& search) {
                                  "Longest time that the cutter may take, as popcut estimates it"),
               0.1, 1e5, "minutes")
       .value_text("MINUTES [15]");
+  whole_number(
+      command.add_option("--max-folds", search.most_folds, "Most folds that a card may have"), 1,
+      1'000'000)
+      .value_text("N");
+  real_number(command.add_option("--min-fold", search.shortest_fold_mm,
+                                 "Shortest fold that a card may have"),
+              0.1, 1000, "mm")
+      .value_text("MM");
+  for (const char* label : {"easy", "medium", "hard"})
+    command.add_flag(
+        fmt::format("--{}", label), [&search, label](bool) { search.label = label; },
+        label == std::string("easy")     ? "Only cards of at most 25 folds, none below 8 mm"
+        : label == std::string("medium") ? "Only cards of at most 80 folds, none below 5 mm"
+                                         : "Cards of any number of folds (the default)");
+  command.add_flag("--any-hold", search.any_hold,
+                   "Offer cards too whose panels move by more than 1 mm in paper (docs/hands.md)");
   command.add_option("--mat", search.mat, "Mat or paper to cut on, such as 12x12 or A4, as in plan")
       .checked([](const std::string& text) {
         const auto read = read_plan_options({{"mat", text}});

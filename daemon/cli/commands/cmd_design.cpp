@@ -413,15 +413,16 @@ Result<GivenDesign> given_design(const Options& options, const Globals& globals)
   auto model = search_model(search, options.folder, !globals.quiet, {});
   if (!model) return tl::unexpected(model.error());
   out.of_model = true;
-  out.text = std::move(model->found.front.back().spec);
+  out.text = std::move(model->found.front[model->found.recommended].spec);
   out.assets.emplace();
   out.assets->emplace(model->file, std::move(model->bytes));
   if (globals.quiet) return out;
   for (const std::string& note : model->found.notes)
     fmt::print(stderr, "{}: {}\n", shown_text(options.spec), note);
   fmt::print(stderr,
-             "the best of {} cards is taken; 'popcut auto {} -o DIR' tries more, and finds cards "
-             "that are cut in less time\n",
+             "the easiest card is taken that looks about as much like the model as any of {}; "
+             "'popcut auto {} "
+             "-o DIR' tries more, and shows cards that are easier to fold\n",
              model->found.counts.designed, shown_text(options.spec));
   return out;
 }

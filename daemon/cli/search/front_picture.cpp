@@ -65,7 +65,7 @@ std::string graph(std::size_t at, const FoundCards& found) {
   constexpr double kLeft = 40, kBottom = 30;
   double most_s = 0.0, most_error = 0.0;
   for (const FoundCard& card : found.front) {
-    most_s = std::max(most_s, card.cost.seconds);
+    most_s = std::max(most_s, card.cost.hands.time_s);
     most_error = std::max(most_error, card.figures.error());
   }
   const double width = kTile - kLeft - 12, height = kTile - kBottom - 24;
@@ -78,7 +78,7 @@ std::string graph(std::size_t at, const FoundCards& found) {
                   x(0), place.y + 24.0, y(0), x(1.05 * most_s));
   std::string line;
   for (const FoundCard& card : found.front) {
-    const double px = x(card.cost.seconds), py = y(card.figures.error());
+    const double px = x(card.cost.hands.time_s), py = y(card.figures.error());
     line += line.empty() ? fmt::format("M{:.1f} {:.1f}", px, py)
                          : fmt::format("H{:.1f}V{:.1f}", px, py);
     out += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"#2166ac\"/>\n", px, py);
@@ -87,7 +87,7 @@ std::string graph(std::size_t at, const FoundCards& found) {
   out += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"#2166ac\"/>\n", line);
   out += words(place.x + 2, place.y + 14, 12, fmt::format("error (0 to {:.2f})", 1.1 * most_error));
   out += words(place.x + kLeft, y(0) + 18, 12,
-               fmt::format("minutes of cutting (0 to {:.1f})", 1.05 * most_s / 60.0));
+               fmt::format("minutes of folding (0 to {:.1f})", 1.05 * most_s / 60.0));
   return out;
 }
 
@@ -139,16 +139,16 @@ Result<std::string> front_picture(const planning::FoundCards& found, const std::
   if (!add(part)) return part;
   for (std::size_t k = 0; k < found.front.size(); ++k) {
     const FoundCard& card = found.front[k];
-    const bool is_best = k + 1 == found.front.size();
     part = tile(k + 1,
                 likeness::Target(planning::model_around(found, card),
                                  planning::pictured_scene(card, kPixels)),
                 card.structure, likeness::kPaperColour,
-                {fmt::format("{}: {:.1f} min, error {:.3f}{}", k + 1, card.cost.seconds / 60.0,
-                             card.figures.error(), is_best ? ", the best" : ""),
+                {fmt::format("{}: {} folds, {:.0f} min ({}){}", k + 1, card.cost.hands.folds,
+                             std::max(1.0, card.cost.hands.time_s / 60.0), card.cost.hands.label,
+                             k == found.recommended ? ", make this" : ""),
                  settings(card.candidate),
-                 fmt::format("{} folds, {:.0f} % close to the model", card.folds,
-                             100.0 * card.figures.cover)});
+                 fmt::format("error {:.3f}; {:.1f} min to cut", card.figures.error(),
+                             card.cost.seconds / 60.0)});
     if (!add(part)) return part;
   }
   svg += graph(tiles - 1, found) + "</svg>\n";

@@ -8,7 +8,7 @@
 
 namespace popcut::cli {
 
-/// The folder of a card of the front: "card-01" is the quickest to cut.
+/// The folder of a card of the front: "card-01" is the quickest to fold.
 [[nodiscard]] std::string front_folder(const planning::FoundCard& card, std::size_t k);
 
 /// A card beside its model, from three sides (PNG): as `popcut compare` draws it.

@@ -41,6 +41,10 @@ ordered_json card_json(const planning::FoundCard& card, std::size_t k) {
       {"cover", f.cover},
       {"excess", f.excess},
       {"folds", card.folds},
+      {"shortest_fold_mm", card.cost.hands.shortest_mm},
+      {"hand_seconds", card.cost.hands.time_s},
+      {"label", card.cost.hands.label},
+      {"wobble_mm", card.cost.wobble_mm},
       {"cut_mm", card.cost.cut_mm},
       {"fold_mm", card.cost.fold_mm},
       {"sheet_mm", {card.made.u_mm, card.made.book ? card.made.book->width_mm : card.made.v_mm}},
@@ -80,25 +84,27 @@ std::string plan_words(const ModelSearchOptions& options) {
 std::string front_json(const ModelSearchOptions& options, const SearchedModel& model) {
   using namespace front_report_parts;
   const planning::FoundCards& found = model.found;
-  ordered_json out{{"model", model.name},
-                   {"material", model.material.name},
-                   {"machine", found.machine.name},
-                   {"mat_mm", found.area_mm},
-                   {"max_minutes", options.max_minutes},
-                   {"style", options.style},
-                   {"cards", options.cards},
-                   {"up", options.up},
-                   {"front", options.front},
-                   {"marks", options.marks},
-                   {"seed", options.seed},
-                   {"effort", options.effort},
-                   {"tried",
-                    {{"ways", found.counts.ways},
-                     {"designed", found.counts.designed},
-                     {"planned", found.counts.planned},
-                     {"verified", found.counts.verified}}},
-                   {"seen_along_diagonal", found.seen_share},
-                   {"best", front_folder(found.front.back(), found.front.size() - 1)}};
+  ordered_json out{
+      {"model", model.name},
+      {"material", model.material.name},
+      {"machine", found.machine.name},
+      {"mat_mm", found.area_mm},
+      {"max_minutes", options.max_minutes},
+      {"style", options.style},
+      {"cards", options.cards},
+      {"up", options.up},
+      {"front", options.front},
+      {"marks", options.marks},
+      {"seed", options.seed},
+      {"effort", options.effort},
+      {"tried",
+       {{"ways", found.counts.ways},
+        {"designed", found.counts.designed},
+        {"planned", found.counts.planned},
+        {"verified", found.counts.verified}}},
+      {"seen_along_diagonal", found.seen_share},
+      {"best", front_folder(found.front.back(), found.front.size() - 1)},
+      {"recommended", front_folder(found.front[found.recommended], found.recommended)}};
   auto cards = ordered_json::array(), usual = ordered_json::array();
   for (std::size_t k = 0; k < found.front.size(); ++k)
     cards.push_back(card_json(found.front[k], k));
@@ -121,9 +127,12 @@ std::string front_text(const ModelSearchOptions& options, const SearchedModel& m
                   found.counts.designed, found.counts.planned);
   for (std::size_t k = 0; k < found.front.size(); ++k) {
     const planning::FoundCard& card = found.front[k];
-    out += fmt::format("  {}  {:5.1f} min  error {:.4f}  {} folds, {}\n", front_folder(card, k),
-                       card.cost.seconds / 60.0, card.figures.error(), card.folds,
-                       planning::settings_words(card.candidate));
+    out += fmt::format(
+        "  {}  {:6} {:3} folds, the shortest {:.3g} mm; {:.0f} min to fold, {:.1f} to cut; error "
+        "{:.4f}; {}\n",
+        front_folder(card, k), card.cost.hands.label, card.cost.hands.folds,
+        card.cost.hands.shortest_mm, std::max(1.0, card.cost.hands.time_s / 60.0),
+        card.cost.seconds / 60.0, card.figures.error(), planning::settings_words(card.candidate));
   }
   for (const std::string& note : found.notes) out += fmt::format("  note     {}\n", note);
   out += fmt::format(
@@ -138,13 +147,14 @@ std::string front_text(const ModelSearchOptions& options, const SearchedModel& m
         "points up: --up y or --up z\n";
   out += fmt::format("  best     {}/{}: the one most like the model within {:g} minutes\n", folder,
                      front_folder(found.front.back(), found.front.size() - 1), options.max_minutes);
+  const std::string easiest = front_folder(found.front[found.recommended], found.recommended);
+  out += fmt::format("  make     {}/{}: the easiest to fold of those about as like the model\n",
+                     folder, easiest);
   out += fmt::format("  look at  {}/front.svg\n", folder);
   const std::string best =
-      client::quoted(fmt::format("{}/{}/spec.json", folder,
-                                 front_folder(found.front.back(), found.front.size() - 1))) +
-      plan_words(options);
+      client::quoted(fmt::format("{}/{}/spec.json", folder, easiest)) + plan_words(options);
   out += fmt::format(
-      "  next     popcut cut {0} --direct    # cuts the best; simulated unless you add --device\n"
+      "  next     popcut cut {0} --direct    # cuts it; simulated unless you add --device\n"
       "           popcut print {0} -o printed    # or first prints the model's colours\n",
       best);
   return out;

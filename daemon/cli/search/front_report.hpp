@@ -7,7 +7,7 @@
 
 namespace popcut::cli {
 
-/// `front.json`: each card of the front with its figures, by growing time of cutting, which one is
+/// `front.json`: each card of the front with its figures, by growing time of folding, which one is
 /// the best, and what each style makes with its usual settings. Without the time of day or of the
 /// computer: the same search gives the same bytes.
 [[nodiscard]] std::string front_json(const ModelSearchOptions& options, const SearchedModel& model);

@@ -79,6 +79,11 @@ Result<SearchedModel> search_model(const ModelSearchOptions& options,
   if (const auto fit = check_choices(options.style, options.cards, options.up, options.front); !fit)
     return tl::unexpected(client::on_command_line(fit.error()));
   request.most_s = 60.0 * options.max_minutes;
+  if (options.most_folds > 0)
+    request.hands.most_folds = static_cast<std::size_t>(options.most_folds);
+  request.hands.shortest_mm = options.shortest_fold_mm;
+  if (options.label != "hard") request.hands.label = options.label;
+  request.hands.any_hold = options.any_hold;
   request.effort = options.effort, request.seed = options.seed;
   request.threads =
       options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());

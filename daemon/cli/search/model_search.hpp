@@ -20,8 +20,12 @@ struct ModelSearchOptions {
   int cards{1};  ///< of a book
   double max_minutes{15.0}, effort{1.0};
   std::uint64_t seed{1};
-  unsigned threads{0};  ///< 0: as many as the computer has
-  bool marks{false};    ///< cards fit between registration marks
+  unsigned threads{0};        ///< 0: as many as the computer has
+  std::int64_t most_folds{};  ///< 0: any number
+  double shortest_fold_mm{};
+  std::string label{};  ///< "easy", "medium", "hard"; empty: any
+  bool any_hold{};
+  bool marks{false};  ///< cards fit between registration marks
 };
 
 /// A model that was searched, with what writing its cards needs.

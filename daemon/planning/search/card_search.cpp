@@ -38,6 +38,9 @@ constexpr std::size_t kDrawn = 150, kChanged = 100, kParents = 16, kFine = 40, k
                       kFineParents = 8, kFinal = 16;
 constexpr std::size_t kWays = 6, kStraightWays = 2, kWaysTurnedOn = 5;
 constexpr std::size_t kMostOfFront = 8;
+constexpr double kNearFactor = 1.25, kNear = 0.02;  ///< an error that is as good as the least one
+constexpr double kBroad_mm = 5.0;
+constexpr double kLeastForBroad = 0.1;  ///< effort
 
 /// How carefully candidates are judged.
 struct Care {
@@ -310,7 +313,8 @@ class CardSearch {
       }
       suit_material(request_.material, *spec);
       spec->surface = MeshSpec{kAsset};
-      spec->facets.rough = rough;
+      // Broad strips are quick, and rough ones say little of what their cards become.
+      spec->facets.rough = rough && trial.candidate.strip_mm < kBroad_mm;
       auto made = design_assembly(*spec, model.assets);
       if (!made) {
         trial.why = message(made.error());
@@ -345,7 +349,42 @@ class CardSearch {
         out.cut_mm += sheet.cut_mm, out.fold_mm += sheet.fold_mm;
       }
     }
+    out.hands = hands_of(made);
+    for (const Design& part : made.parts)
+      if (part.report.wobble)
+        out.wobble_mm = std::max(out.wobble_mm, part.report.wobble->largest_mm);
     return out;
+  }
+
+  /// What it takes to fold a card, or all cards of a book.
+  static hands::Handwork hands_of(const PatchAssembly& made) {
+    std::vector<double> folds_mm;
+    std::size_t waste = 0;
+    for (const Design& part : made.parts) {
+      waste += part.report.handwork.waste;
+      for (const SheetLine& line : part.pattern.lines)
+        if (line.role == EdgeRole::Mountain || line.role == EdgeRole::Valley)
+          folds_mm.push_back(std::hypot(line.u1 - line.u0, line.v1 - line.v0));
+    }
+    return hands::handwork(folds_mm, waste, 0);
+  }
+
+  [[nodiscard]] bool holds(const CuttingCost& cost) const {
+    return request_.hands.any_hold || cost.wobble_mm <= hands::kFirm_mm;
+  }
+  [[nodiscard]] bool is_as_easy_as_asked(const CuttingCost& cost) const {
+    const HandLimits& limits = request_.hands;
+    return cost.hands.folds <= limits.most_folds &&
+           (cost.hands.folds == 0 || cost.hands.shortest_mm >= limits.shortest_mm) &&
+           (limits.label.empty() || cost.hands.label == limits.label || cost.hands.label == "easy");
+  }
+  /// What judges of candidates go by. One that would not be offered goes on after all others.
+  void set_cost(Trial& trial, bool rough) const {
+    constexpr double kNotOffered = 10.0;
+    trial.judged.cost = trial.cost.hands.time_s;
+    const bool is_offered = trial.cost.seconds <= request_.most_s &&
+                            is_as_easy_as_asked(trial.cost) && (rough || holds(trial.cost));
+    if (!is_offered) trial.judged.error += kNotOffered;
   }
 
   /// Designs, compares and plans a candidate.
@@ -378,7 +417,7 @@ class CardSearch {
       return;
     }
     trial.judged.error = target.measure(structure, buffers).error();
-    trial.judged.cost = trial.cost.seconds;
+    set_cost(trial, care.rough);
     trial.judged.made = true;
   }
 
@@ -403,7 +442,7 @@ class CardSearch {
   /// errors are compared within each of both kinds only, which get half of the places each.
   [[nodiscard]] std::vector<std::size_t> best_of(const std::vector<Judged>& judged, Halving halving,
                                                  bool by_kind) const {
-    halving.most_cost = request_.most_s, halving.seed = request_.seed;
+    halving.seed = request_.seed;
     if (!by_kind) return survivors(judged, halving);
     std::array<std::vector<std::size_t>, 2> kinds;
     for (std::size_t k = 0; k < judged.size(); ++k)
@@ -420,12 +459,29 @@ class CardSearch {
     return out;
   }
 
+  /// The few that look most like the model among the easy ones, and among the medium ones, go on.
+  void keep_easy(std::vector<Judged>& judged) const {
+    constexpr std::size_t kKept = 3;
+    for (const char* const label : {"easy", "medium"}) {
+      std::vector<std::size_t> of_label;
+      for (std::size_t k = 0; k < judged.size(); ++k)
+        if (judged[k].made && trials_[k].cost.hands.label == label) of_label.push_back(k);
+      std::stable_sort(of_label.begin(), of_label.end(), [&](std::size_t a, std::size_t b) {
+        return judged[a].error < judged[b].error;
+      });
+      of_label.resize(std::min(of_label.size(), kKept));
+      for (const std::size_t k : of_label) judged[k].stays = true;
+    }
+  }
+
   /// Leaves those of `trials_` that go on.
   void halve(std::size_t keep, std::uint64_t step, bool by_kind) {
     Halving halving;
     halving.keep = keep, halving.step = step;
+    std::vector<Judged> judged = judged_of(trials_);
+    keep_easy(judged);
     std::vector<Trial> out;
-    for (const std::size_t k : best_of(judged_of(trials_), halving, by_kind))
+    for (const std::size_t k : best_of(judged, halving, by_kind))
       out.push_back(std::move(trials_[k]));
     trials_ = std::move(out);
   }
@@ -461,6 +517,9 @@ class CardSearch {
       as_it_stands.way = ways_.size() - 1;
       if (drawn_ways_ < ways_.size()) add_trial(as_it_stands);
     }
+    if (request_.effort >= kLeastForBroad)
+      for (const Candidate& broad : broad_candidates(styles_, request_.cards, drawn_ways_))
+        add_trial(broad);
     for (const std::size_t most = count(kDrawn, 8); drawn_ < most; ++drawn_)
       add_trial(drawn_candidate(styles_, request_.cards, drawn_ways_, request_.seed, drawn_));
     judge_all(0, model, kCoarse, "designing coarse cards", {0.06, 0.2}, false);
@@ -600,17 +659,24 @@ class CardSearch {
     std::vector<Judged> judged(last.size());
     for (std::size_t k = 0; k < last.size(); ++k) {
       judged[k].made = finished[k].card.has_value();
-      judged[k].error = finished[k].error, judged[k].cost = last[k].cost.seconds;
+      judged[k].error = finished[k].error, judged[k].cost = last[k].cost.hands.time_s;
       if (judged[k].made && finished[k].card->figures.cover < kLeastCover)
         judged[k].made = false, finished[k].why = "it shows nothing of the model";
       if (!judged[k].made && refusal_.empty()) refusal_ = finished[k].why;
-      if (last[k].candidate.usual)
-        out_.usual.push_back(
-            {last[k].candidate, judged[k].made, finished[k].why, judged[k].error, judged[k].cost});
     }
-    const std::vector<std::size_t> front = thinned(pareto_front(judged, request_.most_s), judged);
-    if (front.empty()) return nothing_found(judged);
+    if (auto offered = offer(last, judged); !offered) return tl::unexpected(offered.error());
+    for (std::size_t k = 0; k < last.size(); ++k)
+      if (last[k].candidate.usual)
+        out_.usual.push_back({last[k].candidate, judged[k].made,
+                              judged[k].made || !finished[k].why.empty()
+                                  ? finished[k].why
+                                  : not_offered(last[k].cost),
+                              judged[k].error, last[k].cost.seconds});
+    const std::vector<std::size_t> front = thinned(pareto_front(judged), judged);
+    if (front.empty()) return no_card(refusal_);
     for (const std::size_t k : front) out_.front.push_back(std::move(*finished[k].card));
+    const double near_least = kNearFactor * out_.front.back().figures.error() + kNear;
+    while (out_.front[out_.recommended].figures.error() > near_least) ++out_.recommended;
     out_.seen_share = seen_share_of(ways_[out_.front.back().candidate.way]);
     return std::move(out_);
   }
@@ -647,17 +713,56 @@ class CardSearch {
     return seen_share(standing, diagonal);
   }
 
-  [[nodiscard]] tl::unexpected<Error> nothing_found(const std::vector<Judged>& judged) const {
-    const auto quickest = std::min_element(judged.begin(), judged.end(), [](auto& a, auto& b) {
-      return (a.made ? a.cost : 1e300) < (b.made ? b.cost : 1e300);
-    });
-    if (quickest != judged.end() && quickest->made)
+  /// Why a card that was made is not offered.
+  [[nodiscard]] std::string not_offered(const CuttingCost& cost) const {
+    if (cost.seconds > request_.most_s)
+      return fmt::format("it takes {:.1f} minutes to cut", cost.seconds / 60.0);
+    if (!holds(cost)) return fmt::format("its panels move {:.1f} mm in paper", cost.wobble_mm);
+    return fmt::format("it has {} folds, the shortest {:.3g} mm", cost.hands.folds,
+                       cost.hands.shortest_mm);
+  }
+
+  /// Leaves those `made` that are offered: cut in time, firm, and as easy to fold as was asked, or
+  /// the one of the fewest folds where none is.
+  Result<void> offer(const std::vector<Trial>& trials, std::vector<Judged>& judged) {
+    const char* const what = is_book() ? "book" : "card";
+    // Of those that are made, the least by a figure.
+    const auto least = [&](auto&& figure) {
+      double out = std::numeric_limits<double>::infinity();
+      for (std::size_t k = 0; k < trials.size(); ++k)
+        if (judged[k].made) out = std::min(out, static_cast<double>(figure(trials[k].cost)));
+      return out;
+    };
+    const auto keep = [&](auto&& is_kept) {
+      std::vector<std::size_t> kept;
+      for (std::size_t k = 0; k < trials.size(); ++k)
+        if (judged[k].made && is_kept(trials[k].cost)) kept.push_back(k);
+      if (kept.empty()) return false;
+      for (std::size_t k = 0; k < trials.size(); ++k)
+        judged[k].made = std::binary_search(kept.begin(), kept.end(), k);
+      return true;
+    };
+    const auto seconds = [](const CuttingCost& cost) { return cost.seconds; };
+    const auto folds = [](const CuttingCost& cost) { return cost.hands.folds; };
+    if (!std::isfinite(least(seconds))) return {};
+    if (!keep([&](const CuttingCost& cost) { return cost.seconds <= request_.most_s; }))
+      return fail(ErrorKind::Infeasible, "",
+                  fmt::format("no {} of it is cut within {:.3g} minutes: the quickest that was "
+                              "found takes {:.1f}; allow more, or use a smaller mat",
+                              what, request_.most_s / 60.0, least(seconds) / 60.0));
+    if (!keep([&](const CuttingCost& cost) { return holds(cost); }))
       return fail(
           ErrorKind::Infeasible, "",
-          fmt::format("no {} of it is cut within {:.3g} minutes: the quickest that was "
-                      "found takes {:.1f}; allow more, or use a smaller mat",
-                      is_book() ? "book" : "card", request_.most_s / 60.0, quickest->cost / 60.0));
-    return no_card(refusal_);
+          fmt::format("no {} of it holds in paper: panels of the firmest that was found move "
+                      "{:.1f} mm; '--any-hold' offers such cards too",
+                      what, least([](const CuttingCost& c) { return c.wobble_mm; })));
+    if (keep([&](const CuttingCost& cost) { return is_as_easy_as_asked(cost); })) return {};
+    const double fewest = least(folds);
+    keep([&](const CuttingCost& cost) { return static_cast<double>(folds(cost)) <= fewest; });
+    out_.notes.push_back(fmt::format(
+        "no {0} of it is as easy to fold as you ask; this is the one of the fewest folds: {1:.0f}",
+        what, fewest));
+    return {};
   }
 
   /// What share of the model one card can show at best, and how many would show most of it.

@@ -5,12 +5,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "core/compare/comparison.hpp"
 #include "core/compare/placement.hpp"
 #include "core/design/patches.hpp"
+#include "core/hands/folding.hpp"
 #include "core/machines/machine.hpp"
 #include "core/model/triangle_mesh.hpp"
 #include "core/plan/plan_options.hpp"
@@ -19,6 +21,14 @@
 #include "core/search/candidate.hpp"
 
 namespace popcut::planning {
+
+/// What a person asks of the folding.
+struct HandLimits {
+  std::size_t most_folds{std::numeric_limits<std::size_t>::max()};
+  double shortest_mm{};  ///< no fold is shorter
+  std::string label;     ///< "easy", or "medium": no harder; empty: any
+  bool any_hold{};       ///< cards that move in paper are offered too
+};
 
 /// What the best cards are searched for.
 struct SearchRequest {
@@ -32,18 +42,21 @@ struct SearchRequest {
   UpSide up;
   FrontSide front;       ///< given: the model stands as it is said, turned no further
   double most_s{900.0};  ///< of cutting
-  double effort{1.0};    ///< factor of how many candidates are tried
+  HandLimits hands;
+  double effort{1.0};  ///< factor of how many candidates are tried
   std::uint64_t seed{1};
   unsigned threads{1};  ///< changes nothing of the result
   Progress progress;
   std::function<bool()> stopped;  ///< asked between candidates; true: the search ends
 };
 
-/// What cutting a card takes.
+/// What a card takes to cut and to fold.
 struct CuttingCost {
   double seconds{};
   std::array<double, 2> seconds_range{};
   double cut_mm{}, fold_mm{};
+  hands::Handwork hands;  ///< of a book: of all its cards
+  double wobble_mm{};     ///< of the panel that moves most (`hands::wobble_of`)
 };
 
 /// A card that a search ended with.
@@ -73,9 +86,11 @@ struct SearchCounts {
 
 /// What a search found.
 struct FoundCards {
-  /// By growing time of cutting, the error falling from each to the next; none takes longer than
-  /// `most_s`, and each passes the verifier with one freedom. The last one is the best.
+  /// By growing time of folding, the error falling from each to the next. No cut takes longer than
+  /// `most_s`, no panel moves by more than `hands::kFirm_mm` unless `any_hold` asks for it, and
+  /// each passes the verifier with one freedom. The last one is the one most like the model.
   std::vector<FoundCard> front;
+  std::size_t recommended{};  ///< of `front`: the easiest whose error is near the least one
   std::vector<UsualCard> usual;
   SearchCounts counts;
   double seen_share{};  ///< of the model's area along the diagonal of the best card or its cards
@@ -96,7 +111,7 @@ inline constexpr std::size_t kMostSearchedTriangles = 2'000'000;
 /// nothing.
 inline constexpr double kLeastCover = 0.02;
 
-/// Searches the cards that look most like a model, for each time of cutting, by successive halving
+/// Searches the cards that look most like a model, for each time of folding, by successive halving
 /// (core/search): ways to stand by what is seen along the diagonal; many candidates designed and
 /// compared in images of 64 pixels; of these, fewer in images of 256 pixels and planned; the best
 /// verified and compared as `popcut compare` does it. Half of the coarse candidates are drawn, the
@@ -112,8 +127,10 @@ inline constexpr double kLeastCover = 0.02;
 /// @retval Refused     it was stopped
 /// @retval OutOfRange  the mesh has no area or too many triangles
 /// @retval Usage       an option of the plan; place is `pointer_to` it
-/// @retval Infeasible  no card shows the model, or none is cut within `most_s`; the detail says
-///                     what share of it can be seen, and how many cards would show more
+/// Where no card keeps `hands`, the one of the fewest folds is found, and a note says so.
+///
+/// @retval Infeasible  no card shows the model, none is cut within `most_s`, or none holds; the
+///                     detail says what share of it can be seen, and how many cards would show more
 [[nodiscard]] Result<FoundCards> search_cards(SearchRequest request);
 
 }  // namespace popcut::planning

@@ -58,6 +58,12 @@ daemon::FoundCardRecord read_card(FieldReader& fields) {
   card.sheet_mm = pair_of(fields, "sheet_mm");
   if (fields.has("page_mm")) card.page_mm = figure("page_mm");
   card.folds = fields.integer("folds", {}, 0, kMostCount);
+  // Searches of older versions do not have these.
+  if (fields.has("label")) {
+    card.shortest_fold_mm = figure("shortest_fold_mm"), card.hand_seconds = figure("hand_seconds");
+    card.label = fields.text("label", {}, short_line(kMostWords));
+    card.wobble_mm = figure("wobble_mm");
+  }
   card.warnings = daemon::warnings_from_json(fields.text("warnings", {}));
   daemon::shorten(card.warnings, kMostCardWarnings, kMostNote);
   card.spec = fields.text("spec", {}, {0, kMostSpec, TextRule::Controls::Any});

@@ -60,7 +60,7 @@ function Found({ of }: { of: Search }) {
               onClick={() => desk.begin(spec, { made: true })}>
               <Picture path={card.links.picture} alt={words.picture(card.card, last)} class="found-picture" />
               <span class="found-words">
-                <strong>{words.time(card.seconds)}</strong>
+                <strong>{words.hands(card.label, card.folds, card.hand_seconds)}</strong>
                 <span class="figure">{words.error(small(card.error))}</span>
                 {card.card === last && <span class="found-best">{words.best}</span>}
               </span>

@@ -66,6 +66,9 @@ struct FoundHall : AutoBench {
   Ran ran = search("hall.obj", "out", kUsual);
   json front = ran.exit == 0 ? read_json("out/front.json") : json();
   [[nodiscard]] std::string best() const { return "out/" + front["best"].get<std::string>(); }
+  [[nodiscard]] std::string recommended() const {
+    return "out/" + front["recommended"].get<std::string>();
+  }
 };
 
 const FoundHall& found_hall() {
@@ -88,13 +91,14 @@ TEST_CASE("a model alone becomes a front of cards that are verified, made again 
   CHECK(json::parse(ran.out) == front);
   REQUIRE_FALSE(front["cards"].empty());
   CHECK(front["best"] == front["cards"].back()["folder"]);
-  double error = 1e9, seconds = 0.0;
+  double error = 1e9, seconds = 0.0, hand_seconds = 0.0;
   for (const json& card : front["cards"]) {
     INFO(card.dump());
     CHECK(card["error"] < error);
-    CHECK(card["seconds"] > seconds);
+    CHECK(card["hand_seconds"] > hand_seconds);
     CHECK(card["seconds"] <= 900.0);
-    error = card["error"], seconds = card["seconds"];
+    CHECK(card["wobble_mm"] <= 1.0);
+    error = card["error"], seconds = card["seconds"], hand_seconds = card["hand_seconds"];
     for (const json& side : card["sheet_mm"]) CHECK(side <= 305.0);
     const std::string folder = "out/" + card["folder"].get<std::string>();
     CHECK(bench.popcut({"verify", folder + "/pattern.fold", "--dof", "1", "-q"}).exit == 0);
@@ -104,7 +108,7 @@ TEST_CASE("a model alone becomes a front of cards that are verified, made again 
   // No style with its usual settings is better than the best.
   CHECK(front["usual"].size() >= 7);
   for (const json& usual : front["usual"])
-    if (usual["made"] && usual["seconds"] <= 900.0) CHECK(usual["error"] >= error);
+    if (usual["made"]) CHECK(usual["error"] >= error);
 
   const std::string best = "out/" + front["best"].get<std::string>();
   REQUIRE(bench.popcut({"design", best + "/spec.json", "-o", "again", "-q"}).exit == 0);
@@ -177,12 +181,12 @@ TEST_CASE("a model becomes a front of books that are verified, made again and fi
   const json front = bench.read_json("out/front.json");
   CHECK(json::parse(ran.out) == front);
   REQUIRE_FALSE(front["cards"].empty());
-  double error = 1e9, seconds = 0.0;
+  double error = 1e9, hand_seconds = 0.0;
   for (const json& book : front["cards"]) {
     INFO(book.dump());
     CHECK(book["error"] < error);
-    CHECK(book["seconds"] > seconds);
-    error = book["error"], seconds = book["seconds"];
+    CHECK(book["hand_seconds"] > hand_seconds);
+    error = book["error"], hand_seconds = book["hand_seconds"];
     CHECK(book["settings"]["cards"] == std::stoi(cards));
     for (const json& side : book["sheet_mm"]) CHECK(side <= 110.0);
     const std::string folder = "out/" + book["folder"].get<std::string>();
@@ -215,8 +219,8 @@ TEST_CASE("the front of a model faces out of the card, and cards to print fit be
     CHECK(planned.exit == 0);
   }
   // The commands to type next have the same machine and mat.
-  CHECK(says(found.ran.out,
-             "popcut print " + found.best() + "/spec.json --machine cameo3 --mat A4 -o printed"));
+  CHECK(says(found.ran.out, "popcut print " + found.recommended() +
+                                "/spec.json --machine cameo3 --mat A4 -o printed"));
 }
 
 TEST_CASE("popcut design takes a model and makes the best card of a short search",
