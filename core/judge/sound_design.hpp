@@ -29,7 +29,8 @@ struct DesignFault {
 /// Has the verifier, which shares no code with the generator, look at each part as it would be
 /// written: one piece, sound edges and faces, a tiled sheet, isometric poses, the freedoms that are
 /// reported, and no face through another (exact for rectangular units). None if all is well; else
-/// the error is Internal. O(faces log faces) for rectangular units.
+/// the error is Internal. Of rectangular units the verifier looks at the flat sheet, and how it
+/// moves is proven (`has_rectangular_motion`): O(faces log faces).
 ///
 /// Not covered: the order of the layers when shut; of splayed units, poses between those looked at;
 /// without a card, the freedoms of more than 2000 faces.

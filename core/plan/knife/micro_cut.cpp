@@ -219,9 +219,11 @@ class Dasher {
   /// The dashes of a fold of length l, in order. @return how many of them were shortened
   std::size_t find(std::span<const PagePoint> fold, double l, std::vector<Dash>& dashes) {
     dashes.clear();
-    clearances_.find(fold, 1.0, kept_);
-    each_free(kept_, l,
-              [&](double from, double to) { append_dashes(to - from, from, shape_, dashes); });
+    if (has_room(l, 1.0)) {
+      clearances_.find(fold, 1.0, kept_);
+      each_free(kept_, l,
+                [&](double from, double to) { append_dashes(to - from, from, shape_, dashes); });
+    }
     std::size_t shortened = 0;
     for (int tenths = 9; tenths >= kLeastTenths && is_bare(dashes, l); --tenths)
       shortened += shorten(fold, l, 0.1 * tenths, dashes);
@@ -230,6 +232,12 @@ class Dasher {
 
  private:
   static constexpr int kLeastTenths = static_cast<int>(10 * kLeastShare);
+
+  /// Whether a dash can fit between the clearances of a fold's ends, wherever cuts meet it: most
+  /// folds of a fine lattice are too short, and their cuts need no look.
+  [[nodiscard]] bool has_room(double l, double share) const {
+    return l > share * shortest_good_fold_mm(shape_) - 2 * kSlack;
+  }
 
   [[nodiscard]] bool is_bare(const std::vector<Dash>& dashes, double l) const {
     bool any = false;
@@ -240,6 +248,7 @@ class Dasher {
   // Adds the dashes that fit into bare stretches with a share of clearance and of shortest dash.
   std::size_t shorten(std::span<const PagePoint> fold, double l, double share,
                       std::vector<Dash>& dashes) {
+    if (!has_room(l, share)) return 0;
     DashShape small = shape_;
     small.min_dash_mm *= share;
     small.clearance_mm *= share;

@@ -14,6 +14,7 @@
 #include "core/design/strips/pattern_builder.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/judge/pattern_model.hpp"
+#include "core/judge/rectangular_motion.hpp"
 #include "core/judge/sound_design.hpp"
 
 namespace sound_design_test {
@@ -155,6 +156,56 @@ TEST_CASE("other freedoms than reported and faces through others are found too",
   unsound = find_unsound(made);
   REQUIRE(unsound);
   CHECK_THAT(unsound->error.detail, Catch::Contains("isometry"));
+}
+
+TEST_CASE("how rectangular units move is proven without measuring poses", "[planning][sound]") {
+  const auto is_proven = [](const Pattern& pattern, int freedoms) {
+    const auto model = pattern_model(pattern, {});
+    REQUIRE(model);
+    VerifyCheck faces;
+    return has_rectangular_motion(pattern, verify::make_sheet(*model, faces), freedoms);
+  };
+  // A fine lattice, whose one freedom the verifier's own propagation does not find.
+  const std::string sphere =
+      R"spec("surface":{"type":"revolution","radius":"sqrt(1.05-y^2)"},"scale_mm":100,)spec";
+  for (const std::string& fields :
+       {kTwoRegions, kTwoRegions + R"(,"card":false,"lattice":"slices")",
+        sphere + R"("units_per_slice":40,"slices":40,"widths_mm":2,"lattice":"slices",
+                    "min_panel_mm":0.25)",
+        sphere + R"("style":"facets","facets":{"length_mm":80,"strip_mm":4})"}) {
+    const PatchAssembly made = designed(fields);
+    const Design& part = made.parts.front();
+    CHECK(is_proven(part.pattern, part.report.degrees_of_freedom));
+    CHECK_FALSE(is_proven(part.pattern, part.report.degrees_of_freedom + 1));
+  }
+  CHECK_FALSE(
+      is_proven(designed(
+                    R"("surface":{"type":"profile","z":"120 - x"},"units_per_slice":3,"slices":4,
+             "widths_mm":20,"splay":{"alpha":0.6})")
+                    .parts.front()
+                    .pattern,
+                1));
+
+  PatchAssembly made = designed(kTwoRegions);
+  Pattern& pattern = made.parts.front().pattern;
+  for (PatternEdge& edge : pattern.edges) {
+    if (edge.role != EdgeRole::Mountain && edge.role != EdgeRole::Valley) continue;
+    const EdgeRole role = edge.role;
+    edge.role = role == EdgeRole::Valley ? EdgeRole::Mountain : EdgeRole::Valley;
+    CHECK_FALSE(is_proven(pattern, 1));
+    edge.role = role;
+  }
+  const Pattern sound = pattern;
+  for (double PatternVertex::*coordinate : {&PatternVertex::x, &PatternVertex::z}) {
+    pattern = sound;
+    const auto fold =
+        std::find_if(pattern.edges.begin(), pattern.edges.end(),
+                     [](const PatternEdge& edge) { return edge.role == EdgeRole::Mountain; });
+    REQUIRE(fold != pattern.edges.end());
+    pattern.vertices[fold->from].*coordinate += 2.0;
+    CHECK_FALSE(is_proven(pattern, 1));
+    CHECK(find_unsound(made));
+  }
 }
 
 }  // namespace sound_design_test
