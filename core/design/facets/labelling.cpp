@@ -62,9 +62,21 @@ void Labelling::compute(int strip, double* cost) const {
   }
 }
 
+bool Labelling::look_alike(int strip, int other) const {
+  const SheetRaster& raster = target_->raster;
+  const auto count = static_cast<std::ptrdiff_t>(
+      raster.columns * (raster.rows / static_cast<std::size_t>(grid_.strips)));
+  const auto first = target_->depth_mm.begin() + count * strip;
+  return std::equal(first, first + count, target_->depth_mm.begin() + count * other);
+}
+
 /// Into `cost_`.
 void Labelling::load_costs(int strip) {
-  if (kept_.empty()) return compute(strip, cost_.data());
+  if (kept_.empty()) {
+    if (computed_ < 0 || !look_alike(computed_, strip)) compute(strip, cost_.data());
+    computed_ = strip;
+    return;
+  }
   std::vector<float>& kept = kept_[static_cast<std::size_t>(strip)];
   if (kept.empty()) {
     compute(strip, cost_.data());
@@ -77,27 +89,33 @@ void Labelling::load_costs(int strip) {
 std::vector<Label> Labelling::solve(int strip, bool jumps, double coupling) {
   const std::size_t labels = planes_->size();
   load_costs(strip);
-  problem_ = cost_;
+  next_ = cost_;
   for (const int other : {strip - 1, strip + 1}) {
     const bool is_margin = other < 0 || other >= grid_.strips;
     for (int i = 0; i < grid_.columns; ++i) {
       const Label beside = !is_margin       ? image_.strip(other)[static_cast<std::size_t>(i)]
                            : i < grid_.wall ? kWallLabel
                                             : kGroundLabel;
-      problem_[static_cast<std::size_t>(i) * labels + static_cast<std::size_t>(beside)] -=
+      next_[static_cast<std::size_t>(i) * labels + static_cast<std::size_t>(beside)] -=
           coupling * weights_.cut_mm2 * grid_.step_mm;
     }
   }
   for (const LabelBan& ban : bans_)
     if (ban.strip == strip)
       for (int i = ban.begin; i < ban.end; ++i)
-        problem_[static_cast<std::size_t>(i) * labels + static_cast<std::size_t>(ban.label)] +=
+        next_[static_cast<std::size_t>(i) * labels + static_cast<std::size_t>(ban.label)] +=
             kForbidden;
+  // Strips of a flat front are often one and the same problem.
+  if (!solved_.empty() && jumps == solved_jumps_ && next_ == problem_) return solved_;
+  problem_.swap(next_);
+  solved_jumps_ = jumps;
   const double width = grid_.strip_mm;
-  return solver_
-      .solve({*planes_, grid_, problem_, limits_.least_run, weights_.fold_mm2 * width,
-              jumps ? std::max(weights_.jump_mm2, weights_.fold_mm2) * width : kForbidden})
-      .label;
+  solved_ =
+      solver_
+          .solve({*planes_, grid_, problem_, limits_.least_run, weights_.fold_mm2 * width,
+                  jumps ? std::max(weights_.jump_mm2, weights_.fold_mm2) * width : kForbidden})
+          .label;
+  return solved_;
 }
 
 void Labelling::sweep(int sweeps, bool jumps) {

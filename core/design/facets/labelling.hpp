@@ -70,6 +70,8 @@ class Labelling {
 
  private:
   void load_costs(int strip);
+  /// Whether the same is seen in both strips.
+  [[nodiscard]] bool look_alike(int strip, int other) const;
   void compute(int strip, double* cost) const;
   [[nodiscard]] std::vector<Label> solve(int strip, bool jumps, double coupling);
 
@@ -81,8 +83,11 @@ class Labelling {
   LabelImage image_;
   std::vector<LabelBan> bans_;
   std::vector<std::vector<float>> kept_;  ///< costs of strips, where all of them fit
-  std::vector<double> cost_, problem_;
+  std::vector<double> cost_, problem_, next_;
+  int computed_{-1};  ///< the strip whose costs are in `cost_`, where none are kept
   FacetChainSolver solver_;
+  bool solved_jumps_{};
+  std::vector<Label> solved_;  ///< of `problem_`; empty: none yet
 };
 
 }  // namespace popcut
