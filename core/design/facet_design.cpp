@@ -2,10 +2,14 @@
 #include "core/design/facet_design.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -28,6 +32,9 @@ Result<TriangleSoup> triangles_in(const Surface& surface, double from_mm, double
   for (int k = 0; k <= kPlaces; ++k) {
     const auto curve = surface.slice(from_mm + (to_mm - from_mm) * k / kPlaces);
     if (!curve) {
+      // What does not end somewhere has no triangles that bound it.
+      if (curve.error().kind == ErrorKind::Infeasible && curve.error().reason == ErrorReason::None)
+        return tl::unexpected(curve.error());
       if (!refused) refused = curve.error();
       continue;
     }
@@ -179,6 +186,112 @@ void warn_of_hanging_parts(const FacetCard& card, DesignReport& report) {
            count == 1 ? "it" : "them")});
 }
 
+/// A text or a drawing: a flat shape whose front is to look as it was drawn.
+bool is_cut_out(const SurfaceSpec& surface) {
+  return std::holds_alternative<TextSpec>(surface) || std::holds_alternative<OutlineSpec>(surface);
+}
+
+/// Points of the front view, seen along x: which lie on something.
+class FrontView {
+ public:
+  FrontView(double from_mm, double to_mm, double height_mm)
+      : from_mm_(from_mm),
+        step_mm_(std::max({kFinest_mm, (to_mm - from_mm) / kMostPoints, height_mm / kMostPoints})),
+        columns_(count(to_mm - from_mm)),
+        rows_(count(height_mm)),
+        covered_(columns_ * rows_) {}
+
+  void add(const TriangleSoup& soup) {
+    for (std::size_t t = 0; t < soup.size(); ++t) {
+      const std::array<Vec3, 3> p{soup.corner(t, 0), soup.corner(t, 1), soup.corner(t, 2)};
+      const auto [left, right] = std::minmax({p[0][1], p[1][1], p[2][1]});
+      for (std::size_t c = first(left - from_mm_, columns_); c < first(right - from_mm_, columns_);
+           ++c) {
+        const double v = from_mm_ + place(c);
+        double low = std::numeric_limits<double>::infinity(), high = -low;
+        for (std::size_t k = 0; k < 3; ++k) {
+          const Vec3 &a = p[k], &b = p[(k + 1) % 3];
+          if ((a[1] <= v) == (b[1] <= v)) continue;
+          const double z = a[2] + (v - a[1]) / (b[1] - a[1]) * (b[2] - a[2]);
+          low = std::min(low, z), high = std::max(high, z);
+        }
+        cover(c, low, high);
+      }
+    }
+  }
+
+  /// The upright panels of a card but those of its wall.
+  ///
+  /// @param shift_mm  from the sheet's places along the spine to those here
+  void add(const Strips& strips, double shift_mm) {
+    shift_mm -= from_mm_;
+    for (std::size_t s = 0; s < strips.size(); ++s) {
+      if (strips.kind[s] != StripKind::Slice) continue;
+      const std::size_t end = first(strips.v_begin[s + 1] + shift_mm, columns_);
+      for (std::size_t c = first(strips.v_begin[s] + shift_mm, columns_); c < end; ++c)
+        for (std::size_t p = strips.first_panel[s]; p < strips.first_panel[s + 1]; ++p) {
+          const std::size_t q = p + s;
+          if (!strips.is_cut(p) && strips.plane[p] != kWallPlane && strips.x[q] == strips.x[q + 1])
+            cover(c, strips.z[q + 1], strips.z[q]);
+        }
+    }
+  }
+
+  [[nodiscard]] double area_mm2() const {
+    return step_mm_ * step_mm_ *
+           static_cast<double>(std::count(covered_.begin(), covered_.end(), std::uint8_t{1}));
+  }
+  /// Of what is covered here and not in `other`, a view of the same places.
+  [[nodiscard]] double area_beyond_mm2(const FrontView& other) const {
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < covered_.size(); ++k)
+      count += covered_[k] != 0 && other.covered_[k] == 0 ? 1 : 0;
+    return step_mm_ * step_mm_ * static_cast<double>(count);
+  }
+
+ private:
+  static constexpr double kFinest_mm = 0.25, kMostPoints = 1000.0;
+
+  [[nodiscard]] std::size_t count(double mm) const {
+    return static_cast<std::size_t>(std::max(1.0, std::ceil(mm / step_mm_)));
+  }
+  [[nodiscard]] double place(std::size_t k) const {
+    return (static_cast<double>(k) + 0.5) * step_mm_;
+  }
+  /// The first of `most` points at `mm` or beyond.
+  [[nodiscard]] std::size_t first(double mm, std::size_t most) const {
+    return static_cast<std::size_t>(
+        std::clamp(std::ceil(mm / step_mm_ - 0.5), 0.0, static_cast<double>(most)));
+  }
+  void cover(std::size_t column, double low_mm, double high_mm) {
+    for (std::size_t r = first(low_mm, rows_); r < first(high_mm, rows_); ++r)
+      covered_[column * rows_ + r] = 1;
+  }
+
+  double from_mm_, step_mm_;
+  std::size_t columns_, rows_;
+  std::vector<std::uint8_t> covered_;
+};
+
+/// Paper in front of the gaps of a text or a drawing: parts one above another are joined by it.
+void warn_of_filled_gaps(const Strips& strips, double margin_mm, const FacetTarget& target,
+                         const char* what, DesignReport& report) {
+  constexpr double kMuch = 0.25;  // contours in strips and letters such as i have a tenth
+  FrontView shape(target.from_mm, target.to_mm, extent_in_corner(target).z_mm), paper = shape;
+  shape.add(target.soup);
+  paper.add(strips, target.from_mm - margin_mm);
+  const double share = paper.area_beyond_mm2(shape) / shape.area_mm2();
+  if (!(share > kMuch)) return;
+  report.warnings.push_back(
+      {.code = "gaps_filled",
+       .message = fmt::format(
+           "paper fills gaps of the {}, as much as {:.0f} % of its parts: a part that stands above "
+           "another hangs on the paper between them, and both come out as one; move such parts "
+           "side "
+           "by side, or draw the bars that are to join them",
+           what, 100.0 * share)});
+}
+
 }  // namespace
 
 Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
@@ -222,6 +335,8 @@ Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
   add_closing(out.pattern, spec.card->shut, r);
   warn_of_small_card(spec, *target, r);
   warn_of_hanging_parts(*made, r);
+  if (is_cut_out(*spec.surface))
+    warn_of_filled_gaps(out.strips, made->card.margin_mm, *target, solid_word(*spec.surface), r);
   out.target.push_back({std::move(*surface)});
   return out;
 }

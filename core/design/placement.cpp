@@ -160,7 +160,8 @@ class Placer {
   };
   [[nodiscard]] Result<Reached> reached_by_design(const TargetPlacement& placement) const {
     DesignSpec spec = spec_;
-    spec.placement = placement, spec.fit = FitMode::Nearest;
+    spec.placement = placement;
+    if (spec.style != DesignStyle::Facets) spec.fit = FitMode::Nearest;
     const auto made = design(spec, assets_);
     if (!made) return tl::unexpected(made.error());
     std::vector<double> s_mm;
@@ -199,6 +200,7 @@ class Placer {
                       [&](const auto& one) { return one.second.share >= enough; });
     ProposedPlacement out;
     out.placement = way.placement, out.reached = reached.share;
+    out.always_nearest = spec_.style == DesignStyle::Facets;
     out.unreachable_share = unreachable_share(reached.fit);
     out.rms_mm = reached.fit.rms_mm, out.max_mm = reached.fit.max_mm;
     out.length_mm = way.length_mm, out.slices_mm = extent_of(way);
@@ -255,7 +257,7 @@ Result<std::string> with_placement(std::string_view spec_json, const ProposedPla
     return fail(ErrorKind::Malformed, "", "the spec is not a JSON object");
   spec["rotate_deg"] = proposed.placement.rotate_deg;
   spec["translate_mm"] = proposed.placement.translate_mm;
-  spec["fit"] = "nearest";
+  if (!proposed.always_nearest) spec["fit"] = "nearest";
   return spec.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 

@@ -23,7 +23,8 @@ inline constexpr double kReachedWithin = 0.02;
 /// A proposal and what it reaches.
 struct ProposedPlacement {
   TargetPlacement placement;
-  double reached{};  ///< of the whole surface's area, by the structure as designed
+  bool always_nearest{};  ///< facets: the spec may not say so
+  double reached{};       ///< of the whole surface's area, by the structure as designed
   std::optional<double> reached_before{};  ///< the same as the spec stood; none: not designed
   std::string refused_before;              ///< then why
   int tried{};                             ///< ways of standing that were tried
@@ -50,7 +51,8 @@ struct ProposedPlacement {
                                                           const SurfaceAssets& assets,
                                                           Stand stand = Stand::Whole);
 
-/// `spec_json` with the placement's fields set and "fit" set to "nearest": ready to be designed.
+/// `spec_json` with the placement's fields set and, where it can be, "fit" set to "nearest": ready
+/// to be designed.
 [[nodiscard]] Result<std::string> with_placement(std::string_view spec_json,
                                                  const ProposedPlacement& proposed);
 

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include <boost/math/tools/minima.hpp>
+
 namespace popcut {
 namespace {
 
@@ -168,6 +170,23 @@ class TetrahedraMarch {
 
 TriangleSoup solid_triangles(const Value& value, const TargetStretch& stretch) {
   return TetrahedraMarch(value, stretch).run();
+}
+
+bool dips_below_zero(const std::function<double(double)>& value, double reach, int samples) {
+  const double step = reach / samples;
+  std::vector<double> at(static_cast<std::size_t>(samples) + 1);
+  for (std::size_t k = 0; k < at.size(); ++k)
+    if ((at[k] = value(step * static_cast<double>(k))) < 0.0) return true;
+  constexpr int kBits = 26;
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    const std::size_t before = k == 0 ? 0 : k - 1, after = std::min(k + 1, at.size() - 1);
+    if (!std::isfinite(at[k]) || at[k] > at[before] || at[k] > at[after]) continue;
+    std::uintmax_t most = 60;
+    const auto least = boost::math::tools::brent_find_minima(
+        value, step * static_cast<double>(before), step * static_cast<double>(after), kBits, most);
+    if (least.second < 0.0) return true;
+  }
+  return false;
 }
 
 }  // namespace popcut

@@ -20,4 +20,10 @@ namespace popcut {
 [[nodiscard]] TriangleSoup solid_triangles(const std::function<double(const Vec3&)>& value,
                                            const TargetStretch& stretch);
 
+/// Whether a function of a place from 0 to `reach` is negative anywhere: at one of `samples` + 1
+/// even places, or at a least value between them, where a part of a solid is thinner than that.
+/// A few evaluations a sample.
+[[nodiscard]] bool dips_below_zero(const std::function<double(double)>& value, double reach,
+                                   int samples);
+
 }  // namespace popcut

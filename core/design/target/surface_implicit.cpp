@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 
@@ -74,12 +75,16 @@ class SolidSlice {
                             what, kMost * scale_mm_));
   }
 
+  [[nodiscard]] double value(double x, double z) const {
+    const auto q = map_.to_surface({x, s_mm_, z});
+    const double at = solid_(q[0], q[1], q[2]);
+    return std::isnan(at) ? std::numeric_limits<double>::infinity() : at;
+  }
+
   [[nodiscard]] bool leaves(const std::array<double, 2>& reach, bool at_x) const {
-    for (int k = 0; k <= kCells; ++k) {
-      const double along = reach[at_x ? 1 : 0] * k / kCells;
-      if (at_x ? inside(reach[0], along) : inside(along, reach[1])) return true;
-    }
-    return false;
+    return dips_below_zero(
+        [&](double along) { return at_x ? value(reach[0], along) : value(along, reach[1]); },
+        reach[at_x ? 1 : 0], kCells);
   }
 
   /// Where the boundary crosses between a point inside and one outside.

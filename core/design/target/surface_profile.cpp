@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -8,6 +11,7 @@
 #include <boost/math/tools/toms748_solve.hpp>
 
 #include "core/design/target/expression.hpp"
+#include "core/design/target/solid_triangles.hpp"
 #include "core/design/target/surface_kinds.hpp"
 #include "core/fit/triangle_soup.hpp"
 
@@ -26,6 +30,15 @@ class ProfileSlice {
 
   [[nodiscard]] double operator()(double x_mm) const {
     return scale_mm_ * z_(x_mm / scale_mm_, y_);
+  }
+
+  /// Where `curve` ends on the ground, mm; infinite where there is none.
+  [[nodiscard]] double end_mm() const {
+    constexpr double kEndless = std::numeric_limits<double>::infinity();
+    const double h = (*this)(0.0);
+    if (!std::isfinite(h) || h <= 0.0) return kEndless;
+    const Result<double> d = ground_end(h);
+    return d && check_falls(h, *d) ? *d : kEndless;
   }
 
   Result<SliceCurve> curve() const {
@@ -145,6 +158,32 @@ class ProfileSlice {
   double scale_mm_, s_mm_, y_;
 };
 
+/// Where the curves of a profile end on the ground, over a stretch of the spine.
+class GroundEnds {
+ public:
+  GroundEnds(const Expression& z, const TargetPlacement& placement, const TargetStretch& stretch)
+      : from_mm_(stretch.from_mm), step_mm_((stretch.to_mm - stretch.from_mm) / kSteps) {
+    for (std::size_t k = 0; k < end_mm_.size(); ++k) {
+      const double s_mm = from_mm_ + step_mm_ * static_cast<double>(k);
+      const double y = (s_mm - placement.translate_mm[1]) / placement.scale_mm;
+      end_mm_[k] = ProfileSlice(z, placement.scale_mm, s_mm, y).end_mm();
+    }
+  }
+
+  /// How far forward the profile surely has ended, mm.
+  [[nodiscard]] double before_mm(double s_mm) const {
+    const double at = step_mm_ > 0.0 ? (s_mm - from_mm_) / step_mm_ : 0.0;
+    const auto k = static_cast<std::size_t>(std::clamp(at, 0.0, kSteps - 1.0));
+    const auto [low, high] = std::minmax(end_mm_[k], end_mm_[k + 1]);
+    return std::isinf(high) ? high : high + (high - low);
+  }
+
+ private:
+  static constexpr int kSteps = 128;
+  double from_mm_, step_mm_;
+  std::array<double, kSteps + 1> end_mm_{};
+};
+
 }  // namespace
 
 Result<Surface> surface_profile(const ProfileSpec& spec, const TargetPlacement& placement,
@@ -167,7 +206,19 @@ Result<Surface> surface_profile(const ProfileSpec& spec, const TargetPlacement& 
       return tl::unexpected(curve.error());
     return solid.cut(s_mm);
   };
-  return Surface(cut, [solid](const TargetStretch& stretch) { return solid.triangles(stretch); });
+  return Surface(cut, [shared, placement, below](const TargetStretch& stretch) {
+    const PlacementMap map(placement);
+    const GroundEnds ends(*shared, placement, stretch);
+    return solid_triangles(
+        [&](const Vec3& p) {
+          const auto q = map.to_surface({p[0], p[1], p[2]});
+          const double value = below(q[0], q[1], q[2]);
+          // A profile that rises once more where it has met the ground is not its curves' shape.
+          const double end_mm = value < 0.0 ? ends.before_mm(p[1]) : p[0];
+          return p[0] > end_mm ? p[0] - end_mm : value;
+        },
+        stretch);
+  });
 }
 
 }  // namespace popcut

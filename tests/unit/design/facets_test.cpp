@@ -786,6 +786,69 @@ TEST_CASE("a part that hangs in the air on one strip is named in a warning", "[f
           .empty());
 }
 
+TEST_CASE("paper that fills the gaps of a drawing is told", "[facets]") {
+  const auto drawn = [](const std::string& shapes) {
+    const auto spec = parse_design_spec(
+        R"({"popcut": 1, "style": "facets",
+            "surface": {"type": "outline", "file": "a.svg", "height": 60, "depth": 20}})");
+    REQUIRE(spec);
+    auto made = design(
+        *spec, {{"a.svg", R"(<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="60mm"
+                              viewBox="0 0 60 60">)" +
+                              shapes + "</svg>"}});
+    if (!made) FAIL(message(made.error()));
+    return warning_of(*made, "gaps_filled");
+  };
+  std::string dots;
+  for (const char* y : {"6", "18", "30", "42", "54"})
+    dots += std::string(R"(<circle cx="10" r="4" cy=")") + y + R"("/>)";
+  CHECK_THAT(drawn(dots), Catch::Contains("the drawing") && Catch::Contains("come out as one"));
+  CHECK(drawn(R"(<circle cx="30" cy="30" r="30"/>)").empty());
+  CHECK(drawn(R"(<path d="M0 50h16v10h-16zM40 0h16v60h-16z"/>)").empty());
+}
+
+TEST_CASE("a profile that touches the ground ends there", "[facets]") {
+  const std::string start = R"j({"popcut": 1, "surface": {"type": "profile", "z": ")j";
+  for (const std::string& z : {"40*(1-x/90)^2", "20*(1+cos(x*pi/90))", "40*(1-x/(90+y/10))^2"}) {
+    CAPTURE(z);
+    const auto spec = parse_design_spec(
+        start + z + R"j("}, "style": "facets", "facets": {"length_mm": 8, "strip_mm": 4}})j");
+    REQUIRE(spec);
+    const auto made = design(*spec);
+    if (!made) FAIL(message(made.error()));
+    CHECK(made->pattern.ground_mm < 120.0);
+    CHECK(made->pattern.wall_mm < 120.0);
+    // The target of the fit ends there too.
+    const auto lattice = parse_design_spec(
+        start + z + R"j("}, "units_per_slice": 4, "slices": 3, "widths_mm": 3})j");
+    REQUIRE(lattice);
+    const auto strips = design(*lattice);
+    if (!strips) FAIL(message(strips.error()));
+    const auto fit = surface_fit(*strips);
+    REQUIRE(fit);
+    CHECK(fit->out_of_reach.overhang < 0.05);
+  }
+}
+
+TEST_CASE("a solid that does not end is refused, however thin it is", "[facets]") {
+  for (const std::string& f : {"z - 20", "abs(z - 0.41*x) - 1", "(x-z)^2 + (y-20)^2 - 100",
+                               "max(abs(y-20) - 20, abs(z - 2*x) - 5)"}) {
+    CAPTURE(f);
+    const auto spec =
+        parse_design_spec(R"j({"popcut": 1, "style": "facets", "surface": {"type": "implicit",
+                               "f": ")j" +
+                          f + R"j("}, "facets": {"length_mm": 40}})j");
+    REQUIRE(spec);
+    const auto made = design(*spec);
+    REQUIRE_FALSE(made);
+    CHECK(made.error().kind == ErrorKind::Infeasible);
+    CHECK_THAT(made.error().detail, Catch::Contains("does not end"));
+  }
+  // One that does end is made, thin as it is.
+  const Design made = facets_of("max(abs(z - 0.41*x) - 1, x - 50)", "");
+  CHECK(made.pattern.ground_mm < 120.0);
+}
+
 TEST_CASE("nothing in the corner is an error that says so", "[facets]") {
   TriangleSoup away;
   add_box(away, {-20, 0, -20}, {-10, 10, -10});

@@ -250,6 +250,24 @@ TEST_CASE("a proposed placement can be designed and reaches no less than before"
   }
 }
 
+TEST_CASE("a placement that is proposed for facets can be designed", "[core][target]") {
+  const std::string text =
+      R"({"popcut":1,"style":"facets","surface":)" + kMesh + R"(,"facets":{"strip_mm":6}})";
+  const SurfaceAssets assets{
+      {"part.stl", binary_stl(box_mesh({-20, -30, -10}, {25, 30, 14}, false))}};
+  const auto before = parse_design_spec(text);
+  REQUIRE(before);
+  const auto proposed = propose_placement(*before, assets, Stand::Whole);
+  if (!proposed) FAIL(message(proposed.error()));
+  const auto placed_text = with_placement(text, *proposed);
+  REQUIRE(placed_text);
+  const auto spec = parse_design_spec(*placed_text);
+  if (!spec) FAIL(message(spec.error()));
+  const auto made = design(*spec, assets);
+  if (!made) FAIL(message(made.error()));
+  CHECK(made->report.degrees_of_freedom == 1);
+}
+
 TEST_CASE("even sections are those of the mesh slicer", "[core][target]") {
   const TriangleMesh ring = torus(25.0, 10.0, 60);
   const std::array<double, 3> shift{20.0, 31.0, 4.0};
@@ -447,6 +465,7 @@ TEST_CASE("a solid that cannot be used is refused with its own reason", "[core][
   CHECK(refusal("1").detail.find("no part of the solid is in the corner") != std::string::npos);
   CHECK(refusal("0/0").kind == ErrorKind::Infeasible);
   CHECK(refusal("z - 1").detail.find("does not end") != std::string::npos);
+  CHECK(refusal("abs(z - 0.3*x) - 4").detail.find("does not end") != std::string::npos);
   CHECK(refusal("(x-3)^2 + (z-3)^2 - 1").detail.find("does not reach the wall") !=
         std::string::npos);
 }
