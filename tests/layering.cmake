@@ -283,6 +283,23 @@ foreach(layer core protocol device daemon)
     endforeach()
   endforeach()
 endforeach()
+# `long` has 32 bits on 32-bit Linux, where 214.8 mm in steps of 1e-7 mm overflow it in silence: write
+# std::int64_t, and std::llround in place of std::lround. `long long` and `long double` are wide
+# everywhere.
+foreach(layer core protocol device)
+  file(GLOB_RECURSE sources ${ROOT}/${layer}/*.[ch]pp)
+  foreach(file ${sources})
+    file(STRINGS ${file} lines REGEX "long|lround|lrint|strtou?l|stou?l|labs|[0-9][uU]?[lL]")
+    foreach(line ${lines})
+      string(REGEX REPLACE "\"([^\"\\\\]|\\\\.)*\"|//.*$" "" code "${line}")
+      string(REGEX REPLACE "long +(long|double)" "" code "${code}")
+      if(code MATCHES "(^|[^A-Za-z0-9_\"])(long|lround|lrint|strtou?l|stou?l|labs)([ >(),*&}]|$)" OR
+         code MATCHES "(^|[^A-Za-z0-9_.])[0-9][0-9']*[uU]?[lL]([^A-Za-z0-9_]|$)")
+        string(APPEND wrong "${file}: long has 32 bits on some machines: ${line}\n")
+      endif()
+    endforeach()
+  endforeach()
+endforeach()
 # Beast takes long to compile, and a body without a limit takes all memory.
 file(GLOB_RECURSE files ${ROOT}/daemon/*.hpp ${ROOT}/daemon/*.cpp)
 set(with_beast "")

@@ -55,6 +55,13 @@ expect(built "" tests/unit/device/odd_test.cpp "//" tests/unit/CMakeLists.txt "d
 expect(part_of_nothing "core/odd.cpp: no header of its name" core/odd.cpp "// Part of core/gone.hpp.")
 expect(twice "core/b.hpp: Point is also defined in"
   core/a.hpp "namespace popcut {\nstruct Point {}\n" core/b.hpp "namespace popcut {\nstruct Point {}\n")
+foreach(line "std::pair<long, int> at" "unsigned long n" "const long x = 3" "auto n = std::lround(mm)"
+    "std::strtol(text, nullptr, 10)" "std::stoul(text)" "std::clamp(n, 0L, most)" "static_cast<long>(n)")
+  expect(narrow "core/a.hpp: long has 32 bits" core/a.hpp "${line}")
+endforeach()
+expect(wide "" core/a.hpp "long long n = 1LL, m = 2ULL // a long way" core/b.hpp
+  "long double x = 0x1F, belonging = std::llround(mm), length = strtold(text)" core/c.hpp
+  "fail(\"as long as it is\", 0.5)")
 # Opening to write: never through a link, and a new file is new.
 set(header daemon/devices/a.hpp "//")
 foreach(line

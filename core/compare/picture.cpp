@@ -13,7 +13,7 @@ constexpr Rgb kWhite{255, 255, 255};
 Rgb mixed(const Rgb& a, const Rgb& b, double share) {
   Rgb out{};
   for (std::size_t k = 0; k < 3; ++k)
-    out[k] = static_cast<std::uint8_t>(std::lround((1.0 - share) * a[k] + share * b[k]));
+    out[k] = static_cast<std::uint8_t>(std::llround((1.0 - share) * a[k] + share * b[k]));
   return out;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <string_view>
@@ -69,9 +70,10 @@ void check_slits(const Pattern& pattern, double narrowest_mm, std::vector<Warnin
   };
   std::vector<Slit> slits;
   Narrow narrow{narrowest_mm}, necks{narrowest_mm};
-  std::map<std::pair<long, long>, int> ends;  // how many slits end there
+  std::map<std::pair<std::int64_t, std::int64_t>, int> ends;  // how many slits end there
   const auto spot = [](double u, double v) {
-    return std::pair(std::lround(u / kRounding_mm), std::lround(v / kRounding_mm));
+    return std::pair<std::int64_t, std::int64_t>(std::llround(u / kRounding_mm),
+                                                 std::llround(v / kRounding_mm));
   };
   for (const SheetLine& line : pattern.lines)
     if (line.role == EdgeRole::Slit) ++ends[spot(line.u0, line.v0)], ++ends[spot(line.u1, line.v1)];

@@ -16,7 +16,7 @@ namespace {
 std::pair<double, double> sin_cos(double turn_deg) {
   const double quarters = turn_deg / 90;
   if (quarters == std::round(quarters)) {
-    const int turn = static_cast<int>(std::lround(quarters) % 4 + 4) % 4;
+    const int turn = static_cast<int>(std::llround(quarters) % 4 + 4) % 4;
     constexpr double kSin[] = {0, 1, 0, -1};
     constexpr double kCos[] = {1, 0, -1, 0};
     return {kSin[turn], kCos[turn]};

@@ -31,7 +31,7 @@ std::string colour_at(double t) {
   const auto i = std::min(static_cast<std::size_t>(x), kRamp.size() - 2);
   const double f = x - static_cast<double>(i);
   const auto channel = [&](std::size_t c) {
-    return static_cast<int>(std::lround(kRamp[i][c] + f * (kRamp[i + 1][c] - kRamp[i][c])));
+    return static_cast<int>(std::llround(kRamp[i][c] + f * (kRamp[i + 1][c] - kRamp[i][c])));
   };
   return fmt::format("#{:02x}{:02x}{:02x}", channel(0), channel(1), channel(2));
 }

@@ -179,7 +179,7 @@ std::vector<double> ticks(const Axis& axis, int about) {
 }
 
 std::string tick_text(const Axis& axis, double value) {
-  if (axis.log) return "10" + superscript(static_cast<int>(std::lround(std::log10(value))));
+  if (axis.log) return "10" + superscript(static_cast<int>(std::llround(std::log10(value))));
   const double span = std::abs(axis.to - axis.from);
   std::string text = fmt::format("{:.4g}", std::abs(value) < 1e-9 * span ? 0.0 : value);
   if (text.front() == '-') text.replace(0, 1, "−");

@@ -26,7 +26,7 @@ std::string colour_at(double t, bool diverging) {
   const double part = at - static_cast<double>(k);
   std::array<int, 3> rgb{};
   for (std::size_t c = 0; c < 3; ++c)
-    rgb[c] = static_cast<int>(std::lround(stops[k][c] + part * (stops[k + 1][c] - stops[k][c])));
+    rgb[c] = static_cast<int>(std::llround(stops[k][c] + part * (stops[k + 1][c] - stops[k][c])));
   return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <utility>
@@ -13,10 +14,10 @@ namespace {
 
 /// A place on the sheet, rounded so that places that differ by rounding only
 /// are one.
-using Spot = std::pair<long, long>;
+using Spot = std::pair<std::int64_t, std::int64_t>;
 Spot spot(double across_mm, double v_mm) {
   constexpr double kPerMm = 1e7;
-  return {std::lround(across_mm * kPerMm), std::lround(v_mm * kPerMm)};
+  return {std::llround(across_mm * kPerMm), std::llround(v_mm * kPerMm)};
 }
 
 /// A cut from one plane to another in two strips beside each other, at
@@ -129,20 +130,20 @@ class ContourFollower {
   [[nodiscard]] double split_of(std::size_t row, const Step& step, double first_mm,
                                 double last_mm) const {
     const SheetRaster& raster = target_.raster;
-    const auto column = [&](double across_mm) {
-      return static_cast<long>(std::lround((across_mm - raster.from_mm) / raster.column_mm));
+    const auto column = [&](double across_mm) -> std::int64_t {
+      const std::int64_t at = std::llround((across_mm - raster.from_mm) / raster.column_mm);
+      return std::clamp<std::int64_t>(at, 0, static_cast<std::int64_t>(raster.columns));
     };
-    const long begin = std::clamp(column(first_mm), 0L, static_cast<long>(raster.columns)),
-               end = std::clamp(column(last_mm), 0L, static_cast<long>(raster.columns));
-    const auto off = [&](Label label, long c) {
+    const std::int64_t begin = column(first_mm), end = column(last_mm);
+    const auto off = [&](Label label, std::int64_t c) {
       const FacetPlane& p = planes_[label];
       const auto at = static_cast<std::size_t>(c);
       return std::abs(p.offset * grid().step_mm -
                       (p.upright ? target_.x_mm(row, at) : target_.z_mm(row, at)));
     };
     double cost = 0.0, least = 0.0;
-    long best = begin;
-    for (long c = begin; c < end; ++c) {
+    std::int64_t best = begin;
+    for (std::int64_t c = begin; c < end; ++c) {
       cost += off(step.before, c) - off(step.after, c);
       if (cost < least) least = cost, best = c + 1;
     }
@@ -234,7 +235,7 @@ class ContourFollower {
   void draw_cuts() {
     Pattern& p = pattern_;
     std::erase_if(p.lines, [](const SheetLine& line) { return line.role == EdgeRole::Slit; });
-    std::map<std::pair<bool, long>, std::vector<std::pair<double, double>>> straight;
+    std::map<std::pair<bool, std::int64_t>, std::vector<std::pair<double, double>>> straight;
     std::map<std::pair<Spot, Spot>, SheetLine> slanted;
     for (const PatternEdge& e : p.edges) {
       if (e.role != EdgeRole::Slit) continue;

@@ -70,7 +70,7 @@ class FacetMaker {
       return nothing_there();
     const int most_x = most_offset(options_.ground_mm, reach_.x_mm),
               most_z = most_offset(options_.wall_mm, reach_.z_mm);
-    const int pitch = std::max(1, static_cast<int>(std::lround(options_.pitch_mm / step_mm_)));
+    const int pitch = std::max(1, static_cast<int>(std::llround(options_.pitch_mm / step_mm_)));
     const FacetPlanes planes = planes_for(image, grid_, pitch, most_x, most_z, options_.inward);
     tell(progress_, "giving each point of the sheet a plane");
     // Strips that are cut across come nearer, but are looser; some shapes are better off without.

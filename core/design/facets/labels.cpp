@@ -82,7 +82,7 @@ FacetPlanes planes_for(const SeenTarget& target, const FacetGrid& grid, int pitc
                        int most_z, bool inward) {
   std::map<int, double> upright, level;
   int least_x = 0, least_z = 0, reach_x = 0, reach_z = 0;
-  const auto step_of = [&](double mm) { return static_cast<int>(std::lround(mm / grid.step_mm)); };
+  const auto step_of = [&](double mm) { return static_cast<int>(std::llround(mm / grid.step_mm)); };
   for (std::size_t r = 0; r < target.raster.rows; ++r)
     for (std::size_t c = 0; c < target.raster.columns; ++c) {
       const Facing facing = target.facing[r * target.raster.columns + c];

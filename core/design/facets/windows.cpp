@@ -65,12 +65,12 @@ class WindowCutter {
     const SheetRaster& raster = target_.raster;
     const std::size_t along = raster.rows / static_cast<std::size_t>(grid().strips);
     const double from = grid().across(column) * grid().step_mm;
-    const auto first = std::lround((from - raster.from_mm) / raster.column_mm);
-    const auto across = std::lround(grid().step_mm / raster.column_mm);
+    const std::int64_t first = std::llround((from - raster.from_mm) / raster.column_mm);
+    const std::int64_t across = std::llround(grid().step_mm / raster.column_mm);
     double least = 1e9;
     for (std::size_t r = 0; r < along; ++r)
-      for (long c = first; c < first + across; ++c) {
-        if (c < 0 || c >= static_cast<long>(raster.columns)) return 0.0;
+      for (std::int64_t c = first; c < first + across; ++c) {
+        if (c < 0 || c >= static_cast<std::int64_t>(raster.columns)) return 0.0;
         const std::size_t row = static_cast<std::size_t>(s) * along + r;
         const auto at = static_cast<std::size_t>(c);
         least =

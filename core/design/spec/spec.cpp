@@ -2,6 +2,7 @@
 #include "core/design/spec/spec.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <initializer_list>
 #include <span>
 #include <utility>
@@ -74,7 +75,7 @@ class Design {
       spec_.regions.push_back({*spec_.units_per_slice, *spec_.slices, std::nullopt});
       return true;
     }
-    long slices = 0;
+    std::int64_t slices = 0;
     for (std::size_t r = 0; r < spec_.region_fields.size(); ++r) {
       const RegionFields& region = spec_.region_fields[r];
       if ((slices += region.slices) > kMaxSlices)
@@ -112,9 +113,9 @@ class Design {
   }
 
   bool check_units() {
-    long units = 0;
+    std::int64_t units = 0;
     for (const RegionSpec& region : spec_.regions)
-      units += static_cast<long>(region.units_per_slice) * region.slices;
+      units += static_cast<std::int64_t>(region.units_per_slice) * region.slices;
     if (units <= kMaxUnits) return true;
     return wrong(!spec_.region_fields.empty() ? "regions" : "slices", ErrorKind::OutOfRange,
                  fmt::format("makes {} units in all; must make at most {}", units, kMaxUnits));
@@ -357,10 +358,11 @@ bool read_patch(FieldReader& fields, std::size_t k, const json& root, SpecFields
 }
 
 void check_size(FieldReader& fields, const DesignSpec& whole) {
-  long slices = 0, units = 0;
+  std::int64_t slices = 0, units = 0;
   for (const DesignSpec& patch : whole.patches)
     for (const RegionSpec& region : patch.regions)
-      slices += region.slices, units += static_cast<long>(region.units_per_slice) * region.slices;
+      slices += region.slices,
+          units += static_cast<std::int64_t>(region.units_per_slice) * region.slices;
   if (slices > kMaxSlices || units > kMaxUnits)
     fields.refuse("patches", ErrorKind::OutOfRange,
                   fmt::format("have {} slices and {} units in all; must have at most {} and {}",

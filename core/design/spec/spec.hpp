@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -178,7 +179,7 @@ struct DesignSpec {
 inline constexpr double kRelaxedStep = 5.0;
 inline constexpr int kMaxUnitsPerSlice = 2000;
 inline constexpr int kMaxSlices = 20000;
-inline constexpr long kMaxUnits = 2'000'000;  ///< units per slice times slices
+inline constexpr std::int64_t kMaxUnits = 2'000'000;  ///< units per slice times slices
 
 /// Reads a design spec from JSON text. Unknown fields, wrong types and values out of range are
 /// errors with a JSON pointer as place; text that is not JSON one with line and column.

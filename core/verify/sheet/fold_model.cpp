@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include <fmt/format.h>
 
@@ -90,7 +91,7 @@ Result<std::uint32_t> vertex_index(double number, std::size_t vertices, const st
     return static_cast<std::uint32_t>(number);
   return fail(ErrorKind::OutOfRange, fmt::format("{}/{}/{}", place, row, k),
               fmt::format("there is no vertex {}; vertices are 0 to {}", number,
-                          static_cast<long>(vertices) - 1));
+                          static_cast<std::int64_t>(vertices) - 1));
 }
 
 Result<void> read_edges(const FrameText& frame, FoldModel& file) {
