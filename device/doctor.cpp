@@ -124,7 +124,9 @@ Finding of_status(const std::optional<DeviceStatus>& status) {
             "check whether it is paused or still busy; if not, switch it off and on"};
   switch (*status) {
     case DeviceStatus::Ready:
-      return {Level::Fine, "ready, a sheet is loaded", ""};
+      // A Cameo 3 (firmware 1.40) was seen to say so without a mat.
+      return {Level::Fine,
+              "ready; look whether a sheet is loaded, since some machines say so without one", ""};
     case DeviceStatus::Moving:
       return {Level::Note, "busy: it is moving, or has an unfinished job", "wait until it stops"};
     case DeviceStatus::NoMedia:

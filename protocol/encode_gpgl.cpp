@@ -2,6 +2,7 @@
 // Part of protocol/encode.hpp.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include <fmt/format.h>
 
@@ -128,7 +129,10 @@ class GpglEncoder final : public StrokeEncoder {
   }
 
   void write_search() override {
-    if (options_.marks) program_.bytes += mark_search(*options_.marks, machine_);
+    if (!options_.marks) return;
+    program_.bytes += mark_search(*options_.marks, machine_);
+    for (const double mm : machine_.marks.again_mm)
+      program_.search_again.push_back(units(mm / machine_.scale_feed));
   }
 
   void write_changes(const StrokeSteps& steps) override {
@@ -219,19 +223,19 @@ class GpglEncoder final : public StrokeEncoder {
 }  // namespace
 
 std::string mark_search(const MarkLayout& marks, const Machine& machine) {
-  const auto units = [&](double mm) { return std::llround(mm / machine.unit_mm); };
+  const auto units = [&](double mm) -> std::int64_t { return std::llround(mm / machine.unit_mm); };
   // The marks are printed at true size; a machine whose lines come out long needs fewer steps.
   const auto along = [&](double mm) { return units(mm / machine.scale_feed); };
   const auto across = [&](double mm) { return units(mm / machine.scale_carriage); };
-  const long long arm = units(marks.arm_mm);
-  const long long line = units(marks.line_mm);
+  const std::int64_t arm = units(marks.arm_mm), line = units(marks.line_mm);
   std::string text = fmt::format("TB50,0;TB99;TB52,{};TB51,{};TB53,{};", marks.style,
                                  marks.arm_first ? arm : line, marks.arm_first ? line : arm);
   if (!marks.arm_first) text += "TB54,0,0;";
-  text += fmt::format("TB55,1;TB{},{},{},{},{};", marks.four_corners ? 124 : 123,
-                      along(marks.height_mm), across(marks.width_mm),
-                      along(marks.top_mm + machine.margin_top_mm - marks.search_mm),
-                      across(marks.left_mm + machine.margin_left_mm - marks.search_mm));
+  text +=
+      fmt::format("TB55,1;TB{},{},{},{},{};", marks.four_corners ? 124 : 123,
+                  along(marks.height_mm), across(marks.width_mm),
+                  along(marks.top_mm + machine.margin_top_mm - machine.marks.before_top_mm),
+                  across(marks.left_mm + machine.margin_left_mm - machine.marks.before_left_mm));
   std::replace(text.begin(), text.end(), ';', kEtx);
   return text;
 }

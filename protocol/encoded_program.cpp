@@ -182,6 +182,19 @@ Result<EncodedProgram> read_foreign(Dialect dialect, std::string bytes) {
   return program;
 }
 
+std::string search_lower(const EncodedProgram& program, std::int64_t units) {
+  std::string text =
+      program.bytes.substr(program.search.begin, program.search.end - program.search.begin);
+  const std::size_t left = text.rfind(',');  // the last arguments: the start's top and left
+  const std::size_t top = left == std::string::npos || left == 0 ? left : text.rfind(',', left - 1);
+  if (top == std::string::npos) return {};
+  std::int64_t start = 0;
+  const char *const first = text.data() + top + 1, *const last = text.data() + left;
+  const auto [end, fault] = std::from_chars(first, last, start);
+  if (fault != std::errc() || end != last) return {};
+  return text.replace(top + 1, left - top - 1, std::to_string(start + units));
+}
+
 Result<EncodedProgram> rest_of(const EncodedProgram& program, std::size_t first) {
   const std::size_t strokes = program.strokes.size();
   if (first >= strokes)
@@ -204,6 +217,7 @@ Result<EncodedProgram> rest_of(const EncodedProgram& program, std::size_t first)
   for (const ByteRange& block : program.setup) rest.setup.push_back(copy(block));
   for (const std::string_view block : *settings) rest.setup.push_back(append(block));
   rest.search = copy(program.search);
+  rest.search_again = program.search_again;
   const std::uint64_t from = program.strokes[first].begin;
   rest.geometry = copy({from, program.geometry.end});
   rest.trailer = copy(program.trailer);

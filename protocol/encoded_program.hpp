@@ -41,6 +41,8 @@ struct EncodedProgram {
   /// The search for registration marks, if there are any. The machine answers it once; send nothing
   /// more until it has answered that it found them.
   ByteRange search{};
+  /// Where it did not find them, how much lower it may begin next, in units: `search_lower`.
+  std::vector<std::int64_t> search_again{};
   /// The commands that set an autoblade's depth are sent only to a machine that reports an
   /// autoblade in its first holder. Else they are always sent: a person said what the blade is.
   bool ask_blade{false};
@@ -71,6 +73,10 @@ struct EncodedProgram {
 /// @retval OutOfRange  it draws no line, or has strokes that cannot be read by themselves (relative
 ///                     coordinates from stroke to stroke)
 [[nodiscard]] Result<EncodedProgram> read_foreign(Dialect dialect, std::string bytes);
+
+/// The commands of a program's search for marks, with a start that is so many units lower. Empty if
+/// it has none that can be read.
+[[nodiscard]] std::string search_lower(const EncodedProgram& program, std::int64_t units);
 
 /// The rest of a program from stroke `first` on, as a program of its own: the whole setup, the
 /// settings that earlier strokes changed, the search for marks if there is one, the strokes from

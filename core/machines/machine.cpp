@@ -41,6 +41,29 @@ Motion read_motion(FieldReader& fields) {
   return motion;
 }
 
+MarkSearch read_marks(FieldReader& fields) {
+  MarkSearch marks;
+  marks.before_left_mm =
+      fields.number("before_left_mm", marks.before_left_mm, -kFarthestSearchMm, kFarthestSearchMm);
+  marks.before_top_mm =
+      fields.number("before_top_mm", marks.before_top_mm, -kFarthestSearchMm, kFarthestSearchMm);
+  if (const nlohmann::json* again = fields.value("again_mm"); again != nullptr) {
+    const auto is_valid = [](const nlohmann::json& mm) {
+      return mm.is_number() && std::abs(mm.get<double>()) <= kFarthestSearchMm;
+    };
+    if (again->is_array() && again->size() <= kMostSearches &&
+        std::all_of(again->begin(), again->end(), is_valid))
+      marks.again_mm = again->get<std::vector<double>>();
+    else
+      fields.refuse("again_mm", ErrorKind::OutOfRange,
+                    fmt::format("must be a list of at most {} numbers from {:g} to {:g}",
+                                kMostSearches, -kFarthestSearchMm, kFarthestSearchMm));
+  }
+  marks.sensor_mm_s = fields.number("sensor_mm_s", marks.sensor_mm_s, 1.0, 10'000.0);
+  marks.longest_s = fields.number("longest_s", marks.longest_s, 0.0, 600.0);
+  return marks;
+}
+
 Mat read_mat(FieldReader& fields, bool driven) {
   Mat mat;
   mat.name = fields.text("name", {});
@@ -131,6 +154,7 @@ void read_driving(FieldReader& fields, Machine& machine) {
   fields.object("force_gf", [&](FieldReader& inner) { machine.force_gf = read_scale(inner); });
   fields.object("speed_mm_s", [&](FieldReader& inner) { machine.speed_mm_s = read_scale(inner); });
   fields.object("motion", [&](FieldReader& inner) { machine.motion = read_motion(inner); });
+  fields.optional_object("marks", [&](FieldReader& inner) { machine.marks = read_marks(inner); });
   machine.buffer_bytes =
       static_cast<std::uint32_t>(fields.integer("buffer_bytes", {}, 64, 1 << 30));
   machine.usb_vendor = static_cast<std::uint16_t>(fields.integer("usb_vendor", 0, 0, 0xFFFF));

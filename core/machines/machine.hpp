@@ -25,6 +25,19 @@ struct Motion {
   double spread{0.25};       ///< relative error of estimated times: 0.25 is 25 %
 };
 
+/// How a machine searches for the registration marks of a printed sheet.
+struct MarkSearch {
+  /// The search begins this far left of and above the corner where the marks are expected; below 0:
+  /// right of it, or below.
+  double before_left_mm{10}, before_top_mm{10};
+  /// After a miss it begins so much lower than at first, once for each.
+  std::vector<double> again_mm{};
+  double sensor_mm_s{40};  ///< of the sensor along both sides of the marks' rectangle
+  double longest_s{30};
+};
+inline constexpr double kFarthestSearchMm = 50.0;  ///< of a start, either way
+inline constexpr std::size_t kMostSearches = 10;   ///< after a miss
+
 /// A quantity that a machine sets in whole steps: `value = steps * per_step`.
 struct SteppedScale {
   int min_step{}, max_step{};
@@ -81,6 +94,7 @@ struct Machine {
   SteppedScale force_gf;
   SteppedScale speed_mm_s;
   Motion motion;
+  MarkSearch marks{};
   std::vector<Mat> mats;  ///< the first is the default
   std::uint32_t buffer_bytes{65536};
   std::uint16_t usb_vendor{}, usb_product{};

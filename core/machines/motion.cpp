@@ -81,6 +81,10 @@ double travel_seconds(double mm, const Motion& motion) {
   return mm > 0.0 ? leg_seconds(mm, 0.0, 0.0, motion.travel_mm_s, motion.accel_mm_s2) : 0.0;
 }
 
+double search_seconds(double width_mm, double height_mm, const MarkSearch& marks) {
+  return std::min(2 * (width_mm + height_mm) / marks.sensor_mm_s, marks.longest_s);
+}
+
 std::vector<StrokeTime> stroke_times(const Toolpath& path, const Motion& motion,
                                      const FirmwareSwivel& swivel) {
   PathTimer timer(motion);

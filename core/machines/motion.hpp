@@ -34,6 +34,9 @@ namespace popcut {
 /// Seconds for a straight move of `mm` with the tool up, from rest to rest.
 [[nodiscard]] double travel_seconds(double mm, const Motion& motion);
 
+/// Seconds for one search for marks around a rectangle, along the carriage and the feed.
+[[nodiscard]] double search_seconds(double width_mm, double height_mm, const MarkSearch& marks);
+
 /// The blades that the firmware turns at corners.
 struct FirmwareSwivel {
   double offset_mm{};

@@ -22,7 +22,7 @@ Result<void> check_shape(const MarkLayout& m) {
   const bool sized = m.width_mm < kMaxCoordinate && m.height_mm < kMaxCoordinate &&
                      m.width_mm >= 2 * m.arm_mm && m.height_mm >= 2 * m.arm_mm;
   const bool marks = m.arm_mm > 0 && m.line_mm > 0 && m.line_mm < m.arm_mm && m.square_mm > 0 &&
-                     m.square_mm <= m.arm_mm && m.search_mm >= 0 && m.search_mm < 100;
+                     m.square_mm <= m.arm_mm;
   if (finite && sized && marks) return {};
   return fail(
       ErrorKind::OutOfRange, "marks",

@@ -18,9 +18,8 @@ struct MarkLayout {
   double left_mm{}, top_mm{};      ///< outer corner of the square on the page
   double width_mm{}, height_mm{};  ///< rectangle around the three marks, along carriage and feed
   double square_mm{5};
-  double arm_mm{20};     ///< arm length of the Ls
-  double line_mm{0.5};   ///< thickness of the Ls
-  double search_mm{10};  ///< the search begins this far before the expected corner
+  double arm_mm{20};    ///< arm length of the Ls
+  double line_mm{0.5};  ///< thickness of the Ls
   /// The order of the arguments of TB51 and TB53: arm and thickness (inkscape-silhouette) or
   /// thickness and arm (py_silhouette). The sources disagree; both report success.
   bool arm_first{true};

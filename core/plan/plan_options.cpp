@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/machines/machine.hpp"
 #include "core/text/field_reader.hpp"
 #include "core/text/field_table.hpp"
 #include "core/text/near_names.hpp"
@@ -171,6 +172,7 @@ PlanOption with_opposite(PlanOption option, std::string_view name) {
 
 // clang-format off
 std::vector<PlanOption> make_table() {
+  constexpr Limits kSearch{-kFarthestSearchMm, kFarthestSearchMm, "mm"};
   constexpr Limits kSeams{-kMaxCoordinate, kMaxCoordinate, "mm"};
   return {
       of_request(text("machine", MEMBER(machine), "NAME",
@@ -249,6 +251,12 @@ std::vector<PlanOption> make_table() {
       word("mark-form", MEMBER(mark_form), {"arm", "line"},
            "If your cutter does not find the marks, try line. arm: the command TB51 gives the length "
            "of the marks' arms, and TB53 their thickness; line: the reverse"),
+      number("mark-start", MEMBER(mark_start), "LEFT,UP", kSearch,
+           "If your cutter does not find the marks, begin its search elsewhere: so far left of and "
+           "above the square's outer corner, in mm; negative is right and down", "the machine's"),
+      number("mark-again", MEMBER(mark_again), "MM,...", kSearch,
+           "After a search that finds no marks, search again with a start that is so much lower than "
+           "the first, in mm", "the machine's"),
       number("curve-tolerance", MEMBER(curve_tolerance_mm), "MM", {0.001, 1, "mm"},
            "Largest distance between a curve and the straight lines that replace it"),
       number("svg-dpi", MEMBER(svg_dpi), "N", {1, 10'000},
@@ -314,6 +322,10 @@ Result<void> check_pairs(const PlanOptions& options) {
                 "goes with a whole drawing; leave out `marks` and `clip`");
   const bool changed =
       options.width_mm || options.scale != 1 || options.rotate_deg != 0 || options.mirror;
+  if (options.mark_again.size() > kMostSearches)
+    return fail(
+        ErrorKind::Usage, "/options/mark-again",
+        fmt::format("has {} lengths; give at most {}", options.mark_again.size(), kMostSearches));
   if (options.marks && changed)
     return fail(ErrorKind::Usage, "/options/marks",
                 "says that the sheet is printed already; leave out `scale`, `width`, `rotate` and "
@@ -353,6 +365,9 @@ std::string right_value(const PlanOption& option, std::string_view wrong) {
     case Kind::Word:
       return suggestion(wrong, option.words);
     case Kind::Lengths:
+      if (option.most < kMaxCoordinate)
+        return fmt::format("give numbers from {:g} to {:g}{} with commas between", option.least,
+                           option.most, unit);
       return fmt::format("give numbers with commas between{}", unit);
     case Kind::Place:
       return fmt::format("give X,Y{}, as in 20,30", unit);

@@ -76,6 +76,8 @@ struct PlanOptions {
   LabelTool labels{LabelTool::Auto};
   bool marks{false};  ///< the sheet is printed with registration marks
   MarkForm mark_form{MarkForm::Arm};
+  /// In place of the machine's `MarkSearch`: left and top; empty: the machine's.
+  std::vector<double> mark_start{}, mark_again{};
   bool keep_lines{false};  ///< the sheet keeps its lines as they were before folds were dashed
   Progress progress{};     ///< told before each step of a sheet
 };

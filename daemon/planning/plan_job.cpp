@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/machines/motion.hpp"
 #include "core/plan/drawing_transform.hpp"
 #include "core/plan/marks.hpp"
 #include "core/plan/pens.hpp"
@@ -150,8 +151,25 @@ Warning split_and_printed(const Plan& plan) {
           plan.layout->tabs.empty() ? "" : ", to glue together")};
 }
 
+/// What a person says of the search for marks takes the place of the machine's row.
+Result<void> set_search(const PlanOptions& options, MarkSearch& search) {
+  const std::vector<double>& start = options.mark_start;
+  if (!options.marks && !(start.empty() && options.mark_again.empty()))
+    return fail(ErrorKind::Usage, start.empty() ? "/options/mark-again" : "/options/mark-start",
+                "is about registration marks; add `marks`, or leave it out");
+  if (!start.empty() && start.size() != 2)
+    return fail(ErrorKind::Usage, "/options/mark-start",
+                fmt::format("has {} numbers; give two: how far left of the marks and how far above "
+                            "them, in mm, such as 10,7",
+                            start.size()));
+  if (!start.empty()) search.before_left_mm = start[0], search.before_top_mm = start[1];
+  if (!options.mark_again.empty()) search.again_mm = options.mark_again;
+  return {};
+}
+
 /// The program of each sheet of a plan.
 Result<void> encode_sheets(const PlanOptions& options, PlanJob& job) {
+  if (auto set = set_search(options, job.plan.machine.marks); !set) return set;
   const Machine& machine = job.plan.machine;
   if (options.marks && job.plan.layout) job.plan.warnings.push_back(split_and_printed(job.plan));
   for (PlannedSheet& sheet : job.plan.sheets) {
@@ -161,6 +179,13 @@ Result<void> encode_sheets(const PlanOptions& options, PlanJob& job) {
     sent.marks = *marks;
     if (*marks) job.marks.push_back(**marks);
     sheet.registration = *marks;
+    if (*marks) {
+      const double search_s =
+          search_seconds((*marks)->width_mm, (*marks)->height_mm, machine.marks);
+      sheet.seconds += search_s;
+      sheet.seconds_range[0] += search_s * (1 - machine.motion.spread);
+      sheet.seconds_range[1] += search_s * (1 + machine.motion.spread);
+    }
     auto program = encode(sheet.sent_path(), machine, job.plan.material, sent);
     if (!program) return tl::unexpected(program.error());
     if (!program->dots.empty())

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/planning/program_file.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/machines/machine.hpp"
 #include "core/text/field_reader.hpp"
 #include "core/text/json_text.hpp"
 #include "daemon/digest/digest.hpp"
@@ -84,6 +86,22 @@ Result<void> read_blocks(FieldReader& fields, EncodedProgram& program) {
   return {};
 }
 
+Result<void> read_searches(FieldReader& fields, EncodedProgram& program) {
+  constexpr double kMostUnits = 1e6;
+  const nlohmann::json* list = fields.value("search_again");
+  if (list == nullptr) return {};
+  const bool is_valid = list->is_array() && list->size() <= kMostSearches &&
+                        std::all_of(list->begin(), list->end(), [](const nlohmann::json& units) {
+                          return units.is_number_integer() && units.get<double>() >= -kMostUnits &&
+                                 units.get<double>() <= kMostUnits;
+                        });
+  if (!is_valid)
+    return fail(ErrorKind::OutOfRange, fields.pointer("search_again"),
+                fmt::format("must be a list of at most {} whole numbers", kMostSearches));
+  program.search_again = list->get<std::vector<std::int64_t>>();
+  return {};
+}
+
 /// Dots are the strokes without bytes, all of them.
 Result<void> read_dots(FieldReader& fields, EncodedProgram& program) {
   const auto dots = rising(fields, "dots", 0, program.strokes.size());
@@ -124,6 +142,7 @@ std::string program_index(const EncodedProgram& program) {
              {"ask_blade", program.ask_blade}};
   // Only where it is needed: an older popcut does not know it.
   if (program.feed_out.begin < program.feed_out.end) index["trailer"] = program.trailer.end;
+  if (!program.search_again.empty()) index["search_again"] = program.search_again;
   return index.dump() + "\n";
 }
 
@@ -138,7 +157,8 @@ Result<EncodedProgram> read_program(std::string_view index, std::string bytes) {
   const nlohmann::json* size = fields.value("bytes");
   const std::string sha256 = fields.text("sha256", std::nullopt);
   const bool ask_blade = fields.boolean("ask_blade", false);  // not in those of popcut 1.0
-  for (const char* list : {"setup", "search", "strokes", "dots", "trailer"}) fields.value(list);
+  for (const char* list : {"setup", "search", "strokes", "dots", "trailer", "search_again"})
+    fields.value(list);
   if (const auto whole = fields.finish(); !whole) return tl::unexpected(whole.error());
   const bool same = size != nullptr && size->is_number_unsigned() &&
                     size->get<std::uint64_t>() == program.bytes.size() &&
@@ -148,8 +168,9 @@ Result<EncodedProgram> read_program(std::string_view index, std::string bytes) {
                 fmt::format("the program's {} bytes differ from the plan; plan again",
                             program.bytes.size()));
   program.ask_blade = ask_blade;
-  const auto read =
-      read_blocks(fields, program).and_then([&] { return read_dots(fields, program); });
+  const auto read = read_blocks(fields, program)
+                        .and_then([&] { return read_searches(fields, program); })
+                        .and_then([&] { return read_dots(fields, program); });
   if (!read) return tl::unexpected(read.error());
   return program;
 }

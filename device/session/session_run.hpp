@@ -51,6 +51,7 @@ class SessionRun {
   Result<void> check_limits();
   Result<void> settings();
   Result<void> search();
+  Result<bool> found_marks();
   Result<void> geometry();
   Result<void> park();
   void lift_without_memory();

@@ -133,15 +133,43 @@ Result<void> SessionRun::settings() {
   return {};
 }
 
-/// Registration marks: the machine searches for them and answers once, without a query. Until then
-/// no query is sent, since replies do not say what they answer.
+/// Registration marks: the machine searches for them and answers once, without a query; after a
+/// miss it searches again from a lower start, as often as the program says.
 Result<void> SessionRun::search() {
   if (program_.search.begin == program_.search.end) return {};
   report(SessionPhase::Searching);
   if (!answers_) return send(program_.search, accepted_);  // a file
-  constexpr double kLongestS = 40;
   if (const Result<void> clean = inquirer_.forget(); !clean) return clean;
   if (const Result<void> sent = send(program_.search, accepted_); !sent) return sent;
+  Result<bool> found = found_marks();
+  for (std::size_t k = 0; found && !*found && k < program_.search_again.size(); ++k) {
+    const std::string lower = search_lower(program_, program_.search_again[k]);
+    if (lower.empty()) break;
+    std::uint64_t beside = 0;  // these bytes are not the program's
+    if (const Result<void> clean = inquirer_.forget(); !clean) return clean;
+    if (const Result<void> sent = send(std::as_bytes(std::span(lower)), beside); !sent) return sent;
+    found = found_marks();
+    if (found && *found)
+      end_.remarks.push_back(
+          fmt::format("the registration marks were found in search {} only; a plan with another "
+                      "mark-start finds them sooner",
+                      k + 2));
+  }
+  if (!found) return tl::unexpected(found.error());
+  if (!*found)
+    return tl::unexpected(refused(
+        "the registration marks were not found, and nothing was cut; check that the sheet is "
+        "printed at 100 %, lies as the plan says, and has its square at the upper left; if it "
+        "does, "
+        "plan with another mark-start",
+        ErrorReason::NoMarks));
+  return wait_ready(plan_.setup_s);
+}
+
+/// What the machine says of one search. Until then no query is sent, since replies do not say what
+/// they answer.
+Result<bool> SessionRun::found_marks() {
+  constexpr double kLongestS = 40;
   Result<std::string> reply = fail(ErrorKind::Timeout, "", "");
   for (double waited = 0; waited < kLongestS; waited += options_.poll_s) {
     reply = inquirer_.await(options_.poll_s);
@@ -161,12 +189,7 @@ Result<void> SessionRun::search() {
                     kLongestS));
   if (!reply) return tl::unexpected(reply.error());
   const Result<double> found = parse_number(*reply);
-  if (!found || *found != 0)
-    return tl::unexpected(refused(
-        "the registration marks were not found, and nothing was cut; check that the sheet is "
-        "printed at 100 %, lies as the plan says, and has its square at the upper left",
-        ErrorReason::NoMarks));
-  return wait_ready(plan_.setup_s);
+  return found && *found == 0;
 }
 
 }  // namespace popcut

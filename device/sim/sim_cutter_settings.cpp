@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/machines/motion.hpp"
 #include "device/port/transport.hpp"
 #include "device/sim/sim_cutter.hpp"
 
@@ -220,29 +221,30 @@ void SimCutter::end_of_job() {
   drawn_ = setup_done_ = marks_found_ = false;
 }
 
-/// The arguments are height, width and the start of the search, 10 mm before the marks' corner. The
-/// search ends with one reply: 0 if the marks are found, and from then on their corner is the
-/// origin. How long it takes was never recorded; the sensor passes along both sides of the
-/// rectangle.
+/// The arguments are height, width and the start of the search, which the machine's row says how
+/// far from the marks' corner. The search ends with one reply: 0 if the marks are found, and from
+/// then on their corner is the origin. How long it takes was never recorded; the sensor passes
+/// along both sides of the rectangle.
 void SimCutter::search_marks(std::span<const double> args) {
-  constexpr double kSearchMm = 10;
-  constexpr double kSensorMmS = 40;
+  constexpr double kSearchMm = 10;  // 20 mm right and down from the start
   const double unit = machine_.unit_mm;
   const double height = std::max(0.0, arg(args, 0, 0)) * unit * machine_.scale_feed;
   const double width = std::max(0.0, arg(args, 1, 0)) * unit * machine_.scale_carriage;
   // The search begins at a whole step, but marks are printed at tenths of a millimetre.
   const auto tenths = [](double mm) { return std::round(mm * 10) / 10; };
-  PagePoint corner = bed_.to_page({arg(args, 2, 0), arg(args, 3, 0)});
-  corner = {tenths(corner.x + kSearchMm), tenths(corner.y + kSearchMm)};
+  const PagePoint start = bed_.to_page({arg(args, 2, 0), arg(args, 3, 0)});
+  const PagePoint corner{tenths(start.x + machine_.marks.before_left_mm),
+                         tenths(start.y + machine_.marks.before_top_mm)};
+  const PagePoint middle{tenths(start.x + kSearchMm), tenths(start.y + kSearchMm)};
   const PagePoint printed = options_.marks_at.value_or(corner);
   const bool near =
-      std::abs(printed.x - corner.x) <= kSearchMm && std::abs(printed.y - corner.y) <= kSearchMm;
+      std::abs(printed.x - middle.x) <= kSearchMm && std::abs(printed.y - middle.y) <= kSearchMm;
   const bool on_sheet =
       options_.unlimited ||
       (width > 0 && height > 0 && printed.x + width <= options_.page_width_mm + kSearchMm &&
        printed.y + height <= options_.page_length_mm + kSearchMm);
   marks_found_ = options_.marks && near && on_sheet;
-  const double seconds = std::min(2 * (width + height) / kSensorMmS, 30.0);
+  const double seconds = search_seconds(width, height, machine_.marks);
   plan_dwell(seconds, Commit::Nothing);
   const auto ends = now_ + to_time(seconds);
   if (answers()) replies_.push_back({ends, marks_found_ ? "    0\x03" : "    1\x03"});

@@ -178,7 +178,7 @@ TEST_CASE("doctor finds a cutter that is ready and says so", "[cli][usb][doctor]
   CHECK(said.exit == 0);
   CHECK(says(said.out, "is a Silhouette Cameo 3"));
   CHECK(says(said.out, "the kernel driver usblp holds it"));
-  CHECK(says(said.out, "ready, a sheet is loaded"));
+  CHECK(says(said.out, "ready; look whether a sheet is loaded"));
   CHECK(says(said.out, "calls itself CAMEO 3, firmware V1.60"));
   CHECK_FALSE(says(said.out, "PROBLEM"));
   CHECK(shop.device.driver() == "usblp");

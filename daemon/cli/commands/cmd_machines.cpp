@@ -53,6 +53,12 @@ Json machine_json(const Machine& machine) {
   row["margin_top_mm"] = machine.margin_top_mm;
   row["scale"] = {{"carriage", machine.scale_carriage}, {"feed", machine.scale_feed}};
   row["motion"] = motion_json(machine.motion);
+  if (machine.language == "gpgl")
+    row["marks"] = {{"before_left_mm", machine.marks.before_left_mm},
+                    {"before_top_mm", machine.marks.before_top_mm},
+                    {"again_mm", machine.marks.again_mm},
+                    {"sensor_mm_s", machine.marks.sensor_mm_s},
+                    {"longest_s", machine.marks.longest_s}};
   row["calibrated"] = machine.calibrated.empty() ? Json() : Json(machine.calibrated);
   return row;
 }

@@ -273,6 +273,40 @@ TEST_CASE("machine material and options of a task are obeyed", "[daemon][planner
   CHECK(tried->sheets[0].paths > 3);
 }
 
+TEST_CASE("a person says where the search for marks begins, and the plan's time includes it",
+          "[daemon][planner]") {
+  Bench bench;
+  const auto planned = [&](std::map<std::string, std::string> options) {
+    auto task = bench.task(Kind::Plan, kSvg);
+    task.options = std::move(options);
+    task.options["at"] = "30,30";
+    auto outcome = bench.run(task);
+    if (!outcome) FAIL(why(outcome));
+    return std::move(*outcome);
+  };
+  const auto plain = planned({}), marked = planned({{"marks", "true"}});
+  // A rectangle of 284.8 x 264.8 mm on the mat of 12 x 12 inches, at 40 mm/s, twice along each
+  // side.
+  const double search_s = 2 * (284.8 + 264.8) / 40;
+  CHECK(marked.sheets[0].seconds - plain.sheets[0].seconds == Approx(search_s).margin(0.01));
+  CHECK(marked.sheets[0].seconds_range[1] - plain.sheets[0].seconds_range[1] > search_s);
+  const auto chosen =
+      planned({{"marks", "true"}, {"mark-start", "0,-2.5"}, {"mark-again", "-4,8"}});
+  const std::string& bytes = file_of(chosen, "sheet-01.gpgl")->bytes;
+  CHECK_THAT(bytes, Catch::Contains(",250,200\x03"));
+  const auto program =
+      planning::read_program(file_of(chosen, "sheet-01.program.json")->bytes, bytes);
+  REQUIRE(program);
+  CHECK(program->search_again == std::vector<std::int64_t>{-80, 160});
+  auto task = bench.task(Kind::Plan, kSvg);
+  task.options = {{"mark-start", "10,7"}};
+  bench.refused(task, ErrorKind::OutOfRange, "/options/mark-start", "add `marks`");
+  task.options = {{"marks", "true"}, {"mark-start", "10"}};
+  bench.refused(task, ErrorKind::OutOfRange, "/options/mark-start", "give two");
+  task.options = {{"marks", "true"}, {"mark-again", "70"}};
+  bench.refused(task, ErrorKind::OutOfRange, "/options/mark-again", "50");
+}
+
 TEST_CASE("a stored program is read back unchanged and refused if anything is wrong",
           "[daemon][planner]") {
   Bench bench;
@@ -292,6 +326,13 @@ TEST_CASE("a stored program is read back unchanged and refused if anything is wr
   CHECK(program->feed_out == ByteRange{program->trailer.end, bytes.size()});
   CHECK(bytes.substr(program->feed_out.begin).find("SO0") != std::string::npos);
   CHECK(planning::program_index(*program) == index);
+  CHECK(program->search_again == std::vector<std::int64_t>{60});
+  auto wrong_search = nlohmann::json::parse(index);
+  for (const nlohmann::json& wrong :
+       {nlohmann::json(3), nlohmann::json({1.5}), nlohmann::json({1e9})}) {
+    wrong_search["search_again"] = wrong;
+    CHECK(planning::read_program(wrong_search.dump(), bytes).error().place == "/search_again");
+  }
   auto older = nlohmann::json::parse(index);
   older.erase("trailer");
   CHECK(planning::read_program(older.dump(), bytes)->trailer.end == bytes.size());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <catch2/catch.hpp>
 
+#include "core/machines/motion.hpp"
 #include "core/plan/marks.hpp"
 #include "core/plan/plan.hpp"
 #include "device/session/session.hpp"
@@ -140,6 +141,51 @@ TEST_CASE("a shifted sheet is cut where it was printed", "[device][marks]") {
   }
 }
 
+TEST_CASE("after a miss the search begins lower, as the machine's row says", "[device][marks]") {
+  PrintedSheet sheet;
+  const auto cut_at = [&](PagePoint corner) {
+    JobOptions job;
+    job.marks = sheet.marks;
+    sheet.program =
+        value(encode(sheet.path, sheet.machine, value(find_material("paper-220")), job));
+    SimOptions around;
+    around.marks_at = corner;
+    SimTransport cable(cutter(sheet.machine, around));
+    const SessionEnd end = run_session(cable, sheet.machine, sheet.program);
+    if (!end.error) {
+      CHECK(cable.cutter().trace().points.at(0).x == Approx(40 + corner.x));
+      CHECK(cable.cutter().trace().points.at(0).y == Approx(30 + corner.y));
+    }
+    return std::pair(!end.error, end.remarks);
+  };
+  // The first search reaches from 0 to 20 mm along the feed.
+  CHECK(cut_at({10, 20}) == std::pair(true, std::vector<std::string>{}));
+  const auto [found, remarks] = cut_at({10, 22});
+  CHECK(found);
+  REQUIRE(remarks.size() == 1);
+  CHECK_THAT(remarks.front(), Catch::Contains("found in search 2"));
+  CHECK_FALSE(cut_at({10, 24}).first);
+  sheet.machine.marks.again_mm = {3, 6};
+  CHECK(cut_at({10, 24}).first);
+  sheet.machine.marks.again_mm.clear();
+  CHECK_FALSE(cut_at({10, 22}).first);
+  sheet.machine.marks = {.before_left_mm = 0, .before_top_mm = -12, .again_mm = {-30}};
+  CHECK(cut_at({10, 25}).first);
+  CHECK(cut_at({10, 5}).first);
+}
+
+TEST_CASE("a lower search differs in its start alone", "[protocol][marks]") {
+  const PrintedSheet sheet;
+  CHECK(sheet.program.search_again == std::vector<std::int64_t>{60});
+  CHECK(shown(search_lower(sheet.program, 60)) ==
+        "TB50,0;TB99;TB52,2;TB51,400;TB53,10;TB55,1;TB123,5296,5696,60,0;");
+  CHECK(value(rest_of(sheet.program, 0)).search_again == sheet.program.search_again);
+  CHECK(search_lower(EncodedProgram{}, 60).empty());
+  const MarkLayout marks = value(marks_for({304.8, 304.8}));
+  CHECK_THAT(shown(mark_search(marks, machine("cameo4"))),
+             Catch::EndsWith("TB123,5296,5696,120,0;"));
+}
+
 TEST_CASE("missing marks are reported before anything is cut", "[device][marks]") {
   const PrintedSheet sheet;
   SimOptions bare;
@@ -155,7 +201,8 @@ TEST_CASE("missing marks are reported before anything is cut", "[device][marks]"
     CHECK(end.fates[0] == StrokeFate::NotSent);
     cable.cutter().run_dry();
     CHECK(cable.cutter().trace().strokes.empty());
-    CHECK(cable.cutter().accepted_bytes() < sheet.program.geometry.begin + 60);  // and queries
+    // And queries, and one search more.
+    CHECK(cable.cutter().accepted_bytes() < sheet.program.geometry.begin + 130);
   }
 }
 
