@@ -32,7 +32,7 @@ constexpr std::size_t kRowsAtOnce = 50;
 // Rows that the fleet may have already, from another folder or by itself. They stay as they are.
 bool is_shared(std::string_view table) {
   constexpr std::string_view kShared[] = {"asset",  "design",   "plan_asker", "material",
-                                          "device", "calendar", "search"};
+                                          "device", "calendar", "search",     "ownership"};
   return std::find(std::begin(kShared), std::end(kShared), table) != std::end(kShared);
 }
 

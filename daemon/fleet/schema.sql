@@ -1018,7 +1018,7 @@ GRANT SELECT ON ALL TABLES IN SCHEMA popcut TO popcut_node;
 GRANT SELECT ON ALL SEQUENCES IN SCHEMA popcut TO popcut_node;
 GRANT INSERT, UPDATE, DELETE ON popcut.blob, popcut.blob_part, popcut.asset,
   popcut.design, popcut.asset_use, popcut.plan, popcut.plan_sheet, popcut.plan_asker, popcut.job,
-  popcut.search,
+  popcut.search, popcut.ownership,
   popcut.tally, popcut.sheet, popcut.event, popcut.event_new, popcut.idem, popcut.audit, popcut.token,
   popcut.session, popcut.material, popcut.device, popcut.usage, popcut.calendar, popcut.end_tally
   TO popcut_node;

@@ -71,13 +71,21 @@ class Designs {
   virtual void add(const Principal&, Upload, std::string media_type, std::string name,
                    std::function<void(Answer<Design>)> done) = 0;
   [[nodiscard]] virtual Answer<Asset> add_asset(const Principal&, const Upload&) = 0;
-  [[nodiscard]] virtual Page<Asset> assets(const PageRequest&) = 0;
-  /// @retval StateConflict  designs refer to it, and are named
+  /// As with `find`, what belongs to several shows to each of them their own name.
+  [[nodiscard]] virtual Page<Asset> assets(const Principal&, const PageRequest&) = 0;
+  /// An owner lets it go; it is removed when nobody owns it any more. An operator who owns none of
+  /// it removes it for all.
+  ///
+  /// @retval StateConflict  designs of theirs refer to it, and are named
   [[nodiscard]] virtual Answer<void> remove_asset(const Principal&, const std::string& id) = 0;
-  [[nodiscard]] virtual Page<Design> list(const PageRequest&) = 0;
-  [[nodiscard]] virtual Answer<Design> find(const std::string& id) = 0;
+  [[nodiscard]] virtual Page<Design> list(const Principal&, const PageRequest&) = 0;
+  /// Its name, owner and time are those of this principal if they own it, else of its first owner.
+  [[nodiscard]] virtual Answer<Design> find(const Principal&, const std::string& id) = 0;
   /// Path of the stored bytes.
   [[nodiscard]] virtual Answer<std::string> content(const std::string& id) = 0;
+  /// As `remove_asset`, with the plans that they asked for.
+  ///
+  /// @retval StateConflict  a job of theirs uses it
   [[nodiscard]] virtual Answer<void> remove(const Principal&, const std::string& id) = 0;
   /// The design's preview, drawn again from what was read; never empty bytes.
   virtual void preview(const std::string& id, std::function<void(Answer<std::string>)> done) = 0;
@@ -125,10 +133,11 @@ class Plans {
   [[nodiscard]] virtual Answer<PlanRecord> find(const std::string& id) = 0;
   /// With all its sheets, read in several turns; `done` is called on the service's thread.
   virtual void whole(const std::string& id, std::function<void(Answer<PlanRecord>)> done) = 0;
-  /// Cancels a plan that is not made yet; removes one that is made, with its files.
+  /// Cancels a plan that is not made yet; removes one that is made, with its files: for all who
+  /// asked for it if an operator who did not, else when the last of them lets it go.
   ///
-  /// @retval StateConflict  a job uses this plan
-  /// @retval Forbidden      the design belongs to someone else
+  /// @retval StateConflict  a job of theirs uses this plan
+  /// @retval Forbidden      only others asked for it
   [[nodiscard]] virtual Answer<void> remove(const Principal&, const std::string& id) = 0;
   /// The machines that sheets can be planned for: popcut's own, and those of users' tables.
   [[nodiscard]] virtual Answer<std::vector<Machine>> machines() = 0;
@@ -158,9 +167,9 @@ class Searches {
   /// @retval QueueFull   too many searches wait, of all or of this principal
   [[nodiscard]] virtual Answer<SearchRecord> request(const Principal&,
                                                      const CardSearchRequest&) = 0;
-  [[nodiscard]] virtual Answer<SearchRecord> find(const std::string& id) = 0;
-  /// Cancels a search that is not finished; removes one that is, with its pictures. Designs that
-  /// were made from its cards stay.
+  [[nodiscard]] virtual Answer<SearchRecord> find(const Principal&, const std::string& id) = 0;
+  /// Cancels a search that is not finished; removes one that is, with its pictures, as
+  /// `Plans::remove` does. Designs that were made from its cards stay.
   ///
   /// @retval Forbidden  it is someone else's
   [[nodiscard]] virtual Answer<void> remove(const Principal&, const std::string& id) = 0;

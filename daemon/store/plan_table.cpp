@@ -113,6 +113,10 @@ void PlanTable::ask(std::string_view plan, std::string_view owner) {
   db_.put("plan_asker(owner, plan)", "owner, plan", owner, plan);
 }
 
+void PlanTable::unask(std::string_view plan, std::string_view owner) {
+  db_.run("DELETE FROM plan_asker WHERE owner=? AND plan=?", owner, plan);
+}
+
 bool PlanTable::has_asked(std::string_view plan, std::string_view owner) {
   return db_.number("SELECT EXISTS(SELECT 1 FROM plan_asker WHERE owner=? AND plan=?)", owner,
                     plan) != 0;

@@ -50,6 +50,8 @@ class PlanTable {
 
   /// Notes that `owner` waits for a plan.
   void ask(std::string_view plan, std::string_view owner);
+  /// `owner` does not wait for it any more.
+  void unask(std::string_view plan, std::string_view owner);
   [[nodiscard]] bool has_asked(std::string_view plan, std::string_view owner);
   /// For how many plans `owner` waits.
   [[nodiscard]] std::int64_t asked_by(std::string_view owner);

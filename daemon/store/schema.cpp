@@ -68,9 +68,9 @@ std::string version_misfit(int version) {
 
 const std::vector<std::string_view>& table_names() {
   static const std::vector<std::string_view> names{
-      "asset",   "design",   "plan",   "plan_sheet", "plan_asker", "job",   "sheet",
-      "arm",     "attempt",  "chunk",  "event",      "idem",       "audit", "token",
-      "session", "material", "device", "usage",      "calendar",   "search"};
+      "asset",   "design",   "plan",   "plan_sheet", "plan_asker", "job",    "sheet",
+      "arm",     "attempt",  "chunk",  "event",      "idem",       "audit",  "token",
+      "session", "material", "device", "usage",      "calendar",   "search", "ownership"};
   return names;
 }
 

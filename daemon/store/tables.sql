@@ -23,6 +23,16 @@ CREATE TABLE asset_use(
   PRIMARY KEY (asset, design)) STRICT, WITHOUT ROWID;
 CREATE INDEX asset_use_design ON asset_use(design);
 
+-- Who uploaded or asked for a thing. Equal bytes and equal requests are one thing with several owners;
+-- it goes when the last of them lets it go. The owner of a plan counts while they own its design too,
+-- and the owner of a search while they own its model. `owner`, `name` and `created` of the thing
+-- itself are those of its first owner.
+CREATE TABLE ownership(
+  kind TEXT NOT NULL CHECK (kind IN ('asset', 'design', 'plan', 'search')), id TEXT NOT NULL,
+  owner TEXT NOT NULL, name TEXT NOT NULL, created INTEGER NOT NULL,
+  PRIMARY KEY (kind, id, owner)) STRICT, WITHOUT ROWID;
+CREATE INDEX ownership_of ON ownership(owner, kind, id);
+
 -- `key` is the digest of everything that decides the result: equal plans are made once. `planner`
 -- is the node that makes the plan now. `begun` counts how often popcutd ended while it made it.
 CREATE TABLE plan(

@@ -72,7 +72,7 @@ std::size_t read_all(ServiceBench& bench) {
       (void)service.access.tokens();
       (void)service.materials.list();
       (void)service.devices.list();
-      (void)service.designs.list({});
+      (void)service.designs.list({}, {});
       (void)service.operations.metrics();
       service.tick();
     } catch (const std::exception&) {

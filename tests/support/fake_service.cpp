@@ -242,7 +242,7 @@ Answer<Asset> FakeDesigns::add_asset(const Principal&, const Upload& upload) {
       .id = "sha256-" + upload.sha256, .name = upload.name, .bytes = upload.bytes, .created = kNow};
 }
 
-Page<Asset> FakeDesigns::assets(const PageRequest&) {
+Page<Asset> FakeDesigns::assets(const Principal&, const PageRequest&) {
   note("assets");
   Page<Asset> page;
   for (const auto& [id, asset] : asset_map) page.items.push_back(asset);
@@ -255,7 +255,7 @@ Answer<void> FakeDesigns::remove_asset(const Principal&, const std::string& id) 
   return {};
 }
 
-Page<Design> FakeDesigns::list(const PageRequest& request) {
+Page<Design> FakeDesigns::list(const Principal&, const PageRequest& request) {
   note("designs");
   last_page = request;
   Page<Design> page;
@@ -270,7 +270,7 @@ Page<Design> FakeDesigns::list(const PageRequest& request) {
   return page;
 }
 
-Answer<Design> FakeDesigns::find(const std::string& id) {
+Answer<Design> FakeDesigns::find(const Principal&, const std::string& id) {
   if (auto problem = failure("design")) return tl::unexpected<Problem>(*problem);
   return lookup(design_map, id, "design");
 }
@@ -327,7 +327,7 @@ Answer<SearchRecord> FakeSearches::request(const Principal& who, const CardSearc
   return search_map[search.id] = search;
 }
 
-Answer<SearchRecord> FakeSearches::find(const std::string& id) {
+Answer<SearchRecord> FakeSearches::find(const Principal&, const std::string& id) {
   if (auto problem = failure("search")) return tl::unexpected<Problem>(*problem);
   return lookup(search_map, id, "search");
 }

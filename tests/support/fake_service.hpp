@@ -102,10 +102,10 @@ class FakeDesigns : public Designs, public virtual FakeState {
   void add(const Principal&, Upload, std::string media_type, std::string name,
            std::function<void(Answer<Design>)> done) override;
   Answer<Asset> add_asset(const Principal&, const Upload&) override;
-  Page<Asset> assets(const PageRequest&) override;
+  Page<Asset> assets(const Principal&, const PageRequest&) override;
   Answer<void> remove_asset(const Principal&, const std::string& id) override;
-  Page<Design> list(const PageRequest&) override;
-  Answer<Design> find(const std::string& id) override;
+  Page<Design> list(const Principal&, const PageRequest&) override;
+  Answer<Design> find(const Principal&, const std::string& id) override;
   Answer<std::string> content(const std::string& id) override;
   Answer<void> remove(const Principal&, const std::string& id) override;
   void preview(const std::string& id, std::function<void(Answer<std::string>)> done) override;
@@ -134,7 +134,7 @@ class FakePlans : public Plans, public virtual FakeState {
 class FakeSearches : public Searches, public virtual FakeState {
  public:
   Answer<SearchRecord> request(const Principal&, const CardSearchRequest&) override;
-  Answer<SearchRecord> find(const std::string& id) override;
+  Answer<SearchRecord> find(const Principal&, const std::string& id) override;
   Answer<void> remove(const Principal&, const std::string& id) override;
   Answer<std::string> picture(const std::string& id, int card) override;
   void pick(const Principal&, const std::string& id, int card, const std::string& name,

@@ -63,7 +63,8 @@ void answer_picture(const Request& request, Service& service, const HandlerConte
                     const Reply& reply, const std::function<void(Designs::Shown)>& make) {
   const std::string etag =
       fmt::format("\"{}-{}-{}\"", request.params[0], last_part(request), context.build);
-  if (const Answer<Design> design = service.designs.find(request.params[0]); !design)
+  if (const Answer<Design> design = service.designs.find(request.principal, request.params[0]);
+      !design)
     return reply(problem_response(design.error(), request));
   if (has_seen(request, etag)) return reply(unchanged(etag, kKept));
   make([reply, etag, target = request.target, id = request.id](Answer<std::string> svg) {
@@ -112,7 +113,7 @@ void list_assets(const Request& request, Service& service, const HandlerContext&
   QueryReader query(request);
   const PageRequest wanted = query.page(kList);
   if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
-  reply(page_response(service.designs.assets(wanted), kList,
+  reply(page_response(service.designs.assets(request.principal, wanted), kList,
                       [](const Asset& asset) { return dump(listed_json(asset)); }));
 }
 
@@ -139,12 +140,12 @@ void list_designs(const Request& request, Service& service, const HandlerContext
   QueryReader query(request);
   const PageRequest wanted = query.page(kList);
   if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
-  reply(page_response(service.designs.list(wanted), kList,
+  reply(page_response(service.designs.list(request.principal, wanted), kList,
                       [](const Design& design) { return dump(to_json(design)); }));
 }
 
 void get_design(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const Answer<Design> design = service.designs.find(request.params[0]);
+  const Answer<Design> design = service.designs.find(request.principal, request.params[0]);
   if (!design) return reply(problem_response(design.error(), request));
   Response response = json_response(200, to_json(*design));
   response.headers.push_back({"ETag", fmt::format("\"{}\"", design->id)});
@@ -152,7 +153,7 @@ void get_design(const Request& request, Service& service, const HandlerContext&,
 }
 
 void design_content(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const Answer<Design> design = service.designs.find(request.params[0]);
+  const Answer<Design> design = service.designs.find(request.principal, request.params[0]);
   if (!design) return reply(problem_response(design.error(), request));
   // Always sent as an attachment: a browser must never show what users upload.
   const std::string ending = design->kind == "svg" || design->kind == "dxf" ? design->kind : "json";
@@ -187,7 +188,7 @@ void design_file(const Request& request, Service& service, const HandlerContext&
   QueryReader query(request);
   const int part = static_cast<int>(query.whole("part").value_or(1));
   if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
-  const Answer<Design> design = service.designs.find(request.params[0]);
+  const Answer<Design> design = service.designs.find(request.principal, request.params[0]);
   if (!design) return reply(problem_response(design.error(), request));
   const bool is_known = std::find(kExports.begin(), kExports.end(), name) != kExports.end();
   if (!is_known || design->kind != "spec")
@@ -218,7 +219,7 @@ void design_file(const Request& request, Service& service, const HandlerContext&
 }
 
 void delete_design(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const Answer<Design> design = service.designs.find(request.params[0]);
+  const Answer<Design> design = service.designs.find(request.principal, request.params[0]);
   if (!design) return reply(problem_response(design.error(), request));
   if (const auto not_theirs = check_owner(request, design->owner))
     return reply(problem_response(*not_theirs, request));
@@ -231,7 +232,8 @@ void plan_design(const Request& request, Service& service, const HandlerContext&
   if (!wanted) return reply(problem_response(wanted.error(), request));
   wanted->design = request.params[0];
   answer_once(request, service, reply, [&] {
-    if (const Answer<Design> design = service.designs.find(wanted->design); !design)
+    if (const Answer<Design> design = service.designs.find(request.principal, wanted->design);
+        !design)
       return problem_response(design.error(), request);
     const Answer<PlanRecord> plan = service.plans.request(request.principal, *wanted);
     if (!plan) return problem_response(plan.error(), request);

@@ -129,7 +129,8 @@ void place_spec(const Request& request, Service& service, const HandlerContext& 
 
 void design_lattice(const Request& request, Service& service, const HandlerContext& context,
                     Reply reply) {
-  if (const Answer<Design> design = service.designs.find(request.params[0]); !design)
+  if (const Answer<Design> design = service.designs.find(request.principal, request.params[0]);
+      !design)
     return reply(problem_response(design.error(), request));
   const std::string etag = fmt::format("\"{}-{}{}\"", request.params[0], context.build,
                                        service.designs.material_mark(request.params[0]));

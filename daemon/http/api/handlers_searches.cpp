@@ -111,7 +111,7 @@ void search_cards(const Request& request, Service& service, const HandlerContext
 }
 
 void get_search(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  Answer<SearchRecord> search = service.searches.find(request.params[0]);
+  Answer<SearchRecord> search = service.searches.find(request.principal, request.params[0]);
   if (!search) return reply(problem_response(search.error(), request));
   Response response;
   response.make_body = [search = std::move(*search)] { return dump(to_json(search)); };

@@ -93,8 +93,8 @@ struct Parts {
       const Answer<MaterialRecord> found = materials.find(name.empty() ? kUsualMaterial : name);
       return found ? found->json : std::string();
     };
-    designs.removed = [this](const std::string& design) { plans.remove_all_of(design); };
-    designs.asset_removed = [this](const std::string& asset) { searches.remove_all_of(asset); };
+    designs.let_go = [this](const std::string& design) { plans.remove_unowned(design); };
+    designs.asset_let_go = [this](const std::string& asset) { searches.remove_unowned(asset); };
     plans.begun = [this](const std::string& plan) { jobs.plan_begun(plan); };
     plans.is_at = [this](const std::string& plan, const PlanningPhase& phase) {
       jobs.plan_is_at(plan, phase);

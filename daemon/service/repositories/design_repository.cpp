@@ -14,7 +14,11 @@
 namespace popcut::daemon {
 namespace {
 
-constexpr std::string_view kColumns = "id, name, kind, owner, bytes, created, assets, media_type";
+// As the owner sees it whose name is the first parameter, if they are one.
+constexpr std::string_view kSelectDesign =
+    "SELECT design.id, coalesce(own.name, design.name), design.kind, coalesce(own.owner, "
+    "design.owner), bytes, coalesce(own.created, design.created), assets, media_type FROM design "
+    "LEFT JOIN ownership AS own ON own.kind='design' AND own.id=design.id AND own.owner=?1 WHERE ";
 constexpr std::uint64_t kSpecBytes = 1u << 20;  // longer ones name their material in the request
 constexpr std::uint64_t kNewSpecBytes = 64u << 10;  // of one that is being uploaded
 constexpr std::size_t kMostKept = 1000;             // materials of designs, in memory
@@ -105,11 +109,51 @@ Answer<void> check_text(const std::string& text, TextLimit limit, const std::str
   return {};
 }
 
-std::optional<Design> DesignRepository::row(const std::string& id, std::string* media_type) {
-  Rows rows = store_.db().rows(fmt::format("SELECT {} FROM design WHERE id=?", kColumns), id);
+std::optional<Design> DesignRepository::row(const std::string& id, std::string* media_type,
+                                            const std::string& owner) {
+  Rows rows = store_.db().rows(fmt::format("{}design.id=?2", kSelectDesign), owner, id);
   if (!rows.next()) return std::nullopt;
   if (media_type != nullptr) *media_type = rows.text(7);
   return design_of(rows);
+}
+
+bool DesignRepository::own(const Principal& who, const Design& design, const std::string& name) {
+  owners_.hold(Owned::Design, design.id);
+  if (!owners_.add(Owned::Design, design.id, {who.name, name, store_.now()})) return false;
+  for (const std::string& asset : design.assets)
+    own_asset(who, asset,
+              first_of(store_.db().rows("SELECT name FROM asset WHERE id=?", asset), first_text)
+                  .value_or(""));
+  return true;
+}
+
+// Bytes that were sent as something else are checked, as if nobody had sent them before.
+Answer<std::optional<Design>> DesignRepository::known(const Principal& who, const Upload& upload,
+                                                      const std::string& media_type,
+                                                      const std::string& name) {
+  const std::string id = "sha256-" + upload.sha256;
+  using Known = Answer<std::optional<Design>>;
+  std::string type;
+  const Answer<std::optional<Design>> there =
+      store_.look([&]() -> Known { return row(id, &type, who.name); });
+  if (!there || !*there) return there;
+  if (store_
+          .look([&]() -> Known {
+            return owners_.has(Owned::Design, id, who.name) ? *there : std::nullopt;
+          })
+          .value_or(std::nullopt))
+    return there;
+  if (type != media_type) return std::nullopt;
+  return store_.change([&]() -> Known {
+    const std::optional<Design> design = row(id);
+    if (!design) return std::nullopt;
+    const bool is_new = own(who, *design, name);
+    if (is_new) store_.audit(who.name, "add-design", id, name);
+    if (is_new) store_.emit("notice", "", JsonObject().text("design", id).text("what", "added"));
+    std::optional<Design> owned = row(id, nullptr, who.name);
+    owned->is_new = is_new;
+    return owned;
+  });
 }
 
 void DesignRepository::add(const Principal& who, Upload upload, std::string media_type,
@@ -122,8 +166,7 @@ void DesignRepository::add(const Principal& who, Upload upload, std::string medi
     return give_up({ProblemKind::Forbidden, "only a submitter may upload designs"});
   if (const auto fine = check_text(name, kNameLimit, "?name"); !fine) return give_up(fine.error());
   if (const auto room = store_.accepts_work(); !room) return give_up(room.error());
-  const Answer<std::optional<Design>> before = store_.look(
-      [&]() -> Answer<std::optional<Design>> { return row("sha256-" + upload.sha256); });
+  const Answer<std::optional<Design>> before = known(who, upload, media_type, name);
   if (!before) return give_up(before.error());
   if (before->has_value()) {
     remove_tree(upload.path);
@@ -176,7 +219,12 @@ Answer<Design> DesignRepository::store(const Principal& who, const Upload& uploa
   const std::string id = "sha256-" + upload.sha256;
   return store_.change([&]() -> Answer<Design> {
     // Another upload of the same bytes may have been faster.
-    if (const auto before = row(id)) return *before;
+    if (const auto before = row(id)) {
+      const bool is_new = own(who, *before, name);
+      Design owned = *row(id, nullptr, who.name);
+      owned.is_new = is_new;
+      return owned;
+    }
     if (const auto there = check_assets(outcome.assets); !there)
       return tl::unexpected(there.error());
     Design design{.id = id,
@@ -195,6 +243,7 @@ Answer<Design> DesignRepository::store(const Principal& who, const Upload& uploa
     store_.db().insert("design(id, name, kind, owner, bytes, created, assets, media_type)", id,
                        name, design.kind, design.owner, design.bytes, design.created,
                        json_list(design.assets), media_type);
+    own(who, design, name);
     store_.audit(who.name, "add-design", id, name);
     store_.emit("notice", "", JsonObject().text("design", id).text("what", "added"));
     return design;
@@ -206,16 +255,16 @@ Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& up
   Answer<Asset> added = store_.change([&]() -> Answer<Asset> {
     if (who.role < Role::Submitter)
       return refuse(ProblemKind::Forbidden, "only a submitter may upload assets");
-    Rows rows = store_.db().rows("SELECT bytes, created, name, owner FROM asset WHERE id=?", id);
-    if (rows.next())
-      return Asset{.id = id,
-                   .name = rows.text(2),
-                   .owner = rows.text(3),
-                   .bytes = static_cast<std::uint64_t>(rows.integer(0)),
-                   .created = rows.integer(1),
-                   .is_new = false};
     if (const auto fine = check_text(upload.name, kNameLimit, "?name"); !fine)
       return tl::unexpected(fine.error());
+    owners_.hold(Owned::Asset, id);
+    if (asset_row(id, who.name)) {
+      const bool is_new = own_asset(who, id, upload.name);
+      if (is_new) store_.audit(who.name, "add-asset", id, "");
+      Asset owned = *asset_row(id, who.name);
+      owned.is_new = is_new;
+      return owned;
+    }
     if (const auto room = store_.accepts_work(); !room) return tl::unexpected(room.error());
     const std::string place = store_.folder().at("assets/" + id);
     if (!exists(upload.path) && exists(place)) {
@@ -230,6 +279,7 @@ Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& up
                       .created = store_.now()};
     store_.db().insert("asset(id, bytes, created, name, owner)", id, asset.bytes, asset.created,
                        asset.name, asset.owner);
+    own_asset(who, id, asset.name);
     if (!store_.files().keep_small("assets/" + id))
       store_.after_commit([this, id] {
         aside_.run([files = &store_.files(), id] { (void)files->keep("assets/" + id); });
@@ -241,13 +291,12 @@ Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& up
   return added;
 }
 
-Page<Design> DesignRepository::list(const PageRequest& request) {
+Page<Design> DesignRepository::list(const Principal& who, const PageRequest& request) {
   Page<Design> page;
-  page.items =
-      all_of(store_.db().rows(
-                 fmt::format("SELECT {} FROM design WHERE id>? ORDER BY id LIMIT ?", kColumns),
-                 request.cursor, request.limit + 1),
-             design_of);
+  page.items = all_of(
+      store_.db().rows(fmt::format("{}design.id>?2 ORDER BY design.id LIMIT ?3", kSelectDesign),
+                       who.name, request.cursor, request.limit + 1),
+      design_of);
   if (page.items.size() > static_cast<std::size_t>(request.limit)) {
     page.items.pop_back();
     page.next_cursor = page.items.back().id;
@@ -255,12 +304,14 @@ Page<Design> DesignRepository::list(const PageRequest& request) {
   return page;
 }
 
-Answer<Design> DesignRepository::find(const std::string& id) {
+Answer<Design> DesignRepository::find(const Principal& who, const std::string& id) {
   return store_.look([&]() -> Answer<Design> {
-    if (const auto found = row(id)) return *found;
+    if (const auto found = row(id, nullptr, who.name)) return *found;
     return refuse(ProblemKind::NotFound, fmt::format("there is no design {:?}", id));
   });
 }
+
+Answer<Design> DesignRepository::find(const std::string& id) { return find(Principal{}, id); }
 
 Answer<std::string> DesignRepository::content(const std::string& id) {
   const Answer<Design> design = here(id);
@@ -279,31 +330,52 @@ Answer<Design> DesignRepository::here(const std::string& id) {
   return design;
 }
 
+Answer<void> DesignRepository::check_jobs(const std::string& design, const std::string& owner) {
+  const auto used =
+      first_of(store_.db().rows(
+                   "SELECT id FROM job WHERE design=?1 AND (owner=?2 OR ?2='') AND state NOT IN "
+                   "('done', 'failed', 'cancelled') LIMIT 1",
+                   design, owner),
+               first_text);
+  if (!used) return {};
+  return refuse(ProblemKind::StateConflict,
+                fmt::format("job {} uses this design; finish or cancel the job first", *used));
+}
+
 Answer<void> DesignRepository::remove(const Principal& who, const std::string& id) {
   return store_.change([&]() -> Answer<void> {
-    const Answer<Design> design = find(id);
+    owners_.hold(Owned::Design, id);
+    const Answer<Design> design = find(who, id);
     if (!design) return tl::unexpected(design.error());
-    if (who.role < Role::Operator && design->owner != who.name)
+    const bool is_mine = owners_.has(Owned::Design, id, who.name);
+    if (!is_mine && who.role < Role::Operator)
       return refuse(ProblemKind::Forbidden, "only an operator may delete someone else's design");
-    Rows used = store_.db().rows(
-        "SELECT id FROM job WHERE design=? AND state NOT IN ('done', 'failed', 'cancelled') "
-        "LIMIT 1",
-        id);
-    if (used.next())
-      return refuse(
-          ProblemKind::StateConflict,
-          fmt::format("job {} uses this design; finish or cancel the job first", used.text(0)));
-    store_.db().run("DELETE FROM design WHERE id=?", id);
-    store_.files().forget("designs/" + id);
+    if (const auto free = check_jobs(id, is_mine ? who.name : ""); !free) return free;
+    if (is_mine)
+      owners_.remove(Owned::Design, id, who.name);
+    else
+      owners_.remove_all(Owned::Design, id);
+    if (const auto other = owners_.first(Owned::Design, id)) {
+      store_.db().run("UPDATE design SET owner=?, name=?, created=? WHERE id=?", other->owner,
+                      other->name, other->created, id);
+    } else {
+      if (const auto free = check_jobs(id, ""); !free) return free;
+      remove_row(id);
+    }
     store_.audit(who.name, "delete-design", id, design->name);
-    if (removed) removed(id);
-    store_.after_commit([this, id] {
-      aside_.remove(store_.folder().at("designs/" + id));
-      aside_.remove(store_.folder().at("previews/" + id + ".svg"));
-      for (const char* const name : {"deployed.svg", "pattern.svg"})
-        aside_.remove(picture_place(id, name));
-    });
+    if (let_go) let_go(id);
     return {};
+  });
+}
+
+void DesignRepository::remove_row(const std::string& id) {
+  store_.db().run("DELETE FROM design WHERE id=?", id);
+  store_.files().forget("designs/" + id);
+  store_.after_commit([this, id] {
+    aside_.remove(store_.folder().at("designs/" + id));
+    aside_.remove(store_.folder().at("previews/" + id + ".svg"));
+    for (const char* const name : {"deployed.svg", "pattern.svg"})
+      aside_.remove(picture_place(id, name));
   });
 }
 

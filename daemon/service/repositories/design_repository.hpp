@@ -15,10 +15,12 @@
 #include "daemon/service/service.hpp"
 #include "daemon/service/service_store.hpp"
 #include "daemon/service/service_thread.hpp"
+#include "daemon/store/ownership_table.hpp"
 
 namespace popcut::daemon {
 
-/// Designs and assets: files named by the digest of their bytes, and a row for each.
+/// Designs and assets: files named by the digest of their bytes, a row for each, and their owners
+/// (see `OwnershipTable`).
 class DesignRepository : public Designs {
  public:
   /// @param previewer  may be null; then there are no previews
@@ -28,16 +30,19 @@ class DesignRepository : public Designs {
         post_(std::move(post)),
         planner_(planner),
         previewer_(std::move(previewer)),
-        aside_(aside) {}
+        aside_(aside),
+        owners_(store.db()) {}
 
   using Added = std::function<void(Answer<Design>)>;
   void add(const Principal& who, Upload upload, std::string media_type, std::string name,
            Added done) override;
   Answer<Asset> add_asset(const Principal& who, const Upload& upload) override;
-  Page<Asset> assets(const PageRequest& request) override;
+  Page<Asset> assets(const Principal& who, const PageRequest& request) override;
   Answer<void> remove_asset(const Principal& who, const std::string& id) override;
-  Page<Design> list(const PageRequest& request) override;
-  Answer<Design> find(const std::string& id) override;
+  Page<Design> list(const Principal& who, const PageRequest& request) override;
+  Answer<Design> find(const Principal& who, const std::string& id) override;
+  /// As it is for those who do not own it.
+  [[nodiscard]] Answer<Design> find(const std::string& id);
   Answer<std::string> content(const std::string& id) override;
   /// As `find`; also fetches its file and its assets into the state folder if another node has
   /// them.
@@ -64,15 +69,20 @@ class DesignRepository : public Designs {
   [[nodiscard]] Answer<std::string> asset_place(const std::string& id);
   /// The planner's task for a stored design: its bytes, kind and assets.
   [[nodiscard]] PlanningTask task_for(const Design& design, PlanningTask::Kind kind);
+  /// Makes `who` an owner of a design and of its assets, in a transaction. True: they were not.
+  bool own(const Principal& who, const Design& design, const std::string& name);
+  /// The same of an asset.
+  bool own_asset(const Principal& who, const std::string& id, const std::string& name);
+  [[nodiscard]] OwnershipTable& owners() { return owners_; }
   /// The material that a spec names; empty if it names none.
   [[nodiscard]] std::string own_material(const Design& design);
   /// The row of a material as JSON, for an empty name that of the usual one; empty if there is no
   /// such material.
   std::function<std::string(const std::string& name)> material_row{};
-  /// Called in the transaction that removes a design.
-  std::function<void(const std::string& design)> removed{};
-  /// Called in the transaction that removes an asset.
-  std::function<void(const std::string& asset)> asset_removed{};
+  /// Called in the transaction that removes a design, or one of its owners.
+  std::function<void(const std::string& design)> let_go{};
+  /// Called in the transaction that removes an asset, or one of its owners.
+  std::function<void(const std::string& asset)> asset_let_go{};
 
  private:
   void checked(const Principal& who, const Upload& upload, const std::string& media_type,
@@ -80,9 +90,26 @@ class DesignRepository : public Designs {
   [[nodiscard]] Answer<Design> store(const Principal& who, const Upload& upload,
                                      const std::string& media_type, const std::string& name,
                                      const PlanningOutcome& outcome);
-  [[nodiscard]] std::optional<Design> row(const std::string& id, std::string* media_type = nullptr);
-  /// The first designs that refer to an asset.
-  [[nodiscard]] std::vector<std::string> designs_with(const std::string& asset);
+  /// As it is for `owner`, if they own it.
+  [[nodiscard]] std::optional<Design> row(const std::string& id, std::string* media_type = nullptr,
+                                          const std::string& owner = {});
+  /// The design of these bytes if it needs no check, with `who` as an owner.
+  [[nodiscard]] Answer<std::optional<Design>> known(const Principal& who, const Upload& upload,
+                                                    const std::string& media_type,
+                                                    const std::string& name);
+  /// Refuses if an unfinished job of `owner` uses the design; if `owner` is empty, a job of
+  /// anybody.
+  [[nodiscard]] Answer<void> check_jobs(const std::string& design, const std::string& owner);
+  void remove_row(const std::string& id);
+  /// The designs that refer to an asset: some of them, and how many there are.
+  struct Referring {
+    std::vector<std::string> some;
+    std::int64_t all{};
+  };
+  /// @param owner  only those of this owner; empty: all
+  [[nodiscard]] Referring designs_with(const std::string& asset, const std::string& owner = {});
+  [[nodiscard]] Answer<void> check_designs(const std::string& asset, const std::string& owner);
+  [[nodiscard]] std::optional<Asset> asset_row(const std::string& id, const std::string& owner);
   /// Refuses if an asset was removed while the design was checked.
   [[nodiscard]] Answer<void> check_assets(const std::vector<std::string>& assets);
   /// The task of a spec that is not stored.
@@ -94,6 +121,7 @@ class DesignRepository : public Designs {
   Planner& planner_;
   std::shared_ptr<Previewer> previewer_;
   Aside& aside_;
+  OwnershipTable owners_;
   /// The path of a picture of a design.
   [[nodiscard]] std::string picture_place(const std::string& id, const std::string& name) const;
   void pictures_made(const std::string& id, const Answer<PlanningOutcome>& outcome);

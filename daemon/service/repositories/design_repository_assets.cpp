@@ -8,37 +8,65 @@ namespace popcut::daemon {
 namespace {
 
 constexpr int kNamedDesigns = 5;
+// As the owner sees it whose name is the first parameter, if they are one.
+constexpr std::string_view kSelectAsset =
+    "SELECT asset.id, coalesce(own.name, asset.name), coalesce(own.owner, asset.owner), bytes, "
+    "coalesce(own.created, asset.created) FROM asset LEFT JOIN ownership AS own ON "
+    "own.kind='asset' AND own.id=asset.id AND own.owner=?1 WHERE ";
+
+Asset asset_of(const Rows& rows) {
+  Asset asset{.is_new = false};
+  rows.read(0, std::tie(asset.id, asset.name, asset.owner, asset.bytes, asset.created));
+  return asset;
+}
 
 }  // namespace
 
-std::vector<std::string> DesignRepository::designs_with(const std::string& asset) {
-  return all_of(
-      store_.db().rows("SELECT design FROM asset_use WHERE asset=? ORDER BY design LIMIT ?", asset,
-                       kNamedDesigns),
-      first_text);
+DesignRepository::Referring DesignRepository::designs_with(const std::string& asset,
+                                                           const std::string& owner) {
+  const std::string which = fmt::format(
+      "FROM asset_use WHERE asset=?1{}",
+      owner.empty() ? ""
+                    : " AND EXISTS (SELECT 1 FROM ownership AS own WHERE own.kind='design' AND "
+                      "own.id=asset_use.design AND own.owner=?2)");
+  const auto with = [&](const std::string& sql) {
+    return owner.empty() ? store_.db().rows(sql, asset) : store_.db().rows(sql, asset, owner);
+  };
+  return {
+      all_of(with(fmt::format("SELECT design {} ORDER BY design LIMIT {}", which, kNamedDesigns)),
+             first_text),
+      first_of(with("SELECT count(*) " + which), [](const Rows& rows) {
+        return rows.integer(0);
+      }).value_or(0)};
 }
 
-Page<Asset> DesignRepository::assets(const PageRequest& request) {
+Page<Asset> DesignRepository::assets(const Principal& who, const PageRequest& request) {
   Page<Asset> page;
-  page.items = all_of(
-      store_.db().rows("SELECT id, name, owner, bytes, created FROM asset "
-                       "WHERE id>? ORDER BY id LIMIT ?",
-                       request.cursor, request.limit + 1),
-      [](const Rows& rows) {
-        Asset asset{.is_new = false};
-        rows.read(0, std::tie(asset.id, asset.name, asset.owner, asset.bytes, asset.created));
-        return asset;
-      });
+  page.items =
+      all_of(store_.db().rows(fmt::format("{}asset.id>?2 ORDER BY asset.id LIMIT ?3", kSelectAsset),
+                              who.name, request.cursor, request.limit + 1),
+             asset_of);
   if (page.items.size() > static_cast<std::size_t>(request.limit)) {
     page.items.pop_back();
     page.next_cursor = page.items.back().id;
   }
   for (Asset& asset : page.items) {
-    asset.designs = designs_with(asset.id);
-    asset.designs_total =
-        store_.db().number("SELECT count(*) FROM asset_use WHERE asset=?", asset.id);
+    Referring designs = designs_with(asset.id);
+    asset.designs = std::move(designs.some);
+    asset.designs_total = designs.all;
   }
   return page;
+}
+
+std::optional<Asset> DesignRepository::asset_row(const std::string& id, const std::string& owner) {
+  return first_of(store_.db().rows(fmt::format("{}asset.id=?2", kSelectAsset), owner, id),
+                  asset_of);
+}
+
+bool DesignRepository::own_asset(const Principal& who, const std::string& id,
+                                 const std::string& name) {
+  owners_.hold(Owned::Asset, id);
+  return owners_.add(Owned::Asset, id, {who.name, name, store_.now()});
 }
 
 Answer<void> DesignRepository::check_assets(const std::vector<std::string>& assets) {
@@ -60,28 +88,42 @@ Answer<std::string> DesignRepository::asset_place(const std::string& id) {
   return store_.folder().at("assets/" + id);
 }
 
+Answer<void> DesignRepository::check_designs(const std::string& asset, const std::string& owner) {
+  const Referring designs = designs_with(asset, owner);
+  if (designs.some.empty()) return {};
+  const bool one = designs.all == 1;
+  std::string which = fmt::format("{}", fmt::join(designs.some, ", "));
+  if (designs.all > kNamedDesigns)
+    which += fmt::format(" and {} more", designs.all - kNamedDesigns);
+  return refuse(ProblemKind::StateConflict,
+                fmt::format("{} {} to this asset; delete {} first", which, one ? "refers" : "refer",
+                            one ? "that design" : "those designs"));
+}
+
 Answer<void> DesignRepository::remove_asset(const Principal& who, const std::string& id) {
   return store_.change([&]() -> Answer<void> {
-    const std::optional<std::string> owner =
-        first_of(store_.db().rows("SELECT owner FROM asset WHERE id=?", id), first_text);
-    if (!owner) return refuse(ProblemKind::NotFound, fmt::format("there is no asset {:?}", id));
-    if (who.role < Role::Operator && *owner != who.name)
+    owners_.hold(Owned::Asset, id);
+    if (!asset_row(id, who.name))
+      return refuse(ProblemKind::NotFound, fmt::format("there is no asset {:?}", id));
+    const bool is_mine = owners_.has(Owned::Asset, id, who.name);
+    if (!is_mine && who.role < Role::Operator)
       return refuse(ProblemKind::Forbidden, "only an operator may delete someone else's asset");
-    if (const auto designs = designs_with(id); !designs.empty()) {
-      const std::int64_t all =
-          store_.db().number("SELECT count(*) FROM asset_use WHERE asset=?", id);
-      const bool one = all == 1;
-      std::string which = fmt::format("{}", fmt::join(designs, ", "));
-      if (all > kNamedDesigns) which += fmt::format(" and {} more", all - kNamedDesigns);
-      return refuse(ProblemKind::StateConflict,
-                    fmt::format("{} {} to this asset; delete {} first", which,
-                                one ? "refers" : "refer", one ? "that design" : "those designs"));
+    if (const auto free = check_designs(id, is_mine ? who.name : ""); !free) return free;
+    if (is_mine)
+      owners_.remove(Owned::Asset, id, who.name);
+    else
+      owners_.remove_all(Owned::Asset, id);
+    if (const auto other = owners_.first(Owned::Asset, id)) {
+      store_.db().run("UPDATE asset SET owner=?, name=?, created=? WHERE id=?", other->owner,
+                      other->name, other->created, id);
+    } else {
+      if (const auto free = check_designs(id, ""); !free) return free;
+      store_.db().run("DELETE FROM asset WHERE id=?", id);
+      store_.files().forget("assets/" + id);
+      store_.after_commit([this, id] { remove_tree(store_.folder().at("assets/" + id)); });
     }
-    store_.db().run("DELETE FROM asset WHERE id=?", id);
-    store_.files().forget("assets/" + id);
     store_.audit(who.name, "delete-asset", id, "");
-    if (asset_removed) asset_removed(id);
-    store_.after_commit([this, id] { remove_tree(store_.folder().at("assets/" + id)); });
+    if (asset_let_go) asset_let_go(id);
     return {};
   });
 }

@@ -52,8 +52,11 @@ Answer<void> JobRepository::plan_again(const Principal& who, JobRow& row, const 
         "sheets of this job were cut already, so it keeps its plan; create a new job for the "
         "other cutter");
   const std::string device = request.device.value_or(row.requested_device);
+  // The plan is for the owner of the job, whoever asks.
+  Principal owner = who;
+  owner.name = row.owner;
   const Answer<PlanRow> plan =
-      parts_.plans.plan_again(who, *before, device, request.material.value_or(""), row.site);
+      parts_.plans.plan_again(owner, *before, device, request.material.value_or(""), row.site);
   if (!plan) return tl::unexpected(plan.error());
   if (const std::string why = device.empty() ? "" : parts_.devices.misfit(device, *plan, row.site);
       !why.empty())

@@ -35,6 +35,12 @@ constexpr int kMostBegun = 10, kMostBegunInFleet = 3;
 constexpr int kLooked = 8;
 // An option that popcutd adds to those of a plan: the row of its SVG profile at that time.
 constexpr const char* kProfileRow = "svg-profile-row";
+// Owners of the plan in the row `plan`; a test cut has no design.
+constexpr std::string_view kOwners =
+    "SELECT 1 FROM ownership AS own WHERE own.kind='plan' AND own.id=plan.id AND (plan.design='' "
+    "OR "
+    "EXISTS (SELECT 1 FROM ownership AS too WHERE too.kind='design' AND too.id=plan.design AND "
+    "too.owner=own.owner))";
 
 std::map<std::string, std::string> words_of(const std::string& json) {
   const nlohmann::json object = nlohmann::json::parse(json, nullptr, false);
@@ -250,6 +256,12 @@ Answer<PlanRow> PlanningQueue::test_plan_for(const Principal& who, const std::st
 }
 
 Answer<void> PlanningQueue::await(const Principal& who, const PlanRow& plan) {
+  if (!plan.design.empty())
+    if (const Answer<Design> design = parts_.designs.find(plan.design))
+      parts_.designs.own(who, *design, design->name);
+  OwnershipTable& owners = parts_.designs.owners();
+  owners.hold(Owned::Plan, plan.id);
+  owners.add(Owned::Plan, plan.id, {who.name, "", parts_.store.now()});
   if (plan.state != PlanState::Pending || plans_.has_asked(plan.id, who.name)) return {};
   if (const std::int64_t own = plans_.asked_by(who.name); own >= parts_.options.plans_each)
     return refuse(
@@ -271,7 +283,7 @@ Answer<PlanRow> PlanningQueue::find_or_add(const Principal& who, PlanRow row) {
   row.key = key.hex();
   store.db().hold("plan " + row.key);
   if (auto before = plans_.find_key(row.key)) {
-    if (const auto fine = await(who, *before); !fine) return tl::unexpected(fine.error());
+    if (const auto waits = await(who, *before); !waits) return tl::unexpected(waits.error());
     return *before;
   }
   const std::int64_t waiting = store.db().number("SELECT count(*) FROM plan WHERE state='pending'");
@@ -524,31 +536,55 @@ void PlanningQueue::abandon(const std::string& plan) {
   }
 }
 
+bool PlanningQueue::is_owned(const PlanRow& plan, const std::string& owner) {
+  OwnershipTable& owners = parts_.designs.owners();
+  return owners.has(Owned::Plan, plan.id, owner) &&
+         (plan.design.empty() || owners.has(Owned::Design, plan.design, owner));
+}
+
+bool PlanningQueue::is_owned(const std::string& plan) {
+  return parts_.store.db().number(
+             fmt::format("SELECT EXISTS(SELECT 1 FROM plan WHERE id=? AND EXISTS ({}))", kOwners),
+             plan) != 0;
+}
+
+Answer<void> PlanningQueue::check_jobs(const std::string& plan, const std::string& owner) {
+  Rows used = parts_.store.db().rows(
+      "SELECT id, deleted FROM job WHERE plan=?1 AND (owner=?2 OR ?2='') ORDER BY deleted LIMIT 1",
+      plan, owner);
+  if (!used.next()) return {};
+  return refuse(
+      ProblemKind::StateConflict,
+      used.integer(1) != 0
+          ? std::string("the record of a deleted job refers to this plan; it is kept")
+          : fmt::format("job {} uses this plan; cancel the job to stop planning", used.text(0)));
+}
+
 Answer<void> PlanningQueue::remove(const Principal& who, const std::string& id) {
   ServiceStore& store = parts_.store;
   return store.change([&]() -> Answer<void> {
+    OwnershipTable& owners = parts_.designs.owners();
+    owners.hold(Owned::Plan, id);
     const auto plan = plans_.find(id);
     if (!plan) return refuse(ProblemKind::NotFound, fmt::format("there is no plan {:?}", id));
-    const Answer<Design> design = parts_.designs.find(plan->design);
-    if (who.role < Role::Operator && (!design || design->owner != who.name))
-      return refuse(ProblemKind::Forbidden,
-                    "only an operator may delete plans of someone else's design");
-    Rows used =
-        store.db().rows("SELECT id, deleted FROM job WHERE plan=? ORDER BY deleted LIMIT 1", id);
-    if (used.next())
-      return refuse(ProblemKind::StateConflict,
-                    used.integer(1) != 0
-                        ? std::string("the record of a deleted job refers to this plan; it is kept")
-                        : fmt::format("job {} uses this plan; cancel the job to stop planning",
-                                      used.text(0)));
+    const bool is_mine = is_owned(*plan, who.name);
+    if (!is_mine && who.role < Role::Operator)
+      return refuse(ProblemKind::Forbidden, "only an operator may delete someone else's plan");
+    if (const auto free = check_jobs(id, is_mine ? who.name : ""); !free) return free;
     store.audit(who.name, "delete-plan", id, plan->design);
+    if (is_mine) {
+      owners.remove(Owned::Plan, id, who.name);
+      plans_.unask(id, who.name);
+      // It belongs to others, too, or to the record of their job.
+      if (is_owned(id) || !check_jobs(id, "")) return {};
+    }
     store.emit("notice", "", JsonObject().text("plan", id).text("state", "removed"));
     forget(id);
     return {};
   });
 }
 
-void PlanningQueue::remove_all_of(const std::string& design) {
+void PlanningQueue::remove_unowned(const std::string& design) {
   if (!remove_some_of(design))
     parts_.store.after_commit([this, design] { remove_more_of(design); });
 }
@@ -559,8 +595,9 @@ bool PlanningQueue::remove_some_of(const std::string& design) {
   std::vector<std::string> ids;
   std::int64_t sheets = 0;
   Rows rows = parts_.store.db().rows(
-      "SELECT id, sheets FROM plan WHERE design=? AND NOT EXISTS (SELECT 1 FROM job WHERE job.plan "
-      "= plan.id) LIMIT ?",
+      fmt::format("SELECT id, sheets FROM plan WHERE design=? AND NOT EXISTS (SELECT 1 FROM job "
+                  "WHERE job.plan = plan.id) AND NOT EXISTS ({}) LIMIT ?",
+                  kOwners),
       design, kAtOnce + 1);
   bool more = false;
   while (rows.next()) {
@@ -578,8 +615,7 @@ void PlanningQueue::remove_more_of(const std::string& design) {
     name_turn("plans of a removed design");
     bool all = true;
     const Answer<void> removed = parts_.store.change([&]() -> Answer<void> {
-      // The design may have been uploaded again and have new plans.
-      all = parts_.designs.find(design).has_value() || remove_some_of(design);
+      all = remove_some_of(design);
       return {};
     });
     if (removed && !all) remove_more_of(design);
@@ -587,6 +623,7 @@ void PlanningQueue::remove_more_of(const std::string& design) {
 }
 
 void PlanningQueue::forget(const std::string& id) {
+  parts_.designs.owners().remove_all(Owned::Plan, id);
   parts_.store.db().run("DELETE FROM plan WHERE id=?", id);
   parts_.store.files().forget("plans/" + id + "/");
   parts_.store.after_commit([this, id] {

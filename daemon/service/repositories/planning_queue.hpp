@@ -57,7 +57,8 @@ class PlanningQueue : public Plans {
   [[nodiscard]] Answer<PlanRow> test_plan_for(const Principal& who, const std::string& device,
                                               const std::string& material,
                                               const std::string& site = {});
-  /// Notes, in a transaction, that `who` waits for a plan that is not made yet.
+  /// Notes, in a transaction, that `who` asked for a plan, and waits for it if it is not made yet.
+  /// They own it from now on, and its design.
   ///
   /// @retval QueueFull  `who` waits for too many plans
   [[nodiscard]] Answer<void> await(const Principal& who, const PlanRow& plan);
@@ -67,8 +68,9 @@ class PlanningQueue : public Plans {
   void pump();
   /// Cancels a plan that no job waits for, unless a person requested the plan itself.
   void abandon(const std::string& plan);
-  /// Removes all plans of a design that no job uses, in the transaction that removes the design.
-  void remove_all_of(const std::string& design);
+  /// Removes the plans of a design that no job uses and nobody owns, in the transaction that
+  /// removes the design or one of its owners.
+  void remove_unowned(const std::string& design);
   void stop() { stopped_ = true; }
 
   [[nodiscard]] PlanTable& table() { return plans_; }
@@ -120,6 +122,10 @@ class PlanningQueue : public Plans {
                const std::function<void(Answer<PlanRecord>)>& done);
   [[nodiscard]] bool awaited(const std::string& plan);
   void fail_plan(const std::string& id, const std::string& why);
+  [[nodiscard]] bool is_owned(const PlanRow& plan, const std::string& owner);
+  [[nodiscard]] bool is_owned(const std::string& plan);
+  /// The job of `owner`, or of anybody if that is empty, that keeps a plan from being removed.
+  [[nodiscard]] Answer<void> check_jobs(const std::string& plan, const std::string& owner);
   void forget(const std::string& id);
   [[nodiscard]] bool is_removed(const std::string& id);
 

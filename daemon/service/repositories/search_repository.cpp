@@ -130,8 +130,14 @@ std::optional<SearchRepository::Row> SearchRepository::row_of_key(const std::str
       row_of);
 }
 
-SearchRecord SearchRepository::record_of(const Row& row) const {
-  SearchRecord record{.id = row.id, .owner = row.owner, .state = row.state};
+bool SearchRepository::is_owned(const Row& row, const std::string& owner) const {
+  OwnershipTable& owners = parts_.designs.owners();
+  return owners.has(Owned::Search, row.id, owner) && owners.has(Owned::Asset, row.model, owner);
+}
+
+SearchRecord SearchRepository::record_of(const Principal& who, const Row& row) const {
+  SearchRecord record{
+      .id = row.id, .owner = is_owned(row, who.name) ? who.name : row.owner, .state = row.state};
   const auto words = planning::read_search_words(row.words);
   if (!words) throw StoreFault(FaultKind::Corrupt, "the words of a search are invalid");
   record.request = *words;
@@ -161,14 +167,18 @@ Answer<SearchRecord> SearchRepository::request(const Principal& who,
     if (const auto room = parts_.store.accepts_work(); !room) return tl::unexpected(room.error());
     const Answer<Row> row = row_for(who, request);
     if (!row) return tl::unexpected(row.error());
-    return record_of(*row);
+    return record_of(who, *row);
   });
 }
 
 Answer<SearchRepository::Row> SearchRepository::row_for(const Principal& who,
                                                         const CardSearchRequest& request) {
   const auto label = first_of(
-      parts_.store.db().rows("SELECT name FROM asset WHERE id=?", request.model), first_text);
+      parts_.store.db().rows("SELECT coalesce(own.name, asset.name) FROM asset LEFT JOIN ownership "
+                             "AS own ON own.kind='asset' AND own.id=asset.id AND own.owner=? WHERE "
+                             "asset.id=?",
+                             who.name, request.model),
+      first_text);
   if (!label)
     return refuse(ProblemKind::NotFound, fmt::format("there is no asset {:?}", request.model));
   if (const auto fit = check_choices(request.style, request.cards, request.up, request.front); !fit)
@@ -187,10 +197,11 @@ Answer<SearchRepository::Row> SearchRepository::row_for(const Principal& who,
   row.words = planning::search_words(wanted);
   row.machine = machine->name, row.machine_json = machine->json;
   row.material = material->id, row.material_json = material->json;
-  return find_or_add(who, std::move(row));
+  return find_or_add(who, std::move(row), *label);
 }
 
-Answer<SearchRepository::Row> SearchRepository::find_or_add(const Principal& who, Row fresh) {
+Answer<SearchRepository::Row> SearchRepository::find_or_add(const Principal& who, Row fresh,
+                                                            const std::string& label) {
   ServiceStore& store = parts_.store;
   Sha256 key;
   for (const std::string* part : {&fresh.words, &fresh.machine_json, &fresh.material_json}) {
@@ -199,30 +210,47 @@ Answer<SearchRepository::Row> SearchRepository::find_or_add(const Principal& who
   }
   fresh.key = key.hex();
   store.db().hold("search " + fresh.key);
-  if (auto before = row_of_key(fresh.key)) return *before;
+  const auto own_it = [&](const Row& row) {
+    OwnershipTable& owners = parts_.designs.owners();
+    owners.hold(Owned::Search, row.id);
+    parts_.designs.own_asset(who, row.model, label);
+    owners.add(Owned::Search, row.id, {who.name, "", store.now()});
+  };
+  const auto before = row_of_key(fresh.key);
+  if (before && (before->state != SearchState::Pending || is_owned(*before, who.name))) {
+    own_it(*before);
+    return *before;
+  }
   const std::int64_t waiting =
       store.db().number("SELECT count(*) FROM search WHERE state='pending'");
-  const std::int64_t own =
-      store.db().number("SELECT count(*) FROM search WHERE state='pending' AND owner=?", who.name);
+  const std::int64_t own = store.db().number(
+      "SELECT count(*) FROM ownership AS own JOIN search ON search.id=own.id WHERE "
+      "own.kind='search' AND own.owner=? AND search.state='pending'",
+      who.name);
   if (own >= parts_.options.searches_each)
     return too_many(
         fmt::format("{} searches of yours are waiting; try again when one of them is made", own));
+  if (before) {
+    own_it(*before);
+    return *before;
+  }
   if (waiting >= kMostWaiting)
     return too_many(fmt::format("{} searches are waiting; try again later", waiting));
   fresh.id = store.new_id();
   fresh.created = store.now();
   store.db().insert("search(" POPCUT_SEARCH_COLUMNS ")",
                     std::tuple_cat(std::tuple(word_of(fresh.state)), values_of(fresh)));
+  own_it(fresh);
   store.audit(who.name, "search", fresh.id, fresh.model);
   store.after_commit([this] { pump(); });
   return fresh;
 }
 
-Answer<SearchRecord> SearchRepository::find(const std::string& id) {
+Answer<SearchRecord> SearchRepository::find(const Principal& who, const std::string& id) {
   return parts_.store.look([&]() -> Answer<SearchRecord> {
     const auto found = row(id);
     if (!found) return no_search(id);
-    return record_of(*found);
+    return record_of(who, *found);
   });
 }
 
@@ -238,7 +266,7 @@ Answer<SearchRepository::Row> SearchRepository::found_row(const std::string& id)
 Answer<SearchRepository::Picked> SearchRepository::card_of(const std::string& id, int card) {
   const Answer<Row> found = found_row(id);
   if (!found) return tl::unexpected(found.error());
-  SearchRecord record = record_of(*found);
+  SearchRecord record = record_of({}, *found);
   std::vector<FoundCardRecord>& cards = record.front.cards;
   if (card >= 1 && card <= static_cast<int>(cards.size()))
     return Picked{record.request.name, std::move(cards[static_cast<std::size_t>(card) - 1])};
@@ -276,23 +304,41 @@ void SearchRepository::pick(const Principal& who, const std::string& id, int car
 Answer<void> SearchRepository::remove(const Principal& who, const std::string& id) {
   ServiceStore& store = parts_.store;
   return store.change([&]() -> Answer<void> {
+    OwnershipTable& owners = parts_.designs.owners();
+    owners.hold(Owned::Search, id);
     const auto found = row(id);
     if (!found) return no_search(id);
-    if (who.role < Role::Operator && found->owner != who.name)
+    const bool is_mine = is_owned(*found, who.name);
+    if (!is_mine && who.role < Role::Operator)
       return refuse(ProblemKind::Forbidden, "only an operator may delete someone else's search");
     store.audit(who.name, "delete-search", id, found->model);
-    forget(id);
+    if (is_mine) owners.remove(Owned::Search, id, who.name);
+    if (!is_mine || !pass_on(id)) forget(id);
     return {};
   });
 }
 
-void SearchRepository::remove_all_of(const std::string& model) {
+// Gives a search to the one who owns it since the longest time. False: nobody does.
+bool SearchRepository::pass_on(const std::string& id) {
+  Database& db = parts_.store.db();
+  const auto other = first_of(
+      db.rows("SELECT own.owner FROM search JOIN ownership AS own ON own.kind='search' AND "
+              "own.id=search.id JOIN ownership AS too ON too.kind='asset' AND too.id=search.model "
+              "AND too.owner=own.owner WHERE search.id=? ORDER BY own.created, own.owner LIMIT 1",
+              id),
+      first_text);
+  if (other) db.run("UPDATE search SET owner=? WHERE id=?", *other, id);
+  return other.has_value();
+}
+
+void SearchRepository::remove_unowned(const std::string& model) {
   for (const std::string& id :
        all_of(parts_.store.db().rows("SELECT id FROM search WHERE model=?", model), first_text))
-    forget(id);
+    if (!pass_on(id)) forget(id);
 }
 
 void SearchRepository::forget(const std::string& id) {
+  parts_.designs.owners().remove_all(Owned::Search, id);
   parts_.store.db().run("DELETE FROM search WHERE id=?", id);
   parts_.store.files().forget("searches/" + id + "/");
   parts_.store.emit("notice", "", JsonObject().text("search", id).text("state", "removed"));
@@ -312,9 +358,11 @@ std::string SearchRepository::next() {
     std::string id, owner;
   };
   const auto first = first_of(
-      parts_.store.db().rows("SELECT id, owner FROM search WHERE state='pending' AND planner IN "
-                             "('', ?) ORDER BY CASE WHEN owner>? THEN 0 ELSE 1 END, owner, id "
-                             "LIMIT 1",
+      parts_.store.db().rows("SELECT search.id, coalesce(own.owner, search.owner) AS asker FROM "
+                             "search LEFT JOIN ownership AS own ON own.kind='search' AND "
+                             "own.id=search.id WHERE state='pending' AND planner IN ('', ?1) ORDER "
+                             "BY CASE WHEN coalesce(own.owner, search.owner)>?2 THEN 0 ELSE 1 END, "
+                             "asker, search.id LIMIT 1",
                              parts_.store.node().name, turn_of_),
       [](const Rows& rows) {
         return Waiting{rows.text(0), rows.text(1)};

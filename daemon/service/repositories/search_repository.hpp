@@ -28,7 +28,7 @@ class SearchRepository : public Searches {
   explicit SearchRepository(Parts parts) : parts_(std::move(parts)) {}
 
   Answer<SearchRecord> request(const Principal& who, const CardSearchRequest& request) override;
-  Answer<SearchRecord> find(const std::string& id) override;
+  Answer<SearchRecord> find(const Principal& who, const std::string& id) override;
   Answer<void> remove(const Principal& who, const std::string& id) override;
   Answer<std::string> picture(const std::string& id, int card) override;
   void pick(const Principal& who, const std::string& id, int card, const std::string& name,
@@ -36,8 +36,9 @@ class SearchRepository : public Searches {
 
   /// Gives the planner the next search, unless it has one.
   void pump();
-  /// Removes all searches of a model, in the transaction that removes the model.
-  void remove_all_of(const std::string& model);
+  /// Removes the searches of a model that nobody owns, in the transaction that removes the model or
+  /// one of its owners.
+  void remove_unowned(const std::string& model);
   void stop() { stopped_ = true; }
 
  private:
@@ -61,19 +62,22 @@ class SearchRepository : public Searches {
   [[nodiscard]] std::optional<Row> row_of_key(const std::string& key);
   [[nodiscard]] Answer<Row> found_row(const std::string& id);
   [[nodiscard]] Answer<Row> row_for(const Principal& who, const CardSearchRequest& request);
-  [[nodiscard]] Answer<Row> find_or_add(const Principal& who, Row row);
+  [[nodiscard]] Answer<Row> find_or_add(const Principal& who, Row row, const std::string& label);
   struct Picked {
     std::string name;  ///< of the model
     FoundCardRecord card;
   };
   [[nodiscard]] Answer<Picked> card_of(const std::string& id, int card);
-  [[nodiscard]] SearchRecord record_of(const Row& row) const;
+  /// As it is for `who`, if they own it.
+  [[nodiscard]] SearchRecord record_of(const Principal& who, const Row& row) const;
+  [[nodiscard]] bool is_owned(const Row& row, const std::string& owner) const;
   [[nodiscard]] std::string next();
   [[nodiscard]] bool start(const std::string& id);
   [[nodiscard]] Answer<PlanningTask> task_of(const Row& row);
   void over(const std::string& id, const Result<SearchFront>& found);
   void finish(const std::string& id, SearchState state, const std::string& front,
               const std::string& error);
+  bool pass_on(const std::string& id);
   void forget(const std::string& id);
   [[nodiscard]] std::string folder_of(const std::string& id) const;
 

@@ -54,7 +54,8 @@ TEST_CASE("equal bytes give one design and equal options one plan", "[daemon][se
   CHECK(first.id == "sha256-" + sha256_hex("{\"card\":1}"));
   const auto again = bench.add_design("{\"card\":1}").value();
   CHECK_FALSE(again.is_new);
-  CHECK(bench.on([&](LiveService& s) { return s.designs.list({}).items.size(); }) == 1);
+  CHECK(bench.on([&](LiveService& s) { return s.designs.list(bench.student, {}).items.size(); }) ==
+        1);
   const Job one = bench.create(first.id).value();
   const Job two = bench.create(first.id).value();
   CHECK(one.plan == two.plan);

@@ -38,7 +38,7 @@ Answer<SearchRecord> ask(ServiceBench& bench, CardSearchRequest request,
 }
 
 Answer<SearchRecord> find(ServiceBench& bench, const std::string& id) {
-  return bench.on([&](LiveService& s) { return s.searches.find(id); });
+  return bench.on([&](LiveService& s) { return s.searches.find(bench.student, id); });
 }
 
 bool comes_to(ServiceBench& bench, const std::string& id, SearchState state) {
@@ -91,7 +91,7 @@ TEST_CASE("a search finds cards for a model and each becomes a design", "[daemon
   CHECK(remove(bench, bench.student, asked.id));
   CHECK(find(bench, asked.id).error().kind == ProblemKind::NotFound);
   CHECK(bench.wait([&] { return fs::is_empty(bench.folder() + "/searches"); }));
-  CHECK(bench.on([&](LiveService& s) { return s.designs.find(design.id); }));
+  CHECK(bench.on([&](LiveService& s) { return s.designs.find(bench.student, design.id); }));
 }
 
 TEST_CASE("the same search is made once and another seed is another search", "[daemon][service]") {

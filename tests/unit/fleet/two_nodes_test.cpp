@@ -164,7 +164,7 @@ std::string slow_search(Node& node) {
 
 std::optional<SearchRecord> search_at(Node& node, const std::string& id) {
   const Answer<SearchRecord> found =
-      node.bench.on([&](LiveService& s) { return s.searches.find(id); });
+      node.bench.on([&](LiveService& s) { return s.searches.find(node.bench.student, id); });
   return found ? std::optional(*found) : std::nullopt;
 }
 
