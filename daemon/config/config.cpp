@@ -87,11 +87,15 @@ void read_limits(FieldReader& fields, Config& config) {
 void read_planner(FieldReader& fields, PlannerConfig& planner) {
   read(fields, "processes", planner.processes, 1, 64);
   read(fields, "cpu_s", planner.cpu_s, 1, kDay);
+  read(fields, "check_s", planner.check_s, 1, kDay);
   read(fields, "wall_s", planner.wall_s, 1, kDay);
   std::int64_t memory_mib = static_cast<std::int64_t>(planner.memory_bytes) / kMib;
   std::int64_t output_mib = static_cast<std::int64_t>(planner.output_bytes) / kMib;
   read(fields, "memory_mib", memory_mib, 128, 1 << 20);
   read(fields, "output_mib", output_mib, 1, 64 << 10);
+  std::int64_t together_mib = static_cast<std::int64_t>(planner.together_bytes) / kMib;
+  read(fields, "together_mib", together_mib, 0, 1 << 20);
+  planner.together_bytes = static_cast<std::uint64_t>(together_mib * kMib);
   planner.memory_bytes = static_cast<std::uint64_t>(memory_mib * kMib);
   planner.output_bytes = static_cast<std::uint64_t>(output_mib * kMib);
 }

@@ -36,9 +36,11 @@ struct UserRule {
 struct PlannerConfig {
   int processes{1};
   double cpu_s{600};
+  double check_s{60};  ///< of a check, for which somebody waits
   double wall_s{1200};
   std::uint64_t memory_bytes{std::uint64_t{2} << 30};
   std::uint64_t output_bytes{std::uint64_t{1} << 30};
+  std::uint64_t together_bytes{0};  ///< memory of all workers; 0: what this computer can give
 };
 
 /// Where events of jobs are sent; off unless a URL is given.

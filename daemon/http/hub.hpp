@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -103,6 +104,8 @@ struct Hub {
   FailedLogins logins;
   std::vector<ClientPtr> clients;
   std::vector<std::shared_ptr<Stream>> streams;
+  std::map<std::string, int> streams_of{};  ///< open event streams of each principal
+  int watching{0};                          ///< of those, the ones of people who may not cut
   int uploads{0};
   bool stopping{false};
   std::function<void()> on_empty{};  ///< called when the last client has gone while it stops

@@ -200,6 +200,21 @@ asio::awaitable<void> stream_on(Hub& hub, ClientPtr client, std::int64_t seen) {
   }
 }
 
+// One principal may have half of all streams, and a quarter is kept for those who move a knife.
+// Empty: there is a place.
+std::string why_no_stream(const Hub& hub, const std::string& who, bool may_cut) {
+  const int all = hub.limits().streams, each = std::max(1, all / 2);
+  const auto own = hub.streams_of.find(who);
+  if (own != hub.streams_of.end() && own->second >= each)
+    return fmt::format("{} event streams of yours are open already; close one", each);
+  if (hub.link->listeners.load() >= all)
+    return fmt::format("{} event streams are open already", all);
+  if (!may_cut && hub.watching >= all - all / 4)
+    return fmt::format("{} event streams are open already; the others are kept for operators",
+                       hub.watching);
+  return {};
+}
+
 asio::awaitable<void> stream_all(Hub& hub, ClientPtr client, std::optional<std::int64_t> after) {
   while (!client->closed) {
     const CatchUp part = co_await ask_catch_up(hub, client, after);
@@ -226,9 +241,10 @@ EventFramePtr live_frame(const Event& event, Service& service) {
 }
 
 asio::awaitable<void> stream_events(Hub& hub, ClientPtr client, const Request& request) {
-  if (hub.link->listeners.load() >= hub.limits().streams) {
-    Problem full{ProblemKind::Unavailable,
-                 fmt::format("{} event streams are open already", hub.limits().streams)};
+  const std::string who = request.principal.name;
+  const bool may_cut = request.principal.role >= Role::Operator;
+  if (std::string why = why_no_stream(hub, who, may_cut); !why.empty()) {
+    Problem full{ProblemKind::Unavailable, std::move(why)};
     full.retry_after_s = 5;
     const Response response = problem_response(full, request);
     const std::string text =
@@ -240,8 +256,12 @@ asio::awaitable<void> stream_events(Hub& hub, ClientPtr client, const Request& r
     co_return;
   }
   hub.metrics.set_streams(++hub.link->listeners);
-  const AtEnd leave([&hub, client] {
+  ++hub.streams_of[who];
+  if (!may_cut) ++hub.watching;
+  const AtEnd leave([&hub, client, who, may_cut] {
     std::erase(hub.streams, client->stream);
+    if (--hub.streams_of[who] == 0) hub.streams_of.erase(who);
+    if (!may_cut) --hub.watching;
     hub.metrics.set_streams(--hub.link->listeners);
   });
   client->stream = std::make_shared<Stream>(hub.io, hub.limits());

@@ -7,8 +7,10 @@
 #include <deque>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string_view>
 #include <system_error>
 #include <thread>
@@ -18,6 +20,7 @@
 
 #include <fmt/format.h>
 
+#include "daemon/planning/fair_line.hpp"
 #include "daemon/planning/planner.hpp"
 #include "daemon/planning/worker_talk.hpp"
 
@@ -29,10 +32,12 @@ using planning::CallOff;
 class ProcessPlanner final : public Planner {
  public:
   ProcessPlanner(const PlanningLimits& limits, std::string program)
-      : limits_(limits), program_(std::move(program)) {
+      : limits_(limits), check_limits_(limits), program_(std::move(program)) {
+    check_limits_.is_check = limits.check_s < limits.cpu_s;
+    check_limits_.cpu_s = std::min(limits.cpu_s, limits.check_s);
     for (int k = 0; k < std::max(1, limits_.processes); ++k)
       threads_.emplace_back([this] { supervise(Lane::Plans); });
-    for (const Lane lane : {Lane::Checks, Lane::Searches})
+    for (const Lane lane : {Lane::Checks, Lane::Checks, Lane::Searches})
       threads_.emplace_back([this, lane] { supervise(lane); });
     threads_.emplace_back([this] { tell_called_off(); });
   }
@@ -58,6 +63,8 @@ class ProcessPlanner final : public Planner {
     {
       const std::lock_guard lock(mutex_);
       id = ++last_id_;
+      if (!stopping_ && lane_of(task.kind) == Lane::Checks)
+        (void)checks_.add({.id = id, .who = task.who, .key = {}});
       std::deque<Task>& queue = stopping_ ? called_off_ : waiting(lane_of(task.kind));
       queue.push_back({id, std::move(task), std::move(done)});
     }
@@ -74,6 +81,7 @@ class ProcessPlanner final : public Planner {
       if (waits == queue.end()) continue;
       called_off_.push_back(std::move(*waits));
       queue.erase(waits);
+      checks_.remove(id);
       return changed_.notify_all();
     }
   }
@@ -92,31 +100,59 @@ class ProcessPlanner final : public Planner {
   }
   std::deque<Task>& waiting(Lane lane) { return waiting_.at(static_cast<std::size_t>(lane)); }
 
-  /// Works off what waits in a lane, one after another; that of plans also checks, where no plan
-  /// waits.
+  /// Whether a check of `who` may begin here: another process must stay free for the checks of
+  /// others, unless this is the only one of `who`.
+  [[nodiscard]] bool may_check(Lane lane, const std::string& who) const {
+    return std::find(checked_for_.begin(), checked_for_.end(), who) == checked_for_.end() ||
+           idle_checkers_ > (lane == Lane::Checks ? 1 : 0);
+  }
+
+  /// Takes what is next in a lane; in that of plans a check, where no plan waits.
+  std::optional<Task> take(Lane lane) {
+    std::deque<Task>& own = waiting(lane);
+    if (lane != Lane::Checks && !own.empty()) {
+      Task task = std::move(own.front());
+      own.pop_front();
+      return task;
+    }
+    if (lane == Lane::Searches) return std::nullopt;
+    const auto next = checks_.next([&](const std::string& who) { return may_check(lane, who); });
+    if (!next) return std::nullopt;
+    std::deque<Task>& checks = waiting(Lane::Checks);
+    const auto found = std::find_if(checks.begin(), checks.end(),
+                                    [&](const Task& task) { return task.id == next->id; });
+    Task task = std::move(*found);
+    checks.erase(found);
+    return task;
+  }
+
   void supervise(Lane lane) {
+    const bool is_checker = lane == Lane::Checks;
     std::unique_lock lock(mutex_);
-    for (;;) {
-      const auto next = [&]() -> std::deque<Task>* {
-        if (!waiting(lane).empty()) return &waiting(lane);
-        std::deque<Task>& checks = waiting(Lane::Checks);
-        return lane != Lane::Plans || checks.empty() ? nullptr : &checks;
-      };
-      changed_.wait(lock, [&] { return stopping_ || next() != nullptr; });
-      std::deque<Task>* const queue = next();
-      if (queue == nullptr) return;
-      Task task = std::move(queue->front());
-      queue->pop_front();
+    if (is_checker) ++idle_checkers_;
+    while (!stopping_) {
+      std::optional<Task> task = take(lane);
+      if (!task) {
+        changed_.wait(lock);
+        continue;
+      }
+      const bool is_check = task->task.kind == PlanningTask::Kind::Check;
+      if (is_checker) --idle_checkers_;
+      if (is_check) checked_for_.push_back(task->task.who);
       CallOff call_off;
-      running_[task.id] = &call_off;
+      running_[task->id] = &call_off;
       lock.unlock();
-      find_assets(task.task);
-      Result<PlanningOutcome> outcome = run(task.task, call_off);
+      find_assets(task->task);
+      Result<PlanningOutcome> outcome = run(task->task, call_off);
       lock.lock();
-      running_.erase(task.id);
+      running_.erase(task->id);
+      if (is_checker) ++idle_checkers_;
+      if (is_check)
+        checked_for_.erase(std::find(checked_for_.begin(), checked_for_.end(), task->task.who));
       lock.unlock();
-      task.done(std::move(outcome));
-      task = {};
+      changed_.notify_all();
+      task->done(std::move(outcome));
+      task.reset();
       lock.lock();
     }
   }
@@ -127,8 +163,9 @@ class ProcessPlanner final : public Planner {
     std::vector<int> signals;
     for (;;) {
       int killed_by = 0;
-      Result<PlanningOutcome> outcome =
-          planning::run_in_worker(task, limits_, program_, call_off, &killed_by);
+      Result<PlanningOutcome> outcome = planning::run_in_worker(
+          task, task.kind == PlanningTask::Kind::Check ? check_limits_ : limits_, program_,
+          call_off, &killed_by);
       if (killed_by == 0) return outcome;
       signals.push_back(killed_by);
       if (signals.size() >= kMostTries)
@@ -160,10 +197,17 @@ class ProcessPlanner final : public Planner {
   }
 
   const PlanningLimits limits_;
+  PlanningLimits check_limits_;
   const std::string program_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::array<std::deque<Task>, 3> waiting_;  ///< by lane
+  /// The order of the checks; each of their clients waits for its answer, which limits their
+  /// number.
+  FairLine checks_{std::numeric_limits<std::size_t>::max(),
+                   std::numeric_limits<std::size_t>::max()};
+  std::vector<std::string> checked_for_;  ///< the principal of each check at work
+  int idle_checkers_{0};                  ///< processes that do only checks, and do none now
   std::deque<Task> called_off_;
   std::map<std::uint64_t, CallOff*> running_;
   std::uint64_t last_id_{};

@@ -10,6 +10,7 @@
 
 #include "core/result.hpp"
 #include "daemon/model/model.hpp"
+#include "daemon/planning/worker_memory.hpp"
 
 namespace popcut::daemon {
 
@@ -35,6 +36,7 @@ struct PlanningTask {
     Search,   ///< the best cards of a mesh, which is the design; see planning/search/search_task
   };
   Kind kind{};
+  std::string who{};          ///< the principal for whom it is done
   std::string design_path;    ///< stored bytes; read by the daemon and sent through the pipe
   std::string design_text{};  ///< the bytes themselves, where there is no path
   std::string
@@ -66,22 +68,28 @@ struct PlanningOutcome {
 };
 
 struct PlanningLimits {
-  int processes{1};  ///< at once; one more does only checks, so that no plan delays them, and one
+  int processes{1};  ///< at once; two more do only checks, so that no plan delays them, and one
                      ///< more only searches
   double cpu_s{600};
+  double check_s{60};  ///< processor time of a check, for which somebody waits
   double wall_s{1200};
   std::uint64_t memory_bytes{std::uint64_t{2} << 30};
   std::uint64_t output_bytes{std::uint64_t{1} << 30};
-  bool is_preview{false};  ///< no key of the configuration raises them
+  bool is_preview{false};                              ///< no key of the configuration raises them
+  bool is_check{false};                                ///< `cpu_s` is that of a check
+  std::shared_ptr<planning::WorkerMemory> together{};  ///< of all workers; null: not limited
+  /// Told of each worker that crashed, in a line for an administrator; on any thread.
+  std::function<void(const std::string& line)> report{};
 };
 
 /// Runs designs in separate processes (`popcutd --worker`, pipes only), a bounded number at once,
-/// so that a hostile one disturbs nothing. Checks, for which a client waits, run beside the plans;
-/// searches, which take minutes, run beside both, one after another.
-/// `done` is called once for each task, on a thread of the planner: with Refused if it was
-/// cancelled, with Infeasible if a limit was hit or the worker died. A worker that was killed by
-/// somebody else (signals 9, 15, 2, 1, 3: a person, or the kernel for want of memory) is replaced
-/// twice; one that crashed or hit its limits is not, since it would do so again.
+/// so that a hostile one disturbs nothing. Checks, for which a client waits, run beside the plans:
+/// principals take turns, and one of them never has all processes for checks. Searches, which take
+/// minutes, run beside both, one after another. `done` is called once for each task, on a thread of
+/// the planner: with Refused if it was cancelled, with Infeasible if a limit was hit or the worker
+/// died. A worker that was killed by somebody else (signals 9, 15, 2, 1, 3: a person, or the kernel
+/// for want of memory) is replaced twice; one that crashed or hit its limits is not, since it would
+/// do so again.
 class Planner {
  public:
   virtual ~Planner() = default;
@@ -98,8 +106,8 @@ class Planner {
 void find_assets(PlanningTask& task);
 
 /// A planner whose tasks run in processes of `program`, which must do `planning::run_worker(0, 1)`
-/// when its first argument is `--worker` (/proc/self/exe for popcutd itself). Tasks start
-/// in the order they came. Its destructor kills running tasks and reports them as Refused.
+/// when its first argument is `--worker` (/proc/self/exe for popcutd itself). Plans and searches
+/// start in the order they came. Its destructor kills running tasks and reports them as Refused.
 [[nodiscard]] std::unique_ptr<Planner> make_planner(const PlanningLimits& limits,
                                                     std::string program);
 

@@ -130,6 +130,9 @@ pid_t fork_apart(int& error) {
   if (const pid_t seen = ::getppid(); seen != 0 && seen != parent) ::_exit(126);
   usual_signals();
   ::setpgid(0, 0);  // what a terminal sends to popcutd is not for it
+  if (limits.together && limits.together->group() >= 0 &&
+      ::write(limits.together->group(), "0", 1) < 0) { /* then it stays in the group of popcutd */
+  }
   // None of the pipes may be among 0, 1, 2 while those are put in place.
   for (int& pipe : pipes) pipe = ::fcntl(pipe, F_DUPFD, 3);
   for (int k = 0; k < 3; ++k)

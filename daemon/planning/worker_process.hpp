@@ -30,6 +30,7 @@ class WorkerProcess {
   [[nodiscard]] int to() const { return to_; }
   [[nodiscard]] int from() const { return from_; }
   [[nodiscard]] int errors() const { return errors_; }
+  [[nodiscard]] pid_t pid() const { return pid_; }
   void close_to();
   void close_errors();
   void kill() { ended_by_us_ = true, send_kill(); }

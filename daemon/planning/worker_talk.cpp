@@ -160,6 +160,16 @@ std::string last_words(const std::string& errors) {
   return line.empty() ? "" : " (" + line.substr(0, 200) + ")";
 }
 
+/// Which task of whom, for the log.
+std::string name_of(const PlanningTask& task) {
+  constexpr std::array kWords{"check",   "plan",   "test cut", "preview", "lattice",
+                              "picture", "export", "place",    "artwork", "search"};
+  static_assert(kWords.size() == static_cast<std::size_t>(PlanningTask::Kind::Search) + 1);
+  const std::string file = task.design_path.substr(task.design_path.rfind('/') + 1);
+  return fmt::format("a {}{}{} of {}", kWords.at(static_cast<std::size_t>(task.kind)),
+                     file.empty() ? "" : " of ", file, task.who.empty() ? "popcutd" : task.who);
+}
+
 class Talk {
  public:
   /// See `run_in_worker`, after `run`.
@@ -172,6 +182,8 @@ class Talk {
         call_off_(call_off),
         process_(process),
         keeps_(keeps),
+        place_(limits.together, process.pid(), task.who),
+        name_(name_of(task)),
         is_search_(task.kind == PlanningTask::Kind::Search),
         teller_(task.progress),
         reader_(limits.output_bytes),
@@ -211,7 +223,7 @@ class Talk {
             infeasible(fmt::format("took longer than the {:g} s that {}", limits_.wall_s,
                                    advice("may take", "planner.wall_s"))));
       teller_.tell_if_due(now);
-      auto most = std::min<std::int64_t>(left.count() + 1, 1000);
+      auto most = std::min<std::int64_t>(left.count() + 1, limits_.together ? 100 : 1000);
       if (const auto due = teller_.due(); due < now + std::chrono::seconds(1))
         most = std::min<std::int64_t>(
             most, std::chrono::ceil<std::chrono::milliseconds>(due - now).count());
@@ -221,6 +233,14 @@ class Talk {
       if (::poll(waits.data(), waits.size(), static_cast<int>(most)) < 0 && errno != EINTR)
         return fail(ErrorKind::Internal, "worker", std::strerror(errno));
       if (call_off_.called()) return fail(ErrorKind::Refused, "", "the planning was cancelled");
+      if (place_.must_end()) {
+        report(fmt::format("ended: all workers together may use {} MiB",
+                           limits_.together->bytes() >> 20));
+        return tl::unexpected(infeasible(
+            fmt::format("needs more memory than is left of the {} MiB for all designs at "
+                        "work; make it smaller or simpler, or try again later",
+                        limits_.together->bytes() >> 20)));
+      }
       if (waits[1].revents != 0) hear_errors();
       if (waits[3].revents != 0)
         if (const Result<void> sent = send(); !sent) return sent;
@@ -324,10 +344,17 @@ class Talk {
     return WTERMSIG(status) == SIGXCPU || (WTERMSIG(status) == SIGKILL && out_of_time);
   }
 
+  void report(const std::string& what) const {
+    if (limits_.report) limits_.report(fmt::format("the worker for {} {}", name_, what));
+  }
+
   [[nodiscard]] Error how_it_died(int status) const {
     if (took_its_time(status))
-      return infeasible(fmt::format("took more than the {:g} s of processor time that {}",
-                                    limits_.cpu_s, advice("may take", "planner.cpu_s")));
+      return infeasible(
+          fmt::format("took more than the {:g} s of processor time that {}", limits_.cpu_s,
+                      advice("may take", limits_.is_check ? "planner.check_s" : "planner.cpu_s")));
+    if (WIFSIGNALED(status))
+      report(fmt::format("crashed (signal {}){}", WTERMSIG(status), last_words(errors_)));
     if (WIFSIGNALED(status))
       return infeasible(fmt::format("crashed the planner (signal {}){}; please report the design",
                                     WTERMSIG(status), last_words(errors_)));
@@ -337,6 +364,7 @@ class Talk {
     if (code == 126 || code == 127)
       return {ErrorKind::Internal, "worker",
               "cannot be started; check the installation of popcutd"};
+    report(fmt::format("ended with code {}{}", code, last_words(errors_)));
     return infeasible(fmt::format("ended the planner with code {}{}; please report the design",
                                   code, last_words(errors_)));
   }
@@ -344,7 +372,10 @@ class Talk {
   const PlanningLimits& limits_;
   const CallOff& call_off_;
   WorkerProcess& process_;
-  bool keeps_, is_search_;
+  bool keeps_;
+  WorkerMemory::Place place_;
+  std::string name_;
+  bool is_search_;
   PhaseTeller teller_;
   FrameReader reader_;
   steady_clock::time_point until_;

@@ -362,6 +362,9 @@ std::optional<StartFailure> Daemon::open_devices() {
   limits.wall_s = config_.planner.wall_s;
   limits.memory_bytes = config_.planner.memory_bytes;
   limits.output_bytes = config_.planner.output_bytes;
+  limits.check_s = config_.planner.check_s;
+  limits.together = memory_for_workers(config_.planner.together_bytes);
+  limits.report = [log = log_](const std::string& line) { log->warn(line); };
   planner_ = make_planner(limits, kWorkerProgram);
   PreviewLimits shown;
   shown.slow.cpu_s = std::min(shown.slow.cpu_s, limits.cpu_s);
@@ -369,6 +372,8 @@ std::optional<StartFailure> Daemon::open_devices() {
   shown.slow.memory_bytes = limits.memory_bytes;
   shown.slow.output_bytes = std::min(shown.slow.output_bytes, limits.output_bytes);
   shown.quick.memory_bytes = std::min(shown.quick.memory_bytes, limits.memory_bytes);
+  for (PlanningLimits* const some : {&shown.quick, &shown.slow})
+    some->together = limits.together, some->report = limits.report;
   previewer_ = make_previewer(shown, kWorkerProgram);
   worker_walls_ = std::async(std::launch::async, tell_confinement, log_);
   CuttersOptions options;

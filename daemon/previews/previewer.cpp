@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/planning/fair_line.hpp"
 #include "daemon/planning/worker_talk.hpp"
-#include "daemon/previews/fair_line.hpp"
 
 namespace popcut::daemon {
 namespace {
@@ -44,7 +44,8 @@ class ProcessPreviewer final : public Previewer {
       lanes_.emplace_back(&quick_, limits_.quick, program_);
     for (int k = 0; k < std::max(1, limits_.openings); ++k)
       lanes_.emplace_back(&opening_, limits_.slow, program_);
-    lanes_.emplace_back(&slow_, limits_.slow, program_);
+    for (int k = 0; k < std::max(1, limits_.files); ++k)
+      lanes_.emplace_back(&slow_, limits_.slow, program_);
     for (Lane& lane : lanes_) lane.thread = std::thread([this, &lane] { work(lane); });
   }
 
@@ -196,6 +197,7 @@ class ProcessPreviewer final : public Previewer {
   void do_one(Lane& lane, const FairLine::Place& place, std::unique_lock<std::mutex>& lock) {
     auto node = waiting_.extract(place.id);
     Waiting one = std::move(node.mapped());
+    one.task.task.who = place.who;
     auto running = std::make_shared<Running>();
     running->who = place.who;
     running->key = place.key;

@@ -23,8 +23,9 @@ struct PreviewTask {
 };
 
 struct PreviewLimits {
-  int processes{2};     ///< at work at once on previews; one more makes pictures and files
+  int processes{2};     ///< at work at once on previews
   int openings{2};      ///< the same, of stored designs and shapes to place
+  int files{2};         ///< the same, of pictures and files
   double idle_s{60};    ///< after which a worker without work ends
   double grace_s{0.5};  ///< see `PreviewTask::is_patient`
   /// Of previews. Processor time is bounded by `wall_s`, since a worker has one thread.

@@ -88,7 +88,8 @@ class Designs {
   /// @retval StateConflict  a job of theirs uses it
   [[nodiscard]] virtual Answer<void> remove(const Principal&, const std::string& id) = 0;
   /// The design's preview, drawn again from what was read; never empty bytes.
-  virtual void preview(const std::string& id, std::function<void(Answer<std::string>)> done) = 0;
+  virtual void preview(const Principal&, const std::string& id,
+                       std::function<void(Answer<std::string>)> done) = 0;
 
   // What somebody waits for at a screen. It is not stored. `done` is called once, on any thread,
   // and with Unavailable if it is cancelled.

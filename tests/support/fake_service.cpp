@@ -376,7 +376,8 @@ Designs::CallOff FakePlans::artwork(const Principal&, const std::string& id, int
   return [] {};
 }
 
-void FakeDesigns::preview(const std::string& id, std::function<void(Answer<std::string>)> done) {
+void FakeDesigns::preview(const Principal&, const std::string& id,
+                          std::function<void(Answer<std::string>)> done) {
   if (auto problem = failure("design_preview")) return done(tl::unexpected<Problem>(*problem));
   if (design_map.find(id) == design_map.end()) return done(nothing("there is no such design"));
   done(preview_svg);

@@ -108,7 +108,8 @@ class FakeDesigns : public Designs, public virtual FakeState {
   Answer<Design> find(const Principal&, const std::string& id) override;
   Answer<std::string> content(const std::string& id) override;
   Answer<void> remove(const Principal&, const std::string& id) override;
-  void preview(const std::string& id, std::function<void(Answer<std::string>)> done) override;
+  void preview(const Principal&, const std::string& id,
+               std::function<void(Answer<std::string>)> done) override;
   CallOff show_spec(const Principal&, const PreviewRequest&, Shown done) override;
   CallOff place_spec(const Principal&, const PreviewRequest&, Shown done) override;
   CallOff lattice(const Principal&, const std::string& id, Shown done) override;

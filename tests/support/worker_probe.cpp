@@ -90,6 +90,12 @@ std::string surroundings() {
     send(FrameKind::Outcome, "", outcome());
     std::_Exit(0);
   }
+  if (word == "eats") {
+    constexpr std::size_t kMuch = std::size_t{160} << 20, kPage = 4096;
+    auto* const bytes = static_cast<volatile char*>(std::malloc(kMuch));
+    for (std::size_t at = 0; bytes != nullptr && at < kMuch; at += kPage) bytes[at] = 1;
+    for (;;) ::sleep(1000);
+  }
   if (word == "naps") {
     ::usleep(400'000);
     send(FrameKind::Outcome, "", outcome());

@@ -170,7 +170,7 @@ void design_content(const Request& request, Service& service, const HandlerConte
 void design_preview(const Request& request, Service& service, const HandlerContext& context,
                     Reply reply) {
   answer_picture(request, service, context, reply, [&](Designs::Shown done) {
-    service.designs.preview(request.params[0], std::move(done));
+    service.designs.preview(request.principal, request.params[0], std::move(done));
   });
 }
 

@@ -178,6 +178,7 @@ void DesignRepository::add(const Principal& who, Upload upload, std::string medi
       if (const auto here = store_.bring("assets/" + asset); !here) return give_up(here.error());
   PlanningTask task;
   task.kind = PlanningTask::Kind::Check;
+  task.who = who.name;
   task.design_path = upload.path;
   task.media_type = media_type;
   task.assets_folder = store_.folder().at("assets");
@@ -406,7 +407,7 @@ std::string DesignRepository::row_of_material(const std::string& name) const {
   return material_row ? material_row(name) : std::string();
 }
 
-void DesignRepository::preview(const std::string& id,
+void DesignRepository::preview(const Principal& who, const std::string& id,
                                std::function<void(Answer<std::string>)> done) {
   const Answer<Design> design = here(id);
   if (!design) return done(tl::unexpected(design.error()));
@@ -415,17 +416,18 @@ void DesignRepository::preview(const std::string& id,
   if (const auto bytes = std::filesystem::file_size(place, ignored); !ignored && bytes > 0) {
     return read_aside(place, std::move(done));
   }
-  planner_.start(task_for(*design, PlanningTask::Kind::Check),
-                 [post = post_, place, done = std::move(done)](Result<PlanningOutcome> outcome) {
-                   Answer<std::string> svg =
-                       refuse(ProblemKind::NotFound, "this design has no preview");
-                   if (!outcome)
-                     svg = tl::unexpected(problem_from(outcome.error()));
-                   else if (const std::string* bytes = file_of(*outcome, kPreview))
-                     svg = *bytes;
-                   if (svg) (void)write_file(place, *svg);
-                   post([svg = std::move(svg), done]() mutable { done(std::move(svg)); });
-                 });
+  PlanningTask task = task_for(*design, PlanningTask::Kind::Check);
+  task.who = who.name;
+  planner_.start(std::move(task), [post = post_, place,
+                                   done = std::move(done)](Result<PlanningOutcome> outcome) {
+    Answer<std::string> svg = refuse(ProblemKind::NotFound, "this design has no preview");
+    if (!outcome)
+      svg = tl::unexpected(problem_from(outcome.error()));
+    else if (const std::string* bytes = file_of(*outcome, kPreview))
+      svg = *bytes;
+    if (svg) (void)write_file(place, *svg);
+    post([svg = std::move(svg), done]() mutable { done(std::move(svg)); });
+  });
 }
 
 }  // namespace popcut::daemon

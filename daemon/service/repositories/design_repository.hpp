@@ -50,7 +50,8 @@ class DesignRepository : public Designs {
   /// @retval Unavailable  they are still being fetched
   [[nodiscard]] Answer<Design> here(const std::string& id);
   Answer<void> remove(const Principal& who, const std::string& id) override;
-  void preview(const std::string& id, std::function<void(Answer<std::string>)> done) override;
+  void preview(const Principal& who, const std::string& id,
+               std::function<void(Answer<std::string>)> done) override;
   CallOff show_spec(const Principal& who, const PreviewRequest& request, Shown done) override;
   CallOff place_spec(const Principal& who, const PreviewRequest& request, Shown done) override;
   CallOff lattice(const Principal& who, const std::string& id, Shown done) override;

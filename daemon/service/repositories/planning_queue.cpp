@@ -406,6 +406,7 @@ bool PlanningQueue::start(const std::string& id) {
     task = parts_.designs.task_for(*design, PlanningTask::Kind::Plan);
   }
   fill_in(task, *plan);
+  if (const auto owner = parts_.designs.owners().first(Owned::Plan, id)) task.who = owner->owner;
   // Before it begins: if popcutd dies of it, the next start knows; and no other node begins it.
   bool is_mine = false;
   const Answer<void> noted = parts_.store.change([&]() -> Answer<void> {

@@ -389,6 +389,7 @@ Answer<PlanningTask> SearchRepository::task_of(const Row& row) {
   if (!model) return tl::unexpected(model.error());
   PlanningTask task;
   task.kind = PlanningTask::Kind::Search;
+  task.who = row.owner;
   task.design_path = std::move(*model);
   task.machine_json = row.machine_json;
   task.material_json = row.material_json;

@@ -17,10 +17,10 @@ using namespace popcut::daemon;
 
 namespace {
 
-std::string open_stream(LiveServer& server, RawConnection& connection,
-                        const std::string& more = "") {
+std::string open_stream(LiveServer& server, RawConnection& connection, const std::string& more = "",
+                        const char* token = "viewer") {
   connection.send(
-      server.request("GET", "/v1/events", "viewer", "Accept: text/event-stream\r\n" + more));
+      server.request("GET", "/v1/events", token, "Accept: text/event-stream\r\n" + more));
   return connection.receive_until("\r\n\r\n");
 }
 
@@ -251,20 +251,29 @@ TEST_CASE("a stream without events gets heartbeats", "[daemon][http][events]") {
   CHECK(connection.receive_until(":\n\n:\n\n") == ":\n\n:\n\n");
 }
 
-TEST_CASE("the number of streams is limited", "[daemon][http][events]") {
-  LiveServer server([](HttpOptions& options) { options.limits.streams = 3; });
+TEST_CASE("streams are limited in all and for each person and operators have places of their own",
+          "[daemon][http][events]") {
+  LiveServer server([](HttpOptions& options) { options.limits.streams = 8; });
   std::vector<RawConnection> streams;
-  for (int i = 0; i < 3; ++i) {
+  const auto answer = [&](const char* token) {
     streams.push_back(server.connect());
-    CHECK(open_stream(server, streams.back()).find("200 OK") != std::string::npos);
-  }
-  RawConnection more = server.connect();
-  CHECK(open_stream(server, more).find("503") != std::string::npos);
+    return open_stream(server, streams.back(), "", token);
+  };
+  const auto opens = [&](const char* token, int times) {
+    for (int i = 0; i < times; ++i) CHECK(answer(token).find("200 OK") != std::string::npos);
+  };
+  opens("viewer", 4);
+  CHECK(answer("viewer").find("503") != std::string::npos);  // half of all
+  opens("submitter", 2);
+  CHECK(answer("submitter").find("503") != std::string::npos);  // the rest is for operators
+  opens("operator", 2);
+  CHECK(answer("admin").find("503") != std::string::npos);
   // One that goes makes room, though nothing was sent to it meanwhile.
+  streams.pop_back();
   streams.pop_back();
   CHECK(comes_true([&] {
     RawConnection again = server.connect();
-    return open_stream(server, again).find("200 OK") != std::string::npos;
+    return open_stream(server, again, "", "operator").find("200 OK") != std::string::npos;
   }));
 }
 

@@ -146,6 +146,75 @@ TEST_CASE("the daemon survives anything that a worker sends and reports it", "[d
   CHECK(comes_true([&] { return open_descriptors() == descriptors; }));
 }
 
+TEST_CASE("a check waits for none of somebody else, however many they ask for",
+          "[daemon][planner]") {
+  Bench bench(PlanningLimits{}, probe_program());
+  const auto check = [&](const std::string& word, const char* who) {
+    PlanningTask task = bench.task(word, Kind::Check);
+    task.who = who;
+    return task;
+  };
+  for (const char* name : {"hog 1", "hog 2", "hog 3"}) bench.start(name, check("sleeps", "hog"));
+  REQUIRE(comes_true([] { return children().size() == 2; }));  // that of plans helps
+  for (const char* name : {"ana 1", "ana 2", "ana 3"}) bench.start(name, check("naps", "ana"));
+  bench.start("ben", check("naps", "ben"));
+  for (const char* name : {"ana 1", "ana 2", "ana 3", "ben"}) CHECK(bench.outcomes.wait(name));
+  const std::vector<std::string> order = bench.outcomes.order();
+  REQUIRE(order.size() == 4);  // and nothing of the hog
+  CHECK((order[0] == "ana 1" && order[1] == "ben"));
+}
+
+TEST_CASE("workers that have too much memory together lose one of whoever has most",
+          "[daemon][planner]") {
+  if (kSanitized) return;
+  PlanningLimits limits;
+  limits.processes = 3;
+  limits.together = std::make_shared<planning::WorkerMemory>(std::uint64_t{400} << 20);
+  std::mutex mutex;
+  std::vector<std::string> lines;
+  limits.report = [&](const std::string& line) {
+    const std::lock_guard lock(mutex);
+    lines.push_back(line);
+  };
+  Bench bench(limits, probe_program());
+  const auto plan = [&](const char* who) {
+    PlanningTask task = bench.task("eats");
+    task.who = who;
+    return task;
+  };
+  bench.start("ana", plan("ana"));
+  bench.start("hog 1", plan("hog"));
+  bench.start("hog 2", plan("hog"));
+  REQUIRE(comes_true([&] { return bench.outcomes.order().size() == 1; }));
+  const std::string ended = bench.outcomes.order().at(0);
+  CHECK(ended != "ana");
+  const auto outcome = bench.outcomes.wait(ended);
+  REQUIRE_FALSE(outcome);
+  CHECK(outcome.error().kind == ErrorKind::Infeasible);
+  CHECK(outcome.error().detail.find("400 MiB for all designs") != std::string::npos);
+  const std::lock_guard lock(mutex);
+  REQUIRE(lines.size() == 1);
+  CHECK(lines[0].find("a plan of design-") != std::string::npos);
+  CHECK(lines[0].find(" of hog ended") != std::string::npos);
+}
+
+TEST_CASE("an administrator is told of each worker that crashed", "[daemon][planner]") {
+  PlanningLimits limits;
+  std::vector<std::string> lines;
+  limits.report = [&](const std::string& line) { lines.push_back(line); };
+  {
+    Bench bench(limits, probe_program());
+    PlanningTask task = bench.task("dies", Kind::Check);
+    task.who = "uid:7";
+    bench.start("one", std::move(task));
+    CHECK_FALSE(bench.outcomes.wait("one"));
+  }
+  REQUIRE(lines.size() == 1);
+  CHECK(lines[0].find("the worker for a check of design-") == 0);
+  CHECK(lines[0].find(" of uid:7 ") != std::string::npos);
+  for (const char c : lines[0]) CHECK(static_cast<unsigned char>(c) >= 0x20);
+}
+
 TEST_CASE("a worker answers the signal of its processor time's end", "[daemon][planner]") {
   // On a busy computer the kernel, which counts ticks, sends it after 1.5 s of 2: what popcutd
   // measured says nothing, the worker has to.

@@ -350,8 +350,20 @@ TEST_CASE("nobody's preview waits for the large designs of others", "[daemon][pr
   for (const Kind kind : {Kind::Lattice, Kind::Place, Kind::Picture, Kind::Export})
     for (const char* who : {"hog", "other hog", "third hog"})
       bench.start("hog " + std::to_string(++count), of_kind(kind, "sleeps", who));
-  REQUIRE(comes_true([] { return children().size() == 3; }));  // two are opened, one is drawn
+  REQUIRE(comes_true([] { return children().size() == 4; }));  // two are opened, two are drawn
   for (const char* who : {"ana", "hog"}) CHECK(bench.run(probe("naps", who)));
+}
+
+TEST_CASE("nobody's file waits for the files of somebody else", "[daemon][previews]") {
+  Bench bench({}, probe_program());
+  const auto file = [](const std::string& word, const std::string& who) {
+    PreviewTask task = probe(word, who);
+    task.task.kind = Kind::Export;
+    return task;
+  };
+  for (int k = 0; k < 5; ++k) bench.start("hog " + std::to_string(k), file("sleeps", "hog"));
+  REQUIRE(comes_true([] { return children().size() == 1; }));
+  for (const char* who : {"ana", "ben"}) CHECK(bench.run(file("naps", who)));
 }
 
 TEST_CASE("a shape that takes its time is placed, and ends with who waits for it",

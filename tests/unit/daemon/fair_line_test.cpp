@@ -4,7 +4,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "daemon/previews/fair_line.hpp"
+#include "daemon/planning/fair_line.hpp"
 
 namespace fair_line_test {
 

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdlib>
+#include <filesystem>
 #include <map>
 #include <string>
 
@@ -13,6 +14,7 @@
 #include "daemon/popcutd/log.hpp"
 #include "daemon/popcutd/options.hpp"
 #include "daemon/popcutd/paths.hpp"
+#include "daemon/popcutd/resources.hpp"
 #include "daemon/popcutd/service_manager.hpp"
 #include "daemon/popcutd/turn_away.hpp"
 #include "daemon/popcutd/webhook.hpp"
@@ -244,6 +246,34 @@ TEST_CASE("an option that names nothing is refused", "[daemon][config]") {
     CHECK(options.error().kind == ErrorKind::Usage);
     CHECK(options.error().place == option);
   }
+}
+
+TEST_CASE("workers get less memory than the control group and one of their own if it is delegated",
+          "[daemon][resources]") {
+  const testing::TempFolder folder;
+  const std::string group = folder.path();
+  const auto put = [&](const char* name, const std::string& text) {
+    std::filesystem::create_directories((folder / name).parent_path());
+    testing::write_file(folder / name, text);
+  };
+  constexpr std::uint64_t kMib = 1u << 20;
+  put("memory.high", "1073741824\n");
+  put("memory.max", "max\n");
+  put("cgroup.procs", "1\n");
+  CHECK(memory_for_workers(0, group)->bytes() == 768 * kMib);
+  CHECK(memory_for_workers(100 * kMib, group)->bytes() == 100 * kMib);
+  CHECK(memory_for_workers(0, "")->bytes() > 0);
+  CHECK(memory_for_workers(0, group)->group() < 0);  // it is not that of popcutd alone
+  const std::string self = std::to_string(::getpid());
+  put("cgroup.procs", self + "\n");
+  CHECK(memory_for_workers(0, group)->group() < 0);  // it is not delegated
+  for (const char* name : {"cgroup.subtree_control", "main/cgroup.procs", "workers/memory.max",
+                           "workers/cgroup.procs"})
+    put(name, "");
+  CHECK(memory_for_workers(0, group)->group() >= 0);
+  CHECK(testing::text_of_file(folder / "main/cgroup.procs") == self);
+  CHECK(testing::text_of_file(folder / "cgroup.subtree_control") == "+memory");
+  CHECK(testing::text_of_file(folder / "workers/memory.max") == std::to_string(768 * kMib));
 }
 
 TEST_CASE("a webhook calls only allowed addresses and signs its requests", "[daemon][webhook]") {

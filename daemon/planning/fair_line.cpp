@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/previews/fair_line.hpp"
+#include "daemon/planning/fair_line.hpp"
 
 #include <algorithm>
 #include <utility>
