@@ -22,20 +22,30 @@ class HeldFolder {
   /// @retval as `open`
   [[nodiscard]] static Result<HeldFolder> around(const std::string& path, std::string& name);
 
+  /// The folder of a descriptor, which this closes; none if it is below 0.
+  [[nodiscard]] static HeldFolder of(int descriptor);
+  /// A folder in this one; none with errno, ENOTDIR or ELOOP if a file or link has the name.
+  [[nodiscard]] HeldFolder below(const std::string& name) const;
+
   [[nodiscard]] bool holds() const { return folder_ != nullptr; }
   [[nodiscard]] int descriptor() const { return folder_ ? *folder_ : -1; }
   /// A descriptor of a new file, to write; -1 with errno, EEXIST if the name is taken, be it by a
   /// link that leads nowhere.
-  [[nodiscard]] int create(const std::string& name) const;
+  [[nodiscard]] int create(const std::string& name, unsigned mode = 0600) const;
   /// The same, after what had the name is removed; a link itself, not what it leads to.
-  [[nodiscard]] int create_again(const std::string& name) const;
+  [[nodiscard]] int create_again(const std::string& name, unsigned mode = 0600) const;
+  /// A descriptor of a regular file, to read; -1 with errno, EINVAL if it is a pipe, a device or
+  /// anything else whose reading may never end.
+  [[nodiscard]] int read(const std::string& name) const;
   /// A descriptor of a file to append to, made if it is absent; -1 with errno, EMLINK if the file
   /// has another name too, which may lie elsewhere.
   [[nodiscard]] int append(const std::string& name) const;
   /// As rename, unlink, mkdir: 0, or -1 with errno.
   int rename(const std::string& from, const std::string& to) const;
   int remove(const std::string& name) const;
-  int make_folder(const std::string& name) const;
+  int make_folder(const std::string& name, unsigned mode = 0700) const;
+  /// As renameat, to another folder.
+  int move(const std::string& from, const HeldFolder& folder, const std::string& to) const;
   /// Its entries are on disk; false with errno.
   [[nodiscard]] bool sync() const;
 

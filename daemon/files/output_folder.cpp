@@ -10,13 +10,19 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstring>
-#include <fstream>
+#include <mutex>
 #include <set>
+#include <sstream>
+#include <streambuf>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -49,18 +55,156 @@ bool is_allowed(const std::string& name) {
   });
 }
 
-/// True when the folders between `folder` and its file `name` are real folders, or absent.
-bool is_reached_plainly(const fs::path& folder, const std::string& name) {
-  fs::path here = folder;
-  for (const fs::path& part : fs::path(name).parent_path()) {
-    here /= part;
-    std::error_code error;
-    const auto type = fs::symlink_status(here, error).type();
-    if (type == fs::file_type::not_found) return true;
-    if (type != fs::file_type::directory) return false;
+/// The folder below `top` in which the last part of `name` lies; none with errno.
+///
+/// @param mode  of folders that are made where they are absent; 0: none is made
+HeldFolder folder_of(HeldFolder top, const std::string& name, std::string& leaf, unsigned mode) {
+  const fs::path path(name);
+  leaf = path.filename().string();
+  for (const fs::path& part : path.parent_path()) {
+    if (mode != 0 && top.make_folder(part.string(), mode) != 0 && errno != EEXIST) return {};
+    top = top.below(part.string());
+    if (!top.holds()) return {};
   }
-  return true;
+  return top;
 }
+
+std::string content_of(int file, std::uintmax_t limit_bytes) {
+  std::string content;
+  std::vector<char> block(1u << 16);
+  for (ssize_t got = 0; (got = ::read(file, block.data(), block.size())) > 0;) {
+    content.append(block.data(), static_cast<std::size_t>(got));
+    if (content.size() > limit_bytes) return {};
+  }
+  return content;
+}
+
+/// Writes to a descriptor, which it closes. errno says what failed.
+class DescriptorBuffer : public std::streambuf {
+ public:
+  explicit DescriptorBuffer(int file) : file_(file), block_(1u << 16) {
+    setp(block_.data(), block_.data() + block_.size());
+  }
+  ~DescriptorBuffer() override { (void)close(); }
+  DescriptorBuffer(const DescriptorBuffer&) = delete;
+  DescriptorBuffer& operator=(const DescriptorBuffer&) = delete;
+  [[nodiscard]] bool close() {
+    if (file_ < 0) return true;
+    const bool is_written = sync() == 0;
+    return ::close(std::exchange(file_, -1)) == 0 && is_written;
+  }
+
+ protected:
+  int sync() override {
+    const char* from = pbase();
+    while (from < pptr()) {
+      const ssize_t put = ::write(file_, from, static_cast<std::size_t>(pptr() - from));
+      if (put < 0 && errno == EINTR) continue;
+      if (put <= 0) return -1;
+      from += put;
+    }
+    setp(block_.data(), block_.data() + block_.size());
+    return 0;
+  }
+  int_type overflow(int_type next) override {
+    if (sync() != 0) return traits_type::eof();
+    if (!traits_type::eq_int_type(next, traits_type::eof())) {
+      *pptr() = traits_type::to_char_type(next);
+      pbump(1);
+    }
+    return traits_type::not_eof(next);
+  }
+
+ private:
+  int file_;
+  std::vector<char> block_;
+};
+
+/// Writes a new file by `write`; errno says what failed where no error is returned.
+///
+/// @return whether all of it is written
+Result<bool> write_new(int file, const std::function<Result<void>(std::ostream&)>& write) {
+  if (file < 0) return false;
+  errno = 0;
+  DescriptorBuffer buffer(file);
+  std::ostream out(&buffer);
+  if (auto done = write(out); !done && out) return tl::unexpected(done.error());
+  return out && buffer.close();
+}
+
+void remove_aside(const HeldFolder& folder) {
+  std::error_code error;
+  fs::remove_all("/proc/self/fd/" + std::to_string(folder.descriptor()) + "/" + kAside, error);
+}
+
+/// Removes what is aside when a signal ends the program: what a handler may not do, a thread does.
+class EndBySignal {
+ public:
+  static EndBySignal& only() {
+    static EndBySignal one;
+    return one;
+  }
+  void add(const HeldFolder& folder, const std::vector<fs::path>& made) {
+    const std::lock_guard lock(mutex_);
+    if (open_.empty()) begin();
+    open_.emplace(folder.descriptor(), std::pair(folder, made));
+  }
+  void remove(int descriptor) {
+    const std::lock_guard lock(mutex_);
+    if (open_.erase(descriptor) > 0 && open_.empty()) end();
+  }
+
+ private:
+  static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
+  static inline std::atomic<int> told_{-1};  ///< a descriptor to which the handler writes
+
+  static void tell(int signal) {
+    const int before = errno;
+    const auto byte = static_cast<unsigned char>(signal);
+    if (::write(told_, &byte, 1) < 0) ::_exit(128 + signal);
+    errno = before;
+  }
+  void begin() {
+    if (::pipe2(ends_.data(), O_CLOEXEC) != 0) return;
+    told_ = ends_[1];
+    thread_ = std::thread([this] { wait(); });
+    for (std::size_t k = 0; k < kSignals.size(); ++k) {
+      struct sigaction own {};
+      own.sa_handler = tell;
+      own.sa_flags = SA_RESTART;
+      ::sigaction(kSignals[k], nullptr, &before_[k]);
+      if (before_[k].sa_handler == SIG_DFL) ::sigaction(kSignals[k], &own, nullptr);
+    }
+  }
+  void end() {
+    if (!thread_.joinable()) return;
+    for (std::size_t k = 0; k < kSignals.size(); ++k)
+      if (before_[k].sa_handler == SIG_DFL) ::sigaction(kSignals[k], &before_[k], nullptr);
+    ::close(ends_[1]);
+    thread_.join();
+    ::close(ends_[0]);
+  }
+  void wait() {
+    unsigned char signal = 0;
+    if (::read(ends_[0], &signal, 1) != 1) return;  // the other end was closed
+    // Not given back: nothing may be written any more, and nothing renamed.
+    mutex_.lock();
+    for (const auto& [descriptor, one] : open_) {
+      remove_aside(one.first);
+      for (auto made = one.second.rbegin(); made != one.second.rend(); ++made)
+        ::rmdir(made->c_str());
+    }
+    std::signal(signal, SIG_DFL);
+    ::raise(signal);
+    ::_exit(128 + signal);
+  }
+
+  std::mutex mutex_;
+  std::map<int, std::pair<HeldFolder, std::vector<fs::path>>> open_;
+  std::array<int, 2> ends_{-1, -1};
+  std::array<struct sigaction, kSignals.size()> before_{};
+  std::thread thread_;
+};
 
 /// The valid names among the texts of a JSON list.
 std::set<std::string> allowed_names(const nlohmann::json& list) {
@@ -81,11 +225,12 @@ std::string command_of(const std::string& made_by) {
 
 /// What the folder's manifest lists, by the command that wrote it: a command removes only its own
 /// stale files, so that planning beside a design does not take the design away.
-std::map<std::string, std::set<std::string>> listed_before(const fs::path& folder) {
+std::map<std::string, std::set<std::string>> listed_before(const HeldFolder& folder) {
   std::map<std::string, std::set<std::string>> names;
-  const auto text = read_file(folder / kManifest, kManifestLimitBytes);
-  if (!text) return names;
-  const auto parsed = parse_json(*text);
+  const int file = folder.read(kManifest);
+  if (file < 0) return names;
+  const auto parsed = parse_json(content_of(file, kManifestLimitBytes));
+  ::close(file);
   const nlohmann::json manifest = parsed ? *parsed : nlohmann::json();
   if (!manifest.is_object() || manifest.value("popcut", nlohmann::json()) != 1) return names;
   const auto files = manifest.find("files"), others = manifest.find("others");
@@ -98,14 +243,17 @@ std::map<std::string, std::set<std::string>> listed_before(const fs::path& folde
 }
 
 /// Removes the plain file `folder/name`, and the folders below `folder` that it leaves empty.
-void remove_stale(const fs::path& folder, const std::string& name) {
-  std::error_code error;
-  const fs::path file = folder / name;
-  if (!is_reached_plainly(folder, name)) return;
-  if (fs::symlink_status(file, error).type() != fs::file_type::regular) return;
-  fs::remove(file, error);
+void remove_stale(const HeldFolder& folder, const std::string& name) {
+  std::string leaf;
+  const HeldFolder place = folder_of(folder, name, leaf, 0);
+  struct stat found {};
+  if (!place.holds() ||
+      ::fstatat(place.descriptor(), leaf.c_str(), &found, AT_SYMLINK_NOFOLLOW) != 0 ||
+      !S_ISREG(found.st_mode) || place.remove(leaf) != 0)
+    return;
   for (fs::path up = fs::path(name).parent_path(); !up.empty(); up = up.parent_path()) {
-    if (::rmdir((folder / up).c_str()) != 0) return;
+    const HeldFolder above = folder_of(folder, up.string(), leaf, 0);
+    if (!above.holds() || ::unlinkat(above.descriptor(), leaf.c_str(), AT_REMOVEDIR) != 0) return;
   }
 }
 
@@ -172,6 +320,32 @@ Result<std::string> read_file(const fs::path& path, std::uintmax_t limit_bytes,
   }
 }
 
+Result<std::string> read_beside(const fs::path& file, const std::string& name) {
+  const auto malformed = [&](const std::string& why) {
+    return fail(ErrorKind::Malformed, name, why);
+  };
+  const fs::path path = fs::path(name).lexically_normal();
+  if (name.empty() || name.find('\0') != std::string::npos || path.is_absolute() ||
+      *path.begin() == "..")
+    return malformed("lies outside of the folder of " + file.filename().string() +
+                     "; put it beside that file");
+  const fs::path above = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  std::string leaf;
+  const HeldFolder folder =
+      folder_of(HeldFolder::of(::open(above.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)),
+                path.string(), leaf, 0);
+  const int found = folder.holds() ? folder.read(leaf) : -1;
+  if (found < 0 && (errno == ELOOP || errno == ENOTDIR))
+    return malformed("is a link, or reached through one; put the file itself there");
+  if (found < 0 && (errno == EINVAL || errno == EISDIR || errno == ENOENT))
+    return malformed("is not a file");
+  if (found < 0) return malformed("cannot be read: " + reason(errno));
+  constexpr std::uintmax_t kMost = 1u << 30;
+  std::string content = content_of(found, kMost);
+  ::close(found);
+  return content;
+}
+
 OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {}
 
 OutputFolder::OutputFolder(OutputFolder&& other) noexcept
@@ -179,7 +353,8 @@ OutputFolder::OutputFolder(OutputFolder&& other) noexcept
       made_(std::move(other.made_)),
       names_(std::move(other.names_)),
       inside_(std::move(other.inside_)),
-      lock_(std::exchange(other.lock_, -1)) {}
+      held_(std::exchange(other.held_, {})),
+      aside_(std::exchange(other.aside_, {})) {}
 
 OutputFolder& OutputFolder::operator=(OutputFolder&& other) noexcept {
   if (this == &other) return *this;
@@ -188,7 +363,8 @@ OutputFolder& OutputFolder::operator=(OutputFolder&& other) noexcept {
   made_ = std::move(other.made_);
   names_ = std::move(other.names_);
   inside_ = std::move(other.inside_);
-  lock_ = std::exchange(other.lock_, -1);
+  held_ = std::exchange(other.held_, {});
+  aside_ = std::exchange(other.aside_, {});
   return *this;
 }
 
@@ -196,10 +372,11 @@ OutputFolder::~OutputFolder() { discard(); }
 
 /// Removes what is aside, gives the lock back, and removes folders that were made and stay empty.
 void OutputFolder::discard() noexcept {
-  if (lock_ >= 0) {
-    std::error_code error;
-    fs::remove_all(folder_ / kAside, error);
-    ::close(std::exchange(lock_, -1));
+  if (held_.holds()) {
+    EndBySignal::only().remove(held_.descriptor());
+    aside_ = {};
+    remove_aside(held_);
+    held_ = {};
   }
   for (auto made = made_.rbegin(); made != made_.rend(); ++made) ::rmdir(made->c_str());
   made_.clear();
@@ -223,19 +400,25 @@ Result<void> OutputFolder::prepare() {
       return unwritable(missing, "cannot create the folder: " + reason(errno));
   }
   // 2. The lock. A file system without locks is used as it is.
-  lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (lock_ < 0 && errno == ENOTDIR) return unwritable(folder_, "is not a folder");
-  if (lock_ < 0) return unwritable(folder_, "cannot open the folder: " + reason(errno));
-  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    ::close(std::exchange(lock_, -1));
+  HeldFolder held = HeldFolder::of(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!held.holds() && errno == ENOTDIR) return unwritable(folder_, "is not a folder");
+  if (!held.holds()) return unwritable(folder_, "cannot open the folder: " + reason(errno));
+  if (::flock(held.descriptor(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     return unwritable(folder_, "another popcut is writing there",
                       "wait for it or give another folder");
   }
   // 3. A fresh place aside.
-  std::error_code error;
-  fs::remove_all(folder_ / kAside, error);
-  if (::mkdir((folder_ / kAside).c_str(), 0777) != 0)
+  held_ = std::move(held);
+  remove_aside(held_);
+  EndBySignal::only().add(held_, made_);
+  if (held_.make_folder(kAside) != 0)
     return unwritable(folder_, "cannot write in the folder: " + reason(errno));
+  aside_ = held_.below(kAside);
+  // Who may write in the folder may have put another one in its place.
+  struct stat found {};
+  if (!aside_.holds() || ::fstat(aside_.descriptor(), &found) != 0 || found.st_uid != ::geteuid() ||
+      (found.st_mode & 022) != 0)
+    return unwritable(folder_, "somebody else changes it now");
   return {};
 }
 
@@ -251,34 +434,36 @@ Result<void> OutputFolder::add(const std::string& own_name,
   const std::string name = inside_.empty() ? own_name : inside_ + "/" + own_name;
   if (!is_allowed(name) || std::find(names_.begin(), names_.end(), name) != names_.end())
     return fail(ErrorKind::Internal, name, "is not a new name below the output folder");
-  const fs::path aside = folder_ / kAside / name;
-  std::error_code error;
-  fs::create_directories(aside.parent_path(), error);
-  if (error) return unwritable(folder_ / name, "cannot create its folder: " + error.message());
-  const auto failed = [&] {
+  std::string leaf;
+  const HeldFolder aside = aside_for(name, leaf);
+  if (!aside.holds())
+    return unwritable(folder_ / name, "cannot create its folder: " + reason(errno));
+  const Result<bool> written = write_new(aside.create_again(leaf, 0666), write);
+  if (!written) return tl::unexpected(written.error());
+  if (!*written)
     return unwritable(folder_ / name, "cannot be written: " + reason(errno != 0 ? errno : EIO),
                       "free some space or give another folder");
-  };
-  errno = 0;
-  std::ofstream out(aside, std::ios::binary | std::ios::trunc);
-  if (!out) return failed();
-  if (auto done = write(out); !done) return out ? done : failed();
-  if (!out.flush()) return failed();
-  out.close();
-  if (!out) return failed();
   names_.push_back(name);
   return {};
 }
 
+HeldFolder OutputFolder::aside_for(const std::string& name, std::string& leaf) const {
+  return folder_of(aside_, name, leaf, 0700);
+}
+
 /// Finds what is in the way before anything is changed.
 Result<void> OutputFolder::check_places() const {
-  std::error_code error;
   for (const std::string& name : names_) {
     const fs::path file = folder_ / name;
-    if (!is_reached_plainly(folder_, name))
+    std::string leaf;
+    const HeldFolder place = folder_of(held_, name, leaf, 0);
+    if (!place.holds() && errno != ENOENT)
       return unwritable(file, "a file or symbolic link has the name of its folder",
                         "move it away or give another folder");
-    if (fs::symlink_status(file, error).type() == fs::file_type::directory)
+    struct stat found {};
+    if (place.holds() &&
+        ::fstatat(place.descriptor(), leaf.c_str(), &found, AT_SYMLINK_NOFOLLOW) == 0 &&
+        S_ISDIR(found.st_mode))
       return unwritable(file, "is a folder", "move it away or give another folder");
   }
   return {};
@@ -286,11 +471,10 @@ Result<void> OutputFolder::check_places() const {
 
 /// Moves one file from aside to its place.
 Result<void> OutputFolder::put(const std::string& name) const {
-  const fs::path file = folder_ / name;
-  std::error_code error;
-  fs::create_directories(file.parent_path(), error);
-  if (!error) fs::rename(folder_ / kAside / name, file, error);
-  if (error) return unwritable(file, "cannot be renamed: " + error.message());
+  std::string leaf;
+  const HeldFolder place = folder_of(held_, name, leaf, 0777);
+  if (!place.holds() || aside_for(name, leaf).move(leaf, place, leaf) != 0)
+    return unwritable(folder_ / name, "cannot be renamed: " + reason(errno));
   return {};
 }
 
@@ -301,11 +485,12 @@ Result<void> OutputFolder::put_manifest(const std::string& made_by,
   for (const auto& [command, names] : others)
     if (!names.empty()) manifest["others"][command] = names;
   const auto replace = nlohmann::ordered_json::error_handler_t::replace;
-  errno = 0;
-  std::ofstream out(folder_ / kAside / kManifest, std::ios::binary | std::ios::trunc);
-  out << manifest.dump(2, ' ', false, replace) << '\n';
-  out.close();
-  if (!out)
+  const auto written =
+      write_new(aside_.create_again(kManifest, 0666), [&](std::ostream& out) -> Result<void> {
+        out << manifest.dump(2, ' ', false, replace) << '\n';
+        return {};
+      });
+  if (!written || !*written)
     return unwritable(folder_ / kManifest, "cannot be written: " + reason(errno != 0 ? errno : EIO),
                       "free some space or give another folder");
   return put(kManifest);
@@ -315,7 +500,7 @@ Result<void> OutputFolder::commit(const std::string& made_by) {
   if (auto clear = check_places(); !clear) return clear;
   // 1. Until all is done the manifest lists old and new, so that whenever the run is killed the
   //    next one still knows every file that popcut wrote.
-  FilesOfCommands others = listed_before(folder_);
+  FilesOfCommands others = listed_before(held_);
   std::set<std::string> stale = std::move(others[command_of(made_by)]);
   others.erase(command_of(made_by));
   for (auto& [command, names] : others)
@@ -329,7 +514,7 @@ Result<void> OutputFolder::commit(const std::string& made_by) {
     stale.erase(name);
   }
   // 3. What no longer belongs.
-  for (const std::string& name : stale) remove_stale(folder_, name);
+  for (const std::string& name : stale) remove_stale(held_, name);
   if (auto done = put_manifest(made_by, names_, others); !done) return done;
   discard();
   return {};
@@ -347,23 +532,27 @@ Result<void> write_whole_file(const std::filesystem::path& path,
   const bool direct = fs::exists(status) && !fs::is_regular_file(status);
   // A link stays a link: the file that it names is replaced.
   const fs::path target = fs::is_regular_file(status) ? fs::canonical(path, error) : path;
-  fs::path aside = target;
-  if (!direct) aside += ".part-" + std::to_string(getpid());
-  errno = 0;
-  std::ofstream out(aside, std::ios::binary | std::ios::trunc);
-  if (out) write(out);
-  out.close();
-  if (!out) {
-    const std::string why = errno != 0 ? std::strerror(errno) : "cannot be written";
-    if (!direct) fs::remove(aside, error);
-    return unwritable(why);
+  const auto written_by = [&](std::ostream& out) -> Result<void> {
+    write(out);
+    return {};
+  };
+  const auto why = [] { return errno != 0 ? std::strerror(errno) : "cannot be written"; };
+  if (direct) {
+    const auto done =
+        write_new(::open(target.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY), written_by);
+    return done && *done ? Result<void>() : unwritable(why());
   }
-  if (direct) return {};
-  fs::rename(aside, target, error);
-  if (!error) return {};
-  const std::string why = error.message();
-  fs::remove(aside, error);
-  return unwritable(why);
+  const fs::path above = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  const HeldFolder folder =
+      HeldFolder::of(::open(above.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!folder.holds()) return unwritable(why());
+  const std::string name = target.filename().string();
+  const std::string aside = name + ".part-" + std::to_string(getpid());
+  const auto done = write_new(folder.create_again(aside, 0666), written_by);
+  if (done && *done && folder.rename(aside, name) == 0) return {};
+  const std::string problem = why();
+  folder.remove(aside);
+  return unwritable(problem);
 }
 
 }  // namespace popcut::cli

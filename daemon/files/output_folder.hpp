@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/result.hpp"
+#include "daemon/files/held_folder.hpp"
 
 namespace popcut::cli {
 
@@ -24,9 +25,20 @@ namespace popcut::cli {
     const std::filesystem::path& path, std::uintmax_t limit_bytes = 1u << 30,
     std::chrono::milliseconds pipe_wait = std::chrono::seconds(10));
 
+/// Reads a file that another one names, such as the picture of a model: a regular file in the same
+/// folder or below it, reached through no link.
+///
+/// @param file  the one that names it
+/// @retval Malformed  it lies elsewhere, or is absent, a link, no regular file or unreadable
+[[nodiscard]] Result<std::string> read_beside(const std::filesystem::path& file,
+                                              const std::string& name);
+
 /// The files of one run into one folder: they appear whole or not at all. Each is written aside in
 /// the folder and renamed by `commit`, which also removes what the folder's last manifest.json
 /// lists and this run no longer writes, and writes the new manifest. Other files stay.
+///
+/// The folder is held by a descriptor and no link in it is followed, so that whoever else may write
+/// there leads no file elsewhere. A signal that ends the program first removes what is aside.
 ///
 /// The folder is locked while it is open, so that two runs never mix their files. Names in a found
 /// manifest are not trusted: only plain files below the folder, reached through no symbolic link,
@@ -71,11 +83,15 @@ class OutputFolder {
                                           const FilesOfCommands& others) const;
   void discard() noexcept;
 
+  /// The folder aside in which a file is written, which is made, and the last part of its name.
+  [[nodiscard]] HeldFolder aside_for(const std::string& name, std::string& leaf) const;
+
   std::filesystem::path folder_;
   std::vector<std::filesystem::path> made_;  ///< folders that were made, outermost first
   std::vector<std::string> names_;           ///< added, in order
   std::string inside_;                       ///< the subfolder that files are added to
-  int lock_{-1};                             ///< the folder, open and locked
+  HeldFolder held_{};                        ///< the folder, open and locked
+  HeldFolder aside_{};                       ///< in it
 };
 
 /// Writes one file: aside, then renamed, so that it appears whole or not at all. What is there and

@@ -52,14 +52,7 @@ struct Options {
 };
 
 ModelFiles files_beside(const std::filesystem::path& model) {
-  const auto folder = model.parent_path();
-  return {[folder](const std::string& name) -> Result<std::string> {
-            // Reading what is no file may never end.
-            std::error_code ignored;
-            if (!std::filesystem::is_regular_file(folder / name, ignored))
-              return fail(ErrorKind::Malformed, name, "is not a file");
-            return read_file(folder / name);
-          },
+  return {[model](const std::string& name) { return read_beside(model, name); },
           [](const std::string& name, std::string_view bytes) { return read_image(name, bytes); }};
 }
 

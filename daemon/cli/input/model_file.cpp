@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <string_view>
-#include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -47,16 +46,12 @@ Result<bool> take_in(nlohmann::json& buffer, const std::filesystem::path& model,
   if (uri == buffer.end() || !uri->is_string()) return false;
   const std::string name = without_percents(uri->get_ref<const std::string&>());
   if (name.starts_with("data:")) return false;
-  const std::filesystem::path file = model.parent_path() / name;
-  // Reading what is no file may never end.
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored))
+  const auto bytes = read_beside(model, name);
+  if (!bytes)
     return fail(ErrorKind::Malformed, place,
-                fmt::format("is in {}, which is not a file; put it beside the model, or save the "
-                            "model as one file (.glb)",
-                            file.string()));
-  const auto bytes = read_file(file);
-  if (!bytes) return tl::unexpected(bytes.error());
+                fmt::format("is in {}, which {}; put it beside the model, or save the model as one "
+                            "file (.glb)",
+                            name, bytes.error().detail.substr(0, bytes.error().detail.find(';'))));
   buffer["uri"] = "data:application/octet-stream;base64," + daemon::base64(*bytes);
   return true;
 }

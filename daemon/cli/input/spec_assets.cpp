@@ -19,7 +19,12 @@ Result<void> load_asset(const DesignSpec& spec, const std::string& spec_file,
   const std::string name = asset_of(spec.surface);
   if (name.empty() || assets.contains(name)) return {};
   const auto path = std::filesystem::path(spec_file).parent_path() / name;
-  auto bytes = read_model_file(path);
+  // Reading what is no file may never end.
+  std::error_code ignored;
+  const bool is_other =
+      std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored);
+  auto bytes =
+      is_other ? fail(ErrorKind::Malformed, path.string(), "is not a file") : read_model_file(path);
   if (!bytes)
     return tl::unexpected(
         within(fmt::format("{}/surface/{}", place, asset_field(*spec.surface)), bytes.error()));

@@ -203,13 +203,28 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
         row, "the plan is " + plan->sha256 + ", not the one in the request");
   if (const std::string why = parts_.intents.why_blocked(row.id); !why.empty())
     return JobRepository::refuse_state(row, why);
+  const std::vector<Warning> changed = parts_.jobs.changed_since_planned(row);
+  for (const Warning& one : changed) {
+    row.unaccepted.push_back(one.code);
+    row.warnings.insert(row.warnings.begin(), one);
+  }
   const Answer<std::string> device = choose_device(row, request, *plan);
   if (!device) return tl::unexpected(device.error());
   if (auto known = check_place(row, *device); !known) return known;
   if (const auto other = parts_.jobs.table().on_device(*device))
     return JobRepository::refuse_state(row, fmt::format("{} holds a sheet of job {} ({})", *device,
                                                         other->id, name_of(other->state)));
-  if (auto accepted = accept_warnings(row, request); !accepted) return accepted;
+  if (auto accepted = accept_warnings(row, request); !accepted) {
+    if (!changed.empty()) {
+      JobRow known = row;
+      std::erase_if(known.warnings, [&](const Warning& one) {
+        return std::any_of(changed.begin(), changed.end(),
+                           [&](const Warning& fresh) { return fresh.code == one.code; });
+      });
+      accepted.error().next_actions = next_actions(known, &request);
+    }
+    return accepted;
+  }
   if (auto here = parts_.plans.bring_sheet(row.plan, sheet->number); !here) return here;
   const auto known = next_.find(row.id);
   const Waiting waiting = known == next_.end() ? Waiting{} : waiting_of(known->second);

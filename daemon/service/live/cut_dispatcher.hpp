@@ -46,7 +46,7 @@ class CutDispatcher : public Cutting {
   /// its device, and with popcutd.
   [[nodiscard]] bool knows_place(const JobRow& row, const std::string& device) const;
   /// Complete requests that are possible now, those nearest to `wanted` (or nullptr) first.
-  [[nodiscard]] std::vector<NextAction> next_actions(const JobRow& row,
+  [[nodiscard]] std::vector<NextAction> next_actions(const JobRow& stored,
                                                      const ActionRequest* wanted = nullptr);
   /// Disarms sheets whose time for START is over.
   void tick();

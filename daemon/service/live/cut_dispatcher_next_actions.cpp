@@ -109,9 +109,15 @@ std::vector<NextAction> CutDispatcher::actions_when_armed(const JobRow& row) {
   return all;
 }
 
-std::vector<NextAction> CutDispatcher::next_actions(const JobRow& row,
+std::vector<NextAction> CutDispatcher::next_actions(const JobRow& stored,
                                                     const ActionRequest* wanted) {
   std::vector<NextAction> all;
+  JobRow row = stored;
+  if (const auto changed = parts_.jobs.changed_since_planned(row); !changed.empty()) {
+    for (const Warning& one : changed) row.unaccepted.push_back(one.code);
+    if (parts_.jobs.may_plan_again(row))
+      all.push_back(parts_.jobs.change_action(row, row.requested_device, true));
+  }
   const ActionRequest sheet{.sheet = row.sheet};
   const std::vector<JobAction> allowed = allowed_actions(JobRepository::facts_of(row));
   const auto may = [&](JobAction action) {

@@ -110,6 +110,8 @@ class JobRepository : public Jobs {
   /// Warnings about the device that popcutd chose for a job without one.
   [[nodiscard]] std::vector<Warning> choice_warnings(const std::string& material,
                                                      const std::string& site) const;
+  /// `PlanningQueue::changed_since` of a job whose sheet is not armed, without what was accepted.
+  [[nodiscard]] std::vector<Warning> changed_since_planned(const JobRow& row) const;
   /// Whether nothing of the job was cut.
   [[nodiscard]] bool may_plan_again(const JobRow& row);
   [[nodiscard]] Answer<void> plan_again(const Principal& who, JobRow& row, const JobPatch& request);

@@ -106,6 +106,21 @@ std::vector<Warning> JobRepository::warnings_of(const JobRow& row) const {
   return all;
 }
 
+std::vector<Warning> JobRepository::changed_since_planned(const JobRow& row) const {
+  if (row.state != JobState::Ready) return {};
+  PlanningQueue& plans = const_cast<JobRepository*>(this)->parts_.plans;
+  const auto plan = plans.table().find(row.plan);
+  if (!plan) return {};
+  std::vector<Warning> all = plans.changed_since(*plan);
+  // An accepted one is kept with the job.
+  std::erase_if(all, [&](const Warning& one) {
+    return std::any_of(row.warnings.begin(), row.warnings.end(), [&](const Warning& known) {
+      return known.code == one.code && known.message == one.message;
+    });
+  });
+  return all;
+}
+
 Job JobRepository::shown(const JobRow& row) const {
   Job job{row};
   if (row.design.empty()) job.kind = "test-cut";
@@ -214,8 +229,11 @@ Answer<Job> JobRepository::find(const std::string& id) {
   return parts_.store.look([&]() -> Answer<Job> {
     return row(id).map([&](const JobRow& found) {
       Job job = shown(found);
+      const std::vector<Warning> changed = changed_since_planned(found);
+      for (const Warning& one : changed) job.unaccepted.push_back(one.code);
+      job.warnings.insert(job.warnings.begin(), changed.begin(), changed.end());
       const bool may_go_on =
-          found.state == JobState::Interrupted ||
+          !changed.empty() || found.state == JobState::Interrupted ||
           (found.state == JobState::Ready &&
            (found.segment > 1 || !parts_.devices.remedies(found.requested_device).empty()));
       if (may_go_on && next_actions) job.next_actions = next_actions(found);

@@ -110,6 +110,35 @@ std::string fault_of(const PlanningOutcome& outcome, int most_sheets) {
   return {};
 }
 
+/// What differs between two rows of a table: "force_gf 120, now 150; scale_x 1, now 1.002".
+std::string changes_of(const std::string& before, const std::string& now) {
+  constexpr std::size_t kNamed = 3;
+  using Json = nlohmann::json;
+  if (before == now) return {};
+  const Json old = Json::parse(before, nullptr, false), fresh = Json::parse(now, nullptr, false);
+  if (!old.is_structured() || !fresh.is_structured()) return "another row";
+  const Json was = old.flatten(), is = fresh.flatten();
+  std::vector<std::string> changes;
+  const auto look = [&](const Json& all, const Json& other, bool is_gone) {
+    for (const auto& [pointer, value] : all.items()) {
+      const std::string name = pointer.substr(1);
+      if (!other.contains(pointer))
+        changes.push_back(is_gone ? fmt::format("{} {}, now none", name, value.dump())
+                                  : fmt::format("{} none, now {}", name, value.dump()));
+      else if (is_gone && other[pointer] != value)
+        changes.push_back(fmt::format("{} {}, now {}", name, value.dump(), other[pointer].dump()));
+    }
+  };
+  look(was, is, true);
+  look(is, was, false);
+  const std::size_t all = changes.size();
+  if (all > kNamed) {
+    changes.resize(kNamed);
+    changes.push_back(fmt::format("and {} more", all - kNamed));
+  }
+  return fmt::format("{}", fmt::join(changes, "; "));
+}
+
 void add_totals(PlanRow& row, const std::vector<SheetPlan>& sheets) {
   row.sheets = static_cast<int>(sheets.size());
   for (const SheetPlan& sheet : sheets) {
@@ -237,6 +266,25 @@ Answer<PlanRow> PlanningQueue::plan_again(const Principal& who, const PlanRow& b
                         .machine = {},
                         .options = std::move(options),
                         .site = site});
+}
+
+std::vector<Warning> PlanningQueue::changed_since(const PlanRow& plan) {
+  std::vector<Warning> all;
+  const auto compare = [&](const char* what, const std::string& name, const std::string& before,
+                           const std::string& now) {
+    if (const std::string changes = changes_of(before, now); !changes.empty())
+      all.push_back({.code = fmt::format("{}_changed", what),
+                     .message = fmt::format("the {} {} has changed since the sheets were planned "
+                                            "({}); plan the job again with plan_again",
+                                            what, name, changes),
+                     .place = {},
+                     .spoils = true});
+  };
+  if (const auto machine = parts_.materials.machine_row(plan.machine))
+    compare("machine", plan.machine, plan.machine_json, *machine);
+  if (const auto material = parts_.materials.find(plan.material))
+    compare("material", plan.material, plan.material_json, material->json);
+  return all;
 }
 
 Answer<PlanRow> PlanningQueue::test_plan_for(const Principal& who, const std::string& device,

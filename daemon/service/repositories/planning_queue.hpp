@@ -66,6 +66,8 @@ class PlanningQueue : public Plans {
   void hurry(const std::string& plan, const std::string& owner);
   /// Gives the planner as many plans as it accepts.
   void pump();
+  /// Warnings, which spoil a cut, if the machine or the material has changed since a plan was made.
+  [[nodiscard]] std::vector<Warning> changed_since(const PlanRow& plan);
   /// Cancels a plan that no job waits for, unless a person requested the plan itself.
   void abandon(const std::string& plan);
   /// Removes the plans of a design that no job uses and nobody owns, in the transaction that

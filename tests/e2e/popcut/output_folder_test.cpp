@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <numbers>
 #include <ostream>
@@ -232,6 +236,86 @@ TEST_CASE("a pipe into which nobody writes is refused, and one that is written i
   writer.join();
   REQUIRE(read);
   CHECK(*read == "model");
+}
+
+TEST_CASE("whoever else may write in the folder leads no file elsewhere", "[cli][output]") {
+  const TempFolder temp;
+  write_file(temp / "secret", "kept");
+  auto out = OutputFolder::open(temp / "out");
+  REQUIRE(out);
+  // The place aside, and later that of the files, becomes a folder of links.
+  fs::rename(temp / "out/.popcut-aside", temp / "out/moved");
+  fs::create_directory(temp / "out/.popcut-aside");
+  for (const char* name : {"report.json", "manifest.json"})
+    fs::create_symlink(temp / "secret", temp / "out/.popcut-aside" / name);
+  fs::create_symlink(temp / "secret", temp / "out/report.json");
+  REQUIRE(out->add("report.json", "{}"));
+  REQUIRE(out->commit("test run"));
+  CHECK(text_of_file(temp / "secret") == "kept");
+  CHECK(fs::symlink_status(temp / "out/report.json").type() == fs::file_type::regular);
+  CHECK(text_of_file(temp / "out/report.json") == "{}");
+  // And one file by itself.
+  fs::create_symlink(temp / "secret", temp / ("one.part-" + std::to_string(::getpid())));
+  REQUIRE(cli::write_whole_file(temp / "one", [](std::ostream& file) { file << "new"; }));
+  CHECK(text_of_file(temp / "secret") == "kept");
+  CHECK(text_of_file(temp / "one") == "new");
+}
+
+TEST_CASE("a signal that ends the program leaves nothing aside and no new folder",
+          "[cli][output]") {
+  const TempFolder temp;
+  const int signal = GENERATE(SIGINT, SIGTERM, SIGHUP);
+  fs::create_directory(temp / "there");
+  std::array<int, 2> ready{};
+  REQUIRE(::pipe(ready.data()) == 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::signal(signal, SIG_DFL);
+    auto one = OutputFolder::open(temp / "there"), other = OutputFolder::open(temp / "new/deep");
+    const bool added = one && other && one->add("a/b", "text") && other->add("c", "text");
+    if (!added || ::write(ready[1], "x", 1) != 1) ::_exit(3);
+    for (;;) ::pause();
+  }
+  char byte = 0;
+  CHECK(::read(ready[0], &byte, 1) == 1);
+  ::kill(child, signal);
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  CHECK((WIFSIGNALED(status) && WTERMSIG(status) == signal));
+  CHECK(fs::is_empty(temp / "there"));
+  CHECK_FALSE(fs::exists(temp / "new"));
+  for (const int end : ready) ::close(end);
+}
+
+TEST_CASE("a file that another one names lies in its folder and is reached through no link",
+          "[cli][files]") {
+  const TempFolder temp;
+  fs::create_directories(temp / "model/maps");
+  write_file(temp / "secret.png", "secret");
+  write_file(temp / "model/a.png", "a");
+  write_file(temp / "model/maps/b.png", "b");
+  fs::create_symlink(temp / "secret.png", temp / "model/link.png");
+  fs::create_directory_symlink(temp.path(), temp / "model/up");
+  REQUIRE(::mkfifo((temp / "model/pipe").c_str(), 0600) == 0);
+  const fs::path model = temp / "model/x.mtl";
+  CHECK(cli::read_beside(model, "a.png").value() == "a");
+  CHECK(cli::read_beside(model, "./maps/../maps/b.png").value() == "b");
+  const auto why = [&](const std::string& name) {
+    const auto read = cli::read_beside(model, name);
+    CAPTURE(name);
+    REQUIRE_FALSE(read);
+    CHECK(read.error().kind == ErrorKind::Malformed);
+    return read.error().detail;
+  };
+  for (const std::string& name :
+       {std::string("../secret.png"), std::string("maps/../../secret.png"),
+        (temp / "secret.png").string(), std::string("/proc/kmsg"), std::string("..")})
+    CHECK(why(name).find("outside of the folder of x.mtl") != std::string::npos);
+  CHECK(why("link.png").find("is a link") != std::string::npos);
+  CHECK(why("up/secret.png").find("reached through") != std::string::npos);
+  CHECK(why("pipe").find("is not a file") != std::string::npos);
+  CHECK(why("maps").find("is not a file") != std::string::npos);
+  CHECK(why("absent").find("is not a file") != std::string::npos);
 }
 
 }  // namespace output_folder_test

@@ -485,4 +485,57 @@ TEST_CASE("effects after a commit never run for another commit", "[daemon][servi
   bench.cutters.complete(bench.device);
 }
 
+TEST_CASE(
+    "a sheet that was planned for another machine or material is armed only if that is accepted",
+    "[daemon][service]") {
+  ServiceBench bench;
+  bench.planner.sheets = 2;
+  const Job ready = bench.ready_job();
+  CHECK(ready.unaccepted.empty());
+  SECTION("the machine was measured and popcutd restarted") {
+    bench.stop();
+    bench.options.tables = {R"({"popcut": 1, "machines": [{"name": "cameo3", "like": "cameo3",
+                                              "title": "measured", "source": "me"}]})"};
+    REQUIRE(bench.start().empty());
+    const Answer<Job> refused = bench.act(ready.id, JobAction::Arm);
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().kind == ProblemKind::StateConflict);
+    CHECK(refused.error().detail.find("cameo3 has changed since the sheets were planned") !=
+          std::string::npos);
+    CHECK(refused.error().detail.find("\"measured\"") != std::string::npos);
+    REQUIRE_FALSE(refused.error().next_actions.empty());
+    CHECK(refused.error().next_actions[0].action == "change");
+    const Job told = bench.job(ready.id);
+    CHECK(told.state == JobState::Ready);
+    CHECK(told.unaccepted == std::vector<std::string>{"machine_changed"});
+    CHECK(told.warnings.at(0).spoils);
+    // As it is, and then it is not asked again for the next sheet.
+    const ActionRequest accepted{.action = JobAction::Arm, .accept_warnings = {"machine_changed"}};
+    CHECK(bench.act(ready.id, accepted)->state == JobState::Armed);
+    REQUIRE(bench.act(ready.id, JobAction::Start));
+    bench.cutters.complete(bench.device);
+    REQUIRE(bench.wait_for(ready.id, JobState::Ready).sheet == 2);
+    CHECK(bench.act(ready.id, JobAction::Arm)->state == JobState::Armed);
+  }
+  SECTION("the material was changed, and the job is planned again") {
+    REQUIRE(bench.on([&](LiveService& s) {
+      return s.materials.put(bench.admin, ready.material, 1,
+                             R"({"like": "paper-220", "thickness_mm": 0.3})");
+    }));
+    const Answer<Job> refused = bench.act(ready.id, JobAction::Arm);
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().detail.find("the material " + ready.material + " has changed") !=
+          std::string::npos);
+    const auto patch = std::get<JobPatch>(refused.error().next_actions.at(0).body);
+    CHECK(patch.plan_again);
+    const Job now = bench.job(ready.id);
+    REQUIRE(bench.on(
+        [&](LiveService& s) { return s.jobs.patch(bench.student, ready.id, now.rev, patch); }));
+    REQUIRE(bench.wait([&] { return bench.job(ready.id).state == JobState::Ready; }));
+    CHECK(bench.job(ready.id).unaccepted.empty());
+    CHECK(bench.job(ready.id).plan != ready.plan);
+    CHECK(bench.act(ready.id, JobAction::Arm)->state == JobState::Armed);
+  }
+}
+
 }  // namespace service_actions_test
