@@ -30,7 +30,14 @@ template <typename Work>
 auto with_popcutd(const Work& work) -> decltype(work(std::declval<client::Api&>())) {
   auto api = client::Api::from_environment();
   if (!api) return tl::unexpected(api.error());
-  return work(*api);
+  try {
+    return work(*api);
+  } catch (const nlohmann::json::exception&) {
+    // Commands read answers as this version of popcutd writes them.
+    return fail(ErrorKind::Refused, api->http().address().text(),
+                "answers what this popcut does not understand; check POPCUT_URL, and that popcutd "
+                "there has the same version");
+  }
 }
 
 /// Asks popcutd with `ask(api)`, which returns a document, and answers with it: the document itself

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text/json_text.hpp"
+#include "core/text/utf8.hpp"
 #include "core/text/words.hpp"
 #include "daemon/client/command_words.hpp"
 
@@ -77,6 +78,31 @@ bool may(const Json& job, const std::string& action) {
 
 }  // namespace
 
+void make_printable(Json& value) {
+  if (value.is_string()) value = shown_lines(value.get_ref<const std::string&>());
+  if (value.is_object()) {
+    Json plain = Json::object();
+    for (auto& [name, one] : value.items()) {
+      make_printable(one);
+      plain[shown_text(name)] = std::move(one);
+    }
+    value = std::move(plain);
+  }
+  if (value.is_array())
+    for (Json& one : value) make_printable(one);
+}
+
+std::string shown_lines(std::string_view text) {
+  std::string out;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    out += shown_text(text.substr(at, end - at));
+    if (end < text.size()) out += '\n';
+    at = end + 1;
+  }
+  return out;
+}
+
 std::string text_of(const Json& object, const char* key) {
   const auto found = object.find(key);
   return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
@@ -102,6 +128,7 @@ Result<Json> Api::read(Result<HttpResponse> response, const std::string& place, 
   if (response->status >= 300) return tl::unexpected(error_from(*response, place, subject, sent));
   if (response->body.empty()) return Json::object();
   auto json = parse_json(response->body, 64);
+  if (json) make_printable(*json);
   if (json) return json;
   return fail(ErrorKind::Refused, http_.address().text(),
               "the server there is not popcutd (it sends no JSON); check POPCUT_URL");
@@ -116,7 +143,7 @@ Result<std::string> Api::get_text(const std::string& target, const std::string& 
   auto response = http_.ask({"GET", target, {}, {}, {{"Accept", accept}}});
   if (!response) return tl::unexpected(response.error());
   if (response->status >= 300) return tl::unexpected(error_from(*response, place));
-  return std::move(response->body);
+  return shown_lines(response->body);
 }
 
 Result<Json> Api::post(const std::string& target, const Json& body, const std::string& place,

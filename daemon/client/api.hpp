@@ -69,6 +69,11 @@ class Api {
   HttpClient http_;
 };
 
+/// Makes all names and texts of an answer such that a terminal shows them (see `shown_text`), line
+/// by line. popcutd may be another server, and who names a job is somebody else.
+void make_printable(nlohmann::json& value);
+/// The same of a text.
+[[nodiscard]] std::string shown_lines(std::string_view text);
 /// A text member, or an empty text.
 [[nodiscard]] std::string text_of(const nlohmann::json& object, const char* key);
 /// "rev", else 0.

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <limits>
+#include <optional>
 #include <random>
 #include <thread>
 
@@ -22,7 +23,8 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 namespace asio = boost::asio;
 
-constexpr std::uint64_t kMostBody = std::uint64_t{1} << 30;
+constexpr std::uint64_t kMostBody = std::uint64_t{256} << 20;
+constexpr double kLeastBytesPerSecond = 1024;  // of an answer, after the time until it must begin
 constexpr double kConnectSeconds = 5;
 constexpr double kSilenceSeconds = 45;  // three heartbeats of an event stream
 
@@ -30,16 +32,24 @@ constexpr double kSilenceSeconds = 45;  // three heartbeats of an event stream
 class WireStream {
  public:
   explicit WireStream(Wire& wire) : wire_(wire) {}
-  /// Reads at most `most` bytes (0: any number), and nothing after `until`.
-  WireStream(Wire& wire, std::uint64_t most, Wire::Clock::time_point until)
-      : wire_(wire), most_(most), until_(until) {}
+  /// Reads at most `most` bytes within `seconds`; if `most` is 0 any number, but not slower than
+  /// `kLeastBytesPerSecond` after that time.
+  WireStream(Wire& wire, std::uint64_t most, double seconds)
+      : wire_(wire), most_(most), seconds_(seconds) {}
   template <typename Buffers>
   std::size_t read_some(const Buffers& into, beast::error_code& error) {
     // What comes without a pause never waits, and so never notices that its time is over.
-    if (most_ > 0 && (read_ >= most_ || Wire::Clock::now() > until_)) {
-      error = read_ >= most_ ? beast::error_code(http::error::body_limit)
-                             : beast::error_code(asio::error::timed_out);
-      return 0;
+    if (seconds_) {
+      const double more_s = most_ > 0 ? 0 : static_cast<double>(read_) / kLeastBytesPerSecond;
+      const std::chrono::duration<double> gone = Wire::Clock::now() - begun_;
+      const double left_s = *seconds_ + more_s - gone.count();
+      const bool is_full = most_ > 0 && read_ >= most_;
+      if (is_full || left_s < 0) {
+        error = is_full ? beast::error_code(http::error::body_limit)
+                        : beast::error_code(asio::error::timed_out);
+        return 0;
+      }
+      wire_.deadline_in(left_s);
     }
     const long got = wire_.read(vectors(into));
     if (got == 0 && asio::buffer_size(into) > 0) error = asio::error::eof;
@@ -85,7 +95,8 @@ class WireStream {
   }
   Wire& wire_;
   std::uint64_t most_{0}, read_{0};
-  Wire::Clock::time_point until_{};
+  std::optional<double> seconds_{};
+  Wire::Clock::time_point begun_{Wire::Clock::now()};
   std::array<iovec, 16> vectors_{};
 };
 
@@ -190,9 +201,7 @@ Result<HttpResponse> HttpClient::ask_once(const HttpRequest& request) {
   if (!connection_)
     if (auto done = connect(); !done) return tl::unexpected(done.error());
   const Message message = message_of(request, address(), token_);
-  const auto until = Wire::Clock::now() +
-                     std::chrono::milliseconds(static_cast<std::int64_t>(1000 * request.seconds));
-  WireStream stream(connection_->wire, request.most_bytes, until);
+  WireStream stream(connection_->wire, request.most_bytes, request.seconds);
   connection_->wire.deadline_in(request.seconds);
   beast::error_code error, sent;
   http::write(stream, message, sent);
@@ -203,6 +212,14 @@ Result<HttpResponse> HttpClient::ask_once(const HttpRequest& request) {
   http::read(stream, connection_->buffer, parser, error);
   if (error && !parser.is_done()) {
     connection_.reset();
+    // To ask again would not help.
+    if (error == http::error::body_limit)
+      return fail(ErrorKind::Refused, address().text(),
+                  fmt::format("sends more than {} bytes; check POPCUT_URL",
+                              request.most_bytes > 0 ? request.most_bytes : kMostBody));
+    if (parser.is_header_done() && error == boost::system::errc::timed_out)
+      return fail(ErrorKind::Refused, address().text(),
+                  "sends its answer too slowly; check the network and POPCUT_URL");
     return tl::unexpected(broken(address(), (sent ? sent : error).message()));
   }
   HttpResponse response = head_of(parser.get(), parser.get().result_int());

@@ -22,7 +22,7 @@ struct HttpRequest {
   std::string_view body{};  ///< must live until the answer has come
   std::string content_type{};
   std::vector<std::pair<std::string, std::string>> headers{};
-  double seconds{60};  ///< in which the answer must begin
+  double seconds{60};  ///< in which the answer must begin; then it must not be slower than 1 KiB/s
   /// If not 0: the most bytes that are read of the answer, its head and all codings included; then
   /// `seconds` is for the whole of it, however quickly it comes.
   std::uint64_t most_bytes{0};

@@ -149,7 +149,8 @@ Error conflict(const Json& problem, const std::string& place, std::string detail
 
 Error error_from(const HttpResponse& response, const std::string& place, Subject subject,
                  const Json* sent) {
-  const auto parsed = parse_json(response.body, 32);
+  auto parsed = parse_json(response.body, 32);
+  if (parsed) make_printable(*parsed);
   if (!parsed || !parsed->is_object())
     return {ErrorKind::Refused, place,
             fmt::format("popcutd answered {} without a reason; see its log", response.status)};

@@ -169,6 +169,8 @@ class Searches {
   [[nodiscard]] virtual Answer<SearchRecord> request(const Principal&,
                                                      const CardSearchRequest&) = 0;
   [[nodiscard]] virtual Answer<SearchRecord> find(const Principal&, const std::string& id) = 0;
+  /// All searches, without their cards.
+  [[nodiscard]] virtual Page<SearchRecord> list(const Principal&, const PageRequest&) = 0;
   /// Cancels a search that is not finished; removes one that is, with its pictures, as
   /// `Plans::remove` does. Designs that were made from its cards stay.
   ///

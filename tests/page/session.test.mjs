@@ -327,3 +327,28 @@ test('a token that expires while a design is edited: it stays, greyed, and signi
   await keptThrough(brief.page, brief.sent);
   assert.deepEqual(brief.complaints, []);
 });
+
+test('an address with a broken word, or with a view that there is not, shows the page', async () => {
+  const { page } = await look({ name: 'odd addresses' });
+  for (const hash of ['#/__proto__/x', '#/constructor', '#/toString/1']) {
+    await page.evaluate((to) => { location.hash = to; }, hash);
+    await page.locator('main .note').waitFor();
+  }
+  const { page: other } = await look({ hash: '#t=%', signIn: false });
+  expectComplaints(other, refused(401), refused(422), refused(404), refused(403));
+  await other.getByRole('button', { name: 'Show a code' }).waitFor();
+});
+
+test('a link with the word of somebody else asks before it ends the session of the tab', async () => {
+  const { page } = await look({ name: 'keeps their session' });
+  const before = await page.evaluate(() => ({ ...sessionStorage }));
+  const { one_shot } = await server.must('POST', '/v1/session/one-shot', {});
+  const follow = () => page.evaluate((to) => { location.hash = to; }, `#t=${encodeURIComponent(one_shot)}`);
+  await follow();
+  await page.getByRole('button', { name: 'Stay signed in' }).click();
+  assert.deepEqual(await page.evaluate(() => ({ ...sessionStorage })), before);
+  await follow();
+  await page.getByRole('button', { name: 'Use the link' }).click();
+  await until(async () => JSON.stringify(await page.evaluate(() => ({ ...sessionStorage })).catch(() => before))
+    !== JSON.stringify(before), 'another session is open');
+});

@@ -327,6 +327,13 @@ Answer<SearchRecord> FakeSearches::request(const Principal& who, const CardSearc
   return search_map[search.id] = search;
 }
 
+Page<SearchRecord> FakeSearches::list(const Principal&, const PageRequest&) {
+  note("searches");
+  Page<SearchRecord> page;
+  for (const auto& [id, search] : search_map) page.items.push_back(search);
+  return page;
+}
+
 Answer<SearchRecord> FakeSearches::find(const Principal&, const std::string& id) {
   if (auto problem = failure("search")) return tl::unexpected<Problem>(*problem);
   return lookup(search_map, id, "search");

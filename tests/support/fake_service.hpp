@@ -136,6 +136,7 @@ class FakeSearches : public Searches, public virtual FakeState {
  public:
   Answer<SearchRecord> request(const Principal&, const CardSearchRequest&) override;
   Answer<SearchRecord> find(const Principal&, const std::string& id) override;
+  Page<SearchRecord> list(const Principal&, const PageRequest&) override;
   Answer<void> remove(const Principal&, const std::string& id) override;
   Answer<std::string> picture(const std::string& id, int card) override;
   void pick(const Principal&, const std::string& id, int card, const std::string& name,

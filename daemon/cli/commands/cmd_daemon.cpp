@@ -58,8 +58,9 @@ Result<void> follow_events(Api& api, const EventOptions& options, const Globals&
       continue;
     }
     for (const client::SseEvent& event : *got) {
-      Json json = Json::parse(event.data, nullptr, false);
-      if (!json.is_object()) json = Json{{"data", event.data}};
+      const auto parsed = parse_json(event.data, 32);
+      Json json = parsed && parsed->is_object() ? *parsed : Json{{"data", event.data}};
+      client::make_printable(json);
       if (!json.contains("kind")) json["kind"] = event.kind;
       if (options.job.empty() || json.value("job", Json()) == options.job)
         print_event(json, globals);

@@ -118,6 +118,15 @@ void get_search(const Request& request, Service& service, const HandlerContext&,
   reply(std::move(response));
 }
 
+void list_searches(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  constexpr char kList = 'f';
+  QueryReader query(request);
+  const PageRequest wanted = query.page(kList);
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
+  reply(page_response(service.searches.list(request.principal, wanted), kList,
+                      [](const SearchRecord& search) { return dump(listed_json(search)); }));
+}
+
 void delete_search(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   reply(done_response(request, service.searches.remove(request.principal, request.params[0])));
 }

@@ -204,6 +204,8 @@ ordered_json to_json(const PlanRecord& plan) {
 
 namespace {
 
+constexpr std::array<std::string_view, 3> kSearchStates{"pending", "found", "failed"};
+
 ordered_json card_json(const FoundCardRecord& card, std::size_t number, const std::string& self) {
   const std::string own = fmt::format("{}/cards/{}", self, number);
   ordered_json out{{"card", number}};
@@ -217,8 +219,20 @@ ordered_json card_json(const FoundCardRecord& card, std::size_t number, const st
 
 }  // namespace
 
+ordered_json listed_json(const SearchRecord& search) {
+  return {{"id", search.id},
+          {"model", search.request.model},
+          {"name", search.request.name},
+          {"owner", text_or_null(search.owner)},
+          {"state", kSearchStates[static_cast<std::size_t>(search.state)]},
+          {"machine", text_or_null(search.request.machine)},
+          {"material", text_or_null(search.request.material)},
+          {"error", text_or_null(search.error)},
+          {"created", rfc3339(search.created)},
+          {"links", {{"self", "/v1/searches/" + search.id}}}};
+}
+
 ordered_json to_json(const SearchRecord& search) {
-  constexpr std::array<std::string_view, 3> kStates{"pending", "found", "failed"};
   const std::string self = "/v1/searches/" + search.id;
   const CardSearchRequest& request = search.request;
   const SearchFront& front = search.front;
@@ -240,7 +254,7 @@ ordered_json to_json(const SearchRecord& search) {
           {"model", request.model},
           {"name", request.name},
           {"owner", text_or_null(search.owner)},
-          {"state", kStates[static_cast<std::size_t>(search.state)]},
+          {"state", kSearchStates[static_cast<std::size_t>(search.state)]},
           {"machine", text_or_null(request.machine)},
           {"material", text_or_null(request.material)},
           {"mat", text_or_null(request.mat)},

@@ -19,6 +19,8 @@ namespace popcut::daemon::http {
 [[nodiscard]] nlohmann::ordered_json to_json(const Asset& asset);
 /// With the designs that refer to it.
 [[nodiscard]] nlohmann::ordered_json listed_json(const Asset& asset);
+/// As an item of a list.
+[[nodiscard]] nlohmann::ordered_json listed_json(const SearchRecord& search);
 [[nodiscard]] nlohmann::ordered_json to_json(const Design& design);
 [[nodiscard]] nlohmann::ordered_json to_json(const SheetPlan& sheet);
 [[nodiscard]] nlohmann::ordered_json to_json(const PlanRecord& plan);

@@ -156,6 +156,8 @@ constexpr auto kTable = std::to_array<Route>({
           .headers = "Location",
           .details = "Works like 'popcut auto': popcut tries styles, orientations, sizes and "
                      "levels of detail. The same request returns the same search."}),
+    get("/v1/searches", kViewer, handle::list_searches, "List searches, without their cards",
+        {.query = "limit cursor", .gives = {"SearchPage"}}),
     get("/v1/searches/{id}", kViewer, handle::get_search,
         "Get a search; it has cards when its state is found", {.gives = {"Search"}}),
     remove("/v1/searches/{id}", kSubmitter, handle::delete_search,

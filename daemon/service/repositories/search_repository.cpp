@@ -142,7 +142,7 @@ SearchRecord SearchRepository::record_of(const Principal& who, const Row& row) c
   if (!words) throw StoreFault(FaultKind::Corrupt, "the words of a search are invalid");
   record.request = *words;
   record.request.machine = row.machine, record.request.material = row.material;
-  if (row.state == SearchState::Found) {
+  if (row.state == SearchState::Found && !row.front.empty()) {
     auto front = planning::read_front(row.front);
     if (!front) throw StoreFault(FaultKind::Corrupt, "what a search found is invalid");
     record.front = std::move(*front);
@@ -252,6 +252,23 @@ Answer<SearchRecord> SearchRepository::find(const Principal& who, const std::str
     if (!found) return no_search(id);
     return record_of(who, *found);
   });
+}
+
+Page<SearchRecord> SearchRepository::list(const Principal& who, const PageRequest& request) {
+  const std::vector<Row> rows = all_of(
+      parts_.store.db().rows("SELECT state, id, key, owner, model, words, machine, material, "
+                             "'' AS machine_json, '' AS material_json, '' AS front, error, "
+                             "created, begun, planner FROM search WHERE id>? ORDER BY id "
+                             "LIMIT ?",
+                             request.cursor, request.limit + 1),
+      row_of);
+  Page<SearchRecord> page;
+  for (const Row& row : rows) page.items.push_back(record_of(who, row));
+  if (page.items.size() > static_cast<std::size_t>(request.limit)) {
+    page.items.pop_back();
+    page.next_cursor = page.items.back().id;
+  }
+  return page;
 }
 
 Answer<SearchRepository::Row> SearchRepository::found_row(const std::string& id) {

@@ -29,6 +29,7 @@ class SearchRepository : public Searches {
 
   Answer<SearchRecord> request(const Principal& who, const CardSearchRequest& request) override;
   Answer<SearchRecord> find(const Principal& who, const std::string& id) override;
+  Page<SearchRecord> list(const Principal& who, const PageRequest& request) override;
   Answer<void> remove(const Principal& who, const std::string& id) override;
   Answer<std::string> picture(const std::string& id, int card) override;
   void pick(const Principal& who, const std::string& id, int card, const std::string& name,
@@ -68,7 +69,7 @@ class SearchRepository : public Searches {
     FoundCardRecord card;
   };
   [[nodiscard]] Answer<Picked> card_of(const std::string& id, int card);
-  /// As it is for `who`, if they own it.
+  /// As it is for `who`, if they own it; its front only if the row has one.
   [[nodiscard]] SearchRecord record_of(const Principal& who, const Row& row) const;
   [[nodiscard]] bool is_owned(const Row& row, const std::string& owner) const;
   [[nodiscard]] std::string next();

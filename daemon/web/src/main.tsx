@@ -1,5 +1,5 @@
 import { oneShotAtStart, takeOneShot } from './one_shot';
-import { effect, useSignal } from '@preact/signals';
+import { effect, signal, useSignal } from '@preact/signals';
 import { render, type ComponentType } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { useAgain } from './again';
@@ -71,7 +71,7 @@ function View() {
   if (view === 'at') return <Machine device={rest} key={rest} />;
   if (view === 'done') return <Done />;
   if (view === 'settings') return <Settings />;
-  if (view in later) return <Later view={view} rest={rest} key={view} />;
+  if (Object.hasOwn(later, view)) return <Later view={view} rest={rest} key={view} />;
   return <Note><p>{words.notFound}</p><p><a href="#/">{words.toNow}</a></p></Note>;
 }
 
@@ -214,8 +214,27 @@ function Page() {
         <View />
       </main>
       <PauseBar />
+      <OtherSession />
       {keys && <Keys onClose={() => setKeys(false)} />}
     </>
+  );
+}
+
+/** A word of the address that would end the session of this tab. Anybody can send such a link, so a person is asked. */
+const askedWord = signal<string | null>(null);
+
+function OtherSession() {
+  const word = askedWord.value;
+  if (word === null) return null;
+  const change = (): void => {
+    askedWord.value = null;
+    void signInWithWord(word).then(() => location.reload(), () => undefined);
+  };
+  return (
+    <Dialog title={words.signIn.other} no={words.signIn.stay} yes={words.signIn.change} kind="plain"
+      onNo={() => { askedWord.value = null; }} onYes={change}>
+      <p>{words.signIn.otherWhat}</p>
+    </Dialog>
   );
 }
 
@@ -248,7 +267,9 @@ function Start() {
 /** Signs in with the word of the address, if there is one; then shows the page. */
 async function begin(word: string | null): Promise<void> {
   let badWord = false;
-  if (word !== null) {
+  if (word !== null && session.value === 'in') {
+    askedWord.value = word;
+  } else if (word !== null) {
     try {
       await signInWithWord(word);
     } catch (error) {
@@ -265,7 +286,8 @@ addEventListener('hashchange', () => {
   const word = takeOneShot();
   if (word === null) return;
   route.value = parseRoute('#/');
-  void signInWithWord(word).then(() => location.reload(), () => undefined);
+  if (session.value === 'in') askedWord.value = word;
+  else void signInWithWord(word).then(() => location.reload(), () => undefined);
 });
 effect(() => {
   if (session.value === 'in' && meta.peek() !== null) void readMeta().then(follow, () => undefined);

@@ -446,6 +446,10 @@ export const words = localized({
     over: 'Your session is over.',
     overWhat: 'What you see is as of then. Your drafts are kept.',
     signAgain: 'Sign in again',
+    other: 'Sign in as somebody else?',
+    otherWhat: 'You are signed in here. This link opens another session, which may be that of whoever sent it.',
+    stay: 'Stay signed in',
+    change: 'Use the link',
     bad: 'This link was used already, or it is older than a minute. Run "popcut open" again.',
   },
 

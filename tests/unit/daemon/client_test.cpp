@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: MIT
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <atomic>
 #include <map>
 #include <random>
 #include <string>
+#include <thread>
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "core/text/words.hpp"
 #include "daemon/client/address.hpp"
@@ -11,6 +19,7 @@
 #include "daemon/client/command_words.hpp"
 #include "daemon/client/problem_line.hpp"
 #include "daemon/client/sse_reader.hpp"
+#include "tests/support/process.hpp"
 
 namespace client_test {
 
@@ -251,6 +260,97 @@ TEST_CASE("an absent popcutd is reported with how to start it", "[client]") {
   CHECK(jobs.error().kind == ErrorKind::DeviceGone);
   CHECK(jobs.error().place == "/nonexistent/popcut.sock");
   CHECK(jobs.error().detail.find("'popcutd'") != std::string::npos);
+}
+
+namespace {
+
+/// A server that answers each request with the same bytes, and then with `more` for ever.
+class OddServer {
+ public:
+  OddServer(std::string answer, std::string more = "")
+      : answer_(std::move(answer)), more_(std::move(more)) {
+    sockaddr_un at{};
+    at.sun_family = AF_UNIX;
+    path().copy(at.sun_path, sizeof at.sun_path - 1);
+    listener_ = ::socket(AF_UNIX, SOCK_STREAM, 0);
+    REQUIRE(::bind(listener_, reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0);
+    REQUIRE(::listen(listener_, 8) == 0);
+    thread_ = std::thread([this] { serve(); });
+  }
+  ~OddServer() {
+    ending_ = true;
+    ::shutdown(listener_, SHUT_RDWR);
+    thread_.join();
+    ::close(listener_);
+  }
+  [[nodiscard]] std::string path() const { return (folder_ / "socket").string(); }
+  [[nodiscard]] Api api() const { return Api(HttpClient({Address{path(), {}, 0}}, "")); }
+
+ private:
+  void serve() {
+    for (int one = 0; (one = ::accept(listener_, nullptr, nullptr)) >= 0; ::close(one)) {
+      char block[4096];
+      if (::recv(one, block, sizeof block, 0) <= 0) continue;
+      bool open = ::send(one, answer_.data(), answer_.size(), MSG_NOSIGNAL) > 0;
+      while (open && !more_.empty() && !ending_) {
+        open = ::send(one, more_.data(), more_.size(), MSG_NOSIGNAL) > 0;
+        if (more_.size() == 1) ::usleep(20'000);
+      }
+    }
+  }
+  testing::TempFolder folder_;
+  std::string answer_, more_;
+  std::atomic<bool> ending_{false};
+  int listener_{-1};
+  std::thread thread_;
+};
+
+std::string json_answer(const std::string& body) {
+  return fmt::format(
+      "HTTP/1.1 200 OK\r\nContent-Type: application/json\r\nContent-Length: {}\r\n\r\n{}",
+      body.size(), body);
+}
+
+}  // namespace
+
+TEST_CASE("what another server sends is printable", "[client]") {
+  const OddServer server(
+      json_answer(R"({"a\u001bb": ["x\u001b[31m\u009b", {"note": "one\u0007\ntwo"}], "n": 1})"));
+  const auto got = server.api().get("/v1/meta", "meta");
+  REQUIRE(got);
+  for (const unsigned char c : got->dump()) CHECK((c >= 0x20 && c != 0x7F));
+  CHECK((*got)["a b"][0] == "x [31m ");
+  CHECK((*got)["a b"][1]["note"] == "one \ntwo");
+  CHECK(shown_lines("a\x1b[2J\nb\n") == "a [2J\nb\n");
+}
+
+TEST_CASE("an answer that does not end or comes drop by drop is given up", "[client]") {
+  const std::string head = "HTTP/1.1 200 OK\r\nContent-Length: 1000000000000\r\n\r\n";
+  SECTION("too much") {
+    const OddServer server("HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n",
+                           "10000\r\n" + std::string(65536, ' ') + "\r\n");
+    HttpRequest request{"GET", "/v1/meta"};
+    request.most_bytes = 1 << 20;
+    const auto got = server.api().http().ask(std::move(request));
+    REQUIRE_FALSE(got);
+    CHECK(got.error().detail.find("more than 1048576 bytes") != std::string::npos);
+  }
+  SECTION("more than is taken of any answer") {
+    const OddServer server(head);
+    const auto got = server.api().get("/v1/meta", "meta");
+    REQUIRE_FALSE(got);
+    CHECK(got.error().kind == ErrorKind::Refused);
+    CHECK(got.error().detail.find("more than 268435456 bytes") != std::string::npos);
+  }
+  SECTION("too slowly") {
+    const OddServer server("HTTP/1.1 200 OK\r\nContent-Length: 100000\r\n\r\n", "x");
+    HttpRequest request{"GET", "/v1/meta"};
+    request.seconds = 0.2;
+    const auto got = server.api().http().ask(std::move(request));
+    REQUIRE_FALSE(got);
+    CHECK(got.error().kind == ErrorKind::Refused);
+    CHECK(got.error().detail.find("too slowly") != std::string::npos);
+  }
 }
 
 }  // namespace client_test

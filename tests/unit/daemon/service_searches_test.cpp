@@ -213,6 +213,30 @@ TEST_CASE("a search goes on after a restart and after a crash", "[daemon][servic
   CHECK(find(bench, waiting)->front.cards.size() == 2);
 }
 
+TEST_CASE("all searches are listed page by page without their cards", "[daemon][service]") {
+  ServiceBench bench;
+  const std::string found = ask(bench, {.model = add_model(bench, "vase")})->id;
+  REQUIRE(comes_to(bench, found, SearchState::Found));
+  const std::string failed = ask(bench, {.model = add_model(bench, "bad")}, bench.tutor)->id;
+  REQUIRE(comes_to(bench, failed, SearchState::Failed));
+  const auto listed = [&](const PageRequest& request) {
+    return bench.on([&](LiveService& s) { return s.searches.list(bench.admin, request); });
+  };
+  const Page<SearchRecord> first = listed({1, ""});
+  REQUIRE(first.items.size() == 1);
+  CHECK(first.items[0].id == found);
+  CHECK(first.items[0].owner == bench.student.name);
+  CHECK(first.items[0].state == SearchState::Found);
+  CHECK(first.items[0].front.cards.empty());
+  CHECK(first.next_cursor == found);
+  const Page<SearchRecord> rest = listed({50, first.next_cursor});
+  REQUIRE(rest.items.size() == 1);
+  CHECK(rest.items[0].id == failed);
+  CHECK(rest.items[0].owner == bench.tutor.name);
+  CHECK(rest.items[0].error.find("is not known") != std::string::npos);
+  CHECK(rest.next_cursor.empty());
+}
+
 TEST_CASE("removing a model removes its searches", "[daemon][service]") {
   ServiceBench bench;
   const std::string model = add_model(bench, "vase");
