@@ -5,6 +5,7 @@
 #include <array>
 #include <utility>
 
+#include "core/artwork/colour_image.hpp"
 #include "core/model/model.hpp"
 #include "core/text/words.hpp"
 
@@ -35,9 +36,13 @@ Surfacing surfacing_of(const ModelMaterial& material, const Colour& otherwise) {
 Result<ColourMesh> read_colour_mesh(const std::string& name, std::string_view bytes,
                                     const ModelFiles& files, bool with_colours) {
   ColourMesh mesh;
+  std::size_t left = kMaxPixels;
   const auto decode = [&](const std::string& picture, std::string_view its_bytes) -> Result<void> {
-    auto image = files.decode(picture, its_bytes);
+    auto image = files.decode(picture, its_bytes, left);
+    if (!image && image.error().kind == ErrorKind::OutOfRange && left < kMaxPixels)
+      image.error().detail += "; all pictures of a model count together";
     if (!image) return tl::unexpected(image.error());
+    left -= std::min(left, image->width * image->height);
     mesh.textures.emplace_back(std::move(*image));
     return {};
   };

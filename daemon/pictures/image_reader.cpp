@@ -20,19 +20,22 @@ tl::unexpected<Error> unreadable(const std::string& name, std::string_view why) 
       fmt::format("is a picture that cannot be read: {}; save it again as PNG or JPEG", why));
 }
 
-Result<void> check_size(const std::string& name, std::size_t width, std::size_t height) {
-  if (width > 0 && height > 0 && width <= kMaxPixels / height) return {};
+constexpr int kMostScans = 200;  // of a JPEG; each is a pass over all its pixels
+
+Result<void> check_size(const std::string& name, std::size_t width, std::size_t height,
+                        std::size_t most) {
+  if (width > 0 && height > 0 && width <= most / height) return {};
   return fail(ErrorKind::OutOfRange, name,
               fmt::format("has {} x {} pixels; a picture has from 1 to {} million: make it smaller",
-                          width, height, kMaxPixels / 1'000'000));
+                          width, height, static_cast<double>(most / 100'000) / 10));
 }
 
-Result<ColourImage> read_png(const std::string& name, std::string_view bytes) {
+Result<ColourImage> read_png(const std::string& name, std::string_view bytes, std::size_t most) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   if (png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) == 0)
     return unreadable(name, image.message);
-  if (auto sized = check_size(name, image.width, image.height); !sized) {
+  if (auto sized = check_size(name, image.width, image.height, most); !sized) {
     png_image_free(&image);
     return tl::unexpected(sized.error());
   }
@@ -59,6 +62,14 @@ void leave(j_common_ptr info) {
 
 void say_nothing(j_common_ptr) {}
 
+/// Called while a picture of several scans is read.
+void count_scans(j_common_ptr info) {
+  if (reinterpret_cast<j_decompress_ptr>(info)->input_scan_number <= kMostScans) return;
+  auto* errors = static_cast<JpegErrors*>(info->err);
+  std::snprintf(errors->words, sizeof errors->words, "it has more than %d scans", kMostScans);
+  std::longjmp(errors->back, 1);
+}
+
 /// Of what libjpeg would only warn of, an end in the middle is an error: it fills the rest with
 /// grey.
 void on_message(j_common_ptr info, int level) {
@@ -71,6 +82,8 @@ void on_message(j_common_ptr info, int level) {
 bool decode_jpeg(std::string_view bytes, JpegErrors& errors, void* user,
                  unsigned char* (*take)(void* user, std::size_t width, std::size_t height)) {
   jpeg_decompress_struct info{};
+  jpeg_progress_mgr progress{};
+  progress.progress_monitor = count_scans;
   info.err = jpeg_std_error(&errors);
   errors.error_exit = leave;
   errors.output_message = say_nothing;
@@ -80,6 +93,7 @@ bool decode_jpeg(std::string_view bytes, JpegErrors& errors, void* user,
     return false;
   }
   jpeg_create_decompress(&info);
+  info.progress = &progress;
   jpeg_mem_src(&info, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
   jpeg_read_header(&info, TRUE);
   info.out_color_space = JCS_EXT_RGBA;
@@ -97,18 +111,19 @@ bool decode_jpeg(std::string_view bytes, JpegErrors& errors, void* user,
   return row != nullptr;
 }
 
-Result<ColourImage> read_jpeg(const std::string& name, std::string_view bytes) {
+Result<ColourImage> read_jpeg(const std::string& name, std::string_view bytes, std::size_t most) {
   struct Taken {
     const std::string& name;
-    ColourImage image;
+    std::size_t most;
+    ColourImage image{};
     Result<void> sized{};
-  } taken{name, {}, {}};
+  } taken{name, most};
   JpegErrors errors{};
   const bool read =
       decode_jpeg(bytes, errors, &taken,
                   [](void* user, std::size_t width, std::size_t height) -> unsigned char* {
                     auto& to = *static_cast<Taken*>(user);
-                    to.sized = check_size(to.name, width, height);
+                    to.sized = check_size(to.name, width, height, to.most);
                     if (!to.sized) return nullptr;
                     to.image = ColourImage(width, height);
                     return to.image.rgba.data();
@@ -120,9 +135,10 @@ Result<ColourImage> read_jpeg(const std::string& name, std::string_view bytes) {
 
 }  // namespace
 
-Result<ColourImage> read_image(const std::string& name, std::string_view bytes) {
-  if (bytes.substr(0, 8) == "\x89PNG\r\n\x1a\n") return read_png(name, bytes);
-  if (bytes.substr(0, 2) == "\xFF\xD8") return read_jpeg(name, bytes);
+Result<ColourImage> read_image(const std::string& name, std::string_view bytes,
+                               std::size_t most_pixels) {
+  if (bytes.substr(0, 8) == "\x89PNG\r\n\x1a\n") return read_png(name, bytes, most_pixels);
+  if (bytes.substr(0, 2) == "\xFF\xD8") return read_jpeg(name, bytes, most_pixels);
   return unreadable(name, "it is neither PNG nor JPEG");
 }
 

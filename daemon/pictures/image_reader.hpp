@@ -15,8 +15,9 @@ namespace popcut {
 ///
 /// @param name  for errors
 /// @retval Malformed   neither PNG nor JPEG, or broken; the detail is the library's
-/// @retval OutOfRange  more than `kMaxPixels`
-[[nodiscard]] Result<ColourImage> read_image(const std::string& name, std::string_view bytes);
+/// @retval OutOfRange  more than `most_pixels`, or a JPEG of more scans than any program writes
+[[nodiscard]] Result<ColourImage> read_image(const std::string& name, std::string_view bytes,
+                                             std::size_t most_pixels = kMaxPixels);
 
 /// Pixels as a PNG with their ink as opacity.
 ///

@@ -67,7 +67,9 @@ ModelFiles no_files_beside() {
   return {[](const std::string& name) -> Result<std::string> {
             return fail(ErrorKind::Malformed, name, "is not in the asset");
           },
-          [](const std::string& name, std::string_view bytes) { return read_image(name, bytes); },
+          [](const std::string& name, std::string_view bytes, std::size_t most) {
+            return read_image(name, bytes, most);
+          },
           "upload the model with its pictures as one GLB and name that with `model`, or ask for "
           "`clay`"};
 }

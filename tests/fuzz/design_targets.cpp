@@ -72,14 +72,15 @@ void check(const Result<ColourMesh>& mesh) {
   }
 }
 
-/// The first byte chooses what the rest is; an OBJ's materials are the rest too.
+/// The first byte chooses what the rest is; an OBJ's materials and pictures are the rest too.
 void colour_mesh(std::string_view bytes) {
   if (bytes.empty()) return;
   const std::string_view rest = bytes.substr(1);
   const ModelFiles files{
       [rest](const std::string&) -> Result<std::string> { return std::string(rest); },
-      [](const std::string&, std::string_view) -> Result<ColourImage> {
-        return ColourImage(2, 2);
+      [](const std::string& name, std::string_view picture, std::size_t most) {
+        constexpr std::size_t kMostPixels = 1u << 20;
+        return read_image(name, picture, std::min(most, kMostPixels));
       }};
   switch (static_cast<unsigned char>(bytes[0]) % 4) {
     case 0:

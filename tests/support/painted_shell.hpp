@@ -54,9 +54,8 @@ struct PaintedShell {
               return name == "shell.mtl" ? std::string("newmtl skin\nmap_Kd skin.png\n")
                                          : std::string("pixels");
             },
-            [image = texture()](const std::string&, std::string_view) -> Result<ColourImage> {
-              return image;
-            }};
+            [image = texture()](const std::string&, std::string_view,
+                                std::size_t) -> Result<ColourImage> { return image; }};
   }
 
   [[nodiscard]] static std::string spec(int units, int slices, double scale_mm) {

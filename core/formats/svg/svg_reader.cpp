@@ -103,7 +103,8 @@ class SvgReader {
       return {};
     }
     steps_ = 0;
-    return wrong(node, too_much("the drawing repeats too much here; use fewer <use> elements"));
+    return wrong(node, too_much("the drawing repeats or compares too much here; use fewer <use> "
+                                "elements, selectors and classes"));
   }
 
   // Finds the map from user units of the root to mm on the page.

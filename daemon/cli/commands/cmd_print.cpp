@@ -53,7 +53,9 @@ struct Options {
 
 ModelFiles files_beside(const std::filesystem::path& model) {
   return {[model](const std::string& name) { return read_beside(model, name); },
-          [](const std::string& name, std::string_view bytes) { return read_image(name, bytes); }};
+          [](const std::string& name, std::string_view bytes, std::size_t most) {
+            return read_image(name, bytes, most);
+          }};
 }
 
 /// The model of a design: the one that was asked for, else the mesh that the spec names.

@@ -141,7 +141,7 @@ ColourMesh opened(const Pattern& pattern, const Artwork& artwork, ColourImage& p
   REQUIRE(bytes);
   const ModelFiles files{
       [](const std::string&) -> Result<std::string> { return std::string(); },
-      [&](const std::string& name, std::string_view packed) -> Result<ColourImage> {
+      [&](const std::string& name, std::string_view packed, std::size_t) -> Result<ColourImage> {
         auto image = read_image(name, packed);
         if (image) print = *image;
         return image;

@@ -25,7 +25,9 @@ ModelFiles files_of(std::map<std::string, std::string> texts) {
             if (found == texts.end()) return fail(ErrorKind::Malformed, name, "is absent");
             return found->second;
           },
-          [](const std::string& name, std::string_view bytes) { return read_image(name, bytes); }};
+          [](const std::string& name, std::string_view bytes, std::size_t most) {
+            return read_image(name, bytes, most);
+          }};
 }
 
 std::string small_png() {
@@ -211,8 +213,29 @@ TEST_CASE("a picture of a glTF that reaches beyond its buffer is refused", "[art
         "q.gltf: /images/0: reaches beyond its buffer; is the file whole?");
 }
 
+TEST_CASE("all pictures of a model have a limit together and one by two names is decoded once",
+          "[artwork]") {
+  std::vector<std::size_t> limits;
+  ModelFiles files =
+      files_of({{"a.mtl",
+                 "newmtl one\nmap_Kd big.png\nnewmtl two\nmap_Kd ./big.png\n"
+                 "newmtl three\nmap_Kd x/../big.png\nnewmtl four\nmap_Kd other.png\n"},
+                {"big.png", "1"},
+                {"other.png", "2"}});
+  files.decode = [&](const std::string& name, std::string_view, std::size_t most) {
+    limits.push_back(most);
+    return Result<ColourImage>(name == "big.png"
+                                   ? Result<ColourImage>(ColourImage(20, 10))
+                                   : fail(ErrorKind::OutOfRange, name, "has too many pixels"));
+  };
+  const auto mesh = read_colour_mesh("q.obj", "mtllib a.mtl\n" + kQuad + "f 1/1 2/2 3/3\n", files);
+  REQUIRE_FALSE(mesh);
+  CHECK(limits == std::vector<std::size_t>{kMaxPixels, kMaxPixels - 200});
+  CHECK(mesh.error().detail == "has too many pixels; all pictures of a model count together");
+}
+
 /// A JPEG of noise.
-std::string noisy_jpeg(unsigned side) {
+std::string noisy_jpeg(unsigned side, bool in_scans = false) {
   jpeg_compress_struct info{};
   jpeg_error_mgr errors{};
   info.err = jpeg_std_error(&errors);
@@ -224,6 +247,7 @@ std::string noisy_jpeg(unsigned side) {
   info.input_components = 3;
   info.in_color_space = JCS_RGB;
   jpeg_set_defaults(&info);
+  if (in_scans) jpeg_simple_progression(&info);
   jpeg_start_compress(&info, TRUE);
   std::vector<unsigned char> row(3 * std::size_t{side});
   for (unsigned j = 0; j < side; ++j) {
@@ -250,6 +274,20 @@ TEST_CASE("a JPEG that is broken off or is none is an error, and no crash", "[ar
     REQUIRE(!image);
     CHECK_THAT(message(image.error()), Catch::StartsWith("photo.jpg: is a picture that cannot"));
   }
+}
+
+TEST_CASE("a JPEG of more scans than any program writes is refused", "[artwork]") {
+  const std::string whole = noisy_jpeg(16, true);
+  REQUIRE(read_image("photo.jpg", whole));
+  // Its first scan again and again: each is a pass over all pixels.
+  const auto first = whole.find("\xFF\xDA");
+  auto end = first + 2;
+  while (whole[end] != '\xFF' || whole[end + 1] == 0) ++end;
+  std::string many = whole.substr(0, end);
+  for (int k = 0; k < 1000; ++k) many += whole.substr(first, end - first);
+  const auto image = read_image("photo.jpg", many + whole.substr(end));
+  REQUIRE_FALSE(image);
+  CHECK(image.error().detail.find("more than 200 scans") != std::string::npos);
 }
 
 TEST_CASE("a picture in the colours of a printer says so", "[artwork]") {

@@ -324,6 +324,24 @@ TEST_CASE("sizes are checked before memory is taken", "[core][formats][svg][bad]
   CHECK(SvgLimits{}.raised(4).points == 16'000'000);
 }
 
+TEST_CASE("long lists of classes and many selectors are read in time or refused as too much",
+          "[core][formats][svg]") {
+  std::string classes, single, pairs;
+  for (int i = 0; i < 2000; ++i) {
+    classes += "c" + std::to_string(i) + " ";
+    single += ".c" + std::to_string(i) + "{stroke:red}";
+    pairs += ".c0.c1999{stroke:red}";
+  }
+  SvgLimits limits;
+  limits.steps = 100'000;
+  const auto with = [&](const std::string& rules) {
+    return svg("<style>" + rules + "</style><path class='" + classes + "' d='M1,1h20'/>");
+  };
+  // A class by which a rule was found is not looked for again; others are.
+  CHECK(linework_from_svg(with(single), {.limits = limits}));
+  CHECK(error_of(with(pairs), limits).kind == ErrorKind::OutOfRange);
+}
+
 TEST_CASE("curves follow the requested tolerance", "[core][formats][svg]") {
   SvgReadOptions how;
   how.profile = *find_stroke_profile("plain");

@@ -86,27 +86,35 @@ std::string_view local_name(const pugi::xml_node& node) {
   return name.substr(name.rfind(':') + 1);
 }
 
-bool is_that(const CssCompound& part, const pugi::xml_node& node) {
+// Whether `node` is what a part of a selector says; of its classes those from `from` on are looked
+// for. What is read of long lists of classes counts as steps.
+bool is_that(const CssCompound& part, const pugi::xml_node& node, std::size_t from,
+             std::size_t& steps) {
   if (part.is_root && node.parent().type() != pugi::node_document) return false;
   if (!part.type.empty() && local_name(node) != part.type) return false;
   if (!part.id.empty() && node.attribute("id").value() != part.id) return false;
-  if (!part.classes.empty()) {
+  if (from < part.classes.size()) {
+    constexpr std::size_t kBytesInStep = 64;
     const std::string_view classes = node.attribute("class").value();
-    for (const std::string_view name : part.classes)
-      if (!has_word(classes, name)) return false;
+    for (std::size_t k = from; k < part.classes.size(); ++k) {
+      steps -= std::min(steps, classes.size() / kBytesInStep);
+      if (steps == 0 || !has_word(classes, part.classes[k])) return false;
+    }
   }
   return std::all_of(part.attributes.begin(), part.attributes.end(),
                      [&](const CssAttribute& test) { return holds(test, node); });
 }
 
-// Whether parts 0 .. `count` - 1 match, the last of them `node`. Without steps left: no.
-bool fits(const CssRule& rule, std::size_t count, pugi::xml_node node, std::size_t& steps) {
-  if (steps == 0 || !is_that(rule.parts[count - 1], node)) return false;
+// Whether parts 0 .. `count` - 1 match, the last of them `node`, of which the first `known` classes
+// do. Without steps left: no.
+bool fits(const CssRule& rule, std::size_t count, pugi::xml_node node, std::size_t known,
+          std::size_t& steps) {
+  if (steps == 0 || !is_that(rule.parts[count - 1], node, known, steps) || steps == 0) return false;
   --steps;
   if (count == 1) return true;
   const bool child = rule.parts[count - 2].child;
   for (node = node.parent(); node.type() == pugi::node_element; node = node.parent()) {
-    if (fits(rule, count - 1, node, steps)) return true;
+    if (fits(rule, count - 1, node, 0, steps)) return true;
     if (child || steps == 0) return false;
     --steps;
   }
@@ -386,21 +394,22 @@ bool CssSheets::find(const pugi::xml_node& node, std::string_view type, std::str
                      std::string_view classes, std::size_t& steps,
                      std::vector<const CssRule*>& found) const {
   const std::size_t first = found.size();
-  const auto try_bucket = [&](const Bucket& bucket) {
+  const auto try_bucket = [&](const Bucket& bucket, std::size_t known = 0) {
     for (const std::uint32_t index : bucket) {
       if (steps == 0) return;
       --steps;
-      if (fits(rules_[index], rules_[index].parts.size(), node, steps))
+      if (fits(rules_[index], rules_[index].parts.size(), node, known, steps))
         found.push_back(&rules_[index]);
     }
   };
-  const auto try_key = [&](const auto& buckets, std::string_view key) {
-    if (const auto bucket = buckets.find(key); bucket != buckets.end()) try_bucket(bucket->second);
+  const auto try_key = [&](const auto& buckets, std::string_view key, std::size_t known = 0) {
+    if (const auto bucket = buckets.find(key); bucket != buckets.end())
+      try_bucket(bucket->second, known);
   };
   if (!id.empty()) try_key(by_id_, id);
   while (!classes.empty() && !by_class_.empty()) {
     if (const std::string_view one = take_word(classes, kBlanks); !one.empty())
-      try_key(by_class_, one);
+      try_key(by_class_, one, 1);
     if (steps == 0) return false;
     --steps;
   }
