@@ -18,6 +18,7 @@ namespace popcut {
 extern const std::string_view kMachinesJson;
 extern const std::string_view kMaterialsJson;
 extern const std::string_view kSvgProfilesJson;
+extern const std::string_view kLayerWordsJson;
 
 /// One row of a table as JSON, with what it inherits by "like" filled in.
 struct TableRow {
@@ -27,9 +28,9 @@ struct TableRow {
   nlohmann::json row;
 };
 
-/// Returns the rows of `list` ("machines", "materials" or "svg_profiles"): first those of the
-/// built-in text, then those of each user's text. A user's row replaces an earlier row of the same
-/// name. "like": "NAME" inherits the fields of an earlier row.
+/// Returns the rows of `list` ("machines", "materials", "svg_profiles" or "layer_words"): first
+/// those of the built-in text, then those of each user's text. A user's row replaces an earlier row
+/// of the same name. "like": "NAME" inherits the fields of an earlier row.
 ///
 /// @retval Malformed  a text is not a valid table; place is a JSON pointer
 [[nodiscard]] Result<std::vector<TableRow>> table_rows(std::string_view list,

@@ -279,7 +279,8 @@ class Planner {
              options.clean.snap_mm,
              options.svg_profile,
              options.svg_dpi,
-             reading_tolerance_mm(options)},
+             reading_tolerance_mm(options),
+             options.layers},
         settings_(out_.machine, out_.material, mode, out_.warnings) {}
 
   Result<Plan> run() {

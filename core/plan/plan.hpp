@@ -62,6 +62,7 @@ struct Plan {
   double snap_mm{};
   std::string svg_profile{};  ///< how an SVG was read, as the next two
   double svg_dpi{}, curve_tolerance_mm{};
+  std::string layers{};             ///< what names mean, where `layers` said it
   std::optional<double> unit_mm{};  ///< of a DXF or FOLD file, where `units` gave it
   Placement drawing_transform{};    ///< what `scale`, `rotate` and `mirror` did to the drawing
   bool clip{false};                 ///< what lay outside the area was left out

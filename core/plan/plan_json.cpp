@@ -323,6 +323,7 @@ std::string plan_json(const Plan& plan) {
             {"folds", fold_mode_name(plan.folds)},
             {"snap_mm", plan.snap_mm},
             {"svg_profile", plan.svg_profile},
+            {"layers", plan.layers},
             {"drawing_transform", transform_json(plan.drawing_transform)},
             {"copies", copies_json(plan.copies)},
             {"weed_box_mm", plan.weed_box_mm},

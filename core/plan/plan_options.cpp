@@ -227,6 +227,9 @@ std::vector<PlanOption> make_table() {
            "How popcut decides what the strokes of an SVG mean: auto (by their names; refuses several "
            "colours without names), popcut (by their names; cuts the others), origami-sim, "
            "lightburn, cricut, boxes-py, plain, or a profile of your own"),
+      text("layers", MEMBER(layers), "TEXT",
+           "What the lines of a layer or group are for, such as \"Wing=fold; Notes=ignore\": cut, "
+           "outline, score, fold, fold-mountain, fold-valley, draw or ignore"),
       word("folds", MEMBER(knife.folds), {"perforate", "score", "light"},
            "How folds are made: perforate (dashes), score (press with a stylus) or light (cut "
            "half through)", "the material's"),

@@ -69,6 +69,7 @@ struct PlanOptions {
   CleanOptions clean{};
   KnifeOptions knife{};
   std::string svg_profile{"auto"};
+  std::string layers{};  ///< what names mean, see `parse_layer_uses`
   double curve_tolerance_mm{0.02}, svg_dpi{96};
   LengthUnit units{LengthUnit::Auto};        ///< of DXF and FOLD files
   bool no_split{false};                      ///< a drawing that is too large is refused

@@ -80,6 +80,7 @@ Result<DrawingInput> from_dxf(const std::string& text, const SvgReadOptions& how
   options.tolerance_mm = how.tolerance_mm;
   options.unit_mm = how.unit_mm;
   options.pens = how.pens;
+  options.layers = how.profile.labels;
   return only_drawing(linework_from_dxf(text, options));
 }
 

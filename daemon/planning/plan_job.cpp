@@ -73,6 +73,9 @@ Result<SvgReadOptions> read_options(const PlanOptions& options, const Tables& ta
   if (!profile) return tl::unexpected(profile.error());
   SvgReadOptions how;
   how.profile = std::move(*profile);
+  auto layers = parse_layer_uses(options.layers);
+  if (!layers) return tl::unexpected(layers.error());
+  for (const auto& [name, use] : *layers) how.profile.labels[name] = use;
   how.tolerance_mm = reading_tolerance_mm(options);
   how.enlarged = options.scale;
   how.dpi = options.svg_dpi;

@@ -69,11 +69,13 @@ bool put(DxfCursor& cursor, bool numbers, DxfEntity& e) {
   if (code == 8) e.layer = group.value;
   if (code == 6) e.linetype = group.value;
   if (code == 2) e.block = group.value;
-  if (code == 60 || code == 62 || code == 67 || code == 420 || (code >= 70 && code <= 79)) {
+  if (code == 60 || code == 62 || code == 67 || code == 420 || code == 440 ||
+      (code >= 70 && code <= 79)) {
     if (!numbers && code >= 70 && code <= 79) return true;
     if (!cursor.integer(whole)) return false;
-    if (code == 60) e.hidden = whole != 0;
-    if (code == 62) e.colour = whole;
+    if (code == 60 && whole != 0) e.hidden = true;
+    if (code == 62) e.colour = whole, e.hidden = e.hidden || whole < 0;
+    if (code == 440 && is_dxf_transparent(whole)) e.hidden = true;
     if (code == 67) e.paper = whole != 0;
     if (code == 420) e.rgb = whole & 0xffffff;
     if (code >= 70 && code <= 79) e.flag.at(static_cast<std::size_t>(code - 70)) = whole;

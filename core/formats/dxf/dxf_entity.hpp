@@ -32,9 +32,10 @@ struct DxfEntity : DxfLists {
   std::string_view type;
   std::size_t line{};
   std::string_view layer{"0"}, linetype{"BYLAYER"}, block;
-  int colour{256};         ///< AutoCAD's index; 256: the layer's colour, 0: the insert's
-  int rgb{-1};             ///< 420
-  bool paper{}, hidden{};  ///< on a paper layout (code 67); invisible (code 60)
+  int colour{256};  ///< AutoCAD's index; 256: the layer's colour, 0: the insert's
+  int rgb{-1};      ///< 420
+  bool paper{};     ///< on a paper layout (code 67)
+  bool hidden{};    ///< invisible (code 60), wholly transparent (440), or of a colour below 0
   double linetype_scale{1.0};
   double elevation{};
   std::optional<Vec3> extrusion;

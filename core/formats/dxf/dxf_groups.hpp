@@ -56,4 +56,10 @@ class DxfCursor {
   std::optional<Error> error_;
 };
 
+/// Whether a transparency (codes 440 and 1071) is an object's own (2 in the highest byte) and
+/// leaves nothing to see (0 in the lowest).
+[[nodiscard]] constexpr bool is_dxf_transparent(int value) {
+  return (value >> 24 & 255) == 2 && (value & 255) == 0;
+}
+
 }  // namespace popcut

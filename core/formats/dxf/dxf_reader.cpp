@@ -34,11 +34,13 @@ struct Place {
   std::string linetype{"CONTINUOUS"};
   int colour{7};
   int rgb{-1};
+  LayerMeaning of_block{LayerMeaning::Wordless};  ///< by the name of a block around it
 };
 
-/// A layer, how many of its entities were left out, and its line type.
+/// A layer, what its name means, how many of its entities were left out, and its line type.
 struct LayerUse {
   DxfLayer layer;
+  LayerMeaning meaning{};
   std::size_t left_out{};
 };
 
@@ -78,7 +80,10 @@ class DxfReader {
         options_(options),
         pens_(options.pens),
         lines_left_(options.most_lines) {
-    for (auto& [key, layer] : tables_.layers) layers_.emplace(key, LayerUse{std::move(layer), 0});
+    for (auto& [key, layer] : tables_.layers) {
+      const LayerMeaning meaning = meaning_of(layer.name);
+      layers_.emplace(key, LayerUse{std::move(layer), meaning, 0});
+    }
     for (const auto& [key, linetype] : tables_.linetypes)
       dashes_.emplace(key, dxf_dashes(linetype.elements));
   }
@@ -93,6 +98,7 @@ class DxfReader {
       cursor.next();
       if (!entities(cursor, place, 0)) return tl::unexpected(*error_);
     }
+    if (auto clear = names_clear(); !clear) return tl::unexpected(clear.error());
     if (second_colour_) return tl::unexpected(*second_colour_);
     add_warnings();
     work_.looks = pens_.seen();
@@ -153,7 +159,7 @@ class DxfReader {
       return true;
     }
     if (entity.hidden) {
-      ++hidden_;
+      if (hidden_++ == 0) first_hidden_ = entity.line;
       return true;
     }
     const std::string_view layer = entity.layer == "0" ? place.layer : entity.layer;
@@ -163,7 +169,7 @@ class DxfReader {
                   ErrorKind::OutOfRange);
     const bool shut = use.layer.frozen || (kind != Kind::Insert && use.layer.off);
     if (shut || (kind != Kind::Insert && use.layer.unplotted) ||
-        use.layer.meaning == DxfMeaning::Ignore) {
+        use.meaning == LayerMeaning::Ignore) {
       ++use.left_out;
       return true;
     }
@@ -171,7 +177,8 @@ class DxfReader {
       if (unread_.size() < 100) ++unread_[dxf_shown(entity.type)];
       return true;
     }
-    Place own{place.frame, layer, linetype_of(entity, use, place), entity.colour, entity.rgb};
+    Place own{place.frame,   layer,      linetype_of(entity, use, place),
+              entity.colour, entity.rgb, place.of_block};
     if (entity.colour == 0) own.colour = place.colour, own.rgb = place.rgb;
     if (entity.colour == 256 && entity.rgb < 0) own.colour = use.layer.colour;
     return kind == Kind::Insert ? insert(entity, own, depth) : draw(entity, own, use);
@@ -182,7 +189,7 @@ class DxfReader {
     const auto [found, is_new] = layers_.try_emplace(dxf_key(name.substr(0, 1024)));
     if (is_new) {
       found->second.layer.name = dxf_name(name);
-      found->second.layer.meaning = dxf_meaning(name);
+      found->second.meaning = meaning_of(found->second.layer.name);
     }
     last_name_ = name;
     last_ = &found->second;
@@ -216,10 +223,13 @@ class DxfReader {
                   fmt::format("the INSERT has {} columns and {} rows; use at most {} of each",
                               columns, rows, kMostInArray),
                   ErrorKind::OutOfRange);
+    LayerMeaning named = meaning_of(block.name);
+    if (!is_known(named) || named == LayerMeaning::Ignore) named = own.of_block;
     path_.push_back(&block);
     for (int row = 0; row < rows; ++row)
       for (int column = 0; column < columns; ++column) {
         Place inner = own;
+        inner.of_block = named;
         inner.frame = own.frame * insert_frame(entity, block.base, column * entity.real_or(44, 0.0),
                                                row * entity.real_or(45, 0.0));
         DxfCursor cursor = block.at;
@@ -234,7 +244,7 @@ class DxfReader {
   }
 
   bool draw(const DxfEntity& entity, const Place& own, LayerUse& use) {
-    const auto operation = operation_of(own, use);
+    const auto operation = operation_for(own, use);
     if (!operation) {
       ++by_colour_;
       return true;
@@ -269,20 +279,18 @@ class DxfReader {
     return by_layer != 0 ? by_layer : by_colour;
   }
 
-  std::optional<Operation> operation_of(const Place& own, LayerUse& use) {
-    using enum Operation;
-    constexpr std::array<std::optional<Operation>, 9> kMeanings{
-        // in their order
-        std::nullopt, std::nullopt, Draw, Score,  FoldValley,
-        FoldMountain, FoldValley,   Cut,  Outline};
-    if (use.layer.meaning == DxfMeaning::Fold) ++sideless_;
-    if (const auto meant = kMeanings.at(static_cast<std::size_t>(use.layer.meaning))) {
-      if (is_cut(*meant)) cut_colours_.insert(colour_of(own));
+  std::optional<Operation> operation_for(const Place& own, const LayerUse& use) {
+    const LayerMeaning meaning = use.meaning == LayerMeaning::Wordless ? own.of_block : use.meaning;
+    if (meaning == LayerMeaning::Fold) ++sideless_;
+    if (is_known(meaning)) {
+      any_known_ = true;
+      const Operation meant = operation_of(meaning);
+      if (is_cut(meant)) cut_colours_.insert(colour_of(own));
       return meant;
     }
     if (options_.colours == DxfColours::Ignored) return Operation::Cut;
     if (options_.colours == DxfColours::Asked) {
-      see_colour(own, use);
+      if (is_solid(own)) see_colour(own, use);
       return Operation::Cut;
     }
     return by_colour(own.colour, own.rgb, options_.colours);
@@ -296,10 +304,33 @@ class DxfReader {
   }
 
   // The dashes of a line say what to do with it: cut them.
+  [[nodiscard]] bool is_solid(const Place& own) const {
+    const auto found = dashes_.find(own.linetype);
+    return !sounds_dashed(own.linetype) && (found == dashes_.end() || found->second.dashes.empty());
+  }
+
+  [[nodiscard]] LayerMeaning meaning_of(std::string_view name) const {
+    return meaning_of_name(options_.layers, name);
+  }
+
+  // No layer is cut whose name may be a fold's in words that nobody knows here.
+  [[nodiscard]] Result<void> names_clear() const {
+    const auto foreign = std::find_if(unknown_.begin(), unknown_.end(), [](const std::string& one) {
+      return std::any_of(one.begin(), one.end(), [](char c) { return (c & 0x80) != 0; });
+    });
+    const bool coded = tables_.foreign_names && unknown_.size() > 1 && foreign != unknown_.end();
+    if (unknown_.empty() || (!any_known_ && !coded)) return {};
+    std::string detail = unknown_names(unknown_);
+    if (tables_.foreign_names && foreign != unknown_.end())
+      detail += "; names in a code page of their own are read only from a DXF of 2007 or later";
+    return tl::unexpected(Error{ErrorKind::Malformed, fmt::format("layer \"{}\"", unknown_.front()),
+                                std::move(detail), ErrorReason::Unclear});
+  }
+
   void see_colour(const Place& own, const LayerUse& use) {
-    if (const auto found = dashes_.find(own.linetype);
-        sounds_dashed(own.linetype) || (found != dashes_.end() && !found->second.dashes.empty()))
-      return;
+    if (use.meaning == LayerMeaning::Unknown &&
+        std::find(unknown_.begin(), unknown_.end(), use.layer.name) == unknown_.end())
+      unknown_.push_back(use.layer.name);
     const std::pair<int, int> colour = colour_of(own);
     if (!first_colour_) first_colour_ = colour, first_layer_ = use.layer.name;
     if (*first_colour_ == colour || second_colour_) return;
@@ -382,7 +413,13 @@ class DxfReader {
     add_layer_warnings();
     say(paper_, "paper_layout",
         "entities on a paper layout are left out; only the model space is cut");
-    say(hidden_, "hidden", "invisible entities are left out");
+    if (hidden_ > 0)
+      work_.warnings.push_back(
+          {.code = "hidden",
+           .message = fmt::format("{} invisible {} left out; {} at {}; make {} visible to cut {}",
+                                  hidden_, hidden_ == 1 ? "entity is" : "entities are",
+                                  hidden_ == 1 ? "it is" : "the first is", dxf_line(first_hidden_),
+                                  hidden_ == 1 ? "it" : "them", hidden_ == 1 ? "it" : "them")});
     say(tilted_, "tilted", "entities are tilted in space; they are cut as seen from above");
     say(by_colour_, "stroke_left_out",
         "lines are left out because their colour means neither cut nor fold", true);
@@ -402,11 +439,10 @@ class DxfReader {
               [](const LayerUse* a, const LayerUse* b) { return a->layer.name < b->layer.name; });
     for (std::size_t i = 0; i < std::min(left_out.size(), kMostNamed); ++i) {
       const DxfLayer& layer = left_out[i]->layer;
-      const char* why = layer.frozen ? "is frozen"
-                        : layer.off  ? "is off"
-                        : layer.meaning == DxfMeaning::Ignore
-                            ? "has a name that means not to cut it"
-                            : "is not plotted";
+      const char* why = layer.frozen      ? "is frozen"
+                        : layer.off       ? "is off"
+                        : layer.unplotted ? "is not plotted or transparent"
+                                          : "has a name that means not to cut it";
       work_.warnings.push_back(
           {.code = "layer_left_out",
            .message =
@@ -432,12 +468,14 @@ class DxfReader {
   std::vector<PagePoint> line_;
   std::map<std::string, std::size_t> unread_, missing_;
   std::size_t paper_{}, hidden_{}, tilted_{}, by_colour_{}, sideless_{}, dashed_{}, unclear_{};
-  std::size_t lines_left_;
+  std::size_t lines_left_, first_hidden_{};
   std::optional<Error> error_;
   std::optional<std::pair<int, int>> first_colour_;  // index and rgb
   std::string first_layer_;                          // where it is first used
   std::set<std::pair<int, int>> cut_colours_;        // on layers whose names mean cuts
   std::optional<Error> second_colour_;
+  std::vector<std::string> unknown_;  // names of layers, in the order of their first lines
+  bool any_known_{false};             // any line's layer or block has a known name
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/drawing/linework.hpp"
+#include "core/formats/pens/layer_words.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
@@ -15,7 +16,8 @@ namespace popcut {
 /// What colours mean for lines on layers with unknown names.
 enum class DxfColours {
   Ignored,     ///< cut all lines
-  Asked,       ///< cut all lines of one colour; refuse several colours of solid lines
+  Asked,       ///< cut all lines of one colour; refuse several colours of solid lines, and names
+               ///< that are not known beside names that are
   OrigamiSim,  ///< red mountain, blue valley, green cut, black or white outline, others left out
   Lightburn,   ///< red mountain, blue valley, others cut
 };
@@ -23,6 +25,7 @@ enum class DxfColours {
 /// Options and limits for reading a drawing.
 struct DxfOptions {
   DxfColours colours{DxfColours::Ignored};
+  LayerUses layers{};                   ///< what a person says of layers
   std::vector<std::string> pens{};      ///< names for `PenFinder`
   std::optional<double> unit_mm{};      ///< of one unit, whatever the file says
   double tolerance_mm{0.02};            ///< largest distance between a curve and its chords
@@ -40,15 +43,15 @@ struct DxfOptions {
 ///
 /// Reads LINE, LWPOLYLINE, POLYLINE, ARC, CIRCLE, ELLIPSE and SPLINE of the model space, also
 /// through INSERTs of blocks. Warnings name everything else. The name of a layer decides what its
-/// lines are for (`dxf_meaning`); lines on layers with other names are cut. Lines of a dashed line
-/// type are cut as dashes, with a whole number of periods and a gap at both ends; if the file does
-/// not define the dashes, the lines become valley folds. Layers that are off, frozen or not plotted
-/// are left out, with a warning. Solids are seen from above.
+/// lines are for (`layer_meaning`), on layer 0 that of the block; other lines are cut. Lines of a
+/// dashed line type are cut as dashes, with a whole number of periods and a gap at both ends; if
+/// the file does not define the dashes, the lines become valley folds. Layers that are off, frozen
+/// or not plotted are left out, with a warning. Solids are seen from above.
 ///
 /// @retval Malformed   not a DXF, truncated, an invalid group, or a block that inserts
 ///                     itself; place is the line, of a binary DXF the group
-/// @retval Malformed   colours are Asked, and lines on layers with unknown names have several; the
-///                     reason is Unclear
+/// @retval Malformed   colours are Asked, and lines on layers without a known name have several, or
+///                     a name is not known and another is; the reason is Unclear
 /// @retval OutOfRange  larger than `options` allow, or more than 100 m from the origin
 [[nodiscard]] Result<LineWork> linework_from_dxf(std::string_view text,
                                                  const DxfOptions& options = {});

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "core/text/utf8.hpp"
+#include "core/text/words.hpp"
 
 namespace popcut {
 namespace {
@@ -134,8 +136,14 @@ class TableReader {
   bool variable() {
     const std::string_view name = cursor_.group().value;
     const bool integer = name == "$INSUNITS" || name == "$MEASUREMENT";
-    if (!integer && name != "$LTSCALE") return true;
+    const bool page = name == "$DWGCODEPAGE";
+    if (!integer && !page && name != "$LTSCALE") return true;
     if (!cursor_.next()) return true;  // the caller reports the missing end
+    if (page) {
+      const std::string code = dxf_key(cursor_.group().value.substr(0, 40));
+      tables_.foreign_names = code.starts_with("ANSI_") && code != "ANSI_1252";
+      return true;
+    }
     if (name == "$INSUNITS") return cursor_.integer(insunits_.emplace());
     if (name == "$MEASUREMENT") return cursor_.integer(measurement_.emplace());
     double scale = 1.0;
@@ -149,6 +157,7 @@ class TableReader {
     std::string key;
     DxfLayer one;
     DxfLinetype dashes;
+    bool transparency = false;  // it comes as attached data
     while ((more_ = cursor_.next()) && cursor_.group().code != 0) {
       const DxfGroup& group = cursor_.group();
       int number = 0;
@@ -156,7 +165,6 @@ class TableReader {
       if (group.code == 2) {
         key = dxf_key(group.value.substr(0, 1024));
         one.name = dxf_name(group.value);
-        one.meaning = dxf_meaning(group.value);
       } else if (is_layer && group.code == 6) {
         one.linetype = dxf_key(group.value.substr(0, 1024));
       } else if (is_layer && (group.code == 70 || group.code == 62 || group.code == 290)) {
@@ -164,7 +172,12 @@ class TableReader {
         if (group.code == 70) one.frozen = (number & 1) != 0;
         if (group.code == 62)
           one.off = number < 0, one.colour = number < -256 ? 7 : std::abs(number);
-        if (group.code == 290) one.unplotted = number == 0;
+        if (group.code == 290) one.unplotted = one.unplotted || number == 0;
+      } else if (is_layer && group.code == 1001) {
+        transparency = group.value == "AcCmTransparency";
+      } else if (transparency && group.code == 1071) {
+        if (!cursor_.integer(number)) return false;
+        one.unplotted = one.unplotted || is_dxf_transparent(number);
       } else if (!is_layer && group.code == 49) {
         if (!cursor_.real(real)) return false;
         if (dashes.elements.size() < kMostElements) dashes.elements.push_back(real);
@@ -245,10 +258,26 @@ class TableReader {
 
 }  // namespace
 
+std::string dxf_key(std::string_view name) {
+  std::string key(name);
+  for (char& c : key) c = capital(c);
+  return key;
+}
+
 std::string dxf_name(std::string_view name) {
   std::string shown;
-  name = name.substr(0, 60);
+  name = name.substr(0, 120);
   for (std::size_t i = 0; i < name.size();) {
+    // How ASCII files of AutoCAD write other characters.
+    std::uint32_t code = 0;
+    const std::string_view digits = name.substr(i).starts_with("\\U+") ? name.substr(i + 3, 4) : "";
+    if (digits.size() == 4 &&
+        std::from_chars(digits.data(), digits.data() + 4, code, 16).ptr == digits.data() + 4 &&
+        code >= 0x20 && (code < 0xD800 || code >= 0xE000)) {
+      append_utf8(shown, code);
+      i += 7;
+      continue;
+    }
     const std::size_t n = std::max<std::size_t>(code_point(name, i).length, 1);
     const unsigned c = static_cast<unsigned char>(name[i]);
     if (n > 1)

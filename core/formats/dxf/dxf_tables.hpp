@@ -14,24 +14,6 @@
 
 namespace popcut {
 
-/// What a layer's name says about its lines.
-enum class DxfMeaning : std::uint8_t {
-  Unknown,
-  Ignore,
-  Draw,
-  Score,
-  Fold,  ///< a fold of unknown side
-  FoldMountain,
-  FoldValley,
-  Cut,
-  Outline,
-};
-
-/// Decides by the words in a layer's name, ignoring case: CUT, SLIT, OUTLINE, SCORE, ENGRAVE, MARK,
-/// FOLD, CREASE, MOUNTAIN, VALLEY, FOLD_M, FOLD_V and the like. "no cut", GUIDE and DEFPOINTS mean
-/// nothing to cut. A fold wins over a cut, because a wrong cut cannot be undone.
-[[nodiscard]] DxfMeaning dxf_meaning(std::string_view layer);
-
 /// Limit for each of layers, line types and blocks.
 inline constexpr std::size_t kMostDxfNames = 100'000;
 
@@ -39,9 +21,9 @@ inline constexpr std::size_t kMostDxfNames = 100'000;
 struct DxfLayer {
   std::string name;  ///< for messages
   std::string linetype{"CONTINUOUS"};
-  DxfMeaning meaning{};
   int colour{7};
-  bool off{}, frozen{}, unplotted{};
+  bool off{}, frozen{};
+  bool unplotted{};  ///< or wholly transparent
 };
 
 /// Dashes (above 0), gaps (below 0) and dots (0) in drawing units.
@@ -66,13 +48,15 @@ struct DxfTables {
   std::unordered_map<std::string, DxfLayer> layers;
   std::unordered_map<std::string, DxfLinetype> linetypes;
   std::unordered_map<std::string, DxfBlock> blocks;
+  bool foreign_names{};  ///< bytes above 127 belong to another code page than Windows-1252
   std::vector<DxfCursor> entities;  ///< just before the first entity of each ENTITIES section
 };
 
 /// A name in capitals (ASCII only): the keys of `DxfTables`.
 [[nodiscard]] std::string dxf_key(std::string_view name);
 
-/// A name for messages: valid UTF-8 unchanged, other bytes read as Windows-1252.
+/// A name for messages: valid UTF-8 unchanged, \U+XXXX as that character, other bytes read as
+/// Windows-1252.
 [[nodiscard]] std::string dxf_name(std::string_view name);
 
 /// Walks over the whole text once. Checks that sections are closed and groups are valid. Keeps the

@@ -13,11 +13,20 @@
 #include "core/machines/table.hpp"
 #include "core/text/field_reader.hpp"
 #include "core/text/near_names.hpp"
+#include "core/text/utf8.hpp"
 
 namespace popcut {
 namespace {
 
 constexpr std::size_t kMostRules = 1000;
+
+/// Lower case, with spaces and underscores as hyphens.
+std::string plain_label(std::string_view label) {
+  std::string out = lower(trimmed(label));
+  for (char& c : out)
+    if (c == ' ' || c == '_' || c == '\t') c = '-';
+  return out;
+}
 
 const std::vector<std::string>& use_words() {
   static const std::vector<std::string> words{"draw", "score",   "fold-mountain", "fold-valley",
@@ -64,6 +73,14 @@ StrokeRule read_rule(FieldReader& fields) {
   return rule;
 }
 
+LayerMeaning read_meaning(FieldReader& fields, const std::string& key) {
+  constexpr std::array kMeanings{LayerMeaning::Draw,         LayerMeaning::Score,
+                                 LayerMeaning::FoldMountain, LayerMeaning::FoldValley,
+                                 LayerMeaning::Cut,          LayerMeaning::Outline,
+                                 LayerMeaning::Ignore};  // in the order of the words
+  return kMeanings.at(fields.word(key, kMeanings.size() - 1, use_words()));
+}
+
 void read_labels(FieldReader& fields, StrokeProfile& profile) {
   const nlohmann::json* labels = fields.value("labels");
   if (labels == nullptr) return;
@@ -72,7 +89,7 @@ void read_labels(FieldReader& fields, StrokeProfile& profile) {
                          "must be an object of labels and uses such as {\"kiss cut\": \"score\"}");
   FieldReader inner = fields.nested(*labels, "labels");
   for (const auto& label : labels->items())
-    profile.labels[plain_label(label.key())] = read_use(inner, label.key());
+    profile.labels[layer_key(label.key())] = read_meaning(inner, label.key());
 }
 
 Result<StrokeProfile> read_profile(const TableRow& row) {
@@ -131,13 +148,6 @@ Result<StrokeProfile> find_stroke_profile(std::string_view name,
                      "/options/svg-profile");
 }
 
-std::string plain_label(std::string_view label) {
-  std::string out = lower(trimmed(label));
-  for (char& c : out)
-    if (c == ' ' || c == '_' || c == '\t') c = '-';
-  return out;
-}
-
 std::string illustrator_name(std::string_view id) {
   if (id.size() > 200) return {};
   const auto end_of = [&](std::size_t at, std::string_view digits) {
@@ -154,8 +164,7 @@ std::string illustrator_name(std::string_view id) {
       const std::size_t end = end_of(at + 2, "0123456789abcdefABCDEF");
       if (end < id.size() && id[end] == '_' && end > at + 2 && end <= at + 6 &&
           std::from_chars(id.data() + at + 2, id.data() + end, code, 16).ec == std::errc{}) {
-        // Labels are ASCII: of other characters it only matters that they are none of these.
-        name += code >= 0x20 && code < 0x7F ? static_cast<char>(code) : '?';
+        append_utf8(name, code >= 0x20 ? code : '?');
         at = end + 1;
         continue;
       }
@@ -168,11 +177,13 @@ std::string illustrator_name(std::string_view id) {
   return name;
 }
 
-std::optional<StrokeUse> use_of_label(const StrokeProfile& profile, std::string_view label) {
-  if (!profile.names || label.size() > 200) return std::nullopt;
-  const auto found = profile.labels.find(plain_label(label));
-  if (found == profile.labels.end()) return std::nullopt;
-  return found->second;
+LayerMeaning meaning_of_label(const StrokeProfile& profile, std::string_view label) {
+  return profile.names ? meaning_of_name(profile.labels, label) : LayerMeaning::Wordless;
+}
+
+StrokeUse use_of(LayerMeaning meaning) {
+  if (meaning == LayerMeaning::Ignore) return std::nullopt;
+  return operation_of(meaning);
 }
 
 std::optional<StrokeUse> use_of_assignment(std::string_view word) {
@@ -196,7 +207,8 @@ std::optional<StrokeUse> use_of_assignment(std::string_view word) {
     if (plain == name) return use_at(use);
   for (std::size_t i = 0; i < use_words().size(); ++i)
     if (plain == use_words()[i]) return use_at(i);
-  return std::nullopt;
+  const LayerMeaning meaning = layer_meaning(word);
+  return is_known(meaning) ? std::optional<StrokeUse>(use_of(meaning)) : std::nullopt;
 }
 
 std::optional<StrokeUse> use_of_stroke(const StrokeProfile& profile, std::uint32_t rgb,

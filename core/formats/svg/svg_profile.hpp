@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "core/drawing/toolpath.hpp"
+#include "core/formats/pens/layer_words.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
@@ -30,13 +30,14 @@ struct StrokeRule {
 };
 
 /// How a drawing says what its lines are for (a row of svg_profiles.json): by `data-assignment` and
-/// layer labels if `names`, else by the first rule that fits, else `otherwise`.
+/// names of layers, groups and lines if `names`, else by the first rule that fits, else
+/// `otherwise`.
 struct StrokeProfile {
   std::string name, title;
   bool names{true};
   bool nearest{
       false};  ///< true: match the nearest of the rules' colours; false: only the exact colour
-  std::map<std::string, StrokeUse, std::less<>> labels;  ///< layer labels, see `plain_label`
+  LayerUses labels;  ///< names whose meaning is another than that of their words
   std::vector<StrokeRule> rules;
   StrokeUse otherwise{Operation::Cut};
   StrokeUse fills;   ///< the outline of shapes with a fill and no stroke
@@ -54,18 +55,18 @@ struct StrokeProfile {
 [[nodiscard]] Result<StrokeProfile> find_stroke_profile(
     std::string_view name, const std::vector<std::string>& user_tables = {});
 
-/// A label in the form used for comparison: lower case, spaces and underscores as hyphens.
-[[nodiscard]] std::string plain_label(std::string_view label);
-
 /// The name of a layer from the id that Illustrator makes of it: `_x5F_` is the character 5F (hex),
 /// `_2_` at the end tells two of the same name apart, other underscores are spaces.
 [[nodiscard]] std::string illustrator_name(std::string_view id);
 
-/// What a layer's label means; none if the profile does not know it.
-[[nodiscard]] std::optional<StrokeUse> use_of_label(const StrokeProfile& profile,
-                                                    std::string_view label);
+/// What the name of a layer, group or line means in a profile; Wordless if it ignores names.
+[[nodiscard]] LayerMeaning meaning_of_label(const StrokeProfile& profile, std::string_view label);
 
-/// What a `data-assignment` means: B M V C F U J (FOLD), or the name of an operation.
+/// What is done with lines of a known meaning.
+[[nodiscard]] StrokeUse use_of(LayerMeaning meaning);
+
+/// What a `data-assignment` means: B M V C F U J (FOLD), the name of an operation, or a word of a
+/// layer.
 [[nodiscard]] std::optional<StrokeUse> use_of_assignment(std::string_view word);
 
 /// What the first rule that fits says; none if no rule fits.

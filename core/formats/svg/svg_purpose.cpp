@@ -74,6 +74,7 @@ std::optional<SvgPurpose> SvgPurposes::meaning(const SvgElement& e, const SvgSty
     return SvgPurpose{*ruled, false};
   // The dashes of a stroke say what to do with it: cut them.
   const bool said = profile_.asks && line_style(dashes) != LineStyle::Solid;
+  if (!said) names_.draw(style.unknown);
   if (!said && add_colour(colours_, rgb)) {
     if (colours_.size() == 1) first_colour_ = here();
     if (colours_.size() == 2) second_colour_ = here();
@@ -90,7 +91,12 @@ std::string SvgPurposes::colour_list() const {
 }
 
 Result<void> SvgPurposes::clear() const {
-  if (!profile_.asks || colours_.size() < 2) return {};
+  if (!profile_.asks) return {};
+  if (const std::vector<std::string> names = names_.asked(has_names_); !names.empty())
+    return tl::unexpected(Error{ErrorKind::Malformed,
+                                svg_where(text_, names_.first_asked(has_names_)),
+                                unknown_names(names), ErrorReason::Unclear});
+  if (colours_.size() < 2) return {};
   return tl::unexpected(Error{
       ErrorKind::Malformed, second_colour_,
       fmt::format("solid strokes without a name have {}, and popcut does not guess which of them "

@@ -47,8 +47,9 @@ class SvgReader {
         user_mm_(25.4 / options.dpi),
         steps_(options.limits.steps),
         pens_(options.pens),
-        styles_(text, options.profile, user_mm_, text.by_illustrator, notes_, steps_, pens_),
-        purposes_(text, options.profile, notes_, pens_),
+        styles_(text, options.profile, user_mm_, text.by_illustrator, notes_, names_, steps_,
+                pens_),
+        purposes_(text, options.profile, notes_, names_, pens_),
         strokes_(work_, options.limits.points) {}
 
   Result<LineWork> read(const pugi::xml_node& root, bool has_sheets) {
@@ -679,6 +680,7 @@ class SvgReader {
   std::size_t steps_;
   LineWork work_;
   SvgNotes notes_;
+  SvgNames names_;
   PenFinder pens_;
   SvgStyleReader styles_;
   SvgPurposes purposes_;

@@ -7,6 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "core/drawing/linework.hpp"
+#include "core/formats/svg/svg_shape.hpp"
+#include "core/text/words.hpp"
+
 namespace popcut {
 
 enum class SvgStyleReader::Property : std::uint8_t {
@@ -47,6 +51,10 @@ std::optional<bool> is_zero(std::string_view value) {
       (length->unit != SvgLength::Unit::User && length->unit != SvgLength::Unit::Percent))
     return std::nullopt;
   return length->value <= 0.0;
+}
+
+bool cuts(LayerMeaning meaning) {
+  return meaning == LayerMeaning::Cut || meaning == LayerMeaning::Outline;
 }
 
 }  // namespace
@@ -395,27 +403,55 @@ void SvgStyleReader::read_names(SvgElement& element, SvgStyle& style) {
       });
     }
   }
-  if (element.is_layer)
-    if (const auto use = use_of_label(profile_, element.label)) {
-      style.layer = *use;
-      style.has_layer = true;
-    }
-  if (!element.is_layer && element.name == "g") read_group_name(element, style);
+  const bool root = element.node.parent().type() == pugi::node_document;
+  if (!root) read_name(element, style);
 }
 
-// Groups that are layers by their name: those of Illustrator, and in drawings of other programs
-// those directly below the root.
-void SvgStyleReader::read_group_name(const SvgElement& element, SvgStyle& style) {
-  if (!by_illustrator_ && element.node.parent().parent().type() != pugi::node_document) return;
-  const std::string name(element.data_name.empty() ? illustrator_name(element.id)
-                                                   : std::string(element.data_name));
-  if (trimmed(name).size() < 2) return;  // "c" or "f" names no purpose here
-  const auto use = use_of_label(profile_, name);
-  if (!use) return;
-  style.layer = *use;
+// What the names of an element say. A label that a person wrote counts first; then an id and the
+// classes together, of which what does not cut counts; then a title, which shapes have of their
+// own.
+LayerMeaning SvgStyleReader::meaning_of_names(const SvgElement& e, std::string& unknown) const {
+  LayerMeaning all = LayerMeaning::Wordless;
+  const auto look_at = [&](std::string_view name) {
+    if (!e.is_layer && trimmed(name).size() < 2) return;  // "c" or "f" names no purpose here
+    const LayerMeaning meaning = meaning_of_label(profile_, name);
+    if (is_known(meaning) && (!is_known(all) || cuts(all))) all = meaning;
+    if (meaning == LayerMeaning::Unknown && !is_known(all)) {
+      if (unknown.empty()) unknown = name;
+      all = meaning;
+    }
+  };
+  for (const std::string_view label : {e.label, e.data_name}) {
+    if (!label.empty()) look_at(label);
+    if (is_known(all) || e.is_layer) return all;
+  }
+  if (!e.id.empty()) look_at(illustrator_name(e.id));
+  if (!e.classes.empty())
+    if (const LayerMeaning meaning = meaning_of_label(profile_, e.classes);
+        is_known(meaning) && (!is_known(all) || cuts(all)))
+      all = meaning;
+  if (is_known(all)) return all;
+  const LayerMeaning title = meaning_of_label(profile_, e.node.child_value("title"));
+  return is_known(title) ? title : all;
+}
+
+// Layers, groups and shapes mean what their names say.
+void SvgStyleReader::read_name(const SvgElement& element, SvgStyle& style) {
+  std::string unknown;
+  const LayerMeaning meaning = meaning_of_names(element, unknown);
+  if (meaning == LayerMeaning::Unknown)
+    style.unknown = names_.add(element.node, style.unknown, element.is_layer, unknown);
+  if (!is_known(meaning)) return;
+  const bool is_shape = is_svg_shape(element.name);
+  // No line of a fold is cut because of its own id.
+  if (is_shape && cuts(meaning) && style.has_layer && (!style.layer || !is_cut(*style.layer)))
+    return;
+  if (meaning != LayerMeaning::Ignore) names_.know(element.node);
+  style.layer = use_of(meaning);
   style.has_layer = true;
-  if (!by_illustrator_ && element.assignment.empty())
-    notes_.add(SvgNote::NamedGroup, [&] { return svg_where(text_, element.node); });
+  if (!by_illustrator_ && !element.is_layer && element.assignment.empty())
+    notes_.add(is_shape ? SvgNote::NamedShape : SvgNote::NamedGroup,
+               [&] { return svg_where(text_, element.node); });
 }
 
 // The namespace of a prefix, or the default namespace; empty if none is declared.

@@ -13,6 +13,7 @@
 
 #include "core/formats/pens/pen_finder.hpp"
 #include "core/formats/svg/svg_dash.hpp"
+#include "core/formats/svg/svg_names.hpp"
 #include "core/formats/svg/svg_profile.hpp"
 #include "core/formats/svg/syntax/svg_colour.hpp"
 #include "core/formats/svg/syntax/svg_css.hpp"
@@ -56,7 +57,8 @@ struct SvgStyle {
   bool foreign{false};  ///< names without a prefix belong to another namespace than SVG's
   bool has_assignment{false}, has_layer{false};
   StrokeUse assignment;      ///< `data-assignment` of the element or its nearest ancestor with one
-  StrokeUse layer;           ///< meaning of the nearest layer whose label the profile knows
+  StrokeUse layer;           ///< meaning of the nearest element whose name is known
+  std::uint32_t unknown{};   ///< nearest element whose name is not known, see `SvgNames`; 0: none
   std::uint8_t layer_pen{};  ///< pen of the nearest element whose name a person gave; 0: none
 
   // Not inherited.
@@ -74,14 +76,16 @@ struct SvgStyle {
 class SvgStyleReader {
  public:
   /// @param user_mm  size of a user unit; work is taken from `steps`
-  /// @param by_illustrator  every group with a name is a layer
+  /// @param by_illustrator  a group with a known name is a layer, which need not be told
   SvgStyleReader(const SvgText& text, const StrokeProfile& profile, double user_mm,
-                 bool by_illustrator, SvgNotes& notes, std::size_t& steps, PenFinder& pens)
+                 bool by_illustrator, SvgNotes& notes, SvgNames& names, std::size_t& steps,
+                 PenFinder& pens)
       : text_(text),
         profile_(profile),
         user_mm_(user_mm),
         by_illustrator_(by_illustrator),
         notes_(notes),
+        names_(names),
         steps_(steps),
         pens_(pens) {}
 
@@ -120,13 +124,16 @@ class SvgStyleReader {
   void set_font(double& font, std::string_view value, double inherited) const;
   void read_names(SvgElement& element, SvgStyle& style);
   void read_pen(const SvgElement& element, SvgStyle& style);
-  void read_group_name(const SvgElement& element, SvgStyle& style);
+  void read_name(const SvgElement& element, SvgStyle& style);
+  [[nodiscard]] LayerMeaning meaning_of_names(const SvgElement& element,
+                                              std::string& unknown) const;
 
   const SvgText& text_;
   const StrokeProfile& profile_;
   double user_mm_;
   bool by_illustrator_;
   SvgNotes& notes_;
+  SvgNames& names_;
   std::size_t& steps_;
   PenFinder& pens_;
   CssSheets sheets_;
@@ -171,8 +178,9 @@ struct SvgPurpose {
 /// Decides what the shapes of one drawing are for: by their names, else by the profile.
 class SvgPurposes {
  public:
-  SvgPurposes(const SvgText& text, const StrokeProfile& profile, SvgNotes& notes, PenFinder& pens)
-      : text_(text), profile_(profile), notes_(notes), pens_(pens) {}
+  SvgPurposes(const SvgText& text, const StrokeProfile& profile, SvgNotes& notes, SvgNames& names,
+              PenFinder& pens)
+      : text_(text), profile_(profile), notes_(notes), names_(names), pens_(pens) {}
 
   /// What the shape `e` is for. None if it is invisible, or if its fill does not count; this adds a
   /// note.
@@ -180,10 +188,11 @@ class SvgPurposes {
                                              const SvgDashes& dashes);
   /// Whether any shape so far had a name.
   [[nodiscard]] bool has_names() const { return has_names_; }
-  /// What a drawing's strokes are for cannot be told: those without a meaning have several colours,
-  /// and the profile `asks`.
+  /// What a drawing's strokes are for cannot be told, and the profile `asks`: names are not known
+  /// beside names that are, or strokes without a meaning have several colours.
   ///
-  /// @retval Malformed  the reason is Unclear; place: the first stroke of a second colour
+  /// @retval Malformed  the reason is Unclear; place: the first such name, or the first stroke of a
+  ///                    second colour
   [[nodiscard]] Result<void> clear() const;
   /// A warning if strokes of several colours all got the same purpose; else empty.
   [[nodiscard]] std::string colour_warning() const;
@@ -197,6 +206,7 @@ class SvgPurposes {
   const SvgText& text_;
   const StrokeProfile& profile_;
   SvgNotes& notes_;
+  SvgNames& names_;
   PenFinder& pens_;
   [[nodiscard]] std::string colour_list() const;
   [[nodiscard]] std::optional<SvgPurpose> meaning(const SvgElement& e, const SvgStyle& style,

@@ -207,6 +207,11 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
   if (const auto folds = text_at(json, "/folds")) facts.folds = *folds;
   if (const auto snap = number_at(json, "/snap_mm")) facts.snap_mm = *snap;
   if (const auto profile = text_at(json, "/svg_profile")) facts.svg_profile = *profile;
+  if (const auto layers = text_at(json, "/layers")) {
+    auto uses = parse_layer_uses(*layers);
+    if (!uses) return tl::unexpected(wrong("/layers", "give names and uses such as \"Wing=fold\""));
+    facts.layers = std::move(*uses);
+  }
   if (const auto dpi = number_at(json, "/svg_dpi"); dpi && *dpi > 0) facts.svg_dpi = *dpi;
   if (const auto box = number_at(json, "/weed_box_mm"); box && *box > 0) facts.weed_box_mm = *box;
   if (const nlohmann::json* clip = find(json, "/clip")) facts.clip = *clip == true;
@@ -294,6 +299,7 @@ Result<SvgReadOptions> reading_of(const PlanFacts& plan, const UserTables& table
   if (!profile) return tl::unexpected(within("--plan", tables.with_file(profile.error())));
   SvgReadOptions how;
   how.profile = std::move(*profile);
+  for (const auto& [name, use] : plan.layers) how.profile.labels[name] = use;
   how.dpi = plan.svg_dpi;
   how.unit_mm = plan.unit_mm;
   for (const PenSettings& pen : plan.pens) how.pens.push_back(pen.name);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "core/formats/pens/layer_words.hpp"
 #include "core/layout/piece_lines.hpp"
 #include "core/layout/sheet.hpp"
 #include "core/plan/knife/strokes.hpp"
@@ -32,6 +33,7 @@ struct PlanFacts {
   double snap_mm{};
   std::string svg_profile{"popcut"};  ///< how the plan read an SVG, as the next two
   double svg_dpi{96}, curve_tolerance_mm{0.02};
+  LayerUses layers{};  ///< what names mean, where the plan was told
   std::optional<double> unit_mm;
   double blade_offset_mm{};
   std::uint16_t blade_tools{};

@@ -89,32 +89,32 @@ TEST_CASE("DXF line ends and comments and a byte order mark do not matter",
 }
 
 TEST_CASE("layer names give DXF lines their meaning", "[core][formats][dxf]") {
-  const std::vector<std::pair<std::string, DxfMeaning>> cases{
-      {"CUT", DxfMeaning::Cut},
-      {"FOLD_M", DxfMeaning::FoldMountain},
-      {"FOLD_V", DxfMeaning::FoldValley},
-      {"MARK", DxfMeaning::Draw},
-      {"cuts", DxfMeaning::Cut},
-      {"01-Cutting lines", DxfMeaning::Cut},
-      {"Score", DxfMeaning::Score},
-      {"laser engrave 2", DxfMeaning::Draw},
-      {"valleyFolds", DxfMeaning::FoldValley},
-      {"Mountain folds", DxfMeaning::FoldMountain},
-      {"MOUNTAIN", DxfMeaning::FoldMountain},
-      {"m", DxfMeaning::FoldMountain},
-      {"fold", DxfMeaning::Fold},
-      {"mountain and valley", DxfMeaning::Fold},
-      {"Outline", DxfMeaning::Outline},
-      {"cut_fold", DxfMeaning::Fold},
-      {"no cut", DxfMeaning::Ignore},
-      {"Defpoints", DxfMeaning::Ignore},
-      {"0", DxfMeaning::Unknown},
-      {"shortcut", DxfMeaning::Unknown},
-      {"scoreboardmaker", DxfMeaning::Unknown},
-      {"", DxfMeaning::Unknown}};
+  const std::vector<std::pair<std::string, LayerMeaning>> cases{
+      {"CUT", LayerMeaning::Cut},
+      {"FOLD_M", LayerMeaning::FoldMountain},
+      {"FOLD_V", LayerMeaning::FoldValley},
+      {"MARK", LayerMeaning::Draw},
+      {"cuts", LayerMeaning::Cut},
+      {"01-Cutting lines", LayerMeaning::Cut},
+      {"Score", LayerMeaning::Score},
+      {"laser engrave 2", LayerMeaning::Draw},
+      {"valleyFolds", LayerMeaning::FoldValley},
+      {"Mountain folds", LayerMeaning::FoldMountain},
+      {"MOUNTAIN", LayerMeaning::FoldMountain},
+      {"m", LayerMeaning::FoldMountain},
+      {"fold", LayerMeaning::Fold},
+      {"mountain and valley", LayerMeaning::Fold},
+      {"Outline", LayerMeaning::Outline},
+      {"cut_fold", LayerMeaning::Fold},
+      {"no cut", LayerMeaning::Ignore},
+      {"Defpoints", LayerMeaning::Ignore},
+      {"0", LayerMeaning::Wordless},
+      {"shortcut", LayerMeaning::Unknown},
+      {"scoreboardmaker", LayerMeaning::Unknown},
+      {"", LayerMeaning::Wordless}};
   for (const auto& [name, meaning] : cases) {
     CAPTURE(name);
-    CHECK(dxf_meaning(name) == meaning);
+    CHECK(layer_meaning(name) == meaning);
   }
   const LineWork work =
       read(drawing(line_on("CUT", 1) + line_on("fold_m", 2) + line_on("Fold_V", 4) +
@@ -125,6 +125,46 @@ TEST_CASE("layer names give DXF lines their meaning", "[core][formats][dxf]") {
   CHECK(total_mm(work, Operation::Draw) == Approx(8));
   CHECK(total_mm(work, Operation::Score) == Approx(16));
   CHECK(warned(work, "become valley folds"));
+}
+
+TEST_CASE("a DXF layer that nobody knows beside known ones is asked about",
+          "[core][formats][dxf]") {
+  DxfOptions asks;
+  asks.colours = DxfColours::Asked;
+  const std::string text = drawing(line_on("CUT", 1) + line_on("Wings", 2) + line_on("0", 4));
+  const auto unclear = linework_from_dxf(text, asks);
+  REQUIRE_FALSE(unclear);
+  CHECK(unclear.error().reason == ErrorReason::Unclear);
+  CHECK(unclear.error().place == "layer \"Wings\"");
+  CHECK(unclear.error().detail.find("use `layers` \"Wings=fold\"") != std::string::npos);
+  CHECK(total_mm(read(text), Operation::Cut) == Approx(7));
+  asks.layers = *parse_layer_uses("wings = fold-mountain; 0=ignore");
+  const LineWork said = read(text, asks);
+  CHECK(total_mm(said, Operation::Cut) == Approx(1));
+  CHECK(total_mm(said, Operation::FoldMountain) == Approx(2));
+  asks.layers.clear();
+  // No other name is known, or the lines are dashes already.
+  CHECK(read(drawing(line_on("Wings", 2) + line_on("0", 4)), asks).lines.size() == 2);
+  CHECK(read(drawing(line_on("CUT", 1) + "0 LINE 8 Wings 6 HIDDEN 11 9 "), asks).lines.size() == 2);
+  // Names are escaped in ASCII, or bytes of a code page that the file names.
+  CHECK(total_mm(
+            read(drawing(line_on("\\U+6298\\U+7EBF", 2) + line_on("sch\xe4rfe_schnitt", 3)), asks),
+            Operation::FoldValley) == Approx(2));
+  const std::string coded = line_on("\xc7\xd0\xb8\xee", 1) + line_on("\xd5\xdb\xcf\xdf", 2);
+  CHECK(linework_from_dxf(drawing(coded, section("HEADER", "9 $DWGCODEPAGE 3 ANSI_936")), asks)
+            .error()
+            .reason == ErrorReason::Unclear);
+}
+
+TEST_CASE("the name of a DXF block says what its lines on layer 0 are", "[core][formats][dxf]") {
+  const std::string blocks = section(
+      "BLOCKS",
+      "0 BLOCK 8 0 2 FoldLines 70 0 10 0 20 0 0 LINE 8 0 11 2 0 LINE 8 CUT 11 4 0 ENDBLK "
+      "0 BLOCK 8 0 2 Part 70 0 10 0 20 0 0 INSERT 8 0 2 FOLDLINES 10 0 20 0 0 LINE 8 0 11 1 "
+      "0 ENDBLK");
+  const LineWork work = read(drawing("0 INSERT 8 0 2 Part 10 0 20 0 ", kMm + blocks));
+  CHECK(total_mm(work, Operation::FoldValley) == Approx(2));
+  CHECK(total_mm(work, Operation::Cut) == Approx(1 + 4));
 }
 
 TEST_CASE("colours of a DXF are used only on request", "[core][formats][dxf]") {
@@ -176,9 +216,36 @@ TEST_CASE("DXF layers that are off or frozen or not plotted are left out and nam
   CHECK(work.lines.size() == 1);
   CHECK(warned(work, "the layer \"Off\" is off; 1 of its entities is left out"));
   CHECK(warned(work, "the layer \"Cold\" is frozen; 1"));
-  CHECK(warned(work, "the layer \"Notes\" is not plotted; 1"));
+  CHECK(warned(work, "the layer \"Notes\" is not plotted or transparent; 1"));
   CHECK(warned(work, "1 entities on a paper layout"));
-  CHECK(warned(work, "1 invisible"));
+  CHECK(warned(work, "1 invisible entity is left out; it is at line "));
+}
+
+TEST_CASE("what cannot be seen of a DXF is left out and told", "[core][formats][dxf]") {
+  const auto cut_mm = [](const std::string& entities, const std::string& before = {}) {
+    const LineWork work = read(drawing(line_on("0", 1) + entities, kMm + before));
+    CHECK(work.warnings.size() == 1);
+    return total_mm(work, Operation::Cut);
+  };
+  CHECK(cut_mm("0 LINE 8 0 11 2 60 1 ") == Approx(1));
+  CHECK(cut_mm("0 LINE 8 0 62 -7 11 2 ") == Approx(1));
+  CHECK(cut_mm("0 LINE 8 0 440 33554432 11 2 ") == Approx(1));
+  CHECK(cut_mm("0 POLYLINE 8 0 60 1 66 1 70 0 0 VERTEX 8 0 10 0 20 9 0 VERTEX 8 0 10 3 20 9 0 "
+               "SEQEND ") == Approx(1));
+  const std::string blocks =
+      section("BLOCKS", "0 BLOCK 8 0 2 B 70 0 0 LINE 8 0 11 2 0 LINE 8 0 60 1 11 4 0 ENDBLK");
+  CHECK(cut_mm("0 INSERT 8 0 2 B 60 1 10 0 20 0 ", blocks) == Approx(1));
+  CHECK(cut_mm("0 INSERT 8 0 2 B 10 0 20 0 ", blocks) == Approx(3));
+  const auto layer = [](const std::string& how) {
+    return section("TABLES", "0 TABLE 2 LAYER 70 1 0 LAYER 2 X " + how + " 0 ENDTAB");
+  };
+  CHECK(cut_mm("0 INSERT 8 x 2 B 10 0 20 0 ", layer("70 1 62 7") + blocks) == Approx(1));
+  CHECK(cut_mm("0 LINE 8 x 11 2 ", layer("70 0 62 7 1001 AcCmTransparency 1071 33554432")) ==
+        Approx(1));
+  // Half transparent, locked, or frozen in new views only.
+  for (const char* how : {"440 33554559", "440 0"})
+    CHECK(read(drawing(std::string("0 LINE 8 0 11 2 ") + how + " ")).lines.size() == 1);
+  CHECK(read(drawing("0 LINE 8 x 11 2 ", kMm + layer("70 6 62 7"))).lines.size() == 1);
 }
 
 TEST_CASE("names in old code pages are decoded", "[core][formats][dxf]") {

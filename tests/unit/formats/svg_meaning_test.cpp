@@ -419,25 +419,139 @@ TEST_CASE("layers of Illustrator are read by their names", "[core][formats][svg]
   CHECK(total_mm(work, Operation::FoldMountain) == Approx(2));
   CHECK(total_mm(work, Operation::Cut) == Approx(4 + 16));
   CHECK(total_mm(work, Operation::Score) == Approx(8));
-  CHECK_FALSE(is_told(work, "by its id"));
-  // Other programs: only groups directly below the root, and it is said.
+  CHECK_FALSE(is_told(work, "by its name"));
+  // The same in drawings of other programs, and it is said.
   const LineWork plain = read(svg(groups), "auto");
-  CHECK(total_mm(plain, Operation::FoldValley) == 0);
-  CHECK(total_mm(plain, Operation::Cut) == Approx(1 + 2 + 4 + 8 + 16));
-  CHECK(
-      is_told(plain, "1 group is read by its id as a layer of that name; at line 3 (id \"Cut\")"));
+  CHECK(total_mm(plain, Operation::FoldValley) == Approx(1));
+  CHECK(total_mm(plain, Operation::Cut) == Approx(4 + 16));
+  CHECK(is_told(plain, "4 groups are read by their names as layers of those names; the first"));
   const LineWork fold = read(svg(R"x(<g id="valley_folds"><path d="M0 0H1" stroke="red"/></g>
       <g id="cut"><path d="M0 0H2" stroke="blue"/></g>)x"),
                              "auto");
   CHECK(total_mm(fold, Operation::FoldValley) == Approx(1));
   CHECK(total_mm(fold, Operation::Cut) == Approx(2));
-  CHECK(is_told(fold, "2 groups are read by their ids"));
+  CHECK(is_told(fold, "2 groups are read by their names"));
   CHECK(total_mm(read(svg(groups), "plain"), Operation::Cut) == Approx(31));
   // A label of Inkscape counts before the id.
   const LineWork both = read(svg(R"x(<g id="cut" inkscape:groupmode="layer" inkscape:label="Fold">
       <path d="M0 0H1" stroke="red"/></g>)x"));
   CHECK(total_mm(both, Operation::FoldValley) == Approx(1));
   CHECK(both.warnings.empty());
+}
+
+TEST_CASE("words of many languages say what lines are for", "[core][formats][words]") {
+  const auto all_mean = [](LayerMeaning meaning, std::initializer_list<const char*> names) {
+    for (const char* name : names) {
+      CAPTURE(name);
+      CHECK(layer_meaning(name) == meaning);
+    }
+  };
+  using enum LayerMeaning;
+  all_mean(Fold, {"perf",
+                  "Bend lines",
+                  "HINGE",
+                  "Crease pattern",
+                  "Falz",
+                  "Faltlinien",
+                  "pli",
+                  "Plis",
+                  "doblez",
+                  "折线",
+                  "折り線",
+                  "сгиб",
+                  "СГИБЫ",
+                  "zagięcie",
+                  "ZAGIĘCIE",
+                  "vouwlijn",
+                  "foldline",
+                  "PerfCutContour",
+                  "fold&cut",
+                  "접는선",
+                  "piega",
+                  "vinco",
+                  "\xEF\xBD\x86old",
+                  "fold-left-wing",
+                  "Knicklinie",
+                  "p\xCC\x81li"});
+  all_mean(FoldMountain, {"Mtn", "mountain", "Bergfalten", "山折り", "m", "M-fold", "BEND_DOWN"});
+  all_mean(FoldValley, {"Vly", "valleyFolds", "Talfalte", "谷折", "V", "BEND_UP", "Vallée"});
+  all_mean(Score, {"half cut", "Kiss-Cut", "kisscut", "scored", "Rillen", "ハーフカット", "半切",
+                   "rainage", "Rainé", "Rain\xe9", "Mi-chair", "hendido"});
+  all_mean(Draw, {"Engrave", "Gravur", "pen", "Lasergravur"});
+  all_mean(Ignore, {"guide", "Notes", "Hilfslinien", "no cut", "don't cut", "NICHT schneiden",
+                    "ne pas couper", "不切割", "Registration marks"});
+  all_mean(Cut,
+           {"Cut", "CutContour", "Schnittlinie", "découpe", "刀线", "切り", "Cut no 2", "slit"});
+  all_mean(Outline, {"Outline", "Umriß", "轮廓"});
+  all_mean(Unknown, {"wing", "Hingemaker", "glue tab", "dieline", "F"});
+  all_mean(Wordless, {"", "0", "Layer 1", "path4242", "Ebene_2", "图层 1", "g17-3", "cls-1", "A"});
+  CHECK(parse_layer_uses("a=fold;b").error().place == "/options/layers");
+  CHECK(parse_layer_uses("a=flod").error().detail.find("did you mean fold") != std::string::npos);
+  CHECK(parse_layer_uses("Kiss Cut=cut")->at("kiss cut") == Cut);
+}
+
+TEST_CASE("names count at every depth, on lines, and as classes", "[core][formats][svg][profile]") {
+  const auto folds_of = [](const std::string& inner) {
+    const LineWork work = read(svg(inner), "auto");
+    CHECK(total_mm(work, Operation::Cut) == Approx(4));
+    return total_mm(work, Operation::FoldValley);
+  };
+  const std::string fold = "<path d='M0 0H2' stroke='#000'", cut = "<path d='M0 0H4' stroke='#000'";
+  for (const std::string& inner :
+       {"<g id='Frame 1'><g id='cut'>" + cut + "/></g><g id='fold'>" + fold + "/></g></g>",
+        "<g id='Page-1'><g id='Card'><g id='cut'>" + cut + "/></g><g id='Falz'>" + fold +
+            "/></g></g></g>",
+        "<g id='Frame 1'>" + cut + " id='cut'/>" + fold + " id='fold_2'/></g>",
+        cut + " class='cls-1 cut'/>" + fold + " class='cls-1 fold'/>",
+        "<g class='cut'>" + cut + "/></g><g class='perf'>" + fold + "/></g>",
+        cut + " inkscape:label='Schnitt'/>" + fold + " inkscape:label='Talfalte'/>",
+        cut + " data-name='Cut'/>" + fold + " data-name='Valley' id='cut-2'/>",
+        // A line of a fold is not cut because of its id.
+        "<g id='cut'>" + cut + "/></g><g id='fold'>" + fold + " id='cutout'/></g>",
+        "<svg id='fold'>" + fold + "/></svg>" + cut + " id='Cut'/>",
+        cut + " data-assignment='cut'/>" + fold + " data-assignment='crease'/>"}) {
+    CAPTURE(inner);
+    CHECK(folds_of(inner) == Approx(2));
+  }
+  CHECK(is_told(read(svg(cut + " id='cut'/>"), "auto"), "1 line is what its id or class says"));
+}
+
+TEST_CASE("a name that nobody knows beside known ones is asked about",
+          "[core][formats][svg][profile]") {
+  const auto asked = [](const std::string& inner) {
+    SvgReadOptions how;
+    how.profile = *find_stroke_profile("auto");
+    const auto work = linework_from_svg(svg(inner), how);
+    return work ? std::string() : work.error().place + ": " + work.error().detail;
+  };
+  const auto layer = [](const std::string& label) {
+    return "<g inkscape:groupmode='layer' inkscape:label='" + label +
+           "'><path d='M0 0H4' stroke='#000'/></g>";
+  };
+  const auto group = [](const std::string& id) {
+    return "<g id='" + id + "'><path d='M0 0H4' stroke='#000'/></g>";
+  };
+  CHECK(asked(layer("Cut") + layer("Wing")).find("use `layers` \"Wing=fold\"") !=
+        std::string::npos);
+  CHECK(asked(group("Cut") + group("Wing") + group("Tuck")).find("the names \"Wing\", \"Tuck\"") !=
+        std::string::npos);
+  CHECK(asked(group("Wing") + group("Tuck")).empty());
+  CHECK(asked(group("Cut") + group("Layer_2") + group("g17")).empty());
+  // A name far from the known ones, as programs give to what they group.
+  CHECK(asked("<g id='Art'>" + group("Cut") + group("Fold") + "</g>").empty());
+  CHECK_FALSE(asked("<path id='fold' d='M0 0H4' stroke='#000'/>"
+                    "<path id='wing' d='M0 0H4' stroke='#000'/>")
+                  .empty());
+  CHECK(
+      asked(group("Cut") + "<g id='Wing'><g class='fold'><path d='M0 0H4' stroke='#000'/></g></g>")
+          .empty());
+  SvgReadOptions how;
+  how.profile = *find_stroke_profile("auto");
+  how.profile.labels = *parse_layer_uses("Wing=fold; cut=ignore");
+  const auto said = linework_from_svg(svg(layer("Cut") + layer("Wing")), how);
+  REQUIRE(said);
+  CHECK(total_mm(*said, Operation::FoldValley) == Approx(4));
+  CHECK(total_mm(*said, Operation::Cut) == 0);
 }
 
 TEST_CASE("drawings of Illustrator without a unit are told to have 72 to the inch",

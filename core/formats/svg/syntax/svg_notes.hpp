@@ -42,6 +42,7 @@ enum class SvgNote {
   SheetGeometry,
   OwnBox,
   NamedGroup,
+  NamedShape,
   NoWidth,
   Assignment,
   Count_,

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "core/drawing/toolpath.hpp"
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// What the name of a layer, a group or a line says about its lines.
+enum class LayerMeaning : std::uint8_t {
+  Wordless,  ///< nothing: "Layer 1", "path4242", "0"
+  Unknown,   ///< it has words, and popcut knows none of them
+  Ignore,
+  Draw,
+  Score,
+  Fold,  ///< of unknown side
+  FoldMountain,
+  FoldValley,
+  Cut,
+  Outline,
+};
+
+/// Decides by the words in a name, in any case and with or without accents: core/data/
+/// layer_words.json has them in many languages. Words are runs of letters, parts of "valleyFold"
+/// and "Schnittlinie", and what stands anywhere in scripts without blanks. A fold wins over a cut,
+/// because a wrong cut cannot be undone; "no cut" means nothing to cut. Text that is not UTF-8
+/// counts as Latin-1.
+[[nodiscard]] LayerMeaning layer_meaning(std::string_view name);
+
+/// Whether it says what is done with the lines, or that nothing is.
+[[nodiscard]] constexpr bool is_known(LayerMeaning meaning) {
+  return meaning != LayerMeaning::Wordless && meaning != LayerMeaning::Unknown;
+}
+
+/// What a known meaning, other than Ignore, does. A fold of unknown side is a valley fold.
+[[nodiscard]] Operation operation_of(LayerMeaning meaning);
+
+/// The words of a name in lower case without accents: "Kiss_Cut" and "kiss cut" are one name.
+[[nodiscard]] std::string layer_key(std::string_view name);
+
+/// Meanings that a person gave to names, by `layer_key`.
+using LayerUses = std::map<std::string, LayerMeaning, std::less<>>;
+
+/// Reads "Wing=fold; Notes=ignore". The uses are cut, outline, score, fold, fold-mountain,
+/// fold-valley, draw and ignore.
+///
+/// @retval Usage  no name, no use, or an unknown one; place is /options/layers
+[[nodiscard]] Result<LayerUses> parse_layer_uses(std::string_view text);
+
+/// What `uses` says of a name, else `layer_meaning`.
+[[nodiscard]] LayerMeaning meaning_of_name(const LayerUses& uses, std::string_view name);
+
+/// What is wrong with names that nobody knows beside names with a meaning, and what to type.
+[[nodiscard]] std::string unknown_names(std::span<const std::string> names);
+
+}  // namespace popcut

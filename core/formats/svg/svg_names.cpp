@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#include "core/formats/svg/svg_names.hpp"
+
+#include <algorithm>
+
+#include "core/text/utf8.hpp"
+#include "core/text/words.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr std::size_t kMostShown = 60;  // bytes of a name
+
+}  // namespace
+
+std::uint32_t SvgNames::add(const pugi::xml_node& node, std::uint32_t outer, bool is_layer,
+                            std::string_view name) {
+  const auto next = static_cast<std::uint32_t>(unknown_.size() + 1);
+  const auto [found, is_new] = numbers_.try_emplace({node.hash_value(), outer}, next);
+  if (is_new)
+    unknown_.push_back({node, shown_text(trimmed(name).substr(0, kMostShown)), outer, is_layer,
+                        false, !is_utf8(name)});
+  return found->second;
+}
+
+void SvgNames::draw(std::uint32_t number) {
+  // What lies around one that is drawn in is drawn in already.
+  for (; number != 0 && !unknown_[number - 1].is_drawn; number = unknown_[number - 1].outer)
+    unknown_[number - 1].is_drawn = true;
+}
+
+std::vector<const SvgNames::Unknown*> SvgNames::drawn_beside_known(bool any_known) const {
+  std::vector<const Unknown*> those;
+  for (const Unknown& one : unknown_)
+    if (one.is_drawn && (one.is_foreign || (one.is_layer && any_known) ||
+                         around_known_.contains(one.node.parent().hash_value())))
+      those.push_back(&one);
+  return those;
+}
+
+std::vector<std::string> SvgNames::asked(bool any_known) const {
+  std::vector<std::string> names;
+  for (const Unknown* one : drawn_beside_known(any_known))
+    if (std::find(names.begin(), names.end(), one->name) == names.end()) names.push_back(one->name);
+  return names;
+}
+
+pugi::xml_node SvgNames::first_asked(bool any_known) const {
+  const auto those = drawn_beside_known(any_known);
+  return those.empty() ? pugi::xml_node() : those.front()->node;
+}
+
+}  // namespace popcut
