@@ -13,6 +13,7 @@
 #include "core/design/strips/splay.hpp"
 #include "core/design/strips/strip_bridge.hpp"
 #include "core/design/strips/strip_builder.hpp"
+#include "core/design/target/surface_kinds.hpp"
 #include "core/rigid/mobility.hpp"
 
 namespace popcut {
@@ -358,10 +359,17 @@ Result<PatchAssembly> assembly_of(const DesignSpec& spec, const SurfaceAssets& a
 
 Result<PatchAssembly> design_assembly(const DesignSpec& spec, const SurfaceAssets& assets,
                                       const Progress& progress) {
-  auto out = assembly_of(spec, assets, progress);
-  if (out)
-    for (Design& part : out->parts) add_hands(part.pattern, part.report);
-  return out;
+  auto made = assembly_of(spec, assets, progress);
+  if (!made || made->parts.empty()) return made;
+  for (Design& part : made->parts) add_hands(part.pattern, part.report);
+  std::vector<Warning>& warnings = made->parts.front().report.warnings;
+  const auto add = [&](const std::optional<SurfaceSpec>& surface) {
+    if (!surface) return;
+    for (Warning& one : target_warnings(*surface, assets)) warnings.push_back(std::move(one));
+  };
+  add(spec.surface);
+  for (const DesignSpec& patch : spec.patches) add(patch.surface);
+  return made;
 }
 
 }  // namespace popcut

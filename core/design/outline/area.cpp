@@ -207,28 +207,51 @@ bool joined(GridLines& lines, ClipperLib::PolyFillType rule) {
   return true;
 }
 
+constexpr const char* kNoArea = "has no closed line with an area";
+
+/// How much rings hold.
+class Extent {
+ public:
+  void add(const std::vector<Ring>& rings) {
+    for (const Ring& ring : rings) {
+      points_ += ring.size();
+      for (const Vec2& p : ring) {
+        finite_ = finite_ && p.allFinite();
+        box_.extend(p);
+      }
+    }
+  }
+
+  /// @retval OutOfRange  too many points, or one that is not finite
+  /// @retval Infeasible  no area
+  [[nodiscard]] Result<Grid> grid() const {
+    if (!finite_)
+      return fail(ErrorKind::OutOfRange, "", "has a coordinate that is not a finite number");
+    if (points_ > kMostRingPoints)
+      return tl::unexpected(too_much(
+          fmt::format("it has {} points; must have at most {}", points_, kMostRingPoints)));
+    if (points_ == 0 || !(box_.sizes().minCoeff() > 0.0))
+      return fail(ErrorKind::Infeasible, "", kNoArea);
+    return Grid{box_.min(), box_.sizes().maxCoeff() / kSteps};
+  }
+
+ private:
+  std::size_t points_{};
+  bool finite_{true};
+  Eigen::AlignedBox2d box_;
+};
+
 }  // namespace
 
 Result<std::vector<Area>> areas_within(const std::vector<Ring>& rings, FillRule fill) {
-  std::size_t points = 0;
-  Eigen::AlignedBox2d box;
-  for (const Ring& ring : rings) {
-    points += ring.size();
-    for (const Vec2& p : ring) {
-      if (!p.allFinite())
-        return fail(ErrorKind::OutOfRange, "", "has a coordinate that is not a finite number");
-      box.extend(p);
-    }
-  }
-  if (points > kMostRingPoints)
-    return tl::unexpected(
-        too_much(fmt::format("it has {} points; must have at most {}", points, kMostRingPoints)));
-  if (points == 0 || !(box.sizes().minCoeff() > 0.0))
-    return fail(ErrorKind::Infeasible, "", "has no closed line with an area");
-  const Grid grid{box.min(), box.sizes().maxCoeff() / kSteps};
+  Extent extent;
+  extent.add(rings);
+  const auto found = extent.grid();
+  if (!found) return tl::unexpected(found.error());
+  const Grid grid = *found;
   GridLines lines;
   for (const Ring& ring : rings) {
-    for (const Vec2& p : without_idle_points(ring, kUnseen * box.sizes().maxCoeff()))
+    for (const Vec2& p : without_idle_points(ring, kUnseen * kSteps * grid.step))
       lines.points.push_back(grid.on(p));
     lines.close();
   }
@@ -244,12 +267,49 @@ Result<std::vector<Area>> areas_within(const std::vector<Ring>& rings, FillRule 
       return fail(ErrorKind::Malformed, "", "its lines cannot be joined to areas");
     triangles = sweep_triangles(lines.points, lines.ends);
   }
-  if (triangles && triangles->empty())
-    return fail(ErrorKind::Infeasible, "", "has no closed line with an area");
+  if (triangles && triangles->empty()) return fail(ErrorKind::Infeasible, "", kNoArea);
   if (triangles) return Pieces(lines, *triangles, grid).run();
   return fail(ErrorKind::Infeasible, "",
               "has lines that cross each other at more places than can be told apart; simplify it "
               "where lines lie close together");
+}
+
+Result<std::vector<Area>> areas_painted(std::vector<Coat> coats) {
+  coats.erase(coats.begin(), std::find_if(coats.begin(), coats.end(),
+                                          [](const Coat& coat) { return !coat.takes_away; }));
+  if (coats.empty()) return fail(ErrorKind::Infeasible, "", kNoArea);
+  if (coats.size() == 1) return areas_within(coats.front().rings, FillRule::EvenOdd);
+  if (coats.size() > kMostCoats)
+    return tl::unexpected(too_much(
+        fmt::format("white and other shapes lie over each other {} times; at most {} can be read; "
+                    "join the shapes in the editor",
+                    coats.size(), kMostCoats)));
+  Extent extent;
+  for (const Coat& coat : coats) extent.add(coat.rings);
+  const auto grid = extent.grid();
+  if (!grid) return tl::unexpected(grid.error());
+  ClipperLib::Paths left;
+  for (const Coat& coat : coats) {
+    ClipperLib::Clipper clipper;
+    clipper.AddPaths(left, ClipperLib::ptSubject, true);
+    for (const Ring& ring : coat.rings) {
+      ClipperLib::Path path;
+      for (const Vec2& p : without_idle_points(ring, kUnseen * kSteps * grid->step)) {
+        const WholePoint at = grid->on(p);
+        path.emplace_back(at.x, at.y);
+      }
+      clipper.AddPath(path, ClipperLib::ptClip, true);
+    }
+    if (!clipper.Execute(coat.takes_away ? ClipperLib::ctDifference : ClipperLib::ctUnion, left,
+                         ClipperLib::pftEvenOdd, ClipperLib::pftEvenOdd))
+      return fail(ErrorKind::Malformed, "", "its lines cannot be joined to areas");
+  }
+  std::vector<Ring> rings;
+  for (const ClipperLib::Path& path : left) {
+    Ring& ring = rings.emplace_back();
+    for (const ClipperLib::IntPoint& p : path) ring.push_back(grid->off({p.X, p.Y}));
+  }
+  return areas_within(rings, FillRule::EvenOdd);
 }
 
 }  // namespace popcut

@@ -31,4 +31,18 @@ inline constexpr std::size_t kMostRingPoints = 200'000;
 /// @retval Infeasible  they bound no area, or cross so closely that what they bound stays unclear
 [[nodiscard]] Result<std::vector<Area>> areas_within(const std::vector<Ring>& rings, FillRule fill);
 
+/// Shapes in the order in which they are painted: what lies within an odd number of a coat's rings
+/// is added to what the coats before it left, or taken away from it.
+struct Coat {
+  std::vector<Ring> rings;
+  bool takes_away{false};
+};
+
+inline constexpr std::size_t kMostCoats = 200;
+
+/// The pieces that are left in the end. Time is that of `areas_within` for each coat but the first.
+///
+/// @retval OutOfRange, Infeasible  as `areas_within`; also more than `kMostCoats`
+[[nodiscard]] Result<std::vector<Area>> areas_painted(std::vector<Coat> coats);
+
 }  // namespace popcut

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "core/drawing/linework.hpp"
 #include "core/formats/dxf/dxf_reader.hpp"
@@ -18,34 +21,73 @@ bool is_svg(const std::string& bytes) {
   return first != std::string::npos && bytes[first] == '<';
 }
 
+constexpr Operation kSolid = Operation::Cut, kWhite = Operation::Draw, kPage = Operation::Outline;
+
+Result<LineWork> drawing_of(const std::string& bytes) {
+  if (!is_svg(bytes)) return linework_from_dxf(bytes);
+  auto plain = find_stroke_profile(svg_profile_name(SvgProfile::Plain));
+  if (!plain) return tl::unexpected(plain.error());
+  SvgReadOptions how;
+  how.profile = std::move(*plain);
+  how.profile.whites = kWhite;
+  how.profile.pages = kPage;
+  return linework_from_svg(bytes, how);
+}
+
+// What the reader says and does not matter here: fills are what is wanted, and a height that is
+// given needs no unit.
+bool matters(const Warning& warning, bool has_height) {
+  return warning.code != "fill_cut" && !(warning.code == "no_unit" && has_height);
+}
+
 }  // namespace
 
-Result<std::vector<Area>> drawing_areas(const std::string& bytes, std::optional<double> height) {
-  auto work =
-      is_svg(bytes) ? linework_from_svg(bytes, SvgProfile::Plain) : linework_from_dxf(bytes);
+Result<std::vector<Area>> drawing_areas(const std::string& bytes, std::optional<double> height,
+                                        std::vector<Warning>* warnings) {
+  auto work = drawing_of(bytes);
   if (!work) return tl::unexpected(work.error());
   const Box size = bounds(*work);
   const double near = kClosed * std::max(size.width(), size.height());
-  std::vector<Ring> rings;
+  const bool has_white = std::any_of(work->lines.begin(), work->lines.end(),
+                                     [](const DrawnLine& one) { return one.operation == kWhite; });
+  std::vector<Coat> coats;
   Eigen::AlignedBox2d box;
+  std::size_t open = 0;
   for (const DrawnLine& line : work->lines) {
+    if (line.operation == kPage && !has_white) continue;  // a background
     const auto points = work->points_of(line);
     const double dx = points.front().x - points.back().x, dy = points.front().y - points.back().y;
-    if (points.size() < 3 || !(std::hypot(dx, dy) <= near)) continue;
-    Ring& ring = rings.emplace_back();
-    for (const PagePoint& p : points) {
-      ring.emplace_back(p.x, -p.y);
-      box.extend(ring.back());
+    if (points.size() < 3 || !(std::hypot(dx, dy) <= near)) {
+      ++open;
+      continue;
     }
+    const bool white = line.operation == kWhite;
+    if (coats.empty() || coats.back().takes_away != white) coats.push_back({{}, white});
+    Ring& ring = coats.back().rings.emplace_back();
+    for (const PagePoint& p : points) ring.emplace_back(p.x, -p.y);
+    if (!white)
+      for (const Vec2& p : ring) box.extend(p);
   }
-  if (rings.empty() && !work->warnings.empty())
+  if (open > 0)
+    work->warnings.push_back(
+        {.code = "open_line",
+         .message = fmt::format("{} not closed and {} no area: {} left out; close {} in the editor",
+                                open == 1 ? "1 line is" : fmt::format("{} lines are", open),
+                                open == 1 ? "bounds" : "bound", open == 1 ? "it is" : "they are",
+                                open == 1 ? "it" : "them"),
+         .spoils = true});
+  std::erase_if(work->warnings,
+                [&](const Warning& one) { return !matters(one, height.has_value()); });
+  if (box.isEmpty() && !work->warnings.empty())
     return fail(ErrorKind::Infeasible, "",
                 "has no closed line with an area: " + work->warnings.front().message);
+  if (warnings != nullptr) *warnings = std::move(work->warnings);
   const double drawn = box.isEmpty() ? 0.0 : box.sizes().y();
   const double scale = height && drawn > 0.0 ? *height / drawn : 1.0;
-  for (Ring& ring : rings)
-    for (Vec2& p : ring) p = (p - box.min()) * scale;
-  return areas_within(rings, FillRule::EvenOdd);
+  for (Coat& coat : coats)
+    for (Ring& ring : coat.rings)
+      for (Vec2& p : ring) p = (p - box.min()) * scale;
+  return areas_painted(std::move(coats));
 }
 
 }  // namespace popcut

@@ -9,6 +9,7 @@
 #include "core/design/target/placement_map.hpp"
 #include "core/design/target/surface.hpp"
 #include "core/model/triangle_mesh.hpp"
+#include "core/warning.hpp"
 
 namespace popcut {
 
@@ -42,6 +43,11 @@ using SolidFunction = std::function<double(double, double, double)>;
 [[nodiscard]] Result<TriangleMesh> triangles_of(const SurfaceSpec& spec,
                                                 const SurfaceAssets& assets,
                                                 std::vector<std::string>* notes = nullptr);
+
+/// What the file of a surface has that the surface has not, and a person would expect: of an
+/// outline what its drawing's reader warns of.
+[[nodiscard]] std::vector<Warning> target_warnings(const SurfaceSpec& spec,
+                                                   const SurfaceAssets& assets);
 
 /// Slices of triangles that already stand in the corner. `closed`: they bound a solid, so that a
 /// border that is seen is a hole.

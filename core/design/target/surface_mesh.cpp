@@ -114,6 +114,16 @@ Result<TriangleMesh> triangles_of(const SurfaceSpec& spec, const SurfaceAssets& 
   return mesh;
 }
 
+std::vector<Warning> target_warnings(const SurfaceSpec& spec, const SurfaceAssets& assets) {
+  std::vector<Warning> warnings;
+  const auto* outline = std::get_if<OutlineSpec>(&spec);
+  const auto bytes = outline != nullptr ? bytes_of(spec, assets) : Result<std::string_view>("");
+  // What cannot be read is an error where the surface is made.
+  if (outline != nullptr && bytes)
+    static_cast<void>(drawing_areas(std::string(*bytes), outline->height, &warnings));
+  return warnings;
+}
+
 Result<Surface> surface_of_triangles(TriangleMesh mesh, FitMode fit, const char* what,
                                      bool closed) {
   const auto slicer = std::make_shared<const MeshSlicer>(std::move(mesh));

@@ -41,6 +41,8 @@ struct StrokeProfile {
   std::vector<StrokeRule> rules;
   StrokeUse otherwise{Operation::Cut};
   StrokeUse fills;   ///< the outline of shapes with a fill and no stroke
+  StrokeUse whites;  ///< white fills without a stroke; none: left out, as the page's background
+  StrokeUse pages;   ///< dark fills that cover the page; none: left out
   bool asks{false};  ///< true: refuse several colours of solid strokes without a meaning
 };
 

@@ -29,6 +29,11 @@ bool add_colour(std::vector<std::uint32_t>& colours, std::uint32_t rgb) {
   return true;
 }
 
+/// Some programs write white as #fefefe.
+bool is_white(std::uint32_t rgb) {
+  return (rgb >> 16) >= 0xFA && (rgb >> 8 & 0xFF) >= 0xFA && (rgb & 0xFF) >= 0xFA;
+}
+
 }  // namespace
 
 std::optional<SvgPurpose> SvgPurposes::of(const SvgElement& e, const SvgStyle& style,
@@ -63,8 +68,9 @@ std::optional<SvgPurpose> SvgPurposes::meaning(const SvgElement& e, const SvgSty
     return SvgPurpose{use, !stroked};
   }
   if (!stroked) {
-    const bool white = style.fill.kind == SvgPaint::Kind::Colour && style.fill.rgb == 0xFFFFFF;
+    const bool white = style.fill.kind == SvgPaint::Kind::Colour && is_white(style.fill.rgb);
     if (profile_.fills && !white) return SvgPurpose{profile_.fills, true};
+    if (profile_.whites && white) return SvgPurpose{profile_.whites, true};
     notes_.add(profile_.fills ? SvgNote::FillBackground : SvgNote::FillIgnored, here);
     return std::nullopt;
   }

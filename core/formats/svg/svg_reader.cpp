@@ -30,6 +30,13 @@ bool is_definition(std::string_view name) {
                           "filter", "style", "view", "hatch", "cursor", "color-profile"});
 }
 
+// Whether a fill is nearer to black than to white.
+bool is_dark(const SvgStyle& style) {
+  const std::uint32_t rgb =
+      style.fill.kind == SvgPaint::Kind::Current ? style.colour : style.fill.rgb;
+  return (rgb >> 16) + (rgb >> 8 & 0xFF) + (rgb & 0xFF) < 3 * 0x80;
+}
+
 // Where an element is drawn.
 struct Place {
   SvgTransform to_page;
@@ -640,8 +647,11 @@ class SvgReader {
       if (auto done = spend(e.node, 0); !done || lines_.size() == 0) return done;
     }
     if (!named && fills_page(lines_)) {
-      note(SvgNote::FillBackground, e.node);
-      return {};
+      if (!options_.profile.pages || !is_dark(style)) {
+        note(SvgNote::FillBackground, e.node);
+        return {};
+      }
+      operation = {*options_.profile.pages, operation.pen};
     }
     const std::size_t first = work_.lines.size();
     const auto added = strokes_.add(lines_, {}, operation);

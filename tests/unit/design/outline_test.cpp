@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -16,6 +17,7 @@
 #include "core/design/outline/drawing_outline.hpp"
 #include "core/design/outline/extrusion.hpp"
 #include "core/design/outline/text_outline.hpp"
+#include "core/design/patches.hpp"
 #include "core/design/spec/spec.hpp"
 #include "core/design/target/surface.hpp"
 #include "core/fit/triangle_soup.hpp"
@@ -425,6 +427,48 @@ TEST_CASE("the filled shapes and closed lines of a drawing stand upright", "[out
         ErrorKind::Internal);
   CHECK_FALSE(drawing_areas("", {}));
   CHECK_FALSE(drawing_areas("solid x", {}));
+}
+
+TEST_CASE("white shapes of a drawing are holes in what they lie on", "[outline]") {
+  const auto area = [](const std::string& inner) {
+    const auto areas = drawing_areas(
+        "<svg xmlns='http://www.w3.org/2000/svg' width='60mm' height='60mm' viewBox='0 0 60 60'>" +
+            inner + "</svg>",
+        {});
+    REQUIRE(areas);
+    return area_of(*areas);
+  };
+  const std::string black = "<rect x='5' y='5' width='50' height='50'/>";
+  const std::string hole = "<rect x='10' y='10' width='10' height='10' fill='white'/>";
+  CHECK(area(black + hole) == Approx(2400).epsilon(1e-4));
+  CHECK(area(hole + black) == Approx(2500).epsilon(1e-4));
+  CHECK(area(black + hole + "<rect x='12' y='12' width='2' height='2'/>") ==
+        Approx(2404).epsilon(1e-4));
+  CHECK(area(black + "<rect x='50' y='10' width='9' height='10' style='fill:#fefefe'/>") ==
+        Approx(2450).epsilon(1e-4));
+  CHECK(area("<rect width='60' height='60' fill='#111'/>" + hole) == Approx(3500).epsilon(1e-4));
+  // Backgrounds.
+  CHECK(area("<rect width='60' height='60' fill='#eee'/>" + black) == Approx(2500).epsilon(1e-4));
+  CHECK(area("<rect x='1' width='58' height='59' fill='white'/>" + black) ==
+        Approx(2500).epsilon(1e-4));
+  CHECK_FALSE(drawing_areas("<svg xmlns='http://www.w3.org/2000/svg'>" + hole + "</svg>", {}));
+}
+
+TEST_CASE("a design from a drawing tells what its reader warns of", "[outline]") {
+  const auto spec = parse_design_spec(R"j({"popcut": 1, "name": "t", "style": "facets",
+    "surface": {"type": "outline", "file": "a.svg", "depth": 20}})j");
+  REQUIRE(spec);
+  const auto made = design_assembly(
+      *spec, {{"a.svg",
+               "<svg xmlns='http://www.w3.org/2000/svg' width='60mm' height='60mm' viewBox='0 0 60 "
+               "60'><rect x='5' y='5' width='50' height='20'/><text>Ab</text><path d='M0 0h5' "
+               "stroke='red'/></svg>"}});
+  REQUIRE(made);
+  std::vector<std::string> codes;
+  for (const Warning& one : made->parts.front().report.warnings) codes.push_back(one.code);
+  CHECK(std::count(codes.begin(), codes.end(), "element_unread") == 1);
+  CHECK(std::count(codes.begin(), codes.end(), "open_line") == 1);
+  CHECK(std::count(codes.begin(), codes.end(), "fill_cut") == 0);
 }
 
 TEST_CASE("a text is a surface that begins and ends along the spine", "[outline]") {
