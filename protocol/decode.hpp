@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 
 #include "core/result.hpp"
 #include "protocol/program.hpp"
@@ -17,5 +18,9 @@ namespace popcut {
 
 /// The language in which fewer of the first bytes are Unknown; GPGL if both read them equally well.
 [[nodiscard]] Dialect guess_dialect(std::span<const std::byte> bytes);
+
+/// What bytes are that are no program popcut sends, and what to do: G-code, a print job, or an HPGL
+/// program that begins with the settings of a serial line. Empty: none of these.
+[[nodiscard]] std::string foreign_program(std::span<const std::byte> bytes);
 
 }  // namespace popcut

@@ -69,7 +69,7 @@ set(libraries
   "(ft2build|hb)[.]h : core/design/outline"
   "clipper[.]hpp : core/design/outline"
   "jpeglib[.]h : daemon/pictures"
-  "zlib[.]h : daemon/http"
+  "zlib[.]h : core/text|daemon/http"
   "toml.* : daemon/config")
 set(most_files 34)  # sources and headers of a folder
 

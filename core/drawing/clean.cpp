@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/drawing/collinear.hpp"
+#include "core/drawing/near_lines.hpp"
 #include "core/geometry/node_index.hpp"
 
 namespace popcut {
@@ -120,11 +121,6 @@ class Snapping {
   std::vector<std::uint32_t> just_before_;
   bool moved_{};  // some end by more than rounding
 };
-
-int strength(Operation operation) {
-  constexpr std::array kStrengths{0, 1, 3, 2, 4, 5};  // by operation
-  return kStrengths.at(static_cast<std::size_t>(operation));
-}
 
 DrawnSegments segments_of(const LineWork& work, const Snapping& snapping) {
   DrawnSegments out;
@@ -321,6 +317,14 @@ LineWork clean(LineWork work, const CleanOptions& options) {
     nodes = std::move(snapping.nodes()).take_points();
   }
   join(pieces, nodes, out);
+  if (options.one_pass_mm > 0.0) {
+    SinglePass single = in_one_pass(out, options.one_pass_mm);
+    if (single.cut_folds_mm > kSeenMm) ++cut_folds;
+    if (single.doubled_mm > 0.0) {
+      single.once.warnings = std::move(out.warnings);
+      out = clean(std::move(single.once), {options.snap_mm, 0.0});
+    }
+  }
   if (contradictions > 0)
     out.warnings.push_back(
         {.code = "mountain_and_valley",

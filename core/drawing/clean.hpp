@@ -15,8 +15,10 @@ inline constexpr double kSnapTolerance = 0.05;  ///< mm; line ends closer than t
 /// Options of `clean`.
 struct CleanOptions {
   double snap_mm{kSnapTolerance};  ///< 0 to `kMostSnap`; 0: only points equal to 0.001 mm
+  double one_pass_mm{0.0};         ///< above 0: what runs this near to a line is left out, too
 };
 inline constexpr double kMostSnap = 1.0;
+inline constexpr double kMostOnePass = 1.0;  ///< mm
 
 /// Snaps line ends to another end or vertex within `snap_mm`, but not back along their own line.
 /// Vertices within a line do not move, except to a vertex within 0.001 mm. This is the first step
@@ -28,7 +30,7 @@ inline constexpr double kMostSnap = 1.0;
 /// Outline is stronger than cut, cut than fold, fold than score; pen lines compete only with pen
 /// lines. Crossing lines are not changed. Then the lines of each operation are joined into the
 /// fewest strokes (see `join`), and vertices on straight lines are dropped. No point moves by more
-/// than `snap_mm`.
+/// than `snap_mm`. With `one_pass_mm`, what `in_one_pass` leaves out goes, too.
 ///
 /// O(n log n) in the number of segments unless lines pile up in one place. Frees the points of
 /// `work` as soon as they have been read.

@@ -45,6 +45,11 @@ bool is_fold(Operation operation) {
   return operation == Operation::FoldMountain || operation == Operation::FoldValley;
 }
 
+int strength(Operation operation) {
+  constexpr std::array kStrengths{0, 1, 3, 2, 4, 5};  // by operation
+  return kStrengths.at(static_cast<std::size_t>(operation));
+}
+
 bool is_cut(Operation operation) {
   return operation == Operation::Cut || operation == Operation::Outline;
 }

@@ -52,6 +52,10 @@ inline constexpr double kMaxCoordinate = 100'000.0;         ///< mm; coordinates
 /// Cut and Outline: lines that go through the paper along their whole length.
 [[nodiscard]] bool is_cut(Operation operation);
 
+/// Of two lines at one place the stronger one stays: outline, cut, mountain fold, valley fold,
+/// score, draw.
+[[nodiscard]] int strength(Operation operation);
+
 /// The lines of a pattern on its page: x = v, y = u. This is a rotation as seen from the pop-up
 /// side (docs/geometry.md, section 2). Mountain, Valley, Slit and Outline keep their meaning.
 [[nodiscard]] LineWork linework_from_pattern(const Pattern& pattern);

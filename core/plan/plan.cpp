@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/drawing/clean.hpp"
+#include "core/drawing/near_lines.hpp"
 #include "core/geometry/angle.hpp"
 #include "core/layout/marks.hpp"
 #include "core/machines/motion.hpp"
@@ -277,6 +278,8 @@ class Planner {
              options.order.seed,
              mode,
              options.clean.snap_mm,
+             options.clean.one_pass_mm,
+             options.weld,
              options.svg_profile,
              options.svg_dpi,
              reading_tolerance_mm(options),
@@ -321,6 +324,7 @@ class Planner {
     LineWork work = clean(drawing_, options_.clean);
     tell(options_.progress, "splitting the drawing into sheets");
     out_.warnings = work.warnings;  // the drawing's own warnings and those of cleaning
+    tell_doubles(work);
     LayoutOptions how;
     const PagePoint at = options_.place.at.value_or(PagePoint{});
     const std::array<double, 2> most = options_.marks ? within_marks_mm(reach) : reach;
@@ -356,6 +360,21 @@ class Planner {
     return {};
   }
 
+  /// Warns of lines that run so close beside others that a knife cuts the same place twice.
+  void tell_doubles(const LineWork& work) {
+    if (!options_.tells_doubles || dashed_) return;
+    const SinglePass single = in_one_pass(work, kHardlyMeantMm);
+    if (!(single.doubled_mm > 0.0)) return;
+    out_.warnings.push_back(
+        {.code = "double_lines",
+         .message = fmt::format(
+             "{:.0f} mm of lines run within {:.2f} mm of another line, so that place is cut twice; "
+             "use `one-pass` {:.2f} to cut it once",
+             std::ceil(single.doubled_mm), single.apart_mm,
+             std::min(kMostOnePass, std::ceil(100.0 * single.apart_mm + 1.0) / 100.0)),
+         .spoils = true});
+  }
+
   /// What is being done to the sheet that is added now.
   void say(std::string_view what) const {
     const std::size_t sheet = out_.sheets.size();
@@ -374,6 +393,7 @@ class Planner {
     work.warnings.clear();
     say("cleaning the lines");
     work = clean(std::move(work), options_.clean);
+    if (sheet.pieces.empty()) tell_doubles(work);
     say("drawing the folds");
     turn_round(work, options_.knife.direction);
     sheet.paths = work.lines.size();

@@ -59,7 +59,8 @@ struct Plan {
   std::vector<Warning> warnings;
   std::uint64_t seed{};
   FoldMode folds{FoldMode::Perforate};
-  double snap_mm{};
+  double snap_mm{}, one_pass_mm{};
+  bool weld{false};           ///< filled shapes that lie over each other became one
   std::string svg_profile{};  ///< how an SVG was read, as the next two
   double svg_dpi{}, curve_tolerance_mm{};
   std::string layers{};             ///< what names mean, where `layers` said it

@@ -322,6 +322,8 @@ std::string plan_json(const Plan& plan) {
             {"gap_mm", plan.material.dashes.gap_mm},
             {"folds", fold_mode_name(plan.folds)},
             {"snap_mm", plan.snap_mm},
+            {"one_pass_mm", plan.one_pass_mm},
+            {"weld", plan.weld},
             {"svg_profile", plan.svg_profile},
             {"layers", plan.layers},
             {"drawing_transform", transform_json(plan.drawing_transform)},

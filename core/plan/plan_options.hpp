@@ -69,7 +69,9 @@ struct PlanOptions {
   CleanOptions clean{};
   KnifeOptions knife{};
   std::string svg_profile{"auto"};
-  std::string layers{};  ///< what names mean, see `parse_layer_uses`
+  bool weld{false};          ///< filled shapes that lie over each other become one
+  bool tells_doubles{true};  ///< warn of lines that run close beside each other
+  std::string layers{};      ///< what names mean, see `parse_layer_uses`
   double curve_tolerance_mm{0.02}, svg_dpi{96};
   LengthUnit units{LengthUnit::Auto};        ///< of DXF and FOLD files
   bool no_split{false};                      ///< a drawing that is too large is refused

@@ -111,6 +111,11 @@ std::optional<Problem> check_media(const RequestHead& head, std::string& media_t
   const std::string lower = to_lower(*value);
   const std::size_t semicolon = lower.find(';');
   media_type = std::string(trimmed(std::string_view(lower).substr(0, semicolon), " \t"));
+  if (media_type.starts_with("multipart/"))
+    return Problem{
+        ProblemKind::UnsupportedMedia,
+        "forms with parts (multipart) are not accepted; send the file alone as the body, "
+        "as in: curl --data-binary @FILE -H 'Content-Type: application/octet-stream'"};
   if (semicolon == std::string::npos) return std::nullopt;
   const std::string_view parameter = trimmed(std::string_view(lower).substr(semicolon + 1), " \t");
   if (parameter != "charset=utf-8" && parameter != "charset=\"utf-8\"")

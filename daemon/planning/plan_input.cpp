@@ -11,10 +11,13 @@
 
 #include "core/formats/dxf/dxf_binary.hpp"
 #include "core/formats/dxf/dxf_reader.hpp"
+#include "core/formats/fold/crease_pattern.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/judge/sound_design.hpp"
 #include "core/layout/layout.hpp"
 #include "core/plan/plan.hpp"
+#include "core/text/file_kind.hpp"
+#include "core/text/gzip.hpp"
 #include "core/text/json_text.hpp"
 #include "daemon/planning/design_files.hpp"
 
@@ -86,6 +89,12 @@ Result<DrawingInput> from_dxf(const std::string& text, const SvgReadOptions& how
 
 Result<DrawingInput> from_fold(const std::string& text, const SvgReadOptions& how,
                                unsigned factor) {
+  if (is_crease_pattern(text)) {
+    const auto fold = fold_of_crease_pattern(text);
+    if (!fold) return tl::unexpected(fold.error());
+    return only_drawing(
+        linework_from_fold(*fold, FoldLimits{}.raised(factor), how.unit_mm, how.enlarged));
+  }
   return only_drawing(
       linework_from_fold(text, FoldLimits{}.raised(factor), how.unit_mm, how.enlarged));
 }
@@ -153,6 +162,10 @@ Result<InputKind> kind_of_content(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos) return fail(ErrorKind::Malformed, "", "is empty");
   if (is_binary_dxf(text)) return InputKind::Dxf;
+  if (is_gzip(text)) return InputKind::Svg;
+  if (is_crease_pattern(text)) return InputKind::Fold;
+  if (const std::string foreign = foreign_advice(text); !foreign.empty())
+    return fail(ErrorKind::Malformed, "", foreign);
   if (text[first] == '<') return InputKind::Svg;
   if (text[first] >= '0' && text[first] <= '9') return InputKind::Dxf;
   if (text[first] != '{') return fail(ErrorKind::Malformed, "", kRight);

@@ -52,7 +52,8 @@ struct SpecSources {
 [[nodiscard]] DrawingInput test_shape_input();
 
 /// What a file is, by its content alone: JSON with "popcut" is a spec, with "file_spec" or
-/// "vertices_coords" a FOLD file, what begins with '<' an SVG, with a group code a DXF.
+/// "vertices_coords" a FOLD file, and so is a crease pattern (.cp, .opx); what begins with '<' or
+/// is a gzip is an SVG, with a group code a DXF.
 ///
 /// @retval Malformed  none of these, or JSON that breaks before its kind is known (line and column)
 [[nodiscard]] Result<InputKind> kind_of_content(std::string_view text);

@@ -79,6 +79,7 @@ Result<SvgReadOptions> read_options(const PlanOptions& options, const Tables& ta
   how.tolerance_mm = reading_tolerance_mm(options);
   how.enlarged = options.scale;
   how.dpi = options.svg_dpi;
+  how.weld = options.weld;
   how.unit_mm = unit_mm(options.units);
   how.pens = named_pens(options.pens);
   return how;
@@ -267,6 +268,7 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
                      input->seams_x.size() + 1)});
   PlanOptions how = options;
   how.seams_x.insert(how.seams_x.end(), input->seams_x.begin(), input->seams_x.end());
+  how.tells_doubles = !input->material;  // a design is made for the knife
   how.keep_lines = options.keep_lines || options.svg_profile == "origami-sim";
   if (!how.place.at) {
     how.place.at = options.marks ? PagePoint{kBesideMarksMm, kBesideMarksMm} : input->at;

@@ -75,8 +75,10 @@ std::optional<Operation> by_colour(int index, int rgb, DxfColours colours) {
 
 class DxfReader {
  public:
-  DxfReader(DxfTables tables, const DxfOptions& options)
+  /// @param from  what becomes the origin, page mm
+  DxfReader(DxfTables tables, const DxfOptions& options, PagePoint from = {})
       : tables_(std::move(tables)),
+        from_(from),
         options_(options),
         pens_(options.pens),
         lines_left_(options.most_lines) {
@@ -88,11 +90,14 @@ class DxfReader {
       dashes_.emplace(key, dxf_dashes(linetype.elements));
   }
 
+  /// Where the line is that stopped the reading because it is far from the origin.
+  [[nodiscard]] const std::optional<PagePoint>& far() const { return far_; }
+
   Result<LineWork> read() {
     work_.warnings = std::move(tables_.warnings);
     Place place;
     const double mm = tables_.unit_mm;
-    place.frame = {{mm, 0, 0}, {0, mm, 0}, {0, 0, mm}, {}};
+    place.frame = {{mm, 0, 0}, {0, mm, 0}, {0, 0, mm}, {-from_.x, from_.y, 0}};
     for (const DxfCursor& section : tables_.entities) {
       DxfCursor cursor = section;
       cursor.next();
@@ -261,11 +266,16 @@ class DxfReader {
     const PenOperation drawn{*operation, pens_.any() ? pen_of(own, use) : std::uint8_t{0}};
     if (shape == DxfShape::Tilted) ++tilted_;
     for (const PagePoint& p : line_)
-      if (!(std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate))
-        return stop(entity.line,
-                    fmt::format("the {} lies more than 100 m from the origin (one unit is 1 {})",
-                                entity.type, tables_.unit_name),
-                    ErrorKind::OutOfRange);
+      if (!(std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate)) {
+        far_ = p;
+        return stop(
+            entity.line,
+            fmt::format("the {} lies more than 100 m from {} (one unit is 1 {}); delete what is "
+                        "far from the drawing, or give its unit with `units`",
+                        entity.type, from_ == PagePoint{} ? "the origin" : "the first line",
+                        tables_.unit_name),
+            ErrorKind::OutOfRange);
+      }
     return is_fold(drawn) || drawn == Operation::Score ? append(drawn, line_, entity.line)
                                                        : dashed(drawn, own.linetype, entity);
   }
@@ -457,6 +467,8 @@ class DxfReader {
   }
 
   DxfTables tables_;
+  PagePoint from_;
+  std::optional<PagePoint> far_;
   DxfOptions options_;
   PenFinder pens_;
   LineWork work_;
@@ -502,6 +514,20 @@ Error of_groups(Error error) {
   return error;
 }
 
+namespace {
+
+Result<DxfTables> tables_of(std::string_view text, const DxfOptions& options) {
+  auto tables = read_dxf_tables(text);
+  if (tables && options.unit_mm) {
+    tables->unit_mm = *options.unit_mm;
+    std::erase_if(tables->warnings,
+                  [](const Warning& warning) { return warning.code == "no_unit"; });
+  }
+  return tables;
+}
+
+}  // namespace
+
 Result<LineWork> linework_from_dxf(std::string_view text, const DxfOptions& options) {
   if (text.size() > options.most_bytes)
     return tl::unexpected(too_much(
@@ -515,14 +541,22 @@ Result<LineWork> linework_from_dxf(std::string_view text, const DxfOptions& opti
   }
   if (text.size() > 6 && text.substr(0, 4) == "AC10" && text[6] == '\0')
     return fail(ErrorKind::Malformed, "line 1", "is a DWG; save it as ASCII DXF");
-  auto tables = read_dxf_tables(text);
+  auto tables = tables_of(text, options);
   if (!tables) return tl::unexpected(tables.error());
-  if (options.unit_mm) {
-    tables->unit_mm = *options.unit_mm;
-    std::erase_if(tables->warnings,
-                  [](const Warning& warning) { return warning.code == "no_unit"; });
-  }
-  return DxfReader(std::move(*tables), options).read();
+  DxfReader reader(std::move(*tables), options);
+  auto work = reader.read();
+  // Site coordinates: where the first line is becomes the origin.
+  const auto far = reader.far();
+  if (work || !far || !(std::hypot(far->x, far->y) < 1e12)) return work;
+  tables = tables_of(text, options);
+  if (!tables) return tl::unexpected(tables.error());
+  work = DxfReader(std::move(*tables), options, *far).read();
+  if (work)
+    work->warnings.push_back(
+        {.code = "far_away",
+         .message = fmt::format("the drawing lies {:.0f} m from its origin and is moved there",
+                                std::hypot(far->x, far->y) / 1000.0)});
+  return work;
 }
 
 }  // namespace popcut

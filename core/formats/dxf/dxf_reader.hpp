@@ -46,13 +46,14 @@ struct DxfOptions {
 /// lines are for (`layer_meaning`), on layer 0 that of the block; other lines are cut. Lines of a
 /// dashed line type are cut as dashes, with a whole number of periods and a gap at both ends; if
 /// the file does not define the dashes, the lines become valley folds. Layers that are off, frozen
-/// or not plotted are left out, with a warning. Solids are seen from above.
+/// or not plotted are left out, with a warning. Solids are seen from above. A drawing that lies
+/// more than 100 m from its origin is moved there, with a warning.
 ///
 /// @retval Malformed   not a DXF, truncated, an invalid group, or a block that inserts
 ///                     itself; place is the line, of a binary DXF the group
 /// @retval Malformed   colours are Asked, and lines on layers without a known name have several, or
 ///                     a name is not known and another is; the reason is Unclear
-/// @retval OutOfRange  larger than `options` allow, or more than 100 m from the origin
+/// @retval OutOfRange  larger than `options` allow, or with lines more than 100 m apart
 [[nodiscard]] Result<LineWork> linework_from_dxf(std::string_view text,
                                                  const DxfOptions& options = {});
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <deque>
 #include <unordered_map>
@@ -14,6 +15,7 @@
 #include "core/formats/svg/svg_shape.hpp"
 #include "core/formats/svg/svg_strokes.hpp"
 #include "core/formats/svg/svg_style.hpp"
+#include "core/formats/svg/svg_weld.hpp"
 #include "core/formats/svg/syntax/svg_transform.hpp"
 
 namespace popcut {
@@ -35,6 +37,14 @@ bool is_dark(const SvgStyle& style) {
   const std::uint32_t rgb =
       style.fill.kind == SvgPaint::Kind::Current ? style.colour : style.fill.rgb;
   return (rgb >> 16) + (rgb >> 8 & 0xFF) + (rgb & 0xFF) < 3 * 0x80;
+}
+
+bool is_before_0_92(std::string_view version) {
+  if (!version.starts_with("0.")) return false;
+  int minor = 0;
+  const std::string_view digits = version.substr(2);
+  const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), minor);
+  return read.ec == std::errc() && minor < 92;
 }
 
 // Where an element is drawn.
@@ -81,7 +91,7 @@ class SvgReader {
     if (!style.display_none)
       if (auto done = children(root, place, style); !done) return tl::unexpected(done.error());
     if (auto clear = purposes_.clear(); !clear) return tl::unexpected(clear.error());
-    settle_fills();
+    if (auto done = settle_fills(root); !done) return tl::unexpected(done.error());
     add_warnings();
     work_.looks = pens_.seen();
     return std::move(work_);
@@ -115,6 +125,24 @@ class SvgReader {
                                 "elements, selectors and classes"));
   }
 
+  // Before 0.92, a user unit of Inkscape was 1/90 inch; a viewBox says what it is.
+  void tell_old_inkscape(const pugi::xml_node& root) {
+    const std::string_view version = root.attribute("inkscape:version").value();
+    const bool older = version.empty() && root.attribute("sodipodi:version");
+    const auto box = parse_svg_view_box(root.attribute("viewBox").value());
+    const auto width = parse_svg_length(root.attribute("width").value());
+    // With a viewBox and a size in px, the size is what was meant otherwise.
+    if (box && (!width || width->unit != SvgLength::Unit::User)) return;
+    if (options_.dpi != 96.0 || !(older || is_before_0_92(version))) return;
+    work_.warnings.push_back(
+        {.code = "old_inkscape",
+         .message = fmt::format(
+             "Inkscape {} made the drawing, and before 0.92 it made 90 units of an inch, not 96; "
+             "use `svg-dpi` 90 for its true size",
+             older ? "before 0.4" : version.substr(0, version.find(' '))),
+         .spoils = true});
+  }
+
   // Finds the map from user units of the root to mm on the page.
   Result<void> read_page(const pugi::xml_node& root, Place& place) {
     bool has_unit = false;
@@ -137,6 +165,7 @@ class SvgReader {
            .spoils = true});
     if ((width && !(*width > 0.0)) || (height && !(*height > 0.0)))
       return wrong(root, "width and height must be positive");
+    tell_old_inkscape(root);
     place.to_page = {user_mm_, 0, 0, user_mm_, 0, 0};
     place.frame = {width.value_or(100.0) / user_mm_, height.value_or(100.0) / user_mm_};
     page_mm_ = {width.value_or(0.0), height.value_or(0.0)};
@@ -547,7 +576,7 @@ class SvgReader {
     if (style.dashes != 0)
       dashes = svg_dashes(styles_.dashes(style.dashes), style.dash_offset,
                           {user_mm_, frame_diagonal(place.frame), style.font});
-    const auto purpose = purposes_.of(e, style, dashes);
+    auto purpose = purposes_.of(e, style, dashes);
     if (!purpose) return {};
     if (!purpose->use) {
       note(SvgNote::LeftOut, e.node);
@@ -560,10 +589,15 @@ class SvgReader {
     }
     if (style.marked && !is_one_of(e.name, {"rect", "circle", "ellipse"}))
       note(SvgNote::Marked, e.node);
+    // What a fill hides of other shapes, its stroke does not bring back.
+    const bool stroked = !purpose->fill;
+    if (options_.weld && purpose->use && is_cut(*purpose->use) && !style.fill_clear &&
+        style.fill.kind != SvgPaint::Kind::None && e.name != "line")
+      purpose->fill = true;
     lines_.clear();
     if (auto done = outline(e, place, style, purpose->fill, lines_); !done) return done;
     const PenOperation operation{*purpose->use, purpose->pen};
-    return purpose->fill ? add_fill(e, place, style, operation)
+    return purpose->fill ? add_fill(e, place, style, operation, stroked)
                          : add_stroke(e, place, style, operation, std::move(dashes));
   }
 
@@ -630,10 +664,11 @@ class SvgReader {
            0.5 * std::abs(twice_area(lines[0])) >= kAll * page_mm_[0] * page_mm_[1];
   }
 
-  // The outline of a fill. Only at the end is it known whether fills without a name are kept.
+  // The outline of a fill. Only at the end is it known whether fills without a name are kept; those
+  // with a stroke are.
   Result<void> add_fill(const SvgElement& e, const Place& place, const SvgStyle& style,
-                        PenOperation operation) {
-    const bool named = style.has_assignment || style.has_layer;
+                        PenOperation operation, bool stroked) {
+    const bool named = style.has_assignment || style.has_layer || stroked;
     remove_thin_lines(lines_);
     if (lines_.size() == 0) {
       note(SvgNote::Invisible, e.node);
@@ -657,19 +692,42 @@ class SvgReader {
     const auto added = strokes_.add(lines_, {}, operation);
     if (!added) return wrong(e.node, added.error());
     if (*added == 0) note(SvgNote::Empty, e.node);
-    if (named || work_.lines.size() == first) return {};
+    if (work_.lines.size() == first) return {};
+    shapes_.push_back({first, work_.lines.size() - first, style.fill_even_odd});
+    if (!is_cut(operation)) shapes_.pop_back();
+    if (named) return {};
     if (fills_.empty()) first_fill_ = svg_where(text_, e.node);
     ++filled_shapes_;
     for (std::size_t i = first; i < work_.lines.size(); ++i) fills_.push_back(i);
     return {};
   }
 
-  void settle_fills() {
-    if (fills_.empty()) return;
+  // What is cut along its outline because of its fill, and where such outlines cross.
+  Result<void> settle_fills(const pugi::xml_node& root) {
     const auto first = [&] { return first_fill_; };
-    notes_.add(purposes_.has_names() ? SvgNote::FillUnnamed : SvgNote::FillCut, first,
-               filled_shapes_);
-    if (purposes_.has_names()) remove_lines(work_, fills_);
+    const bool named = purposes_.has_names();
+    if (!fills_.empty())
+      notes_.add(named ? SvgNote::FillUnnamed : SvgNote::FillCut, first, filled_shapes_);
+    if (named && !fills_.empty()) {
+      // Line `i` becomes line `i` less those that go before it.
+      std::erase_if(shapes_, [&](FilledShape& shape) {
+        const auto before = std::lower_bound(fills_.begin(), fills_.end(), shape.first);
+        const bool gone = before != fills_.end() && *before == shape.first;
+        shape.first -= static_cast<std::size_t>(before - fills_.begin());
+        return gone;
+      });
+      remove_lines(work_, fills_);
+    }
+    if (shapes_.size() < 2) return {};
+    if (options_.weld) {
+      weld_shapes(work_, shapes_, steps_);
+      return spend(root, 0);
+    }
+    constexpr std::size_t kMostComparisons = 20'000'000;
+    const std::size_t crossing = crossing_shapes(work_, shapes_, kMostComparisons);
+    if (crossing > 0 && crossing <= shapes_.size())
+      notes_.add(SvgNote::FillsCross, first, crossing);
+    return {};
   }
 
   void add_warnings() {
@@ -703,7 +761,8 @@ class SvgReader {
   Box* measured_{};  ///< not null: shapes are not drawn but measured
   SvgTransform to_measured_;
   SvgLines lines_, dashed_;
-  std::vector<std::size_t> fills_;
+  std::vector<std::size_t> fills_;   ///< lines of fills without a name
+  std::vector<FilledShape> shapes_;  ///< fills that are cut
   std::size_t filled_shapes_{};
   std::string first_fill_;
 };

@@ -25,6 +25,7 @@ struct SvgReadOptions {
   double enlarged{1};  ///< times that a FOLD file becomes larger after it is read, see there
   std::vector<std::string> pens{};  ///< names for `PenFinder`; also for DXF
   double dpi{96};                   ///< user units (px) per inch, positive
+  bool weld{false};                 ///< filled shapes that lie over each other become one
   SvgLimits limits;
 };
 

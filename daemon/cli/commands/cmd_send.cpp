@@ -80,6 +80,9 @@ Result<void> run_send(const Options& options, const Globals& globals) {
   if (bytes->empty())
     return fail(ErrorKind::Malformed, options.file, "is empty; give a program for a cutter");
   const Machine& machine = target->machine;
+  if (const std::string foreign = foreign_program(std::as_bytes(std::span(*bytes)));
+      !foreign.empty())
+    return fail(ErrorKind::Malformed, options.file, foreign);
   const Dialect dialect = machine.language == "hpgl" ? Dialect::Hpgl : Dialect::Gpgl;
   if (guess_dialect(std::as_bytes(std::span(*bytes))) != dialect)
     return fail(

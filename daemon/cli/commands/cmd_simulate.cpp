@@ -109,6 +109,9 @@ Result<void> run_simulate(const Options& options, const Globals& globals) {
   std::optional<LongWork> work(std::in_place, !globals.quiet, "simulating the cut");
   const auto text = read_file(options.program, kLimitBytes);
   if (!text) return tl::unexpected(text.error());
+  if (const std::string foreign = foreign_program(std::as_bytes(std::span(*text)));
+      !foreign.empty())
+    return fail(ErrorKind::Malformed, options.program, foreign);
   const auto program = std::as_bytes(std::span(*text));
   const auto tables = read_user_tables();
   if (!tables) return tl::unexpected(tables.error());

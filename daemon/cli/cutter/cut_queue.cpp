@@ -12,6 +12,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/design/spec/spec.hpp"
+#include "core/formats/fold/crease_pattern.hpp"
+#include "core/text/gzip.hpp"
 #include "core/text/utf8.hpp"
 #include "core/text/words.hpp"
 #include "daemon/cli/answer.hpp"
@@ -86,14 +88,17 @@ Result<Upload> read_input(Api& api, const std::string& file, const Globals& glob
   auto text = read_file(file, kMostDesignBytes);
   if (!text) return tl::unexpected(text.error());
   const std::string ending = lower(std::filesystem::path(file).extension().string());
+  if (is_gzip(*text)) text = unpacked(*text, kMostDesignBytes);
+  if (text && is_crease_pattern(*text)) text = fold_of_crease_pattern(*text);
+  if (!text) return tl::unexpected(within(file, text.error()));
   if (ending == ".dxf") return Upload{std::move(*text), "application/dxf"};
-  if (ending == ".svg") return Upload{std::move(*text), "image/svg+xml"};
+  if (ending == ".svg" || ending == ".svgz") return Upload{std::move(*text), "image/svg+xml"};
   const std::size_t first = text->find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   if (first != std::string::npos && (*text)[first] == '<')
     return Upload{std::move(*text), "image/svg+xml"};
   if (first != std::string::npos && (*text)[first] == '{')
     return from_json(api, std::move(*text), file, globals);
-  return tl::unexpected(neither_design_nor_drawing(file));
+  return tl::unexpected(neither_design_nor_drawing(file, *text));
 }
 
 /// The file's name as a job's: bytes that are no UTF-8, and controls, are replaced.

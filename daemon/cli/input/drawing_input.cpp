@@ -9,7 +9,10 @@
 #include <fmt/format.h>
 
 #include "core/formats/dxf/dxf_reader.hpp"
+#include "core/formats/fold/crease_pattern.hpp"
 #include "core/formats/fold/fold_reader.hpp"
+#include "core/text/file_kind.hpp"
+#include "core/text/gzip.hpp"
 #include "core/text/words.hpp"
 #include "daemon/cli/input/book_input.hpp"
 #include "daemon/cli/input/model_file.hpp"
@@ -23,8 +26,9 @@ namespace {
 using planning::InputKind;
 
 std::optional<InputKind> kind_of(const std::string& text, const std::string& ending) {
-  if (ending == ".svg") return InputKind::Svg;
-  if (ending == ".fold") return InputKind::Fold;
+  if (ending == ".svg" || ending == ".svgz" || is_gzip(text)) return InputKind::Svg;
+  if (ending == ".fold" || ending == ".cp" || ending == ".opx" || is_crease_pattern(text))
+    return InputKind::Fold;
   if (ending == ".json") return InputKind::Spec;
   if (ending == ".dxf") return InputKind::Dxf;
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
@@ -36,7 +40,7 @@ std::optional<InputKind> kind_of(const std::string& text, const std::string& end
 
 // What is read of a file before it is known what is in it; a spec is small.
 std::size_t most_bytes(const std::string& ending, const SvgReadOptions& how, unsigned factor) {
-  if (ending == ".svg") return how.limits.bytes;
+  if (ending == ".svg" || ending == ".svgz") return how.limits.bytes;
   if (ending == ".dxf") return DxfOptions{}.raised(factor).most_bytes;
   return FoldLimits{}.raised(factor).bytes;
 }
@@ -83,14 +87,19 @@ Result<DrawingInput> drawing_of_book(const std::string& file, const SvgReadOptio
 
 }  // namespace
 
-Error neither_design_nor_drawing(const std::string& file) {
+Error neither_design_nor_drawing(const std::string& file, std::string_view bytes) {
+  std::string foreign = foreign_advice(bytes, file);
+  for (std::size_t at = foreign.find("FILE"); at != foreign.npos; at = foreign.find("FILE"))
+    foreign.replace(at, 4, client::quoted(file));
+  if (!foreign.empty()) return {ErrorKind::Malformed, file, std::move(foreign)};
   if (is_model_file(file))
     return {ErrorKind::Malformed, file,
             fmt::format("is a 3D model; 'popcut auto {} -o cards' makes cards of it: give the "
                         "spec.json of one",
                         client::quoted(file))};
   return {ErrorKind::Malformed, file,
-          "is not a design (.json) or a drawing (.fold, .svg, .dxf) that popcut can read"};
+          "is not a design (.json) or a drawing (.svg, .svgz, .dxf, .fold, .cp, .opx) that popcut "
+          "can read"};
 }
 
 Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
@@ -112,7 +121,8 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
                             most, std::min(100u, 4 * *factor)));
   if (!text) return tl::unexpected(text.error());
   const auto kind = kind_of(*text, ending);
-  if (!kind) return tl::unexpected(neither_design_nor_drawing(file));
+  const bool foreign = ending != ".json" && !foreign_advice(*text, file).empty();
+  if (!kind || foreign) return tl::unexpected(neither_design_nor_drawing(file, *text));
   SurfaceAssets assets;
   const planning::SpecSources beside{
       [&](const DesignSpec& spec) {

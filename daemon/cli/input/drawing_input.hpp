@@ -35,7 +35,9 @@ using DesignVisitor =
 [[nodiscard]] Result<DrawingInput> read_drawing(const std::string& file, SvgProfile profile,
                                                 const std::vector<std::string>& tables = {});
 
-/// Why a file that is neither a design nor a drawing is refused, and what to do with a 3D model.
-[[nodiscard]] Error neither_design_nor_drawing(const std::string& file);
+/// Why a file that is neither a design nor a drawing is refused, and what to do with it.
+/// @param bytes  how it begins, if it was read
+[[nodiscard]] Error neither_design_nor_drawing(const std::string& file,
+                                               std::string_view bytes = {});
 
 }  // namespace popcut::cli

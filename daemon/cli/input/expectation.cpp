@@ -206,6 +206,9 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
   if (reader.error()) return tl::unexpected(*reader.error());
   if (const auto folds = text_at(json, "/folds")) facts.folds = *folds;
   if (const auto snap = number_at(json, "/snap_mm")) facts.snap_mm = *snap;
+  if (const auto most = number_at(json, "/one_pass_mm"); most && *most > 0)
+    facts.one_pass_mm = *most;
+  if (const nlohmann::json* weld = find(json, "/weld")) facts.weld = *weld == true;
   if (const auto profile = text_at(json, "/svg_profile")) facts.svg_profile = *profile;
   if (const auto layers = text_at(json, "/layers")) {
     auto uses = parse_layer_uses(*layers);
@@ -280,9 +283,13 @@ std::optional<std::array<double, 2>> svg_page_mm(const pugi::xml_document& docum
 
 // The pattern where the plan puts it: whole, or the pieces that lie on the sheet.
 LineWork drawing_on_sheet(const LineWork& pattern, const PlanFacts& plan) {
-  if (plan.pieces.empty()) return with_ends_snapped(placed(pattern, plan.transform), plan.snap_mm);
+  const bool whole_drawing = plan.pieces.empty();
+  if (whole_drawing && !(plan.one_pass_mm > 0.0))
+    return with_ends_snapped(placed(pattern, plan.transform), plan.snap_mm);
   CleanOptions how;
   how.snap_mm = plan.snap_mm;
+  how.one_pass_mm = plan.one_pass_mm;
+  if (whole_drawing) return clean(placed(pattern, plan.transform), how);
   const LineWork whole = clean(pattern, how);
   const LineIndex lines(whole, 10.0);
   LineWork out;
@@ -301,6 +308,7 @@ Result<SvgReadOptions> reading_of(const PlanFacts& plan, const UserTables& table
   how.profile = std::move(*profile);
   for (const auto& [name, use] : plan.layers) how.profile.labels[name] = use;
   how.dpi = plan.svg_dpi;
+  how.weld = plan.weld;
   how.unit_mm = plan.unit_mm;
   for (const PenSettings& pen : plan.pens) how.pens.push_back(pen.name);
   how.tolerance_mm = plan.curve_tolerance_mm;

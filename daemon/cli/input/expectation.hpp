@@ -30,7 +30,8 @@ struct PlanFacts {
   std::vector<PlannedPiece> pieces;  ///< where the pattern was split: those on this sheet
   LineWork also_allowed;             ///< overcuts, lead-ins, marks, labels, scored folds
   std::string folds{"perforate"};
-  double snap_mm{};
+  double snap_mm{}, one_pass_mm{};
+  bool weld{false};
   std::string svg_profile{"popcut"};  ///< how the plan read an SVG, as the next two
   double svg_dpi{96}, curve_tolerance_mm{0.02};
   LayerUses layers{};  ///< what names mean, where the plan was told

@@ -248,6 +248,19 @@ TEST_CASE("what cannot be seen of a DXF is left out and told", "[core][formats][
   CHECK(read(drawing("0 LINE 8 x 11 2 ", kMm + layer("70 6 62 7"))).lines.size() == 1);
 }
 
+TEST_CASE("a DXF with site coordinates is moved to its origin", "[core][formats][dxf]") {
+  const auto at = [](const std::string& x, const std::string& y) {
+    return "0 CIRCLE 8 0 10 " + x + " 20 " + y + " 40 10 ";
+  };
+  const LineWork work =
+      read(drawing(at("155000000", "-463000000") + at("155000050", "-463000000")));
+  CHECK(bounds(work).width() == Approx(70).margin(0.05));
+  CHECK(bounds(work).height() == Approx(20).margin(0.05));
+  CHECK(warned(work, "m from its origin and is moved there"));
+  CHECK(fault(drawing(at("0", "0") + at("155000000", "0"))).find("100 m from the first line") !=
+        std::string::npos);
+}
+
 TEST_CASE("names in old code pages are decoded", "[core][formats][dxf]") {
   CHECK(dxf_name("Gr\xfc\xdf"
                  "e \x80") == "Grüße €");

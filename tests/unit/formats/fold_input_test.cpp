@@ -8,7 +8,9 @@
 #include <catch2/catch.hpp>
 
 #include "core/drawing/planar_graph.hpp"
+#include "core/formats/fold/crease_pattern.hpp"
 #include "core/formats/fold/fold_reader.hpp"
+#include "core/text/file_kind.hpp"
 #include "core/text/json_text.hpp"
 #include "tests/support/linework_checks.hpp"
 
@@ -32,6 +34,59 @@ CreaseLine crease(double x0, double y0, double x1, double y1, char letter) {
 }
 
 }  // namespace
+
+TEST_CASE("crease patterns of ORIPA and Oriedita are read", "[core][formats][fold]") {
+  const std::string cp =
+      "1 -200 -200 200 -200\r\n1 200 -200 200 200\r\n1 200 200 -200 200\r\n"
+      "1 -200 200 -200 -200\r\n2 -200 -200 200 200\r\n3 -200.0 2e2 0 0\r\n4 0 0 0 100\r\n";
+  REQUIRE(is_crease_pattern(cp));
+  const auto work = linework_from_fold(*fold_of_crease_pattern(cp));
+  REQUIRE(work);
+  CHECK(total_mm(*work, Operation::Outline) == Approx(1600));
+  CHECK(total_mm(*work, Operation::FoldMountain) == Approx(400 * std::sqrt(2)));
+  CHECK(total_mm(*work, Operation::FoldValley) == Approx(200 * std::sqrt(2)));
+  // x to the right, y down: the valley runs from the lower left corner.
+  for (const DrawnLine& line : work->lines)
+    if (line.operation == Operation::FoldValley) {
+      const auto points = work->points_of(line);
+      CHECK(std::min(points.front().x, points.back().x) == Approx(-200));
+      CHECK(std::max(points.front().y, points.back().y) == Approx(200));
+    }
+  const std::string opx = R"x(<?xml version="1.0" encoding="UTF-8"?>
+    <java version="1.5.0_05" class="java.beans.XMLDecoder"><object class="oripa.DataSet">
+    <void property="lines"><array class="oripa.OriLineProxy" length="2"><void index="0">
+    <object class="oripa.OriLineProxy"><void property="type"><int>1</int></void>
+    <void property="x1"><double>30.0</double></void></object></void><void index="1">
+    <object class="oripa.OriLineProxy"><void property="type"><int>2</int></void>
+    <void property="y1"><double>-40.0</double></void></object></void></array></void></object></java>)x";
+  REQUIRE(is_crease_pattern(opx));
+  const auto lines = linework_from_fold(*fold_of_crease_pattern(opx));
+  REQUIRE(lines);
+  CHECK(total_mm(*lines, Operation::FoldMountain) == Approx(40));
+  CHECK(fold_of_crease_pattern("1 0 0 1 1\n2 0 0 x 1\n").error().place == "line 2");
+  CHECK_FALSE(is_crease_pattern("0\nSECTION\n"));
+  CHECK_FALSE(is_crease_pattern("<svg/>"));
+}
+
+TEST_CASE("files of other kinds are named with what to do", "[core][text]") {
+  const auto says = [](std::string_view bytes, std::string_view name, const char* what) {
+    CAPTURE(name, what);
+    CHECK(foreign_advice(bytes, name).find(what) != std::string::npos);
+  };
+  says("%PDF-1.7", "a", "is a PDF document; make an SVG of it: pdftocairo -svg");
+  says("%PDF-1.7", "A.AI", "is an Illustrator file");
+  says("%!PS-Adobe-3.0 EPSF", "a.eps", "inkscape --export-type=svg");
+  says("AC1032", "a.bin", "save it as DXF");
+  says("ISO-10303-21;", "a", "is a STEP model");
+  says("PK\x03\x04", "a.3mf", "is a 3MF model");
+  says("PK\x03\x04", "a.zip", "unpack it");
+  says("<?xml version='1.0'?><COLLADA>", "", "is a COLLADA model");
+  says("\x89PNG\r\n", "a.svg", "is a PNG picture");
+  says("IN;PU;", "a.plt", "popcut send FILE");
+  CHECK(foreign_advice("<svg/>", "a.svg").empty());
+  CHECK(foreign_advice("0\nSECTION", "a.dxf").empty());
+  CHECK(foreign_advice("\x1F\x8B\x08", "a.svgz").empty());
+}
 
 TEST_CASE("FOLD frames may inherit from later ones but not from themselves",
           "[core][formats][fold]") {

@@ -246,8 +246,7 @@ TEST_CASE("a document type is never fetched and only plain entities are expanded
         ErrorKind::OutOfRange);
 }
 
-TEST_CASE("a drawing in UTF-16 is read and a compressed one is refused",
-          "[core][formats][svg][bad]") {
+TEST_CASE("a drawing in UTF-16 or packed by gzip is read", "[core][formats][svg][bad]") {
   const std::string plain = svg("<title>\xC3\xA9</title><path stroke='red' d='M0 0H3'/>");
   for (const bool big : {true, false}) {
     std::string wide = big ? "\xFE\xFF" : "\xFF\xFE";
@@ -261,6 +260,20 @@ TEST_CASE("a drawing in UTF-16 is read and a compressed one is refused",
     CHECK(length(work.points) == Approx(3));
   }
   CHECK(error_of("\x1F\x8B\x08").detail.find("gunzip") != std::string::npos);
+  // Packed by gzip.
+  constexpr std::string_view kPacked{
+      "\x1f\x8b\x08\x00\x00\x00\x00\x00\x02\x03\x2d\x8c\x31\x0e\xc2\x30\x0c\x00\xbf\xe2\xcd\x5b"
+      "\x1d\x01\x4b\x50\x9c\x81\x89\x85\x47\x20\x25\x8a\x23\x08\xa9\x12\xab\xee\xf3\x29\x12\xe3"
+      "\xe9\x4e\x17\xe6\x56\x60\x6f\xef\xcf\x64\x14\xd5\xf5\x4a\x64\x66\x8b\x9d\x97\x3e\x0a\x9d"
+      "\x9c\x73\x74\x14\x08\x56\x93\x0a\xa3\x6f\x0d\x41\x72\x2d\xa2\x7f\xd8\x6a\xb6\x5b\xdf\x19"
+      "\x1d\x38\xf0\xe0\x31\x86\xf5\xa9\x02\x53\x47\x7f\x65\xc6\x91\x13\x42\x62\x7c\x1c\xfe\x7e"
+      "\x41\x8a\xe1\x37\x8c\x5f\x92\xc4\xab\x72\x78\x00\x00\x00",
+      124};
+  CHECK(length(read(std::string(kPacked)).points) == Approx(4));
+  CHECK(error_of(std::string(kPacked.substr(0, 60))).detail.find("not whole") != std::string::npos);
+  SvgLimits few;
+  few.bytes = 100;
+  CHECK(error_of(std::string(kPacked), few).kind == ErrorKind::OutOfRange);
   CHECK(error_of(svg(std::string(1, '\0'))).detail.find("is zero") != std::string::npos);
 }
 
@@ -552,6 +565,53 @@ TEST_CASE("a name that nobody knows beside known ones is asked about",
   REQUIRE(said);
   CHECK(total_mm(*said, Operation::FoldValley) == Approx(4));
   CHECK(total_mm(*said, Operation::Cut) == 0);
+}
+
+TEST_CASE("filled shapes that lie over each other are told and welded on request",
+          "[core][formats][svg]") {
+  const auto cut = [](const std::string& inner, bool weld) {
+    SvgReadOptions how;
+    how.profile = *find_stroke_profile("auto");
+    how.weld = weld;
+    const auto work = linework_from_svg(svg(inner), how);
+    REQUIRE(work);
+    return *work;
+  };
+  const std::string crossing =
+      "<rect x='10' y='10' width='30' height='20'/><rect x='30' y='20' width='30' height='20'/>";
+  CHECK(total_mm(cut(crossing, false), Operation::Cut) == Approx(200));
+  CHECK(is_told(cut(crossing, false), "2 filled shapes lie over each other"));
+  CHECK(total_mm(cut(crossing, true), Operation::Cut) == Approx(160));
+  // Beside each other, and one within the other.
+  const std::string beside =
+      "<rect x='10' y='10' width='30' height='20'/><rect x='40' y='10' width='30' height='20'/>";
+  CHECK_FALSE(is_told(cut(beside, false), "lie over each other"));
+  CHECK(total_mm(cut(beside, true), Operation::Cut) == Approx(160));
+  const std::string within =
+      "<rect x='10' y='10' width='30' height='20'/><rect x='15' y='15' width='5' height='5'/>";
+  CHECK_FALSE(is_told(cut(within, false), "lie over each other"));
+  CHECK(total_mm(cut(within, true), Operation::Cut) == Approx(100));
+  // Strokes go with their fills, holes and other operations stay.
+  const std::string stroked =
+      "<g stroke='#000'><rect x='10' y='10' width='30' height='20'/><rect x='30' y='20' width='30' "
+      "height='20'/></g><g id='fold'><path d='M0 0H9' stroke='#000'/></g>";
+  CHECK(total_mm(cut(stroked, true), Operation::Cut) == Approx(160));
+  CHECK(total_mm(cut(stroked, true), Operation::FoldValley) == Approx(9));
+}
+
+TEST_CASE("drawings of Inkscape before 0.92 are told to have 90 units to the inch",
+          "[core][formats][svg]") {
+  const auto told = [](const std::string& head) {
+    return is_told(read(svg("<path d='M0 0H9' stroke='red'/>", head)), "use `svg-dpi` 90");
+  };
+  const std::string mm = "width='210mm' height='297mm' ";
+  CHECK(told(mm + "inkscape:version='0.48.4 r9939'"));
+  CHECK(told(mm + "inkscape:version='0.91'"));
+  CHECK(told("width='744' height='1052' inkscape:version='0.47pre4'"));
+  CHECK(told(mm + "xmlns:sodipodi='s' sodipodi:version='0.32'"));
+  CHECK_FALSE(told(mm + "inkscape:version='0.92.3'"));
+  CHECK_FALSE(told(mm + "inkscape:version='1.2'"));
+  CHECK_FALSE(told(mm + "viewBox='0 0 210 297' inkscape:version='0.48'"));
 }
 
 TEST_CASE("drawings of Illustrator without a unit are told to have 72 to the inch",

@@ -4,8 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/drawing/clean.hpp"
+#include "core/drawing/near_lines.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/svg/svg_reader.hpp"
+#include "core/geometry/angle.hpp"
 #include "core/geometry/cell_choice.hpp"
 #include "core/machines/motion.hpp"
 #include "core/pattern/pattern.hpp"
@@ -56,6 +58,66 @@ TEST_CASE("a doubled line is cut once", "[core][plan][clean]") {
   const LineWork once = clean(work);
   CHECK(total_mm(once, Operation::Cut) == Approx(16.0).margin(0.02));
   CHECK(once.lines.size() == 1);
+}
+
+TEST_CASE("lines that run close beside each other are told and cut once on request",
+          "[core][plan][clean]") {
+  const auto box = [](double x, double y, double w, double h) {
+    return std::vector<PagePoint>{{x, y}, {x + w, y}, {x + w, y + h}, {x, y + h}, {x, y}};
+  };
+  const auto circle = [](double r, int corners) {
+    std::vector<PagePoint> line;
+    for (int k = 0; k <= corners; ++k) {
+      const double turn = k == corners ? 0.0 : 2 * kPi * k / corners;
+      line.push_back({50 + r * std::cos(turn), 50 + r * std::sin(turn)});
+    }
+    return line;
+  };
+  const auto mm = [](const LineWork& work) {
+    double all = 0.0;
+    for (const DrawnLine& line : work.lines) all += length(work.points_of(line));
+    return all;
+  };
+  CleanOptions once;
+  once.one_pass_mm = 0.2;
+  LineWork work;
+  work.append(Operation::Cut, box(10, 10, 50, 40));
+  work.append(Operation::Cut, box(10.05, 10.05, 50, 40));
+  CHECK(in_one_pass(clean(work), kHardlyMeantMm).doubled_mm == Approx(180));
+  CHECK(in_one_pass(clean(work), kHardlyMeantMm).apart_mm == Approx(0.05).margin(0.02));
+  CHECK(mm(clean(work, once)) == Approx(180));
+  // Curves with other corners.
+  LineWork rings;
+  rings.append(Operation::Cut, circle(30, 90));
+  rings.append(Operation::Cut, circle(30.15, 97));
+  CHECK(mm(clean(rings, once)) == Approx(2 * kPi * 30.15).epsilon(2e-3));
+  // A side alone: what goes on comes to the line that stays.
+  LineWork side;
+  side.append(Operation::Cut, box(10, 10, 30, 20));
+  side.append(Operation::Cut, box(40.1, 10, 30, 20));
+  CHECK(mm(clean(side, once)) == Approx(180).margin(0.5));
+  // One line that goes there and back.
+  LineWork thin;
+  thin.append(Operation::Cut, box(10, 10, 60, 0.1));
+  CHECK(mm(clean(thin, once)) == Approx(60).margin(1.5));
+  // A fold beside a cut is cut, and that is told.
+  LineWork fold;
+  fold.append(Operation::Cut, box(10, 10, 30, 20));
+  fold.append(Operation::FoldValley, std::vector<PagePoint>{{10, 10.1}, {40, 10.1}});
+  const LineWork cut = clean(fold, once);
+  CHECK(mm(cut) == Approx(100));
+  CHECK(cut.warnings.size() == 1);
+  // What crosses, meets at a small angle, is small, or is drawn with a pen stays.
+  LineWork apart;
+  for (int k = 0; k < 20; ++k) apart.append(Operation::Cut, box(10.0 + k, 80, 0.15, 0.15));
+  apart.append(Operation::Cut, std::vector<PagePoint>{{10, 100}, {150, 101}});
+  apart.append(Operation::Cut, std::vector<PagePoint>{{10, 101}, {150, 100}});
+  apart.append(Operation::Draw, box(10, 120, 30, 20));
+  apart.append(Operation::Draw, box(10.1, 120.1, 30, 20));
+  const LineWork plain = clean(apart);
+  const SinglePass single = in_one_pass(plain, 0.02);
+  CHECK(single.doubled_mm == 0);
+  CHECK(mm(single.once) == Approx(mm(plain)));
 }
 
 TEST_CASE("a fold that lies on a cut is removed there", "[core][plan][clean]") {

@@ -267,6 +267,18 @@ TEST_CASE("the language of a program is guessed from its first bytes", "[protoco
   CHECK(guess_dialect({}) == Dialect::Gpgl);
 }
 
+TEST_CASE("what no cutter of popcut takes is named", "[protocol][decode]") {
+  const auto says = [](std::string_view text) { return foreign_program(bytes_of(text)); };
+  CHECK(says("\x1b.(;\x1b.I81;;17:IN;SC;PU;PA1,1;").find("begins with ESC.(,") !=
+        std::string::npos);
+  CHECK(says("\x1b%-12345X@PJL\r\n\x1b%1BIN;").find("is a print job") != std::string::npos);
+  CHECK(says("; made by x\nG21\nG90\nG0 X0 Y0\n").find("is G-code") != std::string::npos);
+  CHECK(says("%\nN10 G21\nN20 G1X5Y5F100\n").find("is G-code") != std::string::npos);
+  CHECK(says(gpgl("FN0|TB50,0|M1,2|D3,4|")).empty());
+  CHECK(says("\x1b\x04M10,10\x03").empty());
+  CHECK(says("IN;PA;SP1;PU0,0;PD1,1;").empty());
+}
+
 TEST_CASE("a GPGL command without an end is given up at a limit", "[protocol][gpgl][decode]") {
   GpglReader reader;
   Program program;

@@ -34,6 +34,9 @@ constexpr std::array<Wording, static_cast<std::size_t>(SvgNote::Count_)> kWordin
      "shapes with a fill but no stroke and no name are left out because other lines have "
      "names",
      "give them a stroke or a data-assignment, or use `svg-profile` plain"},
+    {"fills_cross", true, "filled shape has an outline that crosses that of another one",
+     "filled shapes lie over each other, and each is cut along its whole outline",
+     "use `weld` to cut around them together"},
     {"invisible", false, "shape has neither stroke nor fill and is left out",
      "shapes have neither stroke nor fill and are left out", "give them a stroke"},
     {"stroke_left_out", true, "stroke is neither a cut nor a fold and is left out",

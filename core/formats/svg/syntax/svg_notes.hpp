@@ -20,6 +20,7 @@ enum class SvgNote {
   FillIgnored,
   FillBackground,
   FillUnnamed,
+  FillsCross,
   Invisible,
   LeftOut,
   Hidden,

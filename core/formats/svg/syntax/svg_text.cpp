@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "core/text/gzip.hpp"
 #include "core/text/utf8.hpp"
 
 namespace popcut {
@@ -24,13 +25,15 @@ struct Entity {
   std::string name, value;
 };
 
-Result<void> to_utf8(std::string& text) {
+Result<void> to_utf8(std::string& text, std::size_t most_bytes) {
   const auto begins = [&](std::string_view bytes) {
     return std::string_view(text).substr(0, bytes.size()) == bytes;
   };
-  if (begins("\x1F\x8B"))
-    return fail(ErrorKind::Malformed, "",
-                "is compressed (svgz); unpack it first: gunzip < FILE.svgz > FILE.svg");
+  if (is_gzip(text)) {
+    auto plain = unpacked(text, most_bytes);
+    if (!plain) return tl::unexpected(plain.error());
+    text = std::move(*plain);
+  }
   if (begins("\xFF\xFE") || begins(std::string_view("<\0", 2)))
     text = utf8_of_utf16(std::string_view(text).substr(text[0] == '<' ? 0 : 2), false);
   else if (begins("\xFE\xFF") || begins(std::string_view("\0<", 2)))
@@ -268,7 +271,7 @@ Result<SvgText> prepare_svg_text(std::string text, const SvgLimits& limits) {
         too_much(fmt::format("the SVG has {} bytes; the limit is {}", text.size(), limits.bytes)));
   SvgText svg;
   svg.text = std::move(text);
-  if (auto done = to_utf8(svg.text); !done) return tl::unexpected(done.error());
+  if (auto done = to_utf8(svg.text, limits.bytes); !done) return tl::unexpected(done.error());
   const std::size_t nul = svg.text.find('\0');
   if (nul != std::string::npos)
     return fail(

@@ -31,10 +31,11 @@ struct SvgText {
   bool by_illustrator{false};        ///< a comment before the root names Adobe Illustrator
 };
 
-/// Checks the size, converts UTF-16 to UTF-8, and removes the DOCTYPE. Replaces the entities of its
-/// internal subset: at most 64, of 256 bytes each, plain text. Never fetches anything.
+/// Checks the size, unpacks gzip (.svgz), converts UTF-16 to UTF-8, and removes the DOCTYPE.
+/// Replaces the entities of its internal subset: at most 64, of 256 bytes each, plain text. Never
+/// fetches anything.
 ///
-/// @retval Malformed   compressed, binary, or declarations that are not plain entities
+/// @retval Malformed   a broken gzip, binary, or declarations that are not plain entities
 /// @retval OutOfRange  over a limit
 [[nodiscard]] Result<SvgText> prepare_svg_text(std::string text, const SvgLimits& limits);
 

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+#include "core/formats/fold/crease_pattern.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+#include <fmt/format.h>
+#include <pugixml.hpp>
+
+#include "core/text/utf8.hpp"
+#include "core/text/words.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr std::size_t kMostOpxBytes = 16u << 20;
+
+/// A line of a crease pattern: its type, and x and y of both ends.
+using Crease = std::array<double, 5>;
+
+std::optional<Crease> crease_in(std::string_view line) {
+  Crease crease{};
+  for (double& number : crease) {
+    line = trimmed(line);
+    const std::string_view word = take_word(line, kBlanks);
+    const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (fault != std::errc() || end != word.data() + word.size() || !std::isfinite(number))
+      return std::nullopt;
+  }
+  if (!trimmed(line).empty() || crease[0] != std::floor(crease[0])) return std::nullopt;
+  return crease;
+}
+
+/// Collects lines as the members of a FOLD text.
+class FoldText {
+ public:
+  void add(const Crease& crease) {
+    const int type = std::abs(crease[0]) < 10 ? static_cast<int>(crease[0]) : 0;
+    const char letter = type == 1 ? 'B' : type == 2 ? 'M' : type == 3 ? 'V' : 'F';
+    const char* const comma = count_ == 0 ? "" : ",";
+    // The reader of FOLD lays the second coordinate to the right and the first one down.
+    fmt::format_to(std::back_inserter(points_), "{}[{},{}],[{},{}]", comma, crease[2], crease[1],
+                   crease[4], crease[3]);
+    fmt::format_to(std::back_inserter(edges_), "{}[{},{}]", comma, 2 * count_, 2 * count_ + 1);
+    fmt::format_to(std::back_inserter(letters_), "{}\"{}\"", comma, letter);
+    ++count_;
+  }
+
+  [[nodiscard]] Result<std::string> text() const {
+    if (count_ == 0) return fail(ErrorKind::Malformed, "", "is a crease pattern without lines");
+    return fmt::format(
+        "{{\"file_spec\":1.1,\"vertices_coords\":[{}],\"edges_vertices\":[{}],"
+        "\"edges_assignment\":[{}]}}",
+        points_, edges_, letters_);
+  }
+
+ private:
+  std::string points_, edges_, letters_;
+  std::size_t count_{};
+};
+
+std::string_view first_line(std::string_view text) {
+  text = trimmed(text);
+  return text.substr(0, text.find_first_of("\r\n"));
+}
+
+bool is_opx(std::string_view text) {
+  const std::string_view head = trimmed(text.substr(0, 4096));
+  return head.starts_with('<') && head.find("<java") != head.npos &&
+         text.find("OriLineProxy") != text.npos;
+}
+
+Result<std::string> fold_of_cp(std::string_view text) {
+  FoldText fold;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::size_t end = text.find_first_of("\r\n");
+    const std::string_view line = trimmed(text.substr(0, end));
+    const bool two = end != text.npos && text.substr(end).starts_with("\r\n");
+    text.remove_prefix(end == text.npos ? text.size() : end + (two ? 2 : 1));
+    if (line.empty() || line.starts_with('#')) continue;
+    const auto crease = crease_in(line);
+    if (!crease)
+      return fail(ErrorKind::Malformed, fmt::format("line {}", number),
+                  fmt::format("\"{}\" is not a line of a crease pattern; write its type (1 border, "
+                              "2 mountain, 3 valley, 4 auxiliary) and x1 y1 x2 y2",
+                              shown_ascii(line, 60)));
+    fold.add(*crease);
+  }
+  return fold.text();
+}
+
+Result<std::string> fold_of_opx(std::string_view text) {
+  if (text.size() > kMostOpxBytes)
+    return tl::unexpected(
+        too_much(fmt::format("the OPX has {} bytes; the limit is {}", text.size(), kMostOpxBytes)));
+  pugi::xml_document document;
+  const auto parsed = document.load_buffer(text.data(), text.size());
+  if (!parsed)
+    return fail(ErrorKind::Malformed, fmt::format("byte {}", parsed.offset),
+                fmt::format("not XML: {}; is the file complete?", parsed.description()));
+  FoldText fold;
+  struct Lines : pugi::xml_tree_walker {
+    explicit Lines(FoldText& into) : fold(into) {}
+    bool for_each(pugi::xml_node& node) override {
+      const std::string_view kind = node.attribute("class").value();
+      if (std::string_view(node.name()) != "object" || !kind.ends_with("OriLineProxy")) return true;
+      Crease crease{};  // Java leaves out what is zero
+      constexpr std::array<std::string_view, 5> kNames{"type", "x0", "y0", "x1", "y1"};
+      for (const pugi::xml_node& property : node.children("void"))
+        for (std::size_t i = 0; i < kNames.size(); ++i)
+          if (kNames[i] == property.attribute("property").value())
+            crease[i] = property.first_child().text().as_double(NAN);
+      for (const double number : crease) sound = sound && std::isfinite(number);
+      if (sound) fold.add(crease);
+      return sound;
+    }
+    FoldText& fold;
+    bool sound{true};
+  } lines(fold);
+  document.traverse(lines);
+  if (!lines.sound)
+    return fail(ErrorKind::Malformed, "", "has a line whose type or place is not a number");
+  return fold.text();
+}
+
+}  // namespace
+
+bool is_crease_pattern(std::string_view text) {
+  std::string kept;
+  text = plain_text(text, kept);
+  return is_opx(text) || crease_in(first_line(text)).has_value();
+}
+
+Result<std::string> fold_of_crease_pattern(std::string_view text) {
+  std::string kept;
+  text = plain_text(text, kept);
+  return is_opx(text) ? fold_of_opx(text) : fold_of_cp(text);
+}
+
+}  // namespace popcut

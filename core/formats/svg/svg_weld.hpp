@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/drawing/linework.hpp"
+
+namespace popcut {
+
+/// The outline of one filled shape: lines `first` to `first + count` of a drawing.
+struct FilledShape {
+  std::size_t first{}, count{};
+  bool even_odd{false};
+};
+
+/// How many of the shapes have an outline that crosses that of another one, or SIZE_MAX if more
+/// than `steps` comparisons would be needed. Outlines that only touch do not cross.
+[[nodiscard]] std::size_t crossing_shapes(const LineWork& work, std::span<const FilledShape> shapes,
+                                          std::size_t steps);
+
+/// Replaces the outlines of shapes that lie over each other, of the same operation and pen, by the
+/// outline of all of them together. Work is taken from `steps`; with none left the drawing means
+/// nothing. Returns how many shapes became part of another.
+std::size_t weld_shapes(LineWork& work, std::span<const FilledShape> shapes, std::size_t& steps);
+
+}  // namespace popcut
