@@ -721,7 +721,9 @@ class SvgReader {
     if (shapes_.size() < 2) return {};
     if (options_.weld) {
       weld_shapes(work_, shapes_, steps_);
-      return spend(root, 0);
+      if (steps_ > 0) return {};
+      return wrong(root, too_much("too many filled shapes lie over each other to be welded here; "
+                                  "join them in the editor (Inkscape: Path > Union)"));
     }
     constexpr std::size_t kMostComparisons = 20'000'000;
     const std::size_t crossing = crossing_shapes(work_, shapes_, kMostComparisons);
