@@ -49,7 +49,7 @@ bool is_traced() {
 constexpr std::uint64_t kForPopcutd = std::uint64_t{256} << 20;
 
 bool write_to(const std::string& path, const std::string& text) {
-  const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW);
   if (file < 0) return false;
   const bool is_written = ::write(file, text.data(), text.size()) >= 0;
   ::close(file);
@@ -92,7 +92,7 @@ int group_for_workers(const std::string& folder, std::uint64_t bytes) {
   int file = -1;
   if (write_to(folder + "/cgroup.subtree_control", "+memory") &&
       write_to(workers + "/memory.max", std::to_string(bytes)))
-    file = ::open((workers + "/cgroup.procs").c_str(), O_WRONLY | O_CLOEXEC);
+    file = ::open((workers + "/cgroup.procs").c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW);
   if (file < 0) write_to(folder + "/cgroup.procs", self);
   return file;
 }
