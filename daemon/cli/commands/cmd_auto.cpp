@@ -78,7 +78,7 @@ Result<void> write_files(const Options& options, SearchedModel& model, OutputFol
   folder.enter("");
   const auto picture = front_picture(
       model.found,
-      fmt::format("{}: {} of up to {:g} minutes", model.name,
+      fmt::format("{}: {} of up to {:g} minutes of cutting", model.name,
                   options.search.cards > 1 ? fmt::format("books of {} cards", options.search.cards)
                                            : std::string("cards"),
                   options.search.max_minutes));

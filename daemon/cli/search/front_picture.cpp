@@ -139,16 +139,18 @@ Result<std::string> front_picture(const planning::FoundCards& found, const std::
   if (!add(part)) return part;
   for (std::size_t k = 0; k < found.front.size(); ++k) {
     const FoundCard& card = found.front[k];
-    part = tile(k + 1,
-                likeness::Target(planning::model_around(found, card),
-                                 planning::pictured_scene(card, kPixels)),
-                card.structure, likeness::kPaperColour,
-                {fmt::format("{}: {} folds, {:.0f} min ({}){}", k + 1, card.cost.hands.folds,
-                             std::max(1.0, card.cost.hands.time_s / 60.0), card.cost.hands.label,
-                             k == found.recommended ? ", make this" : ""),
-                 settings(card.candidate),
-                 fmt::format("error {:.3f}; {:.1f} min to cut", card.figures.error(),
-                             card.cost.seconds / 60.0)});
+    part = tile(
+        k + 1,
+        likeness::Target(planning::model_around(found, card),
+                         planning::pictured_scene(card, kPixels)),
+        card.structure, likeness::kPaperColour,
+        {fmt::format(
+             "{}: {}{} folds, {:.0f} min{}", k + 1, k == found.recommended ? "make this; " : "",
+             card.cost.hands.folds, std::max(1.0, card.cost.hands.time_s / 60.0),
+             k == found.recommended ? std::string() : fmt::format(" ({})", card.cost.hands.label)),
+         settings(card.candidate),
+         fmt::format("error {:.3f}; {:.1f} min to cut", card.figures.error(),
+                     card.cost.seconds / 60.0)});
     if (!add(part)) return part;
   }
   svg += graph(tiles - 1, found) + "</svg>\n";
