@@ -119,7 +119,7 @@ void add_hands(const Pattern& pattern, DesignReport& report) {
   report.warnings.push_back(
       {.code = "moves_in_paper",
        .message = fmt::format(
-           "{} panel{} ({:.0f} % of what stands) move{} by more than {:g} mm when folds lie {:g} "
+           "{} panel{} ({:.0f} % of what stands) move{} by more than {:.0f} mm when folds lie {:g} "
            "mm "
            "off their lines ({}{}): {} folds lie too near to each other to hold {}; make panels "
            "hold at places farther apart",

@@ -3,8 +3,8 @@
 
 #include <memory>
 
+#include "daemon/files/shared_files.hpp"
 #include "daemon/fleet/postgres_database.hpp"
-#include "daemon/store/shared_files.hpp"
 #include "daemon/store/state_folder.hpp"
 
 namespace popcut::daemon {

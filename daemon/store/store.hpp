@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/result.hpp"
-#include "daemon/store/shared_files.hpp"
+#include "daemon/files/shared_files.hpp"
 #include "daemon/store/sqlite_database.hpp"
 #include "daemon/store/state_folder.hpp"
 

@@ -24,20 +24,17 @@ Asset asset_of(const Rows& rows) {
 
 DesignRepository::Referring DesignRepository::designs_with(const std::string& asset,
                                                            const std::string& owner) {
-  const std::string which = fmt::format(
-      "FROM asset_use WHERE asset=?1{}",
-      owner.empty() ? ""
-                    : " AND EXISTS (SELECT 1 FROM ownership AS own WHERE own.kind='design' AND "
-                      "own.id=asset_use.design AND own.owner=?2)");
-  const auto with = [&](const std::string& sql) {
-    return owner.empty() ? store_.db().rows(sql, asset) : store_.db().rows(sql, asset, owner);
-  };
   return {
-      all_of(with(fmt::format("SELECT design {} ORDER BY design LIMIT {}", which, kNamedDesigns)),
+      all_of(store_.db().rows(
+                 "SELECT design FROM asset_use WHERE asset=?1 AND (?2='' OR EXISTS (SELECT 1 FROM "
+                 "ownership AS own WHERE own.kind='design' AND own.id=asset_use.design AND "
+                 "own.owner=?2)) ORDER BY design LIMIT ?3",
+                 asset, owner, kNamedDesigns),
              first_text),
-      first_of(with("SELECT count(*) " + which), [](const Rows& rows) {
-        return rows.integer(0);
-      }).value_or(0)};
+      store_.db().number(
+          "SELECT count(*) FROM asset_use WHERE asset=?1 AND (?2='' OR EXISTS (SELECT 1 FROM "
+          "ownership AS own WHERE own.kind='design' AND own.id=asset_use.design AND own.owner=?2))",
+          asset, owner)};
 }
 
 Page<Asset> DesignRepository::assets(const Principal& who, const PageRequest& request) {

