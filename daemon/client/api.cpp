@@ -96,7 +96,9 @@ std::string shown_lines(std::string_view text) {
   std::string out;
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
-    out += shown_text(text.substr(at, end - at));
+    const bool is_crlf = end < text.size() && end > at && text[end - 1] == '\r';  // as CSV has it
+    out += shown_text(text.substr(at, end - at - (is_crlf ? 1 : 0)));
+    if (is_crlf) out += '\r';
     if (end < text.size()) out += '\n';
     at = end + 1;
   }
