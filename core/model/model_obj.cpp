@@ -295,13 +295,20 @@ class ObjReader {
     return fail(ErrorKind::Malformed, line_place(name_, number_), std::move(what));
   }
 
+  /// Whether a line ends in a comment, whose backslash may be that of a folder.
+  static bool has_comment(std::string_view line, std::string_view begun) {
+    const std::string_view head = begun.empty() ? line : begun;
+    const bool is_numbers = head.starts_with('v') || head.starts_with('f');
+    return line.starts_with('#') || (is_numbers && line.find('#') != line.npos);
+  }
+
   /// Reads all lines; those that end with a backslash go on in the next one.
   Result<void> read_lines(std::string_view bytes, Pass pass) {
     std::string joined;
     const auto done =
         for_each_line(bytes, [&](std::string_view line, std::size_t number) -> Result<void> {
           if (joined.empty()) number_ = number;
-          if (line.back() == '\\') {
+          if (line.back() == '\\' && !has_comment(line, joined)) {
             joined.append(line.substr(0, line.size() - 1)) += ' ';
             return joined.size() > kLongestLine ? broken("is longer than 65536 characters")
                                                 : Result<void>{};

@@ -356,10 +356,8 @@ class FacetMaker {
   double step_mm_{};
 };
 
-}  // namespace
-
-Result<FacetCard> facet_card(const TriangleSoup& target, const FacetOptions& options,
-                             const Progress& progress) {
+Result<FacetCard> firm_card(const TriangleSoup& target, const FacetOptions& options,
+                            const Progress& progress) {
   std::optional<FacetCard> firmest;
   double least_mm = std::numeric_limits<double>::infinity();
   for (const double strength : kStrengths) {
@@ -374,6 +372,23 @@ Result<FacetCard> facet_card(const TriangleSoup& target, const FacetOptions& opt
     if (wobble->largest_mm < least_mm) least_mm = wobble->largest_mm, firmest = std::move(*made);
   }
   return std::move(*firmest);
+}
+
+/// Whether anything stands up.
+bool stands(const FacetCard& card) {
+  return std::any_of(card.labels.label.begin(), card.labels.label.end(),
+                     [](Label label) { return label != kWallLabel && label != kGroundLabel; });
+}
+
+}  // namespace
+
+Result<FacetCard> facet_card(const TriangleSoup& target, const FacetOptions& options,
+                             const Progress& progress) {
+  auto made = firm_card(target, options, progress);
+  if (!made || !options.in_paper || stands(*made)) return made;
+  FacetOptions exact = options;
+  exact.in_paper = false;
+  return firm_card(target, exact, progress);
 }
 
 }  // namespace popcut

@@ -46,8 +46,9 @@ struct FacetCard {
 
 /// A target as origamic architecture: each point of the sheet gets one plane, parallel to the wall
 /// or to the ground. With `in_paper` it is made again with a stronger rule where a panel still
-/// moves by more than `hands::kFirm_mm`; the firmer one is taken. What is reported has exactly one
-/// freedom (`rigid::mobility`) and is one piece.
+/// moves by more than `hands::kFirm_mm`; the firmer one is taken. Where nothing would hold in
+/// paper, all is made as exact geometry holds it. What is reported has exactly one freedom
+/// (`rigid::mobility`) and is one piece.
 ///
 /// @retval OutOfRange  the card that was asked for is too small, or there are too many cells; place
 ///                     names the field

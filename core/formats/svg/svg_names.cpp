@@ -13,13 +13,13 @@ constexpr std::size_t kMostShown = 60;  // bytes of a name
 
 }  // namespace
 
-std::uint32_t SvgNames::add(const pugi::xml_node& node, std::uint32_t outer, bool is_layer,
+std::uint32_t SvgNames::add(const pugi::xml_node& node, std::uint32_t outer,
                             std::string_view name) {
   const auto next = static_cast<std::uint32_t>(unknown_.size() + 1);
   const auto [found, is_new] = numbers_.try_emplace({node.hash_value(), outer}, next);
   if (is_new)
-    unknown_.push_back({node, shown_text(trimmed(name).substr(0, kMostShown)), outer, is_layer,
-                        false, !is_utf8(name)});
+    unknown_.push_back(
+        {node, shown_text(trimmed(name).substr(0, kMostShown)), outer, false, !is_utf8(name)});
   return found->second;
 }
 
@@ -32,9 +32,7 @@ void SvgNames::draw(std::uint32_t number) {
 std::vector<const SvgNames::Unknown*> SvgNames::drawn_beside_known(bool any_known) const {
   std::vector<const Unknown*> those;
   for (const Unknown& one : unknown_)
-    if (one.is_drawn && (one.is_foreign || (one.is_layer && any_known) ||
-                         around_known_.contains(one.node.parent().hash_value())))
-      those.push_back(&one);
+    if (one.is_drawn && (one.is_foreign || any_known)) those.push_back(&one);
   return those;
 }
 

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -15,17 +14,13 @@
 namespace popcut {
 
 /// The names of a drawing that have words, none of which popcut knows. Such a name is asked about
-/// if lines without a closer name are drawn there, and names beside it are known, or if it is in a
-/// code that is not read.
+/// if lines without a closer name are drawn there, and other names of the drawing are known, or if
+/// it is in a code that is not read.
 class SvgNames {
  public:
-  /// The name of `node` is known. It is no layer of its own right: only names beside it count.
-  void know(const pugi::xml_node& node) { around_known_.insert(node.parent().hash_value()); }
   /// Adds a name that is not known. @param outer  the number of the one around it; 0: none
-  /// @param is_layer  it counts beside every known name of the drawing
   /// Returns its number, from 1.
-  std::uint32_t add(const pugi::xml_node& node, std::uint32_t outer, bool is_layer,
-                    std::string_view name);
+  std::uint32_t add(const pugi::xml_node& node, std::uint32_t outer, std::string_view name);
   /// A line is drawn in the element with the number `number`, and nothing else says what it is for.
   void draw(std::uint32_t number);
   /// Those to ask about, the first first. @param any_known  any line has a name that is known
@@ -38,14 +33,13 @@ class SvgNames {
     pugi::xml_node node;
     std::string name;
     std::uint32_t outer{};
-    bool is_layer{}, is_drawn{};
+    bool is_drawn{};
     bool is_foreign{};  ///< not in UTF-8: it may be a known word in a code that is not read
   };
   [[nodiscard]] std::vector<const Unknown*> drawn_beside_known(bool any_known) const;
 
   std::vector<Unknown> unknown_;
   std::map<std::pair<std::size_t, std::uint32_t>, std::uint32_t> numbers_;  ///< by node and `outer`
-  std::set<std::size_t> around_known_;
 };
 
 }  // namespace popcut

@@ -57,6 +57,11 @@ bool cuts(LayerMeaning meaning) {
   return meaning == LayerMeaning::Cut || meaning == LayerMeaning::Outline;
 }
 
+// Classes that programs number: "cls-1", "st0", "fil2".
+bool is_made_up(std::string_view name) {
+  return std::any_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
 }  // namespace
 
 std::optional<SvgOrigin> parse_svg_origin(std::string_view text) {
@@ -354,6 +359,7 @@ void SvgStyleReader::read_attributes(const SvgStyle& inherited, SvgElement& elem
     } else if (const std::size_t colon = name.find(':'); colon != std::string_view::npos) {
       const std::string_view local = name.substr(colon + 1);
       if (local == "label") element.label = value;
+      if (name == "serif:id") element.data_name = value;
       if (local == "groupmode") element.is_layer = value == "layer";
       if (local == "href" && element.href.empty()) element.href = value;
     } else if (const Property property = property_of(name); property != Property::None) {
@@ -426,13 +432,16 @@ LayerMeaning SvgStyleReader::meaning_of_names(const SvgElement& e, std::string& 
     if (is_known(all) || e.is_layer) return all;
   }
   if (!e.id.empty()) look_at(illustrator_name(e.id));
-  if (!e.classes.empty())
+  if (!e.classes.empty()) {
     if (const LayerMeaning meaning = meaning_of_label(profile_, e.classes);
         is_known(meaning) && (!is_known(all) || cuts(all)))
       all = meaning;
-  if (is_known(all)) return all;
-  const LayerMeaning title = meaning_of_label(profile_, e.node.child_value("title"));
-  return is_known(title) ? title : all;
+    else if (!is_known(all))
+      for (std::string_view rest = e.classes, one; !(one = take_word(rest, kBlanks)).empty();)
+        if (!is_made_up(one)) look_at(one);
+  }
+  if (!is_known(all)) look_at(e.node.child_value("title"));
+  return all;
 }
 
 // Layers, groups and shapes mean what their names say.
@@ -440,13 +449,12 @@ void SvgStyleReader::read_name(const SvgElement& element, SvgStyle& style) {
   std::string unknown;
   const LayerMeaning meaning = meaning_of_names(element, unknown);
   if (meaning == LayerMeaning::Unknown)
-    style.unknown = names_.add(element.node, style.unknown, element.is_layer, unknown);
+    style.unknown = names_.add(element.node, style.unknown, unknown);
   if (!is_known(meaning)) return;
   const bool is_shape = is_svg_shape(element.name);
   // No line of a fold is cut because of its own id.
   if (is_shape && cuts(meaning) && style.has_layer && (!style.layer || !is_cut(*style.layer)))
     return;
-  if (meaning != LayerMeaning::Ignore) names_.know(element.node);
   style.layer = use_of(meaning);
   style.has_layer = true;
   if (!by_illustrator_ && !element.is_layer && element.assignment.empty())

@@ -28,7 +28,7 @@ struct SvgElement {
   pugi::xml_node node;
   std::string_view name;  ///< without its prefix; empty: another namespace than SVG's
   std::string_view id, classes, style, transform, d, href, assignment, label;
-  std::string_view data_name;  ///< Illustrator's name, if its id is another one
+  std::string_view data_name;  ///< Illustrator's or Affinity's name, if its id is another one
   bool has_transform{false};
   bool is_layer{false};  ///< an Inkscape layer
 };

@@ -362,6 +362,8 @@ TEST_CASE("text models are read as other programs write them", "[core][mesh]") {
     for (const char c : text) big ? (out += '\0') += c : (out += c) += '\0';
     return out;
   };
+  // The backslash of a folder in a comment joins no lines.
+  same("comments.obj", "# C:\\models\\\n" + changed(obj(ball), "\nf ", " # C:\\\nf "));
   std::string upper = text_stl(ball);
   for (char& c : upper) c = c >= 'a' && c <= 'z' && c != 'e' ? static_cast<char>(c - 32) : c;
   for (const auto& [name, text] :

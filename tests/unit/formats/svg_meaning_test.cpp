@@ -550,7 +550,18 @@ TEST_CASE("a name that nobody knows beside known ones is asked about",
         std::string::npos);
   CHECK(asked(group("Wing") + group("Tuck")).empty());
   CHECK(asked(group("Cut") + group("Layer_2") + group("g17")).empty());
-  // A name far from the known ones, as programs give to what they group.
+  // As a class or a title, in another frame, or with Affinity's own name of a group.
+  CHECK_FALSE(asked("<path class='cut' d='M0 0H4' stroke='#000'/>"
+                    "<path class='cls-1 plooi' d='M0 2H4' stroke='#000'/>")
+                  .empty());
+  CHECK_FALSE(
+      asked(group("Cut") + "<g><title>plooi</title><path d='M0 0H4' stroke='#000'/></g>").empty());
+  CHECK_FALSE(asked(group("Cut") + "<g id='Frame 2'>" + group("plooi") + "</g>").empty());
+  CHECK(asked(group("Cut") + "<path class='cls-1' id='Vector' d='M0 0H4' stroke='#000'/>").empty());
+  CHECK(asked(group("Cut") + "<g xmlns:serif='http://www.serif.com/' id='Wing1' serif:id='Fold 1'>"
+                             "<path d='M0 0H4' stroke='#000'/></g>")
+            .empty());
+  // A name around known ones, as programs give to what they group.
   CHECK(asked("<g id='Art'>" + group("Cut") + group("Fold") + "</g>").empty());
   CHECK_FALSE(asked("<path id='fold' d='M0 0H4' stroke='#000'/>"
                     "<path id='wing' d='M0 0H4' stroke='#000'/>")
