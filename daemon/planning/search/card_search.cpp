@@ -40,7 +40,7 @@ constexpr std::size_t kWays = 6, kStraightWays = 2, kWaysTurnedOn = 5;
 constexpr std::size_t kMostOfFront = 8;
 constexpr double kNearFactor = 1.25, kNear = 0.02;  ///< an error that is as good as the least one
 constexpr double kBroad_mm = 5.0;
-constexpr double kLeastForBroad = 0.1;  ///< effort
+constexpr double kLeastForBroad = 0.1;  ///< effort for each card
 
 /// How carefully candidates are judged.
 struct Care {
@@ -314,7 +314,7 @@ class CardSearch {
       suit_material(request_.material, *spec);
       spec->surface = MeshSpec{kAsset};
       // Broad strips are quick, and rough ones say little of what their cards become.
-      spec->facets.rough = rough && trial.candidate.strip_mm < kBroad_mm;
+      spec->facets.rough = rough && (is_book() || trial.candidate.strip_mm < kBroad_mm);
       auto made = design_assembly(*spec, model.assets);
       if (!made) {
         trial.why = message(made.error());
@@ -517,7 +517,7 @@ class CardSearch {
       as_it_stands.way = ways_.size() - 1;
       if (drawn_ways_ < ways_.size()) add_trial(as_it_stands);
     }
-    if (request_.effort >= kLeastForBroad)
+    if (request_.effort / request_.cards >= kLeastForBroad)
       for (const Candidate& broad : broad_candidates(styles_, request_.cards, drawn_ways_))
         add_trial(broad);
     for (const std::size_t most = count(kDrawn, 8); drawn_ < most; ++drawn_)
