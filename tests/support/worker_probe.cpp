@@ -79,7 +79,7 @@ std::string surroundings() {
   if (word == "deep") send(FrameKind::Outcome, "", std::string(100'000, '['));
   if (word == "dies") std::fputs("first\n\x1b[31mlast words\n", stderr), __builtin_trap();
   if (word == "sleeps")
-    for (;;) ::sleep(1000);
+    for (;;) ::pause();
   if (word == "tells") {
     for (const char* phase : {"no json", "[]", R"({"doing":"x"})",
                               R"({"doing":"cutting","done":7})", R"({"doing":"","done":0})"})
@@ -94,7 +94,7 @@ std::string surroundings() {
     constexpr std::size_t kMuch = std::size_t{160} << 20, kPage = 4096;
     auto* const bytes = static_cast<volatile char*>(std::malloc(kMuch));
     for (std::size_t at = 0; bytes != nullptr && at < kMuch; at += kPage) bytes[at] = 1;
-    for (;;) ::sleep(1000);
+    for (;;) ::pause();
   }
   if (word == "naps") {
     ::usleep(400'000);
@@ -108,7 +108,7 @@ std::string surroundings() {
   if (word == "lingers") {  // an answer, and then it stays
     send(FrameKind::Outcome, "", outcome());
     ::close(STDOUT_FILENO);
-    for (;;) ::sleep(1000);
+    for (;;) ::pause();
   }
   std::_Exit(5);
 }
