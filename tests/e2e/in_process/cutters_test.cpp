@@ -165,9 +165,11 @@ TEST_CASE("on a virtual clock a cut ends at once and all of it is certain", "[da
 
 TEST_CASE("a paced cutter runs in real time and obeys pause and resume and stop",
           "[daemon][cutters]") {
-  Bench bench({{.id = "sim:cameo3", .time_scale = 0}, {.id = "sim:portrait", .time_scale = 150}});
+  constexpr double kScale = 60;  // a stall of the computer counts so many times for the session
+  Bench bench(
+      {{.id = "sim:cameo3", .time_scale = 0}, {.id = "sim:portrait", .time_scale = kScale}});
   const double virtual_s = bench.cut_all("sim:cameo3").seconds;
-  Bench slow({{.id = "sim:cameo3", .time_scale = 150}});
+  Bench slow({{.id = "sim:cameo3", .time_scale = kScale}});
   const auto begun = steady_clock::now();
   const auto journal = std::make_shared<Journal>();
   journal->stands_from = 10;  // until it is told to pause
@@ -181,7 +183,7 @@ TEST_CASE("a paced cutter runs in real time and obeys pause and resume and stop"
   REQUIRE(comes_true([&] { return journal->held.load(); }));
   REQUIRE(comes_true([&] { return journal->certain == journal->taken; }));
   const auto at_rest = journal->taken.load();
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));  // half a minute of the machine
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));  // 12 s of the machine
   CHECK(journal->taken == at_rest);
   CHECK(comes_true([&] { return slow.cutters->alive(); }));
   CHECK(slow.record().state == "busy");
@@ -190,7 +192,7 @@ TEST_CASE("a paced cutter runs in real time and obeys pause and resume and stop"
   const double took = std::chrono::duration<double>(steady_clock::now() - begun).count();
   CHECK_FALSE(journal->end.error);
   CHECK(count(journal->end, StrokeFate::Certain) == slow.strokes);
-  CHECK(took > 0.8 * virtual_s / 150);
+  CHECK(took > 0.8 * virtual_s / kScale);
   CHECK(journal->end.seconds > virtual_s);
   // Cancelled: at the end of a stroke, parked, the rest not sent.
   const auto second = std::make_shared<Journal>();
