@@ -200,7 +200,7 @@ class OnePass {
       else
         kept.add(steps_[k], i);
     }
-    // Short runs stay, and stubs between long ones go.
+    // Short runs stay. What little is left between long ones goes.
     each_run(stays, ring, [&](std::size_t from, std::size_t count, bool stay, double mm) {
       if (stay || count == n || mm >= kLeastRun * within_) return;
       for (std::size_t k = from; k < from + count; ++k) {

@@ -160,7 +160,7 @@ std::string last_words(const std::string& errors) {
   return line.empty() ? "" : " (" + line.substr(0, 200) + ")";
 }
 
-/// Which task of whom, for the log.
+/// The task and its owner, for the log.
 std::string name_of(const PlanningTask& task) {
   constexpr std::array kWords{"check",   "plan",   "test cut", "preview", "lattice",
                               "picture", "export", "place",    "artwork", "search"};

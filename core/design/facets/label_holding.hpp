@@ -11,13 +11,13 @@ namespace popcut {
 /// What holds a patch.
 struct HoldRule {
   double min_panel_mm{};  ///< shorter joints and folds are none
-  /// Folds of a patch that are nearer to each other than `apart_mm`, and than `apart_share` of the
-  /// patch's length across the spine, are one place: paper turns about them (docs/hands.md). 0:
-  /// only folds at the same place are.
+  /// Two folds of a patch count as one place if they are nearer to each other than `apart_mm`, or
+  /// than `apart_share` of the patch's length across the spine (docs/hands.md, section 1). 0: only
+  /// if they are at the same place.
   double apart_mm{}, apart_share{};
 };
-/// What holds in paper.
-/// @param strength  1; more for a card that does not hold yet
+/// What holds in paper: folds 5 mm and a third of the patch apart.
+/// @param strength  factor of both; more than 1 for a card that does not hold yet
 [[nodiscard]] constexpr HoldRule paper_rule(double min_panel_mm, double strength = 1.0) {
   return {min_panel_mm, 5.0 * strength, strength / 3.0};
 }

@@ -16,6 +16,7 @@
 #include "core/deploy/standing_card.hpp"
 #include "core/design/book_fit.hpp"
 #include "core/formats/fold/fold_writer.hpp"
+#include "core/hands/wobble.hpp"
 #include "core/judge/book_pose.hpp"
 #include "core/judge/card_pose.hpp"
 #include "core/search/book_standing.hpp"

@@ -198,7 +198,7 @@ TEST_CASE("workers that have too much memory together lose one of whoever has mo
   CHECK(lines[0].find(" of hog ended") != std::string::npos);
 }
 
-TEST_CASE("an administrator is told of each worker that crashed", "[daemon][planner]") {
+TEST_CASE("popcutd logs each worker that crashed", "[daemon][planner]") {
   PlanningLimits limits;
   std::vector<std::string> lines;
   limits.report = [&](const std::string& line) { lines.push_back(line); };

@@ -786,7 +786,7 @@ TEST_CASE("a part that hangs in the air on one strip is named in a warning", "[f
           .empty());
 }
 
-TEST_CASE("paper that fills the gaps of a drawing is told", "[facets]") {
+TEST_CASE("a warning says that paper fills the gaps of a drawing", "[facets]") {
   const auto drawn = [](const std::string& shapes) {
     const auto spec = parse_design_spec(
         R"({"popcut": 1, "style": "facets",

@@ -100,7 +100,7 @@ TEST_CASE("lines that run close beside each other are told and cut once on reque
   LineWork thin;
   thin.append(Operation::Cut, box(10, 10, 60, 0.1));
   CHECK(mm(clean(thin, once)) == Approx(60).margin(1.5));
-  // A fold beside a cut is cut, and that is told.
+  // A fold beside a cut is cut, and a warning says so.
   LineWork fold;
   fold.append(Operation::Cut, box(10, 10, 30, 20));
   fold.append(Operation::FoldValley, std::vector<PagePoint>{{10, 10.1}, {40, 10.1}});
