@@ -640,19 +640,19 @@ void PlanningQueue::remove_unowned(const std::string& design) {
 
 // Removes a few plans with few sheets in all. True: there are no more.
 bool PlanningQueue::remove_some_of(const std::string& design) {
-  constexpr int kAtOnce = 50, kMostSheets = 2000;
+  constexpr int kAtOnce = 50, kSheetsAtOnce = 2000;
   std::vector<std::string> ids;
   std::int64_t sheets = 0;
   Rows rows = parts_.store.db().rows(
-      "SELECT id, sheets FROM plan WHERE design=? AND NOT EXISTS (SELECT 1 FROM job WHERE job.plan "
-      "= "
-      "plan.id) AND NOT EXISTS (SELECT 1 FROM ownership AS own WHERE own.kind='plan' AND "
-      "own.id=plan.id AND (plan.design='' OR EXISTS (SELECT 1 FROM ownership AS too WHERE "
-      "too.kind='design' AND too.id=plan.design AND too.owner=own.owner))) LIMIT ?",
+      "SELECT id, sheets FROM plan WHERE design=? "
+      "AND NOT EXISTS (SELECT 1 FROM job WHERE job.plan=plan.id) "
+      "AND NOT EXISTS (SELECT 1 FROM ownership AS own WHERE own.kind='plan' AND own.id=plan.id "
+      "AND (plan.design='' OR EXISTS (SELECT 1 FROM ownership AS too WHERE too.kind='design' "
+      "AND too.id=plan.design AND too.owner=own.owner))) LIMIT ?",
       design, kAtOnce + 1);
   bool more = false;
   while (rows.next()) {
-    more = !ids.empty() && (ids.size() == kAtOnce || sheets + rows.integer(1) > kMostSheets);
+    more = !ids.empty() && (ids.size() == kAtOnce || sheets + rows.integer(1) > kSheetsAtOnce);
     if (more) break;
     sheets += rows.integer(1);
     ids.push_back(rows.text(0));
