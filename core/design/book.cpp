@@ -101,7 +101,7 @@ Result<Design> with_page(Design made, const DesignSpec& spec, const SurfaceAsset
     (*made.pattern.model_placement)[5] = spec.placement.translate_mm[1] + page.shift;
   if (made.pattern.wall_mm == page_mm && made.pattern.ground_mm == page_mm && is_as_wide)
     return made;
-  if (spec.style == DesignStyle::Facets || spec.splay) {
+  if (is_of_facets(spec.style) || spec.splay) {
     if (!is_as_wide)
       return fail(ErrorKind::Infeasible, "/book",
                   "some of its slices are blank or cut apart, so that its pages are not those of "
@@ -305,7 +305,7 @@ Result<TargetPlacement> book_placement(const DesignSpec& spec, const SurfaceAsse
   if (!turned) return tl::unexpected(turned.error());
   const MeshBox box = box_of(*turned);
   const double length =
-      spec.style == DesignStyle::Facets ? box.high[1] - box.low[1] : slices_mm(spec);
+      is_of_facets(spec.style) ? box.high[1] - box.low[1] : slices_mm(spec);
   for (std::size_t k = 0; k < 3; ++k)
     out.translate_mm[k] = (k == 1 ? 0.5 * length : 0.0) - 0.5 * (box.low[k] + box.high[k]);
   return out;

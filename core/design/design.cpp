@@ -662,7 +662,7 @@ class Designer {
 
 Result<Design> design(const DesignSpec& spec, const SurfaceAssets& assets,
                       const Progress& progress) {
-  if (spec.style == DesignStyle::Facets) return facet_design(spec, assets, progress);
+  if (is_of_facets(spec.style)) return facet_design(spec, assets, progress);
   return Designer(spec, assets, progress).run();
 }
 

@@ -20,6 +20,7 @@
 namespace popcut {
 namespace {
 
+constexpr double kContour_mm = 1.0;   ///< strips of silhouettes
 constexpr double kFacetChord = 0.1;  ///< of the pitch: chords of formulas stray no farther
 
 /// The whole of a mesh or a grid; a formula's part in the corner over a stretch. Its sections tell
@@ -102,6 +103,10 @@ FacetOptions options_of(const DesignSpec& spec, const FacetTarget& target) {
   out.lattice = spec.facets.curved == CurvedParts::Lattice;
   out.in_paper = spec.facets.hold == FacetHold::Paper;
   out.rough = spec.facets.rough;
+  if (spec.style == DesignStyle::Silhouette) {
+    out.layers = spec.facets.layers, out.min_fold_mm = spec.facets.min_fold_mm;
+    out.pitch_mm = out.strip_mm = std::max(kContour_mm, spec.min_panel_mm);
+  }
   out.weights = {spec.facets.fold_cost_mm2, spec.facets.jump_cost_mm2, spec.facets.cut_cost_mm2};
   return out;
 }
@@ -314,7 +319,7 @@ Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
   out.pattern = std::move(made->pattern.built.pattern);
   out.panel_face = std::move(made->pattern.built.panel_face);
   out.pattern.name = r.name = spec.name;
-  r.lattice = r.lattice_asked = "facets";
+  r.lattice = r.lattice_asked = spec.style == DesignStyle::Facets ? "facets" : "silhouette";
   r.facets = made->figures;
   count_pattern(out.pattern, r);
   r.panels =

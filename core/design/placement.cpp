@@ -161,7 +161,7 @@ class Placer {
   [[nodiscard]] Result<Reached> reached_by_design(const TargetPlacement& placement) const {
     DesignSpec spec = spec_;
     spec.placement = placement;
-    if (spec.style != DesignStyle::Facets) spec.fit = FitMode::Nearest;
+    if (!is_of_facets(spec.style)) spec.fit = FitMode::Nearest;
     const auto made = design(spec, assets_);
     if (!made) return tl::unexpected(made.error());
     std::vector<double> s_mm;
@@ -200,7 +200,7 @@ class Placer {
                       [&](const auto& one) { return one.second.share >= enough; });
     ProposedPlacement out;
     out.placement = way.placement, out.reached = reached.share;
-    out.always_nearest = spec_.style == DesignStyle::Facets;
+    out.always_nearest = is_of_facets(spec_.style);
     out.unreachable_share = unreachable_share(reached.fit);
     out.rms_mm = reached.fit.rms_mm, out.max_mm = reached.fit.max_mm;
     out.length_mm = way.length_mm, out.slices_mm = extent_of(way);

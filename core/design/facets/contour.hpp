@@ -18,4 +18,12 @@ std::size_t follow_contours(LabelPattern& pattern, const LabelImage& labels,
                             const FacetPlanes& planes, const SeenTarget& target,
                             double min_panel_mm);
 
+/// Makes cuts smooth that go in small steps, both sides alike: their corners move by at most 0.6 mm
+/// towards their neighbours, and those that then lie in line within 0.2 mm are left out. Folds,
+/// ends of cuts and places where cuts meet stay. Nothing changes where lines would cross then.
+/// O(vertices log vertices).
+///
+/// @return how many corners were moved
+std::size_t smooth_contours(Pattern& pattern);
+
 }  // namespace popcut

@@ -17,8 +17,6 @@ constexpr int kReach = 8;            ///< steps from the end of a stretch
 constexpr double kWorthStrut = 4.0;  ///< times the estimated cost of a strut
 constexpr double kAside = 0.2;       ///< of its cost, what a strip at the side costs more
 
-bool is_card(Label label) { return label == kWallLabel || label == kGroundLabel; }
-
 /// A level plane reaches from a stretch back to the wall: its first one, or one that meets the
 /// first in a fold. False: none does.
 bool go_on_to_wall(const Labelling& labelling, const EnclosedPiece::Stretch& stretch,

@@ -13,6 +13,7 @@
 
 #include "core/design/facets/contour.hpp"
 #include "core/design/facets/patch_moves.hpp"
+#include "core/design/facets/silhouette.hpp"
 #include "core/design/facets/windows.hpp"
 #include "core/hands/wobble.hpp"
 
@@ -25,6 +26,7 @@ constexpr int kPointsAcross = 2, kPointsAlong = 4;  ///< of the picture in a cel
 constexpr double kMostPoints = 64e6;
 constexpr int kSweeps = 12, kRoughSweeps = 4;
 constexpr std::array kStrengths{1.0, 1.6};  ///< of holding, until a card holds in paper
+constexpr double kLeastLayer_mm2 = 40.0;    ///< smaller pieces of a layer are left out
 constexpr double kLeastDeeper_mm = 2.0;     ///< of what a window shows
 
 int steps_up(double mm, double step_mm) { return static_cast<int>(std::ceil(mm / step_mm - 1e-9)); }
@@ -70,6 +72,7 @@ class FacetMaker {
       return nothing_there();
     const int most_x = most_offset(options_.ground_mm, reach_.x_mm),
               most_z = most_offset(options_.wall_mm, reach_.z_mm);
+    if (options_.layers > 0) return cut_out(image, most_x, most_z);
     const int pitch = std::max(1, static_cast<int>(std::llround(options_.pitch_mm / step_mm_)));
     const FacetPlanes planes = planes_for(image, grid_, pitch, most_x, most_z, options_.inward);
     tell(progress_, "giving each point of the sheet a plane");
@@ -105,26 +108,51 @@ class FacetMaker {
       least = moved_on->least_distance();
     }
     const Labelling& last = moved_on ? *moved_on : labelling;
-    LabelImage labels = fit_card(last.image(), fine, card);
-    for (FacetStrut& strut : repaired->struts) strut.without = moved(strut.without, labels.grid);
-    auto pattern = pattern_of(labels, fine, card, options_.min_panel_mm);
-    if (!pattern) return tl::unexpected(pattern.error());
-    FacetCard out{labels.grid,
-                  fine,
-                  std::move(labels),
-                  card,
-                  std::move(*pattern),
-                  std::move(*repaired),
-                  moves,
-                  {},
-                  0};
-    measure(image, last, least, out);
-    open_windows(image, out);
-    follow_contours(out.pattern, out.labels, out.planes, image, options_.min_panel_mm);
-    return out;
+    return finished(image, last, least, card, std::move(*repaired), moves);
   }
 
  private:
+  /// A silhouette.
+  Result<FacetCard> cut_out(const SeenTarget& image, int most_x, int most_z) {
+    const FacetPlanes planes = silhouette_planes(image, grid_, options_.layers, most_x, most_z);
+    tell(progress_, "cutting out layers");
+    FacetCardSize card{grid_.wall * step_mm_, (grid_.columns - grid_.wall) * step_mm_,
+                       options_.margin_mm};
+    Labelling labelling(image, planes, grid_, options_.weights, limits());
+    const double least = labelling.least_distance();
+    const SilhouetteOptions how{options_.layers, options_.min_fold_mm, kLeastLayer_mm2};
+    const Silhouette made = make_silhouette(labelling, image, how, hold_rule(), progress_);
+    FacetRepair repaired;
+    repaired.inner = made.struts, repaired.dropped = static_cast<int>(made.dropped);
+    return finished(image, labelling, least, card, std::move(repaired), 0);
+  }
+
+  /// The card of labels: as large as they need, with windows and contours.
+  Result<FacetCard> finished(const SeenTarget& image, const Labelling& labelling, double least,
+                             FacetCardSize card, FacetRepair repaired, std::size_t moves) const {
+    const FacetPlanes& planes = labelling.planes();
+    LabelImage labels = fit_card(labelling.image(), planes, card);
+    for (FacetStrut& strut : repaired.struts) strut.without = moved(strut.without, labels.grid);
+    auto pattern = pattern_of(labels, planes, card, options_.min_panel_mm);
+    if (!pattern) return tl::unexpected(pattern.error());
+    FacetCard out{labels.grid,
+                  planes,
+                  std::move(labels),
+                  card,
+                  std::move(*pattern),
+                  std::move(repaired),
+                  moves,
+                  {},
+                  0};
+    measure(image, labelling, least, out);
+    if (options_.layers == 0) open_windows(image, out);
+    if (options_.layers > 0)
+      smooth_contours(out.pattern.built.pattern);
+    else
+      follow_contours(out.pattern, out.labels, out.planes, image, options_.min_panel_mm);
+    return out;
+  }
+
   [[nodiscard]] Result<FacetRepair> label(Labelling& labelling, const FacetCardSize& card,
                                           bool jumps) const {
     labelling.sweep(options_.rough ? kRoughSweeps : kSweeps, jumps);

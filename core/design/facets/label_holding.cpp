@@ -48,14 +48,20 @@ rigid::Section section_of(const LabelPatches& p, const FacetPlanes& planes, cons
       }
   });
   for (std::uint32_t a = 0; a < p.count; ++a) std::sort(greater[a].begin(), greater[a].end());
+  const std::pair<std::uint32_t, std::uint32_t> spine = std::minmax(p.patch[0], p.patch[1]);
   out.folds = Buckets<std::uint32_t>(p.count, [&](auto&& put) {
     for (std::uint32_t a = 0; a < p.count; ++a) {
-      std::uint32_t before = a;
-      for (const std::uint32_t b : greater[a]) {
-        if (b == before) continue;
-        before = b;
-        put(a, b);
-        put(b, a);
+      const auto strips = greater[a];
+      for (auto first = strips.begin(); first != strips.end();) {
+        const auto last = std::upper_bound(first, strips.end(), *first);
+        // The spine goes on in the margins.
+        const bool is_spine = a == spine.first && *first == spine.second;
+        if (is_spine ||
+            is_joint(static_cast<double>(last - first) * grid.strip_mm, rule.min_fold_mm)) {
+          put(a, *first);
+          put(*first, a);
+        }
+        first = last;
       }
     }
   });

@@ -15,6 +15,7 @@ struct HoldRule {
   /// than `apart_share` of the patch's length across the spine (docs/hands.md, section 1). 0: only
   /// if they are at the same place.
   double apart_mm{}, apart_share{};
+  double min_fold_mm{};  ///< shorter folds between two patches, all together, hold nothing
 };
 /// What holds in paper: folds 5 mm and a third of the patch apart.
 /// @param strength  factor of both; more than 1 for a card that does not hold yet

@@ -63,6 +63,8 @@ class Labelling {
   [[nodiscard]] double cost(int strip, std::span<const Label> labels) const;
   /// What all strips cost together; a cut between two of them counts for both.
   [[nodiscard]] double whole_cost() const;
+  /// The distance from the target of one cell, mm^3.
+  [[nodiscard]] double cell_distance(int strip, int column, Label label) const;
   /// Its distance from the target alone, mm^3.
   [[nodiscard]] double distance(int strip, std::span<const Label> labels) const;
   /// No labels of these planes come nearer: jumps and folds are free, and strips stand alone. mm^3.

@@ -24,6 +24,10 @@ inline constexpr Label kNoLabel = -1;  ///< also a window: no paper
 inline constexpr Label kWallLabel = 0;
 inline constexpr Label kGroundLabel = 1;
 inline constexpr int kMostLabels = 2000;
+/// Whether it is the card's wall or ground.
+[[nodiscard]] constexpr bool is_card(Label label) {
+  return label == kWallLabel || label == kGroundLabel;
+}
 
 /// The planes that labels stand for: wall and ground first.
 class FacetPlanes {

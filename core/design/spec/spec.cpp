@@ -29,7 +29,7 @@ class Design {
   bool complete() {
     set_min_panel();
     if (spec_.book && !set_book()) return false;
-    if (spec_.style == DesignStyle::Facets) return check_facet_surface() && set_facets();
+    if (is_of_facets(spec_.style)) return check_facet_surface() && set_facets();
     set_splay();
     set_lattice();
     return set_regions() && set_widths() && check_units() && set_surface() && check_placement();
@@ -49,7 +49,7 @@ class Design {
                      fmt::format("contradicts {}, whose cards are open to {:g} degrees; leave it "
                                  "out",
                                  fields_.pointer("book"), spec_.book->angle_deg()));
-    if (spec_.style == DesignStyle::Facets && spec_.book->cards != 4)
+    if (is_of_facets(spec_.style) && spec_.book->cards != 4)
       return wrong("book/cards", ErrorKind::OutOfRange,
                    fmt::format("is {}; facets are made for 90 degrees only, so it must be 4",
                                spec_.book->cards));
@@ -152,7 +152,7 @@ class Design {
                    fmt::format("is {:g}; facets are made for 90 degrees only",
                                spec_.placement.design_angle_deg));
     if (!spec_.facets.length_mm && !solid_word(spec_.surface))
-      return wrong("facets/length_mm", ErrorKind::Malformed,
+      return wrong(spec_.style == DesignStyle::Facets ? "facets/length_mm" : "silhouette/length_mm",ErrorKind::Malformed,
                    fmt::format("is missing; must be a number above 0 and at most {:g}, since a "
                                "formula does not say where it ends",
                                kMaxLength));
@@ -236,9 +236,15 @@ void check_regions(FieldReader& fields) {
                                        fields.pointer("regions")));
 }
 
-bool is_of_facets(FieldReader& fields) {
+constexpr std::string_view kFacetStyles[] = {"facets", "silhouette"};
+
+/// "facets" or "silhouette", where the style is one of them.
+std::string_view facet_style(FieldReader& fields) {
   const json* const style = fields.value("style");
-  return style != nullptr && style->is_string() && style->get_ref<const std::string&>() == "facets";
+  for (const std::string_view name : kFacetStyles)
+    if (style != nullptr && style->is_string() && style->get_ref<const std::string&>() == name)
+      return name;
+  return "";
 }
 
 constexpr const char* kOfLattices[] = {
@@ -247,17 +253,19 @@ constexpr const char* kOfLattices[] = {
 
 /// What only one of the styles has.
 void check_style(FieldReader& fields) {
-  if (!is_of_facets(fields)) {
-    if (fields.has("facets"))
-      fields.refuse("facets", ErrorKind::Malformed,
-                    "holds for facets only; give \"style\": \"facets\" too, or leave it out");
-    return;
-  }
+  const std::string_view style = facet_style(fields);
+  for (const std::string_view other : kFacetStyles)
+    if (other != style && fields.has(std::string(other)))
+      return fields.refuse(std::string(other), ErrorKind::Malformed,
+                           fmt::format("is for another style; give \"style\": \"{}\" too, or "
+                                       "leave it out",
+                                       other));
+  if (style.empty()) return;
   for (const char* one : kOfLattices)
     if (fields.has(one))
       return fields.refuse(one, ErrorKind::Malformed,
-                           fmt::format("contradicts {}, which is \"facets\"; leave it out",
-                                       fields.pointer("style")));
+                           fmt::format("contradicts {}, which is \"{}\"; leave it out",
+                                       fields.pointer("style"), style));
 }
 
 /// What a design without regions needs.
@@ -285,7 +293,7 @@ bool read_design(FieldReader& fields, std::initializer_list<const FieldTable*> t
   check_regions(fields);
   check_style(fields);
   for (const FieldTable* table : tables) read_fields(*table, fields);
-  if (!is_of_facets(fields)) need_one_region(fields);
+  if (facet_style(fields).empty()) need_one_region(fields);
   static_cast<void>(fields.finish());
   return fields.faults().size() == before && Design(fields, spec).complete() &&
          check_curvature(fields, "curvature", spec);
@@ -338,7 +346,7 @@ bool read_patch(FieldReader& fields, std::size_t k, const json& root, SpecFields
   const json patch = completed(given, root, tables.shared);
   FieldReader inner = fields.nested(patch, below);
   if (!read_design(inner, {&tables.name, &tables.shared, &tables.design}, spec)) return false;
-  if (spec.style == DesignStyle::Facets) {
+  if (is_of_facets(spec.style)) {
     fields.refuse(below + "/style", ErrorKind::OutOfRange,
                   "is facets, which are a sheet of their own; design them by themselves");
     return false;
@@ -394,18 +402,24 @@ void read_patches(FieldReader& fields, const json& root, SpecFields& whole) {
 // ---- the schema
 
 /// The forms of a spec, each with what it needs and what cannot stand beside it: a lattice of one
-/// region, one of several regions, patches, facets. A book goes with lattices or has four cards.
+/// region, one of several regions, patches, facets, a silhouette. A book goes with lattices or has four cards.
 constexpr std::string_view kForms = R"({
   "one": {"required": ["surface", "units_per_slice", "slices", "widths_mm"],
-          "properties": {"style": {"const": "lattice"}, "facets": false, "regions": false},
+          "properties": {"style": {"const": "lattice"}, "facets": false, "silhouette": false,
+                         "regions": false},
           "additionalProperties": true},
   "several": {"required": ["regions"],
-              "properties": {"style": {"const": "lattice"}, "facets": false},
+              "properties": {"style": {"const": "lattice"}, "facets": false,
+                             "silhouette": false},
               "additionalProperties": true},
   "patches": {"required": ["patches"], "properties": {"book": false},
               "additionalProperties": true},
-  "facets": {"required": ["style", "surface"], "properties": {"style": {"const": "facets"}},
+  "facets": {"required": ["style", "surface"],
+             "properties": {"style": {"const": "facets"}, "silhouette": false},
              "additionalProperties": true},
+  "silhouette": {"required": ["style", "surface"],
+                 "properties": {"style": {"const": "silhouette"}, "facets": false},
+                 "additionalProperties": true},
   "books": [
     {"properties": {"book": false}, "additionalProperties": true},
     {"properties": {
@@ -462,21 +476,21 @@ std::string design_spec_schema() {
   const SpecTables tables = spec_tables(usual);
   json forms = *parse_json(kForms);
   json &one = forms["one"], &several = forms["several"], &patches = forms["patches"],
-       &facets = forms["facets"], &patch = forms["patch"], &schema = forms["spec"];
+       &facets = forms["facets"], &silhouette = forms["silhouette"], &patch = forms["patch"], &schema = forms["spec"];
   forbid(several, kOneRegion);
-  forbid(facets, kOfLattices);
+  for (json* form : {&facets, &silhouette}) forbid(*form, kOfLattices);
   patch["oneOf"] = {one, several};
   for (const FieldTable* table : {&tables.name, &tables.shared, &tables.design})
     for (const Field& row : table->rows)
       patch["properties"][std::string(row.name)]["$ref"] = fmt::format("#/properties/{}", row.name);
-  for (json* form : {&one, &several, &facets}) forbid(*form, tables.patches);
+  for (json* form : {&one, &several, &facets, &silhouette}) forbid(*form, tables.patches);
   forbid(patches, tables.design);
   for (const FieldTable* table :
        {&tables.whole, &tables.name, &tables.shared, &tables.design, &tables.patches})
     describe_fields(*table, schema);
   schema["required"] = {"popcut"};
   schema["properties"]["patches"]["items"] = patch;
-  schema["oneOf"] = {one, several, patches, facets};
+  schema["oneOf"] = {one, several, patches, facets, silhouette};
   schema["anyOf"] = forms["books"];
   return json_file(schema);
 }

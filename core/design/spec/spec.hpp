@@ -60,8 +60,10 @@ struct AugmentedSpec {
 /// What a structure is made of.
 enum class DesignStyle {
   Lattice,  ///< slices of falling staircases, paired level by level
-  Facets    ///< origamic architecture: each point of the sheet lies in a plane of its own choice
+  Facets,   ///< origamic architecture: each point of the sheet lies in a plane of its own choice
+  Silhouette  ///< facets in a few upright planes with the target's outline, on struts
 };
+[[nodiscard]] constexpr bool is_of_facets(DesignStyle style) { return style != DesignStyle::Lattice; }
 
 /// How facets follow the curved parts of a target.
 enum class CurvedParts {
@@ -73,7 +75,7 @@ enum class CurvedParts {
 /// in paper too.
 enum class FacetHold { Exact, Paper };
 
-/// How a target is made of facets (`"facets"` of a spec, docs/facets.md).
+/// How a target is made of facets (`"facets"` or `"silhouette"` of a spec, docs/facets.md).
 struct FacetSpec {
   double pitch_mm{2.0};               ///< between the planes that are tried
   double strip_mm{2.0};               ///< width of a strip along the spine
@@ -84,6 +86,8 @@ struct FacetSpec {
   CurvedParts curved{CurvedParts::Lattice};
   bool inward{false};  ///< parts behind wall and ground are made too
   FacetHold hold{FacetHold::Paper};
+  int layers{2};            ///< of a silhouette
+  double min_fold_mm{8.0};  ///< of a silhouette: no strut is narrower, and none stands on less
   /// Not a field of a spec. A search sets it: fewer rounds, to compare many designs quickly.
   bool rough{false};
 };
@@ -125,6 +129,7 @@ enum class PatchJoin {
   Seam    ///< patterns of their own that are glued
 };
 
+inline constexpr int kMostLayers = 9;
 inline constexpr int kLeastCards = 3, kMostCards = 12;
 
 /// A book (`"book"` of a spec): cards around one spine, glued back to back, that show the target
@@ -145,7 +150,7 @@ struct DesignSpec {
   TargetPlacement placement;
   FitMode fit{FitMode::Exact};
   DesignStyle style{DesignStyle::Lattice};
-  FacetSpec facets;                 ///< of that style only
+  FacetSpec facets;                 ///< of facets and silhouettes only
   std::vector<RegionSpec> regions;  ///< one where the spec has none: the whole; none of facets
   /// R1, R2 and R3 of a composite surface; `regions` have its formulas.
   std::optional<std::array<double, 3>> composite_radii;

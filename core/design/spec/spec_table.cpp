@@ -493,6 +493,20 @@ FieldTable facet_table(FacetSpec& facets, std::optional<double>& given_from_mm) 
   }};
 }
 
+FieldTable silhouette_table(FacetSpec& facets, std::optional<double>& given_from_mm) {
+  return {{
+      {"layers", whole(&facets.layers, 1, kMostLayers),
+       "upright planes: 1 is a cut-out, more follow the shape in depth and have more folds"},
+      {"min_fold_mm", number(&facets.min_fold_mm, from(2.0, 100.0), "mm"),
+       "no strut is narrower, and no layer stands on less"},
+      {"from_mm", number(&given_from_mm, from(-kMaxLength, kMaxLength), "mm"),
+       "where it begins along the spine; if left out where a mesh, grid, text or drawing does, "
+       "else at 0"},
+      {"length_mm", length_mm(&facets.length_mm),
+       "length along the spine; if left out all of a mesh, grid, text or drawing"},
+  }};
+}
+
 // ---- what is shared, and the patches
 
 FieldTable card_table(CardSpec& card) {
@@ -602,16 +616,19 @@ FieldTable shared_table(SpecFields& spec) {
 FieldTable design_table(SpecFields& spec) {
   TargetPlacement& placement = spec.placement;
   const auto facets = [&spec] { return facet_table(spec.facets, spec.given_from_mm); };
+  const auto silhouette = [&spec] { return silhouette_table(spec.facets, spec.given_from_mm); };
   const auto splay = [&spec] { return splay_table(spec.splay.emplace(), spec.given_ligament_mm); };
   const auto curvature = [&spec] {
     return curvature_table(spec.curvature.emplace(), spec.weights);
   };
   return {{
-      {"style", word(&spec.style, {"lattice", "facets"}),
+      {"style", word(&spec.style, {"lattice", "facets", "silhouette"}),
        "what it is made of: lattice, slices of falling staircases; facets, origamic architecture: "
-       "patches parallel to wall and ground, with cuts along contours"},
+       "patches parallel to wall and ground, with cuts along contours; silhouette: a few upright "
+       "layers with the outline of the shape, and few folds"},
       {"facets", object(facets),
        "in place of units_per_slice, slices, widths_mm and regions, beside \"style\": \"facets\""},
+      {"silhouette", object(silhouette), "the same, beside \"style\": \"silhouette\""},
       {"surface", surface(spec), "the target"},
       {"scale_mm", length_mm(&placement.scale_mm), "length of one unit of the surface"},
       {"rotate_deg",

@@ -312,7 +312,7 @@ Result<void> list_examples(const Globals& globals) {
     for (const RegionSpec& region : spec->regions)
       sizes.push_back(fmt::format("{} x {}", region.slices, region.units_per_slice));
     std::string what =
-        spec->style == DesignStyle::Facets
+        is_of_facets(spec->style)
             ? fmt::format("facets, strips of {:g} mm, {}", spec->facets.strip_mm, target)
             : fmt::format("{}, {} units", target, fmt::join(sizes, " + "));
     if (spec->book) what += fmt::format(", a book of {} cards", spec->book->cards);

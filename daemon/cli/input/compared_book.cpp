@@ -110,7 +110,7 @@ Result<ComparedTarget> read_book_target(const std::string& file, const std::stri
   const auto placement = book_placement(*spec, *assets);
   if (!placement) return tl::unexpected(within(file, placement.error()));
   const bool is_mesh = spec->surface && std::holds_alternative<MeshSpec>(*spec->surface);
-  if (spec->style == DesignStyle::Facets) {
+  if (is_of_facets(spec->style)) {
     auto facets = facet_book_target(*spec, *assets, *placement, is_mesh);
     if (!facets) return tl::unexpected(within(file, facets.error()));
     return facets;

@@ -141,7 +141,7 @@ Result<SpecSurface> read_spec(const std::string& file, const std::string& text,
   const auto spec = parse_design_spec(text);
   if (!spec) return tl::unexpected(within(file, spec.error()));
   // Facets have no slices to check, so that verify does not read them.
-  if (spec->style == DesignStyle::Facets) {
+  if (is_of_facets(spec->style)) {
     const auto assets = load_assets(*spec, file);
     if (!assets) return tl::unexpected(within(file, assets.error()));
     auto target = facet_target(*spec, *assets);

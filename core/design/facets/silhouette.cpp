@@ -1,0 +1,467 @@
+// SPDX-License-Identifier: MIT
+#include "core/design/facets/silhouette.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "core/design/facets/label_card.hpp"
+#include "core/design/facets/strip_chain.hpp"
+#include "core/design/facets/strip_moves.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr int kLayerSweeps = 6;
+constexpr double kBorder_mm = 1.0;      ///< what 1 mm of a contour may cost in mm of depth
+constexpr double kHeights_mm = 4.0;     ///< struts nearer than this hold about alike
+constexpr double kLeastPins = 0.5;     ///< a strut that saves less holds nothing
+constexpr int kEach = 2;               ///< of the strips and columns where struts are tried
+constexpr double kStrut_mm3 = 2000.0;   ///< what a strut costs beside the paper that it takes
+constexpr int kMostRounds = 200;
+
+/// The `count` values of a histogram, by steps, that lie nearest to all of it: the least sum of
+/// weights times distances (k-medians in one dimension, by dynamic programming over intervals).
+std::vector<int> medians(const std::map<int, double>& weight, int count) {
+  std::vector<int> value;
+  std::vector<double> sum{0.0}, moment{0.0};
+  for (const auto& [at, points] : weight) {
+    value.push_back(at);
+    sum.push_back(sum.back() + points), moment.push_back(moment.back() + points * at);
+  }
+  const std::size_t n = value.size();
+  const auto middle = [&](std::size_t a, std::size_t b) {
+    const double half = 0.5 * (sum[a] + sum[b]);
+    const auto above = std::lower_bound(sum.begin() + static_cast<std::ptrdiff_t>(a) + 1,
+                                        sum.begin() + static_cast<std::ptrdiff_t>(b), half);
+    return static_cast<std::size_t>(above - sum.begin()) - 1;
+  };
+  const auto cost = [&](std::size_t a, std::size_t b) {
+    const std::size_t m = middle(a, b);
+    return value[m] * (2.0 * sum[m] - sum[a] - sum[b]) + moment[a] + moment[b] - 2.0 * moment[m];
+  };
+  const std::size_t k = std::min(n, static_cast<std::size_t>(count));
+  std::vector<std::vector<double>> least(k + 1,
+                                         std::vector<double>(n + 1, std::numeric_limits<double>::infinity()));
+  std::vector<std::vector<std::size_t>> from(k + 1, std::vector<std::size_t>(n + 1, 0));
+  least[0][0] = 0.0;
+  for (std::size_t parts = 1; parts <= k; ++parts)
+    for (std::size_t b = parts; b <= n; ++b)
+      for (std::size_t a = parts - 1; a < b; ++a) {
+        if (!std::isfinite(least[parts - 1][a])) continue;
+        const double all = least[parts - 1][a] + cost(a, b);
+        if (all < least[parts][b]) least[parts][b] = all, from[parts][b] = a;
+      }
+  std::vector<int> out;
+  for (std::size_t parts = k, b = n; parts > 0; b = from[parts][b], --parts)
+    out.push_back(value[middle(from[parts][b], b)]);
+  return out;
+}
+
+/// The layer of each point of the sheet.
+class LayerLabels {
+ public:
+  LayerLabels(const SeenTarget& target, const Labelling& labelling)
+      : target_(target), labelling_(labelling), layers_(uprights(labelling.planes()), {}) {}
+
+  LabelImage run() {
+    LabelImage image = labelling_.image();
+    for (int s = 0; s < image.grid.strips; ++s) compute(s);
+    for (int sweep = 0; sweep < kLayerSweeps; ++sweep)
+      for (const int parity : {0, 1})
+        for (int s = parity; s < image.grid.strips; s += 2) {
+          const std::vector<Label> labels = solve(image, s, sweep > 0);
+          std::copy(labels.begin(), labels.end(), image.strip(s).begin());
+        }
+    return image;
+  }
+
+ private:
+  static std::vector<int> uprights(const FacetPlanes& planes) {
+    std::vector<int> out;
+    for (std::size_t l = 2; l < planes.size(); ++l)
+      if (const FacetPlane& plane = planes[static_cast<Label>(l)]; plane.upright)
+        out.push_back(plane.offset);
+    return out;
+  }
+
+  /// What a cell costs under each label: how far the layer is from what is seen; and more than any
+  /// layer where something stands and the card is taken, or the other way round.
+  void compute(int s) {
+    const SheetRaster& raster = target_.raster;
+    const FacetGrid& grid = labelling_.image().grid;
+    const std::size_t across = raster.columns / static_cast<std::size_t>(grid.columns),
+                      along = raster.rows / static_cast<std::size_t>(grid.strips);
+    const double area = raster.column_mm * raster.row_mm;
+    const double other_mm = 2.0 * grid.step_mm * layers_[static_cast<Label>(layers_.size() - 1)].offset;
+    std::vector<double> cost(layers_.size() * static_cast<std::size_t>(grid.columns), 0.0);
+    for (int i = 0; i < grid.columns; ++i) {
+      double* const out = cost.data() + static_cast<std::size_t>(i) * layers_.size();
+      for (std::size_t r = 0; r < along; ++r)
+        for (std::size_t c = 0; c < across; ++c) {
+          const std::size_t row = static_cast<std::size_t>(s) * along + r,
+                            at = static_cast<std::size_t>(i) * across + c;
+          const bool is_empty = target_.facing[row * raster.columns + at] == Facing::Card;
+          const double x_mm = target_.x_mm(row, at);
+          for (std::size_t l = 0; l < layers_.size(); ++l) {
+            const bool is_paper = l >= 2;
+            out[l] += area * (is_paper != is_empty ? is_paper
+                                  ? std::abs(grid.step_mm * layers_[static_cast<Label>(l)].offset - x_mm)
+                                  : 0.0
+                              : other_mm);
+          }
+        }
+      for (std::size_t l = 0; l < layers_.size(); ++l) {
+        const FacetPlane& plane = layers_[static_cast<Label>(l)];
+        const int begin = grid.across(i);
+        const bool is_behind = plane.upright ? begin + 1 > plane.offset : begin < 0;
+        const double shut_mm = grid.step_mm * (2 * plane.offset - begin);
+        if (is_behind || (l >= 2 && shut_mm > labelling_.limits().most_reach_mm))
+          out[l] += kForbidden;
+      }
+    }
+    cost_.push_back(std::move(cost));
+  }
+
+  std::vector<Label> solve(const LabelImage& image, int s, bool coupled) {
+    const FacetGrid& grid = image.grid;
+    std::vector<double> cost = cost_[static_cast<std::size_t>(s)];
+    const double border = kBorder_mm * grid.step_mm;
+    for (const int other : {s - 1, s + 1}) {
+      if (!coupled || other < 0 || other >= grid.strips) continue;
+      const auto beside = image.strip(other);
+      for (std::size_t i = 0; i < beside.size(); ++i)
+        cost[i * layers_.size() + static_cast<std::size_t>(beside[i])] -= border;
+    }
+    return solver_
+        .solve({layers_, grid, cost, labelling_.limits().least_run, 0.0, kBorder_mm * grid.strip_mm})
+        .label;
+  }
+
+  const SeenTarget& target_;
+  const Labelling& labelling_;
+  FacetPlanes layers_;
+  std::vector<std::vector<double>> cost_;
+  FacetChainSolver solver_;
+};
+
+/// Holds the layers of a labelling.
+class LayerHolder {
+ public:
+  LayerHolder(LabelCard& card, const SilhouetteOptions& how, Silhouette& out)
+      : card_(card),
+        how_(how),
+        out_(out),
+        width_(std::max(1, static_cast<int>(std::ceil(how.min_fold_mm / card.grid().strip_mm - 1e-9)))) {}
+
+  void run(const Progress& progress) {
+    drop_all_small();
+    for (int round = 0; round < kMostRounds && card_.holding.open > 0; ++round) {
+      tell(progress, "holding the layers");
+      if (improve()) continue;
+      if (!give_up_smallest()) break;
+      drop_all_small();
+    }
+    widen_or_cut_folds();
+  }
+
+ private:
+  [[nodiscard]] const FacetGrid& grid() const { return card_.grid(); }
+  [[nodiscard]] const FacetPlanes& planes() const { return card_.planes(); }
+  [[nodiscard]] int least() const { return card_.labelling.limits().least_run; }
+  [[nodiscard]] double mm(int steps) const { return grid().step_mm * steps; }
+
+  /// Leaves out the smallest loose layer, and all struts that hold nothing. Whether there was any.
+  bool give_up_smallest() {
+    bool any = false;
+    for (const bool upright : {true, false})
+      for (int round = 0; round < kMostRounds; ++round) {
+        const std::vector<LoosePatch> loose = loose_patches(card_);
+        const auto smallest = std::find_if(loose.begin(), loose.end(), [&](const LoosePatch& one) {
+          return planes()[one.cells.front().label].upright == upright &&
+                 !is_card(one.cells.front().label);
+        });
+        if (smallest == loose.end()) break;
+        drop(*smallest);
+        any = true;
+        if (upright) break;
+      }
+    return any;
+  }
+
+  void drop_all_small() {
+    for (int round = 0; round < kMostRounds && drop_small(); ++round) {
+    }
+  }
+
+  [[nodiscard]] bool changes(const NewStrips& strips) const {
+    return std::any_of(strips.begin(), strips.end(), [&](const NewStrip& one) {
+      return one.labels != labels_of(card_.image(), one.strip);
+    });
+  }
+
+  /// Leaves out a piece: what is beside it takes its place, or the card.
+  void drop(const LoosePatch& piece) {
+    ++out_.dropped;
+    if (const NewStrips beside = painted_over(card_, piece, true); changes(beside)) {
+      card_.take(beside);
+      return;
+    }
+    LabelImage image = card_.image();
+    for (const LabelBan& cell : piece.cells)
+      for (int i = cell.begin; i < cell.end; ++i)
+        image.strip(cell.strip)[static_cast<std::size_t>(i)] =
+            i < grid().wall ? kWallLabel : kGroundLabel;
+    card_.take(image);
+  }
+
+  /// Leaves out one piece that is too small to be cut. Whether there was one.
+  bool drop_small() {
+    std::map<std::uint32_t, LoosePatch> pieces;
+    for (int s = 0; s < grid().strips; ++s)
+      for (std::size_t r = 0; r < card_.runs_of_strip(s).size(); ++r) {
+        const LabelRun& run = card_.runs_of_strip(s)[r];
+        LoosePatch& piece = pieces[card_.patch_of(s, r)];
+        piece.area += run.end - run.begin;
+        piece.cells.push_back({s, run.begin, run.end, run.label});
+      }
+    const double cell_mm2 = grid().step_mm * grid().strip_mm;
+    for (const auto& [patch, piece] : pieces) {
+      if (patch == patch_of_margin(0) || patch == patch_of_margin(1)) continue;
+      if (piece.area * cell_mm2 >= how_.min_area_mm2 || is_strut(piece)) continue;
+      const NewStrips without = painted_over(card_, piece, true);
+      if (!changes(without)) continue;
+      card_.take(without);
+      return true;
+    }
+    return false;
+  }
+  [[nodiscard]] std::uint32_t patch_of_margin(std::size_t run) const {
+    return card_.holding.patches.patch[run];
+  }
+  [[nodiscard]] bool is_strut(const LoosePatch& piece) const {
+    return !planes()[piece.cells.front().label].upright && !is_card(piece.cells.front().label);
+  }
+
+  /// A new strut, or a foot: what it costs, and how high it holds, in steps.
+  struct Strut {
+    NewStrips strips;
+    double cost{};
+    int height{};
+  };
+
+  /// Where a piece lies in a strip: its longest run.
+  struct Stretch {
+    int begin{}, end{};
+  };
+
+  /// Makes the strut or foot that costs least for what it holds. Whether one holds anything.
+  bool improve() {
+    std::vector<Strut> all;
+    for (const LoosePatch& patch : loose_patches(card_)) add_struts(patch, all);
+    const double before = looseness(card_.holding);
+    std::optional<std::size_t> best;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const double held = before - looseness(card_.holding_with(all[k].strips));
+      const double price = (kStrut_mm3 + std::max(0.0, all[k].cost)) / held;
+      if (held > kLeastPins && price < least) least = price, best = k;
+    }
+    if (!best) return false;
+    card_.take(all[*best].strips);
+    ++out_.struts;
+    return true;
+  }
+
+  /// Struts and feet for a loose layer: of all that hold it about as high, the one that costs
+  /// least.
+  void add_struts(const LoosePatch& patch, std::vector<Strut>& out) {
+    const Label label = patch.cells.front().label;
+    if (!planes()[label].upright || is_card(label)) return;
+    std::vector<Stretch> at(static_cast<std::size_t>(grid().strips));
+    for (const LabelBan& cell : patch.cells) {
+      Stretch& longest = at[static_cast<std::size_t>(cell.strip)];
+      if (cell.end - cell.begin > longest.end - longest.begin) longest = {cell.begin, cell.end};
+    }
+    std::map<std::pair<Label, int>, Strut> cheapest;
+    const auto add = [&](Label back, Strut strut) {
+      const auto [place, is_new] = cheapest.try_emplace(
+          {back, static_cast<int>(mm(strut.height) / kHeights_mm)}, std::move(strut));
+      if (!is_new && strut.cost < place->second.cost) place->second = std::move(strut);
+    };
+    for (int s = 0; s + width_ <= grid().strips; s += kEach) {
+      Stretch common{0, grid().columns};
+      for (int k = s; k < s + width_; ++k) {
+        common.begin = std::max(common.begin, at[static_cast<std::size_t>(k)].begin);
+        common.end = std::min(common.end, at[static_cast<std::size_t>(k)].end);
+      }
+      if (common.end - common.begin < least()) continue;
+      for (int line = common.begin; line + least() <= common.end; line += kEach)
+        add_backs(s, label, line, add);
+      if (auto foot = foot_at(s, label, at)) add(kGroundLabel, std::move(*foot));
+    }
+    for (auto& [place, strut] : cheapest) out.push_back(std::move(strut));
+  }
+
+  /// Level paper from a layer, at a line of it, back to the wall or to a layer behind it.
+  template <typename Add>
+  void add_backs(int s, Label label, int line, const Add& add) {
+    const int c = planes()[label].offset, height = c - grid().across(line);
+    const Label level = planes().find({false, height});
+    if (height < least() || level == kNoLabel) return;
+    for (std::size_t l = 0; l < planes().size(); ++l) {
+      const auto back = static_cast<Label>(l);
+      const FacetPlane& plane = planes()[back];
+      if (!plane.upright || plane.offset >= c) continue;
+      const int begin = grid().wall + plane.offset - height;
+      if (begin - least() < 0 || line - begin < least()) continue;
+      Strut strut{{}, 0.0, height};
+      for (int k = s; k < s + width_; ++k) {
+        const auto now = card_.image().strip(k);
+        const auto from = now.begin() + (begin - least()), to = now.begin() + begin;
+        if (back != kWallLabel && std::any_of(from, to, [&](Label here) { return here != back; }))
+          break;
+        std::vector<Label> labels(now.begin(), now.end());
+        std::fill_n(labels.begin() + (begin - least()), least(), back);
+        std::fill(labels.begin() + begin, labels.begin() + line, level);
+        if (!is_wide(labels, least()) || !is_allowed(labels)) break;
+        for (int i = begin - least(); i < line; ++i)
+          if (const auto c = static_cast<std::size_t>(i); labels[c] != now[c])
+            strut.cost += card_.labelling.cell_distance(k, i, labels[c]) -
+                          card_.labelling.cell_distance(k, i, now[c]);
+        strut.strips.push_back({k, std::move(labels)});
+      }
+      if (strut.strips.size() == static_cast<std::size_t>(width_)) add(back, std::move(strut));
+    }
+  }
+
+  /// A layer goes on down to the ground.
+  std::optional<Strut> foot_at(int s, Label label, const std::vector<Stretch>& at) {
+    const int fold = grid().wall + planes()[label].offset;
+    if (fold + least() > grid().columns) return std::nullopt;
+    Strut foot;
+    for (int k = s; k < s + width_; ++k) {
+      std::vector<Label> labels = labels_of(card_.image(), k);
+      const Stretch& here = at[static_cast<std::size_t>(k)];
+      if (here.end >= fold) return std::nullopt;
+      std::fill(labels.begin() + here.end, labels.begin() + fold, label);
+      std::fill(labels.begin() + fold, labels.begin() + fold + least(), kGroundLabel);
+      if (!is_wide(labels, least()) || !is_allowed(labels)) return std::nullopt;
+      foot.strips.push_back({k, std::move(labels)});
+    }
+    foot.cost = extra_cost(card_.labelling, foot.strips);
+    return foot;
+  }
+
+  [[nodiscard]] bool is_allowed(const std::vector<Label>& labels) const {
+    const std::vector<LabelRun> runs = runs_of(labels, planes(), grid());
+    return std::all_of(runs.begin(), runs.end(),
+                       [&](const LabelRun& run) { return card_.labelling.allows(run); });
+  }
+
+  /// A fold that is too short becomes long enough, or a cut: whichever costs less and leaves all
+  /// held.
+  void widen_or_cut_folds() {
+    for (std::size_t l = 2; l < planes().size(); ++l) {
+      const auto label = static_cast<Label>(l);
+      if (!planes()[label].upright) continue;
+      const int fold = grid().wall + planes()[label].offset;
+      if (fold >= grid().columns) continue;
+      for (int s = 0; s < grid().strips;) {
+        if (!stands_at(label, fold, s)) {
+          ++s;
+          continue;
+        }
+        const int begin = s;
+        while (s < grid().strips && stands_at(label, fold, s)) ++s;
+        if (s - begin < width_) mend_foot(label, fold, begin, s);
+      }
+    }
+  }
+  [[nodiscard]] bool stands_at(Label label, int fold, int s) const {
+    const auto strip = card_.image().strip(s);
+    return strip[static_cast<std::size_t>(fold) - 1] == label &&
+           strip[static_cast<std::size_t>(fold)] == kGroundLabel;
+  }
+  void mend_foot(Label label, int fold, int begin, int end) {
+    std::vector<Strut> ways;
+    const auto try_strips = [&](int from, int to, auto&& change) {
+      if (from < 0 || to > grid().strips) return;
+      Strut way;
+      for (int s = from; s < to; ++s) {
+        std::vector<Label> labels = labels_of(card_.image(), s);
+        change(labels);
+        if (!is_wide(labels, least()) || !is_allowed(labels)) return;
+        way.strips.push_back({s, std::move(labels)});
+      }
+      way.cost = extra_cost(card_.labelling, way.strips);
+      ways.push_back(std::move(way));
+    };
+    if (fold - least() >= grid().wall)
+      try_strips(begin, end, [&](std::vector<Label>& labels) {  // it ends above the ground
+        std::fill(labels.begin() + fold - least(), labels.begin() + fold, kGroundLabel);
+      });
+    for (int from = end - width_; from <= begin; ++from)
+      try_strips(from, from + width_, [&](std::vector<Label>& labels) {
+        int up = fold;  // from the layer above it down to the ground
+        while (up > 0 && labels[static_cast<std::size_t>(up) - 1] != label) --up;
+        if (up == 0) up = fold - least();
+        std::fill(labels.begin() + up, labels.begin() + fold, label);
+      });
+    std::stable_sort(ways.begin(), ways.end(),
+                     [](const Strut& a, const Strut& b) { return a.cost < b.cost; });
+    for (Strut& way : ways) {
+      LabelHolding then = card_.holding_with(way.strips);
+      if (then.open > 0) continue;
+      card_.take(way.strips, std::move(then));
+      return;
+    }
+  }
+
+  LabelCard& card_;
+  const SilhouetteOptions& how_;
+  Silhouette& out_;
+  int width_;  ///< strips of a strut
+};
+
+}  // namespace
+
+FacetPlanes silhouette_planes(const SeenTarget& target, const FacetGrid& grid, int layers,
+                              int most_x, int most_z) {
+  std::map<int, double> weight;
+  int high = 0;
+  for (std::size_t r = 0; r < target.raster.rows; ++r)
+    for (std::size_t c = 0; c < target.raster.columns; ++c) {
+      if (target.facing[r * target.raster.columns + c] == Facing::Card) continue;
+      const int x = static_cast<int>(std::llround(target.x_mm(r, c) / grid.step_mm)),
+                z = static_cast<int>(std::llround(target.z_mm(r, c) / grid.step_mm));
+      weight[std::clamp(x, 1, std::max(1, most_x))] += 1.0;
+      high = std::max(high, z);
+    }
+  std::vector<int> levels;
+  for (int at = 1; at <= std::min(high, most_z); ++at) levels.push_back(at);
+  return {medians(weight, layers), levels};
+}
+
+Silhouette make_silhouette(Labelling& labelling, const SeenTarget& target,
+                           const SilhouetteOptions& how, HoldRule rule, const Progress& progress) {
+  rule.min_fold_mm = std::max(rule.min_fold_mm, how.min_fold_mm);
+  LabelImage image = LayerLabels(target, labelling).run();
+  fill_enclosed(image, labelling.planes(), rule.min_panel_mm);
+  for (int s = 0; s < image.grid.strips; ++s) labelling.set(s, labels_of(image, s));
+  Silhouette out;
+  LabelCard card(labelling, rule);
+  LayerHolder(card, how, out).run(progress);
+  LabelImage filled = labelling.image();
+  if (fill_enclosed(filled, labelling.planes(), rule.min_panel_mm)) {
+    card.take(filled);
+    LayerHolder(card, how, out).run(progress);
+  }
+  return out;
+}
+
+}  // namespace popcut
