@@ -8,9 +8,6 @@
 namespace popcut::likeness {
 namespace {
 
-constexpr double kSide = 1.25;   ///< of an image, in diagonals of the target
-constexpr double kTouch = 1e-4;  ///< of the diagonal: what is no nearer lies on the corner
-
 /// The value that 95 % of all are not above; 0 of none.
 double p95_of(std::vector<float>& values) {
   if (values.empty()) return 0.0;
@@ -52,12 +49,7 @@ Frame Target::frame(std::size_t k) const {
 
 void Target::draw_view(std::size_t k, Triangles structure, DepthImage& image) const {
   draw(frame(k), structure, image);
-  const DepthImage& backdrop = seen_[k].backdrop;
-  if (backdrop.depth.empty()) return;
-  // What lies on the corner, or behind it, is no more than the corner.
-  const auto touch = static_cast<float>(kTouch * diagonal_mm_);
-  for (std::size_t p = 0; p < image.depth.size(); ++p)
-    if (!(image.depth[p] > backdrop.depth[p] + touch)) image.depth[p] = kNothing;
+  hide_behind(seen_[k].backdrop, kTouch * diagonal_mm_, image);
 }
 
 ViewFigures Target::measure_view(std::size_t k, Triangles structure, Buffers& buffers,

@@ -13,6 +13,8 @@ namespace popcut::likeness {
 /// A pixel of the target counts as covered within this share of the target's diagonal, and depth
 /// jumps by this much at a contour.
 inline constexpr double kWithin = 0.02;
+inline constexpr double kSide = 1.25;   ///< of an image, in diagonals of the target
+inline constexpr double kTouch = 1e-4;  ///< of the diagonal: what is no nearer lies on the corner
 
 /// How a target is looked at.
 struct Scene {

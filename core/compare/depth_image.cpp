@@ -65,6 +65,12 @@ void draw(const Frame& frame, const Corner& corner, DepthImage& image) {
   }
 }
 
+void hide_behind(const DepthImage& backdrop, double touch_mm, DepthImage& image) {
+  const auto touch = static_cast<float>(touch_mm);
+  for (std::size_t p = 0; p < backdrop.depth.size(); ++p)
+    if (!(image.depth[p] > backdrop.depth[p] + touch)) image.depth[p] = kNothing;
+}
+
 void find_contours(const DepthImage& image, float jump_mm, ContourPixels& out) {
   out.pixels.clear();
   const int size = image.pixels;

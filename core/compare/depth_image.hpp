@@ -41,6 +41,10 @@ void draw(const Frame& frame, Triangles triangles, DepthImage& image);
 /// show nothing of it.
 void draw(const Frame& frame, const Corner& corner, DepthImage& image);
 
+/// Empties the pixels that lie on what stands behind, or farther back.
+/// @param backdrop  of the same frame; without pixels nothing stands behind
+void hide_behind(const DepthImage& backdrop, double touch_mm, DepthImage& image);
+
 /// Where depth jumps: `pixels` are the nearer sides, in order.
 struct ContourPixels {
   std::vector<std::uint32_t> pixels;

@@ -34,7 +34,7 @@ struct Options {
   std::vector<std::string> more;  ///< files after these two: then all but the last are cards
   std::string psi, rotate, move;
   std::optional<double> scale;
-  bool fit{false}, around{false}, no_cost{false};
+  bool fit{false}, around{false}, printed{false}, no_cost{false};
   int pixels{512};
   std::string machine, material, mat;
 };
@@ -154,7 +154,7 @@ Result<void> write_files(const Options& options, const CompareReport& report,
   if (!folder) return tl::unexpected(folder.error());
   const auto picture = compare_picture(aim, target.triangles, structure.triangles,
                                        fmt::format("{} against {}: error {:.4f}", report.pattern,
-                                                   report.target, report.figures.error()));
+                                                   report.target, report.error()));
   if (!picture) return tl::unexpected(picture.error());
   if (auto done = folder->add("compare.png", *picture); !done) return done;
   if (auto done = folder->add("compare.json", compare_json(report)); !done) return done;
@@ -186,6 +186,11 @@ Result<void> run_compare(Options options, const Globals& globals) {
   options.around = options.around || structure->is_book;
   const auto target = read_compared_target(options.target, *structure, given, work->progress());
   if (!target) return tl::unexpected(target.error());
+  constexpr double kRight = std::numbers::pi / 2, kAsRight = 1e-6;
+  if (options.printed && (options.around || !structure->corner ||
+                          std::abs(structure->corner->opening_rad - kRight) > kAsRight))
+    return fail(ErrorKind::Usage, "--printed",
+                "is for one card that is open to 90 degrees; leave it out");
   work->now("comparing");
   likeness::Scene scene;
   scene.pixels = options.pixels;
@@ -209,6 +214,9 @@ Result<void> run_compare(Options options, const Globals& globals) {
   if (around_card)
     standing = likeness::without_card(structure->triangles, corner, 1e-4 * aim.box().diagonal());
   report.figures = aim.measure(around_card ? standing : structure->triangles);
+  if (options.printed)
+    report.printed =
+        likeness::PrintedTarget(target->triangles, {}, scene).measure(structure->triangles);
   add_volumes(options, *structure, *target, report);
   work.reset();
   report.cost = cost_of(options, *files, *structure, globals);
@@ -228,6 +236,7 @@ constexpr const char* kHelp =
     "Measure how much a card looks like the model that it is made from.\n\n"
     "  popcut compare bunny/pattern.fold bunny.stl\n"
     "  popcut compare sphere/pattern.fold sphere.json -o seen --json\n"
+    "  popcut compare teapot/pattern.fold teapot.obj --printed\n"
     "  popcut compare teapot-book teapot.obj --around\n\n"
     "PATTERN is a FOLD file or a drawing (SVG, DXF), from popcut or any other program, or a mesh\n"
     "(STL, OBJ) of an opened card. TARGET is a mesh, heights (CSV) or a design (.json). popcut\n"
@@ -286,6 +295,9 @@ void register_compare(const Command& app, const Globals& globals, Run& run) {
       .value_text("ANGLE");
   command.add_flag("--around", options->around,
                    "Look from 36 directions all around the spine; books always do");
+  command.add_flag("--printed", options->printed,
+                   "Compare the card as 'popcut print' prints it, in colours and outlines: the "
+                   "error is then that of the picture, with a word: good, fair or poor");
   whole_number(
       command.add_option("--pixels", options->pixels, "Width and height of each image, in pixels"),
       likeness::kLeastPixels, likeness::kMostPixels)

@@ -124,6 +124,13 @@ std::string compare_text(const CompareReport& report) {
                                          : fmt::format("{} parts to glue", parts)));
   }
   for (const std::string& note : report.notes) line("note", shown_text(note));
+  if (report.printed) {
+    const likeness::PrintedFigures& p = *report.printed;
+    line("looks", fmt::format("{}, printed", likeness::name_of(likeness::looks(p))));
+    line("error", fmt::format("{:.4f} = colour {:.4f} + outline {:.4f} + not covered {:.4f}",
+                              p.error(), p.colour, p.contour, 1.0 - p.cover));
+    return out;
+  }
   line("error", fmt::format("{:.4f} = surface {:.4f} + contour {:.4f} + not covered {:.4f}",
                             f.error(), f.surface(), f.contour(), 1.0 - f.cover));
   return out;
@@ -158,7 +165,12 @@ std::string compare_json(const CompareReport& report) {
   }
   out["notes"] = report.notes;
   out["views"] = json_list(f.views, view_json);
-  out["error"] = f.error();
+  if (report.printed)
+    out["printed"] = {{"colour", report.printed->colour},
+                      {"contour", report.printed->contour},
+                      {"cover", report.printed->cover},
+                      {"looks", likeness::name_of(likeness::looks(*report.printed))}};
+  out["error"] = report.error();
   return json_file(out);
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/compare/comparison.hpp"
 #include "core/compare/placement.hpp"
+#include "core/compare/printed.hpp"
 #include "core/compare/volume.hpp"
 
 namespace popcut::cli {
@@ -41,11 +42,14 @@ struct CompareReport {
   likeness::ModelPlacement placement;
   std::optional<double> misfit;  ///< of a placement that was searched for
   likeness::Figures figures;
+  std::optional<likeness::PrintedFigures> printed;  ///< of a printed card, where it was asked for
   likeness::Volume model, card;
   CutCost cost;
   std::optional<PaperFigures> paper;
   std::vector<std::string> notes;
 
+  /// The one figure: as printed where that was asked for.
+  [[nodiscard]] double error() const { return printed ? printed->error() : figures.error(); }
   /// |model - card| / model; none where the model has no volume.
   [[nodiscard]] std::optional<double> volume_error() const;
 };

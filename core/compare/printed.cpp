@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+#include "core/compare/printed.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/compare/raster.hpp"
+
+namespace popcut::likeness {
+namespace {
+
+constexpr double kShade = 0.6;      ///< of a colour, what depends on the lamp
+constexpr double kFinerPrint = 2.0; ///< pixels of the print along each pixel of a view
+constexpr Rgb kClay{204, 160, 130}, kBare{255, 255, 255};
+constexpr float kMostDifference = 100.0F;
+constexpr double kGood = 0.16, kFair = 0.26;
+
+/// CIE L*a*b* of a colour of sRGB under D65 (CIE 15:2004; IEC 61966-2-1), darkened by `light`.
+std::array<float, 3> lab_of(const Rgb& rgb, double light) {
+  std::array<double, 3> linear{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double c = light * rgb[k] / 255.0;
+    linear[k] = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+  }
+  const auto f = [](double t) {
+    constexpr double kKnee = 6.0 / 29.0;
+    return t > kKnee * kKnee * kKnee ? std::cbrt(t) : t / (3.0 * kKnee * kKnee) + 4.0 / 29.0;
+  };
+  const double x = f((0.4124 * linear[0] + 0.3576 * linear[1] + 0.1805 * linear[2]) / 0.9505),
+               y = f(0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]),
+               z = f((0.0193 * linear[0] + 0.1192 * linear[1] + 0.9505 * linear[2]) / 1.089);
+  return {static_cast<float>(116.0 * y - 16.0), static_cast<float>(500.0 * (x - y)),
+          static_cast<float>(200.0 * (y - z))};
+}
+
+/// How much light falls on a triangle, both sides as the one that looks along the diagonal.
+double light_on(const float* p) {
+  const auto corner = [&](std::size_t k) {
+    return Vec3(static_cast<double>(p[k]), static_cast<double>(p[k + 1]),
+                static_cast<double>(p[k + 2]));
+  };
+  const Vec3 a = corner(0);
+  Vec3 normal = cross(Vec3(corner(3) - a), Vec3(corner(6) - a));
+  const double length = norm(normal);
+  if (!(length > 0.0)) return 1.0 - kShade;
+  normal = (1.0 / length) * normal;
+  if (normal.x() + normal.z() < 0.0) normal = -1.0 * normal;
+  const Vec3 lamp = unit(Vec3(0.5, -0.4, 0.8));  // above, to the left and in front
+  return 1.0 - kShade + kShade * std::max(0.0, dot(normal, lamp));
+}
+
+/// Pixels of an image beside which there is nothing.
+void find_outline(const DepthImage& image, ContourPixels& out) {
+  find_contours(image, std::numeric_limits<float>::max(), out);
+}
+
+}  // namespace
+
+Looks looks(const PrintedFigures& figures) {
+  return figures.error() <= kGood ? Looks::Good
+         : figures.error() <= kFair ? Looks::Fair
+                                    : Looks::Poor;
+}
+
+const char* name_of(Looks looks) {
+  return looks == Looks::Good ? "good" : looks == Looks::Fair ? "fair" : "poor";
+}
+
+PrintedTarget::PrintedTarget(Triangles triangles, std::span<const Rgb> colours, const Scene& scene)
+    : scene_(scene), box_(box_of(triangles)), diagonal_mm_(box_.diagonal()) {
+  scene_.pixels = std::clamp(scene_.pixels, kLeastPixels, kMostPixels);
+  if (box_.empty() || !(diagonal_mm_ > 0.0) || !std::isfinite(diagonal_mm_)) return;
+  std::vector<Lab> lit(triangles.size() / 9);
+  for (std::size_t t = 0; t < lit.size(); ++t)
+    lit[t] = lab_of(colours.empty() ? kClay : colours[t], light_on(&triangles[9 * t]));
+  const int finer = std::min(kMostPixels, static_cast<int>(kFinerPrint * scene_.pixels));
+  print_ = seen_from(view_from(Vec3(1, 0, 1)), finer, triangles, lit);
+  for (const View& view : scene_.views)
+    seen_.push_back(seen_from(view, scene_.pixels, triangles, lit));
+  for (Seen& seen : seen_) {
+    for (const float depth : seen.image.depth) pixels_ += depth != kNothing ? 1 : 0;
+    find_outline(seen.image, seen.outline);
+    seen.distances.measure(scene_.pixels, seen.outline);
+  }
+}
+
+PrintedTarget::Seen PrintedTarget::seen_from(const View& view, int pixels, Triangles triangles,
+                                             std::span<const Lab> colours) const {
+  Seen out;
+  out.frame = {view, box_.centre(), kSide * diagonal_mm_, pixels};
+  const auto width = static_cast<std::size_t>(pixels);
+  out.image.pixels = pixels;
+  out.image.depth.assign(width * width, kNothing);
+  out.colour.assign(width * width, Lab{});
+  const Raster raster(out.frame);
+  for (std::size_t t = 0; t < colours.size(); ++t)
+    raster.each_span(triangles.subspan(9 * t, 9),
+                     [&](std::size_t row, std::size_t first, std::size_t last, float at,
+                         float slope, float low, float high, int) {
+                       for (std::size_t x = first; x <= last; ++x) {
+                         const float here = std::clamp(
+                             at + slope * static_cast<float>(static_cast<int>(x - first)), low,
+                             high);
+                         float& depth = out.image.depth[row * width + x];
+                         if (!(here > depth)) continue;
+                         depth = here;
+                         out.colour[row * width + x] = colours[t];
+                       }
+                     });
+  if (scene_.corner) draw(out.frame, *scene_.corner, out.backdrop);
+  hide_behind(out.backdrop, kTouch * diagonal_mm_, out.image);
+  return out;
+}
+
+const PrintedTarget::Lab* PrintedTarget::printed_at(const Vec3& place) const {
+  const Frame& frame = print_.frame;
+  const Vec3 from = place - frame.centre;
+  const auto at = [&](double mm) {
+    return static_cast<std::int64_t>(std::floor((mm + 0.5 * frame.side_mm) / frame.pitch_mm()));
+  };
+  const std::int64_t column = at(dot(from, frame.view.right)), row = at(dot(from, frame.view.up));
+  if (column < 0 || row < 0 || column >= frame.pixels || row >= frame.pixels)
+    return nullptr;
+  const auto k = static_cast<std::size_t>(row * frame.pixels + column);
+  return print_.image.depth[k] == kNothing ? nullptr : &print_.colour[k];
+}
+
+void PrintedTarget::draw_card(const Seen& seen, Triangles structure, DepthImage& image,
+                              std::vector<Lab>& own) const {
+  static const Lab bare = lab_of(kBare, 1.0);
+  draw(seen.frame, structure, image);
+  hide_behind(seen.backdrop, kTouch * diagonal_mm_, image);
+  const Frame& frame = seen.frame;
+  const double pitch = frame.pitch_mm(), first = 0.5 * pitch - 0.5 * frame.side_mm;
+  own.resize(image.depth.size());
+  std::size_t p = 0;
+  for (int row = 0; row < frame.pixels; ++row)
+    for (int column = 0; column < frame.pixels; ++column, ++p) {
+      const bool stands = image.depth[p] != kNothing;
+      const float depth = stands                         ? image.depth[p]
+                          : seen.backdrop.depth.empty() ? kNothing
+                                                         : seen.backdrop.depth[p];
+      if (depth == kNothing) continue;
+      const Lab* const print = printed_at(
+          frame.centre + (first + pitch * column) * frame.view.right +
+          (first + pitch * row) * frame.view.up + static_cast<double>(depth) * frame.view.toward);
+      if (print != nullptr) image.depth[p] = depth;
+      own[p] = print != nullptr ? *print : bare;
+    }
+}
+
+PrintedFigures PrintedTarget::measure(Triangles structure, Buffers& buffers) const {
+  PrintedFigures out;
+  double difference = 0.0;
+  std::size_t common = 0;
+  std::vector<Lab> own;
+  for (const Seen& seen : seen_) {
+    draw_card(seen, structure, buffers.image, own);
+    for (std::size_t p = 0; p < own.size(); ++p) {
+      if (buffers.image.depth[p] == kNothing || seen.image.depth[p] == kNothing) continue;
+      ++common;
+      const Lab &here = own[p], &there = seen.colour[p];
+      difference += static_cast<double>(
+          std::min(kMostDifference,
+                   std::hypot(here[0] - there[0], here[1] - there[1], here[2] - there[2])));
+    }
+    find_outline(buffers.image, buffers.contours);
+    const bool none = seen.outline.pixels.empty(), none_own = buffers.contours.pixels.empty();
+    double contour = none != none_own ? 1.0 : 0.0;
+    if (!none && !none_own) {
+      buffers.distances.measure(scene_.pixels, buffers.contours);
+      const double most = diagonal_mm_ / seen.frame.pitch_mm();
+      const auto mean = [&](const ContourPixels& from, const DistanceImage& to) {
+        double sum = 0.0;
+        for (const std::uint32_t pixel : from.pixels)
+          sum += std::min(most, static_cast<double>(to[pixel]));
+        return sum / static_cast<double>(from.pixels.size());
+      };
+      contour = 0.5 * (mean(seen.outline, buffers.distances) +
+                       mean(buffers.contours, seen.distances)) /
+                most;
+    }
+    out.contour += contour / static_cast<double>(seen_.size());
+  }
+  out.colour = common > 0 ? difference / static_cast<double>(common) / 100.0 : 1.0;
+  out.cover = pixels_ > 0 ? static_cast<double>(common) / static_cast<double>(pixels_) : 0.0;
+  return out;
+}
+
+}  // namespace popcut::likeness

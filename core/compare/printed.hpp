@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/compare/comparison.hpp"
+#include "core/compare/picture.hpp"
+
+namespace popcut::likeness {
+
+/// How a printed card looks beside the model that it shows (docs/hands.md, section 4).
+struct PrintedFigures {
+  double colour{};   ///< mean difference where both are seen: CIE L*a*b*, of 100
+  double contour{};  ///< mean distance of the outlines, both ways: of the target's diagonal
+  double cover{};    ///< share of the target's pixels at which the card shows paper or print
+  /// The one figure: colour + contour + (1 - cover). 0 is the target itself.
+  [[nodiscard]] double error() const { return colour + contour + (1.0 - cover); }
+};
+
+enum class Looks : std::uint8_t { Good, Fair, Poor };
+/// The word for a figure. The thresholds were set on pictures (docs/hands.md, section 4).
+[[nodiscard]] Looks looks(const PrintedFigures& figures);
+[[nodiscard]] const char* name_of(Looks looks);
+
+/// A target in its colours, that printed structures are compared with. What is printed on a
+/// structure is the target as it is seen along (1, 0, 1): a place of the structure has the colour
+/// of the target's nearest point on the ray through it, or of bare paper where there is none
+/// (`view_of_model` prints this). Light is in the colours, so both are lit alike.
+///
+/// Values in, values out, const: one target serves many threads, each with its own `Buffers`.
+class PrintedTarget {
+ public:
+  /// @param colours  of the triangles, one each; empty: clay
+  PrintedTarget(Triangles triangles, std::span<const Rgb> colours, const Scene& scene);
+
+  [[nodiscard]] bool is_unseen() const { return pixels_ == 0; }
+  /// O(triangles + pixels of all views).
+  [[nodiscard]] PrintedFigures measure(Triangles structure, Buffers& buffers) const;
+  [[nodiscard]] PrintedFigures measure(Triangles structure) const {
+    Buffers buffers;
+    return measure(structure, buffers);
+  }
+
+ private:
+  using Lab = std::array<float, 3>;
+  /// The target from one side: its colours, and a depth above `kNothing` where it is.
+  struct Seen {
+    Frame frame;
+    DepthImage image, backdrop;
+    std::vector<Lab> colour;
+    ContourPixels outline;
+    DistanceImage distances;
+  };
+  [[nodiscard]] Seen seen_from(const View& view, int pixels, Triangles triangles,
+                               std::span<const Lab> colours) const;
+  /// The colour at a place of the card; null: bare paper.
+  [[nodiscard]] const Lab* printed_at(const Vec3& place) const;
+  /// Draws a structure, and the print on wall and ground, as seen from a side; `own`: its colours.
+  void draw_card(const Seen& seen, Triangles structure, DepthImage& image,
+                 std::vector<Lab>& own) const;
+
+  Scene scene_;
+  Box box_;
+  double diagonal_mm_{};
+  Seen print_;  ///< along the diagonal
+  std::vector<Seen> seen_;
+  std::size_t pixels_{};
+};
+
+}  // namespace popcut::likeness
