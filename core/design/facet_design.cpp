@@ -20,7 +20,7 @@
 namespace popcut {
 namespace {
 
-constexpr double kContour_mm = 1.0;   ///< strips of silhouettes
+constexpr double kContour_mm = 1.0, kRoughContour_mm = 2.0;  ///< strips of silhouettes
 constexpr double kFacetChord = 0.1;  ///< of the pitch: chords of formulas stray no farther
 
 /// The whole of a mesh or a grid; a formula's part in the corner over a stretch. Its sections tell
@@ -105,7 +105,8 @@ FacetOptions options_of(const DesignSpec& spec, const FacetTarget& target) {
   out.rough = spec.facets.rough;
   if (spec.style == DesignStyle::Silhouette) {
     out.layers = spec.facets.layers, out.min_fold_mm = spec.facets.min_fold_mm;
-    out.pitch_mm = out.strip_mm = std::max(kContour_mm, spec.min_panel_mm);
+    const double contour_mm = spec.facets.rough ? kRoughContour_mm : kContour_mm;
+    out.pitch_mm = out.strip_mm = std::max(contour_mm, spec.min_panel_mm);
   }
   out.weights = {spec.facets.fold_cost_mm2, spec.facets.jump_cost_mm2, spec.facets.cut_cost_mm2};
   return out;

@@ -20,6 +20,8 @@ constexpr std::array kUnits{2, 3, 4, 5, 6, 8, 10, 12, 14, 16, 20, 24, 28, 32};
 constexpr std::array kSlices{3, 4, 5, 6, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 48};
 constexpr std::array kStrips{2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0};
 constexpr std::array kPitches{1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 15.0};
+constexpr std::array kLayers{1, 2, 3, 4, 5, 6};
+constexpr int kFewLayers = 4;
 constexpr std::array kLineCosts{0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0};
 
 /// The value beside the one that is nearest to `now`, or that one itself at an end.
@@ -43,10 +45,12 @@ std::size_t drawn_way(std::size_t ways, Draws& draws) {
 /// Without what its style does not have, so that equal candidates are equal.
 Candidate only_its_own(Candidate candidate) {
   const Candidate usual;
-  if (candidate.style == DesignStyle::Facets) {
+  if (candidate.style != DesignStyle::Silhouette) candidate.layers = usual.layers;
+  if (candidate.style != DesignStyle::Lattice) {
     candidate.lattice = usual.lattice;
     candidate.units = usual.units, candidate.slices = usual.slices;
-  } else {
+  }
+  if (candidate.style != DesignStyle::Facets) {
     candidate.strip_mm = usual.strip_mm, candidate.pitch_mm = usual.pitch_mm;
     candidate.line_cost = usual.line_cost;
   }
@@ -67,7 +71,10 @@ double six_digits(double value) {
 const std::vector<StyleChoice>& style_choices() {
   static const std::vector<StyleChoice> choices = [] {
     const std::vector<LatticeMethod> all(kLatticesToTry.begin(), kLatticesToTry.end());
-    std::vector<StyleChoice> out{{"any", true, all}, {"facets", true, {}}, {"lattice", false, all}};
+    std::vector<StyleChoice> out{{"any", true, all, true},
+                                 {"facets", true, {}},
+                                 {"silhouette", false, {}, true},
+                                 {"lattice", false, all}};
     for (const LatticeMethod method : all) out.push_back({name_of(method), false, {method}});
     return out;
   }();
@@ -81,12 +88,15 @@ const StyleChoice& style_choice(std::string_view name) {
 }
 
 std::string_view style_name(const Candidate& candidate) {
-  return candidate.style == DesignStyle::Facets ? "facets" : name_of(candidate.lattice);
+  return candidate.style == DesignStyle::Facets       ? "facets"
+         : candidate.style == DesignStyle::Silhouette ? "silhouette"
+                                                      : name_of(candidate.lattice);
 }
 
 StyleChoice styles_for_cards(StyleChoice styles, int cards) {
   constexpr int kSquareCards = 4;
   if (cards != 1 && cards != kSquareCards) styles.facets = false;
+  if (cards != 1) styles.silhouettes = false;
   return styles;
 }
 
@@ -95,6 +105,8 @@ std::vector<Candidate> usual_candidates(const StyleChoice& styles, int cards) {
   Candidate usual;
   usual.usual = true;
   if (styles.facets) out.push_back(usual);
+  usual.style = DesignStyle::Silhouette;
+  if (styles.silhouettes) out.push_back(usual);
   usual.style = DesignStyle::Lattice;
   for (const LatticeMethod method : styles.lattices) {
     usual.lattice = method;
@@ -120,18 +132,36 @@ std::vector<Candidate> broad_candidates(const StyleChoice& styles, int cards, st
   return out;
 }
 
+std::vector<Candidate> silhouette_candidates(const StyleChoice& styles, std::size_t ways) {
+  std::vector<Candidate> out;
+  if (!styles.silhouettes) return out;
+  for (std::size_t way = 0; way < ways; ++way)
+    for (int layers = 1; layers <= kFewLayers; ++layers) {
+      Candidate one;
+      one.style = DesignStyle::Silhouette, one.way = way, one.layers = layers;
+      out.push_back(one);
+    }
+  return out;
+}
+
 Candidate drawn_candidate(const StyleChoice& styles, int cards, std::size_t ways,
                           std::uint64_t seed, std::uint64_t index) {
-  constexpr double kFacetShare = 0.6;
+  constexpr double kFacetShare = 0.6, kSilhouetteShare = 0.75;
   Draws draws(seed, index);
   Candidate out;
   const double style = draws.next();
-  const bool facets = styles.lattices.empty() || (styles.facets && style < kFacetShare);
-  out.style = facets ? DesignStyle::Facets : DesignStyle::Lattice;
+  if (styles.facets && (style < kFacetShare || (styles.lattices.empty() && !styles.silhouettes)))
+    out.style = DesignStyle::Facets;
+  else if (styles.silhouettes && (style < kSilhouetteShare || styles.lattices.empty()))
+    out.style = DesignStyle::Silhouette;
+  else
+    out.style = DesignStyle::Lattice;
   out.cards = cards;
   out.way = drawn_way(ways, draws);
   out.fill = draws.next_of(kFills);
-  if (facets) {
+  if (out.style == DesignStyle::Silhouette) {
+    out.layers = draws.next_of(kLayers);
+  } else if (out.style == DesignStyle::Facets) {
     out.strip_mm = draws.next_of(kStrips), out.pitch_mm = draws.next_of(kPitches);
     out.line_cost = draws.next_of(kLineCosts);
   } else {
@@ -154,6 +184,8 @@ Candidate changed_candidate(const Candidate& from, std::size_t ways, std::uint64
       out.way = drawn_way(ways, draws);
     else if (what < 0.3)
       out.fill = beside(kFills, out.fill, draws);
+    else if (out.style == DesignStyle::Silhouette)
+      out.layers = beside(kLayers, out.layers, draws);
     else if (facets && what < 0.55)
       out.strip_mm = beside(kStrips, out.strip_mm, draws);
     else if (facets && what < 0.75)
@@ -181,8 +213,8 @@ std::string spec_text(const Candidate& candidate, const Way& way, double scale_m
   scale_mm = six_digits(scale_mm);
   const double length_mm = scale_mm * way.length();
   nlohmann::ordered_json spec{{"popcut", 1}, {"name", model.name}, {"material", model.material}};
-  const bool facets = candidate.style == DesignStyle::Facets;
-  if (facets) spec["style"] = "facets";
+  const bool facets = is_of_facets(candidate.style);
+  if (facets) spec["style"] = std::string(style_name(candidate));
   spec["surface"] = {{"type", "mesh"}, {"file", model.file}};
   spec["scale_mm"] = scale_mm;
   spec["rotate_deg"] = way.rotate_deg;
@@ -196,7 +228,9 @@ std::string spec_text(const Candidate& candidate, const Way& way, double scale_m
     for (double& by : shift) by = std::round(by * 1e6) / 1e6 + 0.0;
     spec["translate_mm"] = shift;
   }
-  if (facets) {
+  if (candidate.style == DesignStyle::Silhouette) {
+    spec["silhouette"] = {{"layers", candidate.layers}};
+  } else if (facets) {
     const FacetSpec usual;
     spec["facets"] = {{"strip_mm", candidate.strip_mm},
                       {"pitch_mm", candidate.pitch_mm},

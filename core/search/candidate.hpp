@@ -26,6 +26,7 @@ struct Candidate {
   double strip_mm{2.0};                        ///< of facets, as the next two
   double pitch_mm{2.0};
   double line_cost{1.0};  ///< factor of the costs of folds and cuts
+  int layers{2};          ///< of a silhouette
   bool usual{};           ///< a style as it is without a search: goes on to the end
 
   friend bool operator==(const Candidate&, const Candidate&) = default;
@@ -36,17 +37,19 @@ struct StyleChoice {
   std::string_view name;
   bool facets{};
   std::vector<LatticeMethod> lattices;
+  bool silhouettes{};
 };
-/// "any", "lattice", "facets", and each lattice by its name.
+/// "any", "facets", "silhouette", "lattice", and each lattice by its name.
 [[nodiscard]] const std::vector<StyleChoice>& style_choices();
 
 /// The one of that name. @param name  one of theirs
 [[nodiscard]] const StyleChoice& style_choice(std::string_view name);
 
-/// "facets", or the name of its lattice.
+/// "facets", "silhouette", or the name of its lattice.
 [[nodiscard]] std::string_view style_name(const Candidate& candidate);
 
-/// What of a choice a book of so many cards can be made of: facets are for openings of 90 degrees.
+/// What of a choice a book of so many cards can be made of: facets are for openings of 90 degrees,
+/// silhouettes for a card alone.
 [[nodiscard]] StyleChoice styles_for_cards(StyleChoice styles, int cards);
 
 /// Each style with the usual settings, standing in the first way.
@@ -55,6 +58,10 @@ struct StyleChoice {
 /// Facets in broad strips and few planes, standing in each way: cards of few long folds.
 [[nodiscard]] std::vector<Candidate> broad_candidates(const StyleChoice& styles, int cards,
                                                       std::size_t ways);
+
+/// Silhouettes of few layers, standing in each way: the easiest cards there are.
+[[nodiscard]] std::vector<Candidate> silhouette_candidates(const StyleChoice& styles,
+                                                           std::size_t ways);
 
 /// Candidate `index` of a seed. Better ways are drawn more often.
 [[nodiscard]] Candidate drawn_candidate(const StyleChoice& styles, int cards, std::size_t ways,

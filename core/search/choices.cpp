@@ -15,9 +15,12 @@ Result<void> check_choices(const std::string& style, int cards, const std::strin
         ErrorKind::Usage, "/cards",
         fmt::format("is {}: give 1, or {} to {} cards of a book", cards, kLeastCards, kMostCards));
   const StyleChoice left = styles_for_cards(style_choice(style), cards);
-  if (!left.facets && left.lattices.empty())
+  if (!left.facets && left.lattices.empty() && !left.silhouettes)
     return fail(ErrorKind::Usage, "/style",
-                fmt::format("facets make books of 4 cards only, and you ask for {}", cards));
+                style == "facets"
+                    ? fmt::format("facets make books of 4 cards only, and you ask for {}", cards)
+                    : fmt::format("is \"{}\", which makes no books, and you ask for {} cards", style,
+                                  cards));
   const FrontSide faces = up_side(front);
   if (cards > 1 && faces)
     return fail(ErrorKind::Usage, "/front",

@@ -20,7 +20,8 @@ nlohmann::ordered_json figures_json(const FoundCardRecord& card) {
                              {"shortest_fold_mm", card.shortest_fold_mm},
                              {"hand_seconds", card.hand_seconds},
                              {"label", card.label},
-                             {"wobble_mm", card.wobble_mm}};
+                             {"wobble_mm", card.wobble_mm},
+                             {"looks", card.looks}};
   if (card.page_mm) out["page_mm"] = *card.page_mm;
   return out;
 }

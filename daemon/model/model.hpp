@@ -207,7 +207,7 @@ struct CardSearchRequest {
 
 /// A card that a search found.
 struct FoundCardRecord {
-  std::string style;     ///< "facets", or the name of a lattice
+  std::string style;     ///< "facets", "silhouette", or the name of a lattice
   std::string settings;  ///< in words: "facets in strips of 2 mm, planes 1 mm apart"
   /// As `likeness::Figures`: without a unit, 0 is the model itself.
   double error{}, surface{}, contour{}, cover{}, excess{};
@@ -221,6 +221,7 @@ struct FoundCardRecord {
   double hand_seconds{};  ///< to fold it
   std::string label{};    ///< "easy", "medium", "hard"
   double wobble_mm{};     ///< of the panel that moves most in paper
+  std::string looks{};    ///< printed: "good", "fair", "poor"; empty: judged as bare paper
   std::vector<Warning> warnings{};
   std::string spec;  ///< JSON; its mesh is the id of the asset
 };

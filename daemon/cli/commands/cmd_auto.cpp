@@ -60,7 +60,7 @@ Result<void> add_card(SearchedModel& model, std::size_t k, OutputFolder& folder)
   }
   const auto picture = card_picture(model.found, card,
                                     fmt::format("{}, {:.1f} minutes: error {:.4f}", name,
-                                                card.cost.seconds / 60.0, card.figures.error()));
+                                                card.cost.seconds / 60.0, card.error()));
   if (!picture) return tl::unexpected(picture.error());
   if (auto done = folder.add("thumbnail.png", *picture); !done) return done;
   for (std::size_t part = 0; part < card.made.parts.size(); ++part) {
@@ -160,6 +160,8 @@ void add_search_options(const Command& command, ModelSearchOptions& search) {
                                          : "Cards of any number of folds (the default)");
   command.add_flag("--any-hold", search.any_hold,
                    "Offer cards too whose panels move by more than 1 mm in paper (docs/hands.md)");
+  command.add_flag("--plain", search.plain,
+                   "Judge cards of bare paper, by depths; else as they look when they are printed");
   command.add_option("--mat", search.mat, "Mat or paper to cut on, such as 12x12 or A4, as in plan")
       .checked([](const std::string& text) {
         const auto read = read_plan_options({{"mat", text}});

@@ -23,6 +23,8 @@ ordered_json settings_json(const Candidate& candidate) {
   if (candidate.style == DesignStyle::Facets) {
     out["strip_mm"] = candidate.strip_mm, out["pitch_mm"] = candidate.pitch_mm;
     out["line_cost"] = candidate.line_cost;
+  } else if (candidate.style == DesignStyle::Silhouette) {
+    out["layers"] = candidate.layers;
   } else {
     out["units_per_slice"] = candidate.units, out["slices"] = candidate.slices;
   }
@@ -35,7 +37,7 @@ ordered_json card_json(const planning::FoundCard& card, std::size_t k) {
       {"folder", front_folder(card, k)},
       {"seconds", card.cost.seconds},
       {"seconds_range", card.cost.seconds_range},
-      {"error", f.error()},
+      {"error", card.error()},
       {"surface", f.surface()},
       {"contour", f.contour()},
       {"cover", f.cover},
@@ -52,6 +54,11 @@ ordered_json card_json(const planning::FoundCard& card, std::size_t k) {
       {"settings", settings_json(card.candidate)}};
   if (card.made.book)
     out["page_mm"] = card.made.book->page_mm, out["width_mm"] = card.made.book->width_mm;
+  if (card.printed)
+    out["printed"] = {{"colour", card.printed->colour},
+                      {"contour", card.printed->contour},
+                      {"cover", card.printed->cover},
+                      {"looks", likeness::name_of(likeness::looks(*card.printed))}};
   auto warnings = ordered_json::array();
   for (const Design& part : card.made.parts)
     for (const Warning& warning : part.report.warnings) warnings.push_back(warning.message);
@@ -128,11 +135,15 @@ std::string front_text(const ModelSearchOptions& options, const SearchedModel& m
   for (std::size_t k = 0; k < found.front.size(); ++k) {
     const planning::FoundCard& card = found.front[k];
     out += fmt::format(
-        "  {}  {:6} {:3} folds, the shortest {:.3g} mm; {:.0f} min to fold, {:.1f} to cut; error "
+        "  {}  {:6} {:3} folds, the shortest {:.3g} mm; {:.0f} min to fold, {:.1f} to cut; {}error "
         "{:.4f}; {}\n",
         front_folder(card, k), card.cost.hands.label, card.cost.hands.folds,
         card.cost.hands.shortest_mm, std::max(1.0, card.cost.hands.time_s / 60.0),
-        card.cost.seconds / 60.0, card.figures.error(), planning::settings_words(card.candidate));
+        card.cost.seconds / 60.0,
+        card.printed
+            ? fmt::format("looks {}; ", likeness::name_of(likeness::looks(*card.printed)))
+            : std::string(),
+        card.error(), planning::settings_words(card.candidate));
   }
   for (const std::string& note : found.notes) out += fmt::format("  note     {}\n", note);
   out += fmt::format(

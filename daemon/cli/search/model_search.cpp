@@ -84,6 +84,7 @@ Result<SearchedModel> search_model(const ModelSearchOptions& options,
   request.hands.shortest_mm = options.shortest_fold_mm;
   if (options.label != "hard") request.hands.label = options.label;
   request.hands.any_hold = options.any_hold;
+  request.plain = options.plain;
   request.effort = options.effort, request.seed = options.seed;
   request.threads =
       options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());

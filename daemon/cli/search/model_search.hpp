@@ -25,6 +25,7 @@ struct ModelSearchOptions {
   double shortest_fold_mm{};
   std::string label{};  ///< "easy", "medium", "hard"; empty: any
   bool any_hold{};
+  bool plain{};       ///< cards are judged without their print
   bool marks{false};  ///< cards fit between registration marks
 };
 

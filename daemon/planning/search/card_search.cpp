@@ -92,7 +92,11 @@ likeness::Scene scene_of(int pixels, bool is_book, std::size_t around) {
 /// A mesh, as designs read it and as they are compared with it.
 struct Model {
   Model(const TriangleMesh& triangles, const std::vector<Way>& ways, int pixels, bool is_book)
-      : mesh(triangles), targets(ways.size()), pixels_(pixels), is_book_(is_book) {
+      : mesh(triangles),
+        targets(ways.size()),
+        printed_(ways.size()),
+        pixels_(pixels),
+        is_book_(is_book) {
     assets.emplace(kAsset, stl_bytes(mesh));
   }
   /// The target of a way, made once.
@@ -106,11 +110,22 @@ struct Model {
     return *targets[k];
   }
 
+  /// The same, to compare with what is printed.
+  const likeness::PrintedTarget& printed(std::size_t k, const Way& way) {
+    const std::lock_guard lock(mutex_);
+    if (!printed_[k])
+      printed_[k] = std::make_unique<const likeness::PrintedTarget>(
+          standing_model(mesh, way), std::span<const likeness::Rgb>(),
+          scene_of(pixels_, false, kRoundViews));
+    return *printed_[k];
+  }
+
   const TriangleMesh& mesh;
   SurfaceAssets assets;
   std::vector<std::unique_ptr<const likeness::Target>> targets;
 
  private:
+  std::vector<std::unique_ptr<const likeness::PrintedTarget>> printed_;
   int pixels_;
   bool is_book_;
   std::mutex mutex_;
@@ -162,6 +177,7 @@ class CardSearch {
     return fail(ErrorKind::Refused, "", "the search was stopped; nothing is written");
   }
   [[nodiscard]] bool is_book() const { return request_.cards > 1; }
+  [[nodiscard]] bool is_printed() const { return !is_book() && !request_.plain; }
   [[nodiscard]] std::size_t count(std::size_t usual, std::size_t least) const {
     const double each = request_.effort / request_.cards;
     return std::max(least, static_cast<std::size_t>(each * static_cast<double>(usual) + 0.5));
@@ -412,12 +428,13 @@ class CardSearch {
     for (std::size_t k = 0; k < structure.size(); ++k)
       structure[k] =
           by * (structure[k] - (k % 3 == 1 ? static_cast<float>(stand->begin_mm) : 0.0F));
-    const likeness::Target& target = model.target(trial.candidate.way, way);
-    if (target.is_unseen()) {
+    const std::size_t k = trial.candidate.way;
+    if (is_printed() ? model.printed(k, way).is_unseen() : model.target(k, way).is_unseen()) {
       trial.why = "nothing of the model is seen from in front of the card";
       return;
     }
-    trial.judged.error = target.measure(structure, buffers).error();
+    trial.judged.error = is_printed() ? model.printed(k, way).measure(structure, buffers).error()
+                                      : model.target(k, way).measure(structure, buffers).error();
     set_cost(trial, care.rough);
     trial.judged.made = true;
   }
@@ -518,7 +535,11 @@ class CardSearch {
       as_it_stands.way = ways_.size() - 1;
       if (drawn_ways_ < ways_.size()) add_trial(as_it_stands);
     }
-    if (request_.effort / request_.cards >= kLeastForBroad)
+    const bool is_quick = request_.effort / request_.cards < kLeastForBroad;
+    for (const Candidate& one : silhouette_candidates(
+             styles_, is_quick ? std::min(drawn_ways_, kStraightWays) : drawn_ways_))
+      add_trial(one);
+    if (!is_quick)
       for (const Candidate& broad : broad_candidates(styles_, request_.cards, drawn_ways_))
         add_trial(broad);
     for (const std::size_t most = count(kDrawn, 8); drawn_ < most; ++drawn_)
@@ -590,7 +611,7 @@ class CardSearch {
     // The surface of each part holds the mesh; only books look at it once more.
     if (!is_book())
       for (Design& part : card->made.parts) part.target.clear();
-    out.error = card->figures.error();
+    out.error = card->error();
     out.card = std::move(*card);
   }
 
@@ -613,6 +634,8 @@ class CardSearch {
     scene.views = likeness::cone_views(opened->corner.opening_rad);
     scene.corner = opened->corner;
     card.figures = likeness::Target(target, scene).measure(card.structure);
+    if (is_printed())
+      card.printed = likeness::PrintedTarget(target, {}, scene).measure(card.structure);
     card.folds = opened->folds;
     return card;
   }
@@ -676,8 +699,12 @@ class CardSearch {
     const std::vector<std::size_t> front = thinned(pareto_front(judged), judged);
     if (front.empty()) return no_card(refusal_);
     for (const std::size_t k : front) out_.front.push_back(std::move(*finished[k].card));
-    const double near_least = kNearFactor * out_.front.back().figures.error() + kNear;
-    while (out_.front[out_.recommended].figures.error() > near_least) ++out_.recommended;
+    const double near_least = kNearFactor * out_.front.back().error() + kNear;
+    const auto is_good = [&](const FoundCard& card) {
+      return card.error() <= near_least ||
+             (card.printed && likeness::looks(*card.printed) == likeness::Looks::Good);
+    };
+    while (!is_good(out_.front[out_.recommended])) ++out_.recommended;
     out_.seen_share = seen_share_of(ways_[out_.front.back().candidate.way]);
     return std::move(out_);
   }

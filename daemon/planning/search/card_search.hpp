@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/compare/comparison.hpp"
 #include "core/compare/placement.hpp"
+#include "core/compare/printed.hpp"
 #include "core/design/patches.hpp"
 #include "core/hands/folding.hpp"
 #include "core/machines/machine.hpp"
@@ -43,6 +45,7 @@ struct SearchRequest {
   FrontSide front;       ///< given: the model stands as it is said, turned no further
   double most_s{900.0};  ///< of cutting
   HandLimits hands;
+  bool plain{};        ///< cards are judged as bare paper; books always are
   double effort{1.0};  ///< factor of how many candidates are tried
   std::uint64_t seed{1};
   unsigned threads{1};  ///< changes nothing of the result
@@ -66,9 +69,13 @@ struct FoundCard {
   PatchAssembly made;
   CuttingCost cost;
   likeness::Figures figures;  ///< as `popcut compare` has them
+  std::optional<likeness::PrintedFigures> printed;  ///< as `popcut compare --printed`
   likeness::ModelPlacement placement;
   std::vector<float> structure;  ///< the opened card, as `likeness::Triangles`
   std::size_t folds{};
+
+  /// What cards are ranked by.
+  [[nodiscard]] double error() const { return printed ? printed->error() : figures.error(); }
 };
 
 /// A usual candidate: what a style makes without a search.
@@ -90,7 +97,9 @@ struct FoundCards {
   /// `most_s`, no panel moves by more than `hands::kFirm_mm` unless `any_hold` asks for it, and
   /// each passes the verifier with one freedom. The last one is the one most like the model.
   std::vector<FoundCard> front;
-  std::size_t recommended{};  ///< of `front`: the easiest whose error is near the least one
+  /// Of `front`: the easiest that looks good; where none does, or all are judged plain, the easiest
+  /// whose error is near the least one.
+  std::size_t recommended{};
   std::vector<UsualCard> usual;
   SearchCounts counts;
   double seen_share{};  ///< of the model's area along the diagonal of the best card or its cards

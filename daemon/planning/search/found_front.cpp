@@ -12,8 +12,9 @@ daemon::FoundCardRecord record_of(const FoundCard& card) {
   out.style = std::string(style_name(card.candidate));
   out.settings = settings_words(card.candidate);
   const likeness::Figures& f = card.figures;
-  out.error = f.error(), out.surface = f.surface(), out.contour = f.contour();
+  out.error = card.error(), out.surface = f.surface(), out.contour = f.contour();
   out.cover = f.cover, out.excess = f.excess;
+  if (card.printed) out.looks = likeness::name_of(likeness::looks(*card.printed));
   out.seconds = card.cost.seconds, out.seconds_range = card.cost.seconds_range;
   out.cut_mm = card.cost.cut_mm, out.fold_mm = card.cost.fold_mm;
   out.sheet_mm = {card.made.u_mm, card.made.book ? card.made.book->width_mm : card.made.v_mm};
@@ -35,6 +36,9 @@ std::string settings_words(const Candidate& candidate) {
   if (candidate.style == DesignStyle::Facets)
     return fmt::format("facets in strips of {:g} mm, planes {:g} mm apart", candidate.strip_mm,
                        candidate.pitch_mm);
+  if (candidate.style == DesignStyle::Silhouette)
+    return fmt::format("silhouette in {} layer{}", candidate.layers,
+                       candidate.layers == 1 ? "" : "s");
   return fmt::format("{} lattice, {} slices of {} units", style_name(candidate), candidate.slices,
                      candidate.units);
 }

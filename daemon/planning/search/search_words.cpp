@@ -64,6 +64,7 @@ daemon::FoundCardRecord read_card(FieldReader& fields) {
     card.label = fields.text("label", {}, short_line(kMostWords));
     card.wobble_mm = figure("wobble_mm");
   }
+  if (fields.has("looks")) card.looks = fields.text("looks", {}, short_line(kMostWords));
   card.warnings = daemon::warnings_from_json(fields.text("warnings", {}));
   daemon::shorten(card.warnings, kMostCardWarnings, kMostNote);
   card.spec = fields.text("spec", {}, {0, kMostSpec, TextRule::Controls::Any});
