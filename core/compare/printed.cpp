@@ -10,8 +10,8 @@
 namespace popcut::likeness {
 namespace {
 
-constexpr double kShade = 0.6;      ///< of a colour, what depends on the lamp
-constexpr double kFinerPrint = 2.0; ///< pixels of the print along each pixel of a view
+constexpr double kShade = 0.6;       ///< of a colour, what depends on the lamp
+constexpr double kFinerPrint = 2.0;  ///< pixels of the print along each pixel of a view
 constexpr Rgb kClay{204, 160, 130}, kBare{255, 255, 255};
 constexpr float kMostDifference = 100.0F;
 constexpr double kGood = 0.16, kFair = 0.26;
@@ -58,7 +58,7 @@ void find_outline(const DepthImage& image, ContourPixels& out) {
 }  // namespace
 
 Looks looks(const PrintedFigures& figures) {
-  return figures.error() <= kGood ? Looks::Good
+  return figures.error() <= kGood   ? Looks::Good
          : figures.error() <= kFair ? Looks::Fair
                                     : Looks::Poor;
 }
@@ -95,19 +95,18 @@ PrintedTarget::Seen PrintedTarget::seen_from(const View& view, int pixels, Trian
   out.colour.assign(width * width, Lab{});
   const Raster raster(out.frame);
   for (std::size_t t = 0; t < colours.size(); ++t)
-    raster.each_span(triangles.subspan(9 * t, 9),
-                     [&](std::size_t row, std::size_t first, std::size_t last, float at,
-                         float slope, float low, float high, int) {
-                       for (std::size_t x = first; x <= last; ++x) {
-                         const float here = std::clamp(
-                             at + slope * static_cast<float>(static_cast<int>(x - first)), low,
-                             high);
-                         float& depth = out.image.depth[row * width + x];
-                         if (!(here > depth)) continue;
-                         depth = here;
-                         out.colour[row * width + x] = colours[t];
-                       }
-                     });
+    raster.each_span(
+        triangles.subspan(9 * t, 9), [&](std::size_t row, std::size_t first, std::size_t last,
+                                         float at, float slope, float low, float high, int) {
+          for (std::size_t x = first; x <= last; ++x) {
+            const float here =
+                std::clamp(at + slope * static_cast<float>(static_cast<int>(x - first)), low, high);
+            float& depth = out.image.depth[row * width + x];
+            if (!(here > depth)) continue;
+            depth = here;
+            out.colour[row * width + x] = colours[t];
+          }
+        });
   if (scene_.corner) draw(out.frame, *scene_.corner, out.backdrop);
   hide_behind(out.backdrop, kTouch * diagonal_mm_, out.image);
   return out;
@@ -120,8 +119,7 @@ const PrintedTarget::Lab* PrintedTarget::printed_at(const Vec3& place) const {
     return static_cast<std::int64_t>(std::floor((mm + 0.5 * frame.side_mm) / frame.pitch_mm()));
   };
   const std::int64_t column = at(dot(from, frame.view.right)), row = at(dot(from, frame.view.up));
-  if (column < 0 || row < 0 || column >= frame.pixels || row >= frame.pixels)
-    return nullptr;
+  if (column < 0 || row < 0 || column >= frame.pixels || row >= frame.pixels) return nullptr;
   const auto k = static_cast<std::size_t>(row * frame.pixels + column);
   return print_.image.depth[k] == kNothing ? nullptr : &print_.colour[k];
 }
@@ -138,9 +136,9 @@ void PrintedTarget::draw_card(const Seen& seen, Triangles structure, DepthImage&
   for (int row = 0; row < frame.pixels; ++row)
     for (int column = 0; column < frame.pixels; ++column, ++p) {
       const bool stands = image.depth[p] != kNothing;
-      const float depth = stands                         ? image.depth[p]
+      const float depth = stands                        ? image.depth[p]
                           : seen.backdrop.depth.empty() ? kNothing
-                                                         : seen.backdrop.depth[p];
+                                                        : seen.backdrop.depth[p];
       if (depth == kNothing) continue;
       const Lab* const print = printed_at(
           frame.centre + (first + pitch * column) * frame.view.right +
@@ -161,9 +159,8 @@ PrintedFigures PrintedTarget::measure(Triangles structure, Buffers& buffers) con
       if (buffers.image.depth[p] == kNothing || seen.image.depth[p] == kNothing) continue;
       ++common;
       const Lab &here = own[p], &there = seen.colour[p];
-      difference += static_cast<double>(
-          std::min(kMostDifference,
-                   std::hypot(here[0] - there[0], here[1] - there[1], here[2] - there[2])));
+      difference += static_cast<double>(std::min(
+          kMostDifference, std::hypot(here[0] - there[0], here[1] - there[1], here[2] - there[2])));
     }
     find_outline(buffers.image, buffers.contours);
     const bool none = seen.outline.pixels.empty(), none_own = buffers.contours.pixels.empty();
@@ -177,8 +174,8 @@ PrintedFigures PrintedTarget::measure(Triangles structure, Buffers& buffers) con
           sum += std::min(most, static_cast<double>(to[pixel]));
         return sum / static_cast<double>(from.pixels.size());
       };
-      contour = 0.5 * (mean(seen.outline, buffers.distances) +
-                       mean(buffers.contours, seen.distances)) /
+      contour = 0.5 *
+                (mean(seen.outline, buffers.distances) + mean(buffers.contours, seen.distances)) /
                 most;
     }
     out.contour += contour / static_cast<double>(seen_.size());

@@ -304,8 +304,7 @@ Result<TargetPlacement> book_placement(const DesignSpec& spec, const SurfaceAsse
   const auto turned = placed(std::move(*mesh), {out.scale_mm, out.rotate_deg, {}});
   if (!turned) return tl::unexpected(turned.error());
   const MeshBox box = box_of(*turned);
-  const double length =
-      is_of_facets(spec.style) ? box.high[1] - box.low[1] : slices_mm(spec);
+  const double length = is_of_facets(spec.style) ? box.high[1] - box.low[1] : slices_mm(spec);
   for (std::size_t k = 0; k < 3; ++k)
     out.translate_mm[k] = (k == 1 ? 0.5 * length : 0.0) - 0.5 * (box.low[k] + box.high[k]);
   return out;

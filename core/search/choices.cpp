@@ -19,8 +19,8 @@ Result<void> check_choices(const std::string& style, int cards, const std::strin
     return fail(ErrorKind::Usage, "/style",
                 style == "facets"
                     ? fmt::format("facets make books of 4 cards only, and you ask for {}", cards)
-                    : fmt::format("is \"{}\", which makes no books, and you ask for {} cards", style,
-                                  cards));
+                    : fmt::format("is \"{}\", which makes no books, and you ask for {} cards",
+                                  style, cards));
   const FrontSide faces = up_side(front);
   if (cards > 1 && faces)
     return fail(ErrorKind::Usage, "/front",

@@ -132,6 +132,26 @@ const std::vector<std::string>& up_words() {
   return words;
 }
 
+const std::vector<std::string>& up_choices() {
+  static const std::vector<std::string> choices = [] {
+    std::vector<std::string> out{kUsualUp};
+    out.insert(out.end(), up_words().begin(), up_words().end());
+    return out;
+  }();
+  return choices;
+}
+
+std::string up_for_file(const std::string& up, std::string_view file, const std::string& front) {
+  if (up != kUsualUp) return up;
+  std::string ending(file.substr(std::min(file.size(), file.find_last_of('.'))));
+  for (char& c : ending)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  const std::string usual = ending == ".obj" || ending == ".glb" || ending == ".gltf" ? "y"
+                            : ending == ".stl"                                        ? "z"
+                                                                                      : "any";
+  return front == usual || front == "-" + usual ? "any" : usual;
+}
+
 UpSide up_side(const std::string& word) {
   if (word == "any") return std::nullopt;
   std::array<int, 3> out{};

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/compare/comparison.hpp"
@@ -50,6 +51,16 @@ using FrontSide = UpSide;
 [[nodiscard]] const std::vector<std::string>& up_words();
 /// @param word  one of `up_words`
 [[nodiscard]] UpSide up_side(const std::string& word);
+
+/// For `up`: as files of its kind usually stand, y for OBJ and glTF, z for STL.
+inline constexpr const char* kUsualUp = "usual";
+/// `up_words`, and `kUsualUp` before them.
+[[nodiscard]] const std::vector<std::string>& up_choices();
+/// The one of `up_words` that is meant for a file. "any" where its name does not tell, or the front
+/// lies along that axis.
+/// @param up, front  one of `up_choices`, of `up_words`
+[[nodiscard]] std::string up_for_file(const std::string& up, std::string_view file,
+                                      const std::string& front);
 
 /// The turns by right angles: 24, or the four that leave `up` upright or put `front` in front, or
 /// the one that does both. None where both are along one axis.

@@ -42,8 +42,7 @@ void merge_vertices(Pattern& p, const std::vector<std::uint32_t>& place) {
   for (std::size_t f = 0; f < p.faces(); ++f) {
     const std::size_t begin = corners.size();
     for (const std::uint32_t vertex : p.face(f))
-      if (corners.size() == begin || corners.back() != now(vertex))
-        corners.push_back(now(vertex));
+      if (corners.size() == begin || corners.back() != now(vertex)) corners.push_back(now(vertex));
     if (corners.size() > begin + 1 && corners.back() == corners[begin]) corners.pop_back();
     first.push_back(static_cast<std::uint32_t>(corners.size()));
   }

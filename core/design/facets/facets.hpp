@@ -29,7 +29,7 @@ struct FacetOptions {
   bool in_paper{true};  ///< panels hold at places that are far enough apart (`paper_rule`)
   int layers{};  ///< upright planes of a silhouette (silhouette.hpp); 0: facets in all planes
   double min_fold_mm{6.0};  ///< of a silhouette: no strut is narrower
-  bool rough{};         ///< fewer sweeps and repairs, and no strips that are cut across
+  bool rough{};             ///< fewer sweeps and repairs, and no strips that are cut across
   FacetWeights weights;
 };
 

@@ -17,11 +17,11 @@ namespace popcut {
 namespace {
 
 constexpr int kLayerSweeps = 6;
-constexpr double kBorder_mm = 1.0;      ///< what 1 mm of a contour may cost in mm of depth
-constexpr double kHeights_mm = 4.0;     ///< struts nearer than this hold about alike
+constexpr double kBorder_mm = 1.0;     ///< what 1 mm of a contour may cost in mm of depth
+constexpr double kHeights_mm = 4.0;    ///< struts nearer than this hold about alike
 constexpr double kLeastPins = 0.5;     ///< a strut that saves less holds nothing
 constexpr int kEach = 2;               ///< of the strips and columns where struts are tried
-constexpr double kStrut_mm3 = 2000.0;   ///< what a strut costs beside the paper that it takes
+constexpr double kStrut_mm3 = 2000.0;  ///< what a strut costs beside the paper that it takes
 constexpr int kMostRounds = 200;
 
 /// The `count` values of a histogram, by steps, that lie nearest to all of it: the least sum of
@@ -45,8 +45,8 @@ std::vector<int> medians(const std::map<int, double>& weight, int count) {
     return value[m] * (2.0 * sum[m] - sum[a] - sum[b]) + moment[a] + moment[b] - 2.0 * moment[m];
   };
   const std::size_t k = std::min(n, static_cast<std::size_t>(count));
-  std::vector<std::vector<double>> least(k + 1,
-                                         std::vector<double>(n + 1, std::numeric_limits<double>::infinity()));
+  std::vector<std::vector<double>> least(
+      k + 1, std::vector<double>(n + 1, std::numeric_limits<double>::infinity()));
   std::vector<std::vector<std::size_t>> from(k + 1, std::vector<std::size_t>(n + 1, 0));
   least[0][0] = 0.0;
   for (std::size_t parts = 1; parts <= k; ++parts)
@@ -97,7 +97,8 @@ class LayerLabels {
     const std::size_t across = raster.columns / static_cast<std::size_t>(grid.columns),
                       along = raster.rows / static_cast<std::size_t>(grid.strips);
     const double area = raster.column_mm * raster.row_mm;
-    const double other_mm = 2.0 * grid.step_mm * layers_[static_cast<Label>(layers_.size() - 1)].offset;
+    const double other_mm =
+        2.0 * grid.step_mm * layers_[static_cast<Label>(layers_.size() - 1)].offset;
     std::vector<double> cost(layers_.size() * static_cast<std::size_t>(grid.columns), 0.0);
     for (int i = 0; i < grid.columns; ++i) {
       double* const out = cost.data() + static_cast<std::size_t>(i) * layers_.size();
@@ -109,10 +110,13 @@ class LayerLabels {
           const double x_mm = target_.x_mm(row, at);
           for (std::size_t l = 0; l < layers_.size(); ++l) {
             const bool is_paper = l >= 2;
-            out[l] += area * (is_paper != is_empty ? is_paper
-                                  ? std::abs(grid.step_mm * layers_[static_cast<Label>(l)].offset - x_mm)
-                                  : 0.0
-                              : other_mm);
+            out[l] +=
+                area *
+                (is_paper != is_empty
+                     ? is_paper
+                           ? std::abs(grid.step_mm * layers_[static_cast<Label>(l)].offset - x_mm)
+                           : 0.0
+                     : other_mm);
           }
         }
       for (std::size_t l = 0; l < layers_.size(); ++l) {
@@ -138,7 +142,8 @@ class LayerLabels {
         cost[i * layers_.size() + static_cast<std::size_t>(beside[i])] -= border;
     }
     return solver_
-        .solve({layers_, grid, cost, labelling_.limits().least_run, 0.0, kBorder_mm * grid.strip_mm})
+        .solve(
+            {layers_, grid, cost, labelling_.limits().least_run, 0.0, kBorder_mm * grid.strip_mm})
         .label;
   }
 
@@ -156,7 +161,8 @@ class LayerHolder {
       : card_(card),
         how_(how),
         out_(out),
-        width_(std::max(1, static_cast<int>(std::ceil(how.min_fold_mm / card.grid().strip_mm - 1e-9)))) {}
+        width_(std::max(
+            1, static_cast<int>(std::ceil(how.min_fold_mm / card.grid().strip_mm - 1e-9)))) {}
 
   void run(const Progress& progress) {
     drop_all_small();

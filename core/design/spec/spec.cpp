@@ -152,7 +152,8 @@ class Design {
                    fmt::format("is {:g}; facets are made for 90 degrees only",
                                spec_.placement.design_angle_deg));
     if (!spec_.facets.length_mm && !solid_word(spec_.surface))
-      return wrong(spec_.style == DesignStyle::Facets ? "facets/length_mm" : "silhouette/length_mm",ErrorKind::Malformed,
+      return wrong(spec_.style == DesignStyle::Facets ? "facets/length_mm" : "silhouette/length_mm",
+                   ErrorKind::Malformed,
                    fmt::format("is missing; must be a number above 0 and at most {:g}, since a "
                                "formula does not say where it ends",
                                kMaxLength));
@@ -402,7 +403,8 @@ void read_patches(FieldReader& fields, const json& root, SpecFields& whole) {
 // ---- the schema
 
 /// The forms of a spec, each with what it needs and what cannot stand beside it: a lattice of one
-/// region, one of several regions, patches, facets, a silhouette. A book goes with lattices or has four cards.
+/// region, one of several regions, patches, facets, a silhouette. A book goes with lattices or has
+/// four cards.
 constexpr std::string_view kForms = R"({
   "one": {"required": ["surface", "units_per_slice", "slices", "widths_mm"],
           "properties": {"style": {"const": "lattice"}, "facets": false, "silhouette": false,
@@ -476,7 +478,8 @@ std::string design_spec_schema() {
   const SpecTables tables = spec_tables(usual);
   json forms = *parse_json(kForms);
   json &one = forms["one"], &several = forms["several"], &patches = forms["patches"],
-       &facets = forms["facets"], &silhouette = forms["silhouette"], &patch = forms["patch"], &schema = forms["spec"];
+       &facets = forms["facets"], &silhouette = forms["silhouette"], &patch = forms["patch"],
+       &schema = forms["spec"];
   forbid(several, kOneRegion);
   for (json* form : {&facets, &silhouette}) forbid(*form, kOfLattices);
   patch["oneOf"] = {one, several};

@@ -59,11 +59,13 @@ struct AugmentedSpec {
 
 /// What a structure is made of.
 enum class DesignStyle {
-  Lattice,  ///< slices of falling staircases, paired level by level
-  Facets,   ///< origamic architecture: each point of the sheet lies in a plane of its own choice
+  Lattice,    ///< slices of falling staircases, paired level by level
+  Facets,     ///< origamic architecture: each point of the sheet lies in a plane of its own choice
   Silhouette  ///< facets in a few upright planes with the target's outline, on struts
 };
-[[nodiscard]] constexpr bool is_of_facets(DesignStyle style) { return style != DesignStyle::Lattice; }
+[[nodiscard]] constexpr bool is_of_facets(DesignStyle style) {
+  return style != DesignStyle::Lattice;
+}
 
 /// How facets follow the curved parts of a target.
 enum class CurvedParts {

@@ -201,7 +201,8 @@ Result<Target> target_of_patches(const std::vector<DesignSpec>& patches, const T
 Result<Target> read_target(const DesignSpec& spec, const TargetFiles& files) {
   if (is_of_facets(spec.style))
     return fail(ErrorKind::Malformed, "/style",
-                "is facets or a silhouette, which have no fold vertices on the shape; leave --target out, and see "
+                "is facets or a silhouette, which have no fold vertices on the shape; leave "
+                "--target out, and see "
                 "facets in report.json for the distance");
   return spec.patches.empty() ? target_of(spec, files) : target_of_patches(spec.patches, files);
 }

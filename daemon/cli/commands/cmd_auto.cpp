@@ -193,9 +193,10 @@ void add_search_options(const Command& command, ModelSearchOptions& search) {
                               "What cards are made of: any, facets, any lattice, or one lattice"),
            styles, "any");
   one_word(command.add_option("--up", search.up,
-                              "Which axis of the file points up (mostly y or z); any: as the card "
-                              "looks most like the model, which may then lie on its side"),
-           up_words(), "any");
+                              "Which axis of the file points up; usual: y in OBJ and GLB, z in "
+                              "STL; any: as the card looks most like the model, which may then lie "
+                              "on its side"),
+           up_choices(), kUsualUp);
   one_word(command.add_option("--front", search.front,
                               "Which axis of the file points out of the card, toward you (a house: "
                               "out of its door); any: popcut chooses"),

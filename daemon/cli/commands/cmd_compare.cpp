@@ -152,9 +152,9 @@ Result<void> write_files(const Options& options, const CompareReport& report,
                          const ComparedStructure& structure) {
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
-  const auto picture = compare_picture(aim, target.triangles, structure.triangles,
-                                       fmt::format("{} against {}: error {:.4f}", report.pattern,
-                                                   report.target, report.error()));
+  const auto picture = compare_picture(
+      aim, target.triangles, structure.triangles,
+      fmt::format("{} against {}: error {:.4f}", report.pattern, report.target, report.error()));
   if (!picture) return tl::unexpected(picture.error());
   if (auto done = folder->add("compare.png", *picture); !done) return done;
   if (auto done = folder->add("compare.json", compare_json(report)); !done) return done;

@@ -99,7 +99,7 @@ std::string front_json(const ModelSearchOptions& options, const SearchedModel& m
       {"max_minutes", options.max_minutes},
       {"style", options.style},
       {"cards", options.cards},
-      {"up", options.up},
+      {"up", model.up},
       {"front", options.front},
       {"marks", options.marks},
       {"seed", options.seed},
@@ -140,9 +140,8 @@ std::string front_text(const ModelSearchOptions& options, const SearchedModel& m
         front_folder(card, k), card.cost.hands.label, card.cost.hands.folds,
         card.cost.hands.shortest_mm, std::max(1.0, card.cost.hands.time_s / 60.0),
         card.cost.seconds / 60.0,
-        card.printed
-            ? fmt::format("looks {}; ", likeness::name_of(likeness::looks(*card.printed)))
-            : std::string(),
+        card.printed ? fmt::format("looks {}; ", likeness::name_of(likeness::looks(*card.printed)))
+                     : std::string(),
         card.error(), planning::settings_words(card.candidate));
   }
   for (const std::string& note : found.notes) out += fmt::format("  note     {}\n", note);
@@ -152,7 +151,12 @@ std::string front_text(const ModelSearchOptions& options, const SearchedModel& m
       "and ground{}\n",
       is_book ? fmt::format("{} cards", options.cards) : std::string("one card"),
       100.0 * found.seen_share, is_book ? " of each" : "");
-  if (options.up == "any")
+  if (options.up == kUsualUp && model.up != "any")
+    out += fmt::format(
+        "  upright  {} points up, as in most such files; if the model lies down, say which axis "
+        "points up, such as --up {}\n",
+        model.up, model.up == "y" ? "z" : "y");
+  else if (model.up == "any")
     out +=
         "  upright  the model may lie on its side; to have it upright, say which axis of the file "
         "points up: --up y or --up z\n";

@@ -74,9 +74,10 @@ Result<SearchedModel> search_model(const ModelSearchOptions& options,
   request.plan.mat = options.mat;
   request.plan.marks = options.marks;
   request.styles = style_choice(options.style);
-  request.up = up_side(options.up), request.front = up_side(options.front);
+  out.up = up_for_file(options.up, options.model, options.front);
+  request.up = up_side(out.up), request.front = up_side(options.front);
   request.cards = options.cards;
-  if (const auto fit = check_choices(options.style, options.cards, options.up, options.front); !fit)
+  if (const auto fit = check_choices(options.style, options.cards, out.up, options.front); !fit)
     return tl::unexpected(client::on_command_line(fit.error()));
   request.most_s = 60.0 * options.max_minutes;
   if (options.most_folds > 0)

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/result.hpp"
+#include "core/search/standing.hpp"
 #include "daemon/planning/search/card_search.hpp"
 
 namespace popcut::cli {
@@ -16,7 +17,7 @@ namespace popcut::cli {
 struct ModelSearchOptions {
   std::string model;  ///< file
   std::string machine, material, mat;
-  std::string style{"any"}, up{"any"}, front{"any"};
+  std::string style{"any"}, up{kUsualUp}, front{"any"};
   int cards{1};  ///< of a book
   double max_minutes{15.0}, effort{1.0};
   std::uint64_t seed{1};
@@ -34,6 +35,7 @@ struct SearchedModel {
   std::string name;   ///< of the file, without folders
   std::string file;   ///< as the specs give it
   std::string bytes;  ///< of the file
+  std::string up;     ///< one of `up_words`: what was asked for, or what such files usually have
   Material material;
   planning::FoundCards found;
 };

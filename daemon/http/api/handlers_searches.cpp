@@ -17,6 +17,7 @@ std::vector<std::string> style_words() {
 }
 
 std::vector<std::string> axis_words() { return up_words(); }
+std::vector<std::string> up_axis_words() { return up_choices(); }
 
 }  // namespace
 
@@ -32,10 +33,10 @@ const Body body::kSearchRequest{
          text("machine", kIdLimit),
          text("device", kIdLimit).described("a cutter, instead of 'machine'"),
          text("material", kIdLimit), word("style", style_words).by_default(0),
-         word("up", axis_words)
+         word("up", up_axis_words)
              .by_default(0)
-             .described(
-                 "the axis of the file that points up; any: popcut chooses the most similar card"),
+             .described("the axis of the file that points up; usual: by the name of the model, y "
+                        "for OBJ and GLB, z for STL; any: popcut chooses the most similar card"),
          word("front", axis_words)
              .by_default(0)
              .described("the axis of the file that points out of the card, toward you; any: popcut "

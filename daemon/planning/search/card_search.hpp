@@ -68,7 +68,7 @@ struct FoundCard {
   std::string spec;  ///< `design` makes exactly this card from it
   PatchAssembly made;
   CuttingCost cost;
-  likeness::Figures figures;  ///< as `popcut compare` has them
+  likeness::Figures figures;                        ///< as `popcut compare` has them
   std::optional<likeness::PrintedFigures> printed;  ///< as `popcut compare --printed`
   likeness::ModelPlacement placement;
   std::vector<float> structure;  ///< the opened card, as `likeness::Triangles`

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/search/choices.hpp"
+#include "core/search/standing.hpp"
 #include "daemon/planning/search/search_words.hpp"
 #include "daemon/planning/search/searched_mat.hpp"
 #include "daemon/planning/task_inputs.hpp"
@@ -181,7 +182,8 @@ Answer<SearchRepository::Row> SearchRepository::row_for(const Principal& who,
       first_text);
   if (!label)
     return refuse(ProblemKind::NotFound, fmt::format("there is no asset {:?}", request.model));
-  if (const auto fit = check_choices(request.style, request.cards, request.up, request.front); !fit)
+  const std::string up = up_for_file(request.up, *label, request.front);
+  if (const auto fit = check_choices(request.style, request.cards, up, request.front); !fit)
     return tl::unexpected(not_valid(fit.error()));
   const Answer<MaterialRecord> material = parts_.plans.material_named(
       request.material.empty() ? std::string(kUsualMaterial) : request.material);
@@ -191,7 +193,7 @@ Answer<SearchRepository::Row> SearchRepository::row_for(const Principal& who,
   if (const auto fits = check_plan(request, machine->json, material->json); !fits)
     return tl::unexpected(fits.error());
   CardSearchRequest wanted = request;
-  wanted.name = planning::design_name(*label);
+  wanted.name = planning::design_name(*label), wanted.up = up;
   Row row;
   row.owner = who.name, row.model = request.model;
   row.words = planning::search_words(wanted);

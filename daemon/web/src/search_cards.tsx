@@ -14,6 +14,7 @@ import { designWords, small } from './words_design';
 const words = designWords.search;
 
 const kSides = Object.entries(words.sides) as [string, string][];
+const kUps = [...Object.entries(words.upSides), ...kSides] as [string, string][];
 const kEfforts: [string, string][] = [[String(searching.kQuick), words.quick], [String(searching.kThorough), words.thorough]];
 
 function Wishes({ of, again }: { of: string; again: boolean }) {
@@ -28,7 +29,7 @@ function Wishes({ of, again }: { of: string; again: boolean }) {
       </label>
       <Choice label={words.cards} value={String(asked.cards)} options={searching.kCards.map((n) => [String(n), words.cardsOf(n)])}
         onChange={(n) => set({ cards: Number(n) })} />
-      <Choice label={words.up} value={asked.up} options={kSides} onChange={(up) => set({ up })} />
+      <Choice label={words.up} value={asked.up} options={kUps} onChange={(up) => set({ up })} />
       {asked.cards === 1 && <Choice label={words.front} value={asked.front} options={kSides} onChange={(front) => set({ front })} />}
       <Choice label={words.effort} value={String(asked.effort)} options={kEfforts} onChange={(effort) => set({ effort: Number(effort) })} />
       <Tick checked={asked.marks} onChange={(marks) => set({ marks })}>{words.marks}</Tick>
@@ -56,12 +57,12 @@ function Found({ of }: { of: Search }) {
         const on = desk.spec.value === spec;
         return (
           <li key={card.card}>
-            <button type="button" class={on ? 'found-card found-on' : 'found-card'} aria-pressed={on} title={card.settings}
+            <button type="button" class={on ? 'found-card found-on' : 'found-card'} aria-pressed={on} title={`${card.settings}; ${words.error(small(card.error))}`}
               onClick={() => desk.begin(spec, { made: true })}>
               <Picture path={card.links.picture} alt={words.picture(card.card, last)} class="found-picture" />
               <span class="found-words">
                 <strong>{words.hands(card.label, card.folds, card.hand_seconds)}</strong>
-                <span class="figure">{words.error(small(card.error))}</span>
+                <span class="figure">{words.looks[card.looks] ?? words.error(small(card.error))}</span>
                 {card.card === last && <span class="found-best">{words.best}</span>}
               </span>
             </button>

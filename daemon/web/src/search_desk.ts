@@ -20,7 +20,7 @@ export const kThorough = 1;
 export const kCards = [1, 3, 4, 5, 6, 8, 12];
 const kLook_ms = [300, 500, 1000];
 
-export const asked = signal<Asked>({ max_minutes: 15, cards: 1, up: 'any', front: 'any', effort: kQuick, marks: false });
+export const asked = signal<Asked>({ max_minutes: 15, cards: 1, up: 'usual', front: 'any', effort: kQuick, marks: false });
 /** The asset that is or was searched last. */
 export const model = signal<string | null>(null);
 export const search = signal<Search | null>(null);

@@ -250,6 +250,8 @@ export const designWords = localized({
     up: 'What points up in the file',
     front: 'What faces you in the file',
     sides: { any: 'any side', x: 'x', y: 'y', z: 'z', '-x': '-x', '-y': '-y', '-z': '-z' } as Record<string, string>,
+    upSides: { usual: 'as such files usually stand' } as Record<string, string>,
+    looks: { good: 'looks good', fair: 'looks fair', poor: 'looks poor' } as Record<string, string>,
     effort: 'How long to search',
     quick: 'short: under a minute',
     thorough: 'thorough: a few minutes',

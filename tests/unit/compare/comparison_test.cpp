@@ -3,11 +3,14 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <random>
+#include <string>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
 #include "core/compare/comparison.hpp"
+#include "core/compare/printed.hpp"
 #include "tests/support/boxes.hpp"
 
 namespace comparison_test {
@@ -190,6 +193,67 @@ TEST_CASE("distances from contours are those of the nearest pixel", "[core][comp
       REQUIRE_THAT(image[static_cast<std::uint32_t>(p)], WithinAbs(least, 1e-4));  // floats
     }
   }
+}
+
+/// A card that stands around nothing: a board at x = 10, in front of the wall.
+std::vector<float> board(double height_mm) {
+  return box_between(Vec3(10, 0, 0), Vec3(10.2, 80, height_mm));
+}
+
+TEST_CASE("nothing looks more like a model than the model itself, printed", "[core][compare]") {
+  Scene scene;
+  scene.views = cone_views(), scene.pixels = 128, scene.corner = Corner{};
+  std::mt19937 random(5);
+  for (int k = 0; k < 4; ++k) {
+    const std::vector<float> model = shifted(random_boxes(random, 4), Vec3(1, 0, 0.5));
+    const PrintedTarget target(model, {}, scene);
+    REQUIRE_FALSE(target.is_unseen());
+    const PrintedFigures same = target.measure(model);
+    CHECK_THAT(same.cover, WithinAbs(1.0, 1e-12));
+    // What the diagonal does not see has the colour before it, and print lies on the card beyond.
+    CHECK(same.error() < 0.2);
+    for (const Vec3& by : {Vec3(4, 0, 4), Vec3(0, 4, 0), Vec3(8, 0, 0)})
+      CHECK(target.measure(shifted(model, by)).error() > same.error());
+  }
+}
+
+TEST_CASE("the same picture on flat paper looks worse from the side, and bare paper worse still",
+          "[core][compare]") {
+  Scene scene;
+  scene.views = cone_views(), scene.pixels = 128, scene.corner = Corner{};
+  const std::vector<float> model = box_between(Vec3(5, 10, 0), Vec3(45, 70, 40));
+  const PrintedTarget target(model, {}, scene);
+  const double own = target.measure(model).error(), flat = target.measure({}).error(),
+               standing = target.measure(board(60)).error();
+  CHECK(own < standing);
+  CHECK(standing < flat);
+  // Seen along the diagonal alone, any paper shows the model: parallax makes the difference.
+  scene.views = {view_from(Vec3(1, 0, 1))};
+  const PrintedTarget ahead(model, {}, scene);
+  CHECK(ahead.measure({}).error() < 0.01);
+  CHECK(ahead.measure(board(30)).error() < 0.03);
+}
+
+TEST_CASE("parallax shows where colours meet", "[core][compare]") {
+  Scene scene;
+  scene.views = cone_views(), scene.pixels = 128, scene.corner = Corner{};
+  std::vector<float> model = box_between(Vec3(5, 10, 0), Vec3(45, 40, 40));
+  const std::size_t first = model.size() / 9;
+  append(model, box_between(Vec3(5, 40, 0), Vec3(45, 70, 40)));
+  const std::vector<Rgb> red(model.size() / 9, Rgb{255, 0, 0});
+  std::vector<Rgb> both = red;
+  std::fill(both.begin() + static_cast<std::ptrdiff_t>(first), both.end(), Rgb{0, 0, 255});
+  const double one = PrintedTarget(model, red, scene).measure(board(60)).colour,
+               two = PrintedTarget(model, both, scene).measure(board(60)).colour;
+  INFO(one << " in one colour, " << two << " in two");
+  CHECK(two > 1.2 * one);
+}
+
+TEST_CASE("words for looks follow the error", "[core][compare]") {
+  CHECK(looks({0.05, 0.02, 0.95}) == Looks::Good);
+  CHECK(looks({0.08, 0.04, 0.90}) == Looks::Fair);
+  CHECK(looks({0.2, 0.1, 0.6}) == Looks::Poor);
+  CHECK(name_of(Looks::Fair) == std::string("fair"));
 }
 
 }  // namespace comparison_test

@@ -2,6 +2,7 @@
 // What paper and hands add to a card: how firmly its panels hold, and what it costs to fold it.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -10,13 +11,17 @@
 #include <catch2/catch.hpp>
 
 #include "core/design/facets/facets.hpp"
+#include "core/design/facets/silhouette.hpp"
 #include "core/design/patches.hpp"
 #include "core/design/spec/spec.hpp"
 #include "core/hands/folding.hpp"
 #include "core/hands/waste.hpp"
 #include "core/hands/wobble.hpp"
+#include "core/judge/sound_design.hpp"
 #include "tests/support/box_card.hpp"
 #include "tests/support/boxes.hpp"
+#include "tests/support/random_numbers.hpp"
+#include "tests/support/rounds.hpp"
 
 namespace hands_test {
 
@@ -89,6 +94,28 @@ std::vector<double> drawn_wobble(const Pattern& pattern, int draws, std::mt19937
   for (const std::vector<double>& face : squares)
     out.push_back(std::sqrt(std::ranges::max(face) / draws));
   return out;
+}
+
+/// Boxes, and pyramids on some of them, cut out as layers.
+FacetCard silhouette_of(std::mt19937& random, int layers, double min_fold_mm) {
+  TriangleSoup soup;
+  for (int k = 0; k < 4; ++k) {
+    const double x0 = testing::uniform(random, 0, 30), x = x0 + testing::uniform(random, 10, 30),
+                 v = testing::uniform(random, 0, 60), w = testing::uniform(random, 15, 40),
+                 z0 = k % 2 == 0 ? 0.0 : testing::uniform(random, 0, 20),
+                 z = z0 + testing::uniform(random, 15, 40);
+    soup.add({x, v, z0}, {x, v + w, z0}, {x, v + w, z});
+    soup.add({x, v, z0}, {x, v + w, z}, {x, v, z});
+    soup.add({x, v, z}, {x, v + w, z}, {(x0 + x) / 2, v + w / 2, z + 10});
+    soup.add({x0, v, z}, {x, v, z}, {(x0 + x) / 2, v + w / 2, z + 10});
+    soup.add({x0, v, z}, {x0, v + w, z}, {x, v + w, z});
+  }
+  FacetOptions options;
+  options.to_mm = 100, options.pitch_mm = options.strip_mm = 1;
+  options.layers = layers, options.min_fold_mm = min_fold_mm;
+  auto made = facet_card(soup, options);
+  REQUIRE(made);
+  return std::move(*made);
 }
 
 /// Boxes and slopes at random places, as facets.
@@ -183,6 +210,108 @@ TEST_CASE("facets hold in paper where their spec does not ask for exact geometry
     CHECK(paper->loose_share < 0.02);
   }
   CHECK(loose_exact > 0);
+}
+
+TEST_CASE("layers of a silhouette lie nearest to what is seen, as every choice of planes shows",
+          "[hands]") {
+  std::mt19937 random(11);
+  const FacetGrid grid{1.0, 12, 24, 1.0, 4, 0.0};
+  for (int k = 0; k < 30; ++k) {
+    SeenTarget seen{{-12.0, 1.0, 0.0, 1.0, 24, 4}, {}, {}};
+    for (std::size_t point = 0; point < 96; ++point) {
+      const bool stands = testing::uniform(random, 0, 1) < 0.4;
+      const double across = seen.raster.across_mm(point % 24);
+      seen.facing.push_back(stands ? Facing::Elsewhere : Facing::Card);
+      seen.depth_mm.push_back(static_cast<float>(
+          std::abs(across) + (stands ? 2.0 * testing::whole(random, 0, 6) : 0.0)));
+    }
+    const int layers = 1 + k % 3;
+    const FacetPlanes planes = silhouette_planes(seen, grid, layers, 12, 12);
+    std::vector<int> chosen;
+    for (std::size_t l = 2; l < planes.size(); ++l)
+      if (planes[static_cast<Label>(l)].upright)
+        chosen.push_back(planes[static_cast<Label>(l)].offset);
+    const auto cost = [&](const std::vector<int>& offsets) {
+      double sum = 0.0;
+      for (std::size_t row = 0; row < 4; ++row)
+        for (std::size_t c = 0; c < 24; ++c) {
+          if (seen.facing[row * 24 + c] == Facing::Card) continue;
+          const double x = std::clamp(std::round(seen.x_mm(row, c)), 1.0, 12.0);
+          double least = 1e9;
+          for (const int offset : offsets) least = std::min(least, std::abs(offset - x));
+          sum += least;
+        }
+      return sum;
+    };
+    double least = 1e9;
+    for (int a = 1; a <= 12; ++a)
+      for (int b = a; b <= (layers > 1 ? 12 : a); ++b)
+        for (int c = b; c <= (layers > 2 ? 12 : b); ++c) least = std::min(least, cost({a, b, c}));
+    CAPTURE(k, layers, chosen);
+    CHECK(cost(chosen) == Approx(least));
+  }
+}
+
+TEST_CASE("a silhouette has few folds, none shorter than asked, and holds in paper", "[hands]") {
+  std::mt19937 random(9);
+  const int rounds = testing::rounds(40, 8);
+  for (int k = 0; k < rounds; ++k) {
+    const int layers = 1 + k % 4;
+    const double min_fold_mm = testing::uniform(random, 6.0, 12.0);
+    const FacetCard card = silhouette_of(random, layers, min_fold_mm);
+    const Pattern& pattern = card.pattern.built.pattern;
+    CAPTURE(k, layers, min_fold_mm);
+    CHECK(card.pattern.motion.degrees_of_freedom == 1);
+    CHECK(card.pattern.motion.pieces == 1);
+    const auto wobble = hands::wobble_of(pattern);
+    REQUIRE(wobble);
+    CHECK(wobble->largest_mm <= hands::kFirm_mm);
+    std::size_t folds = 0;
+    for (const SheetLine& line : pattern.lines) {
+      if (line.role != EdgeRole::Mountain && line.role != EdgeRole::Valley) continue;
+      ++folds;
+      const bool is_spine = std::abs(line.u0 - pattern.wall_mm) < 1e-6;
+      if (!is_spine) CHECK(std::abs(line.v1 - line.v0) >= min_fold_mm - 1e-6);
+    }
+    CHECK(folds <= 3 + 10U * static_cast<std::size_t>(layers));
+    PatchAssembly made;
+    made.parts.emplace_back().pattern = pattern;
+    made.parts.back().report.degrees_of_freedom = 1;
+    made.parts.back().report.pieces = 1;
+    CHECK_FALSE(judge::find_unsound(made));
+  }
+}
+
+TEST_CASE("the outline of a silhouette is smooth, and lies where the shape ends", "[hands]") {
+  // A disc of 30 mm that faces the diagonal: on the sheet a circle, stretched along u.
+  TriangleSoup disc;
+  const Vec3 middle(40, 40, 40), right(0, 1, 0), up(-std::sqrt(0.5), 0, std::sqrt(0.5));
+  const auto rim = [&](int k) {
+    const double turn = k * std::numbers::pi / 60;
+    return Vec3(middle + 30 * std::cos(turn) * right + 30 * std::sin(turn) * up);
+  };
+  for (int k = 0; k < 120; ++k) disc.add(middle, rim(k), rim(k + 1));
+  FacetOptions options;
+  options.to_mm = 80, options.pitch_mm = options.strip_mm = 1, options.layers = 1;
+  const auto card = facet_card(disc, options);
+  REQUIRE(card);
+  const Pattern& pattern = card->pattern.built.pattern;
+  const double margin_mm = card->card.margin_mm;
+  std::size_t on_rim = 0;
+  double sharpest = 1.0;
+  for (const SheetLine& line : pattern.lines) {
+    if (line.role != EdgeRole::Slit) continue;
+    const auto off = [&](double u, double v) {  // from the circle, mm
+      return std::abs(std::hypot((u - pattern.wall_mm) / std::sqrt(2.0), v - margin_mm - 40) - 30);
+    };
+    if (off(line.u0, line.v0) > 3 || off(line.u1, line.v1) > 3) continue;
+    ++on_rim;
+    CHECK(off(line.u0, line.v0) < 1.2);
+    CHECK(off(line.u1, line.v1) < 1.2);
+    sharpest = std::min(sharpest, std::hypot(line.u1 - line.u0, line.v1 - line.v0));
+  }
+  CHECK(on_rim > 10);
+  CHECK(on_rim < 90);  // 240 in steps of a strip
 }
 
 TEST_CASE("wobble is not measured of too many faces or of none that stands", "[hands]") {

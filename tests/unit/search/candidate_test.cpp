@@ -48,13 +48,14 @@ TEST_CASE("the same seed draws the same candidates, each of its style", "[search
     CHECK(changed.style == one.style);
     CHECK_FALSE(changed.usual);
   }
-  CHECK(styles ==
-        std::set<std::string>{"facets", "slices", "branching", "levels", "conformal", "direct"});
+  CHECK(styles == std::set<std::string>{"facets", "silhouette", "slices", "branching", "levels",
+                                        "conformal", "direct"});
   CHECK(ways == std::set<std::size_t>{0, 1, 2, 3});
   for (const StyleChoice& choice : style_choices())
     if (choice.name != "any") {
       const Candidate one = drawn_candidate(choice, 1, 1, 3, 5);
       CHECK((one.style == DesignStyle::Facets) == choice.facets);
+      CHECK((one.style == DesignStyle::Silhouette) == choice.silhouettes);
       CHECK_FALSE(usual_candidates(choice, 1).empty());
     }
 }
@@ -84,7 +85,9 @@ TEST_CASE("the usual candidates are designed about as large as the sheet", "[sea
       INFO((made ? std::string() : message(made.error())));
       REQUIRE(made);
       CHECK(made->report.degrees_of_freedom == 1);
-      CHECK(made->pattern.wall_mm + made->pattern.ground_mm <= 300.0);
+      // What lies behind a layer comes forward to it, and so shuts a little farther out.
+      const double room_mm = candidate.style == DesignStyle::Silhouette ? 330.0 : 300.0;
+      CHECK(made->pattern.wall_mm + made->pattern.ground_mm <= room_mm);
       CHECK(made->pattern.width_mm <= 200.0);
       REQUIRE(made->pattern.model_placement);
       // The model begins at the margin of the sheet, give or take half a slice.
@@ -193,11 +196,50 @@ TEST_CASE("a model in a book stands about the spine and each card has room for i
   CHECK_THAT(down.box.high[1], WithinAbs(50.0, 1e-3));
 }
 
+TEST_CASE("a model stands as files of its kind do, unless that is said or its front forbids it",
+          "[search]") {
+  for (const auto& [file, up] : {std::pair{"a/b.OBJ", "y"},
+                                 {"c.glb", "y"},
+                                 {"d.e.stl", "z"},
+                                 {"teapot", "any"},
+                                 {"obj", "any"},
+                                 {".stl", "z"},
+                                 {"", "any"}}) {
+    CAPTURE(file);
+    CHECK(up_for_file(kUsualUp, file, "any") == up);
+    CHECK(up_for_file(kUsualUp, file, "x") == up);
+    CHECK(up_for_file("-x", file, "any") == "-x");
+    CHECK(up_for_file("any", file, "y") == "any");
+  }
+  CHECK(up_for_file(kUsualUp, "a.obj", "-y") == "any");
+  CHECK(up_for_file(kUsualUp, "a.stl", "-y") == "z");
+}
+
+TEST_CASE("silhouettes of few layers stand in each way, and a card alone has them", "[search]") {
+  const auto all = silhouette_candidates(style_choice("any"), 3);
+  std::set<std::pair<std::size_t, int>> seen;
+  for (const Candidate& one : all) {
+    CHECK(one.style == DesignStyle::Silhouette);
+    CHECK(style_name(one) == "silhouette");
+    seen.emplace(one.way, one.layers);
+  }
+  CHECK(seen.size() == 12);
+  CHECK(silhouette_candidates(style_choice("facets"), 3).empty());
+  const auto spec =
+      parse_design_spec(spec_text(all[6], way_of(box_mesh({0, 0, 0}, {1, 2, 1}, false), {}), 20.0,
+                                  {"box", "box.stl", "paper-220"}));
+  REQUIRE(spec);
+  CHECK(spec->style == DesignStyle::Silhouette);
+  CHECK(spec->facets.layers == all[6].layers);
+}
+
 TEST_CASE("facets are for books of four cards only", "[search]") {
   for (const StyleChoice& choice : style_choices()) {
     CHECK(styles_for_cards(choice, 1).facets == choice.facets);
     CHECK(styles_for_cards(choice, 4).facets == choice.facets);
     CHECK_FALSE(styles_for_cards(choice, 6).facets);
+    CHECK(styles_for_cards(choice, 1).silhouettes == choice.silhouettes);
+    CHECK_FALSE(styles_for_cards(choice, 4).silhouettes);
     CHECK(styles_for_cards(choice, 6).lattices == choice.lattices);
     for (const Candidate& candidate : usual_candidates(styles_for_cards(choice, 6), 6)) {
       CHECK(candidate.cards == 6);

@@ -25,6 +25,7 @@ TEST_CASE("what a search is asked for goes together, or the member to change is 
   };
   for (const int cards : {-1, 0, 2, 13}) CHECK(place("any", cards, "any", "any") == "/cards");
   for (const int cards : {3, 5, 12}) CHECK(place("facets", cards, "any", "any") == "/style");
+  CHECK(place("silhouette", 4, "any", "any") == "/style");
   CHECK(place("any", 4, "any", "x") == "/front");
   for (const char* front : {"z", "-z"}) CHECK(place("any", 1, "z", front) == "/front");
 }
