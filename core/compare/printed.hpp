@@ -12,7 +12,7 @@
 
 namespace popcut::likeness {
 
-/// How a printed card looks beside the model that it shows (docs/hands.md, section 4).
+/// How a printed card looks beside the model that it shows (docs/hands.md, section 5).
 struct PrintedFigures {
   double colour{};   ///< mean difference where both are seen: CIE L*a*b*, of 100
   double contour{};  ///< mean distance of the outlines, both ways: of the target's diagonal
@@ -22,7 +22,7 @@ struct PrintedFigures {
 };
 
 enum class Looks : std::uint8_t { Good, Fair, Poor };
-/// The word for a figure. The thresholds were set on pictures (docs/hands.md, section 4).
+/// The word for a figure. The thresholds were set on pictures (docs/hands.md, section 5).
 [[nodiscard]] Looks looks(const PrintedFigures& figures);
 [[nodiscard]] const char* name_of(Looks looks);
 

@@ -39,12 +39,21 @@ Handwork handwork(std::span<const double> fold_lengths_mm, std::size_t waste, st
   return out;
 }
 
-Handwork handwork(const Pattern& pattern, const Hands& hands) {
+Handwork handwork(std::span<const Pattern* const> patterns, const Hands& hands) {
   std::vector<double> lengths_mm;
-  for (const SheetLine& line : pattern.lines)
-    if (line.role == EdgeRole::Mountain || line.role == EdgeRole::Valley)
-      lengths_mm.push_back(std::hypot(line.u1 - line.u0, line.v1 - line.v0));
-  return handwork(lengths_mm, waste_pieces(pattern), 0, hands);
+  std::size_t waste = 0;
+  for (const Pattern* pattern : patterns) {
+    waste += waste_pieces(*pattern);
+    for (const SheetLine& line : pattern->lines)
+      if (line.role == EdgeRole::Mountain || line.role == EdgeRole::Valley)
+        lengths_mm.push_back(std::hypot(line.u1 - line.u0, line.v1 - line.v0));
+  }
+  return handwork(lengths_mm, waste, 0, hands);
+}
+
+Handwork handwork(const Pattern& pattern, const Hands& hands) {
+  const Pattern* const one = &pattern;
+  return handwork({&one, 1}, hands);
 }
 
 std::string minutes_words(double time_s) {

@@ -29,6 +29,9 @@ struct Handwork {
 /// The same of a whole pattern: its folds, and the pieces that fall out of it. O(edges).
 [[nodiscard]] Handwork handwork(const Pattern& pattern, const Hands& hands = built_in_hands());
 
+/// What it takes to fold several patterns, such as the cards of a book.
+[[nodiscard]] Handwork handwork(std::span<const Pattern* const> patterns, const Hands& hands);
+
 /// "19 folds, the shortest 6 mm; about 10 minutes to fold (easy)".
 [[nodiscard]] std::string handwork_words(const Handwork& work);
 /// "about 10 minutes", "under a minute".

@@ -3,7 +3,11 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "core/text/field_reader.hpp"
 #include "core/text/json_text.hpp"
@@ -15,15 +19,8 @@ constexpr double kMost_s = 3600.0, kMost_mm = 1000.0;
 constexpr int kMostFolds = 1'000'000;
 constexpr std::size_t kMostRows = 100;
 
-}  // namespace
-
-Result<Hands> read_hands(std::string_view json) {
-  const auto read = parse_json(json, 16);
-  if (!read) return tl::unexpected(read.error());
-  FieldReader fields(*read);
-  fields.integer("popcut", std::nullopt, 1, 1);
-  fields.text("source", "");
-  Hands out;
+void read_fold_times(FieldReader& fields, Hands& out) {
+  out.folds.clear();
   double before_mm = std::numeric_limits<double>::infinity();
   fields.objects(
       "folds",
@@ -37,8 +34,10 @@ Result<Hands> read_hands(std::string_view json) {
       kMostRows);
   if (out.folds.empty() || out.folds.back().from_mm > 0.0)
     fields.refuse("folds", ErrorKind::OutOfRange, "must end with a row whose from_mm is 0");
-  out.waste_s = fields.number("waste_s", std::nullopt, 0.0, kMost_s);
-  out.tab_s = fields.number("tab_s", std::nullopt, 0.0, kMost_s);
+}
+
+void read_grades(FieldReader& fields, Hands& out) {
+  out.grades.clear();
   fields.objects(
       "labels",
       [&](FieldReader& row) {
@@ -48,7 +47,46 @@ Result<Hands> read_hands(std::string_view json) {
                               row.number("shortest_mm", std::nullopt, 0.0, kMost_mm)});
       },
       kMostRows);
+}
+
+/// What the fields leave out is as in `out`; without a value there, they must have it.
+void read_fields(FieldReader& fields, Hands& out, bool is_whole) {
+  fields.text("source", "");
+  if (is_whole || fields.has("folds")) read_fold_times(fields, out);
+  if (is_whole || fields.has("labels")) read_grades(fields, out);
+  const auto seconds = [&](const char* key, double& value) {
+    value = fields.number(key, is_whole ? std::nullopt : std::optional(value), 0.0, kMost_s);
+  };
+  seconds("waste_s", out.waste_s), seconds("tab_s", out.tab_s);
+}
+
+}  // namespace
+
+Result<Hands> read_hands(std::string_view json) {
+  const auto read = parse_json(json, 16);
+  if (!read) return tl::unexpected(read.error());
+  FieldReader fields(*read);
+  fields.integer("popcut", std::nullopt, 1, 1);
+  Hands out;
+  read_fields(fields, out, true);
   if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
+  return out;
+}
+
+Result<Hands> hands_of(const std::vector<std::string>& user_tables) {
+  Hands out = built_in_hands();
+  for (std::size_t t = 0; t < user_tables.size(); ++t) {
+    const auto in_table = [&](const Error& error) {
+      return tl::unexpected(within(fmt::format("table {}", t + 1), error));
+    };
+    const auto read = parse_json(user_tables[t], 16);
+    if (!read) return in_table(read.error());
+    if (!read->is_object() || !read->contains("hands")) continue;
+    out = built_in_hands();
+    FieldReader fields((*read)["hands"], "/hands");
+    read_fields(fields, out, false);
+    if (auto done = fields.finish(); !done) return in_table(done.error());
+  }
   return out;
 }
 

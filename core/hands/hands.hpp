@@ -41,5 +41,11 @@ struct Hands {
 /// The table that popcut comes with.
 [[nodiscard]] const Hands& built_in_hands();
 
+/// The last `hands` among users' tables, as `popcut calibrate --hands` writes it: what it leaves
+/// out is as in popcut's own. Without any, popcut's own.
+///
+/// @retval Malformed, OutOfRange  place is "table N: " and a JSON pointer
+[[nodiscard]] Result<Hands> hands_of(const std::vector<std::string>& user_tables);
+
 }  // namespace hands
 }  // namespace popcut

@@ -65,6 +65,7 @@ Result<void> append(std::vector<TableRow>& rows, std::string_view list, std::str
   fields.value("materials");
   fields.value("svg_profiles");
   fields.value("layer_words");
+  fields.value("hands");
   if (auto known = fields.finish(); !known) return known;
   const auto found = json->find(std::string(list));
   if (found == json->end()) return {};

@@ -100,6 +100,11 @@ class Picture {
       if (!ghost_.empty()) put_ghost(ghost_[s + 1].outside);
     }
     if (!ghost_.empty()) put_ghost(ghost_.back().outside);
+    for (const SceneLine& line : scene_.lines) {
+      put_point("<path d=\"M", line.from);
+      put_point("L", line.to);
+      text_("\" fill=\"none\" stroke=\"", line.colour, "\" stroke-width=\"", kLinePx, "\"/>\n");
+    }
     text_.put("</g>\n");
     if (view_.labels != Labels::None) put_bar();
     if (view_.labels == Labels::All) put_labels();
@@ -108,7 +113,7 @@ class Picture {
 
  private:
   static constexpr double kLargestElevationRad = 0.55;
-  static constexpr double kCaptionPx = 76;
+  static constexpr double kCaptionPx = 76, kLinePx = 4;
   static constexpr std::size_t kMostGhost = 3000;
   /// Of the ghost that is seen through an open side: a hole must not look like a panel.
   static constexpr double kBehindPaper = 0.14;
@@ -227,7 +232,25 @@ class Picture {
       const double share = largest > 0 ? scene_.error_mm[s][p] / largest : 0;
       return hex(error_colour(std::round(64 * share) / 64), 0.78 + 0.25 * lit);
     }
-    return hex({255, 226, 178}, (0.68 + 0.36 * lit) * (0.82 + 0.18 * near));
+    const double light = (0.68 + 0.36 * lit) * (0.82 + 0.18 * near);
+    return hex(colour_of(tone_of(panel.face)), light);
+  }
+
+  [[nodiscard]] PanelTone tone_of(std::uint32_t face) const {
+    return face < scene_.tones.size() ? scene_.tones[face] : PanelTone::Paper;
+  }
+
+  [[nodiscard]] static Colour colour_of(PanelTone tone) {
+    switch (tone) {
+      case PanelTone::Pale:
+        return {246, 240, 228};
+      case PanelTone::Lit:
+        return {255, 190, 60};
+      case PanelTone::Loose:
+        return {255, 120, 100};
+      default:
+        return {255, 226, 178};
+    }
   }
 
   /// The panels of a slab, those of one colour as one path: none hides another.
@@ -342,6 +365,8 @@ class Picture {
     std::string words = fmt::format("opened to {:.0f}\u00b0", degrees(psi_rad_));
     if (pattern_.card) words = card_in_words(pattern_) + ", " + words;
     if (!ghost_.empty()) words += "; blue: the shape asked for";
+    if (std::ranges::find(scene_.tones, PanelTone::Loose) != scene_.tones.end())
+      words += "; red: moves by more than 1 mm in paper";
     text_.put(picture_text(left, base + 20, words, "start"));
     text_.put(picture_text(left, base + 38, thinned_in_words(scene_), "start"));
     text_.put(error_legend(scene_, width_px_ - 216, base - 22));
@@ -383,7 +408,8 @@ double distance_mm(const SlabPanel& panel, const Slab& slab, const TriangleTree&
 }  // namespace
 
 CardScene card_scene(const Pattern& pattern, const SceneOptions& options) {
-  CardScene scene{&pattern, options.ghost, cut_into_slabs(pattern, options.most_panels), {}, 0};
+  CardScene scene{&pattern, options.ghost, cut_into_slabs(pattern, options.most_panels), {}, 0, {},
+                  {}};
   if (options.target == nullptr || options.target->size() == 0) return scene;
   const TriangleTree tree(*options.target);
   std::uint32_t hint = TriangleTree::kNone;

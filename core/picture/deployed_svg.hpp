@@ -27,6 +27,20 @@ struct View {
   Labels labels{Labels::None};
 };
 
+/// How a panel stands out from the others.
+enum class PanelTone : std::uint8_t {
+  Paper,
+  Pale,  ///< it steps back behind those that are lit
+  Lit,
+  Loose,  ///< it does not hold in paper
+};
+
+/// A line of the pattern that is drawn over everything.
+struct SceneLine {
+  PatternVertex from, to;
+  std::string colour;
+};
+
 /// What a scene shows beside the pattern.
 struct SceneOptions {
   const TriangleSoup*
@@ -45,6 +59,8 @@ struct CardScene {
   /// not measured.
   std::vector<std::vector<double>> error_mm;
   double largest_error_mm{};
+  std::vector<PanelTone> tones;  ///< one a face; empty: all are paper
+  std::vector<SceneLine> lines;
 };
 [[nodiscard]] CardScene card_scene(const Pattern& pattern, const SceneOptions& options = {});
 

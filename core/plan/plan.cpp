@@ -398,6 +398,9 @@ class Planner {
     turn_round(work, options_.knife.direction);
     sheet.paths = work.lines.size();
     sheet.whole_folds = out_.folds != FoldMode::Perforate && !dashed_;
+    for (const DrawnLine& line : work.lines)
+      if (!dashed_ && is_fold(line.operation))
+        out_.fold_lengths_mm.push_back(length(work.points_of(line)));
     if (options_.keep_lines || !out_.machine.driven()) sheet.lines = work;
     const Dashed dashed = folded(std::move(work), out_.machine, out_.material, out_.folds);
     if (dashed.work.lines.empty())

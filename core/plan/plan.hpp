@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/drawing/linework.hpp"
+#include "core/hands/folding.hpp"
 #include "core/layout/layout.hpp"
 #include "core/machines/machine.hpp"
 #include "core/plan/knife/strokes.hpp"
@@ -72,6 +73,9 @@ struct Plan {
   std::optional<Layout> layout{};   ///< set if the drawing was split
   std::vector<DrawnPart> parts{};   ///< what has a name; the caller sets it
   LineWork whole{};                 ///< set if the drawing was split: the cleaned drawing
+  /// Of each fold on all sheets, once the lines are cleaned; none where folds are dashes already.
+  std::vector<double> fold_lengths_mm{};
+  std::optional<hands::Handwork> handwork{};  ///< of all sheets; the caller sets it
 };
 
 /// Whether programs set the depth of the autoblade: a person says that it is one, or the machine

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/hands/handwork_json.hpp"
 #include "core/plan/plan.hpp"
 #include "core/plan/sheet_pieces.hpp"
 #include "core/text/json_text.hpp"
@@ -336,6 +337,7 @@ std::string plan_json(const Plan& plan) {
             {"svg_dpi", plan.svg_dpi},
             {"curve_tolerance_mm", plan.curve_tolerance_mm},
             {"sheets", Json::array()},
+            {"handwork", plan.handwork ? hands::handwork_json(*plan.handwork) : Json()},
             {"warnings", messages_of(plan.warnings)},
             {"seed", plan.seed}};
   if (plan.layout) add_layout(*plan.layout, json);

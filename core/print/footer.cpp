@@ -50,40 +50,40 @@ std::vector<std::vector<const LegendEntry*>> legend_rows(const std::vector<Legen
   return rows;
 }
 
-std::vector<std::string> broken(const std::string& sentence, double width_mm) {
-  std::vector<std::string> rows;
-  std::size_t at = 0;
-  while (at < sentence.size()) {
-    const std::size_t end = std::min(sentence.find(' ', at), sentence.size());
-    std::string word = sentence.substr(at, end - at);
-    at = end + 1;
-    word = shortened(word, kTextMm, width_mm);
-    if (!rows.empty() && text_width(rows.back() + " " + word, kTextMm) <= width_mm)
-      rows.back() += " " + word;
-    else
-      rows.push_back(std::move(word));
-  }
-  return rows;
-}
-
 std::vector<std::string> all_broken(const Footer& footer, double width_mm) {
   std::vector<std::string> rows;
   for (const std::string& sentence : footer.sentences)
-    for (std::string& row : broken(sentence, width_mm)) rows.push_back(std::move(row));
+    for (std::string& row : text_rows(sentence, kTextMm, width_mm)) rows.push_back(std::move(row));
   return rows;
 }
 
 }  // namespace
 
+std::vector<double> fold_dashes_mm(Operation operation, double length_mm) {
+  const bool is_mountain = operation == Operation::FoldMountain;
+  std::vector<double> dashes =
+      is_mountain ? std::vector{6.0, 1.5, 1.0, 1.5} : std::vector{3.0, 1.5};
+  // Two dashes and the gap between them.
+  const double least_mm = is_mountain ? 8.5 : 7.5;
+  if (length_mm >= least_mm) return dashes;
+  constexpr double kShort_mm = 3.5, kDot_mm = 0.5;
+  if (length_mm < kShort_mm) return std::vector(2, std::min(kDot_mm, length_mm / 4));
+  for (double& part : dashes) part *= length_mm / least_mm;
+  return dashes;
+}
+
 LegendEntry legend_entry(Operation operation) {
-  constexpr const char* kFold = "stroke-width=\"0.3\" stroke=\"{}\" stroke-dasharray=\"{}\"";
+  const auto fold = [](std::string_view colour, const std::vector<double>& dashes) {
+    return fmt::format("stroke-width=\"0.3\" stroke=\"{}\" stroke-dasharray=\"{:g}\"", colour,
+                       fmt::join(dashes, " "));
+  };
   switch (operation) {
     case Operation::FoldMountain:
-      return {fmt::format(fmt::runtime(kFold), "#d00000", "6 1.5 1 1.5"), "mountain fold"};
+      return {fold(kMountainInk, fold_dashes_mm(operation, kSampleMm)), "mountain fold"};
     case Operation::FoldValley:
-      return {fmt::format(fmt::runtime(kFold), "#0000d0", "3 1.5"), "valley fold"};
+      return {fold(kValleyInk, fold_dashes_mm(operation, kSampleMm)), "valley fold"};
     case Operation::Score:
-      return {fmt::format(fmt::runtime(kFold), "#007a5a", "0.8 0.8"), "score"};
+      return {fold("#007a5a", {0.8, 0.8}), "score"};
     case Operation::Draw:
       return {"stroke-width=\"0.2\" stroke=\"#808080\"", "mark"};
     default:

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/drawing/toolpath.hpp"
@@ -14,6 +15,14 @@ struct LegendEntry {
   std::string words;
   bool filled{false};
 };
+
+/// The colours of folds on pages.
+inline constexpr std::string_view kMountainInk = "#d00000", kValleyInk = "#0000d0";
+
+/// The dashes of a fold on a page, mm: dashes and gaps in turn. A fold always shows two dashes or
+/// more, so that it does not look like a cut in grey either: where it is shorter than two of the
+/// usual ones and their gap, they are smaller, and below 3.5 mm dots.
+[[nodiscard]] std::vector<double> fold_dashes_mm(Operation operation, double length_mm);
 
 /// The entry of an operation, in the look that pages give it: cuts solid black, mountain folds
 /// red dash-dot, valley folds blue dashed, scores green dotted, pen lines grey.

@@ -40,12 +40,21 @@ void put_points(std::string& svg, std::span<const PagePoint> points) {
   }
 }
 
+// In place of those of its group, where a fold is too short for them.
+void put_short_dashes(std::string& svg, Operation operation, double length_mm) {
+  const std::vector<double> dashes = fold_dashes_mm(operation, length_mm);
+  if (dashes == fold_dashes_mm(operation, kLargestPageMm)) return;
+  fmt::format_to(Out(svg), " stroke-dasharray=\"{:.3g}\"", fmt::join(dashes, " "));
+}
+
 void put_paths(std::string& svg, const LineWork& work, Operation operation) {
   for (const DrawnLine& line : work.lines) {
     if (line.operation != operation) continue;
     svg += "<path d=\"";
     put_points(svg, work.points_of(line));
-    svg += "\"/>\n";
+    svg += '"';
+    if (is_fold(operation)) put_short_dashes(svg, operation, length(work.points_of(line)));
+    svg += "/>\n";
   }
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "core/text/text_width.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace popcut {
 
 double text_width(std::string_view text, double size) {
@@ -23,6 +26,20 @@ std::string shortened(std::string_view text, double size, double width) {
     end = i;
   }
   return std::string(text.substr(0, end)) + "…";
+}
+
+std::vector<std::string> text_rows(std::string_view text, double size, double width) {
+  std::vector<std::string> rows;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    std::string word = shortened(text.substr(at, end - at), size, width);
+    at = end + 1;
+    if (!rows.empty() && text_width(rows.back() + " " + word, size) <= width)
+      rows.back() += " " + word;
+    else
+      rows.push_back(std::move(word));
+  }
+  return rows;
 }
 
 }  // namespace popcut

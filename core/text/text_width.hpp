@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace popcut {
 
@@ -13,5 +14,8 @@ namespace popcut {
 
 /// `text`, or its beginning with an ellipsis if it is wider than `width`.
 [[nodiscard]] std::string shortened(std::string_view text, double size, double width);
+
+/// `text` in rows of at most `width`, broken between words; a word that is wider is shortened.
+[[nodiscard]] std::vector<std::string> text_rows(std::string_view text, double size, double width);
 
 }  // namespace popcut

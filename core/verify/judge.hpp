@@ -70,5 +70,8 @@ void judge_flat_sheet(Subject& subject, VerifyCheck faces, VerifyReport& report)
                                          VerifyReport& report);
 /// `crossing`.
 [[nodiscard]] VerifyCheck judge_crossing(const Subject& subject, VerifyReport& report);
+/// How far panels move in paper (`VerifyReport::wobble`), and a note that names those that move
+/// most. Only where all folds are parallel, and of at most 2000 panels.
+void measure_wobble(const Subject& subject, VerifyReport& report);
 
 }  // namespace popcut::verify

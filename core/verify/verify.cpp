@@ -178,6 +178,7 @@ Result<VerifyReport> verify_model(FoldModel model, const VerifyOptions& options)
   add(judge_freedoms(subject, options, report));
   now("looking for panels that pass through others");
   add(judge_crossing(subject, report));
+  measure_wobble(subject, report);
   if (target) now("measuring the distance from your shape");
   if (target) add(check_target(subject, *target, report));
   if (subject.file.drawn || options.name_coordinates) name_places(subject, report);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -36,6 +37,20 @@ struct VerifyOptions {
   Progress progress{};  ///< told before each check
 };
 
+/// A panel that moves by more than 1 mm in paper.
+struct LoosePanelFigure {
+  std::uint32_t panel{};
+  double moves_mm{};
+};
+
+/// How far panels move where folds lie 0.1 mm off their lines (docs/hands.md, section 1): root mean
+/// square of the farthest point of each, wall and ground held.
+struct PaperWobble {
+  double largest_mm{};
+  double mean_mm{};                     ///< over the area
+  std::vector<LoosePanelFigure> loose;  ///< the loosest first
+};
+
 /// What a pattern is and whether it is sound. Figures that could not be measured stay zero; their
 /// check says why.
 struct VerifyReport : Tiling {
@@ -61,7 +76,8 @@ struct VerifyReport : Tiling {
   double gap{};
   std::vector<double> smallest_singular_values;
 
-  std::string crossing_method;  ///< "exact", "sampled", or empty: not checked
+  std::string crossing_method;        ///< "exact", "sampled", or empty: not checked
+  std::optional<PaperWobble> wobble;  ///< none: not measured
   std::optional<TargetDistance> target_inner, target_all;
 
   [[nodiscard]] bool ok() const;

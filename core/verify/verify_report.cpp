@@ -69,6 +69,11 @@ Json verify_report_json(const VerifyReport& report) {
       {"psi_rad", report.pose_psi_rad > 0.0 ? Json(report.pose_psi_rad) : Json()},
       {"smallest", report.smallest_singular_values}};
   json["crossing"] = report.crossing_method;
+  json["wobble"] = nullptr;
+  if (report.wobble)
+    json["wobble"] = {{"largest_mm", report.wobble->largest_mm},
+                      {"mean_mm", report.wobble->mean_mm},
+                      {"loose_panels", report.wobble->loose.size()}};
   if (report.target_inner)
     json["target"] = {{"inner_mm", distance_json(*report.target_inner)},
                       {"all_mm", distance_json(*report.target_all)}};

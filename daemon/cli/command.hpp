@@ -33,6 +33,7 @@ void register_verify(const Command& app, const Globals& globals, Run& run);
 void register_compare(const Command& app, const Globals& globals, Run& run);
 void register_plan(const Command& app, const Globals& globals, Run& run);
 void register_print(const Command& app, const Globals& globals, Run& run);
+void register_fold_guide(const Command& app, const Globals& globals, Run& run);
 void register_simulate(const Command& app, const Globals& globals, Run& run);
 void register_cut(const Command& app, const Globals& globals, Run& run);
 void register_calibrate(const Command& app, const Globals& globals, Run& run);

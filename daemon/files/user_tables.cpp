@@ -62,7 +62,8 @@ Error UserTables::with_file(Error error, const char* option) const {
 Result<UserTables> read_user_tables() {
   UserTables tables;
   for (const fs::path& folder : folders())
-    for (const char* name : {"machines.json", "materials.json", "svg_profiles.json"}) {
+    for (const char* name :
+         {"machines.json", "materials.json", "svg_profiles.json", "hands.json"}) {
       std::error_code ignored;
       const fs::path file = folder / name;
       if (!fs::exists(file, ignored)) continue;
@@ -74,11 +75,19 @@ Result<UserTables> read_user_tables() {
   return tables;
 }
 
-Result<OwnTable> own_machines() {
+Result<hands::Hands> own_hands() {
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  auto hands = hands::hands_of(tables->texts);
+  if (!hands) return tl::unexpected(tables->with_file(hands.error()));
+  return hands;
+}
+
+Result<OwnTable> own_table(const char* name) {
   const std::vector<fs::path> found = folders();
   if (found.size() < 2)
     return fail(ErrorKind::Unwritable, "$HOME", "is not set; set it to your home folder");
-  const fs::path file = found.back() / "machines.json";
+  const fs::path file = found.back() / name;
   std::error_code ignored;
   OwnTable table{file.string(), ""};
   if (!fs::exists(file, ignored)) return table;
@@ -88,8 +97,8 @@ Result<OwnTable> own_machines() {
   return table;
 }
 
-Result<void> write_own_machines(const std::string& text) {
-  const auto table = own_machines();
+Result<void> write_own_table(const char* table_name, const std::string& text) {
+  const auto table = own_table(table_name);
   if (!table) return tl::unexpected(table.error());
   std::error_code error;
   fs::create_directories(fs::path(table->file).parent_path(), error);

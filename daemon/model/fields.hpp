@@ -73,6 +73,7 @@ void list_fields(const JobRow*, See&& see) {
   see("outcome", &JobRow::outcome);
   see("tags", &JobRow::tags, kFixed);
   see("load", &JobRow::load);
+  see("handwork", &JobRow::handwork);
   see("warnings", &JobRow::warnings);
   see("unaccepted_warnings", &JobRow::unaccepted);
   see("attention_kind", &JobRow::attention_kind, kHidden);
@@ -97,6 +98,16 @@ void list_fields(const JobProgress*, See&& see) {
 template <typename See>
 void list_fields(const JobEstimate*, See&& see) {
   see("remaining_s", &JobEstimate::remaining_s);
+}
+
+template <typename See>
+void list_fields(const Handwork*, See&& see) {
+  see("folds", &Handwork::folds);
+  see("shortest_fold_mm", &Handwork::shortest_fold_mm);
+  see("waste", &Handwork::waste);
+  see("tabs", &Handwork::tabs);
+  see("fold_s", &Handwork::fold_s);
+  see("label", &Handwork::label);
 }
 
 template <typename See>

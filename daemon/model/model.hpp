@@ -169,6 +169,15 @@ enum class PlanState : std::uint8_t { Pending, Planned, Failed };
 [[nodiscard]] std::string_view name_of(PlanState state);
 [[nodiscard]] std::optional<PlanState> plan_state_from(std::string_view name);
 
+/// What it takes to fold all sheets of a plan by hand (docs/hands.md).
+struct Handwork {
+  std::int64_t folds{};
+  double shortest_fold_mm{};
+  std::int64_t waste{}, tabs{};  ///< pieces to take out, tabs to glue
+  double fold_s{};
+  std::string label{};  ///< "easy", "medium" or "hard"
+};
+
 struct PlanRecord {
   std::string id;  ///< ULID
   std::string design, material, machine;
@@ -183,6 +192,7 @@ struct PlanRecord {
   std::int64_t paths{};
   double length_mm{};
   std::array<double, 2> est_s{};
+  std::optional<Handwork> handwork{};  ///< none: nothing is folded, or folds are not known
 };
 
 /// The most work that one search may do (`CardSearchRequest::effort`): it has the processor time of
@@ -360,6 +370,7 @@ struct JobRow {
   std::string outcome{};
   std::vector<std::string> tags{};
   std::optional<LoadedSheet> load{};      ///< what the current sheet needs
+  std::optional<Handwork> handwork{};     ///< of one copy
   std::vector<Warning> warnings{};        ///< its own and those of its plan
   std::vector<std::string> unaccepted{};  ///< codes of warnings that `arm` must accept
   std::string attention_kind{}, attention_text{};

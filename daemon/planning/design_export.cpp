@@ -14,6 +14,8 @@
 #include "core/formats/write/report_json.hpp"
 #include "core/formats/write/segments_csv.hpp"
 #include "core/geometry/angle.hpp"
+#include "core/hands/fold_guide.hpp"
+#include "core/hands/wobble.hpp"
 #include "core/picture/poster.hpp"
 #include "core/picture/target_on_sheet.hpp"
 #include "core/plan/knife/micro_cut.hpp"
@@ -24,6 +26,13 @@ namespace {
 
 constexpr int kPosesOfMeshes = 60;  // as popcut design
 constexpr std::size_t kPoses = 6;
+
+Result<void> write_fold_guide(const ExportJob& job, std::ostream& out) {
+  const auto guide = hands::fold_guide(job.made.pattern);
+  if (!guide) return tl::unexpected(guide.error());
+  out << hands::fold_guide_json({&*guide, 1}, {&job.made.pattern, 1});
+  return {};
+}
 
 /// The dashes of all folds, back from the page (x = v, y = u) onto the sheet.
 std::vector<SheetLine> micro_cuts(const LineWork& dashed) {
@@ -55,6 +64,7 @@ constexpr std::array kNamed{
     Named{"deployed.svg", write_deployed_file, true},
     Named{"poster.svg", write_poster_file, true},
     Named{"report.json", write_report_file},
+    Named{"fold-guide.json", write_fold_guide},
 };
 
 }  // namespace
@@ -84,7 +94,10 @@ Result<void> write_csv_file(const ExportJob& job, std::ostream& out) {
 }
 
 Result<void> write_deployed_file(const ExportJob& job, std::ostream& out) {
-  const CardScene scene = card_scene(job.made.pattern, job.scenery.scene(kMostPanels));
+  CardScene scene = card_scene(job.made.pattern, job.scenery.scene(kMostPanels));
+  if (const auto wobble = hands::wobble_of(job.made.pattern); wobble && wobble->loose > 0)
+    for (const double moves_mm : wobble->face_mm)
+      scene.tones.push_back(moves_mm > hands::kFirm_mm ? PanelTone::Loose : PanelTone::Paper);
   write_deployed_svg(scene, job.made.pattern.design_psi_rad, {.labels = Labels::All}, out);
   return {};
 }

@@ -57,6 +57,7 @@ Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sourc
     add_warnings(*made, joined.drawing);
     DrawingInput out{std::move(joined.drawing), spec->material, spec->pens,
                      std::move(joined.seams_x)};
+    for (const Design& part : made->parts) out.waste += part.report.handwork.waste;
     for (std::size_t p = 0; made->book && p < parts.size(); ++p) {
       const Pattern& card = *parts[p];
       const double x = card.place.v_mm, y = card.place.u_mm;
@@ -67,7 +68,9 @@ Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sourc
   }
   LineWork drawing = linework_from_pattern(made->parts.front().pattern);
   add_warnings(*made, drawing);
-  return DrawingInput{std::move(drawing), spec->material, spec->pens};
+  DrawingInput out{std::move(drawing), spec->material, spec->pens};
+  out.waste = made->parts.front().report.handwork.waste;
+  return out;
 }
 
 Result<DrawingInput> only_drawing(Result<LineWork> drawing) {

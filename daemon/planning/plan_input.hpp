@@ -25,6 +25,7 @@ struct DrawingInput {
   std::vector<double> seams_x{};   ///< split it there, mm from its left edge
   std::optional<PagePoint> at{};   ///< where it goes on a sheet unless the options say
   std::vector<DrawnPart> parts{};  ///< of a book: its cards
+  std::size_t waste{};             ///< of a design: pieces that are taken out
 };
 
 enum class InputKind : std::uint8_t { Spec, Fold, Svg, Dxf };

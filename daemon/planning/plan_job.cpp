@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/planning/plan_job.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -225,6 +226,8 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
   if (!reading) return tl::unexpected(reading.error());
   const auto machine = choose_machine(options, tables);
   if (!machine) return tl::unexpected(machine.error());
+  const auto hands = hands::hands_of(tables);
+  if (!hands) return tl::unexpected(hands.error());
   if (!machine->driven() && options.marks)
     return fail(ErrorKind::Usage, "/options/marks",
                 fmt::format("needs a cutter that looks for them, and {} takes no programs from "
@@ -282,6 +285,11 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
   planned->unit_mm = reading->unit_mm;
   planned->curve_tolerance_mm = reading->tolerance_mm;
   planned->parts = std::move(input->parts);
+  if (!planned->fold_lengths_mm.empty()) {
+    const std::size_t copies = std::max<std::size_t>(1, planned->copies.size());
+    planned->handwork = hands::handwork(planned->fold_lengths_mm, input->waste * copies,
+                                        planned->layout ? planned->layout->tabs.size() : 0, *hands);
+  }
   PlanJob job{std::move(*planned), {}, {}};
   if (!machine->driven()) return job;
   tell(options.progress, "writing the programs");

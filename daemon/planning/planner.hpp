@@ -63,7 +63,8 @@ struct PlanningOutcome {
   std::vector<std::string> assets{};  ///< ids that the spec refers to
   std::vector<SheetPlan> sheets{};
   std::vector<Warning> warnings{};
-  std::string sha256{};  ///< over all programs in order
+  std::optional<Handwork> handwork{};  ///< of its sheets, where they are folded
+  std::string sha256{};                ///< over all programs in order
   std::vector<PlanningFile> files{};
 };
 

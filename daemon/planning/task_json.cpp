@@ -10,6 +10,7 @@
 #include "core/text/field_reader.hpp"
 #include "core/text/json_text.hpp"
 #include "daemon/model/fields.hpp"
+#include "daemon/model/job_parts.hpp"
 #include "daemon/model/warnings.hpp"
 
 namespace popcut::planning {
@@ -115,11 +116,13 @@ Result<WorkerTask> read_task(std::string_view json) {
 std::string outcome_json(const PlanningOutcome& outcome) {
   Json sheets = Json::array();
   for (const daemon::SheetPlan& sheet : outcome.sheets) sheets.push_back(sheet_json(sheet));
-  return json_line(Json{{"design_kind", outcome.design_kind},
-                        {"assets", outcome.assets},
-                        {"sheets", sheets},
-                        {"warnings", daemon::warnings_json(outcome.warnings)},
-                        {"sha256", outcome.sha256}});
+  return json_line(Json{
+      {"design_kind", outcome.design_kind},
+      {"assets", outcome.assets},
+      {"sheets", sheets},
+      {"warnings", daemon::warnings_json(outcome.warnings)},
+      {"handwork", outcome.handwork ? daemon::json_of(*outcome.handwork).whole() : std::string()},
+      {"sha256", outcome.sha256}});
 }
 
 Result<PlanningOutcome> read_outcome(std::string_view json) {
@@ -130,6 +133,8 @@ Result<PlanningOutcome> read_outcome(std::string_view json) {
   outcome.design_kind = fields.text("design_kind", {});
   outcome.assets = read_texts(fields, "assets");
   outcome.warnings = daemon::warnings_from_json(fields.text("warnings", {}));
+  if (const std::string work = fields.text("handwork", {}).substr(0, kMostText); !work.empty())
+    outcome.handwork = daemon::handwork_from_json(work);
   outcome.sha256 = fields.text("sha256", {});
   fields.objects("sheets",
                  [&](FieldReader& sheet) { outcome.sheets.push_back(read_sheet(sheet)); });

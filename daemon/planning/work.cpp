@@ -81,6 +81,13 @@ Result<PlanningOutcome> outcome_of(const PlanJob& job, PlanningOutcome outcome,
     if (pops_up && sheet.side == "drawn") sheet.side = "pop-up";
   outcome.warnings.insert(outcome.warnings.end(), job.plan.warnings.begin(),
                           job.plan.warnings.end());
+  if (const auto& work = job.plan.handwork)
+    outcome.handwork = {.folds = static_cast<std::int64_t>(work->folds),
+                        .shortest_fold_mm = work->shortest_mm,
+                        .waste = static_cast<std::int64_t>(work->waste),
+                        .tabs = static_cast<std::int64_t>(work->tabs),
+                        .fold_s = work->time_s,
+                        .label = work->label};
   outcome.sha256 = sha256_of(job.programs);
   std::vector<std::string> sides;
   for (const daemon::SheetPlan& sheet : outcome.sheets) sides.push_back(sheet.side);

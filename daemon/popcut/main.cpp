@@ -23,11 +23,11 @@ namespace {
 
 // Every subcommand of this build; the order is the order of the help.
 constexpr std::initializer_list<Register> kCommands = {
-    register_design, register_deploy, register_verify,    register_compare,
-    register_auto,   register_plan,   register_print,     register_simulate,
-    register_cut,    register_send,   register_jobs,      register_job_actions,
-    register_open,   register_daemon, register_machines,  register_calibrate,
-    register_doctor, register_fleet,  register_curvature,
+    register_design,      register_deploy, register_verify, register_compare,
+    register_auto,        register_plan,   register_print,  register_fold_guide,
+    register_simulate,    register_cut,    register_send,   register_jobs,
+    register_job_actions, register_open,   register_daemon, register_machines,
+    register_calibrate,   register_doctor, register_fleet,  register_curvature,
 #ifdef POPCUT_FIGURES
     register_figures
 #endif

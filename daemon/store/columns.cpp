@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "daemon/model/loaded_sheet.hpp"
+#include "daemon/model/job_parts.hpp"
 #include "daemon/model/warnings.hpp"
 #include "daemon/store/plan_table.hpp"
 
@@ -19,6 +19,10 @@ void ColumnValues::put(const std::vector<Warning>& warnings) {
 
 void ColumnValues::put(const std::optional<LoadedSheet>& load) {
   load ? put_own(json_of(*load).whole()) : put(std::string_view());
+}
+
+void ColumnValues::put(const std::optional<Handwork>& work) {
+  work ? put_own(json_of(*work).whole()) : put(std::string_view());
 }
 
 void ColumnReader::take(JobState& state) {
@@ -48,6 +52,11 @@ void ColumnReader::take(std::vector<Warning>& warnings) {
 void ColumnReader::take(std::optional<LoadedSheet>& load) {
   const std::string json = rows_.text(at_++);
   if (!json.empty()) load = loaded_sheet_from_json(json);
+}
+
+void ColumnReader::take(std::optional<Handwork>& work) {
+  const std::string json = rows_.text(at_++);
+  if (!json.empty()) work = handwork_from_json(json);
 }
 
 }  // namespace popcut::daemon

@@ -38,6 +38,7 @@ class ColumnValues {
   void put(const std::vector<std::string>& texts);
   void put(const std::vector<Warning>& warnings);
   void put(const std::optional<LoadedSheet>& load);
+  void put(const std::optional<Handwork>& work);
 
   [[nodiscard]] std::span<const Bound> all() const { return bounds_; }
 
@@ -66,6 +67,7 @@ class ColumnReader {
   void take(std::vector<std::string>& texts);
   void take(std::vector<Warning>& warnings);
   void take(std::optional<LoadedSheet>& load);
+  void take(std::optional<Handwork>& work);
 
  private:
   const Rows& rows_;

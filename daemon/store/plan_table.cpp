@@ -33,6 +33,7 @@ void list_fields(const PlanRow*, See&& see) {
   see("created", &PlanRow::created, kFixed);
   see("begun", &PlanRow::begun);
   see("planner", &PlanRow::planner);
+  see("handwork", &PlanRow::handwork);
 }
 
 namespace {

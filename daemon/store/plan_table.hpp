@@ -31,6 +31,7 @@ struct PlanRow {
   TimeMs created{};
   int begun{0};           ///< how often a planner had it and popcutd ended before the planner did
   std::string planner{};  ///< in a fleet: the node that makes it; empty: nobody does
+  std::optional<Handwork> handwork{};
 };
 
 /// The statements over `plan` and `plan_sheet`. All throw StoreFault.

@@ -45,6 +45,7 @@ CREATE TABLE plan(
   error TEXT NOT NULL, options TEXT NOT NULL, machine_json TEXT NOT NULL,
   material_json TEXT NOT NULL, created INTEGER NOT NULL, begun INTEGER NOT NULL DEFAULT 0,
   planner TEXT NOT NULL DEFAULT '', planner_epoch INTEGER NOT NULL DEFAULT 0,
+  handwork TEXT NOT NULL DEFAULT '',
   CHECK (state != 'planned' OR (sheets > 0 AND length(sha256) = 64))) STRICT, WITHOUT ROWID;
 CREATE UNIQUE INDEX plan_key ON plan(key) WHERE state IN ('pending', 'planned');
 CREATE INDEX plan_design ON plan(design);
@@ -81,8 +82,8 @@ CREATE UNIQUE INDEX search_key ON search(key) WHERE state IN ('pending', 'found'
 CREATE INDEX search_model ON search(model);
 CREATE INDEX search_pending ON search(owner, id) WHERE state = 'pending';
 
--- `device` is the cutter that holds the sheet. `tags`, `load`, `warnings` and `unaccepted_warnings`
--- are JSON; the columns of a pair end with _1 and _2 (daemon/model/fields.hpp).
+-- `device` is the cutter that holds the sheet. `tags`, `load`, `handwork`, `warnings` and
+-- `unaccepted_warnings` are JSON; the columns of a pair end with _1 and _2 (daemon/model/fields.hpp).
 CREATE TABLE job(
   id TEXT PRIMARY KEY CHECK (length(id) = 26), rev INTEGER NOT NULL,
   state TEXT NOT NULL CHECK (state IN ('queued', 'planning', 'ready', 'armed', 'cutting', 'paused',
@@ -104,7 +105,7 @@ CREATE TABLE job(
   attention_kind TEXT NOT NULL, attention_text TEXT NOT NULL, attention_since INTEGER NOT NULL,
   deleted INTEGER NOT NULL DEFAULT 0 CHECK (deleted IN (0, 1)), load TEXT NOT NULL DEFAULT '',
   warnings TEXT NOT NULL DEFAULT '[]', unaccepted_warnings TEXT NOT NULL DEFAULT '[]',
-  site TEXT NOT NULL DEFAULT '',
+  site TEXT NOT NULL DEFAULT '', handwork TEXT NOT NULL DEFAULT '',
   CHECK (state NOT IN ('armed', 'cutting', 'paused') OR (device != '' AND sheet > 0)),
   CHECK (state NOT IN ('ready', 'interrupted') OR sheet > 0),
   CHECK ((state IN ('done', 'failed', 'cancelled')) = (finished IS NOT NULL))

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/hands/handwork_json.hpp"
 #include "core/text/json_text.hpp"
 
 namespace popcut {
@@ -141,12 +142,6 @@ Json facets(const FacetFigures& f) {
       {"dropped", f.dropped}};
 }
 
-Json handwork(const hands::Handwork& work) {
-  return {{"folds", work.folds},   {"shortest_fold_mm", work.shortest_mm},
-          {"waste", work.waste},   {"tabs", work.tabs},
-          {"fold_s", work.time_s}, {"label", work.label}};
-}
-
 Json wobble(const hands::WobbleFigures& figures) {
   return {{"about",
            "how far panels move, root mean square of the farthest point, when folds lie 0.1 mm off "
@@ -180,7 +175,7 @@ Json report_object(const DesignReport& report) {
   json["cut_length_mm"] = report.cut_length_mm;
   json["outline_length_mm"] = report.outline_length_mm;
   json["fold_length_mm"] = report.fold_length_mm;
-  json["handwork"] = handwork(report.handwork);
+  json["handwork"] = hands::handwork_json(report.handwork);
   if (report.wobble) json["wobble"] = wobble(*report.wobble);
   json["degrees_of_freedom"] = report.degrees_of_freedom;
   json["pieces"] = report.pieces;

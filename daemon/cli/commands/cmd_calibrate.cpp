@@ -8,13 +8,17 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include "core/calibrate/measured.hpp"
+#include "core/hands/strip.hpp"
 #include "core/layout/sheet.hpp"
 #include "core/plan/knife/blade.hpp"
+#include "core/print/pages.hpp"
 #include "core/text/utf8.hpp"
 #include "core/text/words.hpp"
 #include "daemon/cli/command.hpp"
@@ -22,6 +26,7 @@
 #include "daemon/cli/cutter/cut_session.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
+#include "daemon/pictures/pdf.hpp"
 #include "device/session/session.hpp"
 
 namespace popcut::cli {
@@ -32,7 +37,8 @@ namespace measure = popcut::calibrate;
 
 struct Options {
   std::string device, machine, treat_as, name, material{"paper-220"}, mat, steps, folder;
-  bool autoblade{false};
+  bool autoblade{false}, hands{false};
+  std::string times;
 };
 
 constexpr const char* kSteps = "axes,ruler,time,force";
@@ -456,7 +462,7 @@ std::string today() {
 
 /// Puts the machine into the user's table, once it reads well there.
 Result<void> keep(const Machine& machine, const std::string& row) {
-  const auto own = own_machines();
+  const auto own = own_table("machines.json");
   if (!own) return tl::unexpected(own.error());
   const auto text = measure::table_with(own->text, row);
   if (!text) return tl::unexpected(within(own->file, text.error()));
@@ -471,7 +477,7 @@ Result<void> keep(const Machine& machine, const std::string& row) {
   }
   if (const auto read = find_machine(machine.name, tables->texts); !read)
     return tl::unexpected(tables->with_file(read.error()));
-  if (const auto written = write_own_machines(*text); !written) return written;
+  if (const auto written = write_own_table("machines.json", *text); !written) return written;
   fmt::print(stderr,
              "Written to {}; 'popcut machines {}' shows it. For popcutd, copy the row to "
              "/etc/popcut/machines.json.\n",
@@ -479,7 +485,93 @@ Result<void> keep(const Machine& machine, const std::string& row) {
   return {};
 }
 
+// A person's own time to fold.
+
+constexpr double kMostTime_s = 3600;
+
+Result<void> write_strip(const std::string& into) {
+  const Pattern strip = hands::folding_strip();
+  const auto pages = pattern_pages(strip);
+  if (!pages) return tl::unexpected(pages.error());
+  const auto pdf = pdf_of_pages(*pages, strip.name);
+  if (!pdf) return tl::unexpected(pdf.error());
+  auto folder = OutputFolder::open(into);
+  if (!folder) return tl::unexpected(folder.error());
+  if (auto done = folder->add("folding-test.pdf", *pdf); !done) return done;
+  if (auto done = folder->add("folding-test.svg", pages->front().svg); !done) return done;
+  if (auto done = folder->commit("popcut calibrate " POPCUT_VERSION); !done) return done;
+  fmt::print(stderr,
+             "  wrote    folding-test.pdf folding-test.svg in {0}\n"
+             "  next     print it on card at actual size, and cut the solid lines\n"
+             "           fold the flaps of each length, time them together, then run\n"
+             "           popcut calibrate --hands\n",
+             into);
+  return {};
+}
+
+Result<void> keep_hands(const std::array<double, hands::kStrip.size()>& times_s) {
+  constexpr const char* kFile = "hands.json";
+  const std::string text = hands::own_hands_json(times_s);
+  if (const auto read = hands::hands_of({text}); !read) return tl::unexpected(read.error());
+  const auto table = own_table(kFile);
+  if (!table) return tl::unexpected(table.error());
+  if (const auto written = write_own_table(kFile, text); !written) return written;
+  fmt::print(stderr, "Written to {}; design, plan and auto count with it.\n", table->file);
+  return {};
+}
+
+Result<std::array<double, hands::kStrip.size()>> read_times(std::string_view list) {
+  constexpr std::string_view kWanted =
+      "give the seconds for all folds of each of the four lengths, the longest first, such as "
+      "18,22,55,100";
+  std::array<double, hands::kStrip.size()> times_s{};
+  for (double& time_s : times_s) {
+    const std::string_view word = trimmed(take_word(list, ","));
+    if (!read_number(word, time_s) || !(time_s > 0 && time_s <= kMostTime_s))
+      return fail(ErrorKind::Usage, "--times",
+                  fmt::format("\"{}\" is no time from 0 to {:g} s; {}",
+                              shown_text(word.substr(0, 40)), kMostTime_s, kWanted));
+  }
+  if (!list.empty())
+    return fail(ErrorKind::Usage, "--times", fmt::format("has too many numbers; {}", kWanted));
+  return times_s;
+}
+
+Result<void> calibrate_hands(const Options& options, const Globals& globals) {
+  if (!options.device.empty() || !options.machine.empty())
+    return fail(ErrorKind::Usage, "--hands", "measures a person; leave --device and --machine out");
+  if (!options.folder.empty()) return write_strip(options.folder);
+  if (!options.times.empty()) {
+    const auto given = read_times(options.times);
+    if (!given) return tl::unexpected(given.error());
+    if (globals.json) fmt::print("{}", hands::own_hands_json(*given));
+    return keep_hands(*given);
+  }
+  std::array<double, hands::kStrip.size()> times_s{};
+  const Person person;
+  fmt::print(stderr,
+             "Fold the strip of 'popcut calibrate --hands -o DIR', each length for itself, "
+             "and time it.\n");
+  for (std::size_t k = 0; k < times_s.size(); ++k) {
+    const auto answer =
+        person.number(fmt::format("Seconds for the {} folds of {:g} mm:", hands::kStrip[k].folds,
+                                  hands::kStrip[k].length_mm),
+                      0.1, kMostTime_s);
+    if (!answer) return tl::unexpected(answer.error());
+    times_s[k] = *answer;
+  }
+  if (globals.json) fmt::print("{}", hands::own_hands_json(times_s));
+  const auto wanted = person.yes("\nKeep this as your table?");
+  if (!wanted) return tl::unexpected(wanted.error());
+  if (*wanted) return keep_hands(times_s);
+  fmt::print(stderr, "Nothing was written.\n");
+  return {};
+}
+
 Result<void> run_calibrate(const Options& options, const Globals& globals) {
+  if (options.hands) return calibrate_hands(options, globals);
+  if (!options.times.empty())
+    return fail(ErrorKind::Usage, "--times", "is about your own folding; add --hands");
   if (const auto valid = check_steps(options.steps); !valid) return valid;
   constexpr std::string_view kNameBytes =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-";
@@ -567,7 +659,12 @@ constexpr const char* kHelp =
     "needs\n\n"
     "The result is a row in ~/.config/popcut/machines.json. popcut writes nothing until you\n"
     "agree. To practise, simulate a machine whose settings are wrong:\n\n"
-    "  popcut calibrate --device sim:stika-sv15 --machine vevor-cutter --as practice -o practice";
+    "  popcut calibrate --device sim:stika-sv15 --machine vevor-cutter --as practice -o "
+    "practice\n\n"
+    "How long you take to fold is measured without a cutter:\n\n"
+    "  popcut calibrate --hands -o strip    # ten folds of four lengths, to print and cut\n"
+    "  popcut calibrate --hands             # asks for your times, and keeps them\n\n"
+    "The result is ~/.config/popcut/hands.json, with which design, plan and auto count.";
 
 }  // namespace
 }  // namespace calibrate_command
@@ -600,9 +697,15 @@ void register_calibrate(const Command& app, const Globals& globals, Run& run) {
       .value_text(fmt::format("LIST [{}]", kSteps));
   command.add_flag("--autoblade", options->autoblade,
                    "There is an autoblade in the first holder: try its depths too");
+  command.add_flag("--hands", options->hands, "Measure how long you take to fold, not a cutter");
+  command
+      .add_option("--times", options->times,
+                  "With --hands: seconds for all folds of each length, the longest first")
+      .value_text("A,B,C,D");
   command
       .add_option("-o,--output", options->folder,
-                  "Folder for the programs, and for pictures of what a simulated knife did")
+                  "Folder for the programs, and for pictures of what a simulated knife did; with "
+                  "--hands for the strip")
       .value_text("DIR");
   when_chosen(command, run, [options, &globals] { return run_calibrate(*options, globals); });
 }

@@ -349,6 +349,7 @@ std::string files_of_book(const std::vector<Format>& formats) {
 /// The seconds of an assembly of several parts are those of all together.
 tl::expected<PatchAssembly, judge::DesignFault> timed_design(const DesignSpec& spec,
                                                              const SurfaceAssets& assets,
+                                                             const hands::Hands& hands,
                                                              const Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
   auto made = judge::sound_design(spec, assets, progress);
@@ -358,7 +359,10 @@ tl::expected<PatchAssembly, judge::DesignFault> timed_design(const DesignSpec& s
   if (made && made->book) made->book->fit = book_fit(*made);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   if (made)
-    for (Design& part : made->parts) part.report.seconds = took.count();
+    for (Design& part : made->parts) {
+      part.report.seconds = took.count();
+      part.report.handwork = hands::handwork(part.pattern, hands);
+    }
   return made;
 }
 
@@ -455,6 +459,8 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   const auto material = material_of(*spec, options.spec);
   if (!material) return tl::unexpected(material.error());
   planning::suit_material(*material, *spec);
+  const auto hands = own_hands();
+  if (!hands) return tl::unexpected(hands.error());
   const auto thickness = thickness_of(options.motion, material->thickness_mm);
   if (!thickness) return tl::unexpected(thickness.error());
   const auto assets =
@@ -462,7 +468,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   if (!assets) return tl::unexpected(within(options.spec, assets.error()));
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
-  auto made = timed_design(*spec, *assets, work->progress());
+  auto made = timed_design(*spec, *assets, *hands, work->progress());
   if (!made) {
     judge::DesignFault& fault = made.error();
     if (fault.error.reason == ErrorReason::Misplaced && spec->placement.design_angle_deg == 90.0)

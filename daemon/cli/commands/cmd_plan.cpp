@@ -185,6 +185,7 @@ void say(const PlanJob& job, const std::string& folder, const Formats& formats) 
     if (formats.has("program", plan.machine))
       fmt::print(stderr, "           {}/{}\n", folder, job.program_file(i));
   }
+  if (plan.handwork) fmt::print(stderr, "  by hand  {}\n", hands::handwork_words(*plan.handwork));
   if (formats.has("pdf", plan.machine))
     fmt::print(stderr,
                "  next     print {}/sheets.pdf at actual size (100 %, not \"fit to page\"), and "

@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "core/hands/folding.hpp"
 #include "core/text/utf8.hpp"
 #include "daemon/cli/help/terminal_text.hpp"
 #include "daemon/client/command_words.hpp"
@@ -314,6 +315,20 @@ std::string load_text(const Json& job) {
                      side.empty() ? "" : fmt::format(", {} side up", side));
 }
 
+std::string folding_text(const Json& job) {
+  const Json& work = part_of(job, "handwork");
+  const auto number = [&](const char* key) {
+    const auto found = work.find(key);
+    return found != work.end() && found->is_number() ? found->get<double>() : 0.0;
+  };
+  const std::int64_t folds = whole_of(work, "folds");
+  if (folds <= 0) return {};
+  return hands::handwork_words({.folds = static_cast<std::size_t>(folds),
+                                .shortest_mm = number("shortest_fold_mm"),
+                                .time_s = number("fold_s"),
+                                .label = shown_of(work, "label")});
+}
+
 std::vector<std::string> warning_lines(const Json& job) {
   std::vector<std::string> lines;
   if (const auto all = job.find("warnings"); all != job.end() && all->is_array())
@@ -426,6 +441,7 @@ std::vector<std::string> job_details(const Json& job, const std::vector<Json>& s
   add("material", shown_of(job, "material"));
   add("site", shown_of(job, "site"));
   if (!has_ended(job)) add("sheet", load_text(job));
+  add("by hand", folding_text(job));
   if (const std::int64_t priority = whole_of(job, "priority"); priority != 0)
     add("priority", fmt::format("{}", priority));
   add("note", shown_of(job, "note"));

@@ -15,6 +15,8 @@ namespace popcut::cli {
 /// What the current sheet needs: "paper-220, 304.8 mm across the cameo3 x 304.8 mm, mat 12x12,
 /// pop-up side up"; empty: it is not planned yet.
 [[nodiscard]] std::string load_text(const nlohmann::json& job);
+/// "19 folds, the shortest 6 mm; about 10 minutes to fold (easy)"; empty where nothing is folded.
+[[nodiscard]] std::string folding_text(const nlohmann::json& job);
 /// The warnings of a job's plan.
 [[nodiscard]] std::vector<std::string> warning_lines(const nlohmann::json& job);
 /// The warnings of a job that say that its cut may be spoiled, and that nobody has accepted yet.

@@ -20,9 +20,9 @@ const Body body::kPlanRequest{.schema = "PlanRequest",
 namespace handle {
 namespace {
 
-constexpr std::array<std::string_view, 10> kExports{
-    "pattern.fold", "pattern.svg",  "cut.svg",    "pattern.dxf", "segments.csv",
-    "deploy.glb",   "deployed.svg", "poster.svg", "report.json", "spec.json"};
+constexpr std::array<std::string_view, 11> kExports{
+    "pattern.fold", "pattern.svg", "cut.svg",     "pattern.dxf",     "segments.csv", "deploy.glb",
+    "deployed.svg", "poster.svg",  "report.json", "fold-guide.json", "spec.json"};
 constexpr std::string_view kKept = "private, max-age=86400";
 constexpr std::string_view kDrawingPolicy =
     "default-src 'none'; style-src 'unsafe-inline'; sandbox; frame-ancestors 'none'";

@@ -182,6 +182,16 @@ ordered_json to_json(const SheetPlan& sheet) {
   return out;
 }
 
+namespace {
+
+ordered_json handwork_json(const Handwork& work) {
+  ordered_json out;
+  list_fields(&work, [&](const char* name, auto member) { out[name] = work.*member; });
+  return out;
+}
+
+}  // namespace
+
 ordered_json to_json(const PlanRecord& plan) {
   ordered_json sheets = ordered_json::array();
   for (const SheetPlan& sheet : plan.sheets) sheets.push_back(to_json(sheet));
@@ -196,6 +206,7 @@ ordered_json to_json(const PlanRecord& plan) {
           {"paths", plan.paths},
           {"length_mm", plan.length_mm},
           {"est_s", plan.est_s},
+          {"handwork", plan.handwork ? handwork_json(*plan.handwork) : ordered_json()},
           {"warnings", ordered_json::parse(warnings_json(plan.warnings), nullptr, false)},
           {"error", text_or_null(plan.error)},
           {"created", rfc3339(plan.created)},

@@ -221,6 +221,9 @@ class CardSearch {
   Result<void> look_at_machine() {
     auto mat = searched_mat(request_.plan, request_.tables);
     if (!mat) return tl::unexpected(mat.error());
+    auto hands = hands::hands_of(request_.tables);
+    if (!hands) return tl::unexpected(hands.error());
+    hands_ = std::move(*hands);
     out_.machine = std::move(mat->machine);
     out_.area_mm = mat->area_mm, room_mm_ = mat->room_mm;
     return {};
@@ -374,16 +377,10 @@ class CardSearch {
   }
 
   /// What it takes to fold a card, or all cards of a book.
-  static hands::Handwork hands_of(const PatchAssembly& made) {
-    std::vector<double> folds_mm;
-    std::size_t waste = 0;
-    for (const Design& part : made.parts) {
-      waste += part.report.handwork.waste;
-      for (const SheetLine& line : part.pattern.lines)
-        if (line.role == EdgeRole::Mountain || line.role == EdgeRole::Valley)
-          folds_mm.push_back(std::hypot(line.u1 - line.u0, line.v1 - line.v0));
-    }
-    return hands::handwork(folds_mm, waste, 0);
+  [[nodiscard]] hands::Handwork hands_of(const PatchAssembly& made) const {
+    std::vector<const Pattern*> cards;
+    for (const Design& part : made.parts) cards.push_back(&part.pattern);
+    return hands::handwork(cards, hands_);
   }
 
   [[nodiscard]] bool holds(const CuttingCost& cost) const {
@@ -827,6 +824,7 @@ class CardSearch {
   mutable std::optional<TriangleMesh> coarse_, careful_;  ///< made once, by the caller's thread
   StyleChoice styles_;
   FoundCards out_;
+  hands::Hands hands_;               ///< whose time it is
   std::array<double, 2> room_mm_{};  ///< for a card: the area, or what lies between its marks
   std::vector<Way> ways_;
   std::size_t drawn_ways_{};  ///< of `ways_`: those that are drawn

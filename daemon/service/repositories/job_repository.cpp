@@ -162,6 +162,7 @@ void JobRepository::apply_plan(JobRow& row, const PlanRow& plan) {
   row.paths_total = plan.paths * row.copies;
   row.low_s = plan.low_s * row.copies;
   row.high_s = plan.high_s * row.copies;
+  row.handwork = plan.handwork;
   row.unaccepted = spoiling_codes(plan.warnings);
   // After those of the job itself.
   row.warnings.insert(row.warnings.end(), plan.warnings.begin(), plan.warnings.end());

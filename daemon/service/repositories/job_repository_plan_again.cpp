@@ -68,6 +68,7 @@ Answer<void> JobRepository::plan_again(const Principal& who, JobRow& row, const 
   row.paths_total = 0;
   row.low_s = row.high_s = 0;
   row.load.reset();
+  row.handwork.reset();
   row.unaccepted.clear();
   row.warnings =
       device.empty() ? choice_warnings(plan->material, row.site) : std::vector<Warning>();

@@ -67,7 +67,8 @@ PlanRecord record_of(const PlanRow& row, std::vector<SheetPlan> sheets) {
           .sheets_total = row.sheets,
           .paths = row.paths,
           .length_mm = row.cut_mm,
-          .est_s = {row.low_s, row.high_s}};
+          .est_s = {row.low_s, row.high_s},
+          .handwork = row.handwork};
 }
 
 // Writes the files of a plan, before the plan is announced. Runs on a thread of the planner.
@@ -537,6 +538,7 @@ void PlanningQueue::keep(const std::string& id, const std::shared_ptr<PlanningOu
     plan->state = PlanState::Planned;
     plan->sha256 = made->sha256;
     plan->warnings = made->warnings;
+    plan->handwork = made->handwork;
     add_totals(*plan, made->sheets);
     plans_.finish(*plan);
     parts_.store.emit("notice", "", JsonObject().text("plan", id).text("state", "planned"));

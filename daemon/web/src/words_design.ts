@@ -238,6 +238,7 @@ export const designWords = localized({
       'poster.svg': 'Poster of the opening (SVG)',
       'deployed.svg': 'Opened card (SVG)',
       'report.json': 'Report (JSON)',
+      'fold-guide.json': 'How to fold it, step by step (JSON)',
     } as Record<string, string>,
     failed: 'That did not work.',
   },

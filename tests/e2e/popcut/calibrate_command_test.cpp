@@ -169,4 +169,42 @@ TEST_CASE("what cannot be calibrated is refused before anything is cut", "[cli][
   refused("--device sim:cameo3", 3, "machines.json");
 }
 
+TEST_CASE("a person's times for the strip are what design and plan count with",
+          "[cli][calibrate][hands]") {
+  const Bench bench;
+  CHECK(bench.calibrate("--hands -o strip", "").exit == 0);
+  CHECK(text_of_file(bench.temp / "strip/folding-test.pdf").starts_with("%PDF"));
+  CHECK(says(text_of_file(bench.temp / "strip/folding-test.svg"), "mountain fold"));
+  Ran ran = bench.calibrate("--hands --json", "200\n200\nmany\n300\n300\nn\n");
+  CAPTURE(ran.err);
+  CHECK(ran.exit == 0);
+  CHECK(says(ran.err, "Seconds for the 2 folds of 30 mm:"));
+  CHECK(says(ran.err, "Nothing was written."));
+  CHECK(json::parse(ran.out)["hands"]["folds"][3]["fold_s"] == 100);
+  const auto folding = [&](const std::string& command, const std::string& file) {
+    const Ran made = run_program({"/bin/sh", "-c",
+                                  std::string("XDG_CONFIG_HOME=\"$PWD/config\" '") +
+                                      popcut_program() + "' " + command + " unit.json -q -o made"},
+                                 bench.temp.path());
+    CAPTURE(made.err);
+    REQUIRE(made.exit == 0);
+    return bench.read_json("made/" + file)["handwork"];
+  };
+  write_file(bench.temp / "unit.json", bench.popcut({"design", "--example", "unit"}).out);
+  const json before = folding("design", "report.json");
+  CHECK(before["folds"] == 5);
+  CHECK(before["fold_s"] == 50);
+  CHECK(folding("plan", "plan.json") == before);
+  ran = bench.calibrate("--hands --times 200,200,300,300", "");
+  CHECK(ran.exit == 0);
+  CHECK(says(ran.err, "hands.json; design, plan and auto count with it."));
+  const json after = folding("design", "report.json");
+  CHECK(after["fold_s"] == 500);
+  CHECK(folding("plan", "plan.json") == after);
+  check_refused(bench.calibrate("--hands --times 1,2,3", ""), 2, "--times");
+  check_refused(bench.calibrate("--hands --times 1,2,3,4,5", ""), 2, "too many");
+  check_refused(bench.calibrate("--times 1,2,3,4", ""), 2, "--hands");
+  check_refused(bench.calibrate("--hands --device sim:cameo3", ""), 2, "--hands");
+}
+
 }  // namespace calibrate_command_test

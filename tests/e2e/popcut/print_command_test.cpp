@@ -236,4 +236,34 @@ TEST_CASE("a design's page has its legend, its size and its name", "[cli][e2e][p
   }
 }
 
+TEST_CASE("fold-guide shows how to fold a card, as text, JSON and pages", "[cli][e2e][print]") {
+  const Bench bench;
+  write_file(bench.temp / "card.svg", kCard);
+  const Ran ran = bench.popcut({"fold-guide", "card.svg", "-o", "guide", "--page", "Letter"});
+  CAPTURE(ran.err);
+  REQUIRE(ran.exit == 0);
+  CHECK(
+      ran.out.find("  1  Crease 1 mountain fold (red, its ridge toward you) and 4 valley folds") !=
+      std::string::npos);
+  CHECK(ran.out.find("Shut the card, press it, and open it.") != std::string::npos);
+  const json guide = bench.read_json("guide/fold-guide.json");
+  REQUIRE(guide["cards"].size() == 1);
+  const json& card = guide["cards"][0];
+  CHECK(card["folds"].size() == 5);
+  CHECK(card["steps"][0]["kind"] == "crease");
+  CHECK(card["steps"][0]["folds"].size() == 5);
+  CHECK(card["steps"][1]["push_from"] == "behind");
+  CHECK(json::parse(bench.popcut({"fold-guide", "card.svg", "--json", "-q"}).out) == guide);
+  if (Bench::has_poppler()) {
+    const std::string info = bench.poppler({"pdfinfo", "guide/fold-guide.pdf"});
+    CHECK(info.find("Pages:           1\n") != std::string::npos);
+    CHECK(info.find("612 x 792 pts (letter)") != std::string::npos);
+    CHECK(bench.poppler({"pdftotext", "guide/fold-guide.pdf", "-"}).find("How to fold card") !=
+          std::string::npos);
+  }
+  check_refused(bench.popcut({"fold-guide", "card.svg", "--page", "50x50", "-o", "guide"}), 2,
+                "--page");
+  check_refused(bench.popcut({"fold-guide", "card.stl", "-o", "guide"}), 3, "card.stl");
+}
+
 }  // namespace print_command_test

@@ -219,6 +219,9 @@ TEST_CASE("plan options and the files of a spec are sent with a job", "[popcutd]
   REQUIRE(lab.comes_to(id, "ready"));
   CHECK(lab.job(id)["sheets_total"] == 3);
   CHECK(lab.job(id)["material"] == "pp-150");
+  CHECK(lab.job(id)["handwork"]["folds"] == 5);
+  CHECK(lab.job(id)["handwork"]["label"] == "easy");
+  CHECK(says(lab.popcut({"jobs", id}).out, "by hand    5 folds, the shortest"));
   const Ran wrong = lab.popcut({"cut", kUnit, "--material", "pp-15"});
   CHECK(wrong.exit == 2);
   CHECK(wrong.err.find("--material") != std::string::npos);

@@ -295,6 +295,9 @@ TEST_CASE("files of a design are those of popcut design, byte for byte", "[popcu
                               desk.daemon().folder() / "");
   INFO(ran.err);
   REQUIRE(ran.exit == 0);
+  REQUIRE(run_program({popcut_program(), "fold-guide", "spec.json", "-q", "-o", folder.string()},
+                      desk.daemon().folder() / "")
+              .exit == 0);
   RawConnection page(desk.daemon().socket());
   const auto get = [&](const std::string& name, const std::string& more = "") {
     REQUIRE(page.send("GET /v1/designs/" + id + "/files/" + name + " HTTP/1.1\r\nHost: popcut\r\n" +
@@ -302,7 +305,7 @@ TEST_CASE("files of a design are those of popcut design, byte for byte", "[popcu
     return page.receive();
   };
   for (const char* name : {"pattern.fold", "pattern.svg", "cut.svg", "pattern.dxf", "segments.csv",
-                           "deploy.glb", "deployed.svg", "poster.svg"}) {
+                           "deploy.glb", "deployed.svg", "poster.svg", "fold-guide.json"}) {
     CAPTURE(name);
     const WireResponse file = get(name);
     CHECK(file.status == 200);

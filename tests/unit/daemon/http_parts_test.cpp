@@ -474,6 +474,15 @@ TEST_CASE("a job is written as JSON whatever its texts and numbers hold",
   CHECK(read["progress"]["cut_mm"] == 1e21);
   CHECK(read["attention"]["text"] == "load \"1\"");
   CHECK(read["attention"]["actions"] == nlohmann::json::array());
+  CHECK(read["handwork"].is_null());
+  job.handwork = Handwork{.folds = 7, .shortest_fold_mm = 6.5, .fold_s = 90, .label = "easy"};
+  CHECK(nlohmann::json::parse(job_text(job))["handwork"] ==
+        nlohmann::json({{"folds", 7},
+                        {"shortest_fold_mm", 6.5},
+                        {"waste", 0},
+                        {"tabs", 0},
+                        {"fold_s", 90},
+                        {"label", "easy"}}));
   CHECK(read["sheet"].is_null());
   CHECK(read["links"]["plan"].is_null());
   CHECK(read["held"] == false);

@@ -229,6 +229,17 @@ TEST_CASE("a cancelled job shows no sheet as being cut", "[cli][jobs]") {
   CHECK(going.find("sheet 3    waiting") != std::string::npos);
 }
 
+TEST_CASE("a job says what it takes to fold by hand", "[cli][jobs]") {
+  Json one = job("ready");
+  CHECK(joined(job_details(one, {})).find("by hand") == std::string::npos);
+  one["handwork"] = {{"folds", 19}, {"shortest_fold_mm", 6}, {"fold_s", 600}, {"label", "easy"}};
+  CHECK(joined(job_details(one, {}))
+            .find("by hand    19 folds, the shortest 6 mm; about 10 minutes "
+                  "to fold (easy)") != std::string::npos);
+  one["handwork"] = {{"folds", "many"}};
+  CHECK(joined(job_details(one, {})).find("by hand") == std::string::npos);
+}
+
 TEST_CASE("a priority is shown where a job has one", "[cli][jobs]") {
   Json urgent = job("queued");
   CHECK(joined(jobs_view({urgent}, {})).find("priority") == std::string::npos);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Pages to print: what stands on them, and their form as PDF.
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -89,6 +90,30 @@ TEST_CASE("nothing below a drawing touches it at any size of paper", "[core][pri
     }
     CHECK(below > 0);
   }
+}
+
+TEST_CASE("each fold of a page has two dashes or more", "[core][print]") {
+  for (const Operation operation : {Operation::FoldMountain, Operation::FoldValley})
+    for (double length = 0.2; length < 200.0; length *= 1.1) {
+      CAPTURE(length);
+      const std::vector<double> dashes = fold_dashes_mm(operation, length);
+      REQUIRE(dashes.size() % 2 == 0);
+      double at = 0.0, seen = 0.0, drawn = 0.0;
+      for (std::size_t k = 0; at < length - 1e-9; k = (k + 1) % dashes.size()) {
+        const double part = std::min(dashes[k], length - at);
+        if (k % 2 == 0) seen += 1.0, drawn += part;
+        at += dashes[k];
+      }
+      CHECK(seen >= 2.0);
+      CHECK(drawn < 0.85 * length);
+    }
+  // The legend has the look of a long fold; a short one on a page has its own.
+  CHECK(legend_entry(Operation::FoldValley).style.find("\"3 1.5\"") != std::string::npos);
+  Pattern card = testing::box_card_pattern();
+  card.lines.push_back({5, 5, 5, 7, EdgeRole::Mountain});
+  const auto pages = pattern_pages(card);
+  REQUIRE(pages);
+  CHECK(pages->front().svg.find("stroke-dasharray=\"0.5 0.5\"") != std::string::npos);
 }
 
 TEST_CASE("a sheet larger than a PDF page is refused by name", "[core][print]") {

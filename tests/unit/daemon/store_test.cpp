@@ -158,7 +158,7 @@ TEST_CASE("the schema itself keeps the rules that matter most", "[daemon][store]
     db.run(
         "INSERT INTO job VALUES(?, 1, ?, '', '', '', '', 'o', '', '', ?, 'd', "
         "'01J0000000000000000000PLAN', 'm', 0, 0, 1, 0, 2, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, "
-        "NULL, NULL, '', '[]', '', '', 0, 0, '', '[]', '', '')",
+        "NULL, NULL, '', '[]', '', '', 0, 0, '', '[]', '', '', '')",
         id, state, device);
   };
   job("01J00000000000000000000001", "cutting", "sim:a");

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 // What paper and hands add to a card: how firmly its panels hold, and what it costs to fold it.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <cstdint>
 #include <random>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -14,7 +17,10 @@
 #include "core/design/facets/silhouette.hpp"
 #include "core/design/patches.hpp"
 #include "core/design/spec/spec.hpp"
+#include "core/formats/fold/fold_writer.hpp"
+#include "core/hands/fold_guide.hpp"
 #include "core/hands/folding.hpp"
+#include "core/hands/strip.hpp"
 #include "core/hands/waste.hpp"
 #include "core/hands/wobble.hpp"
 #include "core/judge/sound_design.hpp"
@@ -22,6 +28,10 @@
 #include "tests/support/boxes.hpp"
 #include "tests/support/random_numbers.hpp"
 #include "tests/support/rounds.hpp"
+#include "core/machines/machine.hpp"
+#include "core/print/fold_guide_pages.hpp"
+#include "core/verify/verify.hpp"
+#include "tests/support/random_lattice.hpp"
 
 namespace hands_test {
 
@@ -312,6 +322,30 @@ TEST_CASE("the outline of a silhouette is smooth, and lies where the shape ends"
   }
   CHECK(on_rim > 10);
   CHECK(on_rim < 90);  // 240 in steps of a strip
+TEST_CASE("verify measures the same wobble with code of its own", "[hands][verify]") {
+  std::mt19937 random(9);
+  std::size_t loose = 0;
+  std::vector<Pattern> patterns{testing::box_card_pattern()};
+  for (int k = 0; k < 2; ++k) patterns.push_back(card_of(random, k > 0).pattern.built.pattern);
+  for (const Pattern& pattern : patterns) {
+    const auto designed = hands::wobble_of(pattern);
+    REQUIRE(designed);
+    std::ostringstream fold;
+    REQUIRE(write_fold(pattern, {}, fold));
+    const auto report = verify_fold(fold.str(), {});
+    REQUIRE(report);
+    REQUIRE(report->wobble);
+    CHECK(report->wobble->largest_mm == Approx(designed->largest_mm).epsilon(0.03));
+    CHECK(report->wobble->mean_mm == Approx(designed->mean_mm).epsilon(0.03));
+    CHECK(report->wobble->loose.size() == designed->loose);
+    loose += designed->loose;
+    const bool is_told = std::ranges::any_of(report->notes, [](const std::string& note) {
+      return note.find("by more than 1 mm in paper") != std::string::npos &&
+             note.find("the panel near") != std::string::npos;
+    });
+    CHECK(is_told == (designed->loose > 0));
+  }
+  CHECK(loose > 0);
 }
 
 TEST_CASE("wobble is not measured of too many faces or of none that stands", "[hands]") {
@@ -356,6 +390,28 @@ TEST_CASE("a table of hands is read, and what is wrong in it is named", "[hands]
         "/folds/0/fold_s");
 }
 
+TEST_CASE("a person's own table is made of the times for a strip, and found among their tables",
+          "[hands]") {
+  const Pattern strip = hands::folding_strip();
+  CHECK(hands::handwork(strip).folds == 10);
+  CHECK(strip.width_mm < 200);
+  const std::string own = hands::own_hands_json({18, 22, 60, 120});
+  const auto table = hands::hands_of({R"({"popcut": 1, "machines": []})", own});
+  REQUIRE(table);
+  CHECK(hands::handwork(strip, *table).time_s == 18 + 22 + 60 + 120);
+  CHECK(table->waste_s == hands::built_in_hands().waste_s);
+  CHECK(table->grades.size() == hands::built_in_hands().grades.size());
+  CHECK(hands::handwork(std::vector<double>{25, 15, 6, 1}, 0, 0, *table).time_s ==
+        9 + 11 + 20 + 40);
+  const auto other = hands::hands_of({});
+  REQUIRE(other);
+  CHECK(other->folds.size() == hands::built_in_hands().folds.size());
+  const auto wrong = hands::hands_of({own, R"({"popcut": 1, "hands": {"waste_s": -1}})"});
+  REQUIRE_FALSE(wrong);
+  CHECK(wrong.error().place == "table 2: /hands/waste_s");
+  CHECK(find_machine("cameo3", {own}));  // each reader passes over the others' tables
+}
+
 TEST_CASE("waste is what falls out of a sheet, and slits are none", "[hands]") {
   CHECK(hands::waste_pieces(testing::box_card_pattern()) == 0);
   // A sheet of 30 x 30 mm in two faces around a hole in the middle.
@@ -380,6 +436,130 @@ TEST_CASE("waste is what falls out of a sheet, and slits are none", "[hands]") {
   CHECK(hands::waste_pieces(p) == 0);
   edges({6, 9, 8, 7, 6}, EdgeRole::Slit);  // clockwise: the paper is to its left
   CHECK(hands::waste_pieces(p) == 1);
+}
+
+// ---- a person who follows the guide
+
+/// How a fold turns when the card begins to shut, by the normals of its two faces and with its role
+/// unread: positive where the paper rises toward the eye that sees the pop-up side.
+double turn_of(const Pattern& pattern, const PatternEdge& edge) {
+  const auto at = posed_vertices(pattern, 2.6);
+  const auto point = [&](std::uint32_t k) { return Eigen::Vector3d(at[k][0], at[k][1], at[k][2]); };
+  const auto normal = [&](std::int32_t face) {
+    const auto corners = pattern.face(static_cast<std::size_t>(face));
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < corners.size(); ++k)
+      sum += point(corners[k]).cross(point(corners[(k + 1) % corners.size()]));
+    return sum;
+  };
+  return normal(edge.left).cross(normal(edge.right)).dot(point(edge.to) - point(edge.from));
+}
+
+/// @param is_design  its lines are whole folds
+void check_followed(const Pattern& pattern, bool is_design = true) {
+  const auto guide = hands::fold_guide(pattern);
+  REQUIRE(guide);
+  if (is_design) CHECK(guide->folds.size() == hands::handwork(pattern).folds);
+  CHECK(guide->waste.size() == hands::waste_pieces(pattern));
+  std::vector<int> creased(pattern.edges.size(), 0);
+  const auto lies_on = [&](const PatternEdge& edge, const hands::GuideFold& fold) {
+    const auto far = [&](std::uint32_t k) {
+      const PatternVertex& p = pattern.vertices[k];
+      const double u0 = pattern.u(fold.from), v0 = fold.from.v, du = pattern.u(fold.to) - u0,
+                   dv = fold.to.v - v0, length = std::hypot(du, dv);
+      const double along = ((pattern.u(p) - u0) * du + (p.v - v0) * dv) / length;
+      const double aside = ((pattern.u(p) - u0) * dv - (p.v - v0) * du) / length;
+      return std::max({std::abs(aside), -along, along - length});
+    };
+    return std::max(far(edge.from), far(edge.to)) < 1e-6;
+  };
+  std::vector<int> made(guide->folds.size(), 0);
+  bool has_pushed = false;
+  for (std::size_t s = 0; s < guide->steps.size(); ++s) {
+    const hands::GuideStep& step = guide->steps[s];
+    CHECK(step.folds.size() <= hands::kMostFoldsAStep);
+    CHECK_FALSE(step.words.empty());
+    CHECK((step.kind != hands::StepKind::Waste || s == 0));
+    CHECK((step.kind == hands::StepKind::Crease) == !step.folds.empty());
+    CHECK_FALSE((has_pushed && step.kind != hands::StepKind::Push));
+    has_pushed |= step.kind == hands::StepKind::Push;
+    for (const std::uint32_t k : step.folds) {
+      ++made[k];
+      const hands::GuideFold& fold = guide->folds[k];
+      for (std::size_t e = 0; e < pattern.edges.size(); ++e) {
+        const PatternEdge& edge = pattern.edges[e];
+        if (edge.role != EdgeRole::Mountain && edge.role != EdgeRole::Valley) continue;
+        if (!lies_on(edge, fold)) continue;
+        ++creased[e];
+        if ((turn_of(pattern, edge) > 0) != fold.is_mountain())
+          FAIL_CHECK("fold " << k << " is creased the wrong way");
+      }
+    }
+    for (const std::uint32_t panel : step.panels) CHECK(panel < pattern.faces());
+  }
+  CHECK(std::ranges::all_of(made, [](int times) { return times == 1; }));
+  for (std::size_t e = 0; e < pattern.edges.size(); ++e) {
+    const EdgeRole role = pattern.edges[e].role;
+    const bool is_fold = role == EdgeRole::Mountain || role == EdgeRole::Valley;
+    if (creased[e] != (is_fold ? 1 : 0)) FAIL_CHECK("edge " << e << " is creased " << creased[e]);
+  }
+  CHECK((guide->folds.empty() || has_pushed));
+  for (const auto& page : {std::array{210., 297.}, std::array{215.9, 279.4}}) {
+    const auto pages = fold_guide_pages(pattern, *guide, page);
+    REQUIRE(pages);
+    CHECK(pages->size() == std::max<std::size_t>(1, (guide->folds.size() + 39) / 40));
+  }
+}
+
+TEST_CASE("a person who follows the fold guide creases every fold once and the right way",
+          "[hands]") {
+  SECTION("boxes") {
+    check_followed(testing::box_card_pattern());
+    check_followed(testing::row_of_boxes(9), false);
+  }
+  SECTION("lattices") {
+    std::mt19937 random(11);
+    for (int k = 0; k < 8; ++k) {
+      const auto spec = parse_design_spec(testing::random_lattice_spec(random));
+      REQUIRE(spec);
+      const auto made = design(*spec);
+      if (!made || made->report.folds > 300) continue;
+      INFO("lattice " << k);
+      check_followed(made->pattern);
+    }
+  }
+  SECTION("facets") {
+    std::mt19937 random(5);
+    for (int k = 0; k < 2; ++k) check_followed(card_of(random, true).pattern.built.pattern);
+  }
+  SECTION("V-folds") {
+    const auto spec = parse_design_spec(
+        R"({"popcut":1,"surface":{"type":"profile","z":"90 - x"},"units_per_slice":3,"slices":3,
+            "widths_mm":20,"splay":{"alpha":0.9}})");
+    REQUIRE(spec);
+    const auto made = design(*spec);
+    REQUIRE(made);
+    check_followed(made->pattern);
+  }
+}
+
+TEST_CASE("a fold guide goes from wall and ground inward, and ends with shutting the card",
+          "[hands]") {
+  const auto guide = hands::fold_guide(testing::box_card_pattern());
+  REQUIRE(guide);
+  REQUIRE(guide->steps.size() == 2);
+  CHECK(guide->steps[0].words ==
+        "Crease 1 mountain fold (red, its ridge toward you) and 4 valley folds (blue, away from "
+        "you): the main fold, and the figure, from wall and ground inward.");
+  CHECK(guide->steps[0].panels.size() == 2);
+  CHECK(guide->steps[1].words ==
+        "Shut the card halfway. From behind, push the lit panels of the figure out, toward you. "
+        "Shut the card, press it, and open it.");
+  CHECK(hands::fold_guide(testing::row_of_boxes(500))->steps.size() < 800);
+  const auto many = hands::fold_guide(testing::row_of_boxes(1000));
+  REQUIRE_FALSE(many);
+  CHECK(many.error().kind == ErrorKind::OutOfRange);
+  CHECK_FALSE(fold_guide_pages(testing::box_card_pattern(), *guide, {50, 60}));
 }
 
 }  // namespace hands_test

@@ -15,4 +15,9 @@ namespace popcut::daemon {
 /// Nothing for what is no such object.
 [[nodiscard]] std::optional<LoadedSheet> loaded_sheet_from_json(std::string_view json);
 
+/// {folds, shortest_fold_mm, waste, tabs, fold_s, label}: as it is stored and shown.
+[[nodiscard]] JsonObject json_of(const Handwork& work);
+/// Nothing for what is no such object.
+[[nodiscard]] std::optional<Handwork> handwork_from_json(std::string_view json);
+
 }  // namespace popcut::daemon
