@@ -20,7 +20,7 @@ constexpr double kTouching_mm = 1e-6;
 constexpr std::int32_t kNone = -1;
 /// A step ends where a layer or a figure does if it has so many folds; else the next one joins it,
 /// so that pages stay few.
-constexpr std::size_t kEnoughOfLayer = 6, kEnoughOfFigure = 4;
+constexpr std::size_t kEnoughOfLayer = 6, kEnoughOfFigure = 3;
 constexpr std::size_t kFoldsAPush = 20;  ///< no more pushes than one for so many folds, and three
 
 bool is_fold(const PatternEdge& edge) {
@@ -175,6 +175,8 @@ class Guide {
                               "folds so many by hand; design it with fewer or wider panels",
                               kMostGuideFolds, out_.folds.size()));
     out_.waste = waste_outlines(pattern_);
+    out_.stands = std::ranges::any_of(
+        pattern_.vertices, [](const PatternVertex& p) { return std::abs(p.z) > kTouching_mm; });
     find_card();
     measure_depths();
     find_figures();

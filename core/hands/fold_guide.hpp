@@ -46,6 +46,7 @@ struct FoldGuide {
   std::vector<GuideFold> folds;
   std::vector<std::vector<std::uint32_t>> waste;  ///< vertices around each piece
   std::vector<GuideStep> steps;
+  bool stands{true};  ///< false: the pattern says only how it lies flat, so no side is better
 };
 
 /// A step creases no more folds.

@@ -24,7 +24,7 @@ GuideJson card_json(const FoldGuide& guide, const Pattern& pattern) {
                   {"words", step.words},
                   {"folds", step.folds},
                   {"panels", step.panels}};
-    if (!step.panels.empty()) one["look_from"] = name_of(step.look_from);
+    if (guide.stands && !step.panels.empty()) one["look_from"] = name_of(step.look_from);
     if (step.kind == StepKind::Push)
       one["push_from"] = step.push_from == PushFrom::Behind ? "behind" : "front";
     steps.push_back(std::move(one));

@@ -74,7 +74,7 @@ class Drawer {
         cell.x + 1.5, y + 0.4, k + 1);
     constexpr double kIndentMm = 9;
     for (const std::string& row :
-         text_rows(step.panels.empty()
+         text_rows(step.panels.empty() || !guide_.stands
                        ? step.words
                        : fmt::format("{} Seen from the {}.", step.words, name_of(step.look_from)),
                    kWordsMm, cell.width - kIndentMm - 1)) {
@@ -85,9 +85,9 @@ class Drawer {
     y -= 2.2;
     const double half = (cell.width - 3 * 1.5) / 2, height = cell.y + cell.height - 1.5 - y;
     if (height <= 5) return svg;
+    if (!guide_.stands) return svg + sheet_svg(step, {cell.x + 1.5, y, cell.width - 3, height});
     svg += standing_svg(step, {cell.x + 1.5, y, half, height});
-    svg += sheet_svg(step, {cell.x + 3 + half, y, half, height});
-    return svg;
+    return svg + sheet_svg(step, {cell.x + 3 + half, y, half, height});
   }
 
  private:

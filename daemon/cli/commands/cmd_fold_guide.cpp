@@ -62,10 +62,8 @@ Result<Cards> sheet_cards(const std::string& file, const std::string& fold,
   constexpr std::array kOpen{std::numbers::pi / 2};
   auto opened = judge::open_flat_sheet(fold, kOpen, progress);
   if (!opened) return tl::unexpected(within(file, opened.error()));
-  if (opened->motion)
-    return fail(ErrorKind::Infeasible, file,
-                "has panels that are not parallel to wall or ground, and popcut knows in which "
-                "order to fold only those that are; give a design of popcut");
+  // Sloped panels have no law of motion here: they are shown on the sheet alone.
+  if (opened->motion) opened->pattern.card = true;
   if (opened->pattern.name.empty())
     opened->pattern.name = std::filesystem::path(file).stem().string();
   return Cards{std::move(opened->pattern)};
@@ -118,8 +116,9 @@ void say(const Pattern& card, const hands::FoldGuide& guide, const hands::Hands&
   for (std::size_t k = 0; k < guide.steps.size(); ++k) {
     const hands::GuideStep& step = guide.steps[k];
     fmt::print("{:3}  {}{}\n", k + 1, step.words,
-               step.panels.empty() ? std::string()
-                                   : fmt::format(" Look from the {}.", name_of(step.look_from)));
+               step.panels.empty() || !guide.stands
+                   ? std::string()
+                   : fmt::format(" Look from the {}.", name_of(step.look_from)));
   }
 }
 

@@ -543,6 +543,23 @@ TEST_CASE("a person who follows the fold guide creases every fold once and the r
   }
 }
 
+TEST_CASE("a pattern of which only the flat sheet is known is guided by the sheet alone",
+          "[hands]") {
+  const Pattern card = testing::box_card_pattern();
+  Pattern flat = card;
+  for (PatternVertex& p : flat.vertices) p = {card.u(p), 0.0, p.v};
+  flat.wall_mm = 0.0, flat.ground_mm = card.wall_mm + card.ground_mm;
+  const auto guide = hands::fold_guide(flat), standing = hands::fold_guide(card);
+  REQUIRE((guide && standing));
+  CHECK(standing->stands);
+  CHECK_FALSE(guide->stands);
+  REQUIRE(guide->steps.size() == standing->steps.size());
+  CHECK(guide->steps[0].words == standing->steps[0].words);
+  const auto pages = fold_guide_pages(flat, *guide, {210, 297});
+  REQUIRE(pages);
+  CHECK(pages->front().svg.find("Seen from") == std::string::npos);
+}
+
 TEST_CASE("a fold guide goes from wall and ground inward, and ends with shutting the card",
           "[hands]") {
   const auto guide = hands::fold_guide(testing::box_card_pattern());
