@@ -197,11 +197,14 @@ class Guide {
   void find_card() {
     is_card_.assign(pattern_.faces(), false);
     if (!pattern_.card) return;
-    const double far_mm = pattern_.wall_mm + pattern_.ground_mm;
+    // Not from 0 to wall and ground: a flat sheet may lie anywhere.
+    double low_mm = std::numeric_limits<double>::infinity(), high_mm = -low_mm;
+    for (const PatternVertex& p : pattern_.vertices)
+      low_mm = std::min(low_mm, pattern_.u(p)), high_mm = std::max(high_mm, pattern_.u(p));
     for (std::size_t f = 0; f < pattern_.faces(); ++f)
       is_card_[f] = std::ranges::any_of(pattern_.face(f), [&](std::uint32_t corner) {
         const double u_mm = pattern_.u(pattern_.vertices[corner]);
-        return u_mm < kTouching_mm || u_mm > far_mm - kTouching_mm;
+        return u_mm < low_mm + kTouching_mm || u_mm > high_mm - kTouching_mm;
       });
   }
 

@@ -547,7 +547,7 @@ TEST_CASE("a pattern of which only the flat sheet is known is guided by the shee
           "[hands]") {
   const Pattern card = testing::box_card_pattern();
   Pattern flat = card;
-  for (PatternVertex& p : flat.vertices) p = {card.u(p), 0.0, p.v};
+  for (PatternVertex& p : flat.vertices) p = {card.u(p) - card.wall_mm, 0.0, p.v};
   flat.wall_mm = 0.0, flat.ground_mm = card.wall_mm + card.ground_mm;
   const auto guide = hands::fold_guide(flat), standing = hands::fold_guide(card);
   REQUIRE((guide && standing));
