@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <cstdint>
+#include <numbers>
 #include <random>
 #include <sstream>
 #include <string>
@@ -24,14 +24,14 @@
 #include "core/hands/waste.hpp"
 #include "core/hands/wobble.hpp"
 #include "core/judge/sound_design.hpp"
-#include "tests/support/box_card.hpp"
-#include "tests/support/boxes.hpp"
-#include "tests/support/random_numbers.hpp"
-#include "tests/support/rounds.hpp"
 #include "core/machines/machine.hpp"
 #include "core/print/fold_guide_pages.hpp"
 #include "core/verify/verify.hpp"
+#include "tests/support/box_card.hpp"
+#include "tests/support/boxes.hpp"
 #include "tests/support/random_lattice.hpp"
+#include "tests/support/random_numbers.hpp"
+#include "tests/support/rounds.hpp"
 
 namespace hands_test {
 
@@ -308,7 +308,6 @@ TEST_CASE("the outline of a silhouette is smooth, and lies where the shape ends"
   const Pattern& pattern = card->pattern.built.pattern;
   const double margin_mm = card->card.margin_mm;
   std::size_t on_rim = 0;
-  double sharpest = 1.0;
   for (const SheetLine& line : pattern.lines) {
     if (line.role != EdgeRole::Slit) continue;
     const auto off = [&](double u, double v) {  // from the circle, mm
@@ -318,10 +317,11 @@ TEST_CASE("the outline of a silhouette is smooth, and lies where the shape ends"
     ++on_rim;
     CHECK(off(line.u0, line.v0) < 1.2);
     CHECK(off(line.u1, line.v1) < 1.2);
-    sharpest = std::min(sharpest, std::hypot(line.u1 - line.u0, line.v1 - line.v0));
   }
   CHECK(on_rim > 10);
   CHECK(on_rim < 90);  // 240 in steps of a strip
+}
+
 TEST_CASE("verify measures the same wobble with code of its own", "[hands][verify]") {
   std::mt19937 random(9);
   std::size_t loose = 0;
