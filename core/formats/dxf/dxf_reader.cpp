@@ -294,6 +294,7 @@ class DxfReader {
     if (meaning == LayerMeaning::Fold) ++sideless_;
     if (is_known(meaning)) {
       any_known_ = true;
+      fold_letters_ = fold_letters_ || is_letter_of_fold(use.layer.name);
       const Operation meant = operation_of(meaning);
       if (is_cut(meant)) cut_colours_.insert(colour_of(own));
       return meant;
@@ -324,7 +325,9 @@ class DxfReader {
   }
 
   // No layer is cut whose name may be a fold's in words that nobody knows here.
-  [[nodiscard]] Result<void> names_clear() const {
+  [[nodiscard]] Result<void> names_clear() {
+    if (fold_letters_)
+      std::erase_if(unknown_, [](const std::string& one) { return is_letter_of_cut(one); });
     const auto foreign = std::find_if(unknown_.begin(), unknown_.end(), [](const std::string& one) {
       return std::any_of(one.begin(), one.end(), [](char c) { return (c & 0x80) != 0; });
     });
@@ -487,6 +490,7 @@ class DxfReader {
   std::set<std::pair<int, int>> cut_colours_;        // on layers whose names mean cuts
   std::optional<Error> second_colour_;
   std::vector<std::string> unknown_;  // names of layers, in the order of their first lines
+  bool fold_letters_{false};          // lines lie on a layer M or V
   bool any_known_{false};             // any line's layer or block has a known name
 };
 

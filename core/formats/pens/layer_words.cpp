@@ -60,6 +60,11 @@ std::uint32_t plain_letter(std::uint32_t c) {
   if (c >= 0x391 && c <= 0x3A9) return c + 0x20;  // Greek
   if (c >= 0x410 && c <= 0x42F) return c + 0x20;  // Cyrillic
   if (c >= 0x400 && c <= 0x40F) return plain_letter(c + 0x50);
+  if (c == 0x1A0 || c == 0x1A1) return 'o';  // Vietnamese
+  if (c == 0x1AF || c == 0x1B0) return 'u';
+  if (c >= 0x1EA0 && c < 0x1EFA)
+    return static_cast<unsigned char>(
+        "aaaaaaaaaaaaeeeeeeeeiioooooooooooouuuuuuuyyyy"[(c - 0x1EA0) / 2]);
   if ((c >= 0x2000 && c <= 0x2BFF) || (c >= 0x3000 && c <= 0x3004) || (c >= 0x3007 && c <= 0x3030))
     return 0;                                                       // punctuation and symbols
   if (c >= 0xFF21 && c <= 0xFF5A) return plain_letter(c - 0xFEE0);  // wide letters
@@ -75,7 +80,8 @@ bool is_capital(std::uint32_t c) {
     return c == 0x178 || (c % 2 == 1) == odd;
   }
   return (c >= 'A' && c <= 'Z') || (c >= 0xC0 && c <= 0xDE && c != 0xD7) ||
-         (c >= 0x391 && c <= 0x3A9) || (c >= 0x400 && c <= 0x42F);
+         (c >= 0x391 && c <= 0x3A9) || (c >= 0x400 && c <= 0x42F) || c == 0x1A0 || c == 0x1AF ||
+         (c >= 0x1EA0 && c < 0x1EFA && c % 2 == 0);
 }
 /// Whether words of this script stand without blanks between.
 bool is_unspaced(std::uint32_t c) {
@@ -88,6 +94,8 @@ struct Word {
   std::string text;
   bool unspaced{false};
   bool number{false};
+  bool attached{false};  ///< nothing stands between it and the word before
+  bool capital{false};   ///< it begins with a capital
   std::size_t letters{};
 };
 
@@ -114,7 +122,7 @@ std::vector<Word> words_of(std::string_view name) {
                         words.back().unspaced != unspaced;
     if (begins) {
       if (words.size() == kMostWords) break;
-      words.push_back({{}, unspaced, digit});
+      words.push_back({{}, unspaced, digit, last != Last::None, now == Last::Capital});
     }
     append_utf8(words.back().text, letter);
     if (c == 0xDF) words.back().text += 's';  // ss
@@ -122,6 +130,24 @@ std::vector<Word> words_of(std::string_view name) {
     last = now;
   }
   return words;
+}
+
+/// Whether words are an id that programs make up: "g17", "e4023"; or hexadecimal digits of
+/// some length, such as "3fa9b2c1" and those of a UUID.
+bool is_made_up(std::span<const Word> words) {
+  if (words.size() >= 2 && words[0].letters == 1 && !words[0].capital && words[0].text[0] >= 'a' &&
+      words[1].number && words[1].attached && (words[0].text == "g" || words[1].letters > 1) &&
+      std::all_of(words.begin() + 2, words.end(), [](const Word& one) { return one.number; }))
+    return true;
+  constexpr std::size_t kLeastHexadecimal = 8;  // characters
+  std::size_t characters = 0, numbers = 0;
+  for (const Word& one : words) {
+    if (one.text == "uuid") continue;
+    if (one.text.find_first_not_of("0123456789abcdef") != one.text.npos) return false;
+    characters += one.letters;
+    numbers += one.number ? 1 : 0;
+  }
+  return characters >= kLeastHexadecimal && numbers >= 2 && numbers + 2 <= words.size();
 }
 
 std::string joined(const std::vector<Word>& words, std::size_t from, std::size_t count) {
@@ -183,20 +209,25 @@ const Table& table() {
 class Reading {
  public:
   explicit Reading(std::string_view name) : words_(words_of(name)) {
+    if (is_made_up(words_)) return;
     for (std::size_t i = 0; i < words_.size();) i += take(i);
   }
 
   [[nodiscard]] LayerMeaning meaning() const {
     using enum LayerMeaning;
     if (has(Ignore)) return Ignore;
-    const bool sided = has(Fold) || is_alone_;
+    // "Cut without fold" and "no fold" may mean to cut, "fold, do not cut" to fold.
+    if (negated_ || not_folded_ || (left_out_ && says_use_)) return Unknown;
+    if (left_out_) return Ignore;
+    const bool letters = letters_ > 0 && !says_use_ && !has(Unknown);
+    const bool sided = has(Fold) || (letters && letters_ == (m_ ? 1U : 0U) + (v_ ? 1U : 0U));
     const bool mountain = has(FoldMountain) || (sided && m_);
     const bool valley = has(FoldValley) || (sided && v_);
     if (mountain != valley) return mountain ? FoldMountain : FoldValley;
     if (mountain) return Fold;
     for (const LayerMeaning one : {Fold, Score, Draw, Outline, Cut, Unknown})
       if (has(one)) return one;
-    return Wordless;
+    return letters ? Unknown : Wordless;
   }
 
  private:
@@ -205,13 +236,20 @@ class Reading {
   }
 
   void say(const Said& said) {
-    if (!said) {
-      negated_ = true;
+    using enum LayerMeaning;
+    if (!said || !is_known(*said)) {
+      negated_ = negated_ || !said;
+      if (said) said_.set(static_cast<std::size_t>(*said));
       return;
     }
-    const bool taken_away = negated_ && is_known(*said);
-    negated_ = negated_ && *said == LayerMeaning::Wordless;
-    said_.set(static_cast<std::size_t>(taken_away ? LayerMeaning::Ignore : *said));
+    const bool folds = *said == Fold || *said == FoldMountain || *said == FoldValley;
+    if (negated_) {
+      (folds || *said == Score ? not_folded_ : left_out_) = true;
+    } else {
+      said_.set(static_cast<std::size_t>(*said));
+      says_use_ = says_use_ || *said != Ignore;
+    }
+    negated_ = false;
   }
 
   /// Takes what begins at word `i`; returns how many words.
@@ -227,10 +265,8 @@ class Reading {
     } else if (word.letters == 1 && !word.unspaced) {
       m_ = m_ || word.text == "m";
       v_ = v_ || word.text == "v";
-      is_alone_ = std::count_if(words_.begin(), words_.end(),
-                                [](const Word& one) { return !one.number; }) == 1;
+      ++letters_;
     } else if (!(word.unspaced ? within(word.text) : compound(word.text))) {
-      negated_ = false;
       say(LayerMeaning::Unknown);
     }
     return 1;
@@ -282,12 +318,37 @@ class Reading {
 
   std::vector<Word> words_;
   std::bitset<16> said_;
-  bool negated_{false}, m_{false}, v_{false}, is_alone_{false};
+  std::size_t letters_{};  ///< words of one letter
+  bool m_{false}, v_{false};
+  bool negated_{false};     ///< the next word is taken away
+  bool left_out_{false};    ///< a word other than a fold is taken away
+  bool not_folded_{false};  ///< a fold or score is
+  bool says_use_{false};    ///< a known word, not of Ignore, is not
 };
 
 }  // namespace
 
 LayerMeaning layer_meaning(std::string_view name) { return Reading(name).meaning(); }
+
+char only_letter(std::string_view name) {
+  char letter = 0;
+  for (const Word& word : words_of(name)) {
+    if (word.number) continue;
+    if (letter != 0 || word.text.size() != 1) return 0;
+    letter = word.text[0];
+  }
+  return letter;
+}
+
+bool is_letter_of_fold(std::string_view name) {
+  const char letter = only_letter(name);
+  return letter == 'm' || letter == 'v';
+}
+
+bool is_letter_of_cut(std::string_view name) {
+  const char letter = only_letter(name);
+  return letter == 'b' || letter == 'c';
+}
 
 std::string layer_key(std::string_view name) {
   const std::vector<Word> words = words_of(name);

@@ -29,9 +29,15 @@ enum class LayerMeaning : std::uint8_t {
 /// Decides by the words in a name, in any case and with or without accents: core/data/
 /// layer_words.json has them in many languages. Words are runs of letters, parts of "valleyFold"
 /// and "Schnittlinie", and what stands anywhere in scripts without blanks. A fold wins over a cut,
-/// because a wrong cut cannot be undone; "no cut" means nothing to cut. Text that is not UTF-8
-/// counts as Latin-1.
+/// because a wrong cut cannot be undone. "No cut" means nothing to cut; "no fold" and "cut without
+/// fold" are Unknown. So is a single letter other than M and V, the folds of FOLD. Text that is not
+/// UTF-8 counts as Latin-1.
 [[nodiscard]] LayerMeaning layer_meaning(std::string_view name);
+
+/// Whether a name is the letter M or V, perhaps with a number: the folds in FOLD and crease
+/// patterns. Beside such a name, the letters B and C (`is_letter_of_cut`) are border and cut.
+[[nodiscard]] bool is_letter_of_fold(std::string_view name);
+[[nodiscard]] bool is_letter_of_cut(std::string_view name);
 
 /// Whether it says what is done with the lines, or that nothing is.
 [[nodiscard]] constexpr bool is_known(LayerMeaning meaning) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/formats/pens/layer_words.hpp"
 #include "core/text/utf8.hpp"
 #include "core/text/words.hpp"
 
@@ -18,9 +19,13 @@ std::uint32_t SvgNames::add(const pugi::xml_node& node, std::uint32_t outer,
   const auto next = static_cast<std::uint32_t>(unknown_.size() + 1);
   const auto [found, is_new] = numbers_.try_emplace({node.hash_value(), outer}, next);
   if (is_new)
-    unknown_.push_back(
-        {node, shown_text(trimmed(name).substr(0, kMostShown)), outer, false, !is_utf8(name)});
+    unknown_.push_back({node, shown_text(trimmed(name).substr(0, kMostShown)), outer, false,
+                        is_letter_of_cut(name), !is_utf8(name)});
   return found->second;
+}
+
+void SvgNames::see_known(std::string_view name) {
+  has_fold_letters_ = has_fold_letters_ || is_letter_of_fold(name);
 }
 
 void SvgNames::draw(std::uint32_t number) {
@@ -32,7 +37,8 @@ void SvgNames::draw(std::uint32_t number) {
 std::vector<const SvgNames::Unknown*> SvgNames::drawn_beside_known(bool any_known) const {
   std::vector<const Unknown*> those;
   for (const Unknown& one : unknown_)
-    if (one.is_drawn && (one.is_foreign || any_known)) those.push_back(&one);
+    if (one.is_drawn && (one.is_foreign || any_known) && !(one.is_cut_letter && has_fold_letters_))
+      those.push_back(&one);
   return those;
 }
 

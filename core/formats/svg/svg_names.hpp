@@ -23,6 +23,8 @@ class SvgNames {
   std::uint32_t add(const pugi::xml_node& node, std::uint32_t outer, std::string_view name);
   /// A line is drawn in the element with the number `number`, and nothing else says what it is for.
   void draw(std::uint32_t number);
+  /// A line has a known name.
+  void see_known(std::string_view name);
   /// Those to ask about, the first first. @param any_known  any line has a name that is known
   [[nodiscard]] std::vector<std::string> asked(bool any_known) const;
   /// The element of the first of `asked`.
@@ -34,11 +36,13 @@ class SvgNames {
     std::string name;
     std::uint32_t outer{};
     bool is_drawn{};
-    bool is_foreign{};  ///< not in UTF-8: it may be a known word in a code that is not read
+    bool is_cut_letter{};  ///< B or C
+    bool is_foreign{};     ///< not in UTF-8: it may be a known word in a code that is not read
   };
   [[nodiscard]] std::vector<const Unknown*> drawn_beside_known(bool any_known) const;
 
   std::vector<Unknown> unknown_;
+  bool has_fold_letters_{};
   std::map<std::pair<std::size_t, std::uint32_t>, std::uint32_t> numbers_;  ///< by node and `outer`
 };
 

@@ -57,9 +57,10 @@ bool cuts(LayerMeaning meaning) {
   return meaning == LayerMeaning::Cut || meaning == LayerMeaning::Outline;
 }
 
-// Classes that programs number: "cls-1", "st0", "fil2".
+// Classes that programs number: "cls-1", "st0", "fil2". They make up those of one letter too.
 bool is_made_up(std::string_view name) {
-  return std::any_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
+  return name.size() < 2 ||
+         std::any_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
 }  // namespace
@@ -416,11 +417,11 @@ void SvgStyleReader::read_names(SvgElement& element, SvgStyle& style) {
 // What the names of an element say. A label that a person wrote counts first; then an id and the
 // classes together, of which what does not cut counts; then a title, which shapes have of their
 // own.
-LayerMeaning SvgStyleReader::meaning_of_names(const SvgElement& e, std::string& unknown) const {
+LayerMeaning SvgStyleReader::meaning_of_names(const SvgElement& e, std::string& unknown) {
   LayerMeaning all = LayerMeaning::Wordless;
   const auto look_at = [&](std::string_view name) {
-    if (!e.is_layer && trimmed(name).size() < 2) return;  // "c" or "f" names no purpose here
     const LayerMeaning meaning = meaning_of_label(profile_, name);
+    if (is_known(meaning)) names_.see_known(name);
     if (is_known(meaning) && (!is_known(all) || cuts(all))) all = meaning;
     if (meaning == LayerMeaning::Unknown && !is_known(all)) {
       if (unknown.empty()) unknown = name;

@@ -125,8 +125,7 @@ class SvgStyleReader {
   void read_names(SvgElement& element, SvgStyle& style);
   void read_pen(const SvgElement& element, SvgStyle& style);
   void read_name(const SvgElement& element, SvgStyle& style);
-  [[nodiscard]] LayerMeaning meaning_of_names(const SvgElement& element,
-                                              std::string& unknown) const;
+  [[nodiscard]] LayerMeaning meaning_of_names(const SvgElement& element, std::string& unknown);
 
   const SvgText& text_;
   const StrokeProfile& profile_;

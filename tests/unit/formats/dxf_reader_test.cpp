@@ -146,6 +146,10 @@ TEST_CASE("a DXF layer that nobody knows beside known ones is asked about",
   // No other name is known, or the lines are dashes already.
   CHECK(read(drawing(line_on("Wings", 2) + line_on("0", 4)), asks).lines.size() == 2);
   CHECK(read(drawing(line_on("CUT", 1) + "0 LINE 8 Wings 6 HIDDEN 11 9 "), asks).lines.size() == 2);
+  // Letters; B and C are those of FOLD beside M or V.
+  CHECK_FALSE(linework_from_dxf(drawing(line_on("CUT", 1) + line_on("S", 2)), asks));
+  CHECK_FALSE(linework_from_dxf(drawing(line_on("CUT", 1) + line_on("C", 2)), asks));
+  CHECK(read(drawing(line_on("M", 1) + line_on("C", 2) + line_on("B", 2)), asks).lines.size() == 3);
   // Names are escaped in ASCII, or bytes of a code page that the file names.
   CHECK(total_mm(
             read(drawing(line_on("\\U+6298\\U+7EBF", 2) + line_on("sch\xe4rfe_schnitt", 3)), asks),

@@ -426,7 +426,7 @@ TEST_CASE("layers of Illustrator are read by their names", "[core][formats][svg]
   const std::string groups = R"x(<g id="Art"><g id="Fold"><path d="M0 0H1" stroke="#000"/></g>
       <g id="fold_x5F_mountain_1_"><path d="M0 0H2" stroke="#000"/></g></g>
       <g id="Cut"><path d="M0 0H4" stroke="#000"/><g id="Layer_4" data-name="Score lines">
-      <path d="M0 0H8" stroke="#000"/></g></g><g id="c"><path d="M0 0H16" stroke="#000"/></g>)x";
+      <path d="M0 0H8" stroke="#000"/></g></g><g id="g16"><path d="M0 0H16" stroke="#000"/></g>)x";
   const LineWork work = read(comment + svg(groups), "auto");
   CHECK(total_mm(work, Operation::FoldValley) == Approx(1));
   CHECK(total_mm(work, Operation::FoldMountain) == Approx(2));
@@ -485,19 +485,43 @@ TEST_CASE("words of many languages say what lines are for", "[core][formats][wor
                   "\xEF\xBD\x86old",
                   "fold-left-wing",
                   "Knicklinie",
+                  "Biegekante",
+                  "gefalzt",
+                  "Kat çizgisi",
+                  "Линии сгиба",
+                  "изгибы",
+                  "Taitelinja",
+                  "dobrado",
+                  "gevouwen",
+                  "plec",
+                  "خط الطي",
+                  "קו קיפול",
+                  "เส้นพับ",
+                  "ĐƯỜNG GẤP",
+                  "garis lipat",
+                  "M/V",
                   "p\xCC\x81li"});
-  all_mean(FoldMountain, {"Mtn", "mountain", "Bergfalten", "山折り", "m", "M-fold", "BEND_DOWN"});
-  all_mean(FoldValley, {"Vly", "valleyFolds", "Talfalte", "谷折", "V", "BEND_UP", "Vallée"});
+  all_mean(FoldMountain,
+           {"Mtn", "mountain", "Bergfalten", "山折り", "m", "M-fold", "BEND_DOWN", "M 1"});
+  all_mean(FoldValley,
+           {"Vly", "valleyFolds", "Talfalte", "谷折", "V", "BEND_UP", "Vallée", "Linie V"});
   all_mean(Score, {"half cut", "Kiss-Cut", "kisscut", "scored", "Rillen", "ハーフカット", "半切",
-                   "rainage", "Rainé", "Rain\xe9", "Mi-chair", "hendido"});
+                   "rainage", "Rainé", "Rain\xe9", "Mi-chair", "hendido", "Nutlinie", "geritzt",
+                   "linia bigowania", "Бигование", "压痕"});
   all_mean(Draw, {"Engrave", "Gravur", "pen", "Lasergravur"});
-  all_mean(Ignore, {"guide", "Notes", "Hilfslinien", "no cut", "don't cut", "NICHT schneiden",
-                    "ne pas couper", "不切割", "Registration marks"});
+  all_mean(Ignore,
+           {"guide", "Notes", "Hilfslinien", "no cut", "don't cut", "NICHT schneiden",
+            "ne pas couper", "不切割", "Registration marks", "pas de découpe", "do not cut"});
   all_mean(Cut,
            {"Cut", "CutContour", "Schnittlinie", "découpe", "刀线", "切り", "Cut no 2", "slit"});
   all_mean(Outline, {"Outline", "Umriß", "轮廓"});
-  all_mean(Unknown, {"wing", "Hingemaker", "glue tab", "dieline", "F"});
-  all_mean(Wordless, {"", "0", "Layer 1", "path4242", "Ebene_2", "图层 1", "g17-3", "cls-1", "A"});
+  all_mean(Unknown, {"wing", "Hingemaker", "glue tab", "dieline", "F", "S", "R-2", "Ф", "A",
+                     "Layer S", "s1"});
+  // What is not folded may be cut, and what is not cut may be folded.
+  all_mean(Unknown, {"cut without fold", "no fold", "Ohne Falz schneiden", "pas de pli", "不折",
+                     "Fold, do not cut", "Fold: no", "折り目なし", "No"});
+  all_mean(Wordless, {"", "0", "Layer 1", "path4242", "Ebene_2", "图层 1", "g17-3", "cls-1", "g5",
+                      "e4023", "3fa9b2c1", "550e8400-e29b-41d4-a716-446655440000", "Untitled"});
   CHECK(parse_layer_uses("a=fold;b").error().place == "/options/layers");
   CHECK(parse_layer_uses("a=flod").error().detail.find("did you mean fold") != std::string::npos);
   CHECK(parse_layer_uses("Kiss Cut=cut")->at("kiss cut") == Cut);
@@ -550,13 +574,19 @@ TEST_CASE("a name that nobody knows beside known ones is asked about",
         std::string::npos);
   CHECK(asked(group("Wing") + group("Tuck")).empty());
   CHECK(asked(group("Cut") + group("Layer_2") + group("g17")).empty());
+  // Letters; those of FOLD mean the same beside M or V.
+  CHECK_FALSE(asked(layer("Cut") + layer("R-2")).empty());
+  CHECK_FALSE(asked(group("Cut") + "<path id='S' d='M0 0H4' stroke='#000'/>").empty());
+  CHECK_FALSE(asked(layer("Cut") + layer("C")).empty());
+  CHECK(asked(layer("M") + layer("C") + layer("B1")).empty());
+  CHECK_FALSE(asked(layer("M") + layer("C") + layer("U")).empty());
   // As a class or a title, in another frame, or with Affinity's own name of a group.
   CHECK_FALSE(asked("<path class='cut' d='M0 0H4' stroke='#000'/>"
-                    "<path class='cls-1 plooi' d='M0 2H4' stroke='#000'/>")
+                    "<path class='cls-1 a zwaan' d='M0 2H4' stroke='#000'/>")
                   .empty());
   CHECK_FALSE(
-      asked(group("Cut") + "<g><title>plooi</title><path d='M0 0H4' stroke='#000'/></g>").empty());
-  CHECK_FALSE(asked(group("Cut") + "<g id='Frame 2'>" + group("plooi") + "</g>").empty());
+      asked(group("Cut") + "<g><title>zwaan</title><path d='M0 0H4' stroke='#000'/></g>").empty());
+  CHECK_FALSE(asked(group("Cut") + "<g id='Frame 2'>" + group("zwaan") + "</g>").empty());
   CHECK(asked(group("Cut") + "<path class='cls-1' id='Vector' d='M0 0H4' stroke='#000'/>").empty());
   CHECK(asked(group("Cut") + "<g xmlns:serif='http://www.serif.com/' id='Wing1' serif:id='Fold 1'>"
                              "<path d='M0 0H4' stroke='#000'/></g>")
@@ -602,6 +632,16 @@ TEST_CASE("filled shapes that lie over each other are told and welded on request
       "<rect x='10' y='10' width='30' height='20'/><rect x='15' y='15' width='5' height='5'/>";
   CHECK_FALSE(is_told(cut(within, false), "lie over each other"));
   CHECK(total_mm(cut(within, true), Operation::Cut) == Approx(100));
+  // What crosses is told at the size that the drawing gets.
+  SvgReadOptions tiny;
+  tiny.profile = *find_stroke_profile("auto");
+  tiny.enlarged = 300;
+  const auto small = linework_from_svg(
+      svg("<rect x='.1' y='.1' width='.3' height='.2'/><rect x='.395' y='.2' width='.3' "
+          "height='.2'/>"),
+      tiny);
+  REQUIRE(small);
+  CHECK(is_told(*small, "2 filled shapes lie over each other"));
   // Strokes go with their fills, holes and other operations stay.
   const std::string stroked =
       "<g stroke='#000'><rect x='10' y='10' width='30' height='20'/><rect x='30' y='20' width='30' "
