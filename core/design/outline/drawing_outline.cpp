@@ -23,12 +23,19 @@ bool is_svg(const std::string& bytes) {
 
 constexpr Operation kSolid = Operation::Cut, kWhite = Operation::Draw, kPage = Operation::Outline;
 
-Result<LineWork> drawing_of(const std::string& bytes) {
-  if (!is_svg(bytes)) return linework_from_dxf(bytes);
+/// @param enlarged  times that the drawing becomes larger afterwards, at least 1
+Result<LineWork> drawing_of(const std::string& bytes, double enlarged) {
+  if (!is_svg(bytes)) {
+    DxfOptions options;
+    options.tolerance_mm /= enlarged;
+    return linework_from_dxf(bytes, options);
+  }
   auto plain = find_stroke_profile(svg_profile_name(SvgProfile::Plain));
   if (!plain) return tl::unexpected(plain.error());
   SvgReadOptions how;
   how.profile = std::move(*plain);
+  how.enlarged = enlarged;
+  how.tolerance_mm /= enlarged;
   how.profile.whites = kWhite;
   how.profile.pages = kPage;
   return linework_from_svg(bytes, how);
@@ -44,9 +51,16 @@ bool matters(const Warning& warning, bool has_height) {
 
 Result<std::vector<Area>> drawing_areas(const std::string& bytes, std::optional<double> height,
                                         std::vector<Warning>* warnings) {
-  auto work = drawing_of(bytes);
+  auto work = drawing_of(bytes, 1.0);
   if (!work) return tl::unexpected(work.error());
-  const Box size = bounds(*work);
+  Box size = bounds(*work);
+  // Curves are flattened at the size of the design, which is known only now.
+  const double enlarged = height && size.height() > 0.0 ? *height / size.height() : 1.0;
+  if (enlarged > 1.0 && std::isfinite(enlarged)) {
+    work = drawing_of(bytes, enlarged);
+    if (!work) return tl::unexpected(work.error());
+    size = bounds(*work);
+  }
   const double near = kClosed * std::max(size.width(), size.height());
   const bool has_white = std::any_of(work->lines.begin(), work->lines.end(),
                                      [](const DrawnLine& one) { return one.operation == kWhite; });

@@ -726,7 +726,8 @@ class SvgReader {
                                   "join them in the editor (Inkscape: Path > Union)"));
     }
     constexpr std::size_t kMostComparisons = 20'000'000;
-    const std::size_t crossing = crossing_shapes(work_, shapes_, kMostComparisons);
+    const std::size_t crossing =
+        crossing_shapes(work_, shapes_, kMostComparisons, options_.enlarged);
     if (crossing > 0 && crossing <= shapes_.size())
       notes_.add(SvgNote::FillsCross, first, crossing);
     return {};

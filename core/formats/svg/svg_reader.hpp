@@ -22,7 +22,7 @@ struct SvgReadOptions {
   StrokeProfile profile;
   double tolerance_mm{0.02};        ///< largest distance between a curve and its chords, positive
   std::optional<double> unit_mm{};  ///< of one unit of a DXF or FOLD file that is read instead
-  double enlarged{1};  ///< times that a FOLD file becomes larger after it is read, see there
+  double enlarged{1};  ///< times that the drawing becomes larger after it is read, positive
   std::vector<std::string> pens{};  ///< names for `PenFinder`; also for DXF
   double dpi{96};                   ///< user units (px) per inch, positive
   bool weld{false};                 ///< filled shapes that lie over each other become one

@@ -14,8 +14,10 @@
 namespace popcut {
 namespace {
 
-constexpr double kSame = 1e-6;   // mm; points this near are one
-constexpr double kAside = 1e-5;  // mm; how far beside a line its sides are looked at
+// Points this near are one: a share of the largest coordinate, since a drawing may become larger
+// after it is read, and at most 1 nm.
+constexpr double kSameShare = 1e-8, kMostSame_mm = 1e-6;
+constexpr double kAside = 10.0;  // times as far beside a line its sides are looked at
 
 PagePoint on_line(const PagePoint& a, const PagePoint& b, double t) {
   return {std::lerp(a.x, b.x, t), std::lerp(a.y, b.y, t)};
@@ -33,13 +35,15 @@ void end_run(std::vector<PagePoint>& run, SvgLines& out) {
 // Gives points that are the same up to rounding the same number.
 class NumberedPoints {
  public:
+  explicit NumberedPoints(double same_mm) : same_mm_(same_mm) {}
+
   std::uint32_t number(const PagePoint& p) {
-    const auto x = static_cast<std::int64_t>(std::floor(p.x / (2 * kSame)));
-    const auto y = static_cast<std::int64_t>(std::floor(p.y / (2 * kSame)));
+    const auto x = static_cast<std::int64_t>(std::floor(p.x / (2 * same_mm_)));
+    const auto y = static_cast<std::int64_t>(std::floor(p.y / (2 * same_mm_)));
     for (std::int64_t i = x - 1; i <= x + 1; ++i)
       for (std::int64_t k = y - 1; k <= y + 1; ++k)
         if (const auto found = cells_.find({i, k});
-            found != cells_.end() && distance(points_[found->second], p) <= 2 * kSame)
+            found != cells_.end() && distance(points_[found->second], p) <= 2 * same_mm_)
           return found->second;
     const auto next = static_cast<std::uint32_t>(points_.size());
     cells_.try_emplace({x, y}, next);
@@ -49,6 +53,7 @@ class NumberedPoints {
   [[nodiscard]] const PagePoint& operator[](std::uint32_t number) const { return points_[number]; }
 
  private:
+  double same_mm_;
   std::vector<PagePoint> points_;
   std::map<std::pair<std::int64_t, std::int64_t>, std::uint32_t> cells_;
 };
@@ -97,20 +102,23 @@ void SvgRegion::finish(Part area) {
   windings_.assign(shapes_, 0);
   bands_.clear();
   if (edges_.empty()) return;
-  double most = edges_[0].a.y;
+  double most = edges_[0].a.y, largest = 0.0;
   least_y_ = most;
   for (const Edge& e : edges_) {
+    largest =
+        std::max({largest, std::abs(e.a.x), std::abs(e.a.y), std::abs(e.b.x), std::abs(e.b.y)});
     least_y_ = std::min({least_y_, e.a.y, e.b.y});
     most = std::max({most, e.a.y, e.b.y});
   }
+  same_mm_ = std::min(kSameShare * largest, kMostSame_mm);
   // A tall edge is in many bands: their number stays small if there are many edges.
   const auto n = static_cast<double>(edges_.size());
   const double count = std::max(1.0, std::floor(std::min(2.0 * std::sqrt(n), 1e7 / n)));
-  band_height_ = std::max((most - least_y_) / count, 1e-9);
+  band_height_ = std::max((most - least_y_) / count, 1e-3 * same_mm_);
   bands_.resize(static_cast<std::size_t>(count));
   for (std::size_t i = 0; i < edges_.size(); ++i) {
-    const auto [first, last] = bands_of(std::min(edges_[i].a.y, edges_[i].b.y) - kSame,
-                                        std::max(edges_[i].a.y, edges_[i].b.y) + kSame);
+    const auto [first, last] = bands_of(std::min(edges_[i].a.y, edges_[i].b.y) - same_mm_,
+                                        std::max(edges_[i].a.y, edges_[i].b.y) + same_mm_);
     for (std::size_t k = first; k < last; ++k) bands_[k].push_back(static_cast<std::uint32_t>(i));
   }
 }
@@ -167,8 +175,8 @@ bool SvgRegion::contains_corner_of(const SvgRegion& other, std::size_t& steps) c
 void SvgRegion::meet(const PagePoint& a, const PagePoint& b, std::size_t& steps) const {
   places_.assign({0.0, 1.0});
   const double rx = b.x - a.x, ry = b.y - a.y, r2 = rx * rx + ry * ry, r = std::sqrt(r2);
-  const double x0 = std::min(a.x, b.x) - kSame, x1 = std::max(a.x, b.x) + kSame;
-  const double y0 = std::min(a.y, b.y) - kSame, y1 = std::max(a.y, b.y) + kSame;
+  const double x0 = std::min(a.x, b.x) - same_mm_, x1 = std::max(a.x, b.x) + same_mm_;
+  const double y0 = std::min(a.y, b.y) - same_mm_, y1 = std::max(a.y, b.y) + same_mm_;
   const auto add = [&](double t) {
     if (t > 0.0 && t < 1.0) places_.push_back(t);
   };
@@ -185,11 +193,11 @@ void SvgRegion::meet(const PagePoint& a, const PagePoint& b, std::size_t& steps)
       const double across = rx * sy - ry * sx, cx = c.x - a.x, cy = c.y - a.y;
       if (std::abs(across) > 1e-12 * r * s) {
         const double u = (cx * ry - cy * rx) / across;
-        if (u * s >= -kSame && (u - 1.0) * s <= kSame) add((cx * sy - cy * sx) / across);
+        if (u * s >= -same_mm_ && (u - 1.0) * s <= same_mm_) add((cx * sy - cy * sx) / across);
       }
       // Edges along the line begin and end somewhere on it.
       for (const PagePoint& p : {c, d})
-        if (std::abs((p.x - a.x) * ry - (p.y - a.y) * rx) <= kSame * r)
+        if (std::abs((p.x - a.x) * ry - (p.y - a.y) * rx) <= same_mm_ * r)
           add(((p.x - a.x) * rx + (p.y - a.y) * ry) / r2);
     }
   }
@@ -207,13 +215,14 @@ bool SvgRegion::cut(std::span<const PagePoint> line, std::size_t& steps, SvgLine
     if (!(length > 0.0)) continue;
     meet(a, b, steps);
     const std::vector<double> places = places_;
-    const PagePoint aside{-(b.y - a.y) / length * kAside, (b.x - a.x) / length * kAside};
+    const PagePoint aside{-(b.y - a.y) / length * kAside * same_mm_,
+                          (b.x - a.x) / length * kAside * same_mm_};
     double from = 0.0;
     for (std::size_t k = 1; k < places.size(); ++k) {
       const double to = places[k];
       const bool is_last = k + 1 == places.size();
-      if ((to - from) * length <= kSame && !is_last) continue;
-      if ((to - from) * length > kSame) {
+      if ((to - from) * length <= same_mm_ && !is_last) continue;
+      if ((to - from) * length > same_mm_) {
         const PagePoint m = on_line(a, b, (from + to) / 2);
         state = contains(m, steps) || contains({m.x + aside.x, m.y + aside.y}, steps) ||
                 contains({m.x - aside.x, m.y - aside.y}, steps);
@@ -264,7 +273,7 @@ SvgLines SvgRegion::border(std::size_t& steps) const {
     std::uint32_t from{}, to{};
     bool used{false};
   };
-  NumberedPoints points;
+  NumberedPoints points(same_mm_);
   std::vector<Piece> pieces;
   std::set<std::pair<std::uint32_t, std::uint32_t>> known;
   for (const Edge& e : edges_) {
@@ -272,7 +281,8 @@ SvgLines SvgRegion::border(std::size_t& steps) const {
     meet(e.a, e.b, steps);
     if (steps == 0) return {};
     const std::vector<double> places = places_;
-    const PagePoint aside{-(e.b.y - e.a.y) / length * kAside, (e.b.x - e.a.x) / length * kAside};
+    const PagePoint aside{-(e.b.y - e.a.y) / length * kAside * same_mm_,
+                          (e.b.x - e.a.x) / length * kAside * same_mm_};
     for (std::size_t k = 1; k < places.size(); ++k) {
       std::uint32_t from = points.number(on_line(e.a, e.b, places[k - 1]));
       std::uint32_t to = points.number(on_line(e.a, e.b, places[k]));

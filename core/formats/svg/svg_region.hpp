@@ -66,6 +66,7 @@ class SvgRegion {
   std::uint32_t shapes_{};
   Part area_{};
   double least_y_{}, band_height_{1.0};
+  double same_mm_{};
   std::vector<std::vector<std::uint32_t>> bands_;  ///< edges by their height
   mutable std::vector<int> windings_;              ///< of each shape around one point
   mutable std::vector<double> places_;

@@ -15,7 +15,7 @@
 namespace popcut {
 namespace {
 
-constexpr double kAcross = 0.01;  // mm; an end this near to a line does not cross it
+constexpr double kAcross_mm = 0.01;  // an end this near to a line does not cross it
 
 Box box_of(const LineWork& work, const FilledShape& shape) {
   Box box;
@@ -30,9 +30,9 @@ double aside(const Segment& s, const PagePoint& p) {
   return (dx * (p.y - s.a.y) - dy * (p.x - s.a.x)) / std::max(std::hypot(dx, dy), 1e-12);
 }
 
-bool is_across(const Segment& s, const Segment& t) {
+bool is_across(const Segment& s, const Segment& t, double across_mm) {
   const double a = aside(s, t.a), b = aside(s, t.b);
-  return std::min(std::abs(a), std::abs(b)) > kAcross && (a > 0.0) != (b > 0.0);
+  return std::min(std::abs(a), std::abs(b)) > across_mm && (a > 0.0) != (b > 0.0);
 }
 
 /// Sets of shapes whose boxes overlap, each of at least two.
@@ -73,7 +73,8 @@ double length_of(const Polylines& lines) {
 }  // namespace
 
 std::size_t crossing_shapes(const LineWork& work, std::span<const FilledShape> shapes,
-                            std::size_t steps) {
+                            std::size_t steps, double enlarged) {
+  const double across_mm = kAcross_mm / enlarged;
   std::vector<Segment> segments;
   std::vector<std::uint32_t> owners;
   for (std::uint32_t k = 0; k < shapes.size(); ++k)
@@ -85,7 +86,7 @@ std::size_t crossing_shapes(const LineWork& work, std::span<const FilledShape> s
       }
     }
   std::vector<std::uint8_t> crosses(shapes.size(), 0);
-  SegmentGrid grid(segments, kAcross);
+  SegmentGrid grid(segments, across_mm);
   std::vector<std::uint32_t> near;
   for (std::uint32_t s = 0; s < segments.size(); ++s) {
     if (crosses[owners[s]] != 0) continue;
@@ -94,8 +95,8 @@ std::size_t crossing_shapes(const LineWork& work, std::span<const FilledShape> s
     if (near.size() >= steps) return SIZE_MAX;
     steps -= near.size();
     for (const std::uint32_t t : near)
-      if (owners[t] != owners[s] && is_across(segments[s], segments[t]) &&
-          is_across(segments[t], segments[s])) {
+      if (owners[t] != owners[s] && is_across(segments[s], segments[t], across_mm) &&
+          is_across(segments[t], segments[s], across_mm)) {
         crosses[owners[s]] = crosses[owners[t]] = 1;
         break;
       }

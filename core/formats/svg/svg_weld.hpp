@@ -17,8 +17,10 @@ struct FilledShape {
 
 /// How many of the shapes have an outline that crosses that of another one, or SIZE_MAX if more
 /// than `steps` comparisons would be needed. Outlines that only touch do not cross.
+///
+/// @param enlarged  times that the drawing becomes larger afterwards
 [[nodiscard]] std::size_t crossing_shapes(const LineWork& work, std::span<const FilledShape> shapes,
-                                          std::size_t steps);
+                                          std::size_t steps, double enlarged);
 
 /// Replaces the outlines of shapes that lie over each other, of the same operation and pen, by the
 /// outline of all of them together. Work is taken from `steps`; with none left the drawing means

@@ -423,6 +423,13 @@ TEST_CASE("the filled shapes and closed lines of a drawing stand upright", "[out
   for (const Vec2& p : (*areas)[0].holes[0]) hole.extend(p);
   CHECK((hole.min() - Vec2(10.0, 10.0)).norm() < 1e-3);
   CHECK(area_of(*drawing_areas(svg, 15.0)) == Approx(275.0).epsilon(1e-4));
+  // Curves follow the size that the drawing gets.
+  const auto round = drawing_areas(
+      "<svg xmlns='http://www.w3.org/2000/svg' width='1mm' height='1mm' viewBox='0 0 1 1'>"
+      "<circle cx='.5' cy='.5' r='.4'/></svg>",
+      100.0);
+  REQUIRE(round);
+  CHECK(area_of(*round) == Approx(std::numbers::pi * 2500).epsilon(1e-3));
   CHECK(drawing_areas("<svg xmlns='http://www.w3.org/2000/svg'/>", {}).error().kind !=
         ErrorKind::Internal);
   CHECK_FALSE(drawing_areas("", {}));
