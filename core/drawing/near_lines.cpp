@@ -47,9 +47,11 @@ class Kept {
     PagePoint at;
     double mm{};
     std::uint32_t line{};
+    bool is_turn{};  ///< the line itself, which turns back near here
   };
   /// The nearest place within `within` mm of the middle of `step`. Of the line's own steps, those
-  /// nearer than `guard_mm` along it do not count; `all_mm`: length of a closed line, else 0.
+  /// nearer than `guard_mm` along it count only if the line has turned back; `all_mm`: length of a
+  /// closed line, else 0.
   [[nodiscard]] std::optional<Near> beside(const Step& step, std::uint32_t line, double within,
                                            double guard_mm, double all_mm) const {
     const PagePoint middle = between(step.a, step.b, 0.5);
@@ -59,13 +61,16 @@ class Kept {
       for (std::int64_t y = cy - 1; y <= cy + 1; ++y)
         for (std::int32_t i = head_[slot(x, y)]; i >= 0; i = next_[static_cast<std::size_t>(i)]) {
           const Item& item = items_[static_cast<std::size_t>(i)];
+          bool is_turn = false;
           if (item.line == line) {
             const double way = std::abs(item.step.at_mm - step.at_mm);
-            if (std::min(way, all_mm > 0.0 ? all_mm - way : way) <= guard_mm) continue;
+            is_turn = std::min(way, all_mm > 0.0 ? all_mm - way : way) <= guard_mm;
           }
-          if (!alongside(item.step, step)) continue;
+          const double along = cosine(item.step, step);
+          if ((is_turn ? -along : std::abs(along)) < kAlongside) continue;
           Near near = nearest(item.step, middle);
           near.line = item.line;
+          near.is_turn = is_turn;
           if (near.mm <= (best ? best->mm : within)) best = near;
         }
     return best;
@@ -77,15 +82,16 @@ class Kept {
     std::uint32_t line{};
   };
 
-  static bool alongside(const Step& s, const Step& t) {
+  /// The cosine of the angle between them.
+  static double cosine(const Step& s, const Step& t) {
     const double sx = s.b.x - s.a.x, sy = s.b.y - s.a.y, tx = t.b.x - t.a.x, ty = t.b.y - t.a.y;
-    return std::abs(sx * tx + sy * ty) >= kAlongside * std::hypot(sx, sy) * std::hypot(tx, ty);
+    return (sx * tx + sy * ty) / (std::hypot(sx, sy) * std::hypot(tx, ty));
   }
   static Near nearest(const Step& s, const PagePoint& p) {
     const double dx = s.b.x - s.a.x, dy = s.b.y - s.a.y, square = dx * dx + dy * dy;
     const double t = square > 0.0 ? ((p.x - s.a.x) * dx + (p.y - s.a.y) * dy) / square : 0.0;
     const PagePoint at = between(s.a, s.b, t);
-    return {at, distance(at, p), 0};
+    return {at, distance(at, p), 0, false};
   }
   [[nodiscard]] std::array<std::int64_t, 2> cell_of(const PagePoint& p) const {
     return {static_cast<std::int64_t>(std::floor(p.x / cell_mm_)),
@@ -256,7 +262,7 @@ class OnePass {
     std::vector<PagePoint> run;
     // Led to the line beside which it came, so that no bridge of paper stays between.
     const auto lead = [&](std::size_t k) {
-      if (beside_[k]) run.push_back(beside_[k]->at);
+      if (beside_[k] && !beside_[k]->is_turn) run.push_back(beside_[k]->at);
     };
     if (ring || from > 0) lead((from + n - 1) % n);
     for (std::size_t k = from; k < from + count; ++k) {

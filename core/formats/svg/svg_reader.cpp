@@ -591,14 +591,32 @@ class SvgReader {
       note(SvgNote::Marked, e.node);
     // What a fill hides of other shapes, its stroke does not bring back.
     const bool stroked = !purpose->fill;
-    if (options_.weld && purpose->use && is_cut(*purpose->use) && !style.fill_clear &&
-        style.fill.kind != SvgPaint::Kind::None && e.name != "line")
+    if (options_.weld && purpose->use && is_cut(*purpose->use) && is_area(e, style))
       purpose->fill = true;
     lines_.clear();
     if (auto done = outline(e, place, style, purpose->fill, lines_); !done) return done;
     const PenOperation operation{*purpose->use, purpose->pen};
-    return purpose->fill ? add_fill(e, place, style, operation, stroked)
-                         : add_stroke(e, place, style, operation, std::move(dashes));
+    if (purpose->fill) return add_fill(e, place, style, operation, stroked);
+    const std::size_t first = work_.lines.size();
+    // Many programs leave the fill out and mean the stroke alone.
+    const bool area =
+        is_area(e, style) && style.fill_said && is_cut(operation) && dashes.lengths.empty();
+    auto done = add_stroke(e, place, style, operation, std::move(dashes));
+    const bool closed =
+        std::all_of(work_.lines.begin() + static_cast<std::ptrdiff_t>(first), work_.lines.end(),
+                    [&](const DrawnLine& line) { return popcut::closed(work_.points_of(line)); });
+    if (done && area && closed && work_.lines.size() > first) add_shape(e, style, first);
+    return done;
+  }
+
+  static bool is_area(const SvgElement& e, const SvgStyle& style) {
+    return !style.fill_clear && style.fill.kind != SvgPaint::Kind::None && e.name != "line";
+  }
+
+  // A filled shape that is cut, of the lines from `first`.
+  void add_shape(const SvgElement& e, const SvgStyle& style, std::size_t first) {
+    if (shapes_.empty()) first_shape_ = svg_where(text_, e.node);
+    shapes_.push_back({first, work_.lines.size() - first, style.fill_even_odd});
   }
 
   Result<void> add(const SvgElement& e, const Place& place, const SvgLines& lines,
@@ -693,8 +711,7 @@ class SvgReader {
     if (!added) return wrong(e.node, added.error());
     if (*added == 0) note(SvgNote::Empty, e.node);
     if (work_.lines.size() == first) return {};
-    shapes_.push_back({first, work_.lines.size() - first, style.fill_even_odd});
-    if (!is_cut(operation)) shapes_.pop_back();
+    if (is_cut(operation)) add_shape(e, style, first);
     if (named) return {};
     if (fills_.empty()) first_fill_ = svg_where(text_, e.node);
     ++filled_shapes_;
@@ -718,18 +735,19 @@ class SvgReader {
       });
       remove_lines(work_, fills_);
     }
-    if (shapes_.size() < 2) return {};
+    if (shapes_.empty()) return {};
+    constexpr std::size_t kMostComparisons = 20'000'000;
+    const auto crossing = crossing_shapes(work_, shapes_, kMostComparisons, options_.enlarged);
     if (options_.weld) {
-      weld_shapes(work_, shapes_, steps_);
+      weld_shapes(work_, shapes_, crossing, steps_);
       if (steps_ > 0) return {};
       return wrong(root, too_much("too many filled shapes lie over each other to be welded here; "
                                   "join them in the editor (Inkscape: Path > Union)"));
     }
-    constexpr std::size_t kMostComparisons = 20'000'000;
-    const std::size_t crossing =
-        crossing_shapes(work_, shapes_, kMostComparisons, options_.enlarged);
-    if (crossing > 0 && crossing <= shapes_.size())
-      notes_.add(SvgNote::FillsCross, first, crossing);
+    const auto count = std::count(crossing.begin(), crossing.end(), 1);
+    if (count > 0)
+      notes_.add(
+          SvgNote::FillsCross, [&] { return first_shape_; }, static_cast<std::size_t>(count));
     return {};
   }
 
@@ -767,7 +785,7 @@ class SvgReader {
   std::vector<std::size_t> fills_;   ///< lines of fills without a name
   std::vector<FilledShape> shapes_;  ///< fills that are cut
   std::size_t filled_shapes_{};
-  std::string first_fill_;
+  std::string first_fill_, first_shape_;
 };
 
 bool is_svg(std::string_view name) {

@@ -268,6 +268,7 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
       break;
     case P::Fill:
       understood = set_paint(style.fill, value);
+      style.fill_said = true;
       break;
     case P::Colour: {
       SvgPaint paint{SvgPaint::Kind::Current, 0};

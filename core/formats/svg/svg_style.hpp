@@ -54,7 +54,8 @@ struct SvgStyle {
   bool marked{false}, non_scaling{false};
   bool no_width{false};  ///< stroke-width is 0
   bool fill_even_odd{false}, clip_even_odd{false};
-  bool foreign{false};  ///< names without a prefix belong to another namespace than SVG's
+  bool fill_said{false};  ///< the fill is not black because nothing is said
+  bool foreign{false};    ///< names without a prefix belong to another namespace than SVG's
   bool has_assignment{false}, has_layer{false};
   StrokeUse assignment;      ///< `data-assignment` of the element or its nearest ancestor with one
   StrokeUse layer;           ///< meaning of the nearest element whose name is known

@@ -35,9 +35,10 @@ bool is_across(const Segment& s, const Segment& t, double across_mm) {
   return std::min(std::abs(a), std::abs(b)) > across_mm && (a > 0.0) != (b > 0.0);
 }
 
-/// Sets of shapes whose boxes overlap, each of at least two.
+/// Sets of shapes whose boxes overlap, and single ones that may lie over themselves.
 std::vector<std::vector<std::size_t>> near_sets(const LineWork& work,
                                                 std::span<const FilledShape> shapes,
+                                                std::span<const std::uint8_t> crossing,
                                                 std::size_t& steps) {
   std::vector<Box> boxes;
   for (const FilledShape& shape : shapes) boxes.push_back(box_of(work, shape));
@@ -60,7 +61,11 @@ std::vector<std::vector<std::size_t>> near_sets(const LineWork& work,
   std::vector<std::uint32_t> number;
   std::vector<std::vector<std::size_t>> out(sets.number(number));
   for (std::size_t k = 0; k < shapes.size(); ++k) out[number[k]].push_back(k);
-  std::erase_if(out, [](const auto& set) { return set.size() < 2; });
+  std::erase_if(out, [&](const auto& set) {
+    const FilledShape& one = shapes[set.front()];
+    return set.size() < 2 &&
+           (one.even_odd || (one.count < 2 && (crossing.empty() || crossing[set.front()] == 0)));
+  });
   return out;
 }
 
@@ -72,8 +77,8 @@ double length_of(const Polylines& lines) {
 
 }  // namespace
 
-std::size_t crossing_shapes(const LineWork& work, std::span<const FilledShape> shapes,
-                            std::size_t steps, double enlarged) {
+std::vector<std::uint8_t> crossing_shapes(const LineWork& work, std::span<const FilledShape> shapes,
+                                          std::size_t steps, double enlarged) {
   const double across_mm = kAcross_mm / enlarged;
   std::vector<Segment> segments;
   std::vector<std::uint32_t> owners;
@@ -92,23 +97,25 @@ std::size_t crossing_shapes(const LineWork& work, std::span<const FilledShape> s
     if (crosses[owners[s]] != 0) continue;
     near.clear();
     grid.near(segments[s], near);
-    if (near.size() >= steps) return SIZE_MAX;
+    if (near.size() >= steps) return {};
     steps -= near.size();
     for (const std::uint32_t t : near)
-      if (owners[t] != owners[s] && is_across(segments[s], segments[t], across_mm) &&
+      if ((owners[t] != owners[s] || (t != s && !shapes[owners[s]].even_odd)) &&
+          is_across(segments[s], segments[t], across_mm) &&
           is_across(segments[t], segments[s], across_mm)) {
         crosses[owners[s]] = crosses[owners[t]] = 1;
         break;
       }
   }
-  return static_cast<std::size_t>(std::count(crosses.begin(), crosses.end(), 1));
+  return crosses;
 }
 
-std::size_t weld_shapes(LineWork& work, std::span<const FilledShape> shapes, std::size_t& steps) {
+std::size_t weld_shapes(LineWork& work, std::span<const FilledShape> shapes,
+                        std::span<const std::uint8_t> crossing, std::size_t& steps) {
   std::vector<std::size_t> gone;
   std::size_t joined = 0;
   std::vector<std::pair<PenOperation, Polylines>> welded;
-  for (const std::vector<std::size_t>& set : near_sets(work, shapes, steps)) {
+  for (const std::vector<std::size_t>& set : near_sets(work, shapes, crossing, steps)) {
     SvgRegion region;
     std::vector<SvgRegion::Part> parts;
     std::vector<std::size_t> lines;

@@ -632,6 +632,16 @@ TEST_CASE("filled shapes that lie over each other are told and welded on request
       "<rect x='10' y='10' width='30' height='20'/><rect x='15' y='15' width='5' height='5'/>";
   CHECK_FALSE(is_told(cut(within, false), "lie over each other"));
   CHECK(total_mm(cut(within, true), Operation::Cut) == Approx(100));
+  // Lines of one path, and shapes with a stroke. The even-odd rule makes holes.
+  const std::string both = " d='M10 10H40V30H10Z M30 20H60V40H30Z'/>";
+  for (const std::string path : {"<path", "<path stroke='#000' fill='#f00'"}) {
+    CAPTURE(path);
+    CHECK(is_told(cut(path + both, false), "1 filled shape has lines that lie over what it fills"));
+    CHECK(total_mm(cut(path + both, true), Operation::Cut) == Approx(160));
+  }
+  CHECK(cut("<path fill='none' stroke='#000'" + both, false).warnings.empty());
+  CHECK_FALSE(is_told(cut("<path fill-rule='evenodd'" + both, false), "lie over"));
+  CHECK(total_mm(cut("<path fill-rule='evenodd'" + both, true), Operation::Cut) == Approx(200));
   // What crosses is told at the size that the drawing gets.
   SvgReadOptions tiny;
   tiny.profile = *find_stroke_profile("auto");
@@ -644,9 +654,12 @@ TEST_CASE("filled shapes that lie over each other are told and welded on request
   CHECK(is_told(*small, "2 filled shapes lie over each other"));
   // Strokes go with their fills, holes and other operations stay.
   const std::string stroked =
-      "<g stroke='#000'><rect x='10' y='10' width='30' height='20'/><rect x='30' y='20' width='30' "
+      "<g stroke='#000' fill='#eee'><rect x='10' y='10' width='30' height='20'/><rect x='30' "
+      "y='20' "
+      "width='30' "
       "height='20'/></g><g id='fold'><path d='M0 0H9' stroke='#000'/></g>";
   CHECK(total_mm(cut(stroked, true), Operation::Cut) == Approx(160));
+  CHECK(is_told(cut(stroked, false), "2 filled shapes lie over each other"));
   CHECK(total_mm(cut(stroked, true), Operation::FoldValley) == Approx(9));
 }
 

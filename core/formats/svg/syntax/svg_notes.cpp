@@ -34,8 +34,8 @@ constexpr std::array<Wording, static_cast<std::size_t>(SvgNote::Count_)> kWordin
      "shapes with a fill but no stroke and no name are left out because other lines have "
      "names",
      "give them a stroke or a data-assignment, or use `svg-profile` plain"},
-    {"fills_cross", true, "filled shape has an outline that crosses that of another one",
-     "filled shapes lie over each other, and each is cut along its whole outline",
+    {"fills_cross", true, "filled shape has lines that lie over what it fills, and they are cut",
+     "filled shapes lie over each other or themselves, and each is cut along its whole outline",
      "use `weld` to cut around them together"},
     {"invisible", false, "shape has neither stroke nor fill and is left out",
      "shapes have neither stroke nor fill and are left out", "give them a stroke"},
