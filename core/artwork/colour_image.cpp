@@ -24,23 +24,30 @@ ColourImage halved(const ColourImage& from) {
   return half;
 }
 
-std::size_t wrapped(long long i, std::size_t size, bool repeats) {
+std::size_t wrapped(long long i, std::size_t size, PictureWrap wrap) {
   const auto n = static_cast<long long>(size);
-  if (!repeats) return static_cast<std::size_t>(std::clamp(i, 0LL, n - 1));
+  if (wrap != PictureWrap::Repeat) return static_cast<std::size_t>(std::clamp(i, 0LL, n - 1));
   const long long rest = i % n;
   return static_cast<std::size_t>(rest < 0 ? rest + n : rest);
 }
 
-Colour bilinear(const ColourImage& image, double x, double y, bool repeats) {
+Colour bilinear(const ColourImage& image, double x, double y, const PictureWraps& wraps) {
   const double x0 = std::floor(x), y0 = std::floor(y);
   const auto i = static_cast<long long>(x0), j = static_cast<long long>(y0);
-  const std::size_t left = wrapped(i, image.width, repeats);
-  const std::size_t right = wrapped(i + 1, image.width, repeats);
-  const std::size_t up = wrapped(j, image.height, repeats);
-  const std::size_t down = wrapped(j + 1, image.height, repeats);
+  const std::size_t left = wrapped(i, image.width, wraps[0]);
+  const std::size_t right = wrapped(i + 1, image.width, wraps[0]);
+  const std::size_t up = wrapped(j, image.height, wraps[1]);
+  const std::size_t down = wrapped(j + 1, image.height, wraps[1]);
   const auto s = static_cast<float>(x - x0), t = static_cast<float>(y - y0);
   return mixed(mixed(image.colour(left, up), image.colour(right, up), s),
                mixed(image.colour(left, down), image.colour(right, down), s), t);
+}
+
+/// A place beyond the borders as one from 0 to 1.
+double within_picture(double place, PictureWrap wrap) {
+  if (wrap == PictureWrap::Clamp) return std::clamp(place, 0.0, 1.0);
+  const double whole = std::floor(place), rest = place - whole;
+  return wrap == PictureWrap::Mirror && std::fmod(whole, 2.0) != 0.0 ? 1.0 - rest : rest;
 }
 
 }  // namespace
@@ -79,7 +86,7 @@ ColourImage on_paper(const ColourImage& image) {
 }
 
 Colour colour_between(const ColourImage& image, double x, double y) {
-  return bilinear(image, x, y, false);
+  return bilinear(image, x, y, {PictureWrap::Clamp, PictureWrap::Clamp});
 }
 
 Texture::Texture(ColourImage image) {
@@ -95,10 +102,10 @@ Colour Texture::at(double s, double t, double texels) const {
       std::min(static_cast<std::size_t>(std::min(halvings, 64.0)), levels_.size() - 1);
   const ColourImage& image = levels_[level];
   // Far beyond the borders a repeating image is the same, and whole numbers stay exact.
-  if (repeats) s -= std::floor(s), t -= std::floor(t);
-  if (!repeats) s = std::clamp(s, 0.0, 1.0), t = std::clamp(t, 0.0, 1.0);
+  s = within_picture(s, wraps[0]);
+  t = within_picture(t, wraps[1]);
   return bilinear(image, s * static_cast<double>(image.width) - 0.5,
-                  t * static_cast<double>(image.height) - 0.5, repeats);
+                  t * static_cast<double>(image.height) - 0.5, wraps);
 }
 
 }  // namespace popcut

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/model/model.hpp"
+
 namespace popcut {
 
 /// A colour as screens and printers take it (sRGB), each part from 0 to 255. `a` is how much ink
@@ -55,8 +57,8 @@ class Texture {
   Texture() = default;
   explicit Texture(ColourImage image);
 
-  /// The colour at (s, t), from 0 to 1 across from the left and down from the top; it repeats
-  /// beyond, or ends at its borders where `repeats` is false.
+  /// The colour at (s, t), from 0 to 1 across from the left and down from the top; `wraps` says how
+  /// it goes on beyond.
   ///
   /// @param texels  how many pixels of the whole image one pixel of what is drawn covers, across
   [[nodiscard]] Colour at(double s, double t, double texels) const;
@@ -64,7 +66,7 @@ class Texture {
   [[nodiscard]] std::size_t width() const { return levels_.empty() ? 0 : levels_.front().width; }
   [[nodiscard]] std::size_t height() const { return levels_.empty() ? 0 : levels_.front().height; }
 
-  bool repeats{true};
+  PictureWraps wraps{};  ///< across and down
 
  private:
   std::vector<ColourImage> levels_;

@@ -31,6 +31,32 @@ Surfacing surfacing_of(const ModelMaterial& material, const Colour& otherwise) {
   return {{255 * r, 255 * g, 255 * b, 255}, material.picture};
 }
 
+/// Nothing of a clear triangle is seen. A model that is clear throughout only says it wrongly.
+void leave_out_clear(Model& model) {
+  const auto is_clear = [&](std::size_t t) {
+    return model.materials[model.material_of[t]].is_clear;
+  };
+  const std::size_t all = model.material_of.size();
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < all; ++t) kept += is_clear(t) ? 0 : 1;
+  if (kept == 0 || kept == all) return;
+  const auto keep = [&](auto& list, std::size_t each) {
+    if (list.size() < each * all) return;
+    std::size_t to = 0;
+    for (std::size_t t = 0; t < all; ++t) {
+      if (is_clear(t)) continue;
+      for (std::size_t k = 0; k < each; ++k) list[each * to + k] = list[each * t + k];
+      ++to;
+    }
+    list.resize(each * kept);
+  };
+  keep(model.corners, 9);
+  keep(model.picture_places, 3);
+  keep(model.corner_colours, 3);
+  std::erase_if(model.material_of,
+                [&](std::uint32_t material) { return model.materials[material].is_clear; });
+}
+
 }  // namespace
 
 Result<ColourMesh> read_colour_mesh(const std::string& name, std::string_view bytes,
@@ -51,7 +77,8 @@ Result<ColourMesh> read_colour_mesh(const std::string& name, std::string_view by
   auto model = read_model(name, bytes, options);
   if (!model) return tl::unexpected(model.error());
   for (std::size_t k = 0; k < mesh.textures.size(); ++k)
-    mesh.textures[k].repeats = model->pictures[k].repeats;
+    mesh.textures[k].wraps = model->pictures[k].wraps;
+  leave_out_clear(*model);
   mesh.soup.corners = std::move(model->corners);
   mesh.coloured = model->uses_materials || !model->corner_colours.empty();
   if (!mesh.coloured) {

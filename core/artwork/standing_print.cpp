@@ -58,7 +58,7 @@ Result<ColourMesh> standing_print(std::span<const Pattern* const> parts, PartsSt
   ColourMesh out;
   out.surfacings.push_back({{255, 255, 255, 255}, 0});
   out.textures.emplace_back(on_paper(artwork.image));
-  out.textures.back().repeats = false;
+  out.textures.back().wraps.fill(PictureWrap::Clamp);
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const auto surface = face_surface(*parts[k]);
     if (!surface) return tl::unexpected(surface.error());

@@ -68,6 +68,7 @@ class Designer {
     }
     sliced_ = std::move(*sliced);
     cut_after_ = sliced_.cut_after;
+    notes_ = sliced_.notes;
     note_blanks();
     if (sliced_.uniform_slices > 0)
       notes_.push_back(

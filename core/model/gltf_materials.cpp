@@ -38,6 +38,11 @@ ModelColour colour_of(const std::array<double, 4>& light) {
   return {srgb_of_light(light[0]), srgb_of_light(light[1]), srgb_of_light(light[2])};
 }
 
+PictureWrap wrap_of(int mode) {
+  if (mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return PictureWrap::Clamp;
+  return mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? PictureWrap::Mirror : PictureWrap::Repeat;
+}
+
 }  // namespace
 
 float srgb_of_light(double light) {
@@ -94,6 +99,9 @@ Result<void> GltfMaterials::add(const tinygltf::Material& material) {
   }
   ModelMaterial made;
   made.colour = colour_of(light);
+  // Opaque materials have no alpha (glTF 2.0, 3.9.6).
+  made.is_clear = light[3] <= 0.0 && (material.alphaMode == "BLEND" ||
+                                      (material.alphaMode == "MASK" && material.alphaCutoff > 0.0));
   if (texture.index >= 0) {
     const auto picture = picture_of(texture.index);
     if (!picture) return tl::unexpected(picture.error());
@@ -112,20 +120,21 @@ Result<std::int32_t> GltfMaterials::picture_of(int index) {
     return broken("textures", index,
                   "has no PNG or JPEG picture; save the model with such pictures");
   ModelPicture picture;
-  if (texture.sampler >= 0 && static_cast<std::size_t>(texture.sampler) < file_.samplers.size())
-    picture.repeats = file_.samplers[static_cast<std::size_t>(texture.sampler)].wrapS !=
-                      TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
+  if (texture.sampler >= 0 && static_cast<std::size_t>(texture.sampler) < file_.samplers.size()) {
+    const tinygltf::Sampler& sampler = file_.samplers[static_cast<std::size_t>(texture.sampler)];
+    picture.wraps = {wrap_of(sampler.wrapS), wrap_of(sampler.wrapT)};
+  }
   // Many textures may share an image, which is decoded once.
-  const auto known = pictures_.find({texture.source, picture.repeats});
+  const auto known = pictures_.find({texture.source, picture.wraps});
   if (known != pictures_.end()) return known->second;
   const tinygltf::Image& image = file_.images[static_cast<std::size_t>(texture.source)];
   const auto bytes = bytes_of(image);
   if (!bytes)
     return broken("images", texture.source, "reaches beyond its buffer; is the file whole?");
   picture.name = image.uri.empty() ? fmt::format("/images/{}", texture.source) : image.uri;
-  const bool repeats = picture.repeats;
+  const PictureWraps wraps = picture.wraps;
   const auto added = add_picture(model_, options_, name_, std::move(picture), *bytes);
-  if (added) pictures_[{texture.source, repeats}] = *added;
+  if (added) pictures_[{texture.source, wraps}] = *added;
   return added;
 }
 

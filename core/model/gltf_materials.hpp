@@ -64,7 +64,7 @@ class GltfMaterials {
   const ModelOptions& options_;
   Model& model_;
   std::vector<GltfPlaces> places_;
-  std::map<std::pair<int, bool>, std::int32_t> pictures_;  ///< by image, and whether it repeats
+  std::map<std::pair<int, PictureWraps>, std::int32_t> pictures_;  ///< by image
 };
 
 }  // namespace popcut::model_readers

@@ -22,12 +22,17 @@ using ModelColour = std::array<float, 3>;
 struct ModelMaterial {
   std::optional<ModelColour> colour;  ///< none: the file does not say
   std::int32_t picture{-1};  ///< multiplies the colour: an index of `Model::pictures`, or none
+  bool is_clear{false};      ///< nothing of it is seen
 };
+
+/// How a picture goes on beyond its borders.
+enum class PictureWrap : std::uint8_t { Repeat, Mirror, Clamp };
+using PictureWraps = std::array<PictureWrap, 2>;
 
 /// A picture that materials use; `ModelOptions::take_picture` gets its bytes.
 struct ModelPicture {
-  std::string name;    ///< as the model names it
-  bool repeats{true};  ///< beyond its borders
+  std::string name;      ///< as the model names it
+  PictureWraps wraps{};  ///< beyond its borders, across and down
 };
 
 /// A 3D model: the triangles of all its parts, in units and axes of the file. All coordinates are
@@ -39,7 +44,8 @@ struct Model {
   std::vector<std::uint32_t> material_of;            ///< one a triangle
   std::vector<ModelMaterial> materials;  ///< the first is that of triangles without a material
   std::vector<ModelPicture> pictures;
-  bool uses_materials{false};  ///< a triangle has a material of the file
+  bool uses_materials{false};     ///< a triangle has a material of the file
+  std::array<double, 3> moved{};  ///< what was added to x y z of a model far from its origin
 
   [[nodiscard]] std::size_t size() const { return corners.size() / 9; }
 };
@@ -58,7 +64,8 @@ struct ModelOptions {
 };
 
 /// Reads an STL (text or binary), OBJ or glTF 2.0 file (.glb, .gltf); polygons are cut into
-/// triangles, and the nodes of a glTF scene are put together. Points and lines are left out.
+/// triangles, and the nodes of a glTF scene are put together. Points and lines are left out. A
+/// model that lies more than 100 times its size from the origin is moved there.
 ///
 /// Colours: of an OBJ the materials of its MTL files (Kd, map_Kd), or colours after the vertices;
 /// of a glTF base colours, their textures and COLOR_0. An STL has none.
@@ -74,6 +81,9 @@ struct ModelOptions {
                                        const ModelOptions& options = {});
 
 /// The triangles of a model that is one file; see `read_model`.
-[[nodiscard]] Result<TriangleMesh> read_mesh(const std::string& name, std::string_view bytes);
+///
+/// @param notes  gets what was done to it
+[[nodiscard]] Result<TriangleMesh> read_mesh(const std::string& name, std::string_view bytes,
+                                             std::vector<std::string>* notes = nullptr);
 
 }  // namespace popcut

@@ -21,12 +21,14 @@
 namespace popcut::model_readers {
 namespace {
 
-using Vertex = std::array<float, 3>;
+using Vertex = std::array<double, 3>;
 
 constexpr std::size_t kLongestLine = 1u << 16;
 constexpr std::string_view kSpaces = " \t\r";
 constexpr ModelColour kWhite{1, 1, 1};
-constexpr ModelColour kNoColour{-1, -1, -1};  // of a vertex that has none, until all are read
+/// Three or four numbers after a vertex; those that are not there are -1 until all are read.
+using VertexColour = std::array<float, 4>;
+constexpr VertexColour kNoColour{-1, -1, -1, -1};
 
 /// The vertex that one "v", "v/t" or "v/t/n" of a face names: counted from 1, or with a minus
 /// backward from the last one before the face.
@@ -58,8 +60,8 @@ std::optional<std::vector<Triangle>> polygon_triangles(std::span<const Vertex> v
                                                        std::size_t& effort) {
   std::vector<Vec3> corners;
   for (const std::uint32_t i : face)
-    corners.push_back(Eigen::Vector3f(vertices[i].data()).cast<double>() -
-                      Eigen::Vector3f(vertices[face[0]].data()).cast<double>());
+    corners.push_back(Eigen::Vector3d(vertices[i].data()) -
+                      Eigen::Vector3d(vertices[face[0]].data()));
   Vec3 normal;
   for (std::size_t k = 2; k < corners.size(); ++k) normal += corners[k - 1].cross(corners[k]);
   std::vector<Triangle> fan;
@@ -127,25 +129,48 @@ std::string_view next_name(std::string_view& line) {
   return name;
 }
 
+/// `text` without a comment behind it.
+std::string_view without_comment(std::string_view text) {
+  for (const std::string_view sign : {" #", "\t#"}) text = text.substr(0, text.find(sign));
+  return trimmed(text, kSpaces);
+}
+
+/// How a picture lies on a model: a place of the texture is scaled, then moved.
+struct MapOptions {
+  std::array<float, 2> scale{1, 1}, offset{0, 0};
+  bool clamps{false};
+
+  /// @param place  in the picture, down from its top
+  [[nodiscard]] std::array<float, 2> moved(const std::array<float, 2>& place) const {
+    return {scale[0] * place[0] + offset[0], 1 - (scale[1] * (1 - place[1]) + offset[1])};
+  }
+};
+
 /// The file of a "map_Kd" line: what stands after its options, each with its own count of words.
-std::string picture_name(std::string_view line) {
+std::string_view picture_name(std::string_view line, MapOptions& options) {
   static const std::map<std::string_view, int> kWords{
       {"-blendu", 1}, {"-blendv", 1}, {"-boost", 1}, {"-mm", 2},      {"-o", 3}, {"-s", 3},
       {"-t", 3},      {"-texres", 1}, {"-clamp", 1}, {"-imfchan", 1}, {"-bm", 1}};
   while (!line.empty() && line.front() == '-') {
-    const auto known = kWords.find(next_word(line, kSpaces));
+    std::string_view after = line;
+    const auto known = kWords.find(lower(next_word(after, kSpaces)));
     if (known == kWords.end()) break;
-    for (int k = 0; k < known->second; ++k) {
+    line = after;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(known->second); ++k) {
       std::string_view rest = line;
       const std::string_view word = next_word(rest, kSpaces);
       float number{};
+      const bool is_number = read_number(word, number) && std::isfinite(number);
       // Of three numbers, the last ones may be left out.
-      if (k > 0 && known->second == 3 && !read_number(word, number)) break;
+      if (k > 0 && known->second == 3 && !is_number) break;
       line = rest;
+      if (is_number && k < 2 && known->first == "-s") options.scale[k] = number;
+      if (is_number && k < 2 && known->first == "-o") options.offset[k] = number;
+      if (known->first == "-clamp") options.clamps = same_word(word, "on");
     }
     line = trimmed(line, kSpaces);
   }
-  return plain_name(line);
+  return line;
 }
 
 /// Whether a line begins with this letter as a word of its own.
@@ -175,6 +200,10 @@ class Materials {
     const std::string whole = plain_name(names);
     if (!read_.insert(whole).second) return {};
     if (const auto bytes = opened(whole)) return read(whole, *bytes);
+    if (const std::string_view plain = without_comment(names); plain != names) {
+      read_.erase(whole);
+      return read_all(plain, place);
+    }
     std::vector<std::string> files;
     for (std::string_view word = next_name(names); !word.empty(); word = next_name(names))
       files.push_back(plain_name(word));
@@ -189,9 +218,17 @@ class Materials {
   }
 
   /// The index of a material in the model.
-  [[nodiscard]] std::optional<std::uint32_t> find(const std::string& name) const {
-    const auto known = by_name_.find(name);
-    return known == by_name_.end() ? std::nullopt : std::optional(known->second);
+  [[nodiscard]] std::optional<std::uint32_t> find(std::string_view name) const {
+    for (const std::string_view text : {name, without_comment(name)})
+      if (const auto known = by_name_.find(text); known != by_name_.end()) return known->second;
+    return std::nullopt;
+  }
+
+  /// Where a place of a texture lies in the picture of a material.
+  [[nodiscard]] std::array<float, 2> moved(std::uint32_t material,
+                                           const std::array<float, 2>& place) const {
+    const auto known = moved_.find(material);
+    return known == moved_.end() ? place : known->second.moved(place);
   }
 
  private:
@@ -210,18 +247,20 @@ class Materials {
   Result<void> read(const std::string& file, const std::string& bytes) {
     std::uint32_t now = 0;
     std::string kept;
-    return for_each_line(plain_text(bytes, kept),
+    return for_each_line(plain_lines(bytes, kept),
                          [&](std::string_view line, std::size_t number) -> Result<void> {
                            const Entry entry(line, number);
-                           if (entry.key == "newmtl") {
+                           if (same_word(entry.key, "newmtl")) {
                              now = static_cast<std::uint32_t>(model_.materials.size());
                              model_.materials.push_back({kWhite});
                              by_name_[std::string(entry.rest)] = now;
+                             by_name_.try_emplace(std::string(without_comment(entry.rest)), now);
                            }
                            if (now == 0) return {};
-                           if (entry.key == "Kd") return colour(entry, file, model_.materials[now]);
-                           if (entry.key == "map_Kd")
-                             return picture(entry, file, model_.materials[now]);
+                           if (same_word(entry.key, "Kd"))
+                             return colour(entry, file, model_.materials[now]);
+                           if (same_word(entry.key, "map_Kd")) return picture(entry, file, now);
+                           if (entry.key == "d") dissolve(entry, model_.materials[now]);
                            return {};
                          });
   }
@@ -238,19 +277,34 @@ class Materials {
     return {};
   }
 
-  Result<void> picture(const Entry& entry, const std::string& library, ModelMaterial& material) {
-    const std::string file = picture_name(entry.rest);
-    const auto [known, fresh] = pictures_.try_emplace(file, 0);
+  static void dissolve(const Entry& entry, ModelMaterial& material) {
+    std::array<float, 1> opaque{};
+    if (numbers_of(entry.rest, opaque) == 1) material.is_clear = opaque[0] <= 0.0F;
+  }
+
+  Result<void> picture(const Entry& entry, const std::string& library, std::uint32_t number) {
+    MapOptions options;
+    const std::string_view given = picture_name(entry.rest, options);
+    std::string file = plain_name(given);
+    const auto [known, fresh] = pictures_.try_emplace({file, options.clamps}, 0);
     if (fresh) {
       const std::string place = line_place(library, entry.number);
-      const auto bytes = options_.open(file);
+      auto bytes = options_.open(file);
+      if (!bytes && without_comment(given) != given) {
+        file = plain_name(without_comment(given));
+        bytes = options_.open(file);
+      }
       if (!bytes)
         return fail(ErrorKind::Malformed, place,
                     fmt::format("the picture {} cannot be read; {}", file, options_.advice));
-      const auto added = add_picture(model_, options_, place, {file}, *bytes);
+      ModelPicture made{file, {}};
+      if (options.clamps) made.wraps.fill(PictureWrap::Clamp);
+      const auto added = add_picture(model_, options_, place, std::move(made), *bytes);
       if (!added) return tl::unexpected(added.error());
       known->second = *added;
     }
+    moved_.insert_or_assign(number, options);
+    ModelMaterial& material = model_.materials[number];
     material.picture = known->second;
     // Many programs write a black Kd beside a picture and mean the picture alone.
     if (material.colour == ModelColour{}) material.colour = kWhite;
@@ -260,8 +314,9 @@ class Materials {
   Model& model_;
   const ModelOptions& options_;
   std::set<std::string> read_;  ///< files, each of which is read once
-  std::map<std::string, std::uint32_t> by_name_;
-  std::map<std::string, std::int32_t> pictures_;
+  std::map<std::string, std::uint32_t, std::less<>> by_name_;
+  std::map<std::pair<std::string, bool>, std::int32_t> pictures_;  ///< and whether they clamp
+  std::map<std::uint32_t, MapOptions> moved_;                      ///< by material
 };
 
 /// Reads vertices and faces, and colours on the way if they are asked for. What is wrong with the
@@ -356,25 +411,34 @@ class ObjReader {
                                                 : Result<void>{};
   }
 
-  /// Some programs write colours from 0 to 1, others from 0 to 255: one above 1 tells.
+  /// Some programs write colours from 0 to 1, others from 0 to 255: one above 1 tells. Some write a
+  /// weight before them, others how opaque they are behind them: what is 1 everywhere tells.
   void scale_colours() {
+    bool weighted = true, opaque = true;
     float most = 1;
-    for (const ModelColour& colour : colours_of_vertices_)
-      most = std::max({most, colour[0], colour[1], colour[2]});
+    for (const VertexColour& colour : colours_of_vertices_) {
+      most = std::max({most, colour[0], colour[1], colour[2], colour[3]});
+      if (colour[3] < 0) continue;
+      weighted = weighted && colour[0] == 1;
+      opaque = opaque && (colour[3] == 1 || colour[3] == 255);
+    }
     const float whole = most > 1 ? 255.0F : 1.0F;
-    for (ModelColour& colour : colours_of_vertices_)
+    const bool skips = weighted && !opaque;
+    for (VertexColour& colour : colours_of_vertices_) {
+      if (skips && colour[3] >= 0) std::rotate(colour.begin(), colour.begin() + 1, colour.end());
       for (float& part : colour) part = part < 0 ? 1.0F : std::min(part / whole, 1.0F);
+    }
   }
 
-  /// "r g b" after the place of a vertex, or with a weight before the colour.
-  ModelColour colour_of_vertex(std::string_view rest) {
-    std::array<float, 4> numbers{};
+  /// "r g b" after the place of a vertex, or four numbers, see `scale_colours`.
+  VertexColour colour_of_vertex(std::string_view rest) {
+    VertexColour numbers{};
     const std::size_t count = numbers_of(rest, numbers);
     if (count < 3) return kNoColour;
     has_corner_colours_ = true;
-    ModelColour out{};
-    for (std::size_t k = 0; k < 3; ++k) out[k] = std::max(numbers[count - 3 + k], 0.0F);
-    return out;
+    for (std::size_t k = 0; k < count; ++k) numbers[k] = std::max(numbers[k], 0.0F);
+    if (count < 4) numbers[3] = -1;
+    return numbers;
   }
 
   Result<void> read_face(std::string_view rest) {
@@ -407,8 +471,9 @@ class ObjReader {
       const Vertex& at = vertices_[face_[k]];
       model_.corners.insert(model_.corners.end(), at.begin(), at.end());
       if (!reads_colours()) continue;
-      model_.picture_places.push_back(places_[k]);
-      model_.corner_colours.push_back(colours_of_vertices_[face_[k]]);
+      model_.picture_places.push_back(materials_.moved(material_, places_[k]));
+      const auto& [r, g, b, a] = colours_of_vertices_[face_[k]];
+      model_.corner_colours.push_back({r, g, b});
     }
     if (reads_colours()) model_.material_of.push_back(material_);
   }
@@ -441,9 +506,10 @@ class ObjReader {
   }
 
   Result<void> read_colours(const Entry& entry) {
-    if (entry.key == "mtllib") return materials_.read_all(entry.rest, line_place(name_, number_));
-    if (entry.key == "usemtl") {
-      const auto known = materials_.find(std::string(entry.rest));
+    if (same_word(entry.key, "mtllib"))
+      return materials_.read_all(entry.rest, line_place(name_, number_));
+    if (same_word(entry.key, "usemtl")) {
+      const auto known = materials_.find(entry.rest);
       if (!known)
         return broken(
             fmt::format("names the material {}, which no mtllib before it defines; add "
@@ -464,7 +530,7 @@ class ObjReader {
   std::size_t effort_{400'000'000};  ///< for faces that are not convex: a few seconds
   std::size_t vertices_so_far_{}, places_so_far_{};  ///< before the line that is read
   std::vector<Vertex> vertices_;
-  std::vector<ModelColour> colours_of_vertices_;
+  std::vector<VertexColour> colours_of_vertices_;
   std::vector<std::array<float, 2>> picture_places_;
   std::vector<std::uint32_t> face_;           ///< vertices of the face that is read
   std::vector<std::array<float, 2>> places_;  ///< of its corners
@@ -477,7 +543,7 @@ class ObjReader {
 Result<Model> read_obj(const std::string& name, std::string_view bytes,
                        const ModelOptions& options) {
   std::string kept;
-  return ObjReader(name, options).read(plain_text(bytes, kept));
+  return ObjReader(name, options).read(plain_lines(bytes, kept));
 }
 
 }  // namespace popcut::model_readers

@@ -30,6 +30,12 @@ namespace popcut::model_readers {
 /// @retval OutOfRange  more triangles than are read
 [[nodiscard]] Result<void> check_triangles(const std::string& name, std::size_t count);
 
+/// The text of a model: as `plain_text`, and what editors show as a blank (no-break spaces, byte
+/// order marks where files were put together) is one.
+///
+/// @param kept  holds a text that was changed
+[[nodiscard]] std::string_view plain_lines(std::string_view bytes, std::string& kept);
+
 /// Removes the first word from a line.
 [[nodiscard]] inline std::string_view next_word(std::string_view& line,
                                                 std::string_view blanks = " \t") {
@@ -57,17 +63,17 @@ namespace popcut::model_readers {
 ///
 /// @param number  of the line, counted from 1
 /// @retval Malformed   the word is not a number
-/// @retval OutOfRange  the number is not finite
-[[nodiscard]] Result<float> read_coordinate(const std::string& name, std::size_t number,
-                                            std::string_view word);
+/// @retval OutOfRange  the number is not finite, or larger than a float holds
+[[nodiscard]] Result<double> read_coordinate(const std::string& name, std::size_t number,
+                                             std::string_view word);
 
 /// Removes the three finite numbers of a vertex from the front of a line; more words may follow.
 ///
 /// @param number  of the line, counted from 1
 /// @retval Malformed   a word is not a number
 /// @retval OutOfRange  a number is not finite
-[[nodiscard]] Result<std::array<float, 3>> read_vertex(const std::string& name, std::size_t number,
-                                                       std::string_view& words);
+[[nodiscard]] Result<std::array<double, 3>> read_vertex(const std::string& name, std::size_t number,
+                                                        std::string_view& words);
 
 /// Visits the lines of a text that are not empty, without the blanks around them, and their
 /// numbers. A line ends with LF, CR or both. An error of `visit` ends it.

@@ -143,7 +143,7 @@ bool is_whole_binary_stl(std::string_view bytes) {
 Result<Model> read_stl(const std::string& name, std::string_view bytes) {
   if (is_whole_binary_stl(bytes)) return read_binary(name, bytes);
   std::string kept;
-  const std::string_view text = plain_text(bytes, kept);
+  const std::string_view text = plain_lines(bytes, kept);
   return is_binary(text) ? read_binary(name, bytes) : read_text(name, text);
 }
 

@@ -303,6 +303,7 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
   }
   Slicing out;
   out.width_mm = spec.widths_mm;
+  if (common) out.notes = common->notes;
   std::vector<RegionSpec> regions = spec.regions;
   if (spec.adaptive) {  // then there is one region, on the common surface
     auto chosen = choose_widths(*common, *spec.adaptive, regions.front().slices, spec.min_panel_mm);

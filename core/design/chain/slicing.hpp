@@ -51,7 +51,8 @@ struct Slicing {
   std::optional<CurvatureReport> curvature;  ///< of augmented chains
   /// Slices whose target ends inside their width: the slice, and the plane that was cut instead.
   std::vector<std::pair<int, double>> moved;
-  int uniform_slices{};  ///< with adaptive widths: equal slices of the same error; else 0
+  std::vector<std::string> notes;  ///< of the surface
+  int uniform_slices{};            ///< with adaptive widths: equal slices of the same error; else 0
 
   [[nodiscard]] int slices() const { return static_cast<int>(s_mm.size()); }
   [[nodiscard]] bool is_blank(std::size_t j) const { return !blank[j].empty(); }

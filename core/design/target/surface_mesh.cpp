@@ -109,7 +109,7 @@ Result<TriangleMesh> triangles_of(const SurfaceSpec& spec, const SurfaceAssets& 
   }
   const std::string file = asset_of(spec);
   auto mesh = std::holds_alternative<GridSpec>(spec) ? read_height_grid(file, *bytes)
-                                                     : read_mesh(file, *bytes);
+                                                     : read_mesh(file, *bytes, notes);
   if (!mesh) return at("file", mesh.error());
   return mesh;
 }

@@ -168,7 +168,7 @@ Result<Artwork> artwork_of(const Options& options, PrintMode mode, const Printed
     auto pixels = read_image(options.image, *bytes);
     if (!pixels) return tl::unexpected(pixels.error());
     image.emplace(std::move(*pixels));
-    image->repeats = false;
+    image->wraps.fill(PictureWrap::Clamp);
   }
   ArtworkOptions how;
   how.mode = mode;

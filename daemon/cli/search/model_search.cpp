@@ -26,7 +26,8 @@ namespace popcut::cli {
 namespace model_search_parts {
 namespace {
 
-Result<TriangleMesh> read_model(const std::string& file, const std::string& bytes) {
+Result<TriangleMesh> read_model(const std::string& file, const std::string& bytes,
+                                std::vector<std::string>& notes) {
   if (!is_model_file(file)) {
     if (is_design_spec(bytes))
       return fail(ErrorKind::OutOfRange, file,
@@ -34,7 +35,7 @@ Result<TriangleMesh> read_model(const std::string& file, const std::string& byte
     if (is_pattern(bytes))
       return fail(ErrorKind::OutOfRange, file, "is a pattern; give a 3D model (.stl, .obj, .glb)");
   }
-  return read_mesh(file, bytes);
+  return read_mesh(file, bytes, &notes);
 }
 
 }  // namespace
@@ -50,7 +51,8 @@ Result<SearchedModel> search_model(const ModelSearchOptions& options,
   if (!bytes) return tl::unexpected(bytes.error());
   out.bytes = std::move(*bytes);
   planning::SearchRequest request;
-  auto mesh = read_model(options.model, out.bytes);
+  std::vector<std::string> notes;
+  auto mesh = read_model(options.model, out.bytes, notes);
   if (!mesh) return tl::unexpected(mesh.error());
   request.mesh = std::move(*mesh);
   const auto tables = read_user_tables();
@@ -99,6 +101,7 @@ Result<SearchedModel> search_model(const ModelSearchOptions& options,
     return tl::unexpected(of_model && why.place.empty() ? within(options.model, why) : why);
   }
   out.found = std::move(*cards);
+  out.found.notes.insert(out.found.notes.begin(), notes.begin(), notes.end());
   return out;
 }
 

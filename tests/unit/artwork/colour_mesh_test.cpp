@@ -76,6 +76,58 @@ TEST_CASE("an OBJ may name several MTL files, in quotes or not, and name one twi
   CHECK(opened == 2);
 }
 
+TEST_CASE("comments, keys of either case and options of an MTL are read", "[artwork]") {
+  const std::map<std::string, std::string> files{
+      {"a.mtl",
+       "\xEF\xBB\xBFnewmtl one # red\nkd 1 0 0 # red\nNewmtl two\nmap_kd -s 2 1 -o 0.5 0.25 "
+       "skin.png # "
+       "it\nnewmtl low\nmap_Kd -clamp on -o 0 -1 skin.png\nnewmtl clear\nd 0\n"},
+      {"skin.png", small_png()}};
+  const auto mesh = read_colour_mesh("q.obj",
+                                     "mtllib a.mtl # colours\n" + kQuad +
+                                         "usemtl one # it\nf 1 2 3\nUsemtl two\nf 1/1 1/1 1/1\n"
+                                         "usemtl low\nf 1/1 1/1 1/1\nusemtl clear\nf 1 3 4\n",
+                                     files_of(files));
+  if (!mesh) FAIL(message(mesh.error()));
+  REQUIRE(mesh->size() == 3);  // nothing is seen of the last one
+  const auto at = [&](std::size_t t) { return colour_of(*mesh, t, {0.4, 0.3, 0.3}, 1); };
+  CHECK(at(0).r == Approx(255).margin(1));
+  CHECK(at(0).g == Approx(0).margin(1));
+  // (0, 0) is moved to (0.5, 0.25): between the lower pixels, blue and yellow.
+  CHECK(at(1).r == Approx(127.5).margin(1));
+  CHECK(at(1).b == Approx(127.5).margin(1));
+  // Below its lower border a picture that ends there is blue.
+  CHECK(at(2).b == Approx(255).margin(1));
+  CHECK(at(2).r == Approx(0).margin(1));
+}
+
+TEST_CASE("colours of vertices may have a weight before them, or alpha behind them", "[artwork]") {
+  const auto red = [](const std::string& colour) {
+    const auto mesh = read_colour_mesh(
+        "tri.obj",
+        "v 0 0 0 " + colour + "\nv 1 0 0 " + colour + "\nv 0 1 0 " + colour + "\nf 1 2 3\n",
+        files_of({}));
+    if (!mesh) FAIL(message(mesh.error()));
+    return colour_of(*mesh, 0, {0.4, 0.3, 0.3}, 1).r;
+  };
+  CHECK(red("0.2 0.4 0.6 1") == Approx(51).margin(1));
+  CHECK(red("51 102 153 255") == Approx(51).margin(1));
+  CHECK(red("0.2 0.4 0.6 0.5") == Approx(51).margin(1));
+  CHECK(red("1 0.2 0.4 0.6") == Approx(51).margin(1));
+}
+
+TEST_CASE("a picture is mirrored or ends beyond its borders, in each direction", "[artwork]") {
+  Texture texture(ColourImage(2, 1));
+  ColourImage image(2, 2);
+  image.set(0, 0, {255, 0, 0, 255}), image.set(1, 0, {0, 255, 0, 255});
+  image.set(0, 1, {0, 0, 255, 255}), image.set(1, 1, {255, 255, 0, 255});
+  texture = Texture(image);
+  CHECK(texture.at(1.25, 0.25, 1).r == Approx(255));
+  texture.wraps = {PictureWrap::Mirror, PictureWrap::Clamp};
+  CHECK(texture.at(1.25, 0.25, 1).g == Approx(255));
+  CHECK(texture.at(0.25, 1.25, 1).b == Approx(255));
+}
+
 TEST_CASE("colours of vertices from 0 to 255 are read as such", "[artwork]") {
   const auto mesh = read_colour_mesh(
       "tri.obj", "v 0 0 0 200 150 100\nv 1 0 0 200 150 100\nv 0 1 0 200 150 100\nf 1 2 3\n",

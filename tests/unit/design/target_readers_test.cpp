@@ -389,6 +389,32 @@ TEST_CASE("text models are read as other programs write them", "[core][mesh]") {
   const std::size_t faces = text.find("f ");
   REQUIRE(faces != std::string::npos);
   same("m.obj", text.substr(faces) + text.substr(0, faces));
+  // Files that were put together, and blanks of other kinds.
+  same("m.obj", text.substr(0, faces) + "\xEF\xBB\xBF" + text.substr(faces));
+  same("m.obj", changed(text, " ", "\xC2\xA0"));
+  same("m.obj", changed(text, " ", "\xA0"));
+  same("m.stl", changed(text_stl(ball), " ", "\xC2\xA0"));
+}
+
+TEST_CASE("a model far from its origin is moved there before it is rounded", "[core][mesh]") {
+  const auto at = [](double x, double y) {
+    std::string text;
+    for (const auto& [u, v] : {std::pair(0.0, 0.0), {10.0, 0.0}, {0.0, 10.03}})
+      text += fmt::format("v {} {} 5\n", x + u, y + v);
+    return text + "f 1 2 3\n";
+  };
+  std::vector<std::string> notes;
+  const auto far = read_mesh("far.obj", at(85000.5, 4460000.25), &notes);
+  if (!far) FAIL(message(far.error()));
+  CHECK(far->corners[7] == Approx(10.03F));
+  CHECK(far->corners[8] == 5.0F);
+  REQUIRE(notes.size() == 1);
+  CHECK_THAT(notes[0], Catch::Contains("lies far from its origin and is moved there"));
+  notes.clear();
+  const auto near = read_mesh("near.obj", at(500, 0), &notes);
+  REQUIRE(near);
+  CHECK(near->corners[0] == 500.0F);
+  CHECK(notes.empty());
 }
 
 TEST_CASE("numbers of an OBJ may count backward from the face that names them", "[core][mesh]") {
