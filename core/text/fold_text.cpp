@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/text/fold_text.hpp"
+#include "core/text/utf8.hpp"
+#include "core/text/words.hpp"
 
 #include <algorithm>
 #include <array>
@@ -346,17 +348,42 @@ bool FoldSax::parse_error(std::size_t position, const std::string&,
 }  // namespace
 
 double fold_unit_mm(std::string_view unit) {
-  constexpr std::array<std::pair<std::string_view, double>, 8> kUnits{{{"mm", 1.0},
-                                                                       {"cm", 10.0},
-                                                                       {"m", 1000.0},
-                                                                       {"in", 25.4},
-                                                                       {"pt", 25.4 / 72},
-                                                                       {"um", 1e-3},
-                                                                       {"nm", 1e-6},
-                                                                       {"unit", 1.0}}};
+  constexpr std::array<std::pair<std::string_view, double>, 30> kUnits{
+      {{"mm", 1.0},
+       {"cm", 10.0},
+       {"m", 1000.0},
+       {"in", 25.4},
+       {"pt", 25.4 / 72},
+       {"um", 1e-3},
+       {"nm", 1e-6},
+       {"unit", 1.0},
+       // Words that FOLD does not have, and programs write.
+       {"millimeter", 1.0},
+       {"millimeters", 1.0},
+       {"millimetre", 1.0},
+       {"millimetres", 1.0},
+       {"centimeter", 10.0},
+       {"centimeters", 10.0},
+       {"centimetre", 10.0},
+       {"centimetres", 10.0},
+       {"meter", 1000.0},
+       {"meters", 1000.0},
+       {"metre", 1000.0},
+       {"metres", 1000.0},
+       {"inch", 25.4},
+       {"inches", 25.4},
+       {"\"", 25.4},
+       {"ft", 304.8},
+       {"foot", 304.8},
+       {"feet", 304.8},
+       {"point", 25.4 / 72},
+       {"points", 25.4 / 72},
+       {"units", 1.0},
+       {"px", 25.4 / 96}}};
+  const std::string plain = lower(trimmed(unit));
   for (const auto& [name, mm] : kUnits)
-    if (unit == name) return mm;
-  return unit.empty() ? 1.0 : 0.0;
+    if (plain == name) return mm;
+  return plain.empty() ? 1.0 : 0.0;
 }
 
 Result<std::vector<FrameText>> read_fold_text(std::string_view text, const FoldLimits& limits) {
@@ -364,6 +391,8 @@ Result<std::vector<FrameText>> read_fold_text(std::string_view text, const FoldL
     return fail(ErrorKind::OutOfRange, "",
                 fmt::format("the text has {} bytes; the limit is {}", text.size(), limits.bytes));
   }
+  std::string kept;
+  text = plain_text(text, kept);
   FoldSax sax(text, limits);
   if (!Json::sax_parse(text, &sax)) return tl::unexpected<Error>(std::move(sax.error));
   return sax.take();

@@ -19,6 +19,7 @@
 #include "core/text/file_kind.hpp"
 #include "core/text/gzip.hpp"
 #include "core/text/json_text.hpp"
+#include "core/text/utf8.hpp"
 #include "daemon/planning/design_files.hpp"
 
 namespace popcut::planning {
@@ -161,7 +162,8 @@ Result<InputKind> kind_of_content(std::string_view text) {
   constexpr const char* kRight =
       "is not a design (JSON with \"popcut\") or a FOLD (\"file_spec\"), SVG or DXF "
       "file";
-  if (text.rfind("\xEF\xBB\xBF", 0) == 0) text.remove_prefix(3);
+  std::string kept;
+  text = plain_text(text, kept);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos) return fail(ErrorKind::Malformed, "", "is empty");
   if (is_binary_dxf(text)) return InputKind::Dxf;

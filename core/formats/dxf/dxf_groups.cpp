@@ -24,6 +24,13 @@ std::string dxf_shown(std::string_view text) { return shown_ascii(text, 40); }
 DxfCursor::DxfCursor(std::string_view text) : text_(text) {
   if (text_.substr(0, 3) == "\xEF\xBB\xBF") text_.remove_prefix(3);
   if (text_.find('\n') == std::string_view::npos) newline_ = '\r';
+  // Blank lines before the first group.
+  for (std::string_view blank;;) {
+    const std::size_t at = at_, number = line_;
+    if (line(blank) && blank.empty()) continue;
+    at_ = at, line_ = number;
+    break;
+  }
 }
 
 bool DxfCursor::line(std::string_view& out) {

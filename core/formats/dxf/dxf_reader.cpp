@@ -18,6 +18,8 @@
 #include "core/formats/dxf/dxf_entity.hpp"
 #include "core/formats/dxf/dxf_tables.hpp"
 #include "core/formats/pens/pen_finder.hpp"
+#include "core/text/code_page.hpp"
+#include "core/text/utf8.hpp"
 
 namespace popcut {
 namespace {
@@ -520,8 +522,19 @@ Error of_groups(Error error) {
 
 namespace {
 
+/// The code page of a text, if it is not one in which names are read as they are.
+std::string code_page_of(std::string_view text) {
+  constexpr std::size_t kMostHead = 1u << 20;
+  const std::string_view head = text.substr(0, kMostHead);
+  const std::size_t at = head.find("$DWGCODEPAGE");
+  if (at == head.npos || is_utf8(text)) return {};
+  DxfCursor cursor(head.substr(head.find('\n', at) + 1));
+  return cursor.next() ? std::string(cursor.group().value) : std::string();
+}
+
 Result<DxfTables> tables_of(std::string_view text, const DxfOptions& options) {
   auto tables = read_dxf_tables(text);
+  if (tables) tables->foreign_names = tables->foreign_names && !is_utf8(text);
   if (tables && options.unit_mm) {
     tables->unit_mm = *options.unit_mm;
     std::erase_if(tables->warnings,
@@ -532,7 +545,9 @@ Result<DxfTables> tables_of(std::string_view text, const DxfOptions& options) {
 
 }  // namespace
 
-Result<LineWork> linework_from_dxf(std::string_view text, const DxfOptions& options) {
+Result<LineWork> linework_from_dxf(std::string_view given, const DxfOptions& options) {
+  std::string plain;
+  std::string_view text = plain_text(given, plain);
   if (text.size() > options.most_bytes)
     return tl::unexpected(too_much(
         fmt::format("the DXF has {} bytes; the limit is {}", text.size(), options.most_bytes)));
@@ -545,6 +560,11 @@ Result<LineWork> linework_from_dxf(std::string_view text, const DxfOptions& opti
   }
   if (text.size() > 6 && text.substr(0, 4) == "AC10" && text[6] == '\0')
     return fail(ErrorKind::Malformed, "line 1", "is a DWG; save it as ASCII DXF");
+  if (const std::string page = code_page_of(text); !page.empty())
+    if (auto converted = utf8_of_code_page(text, page)) {
+      plain = std::move(*converted);
+      text = plain;
+    }
   auto tables = tables_of(text, options);
   if (!tables) return tl::unexpected(tables.error());
   DxfReader reader(std::move(*tables), options);

@@ -21,16 +21,23 @@ constexpr std::size_t kMostOpxBytes = 16u << 20;
 /// A line of a crease pattern: its type, and x and y of both ends.
 using Crease = std::array<double, 5>;
 
+bool is_comment(std::string_view line) {
+  return line.starts_with('#') || line.starts_with("//") || line.starts_with('%');
+}
+
 std::optional<Crease> crease_in(std::string_view line) {
+  constexpr std::string_view kBetween = " \t\n\r\f,;";
   Crease crease{};
   for (double& number : crease) {
-    line = trimmed(line);
-    const std::string_view word = take_word(line, kBlanks);
+    line = trimmed(line, kBetween);
+    const std::string_view word = take_word(line, kBetween);
     const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), number);
     if (fault != std::errc() || end != word.data() + word.size() || !std::isfinite(number))
       return std::nullopt;
   }
-  if (!trimmed(line).empty() || crease[0] != std::floor(crease[0])) return std::nullopt;
+  line = trimmed(line, kBetween);
+  if ((!line.empty() && !is_comment(line)) || crease[0] != std::floor(crease[0]))
+    return std::nullopt;
   return crease;
 }
 
@@ -62,9 +69,15 @@ class FoldText {
   std::size_t count_{};
 };
 
+/// The first line that is no comment.
 std::string_view first_line(std::string_view text) {
-  text = trimmed(text);
-  return text.substr(0, text.find_first_of("\r\n"));
+  std::string_view line;
+  do {
+    text = trimmed(text);
+    line = text.substr(0, text.find_first_of("\r\n"));
+    text.remove_prefix(line.size());
+  } while (is_comment(line));
+  return line;
 }
 
 bool is_opx(std::string_view text) {
@@ -80,7 +93,7 @@ Result<std::string> fold_of_cp(std::string_view text) {
     const std::string_view line = trimmed(text.substr(0, end));
     const bool two = end != text.npos && text.substr(end).starts_with("\r\n");
     text.remove_prefix(end == text.npos ? text.size() : end + (two ? 2 : 1));
-    if (line.empty() || line.starts_with('#')) continue;
+    if (line.empty() || is_comment(line)) continue;
     const auto crease = crease_in(line);
     if (!crease)
       return fail(ErrorKind::Malformed, fmt::format("line {}", number),

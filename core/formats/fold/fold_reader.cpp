@@ -252,7 +252,11 @@ Result<FoldFile> read_fold(std::string_view text, const FoldLimits& limits) {
   const auto texts = read_fold_text(text, limits);
   if (!texts) return tl::unexpected(texts.error());
   const FrameText& key = texts->front();
-  if (!key.vertices_coords.present && !key.inherit) {
+  // Some programs write all they have into `file_frames`.
+  const bool has_frame = std::any_of(texts->begin() + 1, texts->end(), [](const FrameText& one) {
+    return one.vertices_coords.present && one.edges_vertices.present;
+  });
+  if (!key.vertices_coords.present && !key.inherit && !has_frame) {
     const std::string near = nearest_word("vertices_coords", key.other_names);
     return fail(ErrorKind::Malformed, "/vertices_coords",
                 near.empty() ? "is missing; a FOLD file needs the coordinates of its vertices"

@@ -146,7 +146,7 @@ void fill_from_faces(FoldFrame& frame) {
 std::optional<FoldFrame> flat_anywhere(const FoldFile& file) {
   for (const bool folded : {false, true})
     for (const FoldFrame& frame : file.frames) {
-      if (frame.folded_form != folded) continue;
+      if (frame.folded_form != folded || frame.vertices.empty()) continue;
       if (flat(frame)) return frame;
       if (const auto normal = plane_of(frame)) return turned_up(frame, *normal);
     }

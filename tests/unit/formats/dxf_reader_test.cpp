@@ -155,9 +155,29 @@ TEST_CASE("a DXF layer that nobody knows beside known ones is asked about",
             read(drawing(line_on("\\U+6298\\U+7EBF", 2) + line_on("sch\xe4rfe_schnitt", 3)), asks),
             Operation::FoldValley) == Approx(2));
   const std::string coded = line_on("\xc7\xd0\xb8\xee", 1) + line_on("\xd5\xdb\xcf\xdf", 2);
-  CHECK(linework_from_dxf(drawing(coded, section("HEADER", "9 $DWGCODEPAGE 3 ANSI_936")), asks)
-            .error()
-            .reason == ErrorReason::Unclear);
+  const auto in_page = [&](const std::string& page, const std::string& lines) {
+    return linework_from_dxf(drawing(lines, section("HEADER", "9 $DWGCODEPAGE 3 " + page)), asks);
+  };
+  const auto chinese = in_page("ANSI_936", coded);
+  REQUIRE(chinese);
+  CHECK(total_mm(*chinese, Operation::Cut) == Approx(1));
+  CHECK(total_mm(*chinese, Operation::FoldValley) == Approx(2));
+  const auto russian =
+      in_page("ANSI_1251", line_on("\xf0\xe5\xe7", 1) + line_on("\xf1\xe3\xe8\xe1", 2));
+  REQUIRE(russian);
+  CHECK(total_mm(*russian, Operation::FoldValley) == Approx(2));
+  CHECK(in_page("ANSI_9999", coded).error().reason == ErrorReason::Unclear);
+}
+
+TEST_CASE("a DXF may be UTF-16 and begin with blank lines", "[core][formats][dxf]") {
+  const std::string text = drawing(line_on("CUT", 1) + line_on("FOLD", 2));
+  std::string wide = "\xFF\xFE";
+  for (const char c : text) (wide += c) += '\0';
+  for (const std::string& one : {wide, "\r\n \n\n" + text}) {
+    const LineWork work = read(one);
+    CHECK(total_mm(work, Operation::Cut) == Approx(1));
+    CHECK(total_mm(work, Operation::FoldValley) == Approx(2));
+  }
 }
 
 TEST_CASE("the name of a DXF block says what its lines on layer 0 are", "[core][formats][dxf]") {

@@ -63,6 +63,11 @@ TEST_CASE("crease patterns of ORIPA and Oriedita are read", "[core][formats][fol
   const auto lines = linework_from_fold(*fold_of_crease_pattern(opx));
   REQUIRE(lines);
   CHECK(total_mm(*lines, Operation::FoldMountain) == Approx(40));
+  // Comments, and other signs between the numbers.
+  const std::string commas = "// by hand\n% it\n1, 0, 0, 30, 0 # side\n2;0;0;0;40\n";
+  REQUIRE(is_crease_pattern(commas));
+  CHECK(total_mm(*linework_from_fold(*fold_of_crease_pattern(commas)), Operation::FoldMountain) ==
+        Approx(40));
   CHECK(fold_of_crease_pattern("1 0 0 1 1\n2 0 0 x 1\n").error().place == "line 2");
   CHECK_FALSE(is_crease_pattern("0\nSECTION\n"));
   CHECK_FALSE(is_crease_pattern("<svg/>"));
@@ -284,6 +289,26 @@ TEST_CASE("a FOLD pattern is read in whatever plane it lies, from the side of it
 }
 
 // flat-folder, Oriedita, Rabbit Ear and others write a square of 1 x 1 units.
+TEST_CASE("a FOLD file may be UTF-16, have its frames in a list, and name units in words",
+          "[core][formats][fold]") {
+  const auto file = [](const std::string& unit) {
+    return R"({"file_spec":1.1,"file_frames":[{"frame_unit":")" + unit +
+           R"(","vertices_coords":[[0,0],[2,0],[2,1],[0,1]],"edges_vertices":[[0,1],[1,2],[2,3],[3,0],[0,2]],"edges_assignment":["B","B","B","B","V"]}]})";
+  };
+  for (const auto& [unit, mm] : {std::pair("Inch", 25.4), {"MM", 1.0}, {"feet", 304.8}}) {
+    CAPTURE(unit);
+    const auto work = linework_from_fold(file(unit));
+    if (!work) FAIL(message(work.error()));
+    CHECK(total_mm(*work, Operation::Outline) == Approx(6 * mm));
+    CHECK(total_mm(*work, Operation::FoldValley) == Approx(std::sqrt(5.0) * mm));
+  }
+  std::string wide = "\xFE\xFF";
+  for (const char c : file("cm")) (wide += '\0') += c;
+  const auto work = linework_from_fold(wide);
+  REQUIRE(work);
+  CHECK(total_mm(*work, Operation::Outline) == Approx(60));
+}
+
 TEST_CASE("a FOLD file of one unit is read at the size that it is cut", "[core][formats][fold]") {
   // Corners of 3 mm at 300 mm: cut off by a side of 0.01 units each; and a slot 0.008 units wide.
   const std::string text =

@@ -608,6 +608,24 @@ TEST_CASE("a name that nobody knows beside known ones is asked about",
   CHECK(total_mm(*said, Operation::Cut) == 0);
 }
 
+TEST_CASE("names are read in the encoding that the XML declaration gives",
+          "[core][formats][svg][profile]") {
+  const auto folds = [](const std::string& encoding, const std::string& cut,
+                        const std::string& fold) {
+    const LineWork work = read("<?xml version=\"1.0\" encoding=\"" + encoding + "\"?>" +
+                                   svg("<g id='" + cut +
+                                       "'><path d='M0 0H4' stroke='#000'/></g>"
+                                       "<g id='" +
+                                       fold + "'><path d='M0 0H2' stroke='#000'/></g>"),
+                               "auto");
+    CHECK(total_mm(work, Operation::Cut) == Approx(4));
+    return total_mm(work, Operation::FoldValley);
+  };
+  CHECK(folds("windows-1251", "\xf0\xe5\xe7", "\xf1\xe3\xe8\xe1") == Approx(2));
+  CHECK(folds("GBK", "\xc7\xd0\xb8\xee", "\xd5\xdb\xcf\xdf") == Approx(2));
+  CHECK(folds("Shift_JIS", "cut", "\x90\xdc\x82\xe8\x90\xfc") == Approx(2));
+}
+
 TEST_CASE("filled shapes that lie over each other are told and welded on request",
           "[core][formats][svg]") {
   const auto cut = [](const std::string& inner, bool weld) {

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "core/text/code_page.hpp"
 #include "core/text/gzip.hpp"
 #include "core/text/utf8.hpp"
 
@@ -25,6 +26,19 @@ struct Entity {
   std::string name, value;
 };
 
+// The encoding that the XML declaration gives; empty: none.
+std::string said_encoding(std::string_view text) {
+  const std::string_view head = text.substr(0, std::min(text.find("?>"), std::size_t{200}));
+  std::size_t at = head.find("encoding");
+  if (!head.starts_with("<?xml") || at == head.npos) return {};
+  at = head.find_first_of("\"'", at);
+  if (at == head.npos) return {};
+  const std::size_t end = head.find(head[at], at + 1);
+  if (end == head.npos) return {};
+  const std::string_view said = head.substr(at + 1, end - at - 1);
+  return same_word(said, "utf-8") || same_word(said, "utf8") ? std::string() : std::string(said);
+}
+
 Result<void> to_utf8(std::string& text, std::size_t most_bytes) {
   const auto begins = [&](std::string_view bytes) {
     return std::string_view(text).substr(0, bytes.size()) == bytes;
@@ -40,6 +54,13 @@ Result<void> to_utf8(std::string& text, std::size_t most_bytes) {
     text = utf8_of_utf16(std::string_view(text).substr(text[0] == '\0' ? 0 : 2), true);
   else if (begins("\xEF\xBB\xBF"))
     text.replace(0, 3, "   ");
+  else if (const std::string code = said_encoding(text); !code.empty() && !is_utf8(text))
+    if (auto converted = utf8_of_code_page(text, code)) {
+      text = std::move(*converted);
+      // Its lines keep their places, and nobody converts it once more.
+      if (const std::size_t at = text.find(code); at != text.npos)
+        text.replace(at, code.size(), "utf-8");
+    }
   return {};
 }
 
