@@ -337,7 +337,8 @@ class DxfReader {
     if (unknown_.empty() || (!any_known_ && !coded)) return {};
     std::string detail = unknown_names(unknown_);
     if (tables_.foreign_names && foreign != unknown_.end())
-      detail += "; names in a code page of their own are read only from a DXF of 2007 or later";
+      detail +=
+          "; this computer does not know the file's code page; save it as a DXF of 2007 or later";
     return tl::unexpected(Error{ErrorKind::Malformed, fmt::format("layer \"{}\"", unknown_.front()),
                                 std::move(detail), ErrorReason::Unclear});
   }
