@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -35,8 +36,11 @@ namespace popcut::planning {
 namespace {
 
 // How many are tried, for an effort of 1.
-constexpr std::size_t kDrawn = 150, kChanged = 100, kParents = 16, kFine = 40, kFineChanged = 24,
-                      kFineParents = 8, kFinal = 16;
+constexpr std::size_t kDrawn = 100, kChanged = 70, kParents = 16, kFine = 28, kFineChanged = 16,
+                      kFineParents = 8, kFinal = 12;
+/// A search of more effort begins with these, and keeps what they found: so it finds no less.
+constexpr std::array kShortSearches{0.02, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0};
+constexpr double kMuchMore = 3.0;  ///< times the effort of a shorter search
 constexpr std::size_t kWays = 6, kStraightWays = 2, kWaysTurnedOn = 5;
 constexpr std::size_t kMostOfFront = 8;
 constexpr double kNearFactor = 1.25, kNear = 0.02;  ///< an error that is as good as the least one
@@ -164,8 +168,19 @@ class CardSearch {
     if (is_stopped()) return stopped();
     if (ways_.empty())
       return no_card(is_book() ? "it has no size" : "it has no side that stands in a corner");
-    if (auto done = try_coarsely(); !done) return tl::unexpected(done.error());
-    if (auto done = try_carefully(); !done) return tl::unexpected(done.error());
+    std::vector<double> efforts;
+    for (const double effort : kShortSearches)
+      if (!is_book() && kMuchMore * effort <= request_.effort * (1.0 + 1e-9))
+        efforts.push_back(effort);
+    efforts.push_back(request_.effort);
+    const double all = std::accumulate(efforts.begin(), efforts.end(), 0.0);
+    for (const double effort : efforts) {
+      effort_ = effort;
+      share_ = {share_.second, share_.second + effort / all};
+      if (auto done = try_coarsely(); !done) return tl::unexpected(done.error());
+      if (auto done = try_carefully(); !done) return tl::unexpected(done.error());
+      keep_for_the_end();
+    }
     return finish();
   }
 
@@ -179,8 +194,17 @@ class CardSearch {
   [[nodiscard]] bool is_book() const { return request_.cards > 1; }
   [[nodiscard]] bool is_printed() const { return !is_book() && !request_.plain; }
   [[nodiscard]] std::size_t count(std::size_t usual, std::size_t least) const {
-    const double each = request_.effort / request_.cards;
+    const double each = effort_ / request_.cards;
     return std::max(least, static_cast<std::size_t>(each * static_cast<double>(usual) + 0.5));
+  }
+
+  /// A part of this search as one of all the work, between the ways to stand and the end.
+  [[nodiscard]] Part during(double from, double to) const {
+    constexpr double kBegin = 0.06, kEnd = 0.9;
+    const auto at = [&](double share) {
+      return kBegin + (kEnd - kBegin) * (share_.first + (share_.second - share_.first) * share);
+    };
+    return {at(from), at(to)};
   }
 
   /// Does `work` for each index, and says how far that is.
@@ -440,11 +464,31 @@ class CardSearch {
   void judge_all(std::size_t from, Model& model, const Care& care, std::string_view what, Part part,
                  bool keep_designs) {
     std::vector<likeness::Buffers> buffers(std::max(1U, request_.threads));
+    std::vector<Trial>& known = judged_[care.rough ? 0 : 1];
     for_each(trials_.size() - from, what, part, [&](std::size_t thread, std::size_t k) {
       Trial& trial = trials_[from + k];
+      const auto before = std::find_if(known.begin(), known.end(), [&](const Trial& other) {
+        return other.candidate == trial.candidate;
+      });
+      if (before != known.end()) {  // by a shorter search
+        trial = *before;
+        return;
+      }
       judge(trial, model, care, buffers[thread]);
       if (!keep_designs) trial.made = {};
     });
+    for (std::size_t k = from; k < trials_.size(); ++k)
+      if (!is_among(known, trials_[k].candidate)) known.push_back(without_design(trials_[k]));
+  }
+  [[nodiscard]] static bool is_among(const std::vector<Trial>& trials, const Candidate& candidate) {
+    return std::any_of(trials.begin(), trials.end(),
+                       [&](const Trial& trial) { return trial.candidate == candidate; });
+  }
+  [[nodiscard]] static Trial without_design(const Trial& of) {
+    Trial out;
+    out.candidate = of.candidate, out.shrunk = of.shrunk, out.judged = of.judged;
+    out.why = of.why, out.spec = of.spec, out.cost = of.cost;
+    return out;
   }
 
   [[nodiscard]] static std::vector<Judged> judged_of(const std::vector<Trial>& trials) {
@@ -510,14 +554,11 @@ class CardSearch {
     const std::vector<std::size_t> best = best_of(judged, halving, by_kind);
     for (std::size_t k = 0; k < count && !best.empty(); ++k)
       add_trial(changed_candidate(trials_[best[k % best.size()]].candidate, drawn_ways_,
-                                  request_.seed, drawn_++));
+                                  request_.seed, changed_++));
   }
 
   void add_trial(const Candidate& candidate) {
-    const bool is_known = std::any_of(trials_.begin(), trials_.end(), [&](const Trial& trial) {
-      return trial.candidate == candidate;
-    });
-    if (is_known) return;
+    if (is_among(trials_, candidate)) return;
     Trial trial;
     trial.candidate = candidate;
     trial.judged.stays = candidate.usual;
@@ -525,6 +566,7 @@ class CardSearch {
   }
 
   Result<void> try_coarsely() {
+    trials_.clear();
     Model model(coarse(), ways_, kCoarse.pixels, is_book());
     for (const Candidate& usual : usual_candidates(styles_, request_.cards)) {
       add_trial(usual);
@@ -532,22 +574,21 @@ class CardSearch {
       as_it_stands.way = ways_.size() - 1;
       if (drawn_ways_ < ways_.size()) add_trial(as_it_stands);
     }
-    const bool is_quick = request_.effort / request_.cards < kLeastForBroad;
+    const bool is_quick = effort_ / request_.cards < kLeastForBroad;
     for (const Candidate& one : silhouette_candidates(
              styles_, is_quick ? std::min(drawn_ways_, kStraightWays) : drawn_ways_))
       add_trial(one);
     if (!is_quick)
       for (const Candidate& broad : broad_candidates(styles_, request_.cards, drawn_ways_))
         add_trial(broad);
-    for (const std::size_t most = count(kDrawn, 8); drawn_ < most; ++drawn_)
-      add_trial(drawn_candidate(styles_, request_.cards, drawn_ways_, request_.seed, drawn_));
-    judge_all(0, model, kCoarse, "designing coarse cards", {0.06, 0.2}, false);
+    for (std::size_t k = 0; k < count(kDrawn, 8); ++k)
+      add_trial(drawn_candidate(styles_, request_.cards, drawn_ways_, request_.seed, k));
+    judge_all(0, model, kCoarse, "designing coarse cards", during(0.0, 0.2), false);
     if (is_stopped()) return stopped();
     const std::size_t from = trials_.size();
     add_changed(count(kChanged, 6), count(kParents, 3), true);
-    judge_all(from, model, kCoarse, "designing coarse cards", {0.2, 0.32}, false);
+    judge_all(from, model, kCoarse, "designing coarse cards", during(0.2, 0.3), false);
     if (is_stopped()) return stopped();
-    out_.counts.designed = trials_.size();
     return {};
   }
 
@@ -558,14 +599,21 @@ class CardSearch {
     Model model(careful(), ways_, kCareful.pixels, is_book());
     is_whole_mesh_ = model.mesh.size() == request_.mesh.size();
     // Else they are designed again, and each would keep its mesh until then.
-    judge_all(0, model, kCareful, "designing the best of them", {0.32, 0.68}, is_whole_mesh_);
+    judge_all(0, model, kCareful, "designing the best of them", during(0.3, 0.75), is_whole_mesh_);
     if (is_stopped()) return stopped();
     const std::size_t from = trials_.size();
     add_changed(count(kFineChanged, 2), count(kFineParents, 1), false);
-    judge_all(from, model, kCareful, "designing cards like the best", {0.68, 0.9}, is_whole_mesh_);
+    judge_all(from, model, kCareful, "designing cards like the best", during(0.75, 1.0),
+              is_whole_mesh_);
     if (is_stopped()) return stopped();
-    out_.counts.planned = trials_.size();
     return {};
+  }
+
+  /// Usual ones are compared to the end; of the others those that may be in the front.
+  void keep_for_the_end() {
+    halve(count(kFinal, 4), 2, false);
+    for (Trial& trial : trials_)
+      if (!is_among(finals_, trial.candidate)) finals_.push_back(std::move(trial));
   }
 
   /// A trial as what is written, verified and compared as `popcut verify` and `popcut compare` do.
@@ -575,7 +623,7 @@ class CardSearch {
     std::string why;
   };
   void finish_trial(Trial& trial, Model& whole, Finished& out) const {
-    if (!is_whole_mesh_) {
+    if (!is_whole_mesh_ || trial.made.parts.empty()) {
       if (design_trial(trial, whole, false)) {
         const auto cost = cost_of(trial.made);
         trial.judged.made = cost.has_value();
@@ -667,11 +715,12 @@ class CardSearch {
   }
 
   Result<FoundCards> finish() {
-    // Usual ones are compared to the end; of the others those that may be in the front.
-    halve(count(kFinal, 4), 2, false);
-    std::vector<Trial> last = std::move(trials_);
+    out_.counts.designed = judged_[0].size(), out_.counts.planned = judged_[1].size();
+    std::vector<Trial> last = std::move(finals_);
     const TriangleMesh none;
-    Model whole(is_whole_mesh_ ? none : request_.mesh, ways_, kComparePixels, is_book());
+    const bool all_made = std::all_of(last.begin(), last.end(),
+                                      [](const Trial& trial) { return !trial.made.parts.empty(); });
+    Model whole(all_made ? none : request_.mesh, ways_, kComparePixels, is_book());
     std::vector<Finished> finished(last.size());
     for_each(last.size(), "verifying the best cards", {0.9, 1.0},
              [&](std::size_t, std::size_t k) { finish_trial(last[k], whole, finished[k]); });
@@ -827,9 +876,13 @@ class CardSearch {
   hands::Hands hands_;               ///< whose time it is
   std::array<double, 2> room_mm_{};  ///< for a card: the area, or what lies between its marks
   std::vector<Way> ways_;
-  std::size_t drawn_ways_{};  ///< of `ways_`: those that are drawn
-  std::uint64_t drawn_{};     ///< the next candidate's number
+  std::size_t drawn_ways_{};                       ///< of `ways_`: those that are drawn
+  std::uint64_t changed_{std::uint64_t{1} << 32};  ///< the next one's number, beyond those drawn
+  double effort_{};                                ///< of this part of the search
+  Part share_{};                                   ///< of all parts of the search
   std::vector<Trial> trials_;
+  std::array<std::vector<Trial>, 2> judged_;  ///< coarsely, and carefully; without their designs
+  std::vector<Trial> finals_;
   bool is_whole_mesh_{};
   std::string refusal_;  ///< why the first one failed
 };

@@ -114,7 +114,8 @@ TEST_CASE("a model alone becomes a front of cards that are verified, made again 
   REQUIRE(bench.popcut({"design", best + "/spec.json", "-o", "again", "-q"}).exit == 0);
   for (const char* file : {"pattern.fold", "pattern.svg", "pattern.dxf", "cut.svg"})
     CHECK(text_of_file(bench.temp / "again" / file) == text_of_file(bench.temp / best / file));
-  const Ran compared = bench.popcut({"compare", best + "/pattern.fold", "houses.obj", "--json"});
+  const Ran compared =
+      bench.popcut({"compare", best + "/pattern.fold", "houses.obj", "--printed", "--json"});
   INFO(compared.err);
   REQUIRE(compared.exit == 0);
   const json seen = json::parse(compared.out);

@@ -149,7 +149,7 @@ TEST_CASE("what is wrong with a spec of facets is said with its place", "[cli][e
   refused({{"facets", {{"strp_mm", 2}}}}, "/facets/strp_mm");
   refused({{"card", false}}, "/card: is false; facets hang on wall and ground");
   refused({{"design_angle_deg", 60}}, "/design_angle_deg: is 60; facets");
-  refused({{"style", "lattice"}, {"facets", json::object()}}, "/facets: holds for facets only");
+  refused({{"style", "lattice"}, {"facets", json::object()}}, "/facets: is for another style");
   refused({{"style", "origami"}}, "/style");
   refused({{"surface", {{"type", "revolution"}, {"radius", "40"}, {"file", nullptr}}}},
           "/facets/length_mm: is missing");
