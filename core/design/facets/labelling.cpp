@@ -157,26 +157,40 @@ bool Labelling::allows(const LabelRun& run) const {
 }
 
 double Labelling::cell_distance(int strip, int column, Label label) const {
+  const auto at_strip = static_cast<std::size_t>(strip);
+  if (!kept_.empty() && !kept_[at_strip].empty())
+    return static_cast<double>(kept_[at_strip][static_cast<std::size_t>(column) * planes_->size() +
+                                               static_cast<std::size_t>(label)]);
   const SheetRaster& raster = target_->raster;
   const std::size_t across = raster.columns / static_cast<std::size_t>(grid_.columns);
   const std::size_t along = raster.rows / static_cast<std::size_t>(grid_.strips);
   const FacetPlane& plane = (*planes_)[label];
   const double offset = grid_.step_mm * plane.offset;
   double sum = 0.0;
-  for (std::size_t r = 0; r < along; ++r)
+  for (std::size_t row = at_strip * along; row < (at_strip + 1) * along; ++row)
     for (std::size_t c = 0; c < across; ++c) {
-      const std::size_t row = static_cast<std::size_t>(strip) * along + r,
-                        at = static_cast<std::size_t>(column) * across + c;
+      const std::size_t at = static_cast<std::size_t>(column) * across + c;
       sum += std::abs(offset - (plane.upright ? target_->x_mm(row, at) : target_->z_mm(row, at)));
     }
   return sum * raster.column_mm * raster.row_mm;
 }
 
 double Labelling::distance(int strip, std::span<const Label> labels) const {
+  const SheetRaster& raster = target_->raster;
+  const std::size_t across = raster.columns / static_cast<std::size_t>(grid_.columns);
+  const std::size_t along = raster.rows / static_cast<std::size_t>(grid_.strips);
   double sum = 0.0;
-  for (std::size_t column = 0; column < labels.size(); ++column)
-    sum += cell_distance(strip, static_cast<int>(column), labels[column]);
-  return sum;
+  for (std::size_t column = 0; column < labels.size(); ++column) {
+    const FacetPlane& plane = (*planes_)[labels[column]];
+    const double offset = grid_.step_mm * plane.offset;
+    for (std::size_t r = 0; r < along; ++r)
+      for (std::size_t c = 0; c < across; ++c) {
+        const std::size_t row = static_cast<std::size_t>(strip) * along + r,
+                          at = column * across + c;
+        sum += std::abs(offset - (plane.upright ? target_->x_mm(row, at) : target_->z_mm(row, at)));
+      }
+  }
+  return sum * raster.column_mm * raster.row_mm;
 }
 
 double Labelling::cost(int strip, std::span<const Label> labels) const {

@@ -63,7 +63,7 @@ class Labelling {
   [[nodiscard]] double cost(int strip, std::span<const Label> labels) const;
   /// What all strips cost together; a cut between two of them counts for both.
   [[nodiscard]] double whole_cost() const;
-  /// The distance from the target of one cell, mm^3.
+  /// The distance from the target of one cell, mm^3; `kForbidden` and more where limits forbid it.
   [[nodiscard]] double cell_distance(int strip, int column, Label label) const;
   /// Its distance from the target alone, mm^3.
   [[nodiscard]] double distance(int strip, std::span<const Label> labels) const;
