@@ -21,7 +21,7 @@ constexpr std::array kSlices{3, 4, 5, 6, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 
 constexpr std::array kStrips{2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0};
 constexpr std::array kPitches{1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 15.0};
 constexpr std::array kLayers{1, 2, 3, 4, 5, 6};
-constexpr int kFewLayers = 4;
+constexpr int kFewLayers = 3;
 constexpr std::array kLineCosts{0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0};
 
 /// The value beside the one that is nearest to `now`, or that one itself at an end.

@@ -260,6 +260,9 @@ class LayerHolder {
     int height{};
   };
 
+  /// By what is behind, and about how high.
+  using Cheapest = std::map<std::pair<Label, int>, Strut>;
+
   /// Where a piece lies in a strip: its longest run.
   struct Stretch {
     int begin{}, end{};
@@ -293,12 +296,7 @@ class LayerHolder {
       Stretch& longest = at[static_cast<std::size_t>(cell.strip)];
       if (cell.end - cell.begin > longest.end - longest.begin) longest = {cell.begin, cell.end};
     }
-    std::map<std::pair<Label, int>, Strut> cheapest;
-    const auto add = [&](Label back, Strut strut) {
-      const auto [place, is_new] = cheapest.try_emplace(
-          {back, static_cast<int>(mm(strut.height) / kHeights_mm)}, std::move(strut));
-      if (!is_new && strut.cost < place->second.cost) place->second = std::move(strut);
-    };
+    Cheapest cheapest;
     for (int s = 0; s + width_ <= grid().strips; s += kEach) {
       Stretch common{0, grid().columns};
       for (int k = s; k < s + width_; ++k) {
@@ -307,15 +305,18 @@ class LayerHolder {
       }
       if (common.end - common.begin < least()) continue;
       for (int line = common.begin; line + least() <= common.end; line += kEach)
-        add_backs(s, label, line, add);
-      if (auto foot = foot_at(s, label, at)) add(kGroundLabel, std::move(*foot));
+        add_backs(s, label, line, cheapest);
+      if (auto foot = foot_at(s, label, at)) {
+        Strut& best = cheapest[{kGroundLabel, 0}];
+        if (best.strips.empty() || foot->cost < best.cost) best = std::move(*foot);
+      }
     }
-    for (auto& [place, strut] : cheapest) out.push_back(std::move(strut));
+    for (auto& [place, strut] : cheapest)
+      if (!strut.strips.empty()) out.push_back(std::move(strut));
   }
 
   /// Level paper from a layer, at a line of it, back to the wall or to a layer behind it.
-  template <typename Add>
-  void add_backs(int s, Label label, int line, const Add& add) {
+  void add_backs(int s, Label label, int line, Cheapest& cheapest) const {
     const int c = planes()[label].offset, height = c - grid().across(line);
     const Label level = planes().find({false, height});
     if (height < least() || level == kNoLabel) return;
@@ -326,22 +327,28 @@ class LayerHolder {
       const int begin = grid().wall + plane.offset - height;
       if (begin - least() < 0 || line - begin < least()) continue;
       Strut strut{{}, 0.0, height};
-      for (int k = s; k < s + width_; ++k) {
+      bool is_there = true;
+      for (int k = s; k < s + width_ && is_there; ++k) {
         const auto now = card_.image().strip(k);
-        const auto from = now.begin() + (begin - least()), to = now.begin() + begin;
-        if (back != kWallLabel && std::any_of(from, to, [&](Label here) { return here != back; }))
-          break;
-        std::vector<Label> labels(now.begin(), now.end());
+        for (int i = begin - least(); i < line && is_there; ++i) {
+          const Label here = now[static_cast<std::size_t>(i)], then = i < begin ? back : level;
+          is_there = i >= begin || back == kWallLabel || here == back;
+          if (here != then)
+            strut.cost += card_.labelling.cell_distance(k, i, then) -
+                          card_.labelling.cell_distance(k, i, here);
+        }
+      }
+      if (!is_there) continue;
+      Strut& best = cheapest[{back, static_cast<int>(mm(height) / kHeights_mm)}];
+      if (!best.strips.empty() && best.cost <= strut.cost) continue;
+      for (int k = s; k < s + width_; ++k) {
+        std::vector<Label> labels = labels_of(card_.image(), k);
         std::fill_n(labels.begin() + (begin - least()), least(), back);
         std::fill(labels.begin() + begin, labels.begin() + line, level);
         if (!is_wide(labels, least()) || !is_allowed(labels)) break;
-        for (int i = begin - least(); i < line; ++i)
-          if (const auto c = static_cast<std::size_t>(i); labels[c] != now[c])
-            strut.cost += card_.labelling.cell_distance(k, i, labels[c]) -
-                          card_.labelling.cell_distance(k, i, now[c]);
         strut.strips.push_back({k, std::move(labels)});
       }
-      if (strut.strips.size() == static_cast<std::size_t>(width_)) add(back, std::move(strut));
+      if (strut.strips.size() == static_cast<std::size_t>(width_)) best = std::move(strut);
     }
   }
 

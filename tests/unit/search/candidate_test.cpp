@@ -223,7 +223,7 @@ TEST_CASE("silhouettes of few layers stand in each way, and a card alone has the
     CHECK(style_name(one) == "silhouette");
     seen.emplace(one.way, one.layers);
   }
-  CHECK(seen.size() == 12);
+  CHECK(seen.size() == 9);
   CHECK(silhouette_candidates(style_choice("facets"), 3).empty());
   const auto spec =
       parse_design_spec(spec_text(all[6], way_of(box_mesh({0, 0, 0}, {1, 2, 1}, false), {}), 20.0,
