@@ -21,6 +21,7 @@ namespace popcut {
 namespace {
 
 constexpr double kContour_mm = 1.0, kRoughContour_mm = 2.0;  ///< strips of silhouettes
+constexpr double kContourShare = 0.006;                      ///< of the shape's size, at least
 constexpr double kFacetChord = 0.1;  ///< of the pitch: chords of formulas stray no farther
 
 /// The whole of a mesh or a grid; a formula's part in the corner over a stretch. Its sections tell
@@ -90,6 +91,23 @@ Result<FacetTarget> target_over(const DesignSpec& spec, const Surface& surface) 
   return out;
 }
 
+/// How far the target reaches in the corner, within the stretch that is made.
+struct TargetExtent {
+  double x_mm{}, z_mm{};
+  double shut_mm{};  ///< from the spine when the card is shut: x + z
+};
+TargetExtent extent_in_corner(const FacetTarget& target) {
+  TargetExtent out;
+  const std::vector<double>& corners = target.soup.corners;
+  for (std::size_t k = 0; k < corners.size(); k += 3) {
+    const double x = corners[k], v = corners[k + 1], z = corners[k + 2];
+    if (x < 0.0 || z < 0.0 || v < target.from_mm || v > target.to_mm) continue;
+    out.x_mm = std::max(out.x_mm, x), out.z_mm = std::max(out.z_mm, z);
+    out.shut_mm = std::max(out.shut_mm, x + z);
+  }
+  return out;
+}
+
 FacetOptions options_of(const DesignSpec& spec, const FacetTarget& target) {
   FacetOptions out;
   out.pitch_mm = std::max(spec.facets.pitch_mm, spec.min_panel_mm);
@@ -105,8 +123,10 @@ FacetOptions options_of(const DesignSpec& spec, const FacetTarget& target) {
   out.rough = spec.facets.rough;
   if (spec.style == DesignStyle::Silhouette) {
     out.layers = spec.facets.layers, out.min_fold_mm = spec.facets.min_fold_mm;
-    const double contour_mm = spec.facets.rough ? kRoughContour_mm : kContour_mm;
-    out.pitch_mm = out.strip_mm = std::max(contour_mm, spec.min_panel_mm);
+    const double finest_mm = spec.facets.rough ? kRoughContour_mm : kContour_mm;
+    const TargetExtent extent = extent_in_corner(target);
+    const double most_mm = std::max({target.to_mm - target.from_mm, extent.x_mm, extent.z_mm});
+    out.pitch_mm = out.strip_mm = std::max({finest_mm, spec.min_panel_mm, kContourShare * most_mm});
   }
   out.weights = {spec.facets.fold_cost_mm2, spec.facets.jump_cost_mm2, spec.facets.cut_cost_mm2};
   return out;
@@ -129,23 +149,6 @@ void add_strips(const FacetCard& card, DesignReport& report) {
     most = std::max<std::size_t>(most, (strips.first_panel[s + 1] - strips.first_panel[s]) / 2);
   }
   report.units_per_slice.push_back(static_cast<int>(most));
-}
-
-/// How far the target reaches in the corner, within the stretch that is made.
-struct TargetExtent {
-  double x_mm{}, z_mm{};
-  double shut_mm{};  ///< from the spine when the card is shut: x + z
-};
-TargetExtent extent_in_corner(const FacetTarget& target) {
-  TargetExtent out;
-  const std::vector<double>& corners = target.soup.corners;
-  for (std::size_t k = 0; k < corners.size(); k += 3) {
-    const double x = corners[k], v = corners[k + 1], z = corners[k + 2];
-    if (x < 0.0 || z < 0.0 || v < target.from_mm || v > target.to_mm) continue;
-    out.x_mm = std::max(out.x_mm, x), out.z_mm = std::max(out.z_mm, z);
-    out.shut_mm = std::max(out.shut_mm, x + z);
-  }
-  return out;
 }
 
 /// A wall or ground that was asked for and is too short for the shape.
@@ -313,9 +316,14 @@ Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
   DesignReport& r = out.report;
   add_strips(*made, r);
   if (std::all_of(r.slices.begin(), r.slices.end(), [](const SliceReport& s) { return s.blank; }))
-    return fail(ErrorKind::Infeasible, "/facets",
-                "nothing stands up: no patch of the target holds; use a smaller strip_mm and "
-                "pitch_mm, a larger scale_mm or a smaller fold_cost_mm2");
+    return spec.style == DesignStyle::Silhouette
+               ? fail(ErrorKind::Infeasible, "/silhouette",
+                      "nothing stands up: no layer holds; use a smaller min_fold_mm, fewer layers, "
+                      "a "
+                      "larger scale_mm or a larger card")
+               : fail(ErrorKind::Infeasible, "/facets",
+                      "nothing stands up: no patch of the target holds; use a smaller strip_mm and "
+                      "pitch_mm, a larger scale_mm or a smaller fold_cost_mm2");
   out.strips = std::move(made->pattern.strips.strips);
   out.pattern = std::move(made->pattern.built.pattern);
   out.panel_face = std::move(made->pattern.built.panel_face);
