@@ -8,6 +8,8 @@
 
 namespace popcut {
 
+std::vector<std::string> label_words() { return {"any", "medium", "easy"}; }
+
 Result<void> check_choices(const std::string& style, int cards, const std::string& up,
                            const std::string& front) {
   if (cards != 1 && (cards < kLeastCards || cards > kMostCards))

@@ -2,10 +2,14 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/result.hpp"
 
 namespace popcut {
+
+/// How hard to fold the cards of a search may be, "any" first.
+[[nodiscard]] std::vector<std::string> label_words();
 
 /// Whether what is asked of a search goes together.
 ///

@@ -201,6 +201,9 @@ inline constexpr double kLeastEffort = 0.01, kMostEffort = 4.0;
 /// Bounds of the time of cutting that a search may ask for, and of its seed.
 inline constexpr double kLeastMinutes = 0.1, kMostMinutes = 1e5;
 inline constexpr std::int64_t kMostSeed = std::int64_t{1} << 53;
+/// Bounds of the folds that a search may ask for.
+inline constexpr int kMostFolds = 1'000'000;
+inline constexpr double kMostFold_mm = 1000.0;
 
 /// A search for the best cards of a 3D model.
 struct CardSearchRequest {
@@ -213,6 +216,10 @@ struct CardSearchRequest {
   double max_minutes{15};  ///< of cutting
   double effort{1};        ///< `kLeastEffort` to `kMostEffort`
   std::int64_t seed{1};
+  int max_folds{};           ///< at most `kMostFolds`; 0: any number
+  double min_fold_mm{};      ///< no fold is shorter; at most `kMostFold_mm`
+  std::string label{"any"};  ///< no harder to fold: one of `label_words`
+  bool plain{};              ///< cards are judged as bare paper
 };
 
 /// A card that a search found.
@@ -243,6 +250,7 @@ struct SearchFront {
   double seen_share{};                    ///< of the model's area, along the diagonal
   std::array<double, 2> mat_mm{};         ///< that the tool reaches
   std::vector<std::string> notes{};       ///< about the mesh and the search, a sentence each
+  int recommended{};  ///< number of the card to make, from 1; 0: a search of an older version
 };
 
 enum class SearchState : std::uint8_t { Pending, Found, Failed };

@@ -79,6 +79,7 @@ inline daemon::SearchFront fake_front(const std::string& model) {
   front.designed = 16, front.planned = 6, front.verified = 4;
   front.seen_share = 0.5;
   front.mat_mm = {300, 300};
+  front.recommended = 1;
   return front;
 }
 

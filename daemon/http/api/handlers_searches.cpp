@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "core/search/candidate.hpp"
+#include "core/search/choices.hpp"
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/handlers.hpp"
 #include "daemon/http/api/input.hpp"
@@ -50,6 +51,18 @@ const Body body::kSearchRequest{
          flag("marks").by_default(0).described(
              "cards fit between the registration marks that are printed with the "
              "artwork of a sheet"),
+         whole("max_folds", 1, kMostFolds)
+             .described("the most folds of a card. If no card keeps to the limits of folding, the "
+                        "search finds the one of the fewest folds, and notes say so"),
+         number("min_fold_mm", 0, kMostFold_mm)
+             .by_default(CardSearchRequest{}.min_fold_mm)
+             .described("the shortest fold of a card"),
+         word("label", label_words)
+             .by_default(0)
+             .described("how hard to fold: only cards that are easy, or at most medium"),
+         flag("plain").by_default(0).described(
+             "judge cards as bare paper, by depths, and not as they look printed; books always "
+             "are"),
          number("effort", kLeastEffort, kMostEffort)
              .by_default(CardSearchRequest{}.effort)
              .described("search effort, a factor on the number of cards tried; 1 takes one to two "
@@ -82,6 +95,10 @@ CardSearchRequest read_search(BodyReader& body) {
   wanted.cards = body.whole("cards");
   wanted.marks = body.flag("marks");
   wanted.max_minutes = body.number("max_minutes");
+  wanted.max_folds = body.whole("max_folds");
+  wanted.min_fold_mm = body.number("min_fold_mm");
+  wanted.label = body.word("label");
+  wanted.plain = body.flag("plain");
   wanted.effort = body.number("effort");
   wanted.seed = body.optional_large("seed").value_or(wanted.seed);
   return wanted;

@@ -52,6 +52,7 @@ daemon::SearchFront figures_of(const FoundCards& found) {
   out.seen_share = found.seen_share;
   out.mat_mm = found.area_mm;
   out.notes = found.notes;
+  out.recommended = static_cast<int>(found.recommended) + 1;
   return out;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/planning/search/search_task.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -53,6 +54,10 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
   if (const auto fit = check_choices(wanted->style, wanted->cards, wanted->up, wanted->front); !fit)
     return tl::unexpected(in_request(fit.error()));
   request.most_s = kSecondsAMinute * wanted->max_minutes;
+  if (wanted->max_folds > 0) request.hands.most_folds = static_cast<std::size_t>(wanted->max_folds);
+  request.hands.shortest_mm = wanted->min_fold_mm;
+  if (wanted->label != label_words().front()) request.hands.label = wanted->label;
+  request.plain = wanted->plain;
   request.effort = wanted->effort, request.seed = static_cast<std::uint64_t>(wanted->seed);
   request.threads = 1;  // a worker may start none
   request.progress = progress;

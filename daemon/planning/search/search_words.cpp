@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/search/candidate.hpp"
+#include "core/search/choices.hpp"
 #include "core/text/field_reader.hpp"
 #include "core/text/json_text.hpp"
 #include "core/text/utf8.hpp"
@@ -89,13 +91,17 @@ std::string design_name(const std::string& file) {
 }
 
 std::string search_words(const daemon::CardSearchRequest& request) {
-  const nlohmann::ordered_json words{
-      {"model", request.model},  {"name", request.name},
-      {"mat", request.mat},      {"style", request.style},
-      {"up", request.up},        {"front", request.front},
-      {"cards", request.cards},  {"marks", request.marks},
-      {"seed", request.seed},    {"max_minutes", request.max_minutes},
-      {"effort", request.effort}};
+  nlohmann::ordered_json words{{"model", request.model},  {"name", request.name},
+                               {"mat", request.mat},      {"style", request.style},
+                               {"up", request.up},        {"front", request.front},
+                               {"cards", request.cards},  {"marks", request.marks},
+                               {"seed", request.seed},    {"max_minutes", request.max_minutes},
+                               {"effort", request.effort}};
+  // What nobody asks for is left out, so that a search of an older version is found again.
+  if (request.max_folds > 0) words["max_folds"] = request.max_folds;
+  if (request.min_fold_mm > 0.0) words["min_fold_mm"] = request.min_fold_mm;
+  if (request.label != label_words().front()) words["label"] = request.label;
+  if (request.plain) words["plain"] = true;
   return json_line(words);
 }
 
@@ -119,6 +125,11 @@ Result<daemon::CardSearchRequest> read_search_words(std::string_view words) {
       fields.number("max_minutes", {}, daemon::kLeastMinutes, daemon::kMostMinutes);
   request.effort = fields.number("effort", {}, daemon::kLeastEffort, daemon::kMostEffort);
   request.seed = fields.optional_integer("seed", 0, daemon::kMostSeed).value_or(1);
+  request.max_folds =
+      static_cast<int>(fields.optional_integer("max_folds", 0, daemon::kMostFolds).value_or(0));
+  request.min_fold_mm = fields.number("min_fold_mm", 0.0, 0.0, daemon::kMostFold_mm);
+  request.label = label_words()[fields.word("label", 0, label_words())];
+  request.plain = fields.boolean("plain", false);
   if (const auto whole = fields.finish(); !whole) return tl::unexpected(whole.error());
   return request;
 }
@@ -127,10 +138,10 @@ std::string front_text(const daemon::SearchFront& front) {
   using namespace search_words_parts;
   auto cards = ordered_json::array();
   for (const daemon::FoundCardRecord& card : front.cards) cards.push_back(card_json(card));
-  const ordered_json out{
-      {"cards", std::move(cards)},  {"designed", front.designed},     {"planned", front.planned},
-      {"verified", front.verified}, {"seen_share", front.seen_share}, {"mat_mm", front.mat_mm},
-      {"notes", front.notes}};
+  const ordered_json out{{"cards", std::move(cards)},      {"designed", front.designed},
+                         {"planned", front.planned},       {"verified", front.verified},
+                         {"seen_share", front.seen_share}, {"mat_mm", front.mat_mm},
+                         {"notes", front.notes},           {"recommended", front.recommended}};
   return json_line(out);
 }
 
@@ -150,6 +161,9 @@ Result<daemon::SearchFront> read_front(std::string_view text) {
   fields.need("notes", "must be a list of texts");
   front.notes = fields.optional_texts("notes", kMostNotes, short_line(kMostNote))
                     .value_or(std::vector<std::string>());
+  const auto found = static_cast<std::int64_t>(front.cards.size());
+  front.recommended =
+      static_cast<int>(fields.optional_integer("recommended", 0, found).value_or(0));
   if (const auto whole = fields.finish(); !whole) return tl::unexpected(whole.error());
   if (front.cards.empty()) return fail(ErrorKind::Malformed, "/cards", "is empty");
   return front;

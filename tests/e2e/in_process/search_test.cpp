@@ -114,6 +114,7 @@ TEST_CASE("a worker finds the same cards of a model each time and draws each of 
           640);
   }
   CHECK(front->cards.back().error < 0.5);  // a hall is what cards are good at
+  CHECK(front->recommended >= 1);
   const auto again = bench.run(SearchBench::task(hall(), small()));
   REQUIRE(again);
   REQUIRE(again->files.size() == first->files.size());
@@ -176,7 +177,11 @@ TEST_CASE("the words of a search are read back and what is out of range is refus
                                   .marks = true,
                                   .max_minutes = 7.5,
                                   .effort = 0.3,
-                                  .seed = 5};
+                                  .seed = 5,
+                                  .max_folds = 25,
+                                  .min_fold_mm = 5,
+                                  .label = "medium",
+                                  .plain = true};
   const auto read = planning::read_search_words(planning::search_words(request));
   REQUIRE(read);
   CHECK(planning::search_words(*read) == planning::search_words(request));
@@ -193,6 +198,10 @@ TEST_CASE("the words of a search are read back and what is out of range is refus
   refused("style", "origami");
   refused("max_minutes", -1);
   refused("seed", -1);
+  refused("max_folds", -1);
+  refused("min_fold_mm", 1001);
+  refused("label", "hardest");
+  refused("plain", 1);
   refused("more", 1);
   CHECK(planning::design_name("models/Utah teapot.v2.obj") == "Utah teapot.v2");
   CHECK(planning::design_name("a\nb.obj") == "model");
@@ -224,6 +233,7 @@ TEST_CASE("figures that no search makes are refused", "[daemon][planner][search]
   refused("/cards/0/folds", 1.5);
   refused("/notes", json(200, "a note"));
   refused("/seen_share", 2);
+  refused("/recommended", 2);
   refused("/more", 1);
 }
 

@@ -80,6 +80,7 @@ TEST_CASE("popcutd finds the cards of popcut auto, and a picked one is planned a
     for (const char* figure : {"error", "seconds", "folds", "cut_mm", "sheet_mm"})
       CHECK(search["cards"][k][figure] == alone["cards"][k][figure]);
   CHECK(search["tried"]["designed"] == alone["tried"]["designed"]);
+  CHECK(fmt::format("card-{:02}", search["recommended"].get<int>()) == alone["recommended"]);
 
   const std::string of_card = fmt::format("/v1/searches/{}/cards/{}", id, search["cards"].size());
   const auto png = desk.ask("GET", of_card + ".png");
@@ -201,6 +202,10 @@ TEST_CASE("a search is refused with the place of what is wrong", "[popcutd][sear
   refused(R"({"effort": 1000})", "/effort");
   refused(R"({"effort": 0})", "/effort");
   refused(R"({"max_minutes": "ten"})", "/max_minutes");
+  refused(R"({"max_folds": 0})", "/max_folds");
+  refused(R"({"min_fold_mm": -1})", "/min_fold_mm");
+  refused(R"({"label": "hardest"})", "/label");
+  refused(R"({"plain": "yes"})", "/plain");
   refused(R"({"style": "origami"})", "/style");
   refused(R"({"up": "w"})", "/up");
   refused(R"({"seed": -1})", "/seed");

@@ -105,23 +105,34 @@ TEST_CASE("the same search is made once and another seed is another search", "[d
   CHECK(ask(bench, {.model = model})->id == first);
 }
 
-TEST_CASE("books, a front and marks are kept with a search", "[daemon][service]") {
+TEST_CASE("books, a front, marks and limits of folding are kept with a search",
+          "[daemon][service]") {
   ServiceBench bench;
   const std::string model = add_model(bench, "slow");
   const std::string usual = ask(bench, {.model = model})->id;
   REQUIRE(bench.wait([&] { return bench.planner.last_task().options.contains("search"); }));
   const std::string book = ask(bench, {.model = model, .cards = 4, .marks = true})->id;
   const std::string house = ask(bench, {.model = model, .up = "z", .front = "-y"})->id;
-  CHECK(std::set{usual, book, house}.size() == 3);
+  const CardSearchRequest easy{
+      .model = model, .max_folds = 20, .min_fold_mm = 6.5, .label = "easy", .plain = true};
+  const std::string hands = ask(bench, easy)->id;
+  CHECK(std::set{usual, book, house, hands}.size() == 4);
   bench.crash();
   bench.planner.release();
   REQUIRE(bench.start() == "");
-  for (const std::string& id : {usual, book, house})
+  for (const std::string& id : {usual, book, house, hands})
     REQUIRE(comes_to(bench, id, SearchState::Found));
   CHECK(find(bench, usual)->request.cards == 1);
   CHECK(find(bench, book)->request.cards == 4);
   CHECK(find(bench, book)->request.marks);
   CHECK(find(bench, house)->request.front == "-y");
+  const CardSearchRequest kept = find(bench, hands)->request;
+  CHECK(kept.max_folds == 20);
+  CHECK(kept.min_fold_mm == 6.5);
+  CHECK(kept.label == "easy");
+  CHECK(kept.plain);
+  CHECK(find(bench, usual)->request.label == "any");
+  CHECK(find(bench, hands)->front.recommended == 1);
   CHECK(ask(bench, {.model = model, .cards = 4, .marks = true})->id == book);
 }
 
