@@ -1,8 +1,7 @@
 // The best cards of a model: searched, shown as pictures, picked, printed and cut.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
-import { axeSource, closeBrowser, expectComplaints, picture, refused, Server, until, visit } from './harness.mjs';
+import { axeSource, bytesOf, closeBrowser, expectComplaints, picture, refused, Server, until, visit } from './harness.mjs';
 
 let server;
 
@@ -46,11 +45,14 @@ test('a model gives cards as pictures, and the one that is picked by key is the 
   const { path } = sent.find((one) => one.path.endsWith('/search'));
   const asset = path.split('/')[3];
   assert.equal(placed.surface.file, asset);
-  const search = await server.must('POST', path, { max_minutes: 15, up: 'any', effort: 0.01, style: 'facets' });
+  const search = await server.must('POST', path, { max_minutes: 15, up: 'usual', effort: 0.01, style: 'facets' });
   assert.equal(search.state, 'found');
   const cards = page.locator('.found-card');
   assert.equal(await cards.count(), search.cards.length);
-  assert.match(await cards.last().innerText(), /\d min\s+error 0\.\d+\s+most like it/);
+  assert.match(await cards.last().innerText(), /most like the model\s+\d+ folds, shortest [\d.]+ mm, (about \d+ minutes?|under a minute) to fold, (\d+ minutes?|under a minute) to cut; looks (good|fair|poor)/);
+  assert.match(await cards.last().getAttribute('title'), /error 0\.\d+/);
+  assert.deepEqual(await page.locator('.found-card:has(.found-make)').evaluateAll((all) => all.length), 1);
+  assert.match(await cards.nth(search.recommended - 1).innerText(), /^make this one/);
   await until(async () => await page.locator('.found-card img').count() === search.cards.length, 'all pictures are there');
   for (const image of await page.locator('.found-card img').all()) {
     assert.deepEqual(await image.evaluate((one) => [one.naturalWidth, one.naturalHeight]), [640, 320]);
@@ -79,11 +81,12 @@ test('a model gives cards as pictures, and the one that is picked by key is the 
   await page.getByRole('button', { name: 'Search for others' }).click();
   await page.getByLabel('What points up in the file').selectOption('z');
   await page.getByLabel('What faces you in the file').selectOption('-x');
+  await page.getByLabel('How easy to fold').selectOption('easy');
   await page.getByLabel('Leave room for registration marks').check();
   await page.getByRole('button', { name: 'Search again' }).click();
   await until(() => asked.length === 2, 'it searches again');
-  assert.deepEqual(asked[0], { max_minutes: 15, cards: 1, up: 'any', front: 'any', effort: 0.25, marks: false });
-  assert.deepEqual(asked[1], { max_minutes: 15, cards: 1, up: 'z', front: '-x', effort: 0.25, marks: true });
+  assert.deepEqual(asked[0], { max_minutes: 15, cards: 1, up: 'usual', front: 'any', effort: 0.25, label: 'any', marks: false });
+  assert.deepEqual(asked[1], { max_minutes: 15, cards: 1, up: 'z', front: '-x', effort: 0.25, label: 'easy', marks: true });
   await found(page);
   assert.deepEqual(complaints, []);
   await close();
@@ -98,7 +101,7 @@ test('a book of cards is searched, picked and planned', async () => {
   assert.equal(await page.getByLabel('What faces you in the file').count(), 0);
   await page.getByRole('button', { name: 'Search again' }).click();
   await until(() => asked.length === 2, 'it searches again');
-  assert.deepEqual(asked[1], { max_minutes: 15, cards: 4, up: 'any', effort: 0.25, marks: false });
+  assert.deepEqual(asked[1], { max_minutes: 15, cards: 4, up: 'usual', effort: 0.25, label: 'any', marks: false });
   await page.getByRole('progressbar', { name: 'Searching for the best cards' }).waitFor({ state: 'detached', timeout: 120_000 });
   await found(page);
   await page.locator('.found-card').last().click();
@@ -164,7 +167,7 @@ test('a picked card is planned with marks, and its page to print comes as a PDF'
   await picture(page, 'cards-print');
   const [download] = await Promise.all([page.waitForEvent('download', { timeout: 120_000 }), button.click()]);
   assert.equal(download.suggestedFilename(), 'print-1.pdf');
-  assert.equal(readFileSync(await download.path()).subarray(0, 5).toString(), '%PDF-');
+  assert.equal((await bytesOf(download)).subarray(0, 5).toString(), '%PDF-');
   assert.deepEqual(complaints, []);
   await close();
 });

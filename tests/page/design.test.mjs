@@ -6,7 +6,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { deflateSync } from 'node:zlib';
-import { closeBrowser, expectComplaints, ladder, picture, refused, Server, until, visit, wait } from './harness.mjs';
+import { bytesOf, closeBrowser, expectComplaints, ladder, picture, refused, Server, until, visit, wait } from './harness.mjs';
 import { bundled, sources } from './sources.mjs';
 
 const popcut = process.env.POPCUT ?? 'popcut';
@@ -284,6 +284,13 @@ test('a word that is written stands up, and its text and style change', async ()
   await page.getByRole('button', { name: 'Undo', exact: true }).click();
   await exact(page);
   assert.equal((await specOf(page)).style, 'facets');
+  await page.getByLabel('Style').selectOption('silhouette');
+  await until(async () => (await specOf(page)).style === 'silhouette', 'it is a silhouette');
+  await exact(page);
+  await page.getByLabel('Layers').fill('1');
+  await until(async () => (await specOf(page)).silhouette?.layers === 1, 'it has one layer');
+  await exact(page);
+  await picture(page, 'design-silhouette');
   assert.deepEqual(complaints, []);
   await close();
 });
@@ -413,7 +420,7 @@ test('files of the exact design and a picture of it are saved', async () => {
     const download = page.waitForEvent('download');
     await page.getByRole('button', { name, exact: true }).click();
     const one = await download;
-    return [one.suggestedFilename(), readFileSync(await one.path())];
+    return [one.suggestedFilename(), await bytesOf(one)];
   };
   await page.getByRole('button', { name: 'Export' }).click();
   const [svgName, svg] = await saved('Pattern to look at (SVG)');
@@ -427,7 +434,7 @@ test('files of the exact design and a picture of it are saved', async () => {
   await page.getByRole('button', { name: 'Close' }).click();
   const download = page.waitForEvent('download');
   await page.getByRole('button', { name: 'Save' }).click();
-  assert.deepEqual(JSON.parse(readFileSync(await (await download).path(), 'utf8')), await specOf(page));
+  assert.deepEqual(JSON.parse(await bytesOf(await download)), await specOf(page));
   assert.deepEqual(complaints, []);
   await close();
 });

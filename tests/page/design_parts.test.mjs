@@ -12,19 +12,24 @@ const spec = await sources('spec.ts');
 const { Previews } = await sources('preview.ts');
 const ramps = await sources('ramps.ts');
 const glue = await sources('glue_steps.ts');
+const guide = await sources('fold_guide.ts');
 const { strokesAt, strokeAt, strokeNumber, strokeStarts, endOf } = await sources('strokes.ts');
 
 const near = (a, b, tolerance, what) => assert.ok(Math.abs(a - b) <= tolerance, `${what ?? ''} ${a} is not ${b}`);
 
 test('a spec goes from lattice to facets and back with its shape and its length', () => {
   const lattice = { popcut: 1, name: 'a', surface: { type: 'profile', z: '40 - x' }, units_per_slice: 4, slices: 5, widths_mm: 12, fit: 'nearest', scale_mm: 2 };
-  const facets = spec.asFacets(lattice);
+  const facets = spec.asPanels(lattice, 'facets');
   assert.deepEqual(facets, { popcut: 1, name: 'a', style: 'facets', surface: lattice.surface, scale_mm: 2, facets: { from_mm: -6, length_mm: 60 } });
   const back = spec.asLattice(facets);
   assert.equal(back.slices * back.widths_mm, 60);
   assert.ok(!('style' in back) && !('facets' in back));
   // What says itself where it ends needs no length.
-  assert.equal(spec.asFacets({ popcut: 1, surface: { type: 'mesh', file: 'x' }, slices: 5, units_per_slice: 2, widths_mm: 9 }).facets, undefined);
+  assert.equal(spec.asPanels({ popcut: 1, surface: { type: 'mesh', file: 'x' }, slices: 5, units_per_slice: 2, widths_mm: 9 }, 'facets').facets, undefined);
+  const layers = spec.asPanels(facets, 'silhouette');
+  assert.deepEqual(layers, { popcut: 1, name: 'a', style: 'silhouette', surface: lattice.surface, scale_mm: 2, silhouette: { from_mm: -6, length_mm: 60 } });
+  assert.deepEqual(spec.asPanels(layers, 'facets'), facets);
+  assert.deepEqual(spec.asLattice(layers), back);
 });
 
 test('a lattice is read as it was written', () => {
@@ -298,4 +303,14 @@ test('the steps of gluing: both sides of a seam, and the tab where it comes to l
   assert.equal(glue.inverse([[1, 2, 0], [2, 4, 0]]), null);
   assert.equal(glue.bands([[[0, 0], [10, 0]]], 2).length, 12);
   assert.equal(glue.fans([[[0, 0], [1, 0], [1, 1], [0, 1]]]).length, 12);
+});
+
+test('a fold guide is its steps card by card, and lines and triangles become paths', () => {
+  const step = (kind, folds) => ({ kind, words: kind, folds, panels: [] });
+  const cards = [{ name: 'a', folds: [], steps: [step('waste', []), step('crease', [0])] }, { name: 'b', folds: [], steps: [step('push', [])] }];
+  assert.deepEqual(guide.stepsOf({ cards }).map(({ card, step: one }) => [card, one.kind]), [[0, 'waste'], [0, 'crease'], [1, 'push']]);
+  assert.equal(guide.boxAround([], 0.1), null);
+  assert.deepEqual(guide.boxAround([[10, 0], [30, 100]], 0.1), [-10, 0, 120, 40]);
+  assert.equal(guide.pathOf([[[10, 0], [10.00049, 5]]]), 'M0 10L5 10');
+  assert.equal(guide.trianglesPath([0, 0, 4, 0, 4, 3]), 'M0 0L4 0L4 3Z');
 });

@@ -1,8 +1,7 @@
 // A picture and a film of the opening, made of what the canvas shows.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
-import { closeBrowser, picture, Server, visit } from './harness.mjs';
+import { bytesOf, closeBrowser, picture, Server, visit } from './harness.mjs';
 
 let server;
 
@@ -21,7 +20,7 @@ async function saved(page, name) {
   const download = page.waitForEvent('download', { timeout: 60_000 });
   await page.getByRole('button', { name, exact: true }).click();
   const one = await download;
-  return [one.suggestedFilename(), readFileSync(await one.path())];
+  return [one.suggestedFilename(), await bytesOf(one)];
 }
 
 /** What an empty page, without our policy, sees in a file: {width, height, colours} of each different frame. */

@@ -221,6 +221,13 @@ export async function closeBrowser() {
   browser = null;
 }
 
+/** What was saved, also by a browser that other tests share. */
+export async function bytesOf(download) {
+  const parts = [];
+  for await (const part of await download.createReadStream()) parts.push(part);
+  return Buffer.concat(parts);
+}
+
 export const screens = {
   phone: { width: 390, height: 844, touch: true },
   tablet: { width: 1024, height: 768, touch: true },

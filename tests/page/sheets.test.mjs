@@ -5,7 +5,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { closeBrowser, picture, Server, until, visit, wait } from './harness.mjs';
+import { axeSource, bytesOf, closeBrowser, picture, Server, until, visit, wait } from './harness.mjs';
 
 const popcut = process.env.POPCUT ?? 'popcut';
 const card = JSON.parse(readFileSync(new URL('../../docs/words/card.json', import.meta.url), 'utf8'));
@@ -168,4 +168,64 @@ test('glue is printed with all its steps and the pictures of the sheets', async 
   assert.ok(pages >= 1 && pages <= 6, `${pages} pages`);
   assert.deepEqual(complaints, []);
   await close();
+});
+
+test('a design says what it is to fold, and shows how, step by step, also on a phone', async () => {
+  const stored = await server.must('POST', '/v1/designs', JSON.stringify(card));
+  const { page, complaints, close } = await visit(server, { hash: `#/design/${stored.id}`, motion: 'reduce' });
+  await page.locator('.badge', { hasText: 'exact' }).waitFor();
+  assert.match(await page.locator('.by-hand').innerText(), /\d+ folds, the shortest [\d.]+ mm; about \d+ minutes to fold \((easy|medium|hard)\)\s+In paper its panels move [\d.]+ mm on average/);
+  await picture(page, 'design-by-hand');
+  await page.getByRole('button', { name: 'How to fold it' }).click();
+  await page.locator('.fold-sheet').waitFor();
+  const id = await page.evaluate(() => location.hash.replace('#/fold/', ''));
+  const { cards: [guide] } = await server.must('GET', `/v1/designs/${id}/files/fold-guide.json`);
+  const drawn = (of) => page.locator(`.fold-${of}`).first().getAttribute('d').then((d) => d.match(/M/g)?.length ?? 0);
+  const seen = new Set();
+  for (const [k, step] of guide.steps.entries()) {
+    await page.getByText(`Step ${k + 1} of ${guide.steps.length}`, { exact: true }).waitFor();
+    assert.equal(await page.locator('.glue-text .server-words').innerText(), step.words);
+    const folds = step.folds.map((fold) => guide.folds[fold].sense);
+    assert.equal(await drawn('mountain'), folds.filter((sense) => sense === 'mountain').length);
+    assert.equal(await drawn('valley'), folds.filter((sense) => sense === 'valley').length);
+    assert.equal(await drawn('lit') > 0, step.panels.length > 0);
+    if (!seen.has(step.kind)) {
+      await wait(800);
+      await picture(page, `fold-${step.kind}-desktop`);
+    }
+    seen.add(step.kind);
+    if (k % 2 === 0) await page.keyboard.press(k % 4 === 0 ? 'ArrowRight' : ' ');
+    else if (k + 1 < guide.steps.length) await page.getByRole('button', { name: 'Next' }).click();
+  }
+  assert.ok(seen.has('crease') && seen.has('push'));
+  await page.keyboard.press('ArrowLeft');
+  await page.getByText(`Step ${guide.steps.length - 1} of ${guide.steps.length}`, { exact: true }).waitFor();
+  const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Save all steps (JSON)' }).click()]);
+  assert.deepEqual(JSON.parse(await bytesOf(download)).cards, [guide]);
+  await page.getByRole('link', { name: 'Back to the design' }).click();
+  await page.locator('.badge', { hasText: 'exact' }).waitFor();
+  assert.deepEqual(complaints, []);
+  await close();
+
+  for (const [screen, theme] of [['phone', 'light'], ['desktop', 'dark']]) {
+    const other = await visit(server, { hash: `#/fold/${id}`, role: 'viewer', motion: 'reduce', screen, theme });
+    await other.page.locator('.fold-sheet').waitFor();
+    await other.page.getByRole('button', { name: 'Next' }).click();
+    await wait(800);
+    await picture(other.page, `fold-${screen}-${theme}`);
+    await other.page.getByRole('button', { name: screen === 'phone' ? 'Show the whole sheet' : 'Show it larger' }).click();
+    await picture(other.page, `fold-other-${screen}-${theme}`);
+    assert.ok(await other.page.evaluate(() => document.scrollingElement.scrollWidth <= innerWidth + 1), 'nothing is cut off');
+    await other.page.evaluate(axeSource());
+    const { violations } = await other.page.evaluate(() => window.axe.run('main', { resultTypes: ['violations'] }));
+    assert.deepEqual(violations.filter((one) => ['serious', 'critical'].includes(one.impact)).map((one) => one.id), []);
+    assert.deepEqual(other.complaints, []);
+    await other.close();
+  }
+  const plan = await planned(card);
+  assert.ok(plan.handwork.folds > 0);
+  const last = await visit(server, { hash: `#/sheets/${plan.id}`, motion: 'reduce' });
+  await last.page.getByText(/folds, the shortest [\d.]+ mm; about \d+ minutes to fold/).waitFor();
+  await picture(last.page, 'sheets-by-hand');
+  await last.close();
 });

@@ -6,8 +6,12 @@ import { useEffect, useId, useLayoutEffect, useMemo, useRef } from 'preact/hooks
 import * as desk from './design_desk';
 import { FaceKind, onSheet, type Lattice } from './lattice';
 import { SheetView, type Strokes } from './sheet_view';
-import { asFacets, asLattice, isFacets, isPlain, scaled, slicesOf, stretched, unitsOf, widthOf, widthsOf, withField, withSlices, withSliceWidth, withUnits, withWidth, type Spec } from './spec';
-import { integer, length, percent, size, withoutTicks } from './words';
+import { asLattice, asPanels, isFacets, isPlain, isSilhouette, scaled, slicesOf, stretched, unitsOf, widthOf, widthsOf, withField, withSlices, withSliceWidth, withUnits, withWidth, type PanelStyle, type Spec } from './spec';
+import { Button, Trouble } from './parts';
+import { foldOf, go } from './route';
+import { isProblem, type ServerProblem } from './server';
+import { may, stale } from './store';
+import { integer, length, percent, size, withoutTicks, words as everyWords } from './words';
 import { designWords as words, plainNumber } from './words_design';
 
 const kLineKinds = ['outline', 'mountain', 'valley', 'slit'];
@@ -214,20 +218,32 @@ function standing(of: Lattice): { height: number; depth: number; along: number }
 }
 
 function StyleField({ spec }: { spec: Spec }) {
-  const facets = isFacets(spec);
+  const style = isFacets(spec) ? 'facets' : isSilhouette(spec) ? 'silhouette' : 'lattice';
   return (
     <label class="field field-row">
       <span>{words.fields.style}</span>
-      <select value={facets ? 'facets' : 'lattice'}
-        onChange={(event) => desk.set(event.currentTarget.value === 'facets' ? asFacets(spec) : asLattice(spec))}>
-        <option value="lattice" selected={!facets}>{words.fields.styleLattice}</option>
-        <option value="facets" selected={facets}>{words.fields.styleFacets}</option>
+      <select value={style} onChange={(event) => {
+        const { value } = event.currentTarget;
+        desk.set(value === 'lattice' ? asLattice(spec) : asPanels(spec, value as PanelStyle));
+      }}>
+        <option value="lattice" selected={style === 'lattice'}>{words.fields.styleLattice}</option>
+        <option value="facets" selected={style === 'facets'}>{words.fields.styleFacets}</option>
+        <option value="silhouette" selected={style === 'silhouette'}>{words.fields.styleSilhouette}</option>
       </select>
     </label>
   );
 }
 
-function FacetFields({ spec, of }: { spec: Spec; of: Lattice | null }) {
+/** How finely a silhouette follows its shape. */
+function LayerFields({ spec }: { spec: Spec }) {
+  const own = (spec.silhouette ?? {}) as Record<string, unknown>;
+  const layers = typeof own.layers === 'number' ? own.layers : 2;
+  return <Slider label={words.fields.layers} field="layers" value={layers} least={1} most={9} pointers={['/silhouette/layers']}
+    text={words.fields.layersText(layers)} onMove={(n) => desk.change(withField(spec, 'silhouette', { ...own, layers: n }), 'layers', n)} />;
+}
+
+/** Fields of facets and of silhouettes. */
+function PanelFields({ spec, of }: { spec: Spec; of: Lattice | null }) {
   const id = useId();
   const surface = spec.surface as Record<string, unknown>;
   const facets = (spec.facets ?? {}) as Record<string, unknown>;
@@ -241,6 +257,7 @@ function FacetFields({ spec, of }: { spec: Spec; of: Lattice | null }) {
       <fieldset>
         <legend>{words.fields.fineness}</legend>
         <StyleField spec={spec} />
+        {isSilhouette(spec) ? <LayerFields spec={spec} /> : <>
         <Slider label={words.fields.strip} field="strip" value={number(facets.strip_mm, 2)} least={1} most={Math.max(8, number(facets.strip_mm, 2))} step={0.1}
           pointers={['/facets/strip_mm']} text={length(number(facets.strip_mm, 2))} onMove={(v) => desk.change(withFacet('strip_mm', tenth(v)), 'strip', v)} />
         <Slider label={words.fields.pitch} field="pitch" value={number(facets.pitch_mm, 2)} least={1} most={Math.max(8, number(facets.pitch_mm, 2))} step={0.1}
@@ -249,6 +266,7 @@ function FacetFields({ spec, of }: { spec: Spec; of: Lattice | null }) {
           <span>{words.fields.inward}</span>
           <input type="checkbox" checked={facets.inward === true} onChange={(event) => desk.set(withFacet('inward', event.currentTarget.checked || null))} />
         </label>
+        </>}
       </fieldset>
       <fieldset>
         <legend>{words.fields.shape}</legend>
@@ -274,7 +292,7 @@ function FacetFields({ spec, of }: { spec: Spec; of: Lattice | null }) {
             </>
           )}
         </div>
-        <Refusal id="surface-r" text={refusedFor('/surface', '/facets', '/card', '/scale_mm', '/translate_mm', '')} />
+        <Refusal id="surface-r" text={refusedFor('/surface', '/facets', '/silhouette', '/card', '/scale_mm', '/translate_mm', '')} />
       </fieldset>
     </div>
   );
@@ -301,7 +319,7 @@ function Fields({ spec, of }: { spec: Spec; of: Lattice | null }) {
     desk.set(scaled(spec, Math.floor(factor * 1000) / 1000));
   };
   if (!isPlain(spec)) return <p class="note">{words.fields.notPlain}</p>;
-  if (isFacets(spec)) return <FacetFields spec={spec} of={of} />;
+  if (isFacets(spec) || isSilhouette(spec)) return <PanelFields spec={spec} of={of} />;
   return (
     <div class="fields">
       <fieldset>
@@ -372,10 +390,43 @@ interface Report {
   cuts?: number;
   cut_length_mm?: number;
   fold_length_mm?: number;
+  handwork?: { folds: number; shortest_fold_mm: number; fold_s: number; label: string };
+  wobble?: { largest_mm: number; mean_mm: number; loose_panels: number };   // of an exact design whose folds are parallel
 }
 
 function Row({ name, means, children }: { name: string; means?: string; children: ComponentChildren }) {
   return <div class="figure-row" title={means}><dt>{name}</dt><dd class="figure">{children}</dd></div>;
+}
+
+/** What the design is to fold, how firmly it holds in paper, and the way to its steps. */
+export function ByHand({ of }: { of: Lattice }) {
+  const { handwork, wobble } = of.report as Report;
+  const busy = useSignal(false);
+  const problem = useSignal<ServerProblem | null>(null);
+  if (!handwork) return null;
+  const guide = async (): Promise<void> => {
+    busy.value = true;
+    problem.value = null;
+    try {
+      go(foldOf(await desk.storedId()));
+    } catch (error) {
+      if (!isProblem(error)) throw error;
+      problem.value = error;
+    } finally {
+      busy.value = false;
+    }
+  };
+  return (
+    <section class="by-hand" aria-labelledby="by-hand">
+      <h2 id="by-hand">{words.byHand.title}</h2>
+      <p>{everyWords.byHand(handwork.folds, handwork.shortest_fold_mm, handwork.fold_s, handwork.label)}</p>
+      {wobble && <p class="muted" title={words.byHand.firmWhat}>{words.byHand.firm(length(wobble.mean_mm), length(wobble.largest_mm))}{' '}
+        {wobble.loose_panels > 0 && words.byHand.loose(wobble.loose_panels)}</p>}
+      {problem.value && <Trouble problem={problem.value} onClose={() => { problem.value = null; }} />}
+      {may('submitter') && <Button onClick={() => void guide()} disabled={busy.value || !desk.canCut.value || stale.value}>
+        {busy.value ? words.byHand.storing : words.byHand.guide}</Button>}
+    </section>
+  );
 }
 
 export function Figures({ of }: { of: Lattice }) {
@@ -500,6 +551,7 @@ export function Panel() {
       {spec && <Fields spec={spec} of={of} />}
       {of && desk.foreign.value && <Judged of={of} />}
       {of && <Warnings of={of} />}
+      {of && !desk.foreign.value && <ByHand of={of} />}
       {of && !desk.foreign.value && <Figures of={of} />}
       {of && <Places of={of} />}
     </aside>

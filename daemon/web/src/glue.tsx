@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Glue: from the cut sheets to the card, one step a screen.
 import { useSignal } from '@preact/signals';
-import { useEffect, useLayoutEffect, useRef } from 'preact/hooks';
+import { useEffect, useRef } from 'preact/hooks';
 import { useAgain } from './again';
 import { bands, fans, glueSteps, type GlueStep, type PlanFile } from './glue_steps';
 import { readLattice, type Lattice } from './lattice';
-import { paintModel } from './model_paper';
-import type { ModelView } from './model_view';
 import { Button, LinkButton, Loading, Trouble } from './parts';
 import { isProblem, read, readBlob, readAnswer, type ServerProblem } from './server';
 import { readStrokes, usePlan } from './sheets';
 import { SheetView, type Strokes } from './sheet_view';
+import { StepModel, useStepKeys } from './steps';
 import { designWords } from './words_design';
 
 const words = designWords.glue;
@@ -130,51 +129,10 @@ function seamFaces(of: Lattice, plan: PlanFile, step: GlueStep): Set<number> {
   return out;
 }
 
-/** The card as it stands in this step. */
-function StepModel({ of, plan, step }: { of: Lattice; plan: PlanFile; step: GlueStep }) {
-  const canvas = useRef<HTMLCanvasElement>(null);
-  const view = useSignal<ModelView | null>(null);
-  const paper = useSignal(false);
-  const psi = step.kind === 'weight' ? 0.12 : step.kind === 'seam' || step.kind === 'open' ? of.design_psi_rad : step.kind === 'waste' ? Math.PI : 2.5;
-  useEffect(() => {
-    let stopped = false;
-    void import('./model_view').then(({ ModelView: View, hasWebgl }) => {
-      if (stopped || !canvas.current) return;
-      if (!hasWebgl()) {
-        paper.value = true;
-        return;
-      }
-      const made = new View(canvas.current);
-      made.setLattice(of);
-      view.value = made;
-    });
-    return () => {
-      stopped = true;
-      view.peek()?.dispose();
-    };
-  }, [of]);
-  useEffect(() => {
-    if (paper.value && canvas.current) paintModel(canvas.current, of, psi, 'paper', seamFaces(of, plan, step));
-    const made = view.value;
-    if (!made) return undefined;
-    made.markFaces(seamFaces(of, plan, step));
-    if (matchMedia('(prefers-reduced-motion: reduce)').matches) {
-      made.setPsi(psi);
-      return undefined;
-    }
-    const from = made.psi_rad;
-    const start = performance.now();
-    let frame = 0;
-    const tick = (now: number): void => {
-      const share = Math.min(1, (now - start) / 700);
-      made.setPsi(from + (psi - from) * share * share * (3 - 2 * share));
-      if (share < 1) frame = requestAnimationFrame(tick);
-    };
-    frame = requestAnimationFrame(tick);
-    return () => cancelAnimationFrame(frame);
-  }, [view.value, paper.value, step]);
-  return <canvas ref={canvas} key={paper.value ? 'paper' : 'model'} class="glue-canvas" role="img" tabIndex={0}
-    aria-label={designWords.stage.sentence(of.name, of.faces, designWords.psi.text((psi * 180) / Math.PI), null)} />;
+/** How far the card is open in this step, rad. */
+function psiOf(of: Lattice, step: GlueStep): number {
+  if (step.kind === 'weight') return 0.12;
+  return step.kind === 'seam' || step.kind === 'open' ? of.design_psi_rad : step.kind === 'waste' ? Math.PI : 2.5;
 }
 
 function sheetsOfStep(step: GlueStep, total: number): number[] {
@@ -233,21 +191,7 @@ export default function Glue({ rest: id }: { rest: string }) {
     step.value = Math.max(0, Math.min(count - 1, step.value + by));
     keepStep(id, step.value);
   };
-  useLayoutEffect(() => {
-    const onKey = (event: KeyboardEvent): void => {
-      if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector('dialog[open]')) return;
-      const on = event.target as HTMLElement;
-      if (on.tagName === 'CANVAS' && event.key.startsWith('Arrow')) return;
-      if ((on.tagName === 'BUTTON' || on.tagName === 'A') && event.key === ' ') return;
-      if (on.tagName === 'INPUT' || on.tagName === 'SELECT') return;
-      if (event.key === 'ArrowRight' || event.key === 'ArrowDown' || event.key === ' ') move(1);
-      else if (event.key === 'ArrowLeft' || event.key === 'ArrowUp') move(-1);
-      else return;
-      event.preventDefault();
-    };
-    addEventListener('keydown', onKey);
-    return () => removeEventListener('keydown', onKey);
-  }, [count]);
+  useStepKeys(move, count);
   if (problem ?? trouble.value) return <Trouble problem={(problem ?? trouble.value) as ServerProblem} />;
   if (plan?.state === 'failed') return <p class="note note-bad">{designWords.sheets.failed}</p>;
   if (!plan || count === 0) return <Loading />;
@@ -284,7 +228,7 @@ export default function Glue({ rest: id }: { rest: string }) {
         <div class="glue-step">
           <div class={sheets.length + (now.kind === 'seam' ? 1 : 0) > 1 ? `glue-pictures glue-two${sheets.length > 1 ? ' glue-pair' : ''}` : 'glue-pictures'}>
             {sheets.map((sheet) => <StepSheet key={sheet} plan={id} sheet={sheet} step={now} />)}
-            {lattice.value && file.value && (now.kind === 'seam' || sheets.length === 0) && <StepModel of={lattice.value} plan={file.value} step={now} />}
+            {lattice.value && file.value && (now.kind === 'seam' || sheets.length === 0) && <StepModel of={lattice.value} psi_rad={psiOf(lattice.value, now)} lit={seamFaces(lattice.value, file.value, now)} />}
           </div>
           <div class="glue-text" aria-live="polite">
             <h2>{stepTitle(now)}</h2>

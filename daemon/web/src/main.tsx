@@ -24,6 +24,7 @@ const later: Record<string, () => Promise<{ default: ComponentType<{ rest: strin
   design: () => import('./design'),
   sheets: () => import('./sheets'),
   glue: () => import('./glue'),
+  fold: () => import('./fold'),
 };
 
 let laterStyle: Promise<unknown> | null = null;

@@ -632,6 +632,12 @@ export class ModelView {
     this.table.position.set(centre.x, centre.y, -0.35);
     this.request();
   }
+  /** Shows the whole card from in front, on its right (where v grows) or on its left. */
+  lookFrom(side: 'right' | 'left'): void {
+    this.camera.position.copy(this.controls.target).add(new Vector3(0.80, side === 'right' ? 0.50 : -0.50, 0.56));
+    this.fitted = true;
+    this.fit(false);
+  }
   private fitted = false;
   private ours = false;
   private heldDistance = 0;

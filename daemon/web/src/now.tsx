@@ -236,6 +236,7 @@ function Next({ job }: { job: Job }) {
         {planned && <span>{words.sheets(job.sheets_total)}</span>}
         {(job.load?.material ?? job.material) && <span>{job.load?.material ?? job.material}</span>}
         {planned && <span class="figure">{timeRange(job.est.remaining_s)}</span>}
+        {job.handwork && <span class="muted">{words.toFold(job.handwork.fold_s, job.handwork.label)}</span>}
       </span>
       {waitSentence(job) && <span>{waitSentence(job)}</span>}
     </Row>

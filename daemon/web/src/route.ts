@@ -22,4 +22,6 @@ addEventListener('hashchange', () => { route.value = parseRoute(location.hash); 
 export const atDevice = (id: string): string => `#/at/${encodeURIComponent(id)}`;
 export const sheetsOf = (plan: string): string => `#/sheets/${plan}`;
 export const glueOf = (plan: string): string => `#/glue/${plan}`;
+/** How to fold a design, step by step. */
+export const foldOf = (design: string): string => `#/fold/${design}`;
 export const go = (hash: string): void => { location.hash = hash; };

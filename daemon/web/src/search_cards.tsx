@@ -15,6 +15,7 @@ const words = designWords.search;
 
 const kSides = Object.entries(words.sides) as [string, string][];
 const kUps = [...Object.entries(words.upSides), ...kSides] as [string, string][];
+const kEases = Object.entries(words.eases) as [string, string][];
 const kEfforts: [string, string][] = [[String(searching.kQuick), words.quick], [String(searching.kThorough), words.thorough]];
 
 function Wishes({ of, again }: { of: string; again: boolean }) {
@@ -27,6 +28,7 @@ function Wishes({ of, again }: { of: string; again: boolean }) {
         <input id={`${id}m`} type="number" min="0.5" max="600" step="0.5" value={asked.max_minutes}
           onChange={(event) => set({ max_minutes: Math.max(0.5, Math.min(600, Number(event.currentTarget.value) || 15)) })} />
       </label>
+      <Choice label={words.ease} value={asked.label} options={kEases} onChange={(label) => set({ label })} />
       <Choice label={words.cards} value={String(asked.cards)} options={searching.kCards.map((n) => [String(n), words.cardsOf(n)])}
         onChange={(n) => set({ cards: Number(n) })} />
       <Choice label={words.up} value={asked.up} options={kUps} onChange={(up) => set({ up })} />
@@ -57,13 +59,13 @@ function Found({ of }: { of: Search }) {
         const on = desk.spec.value === spec;
         return (
           <li key={card.card}>
-            <button type="button" class={on ? 'found-card found-on' : 'found-card'} aria-pressed={on} title={`${card.settings}; ${words.error(small(card.error))}`}
+            <button type="button" class={on ? 'found-card found-on' : 'found-card'} aria-pressed={on} title={words.error(card.settings, small(card.error))}
               onClick={() => desk.begin(spec, { made: true })}>
               <Picture path={card.links.picture} alt={words.picture(card.card, last)} class="found-picture" />
               <span class="found-words">
-                <strong>{words.hands(card.label, card.folds, card.hand_seconds)}</strong>
-                <span class="figure">{words.looks[card.looks] ?? words.error(small(card.error))}</span>
+                {card.card === of.recommended && <strong class="found-make" title={words.makeWhat}>{words.make}</strong>}
                 {card.card === last && <span class="found-best">{words.best}</span>}
+                <span class="found-what">{words.card(card.folds, card.shortest_fold_mm, card.hand_seconds, card.seconds, card.looks)}</span>
               </span>
             </button>
           </li>

@@ -12,6 +12,7 @@ export interface Asked {
   up: string;
   front: string;   // of a card alone
   effort: number;
+  label: string;   // how hard to fold, at most
   marks: boolean;
 }
 
@@ -20,7 +21,7 @@ export const kThorough = 1;
 export const kCards = [1, 3, 4, 5, 6, 8, 12];
 const kLook_ms = [300, 500, 1000];
 
-export const asked = signal<Asked>({ max_minutes: 15, cards: 1, up: 'usual', front: 'any', effort: kQuick, marks: false });
+export const asked = signal<Asked>({ max_minutes: 15, cards: 1, up: 'usual', front: 'any', effort: kQuick, label: 'any', marks: false });
 /** The asset that is or was searched last. */
 export const model = signal<string | null>(null);
 export const search = signal<Search | null>(null);

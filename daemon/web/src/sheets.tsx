@@ -8,7 +8,7 @@ import { Button, LinkButton, Loading, Note, Trouble } from './parts';
 import { act, isProblem, read, readBlob, saveAs, type ServerProblem } from './server';
 import { endOf, SheetView, strokesAt, strokeWords, timeColour, type Strokes } from './sheet_view';
 import { devices, may, stale } from './store';
-import { clockTime, integer, metres, size, timeRange, withoutTicks } from './words';
+import { clockTime, integer, metres, size, timeRange, withoutTicks, words as everyWords } from './words';
 import { designWords } from './words_design';
 
 const words = designWords.sheets;
@@ -333,6 +333,7 @@ export default function Sheets({ rest: id }: { rest: string }) {
               {plan.material && <Fact name={words.material}>{plan.material}</Fact>}
               {plan.machine && <Fact name={words.machine}>{plan.machine}</Fact>}
             </dl>
+            {plan.handwork && <p>{everyWords.byHand(plan.handwork.folds, plan.handwork.shortest_fold_mm, plan.handwork.fold_s, plan.handwork.label)}</p>}
             {total > 1 && <p class="small muted">{words.letters}</p>}
           </section>
           {plan.warnings.length > 0 && (

@@ -51,30 +51,38 @@ export function isPlain(spec: Spec): boolean {
   return isRecord(spec['surface']) && !Array.isArray(spec['regions']) && !Array.isArray(spec['patches']);
 }
 
+export const isSilhouette = (spec: Spec): boolean => spec['style'] === 'silhouette';
 export const isFacets = (spec: Spec): boolean => spec['style'] === 'facets';
 
 const kLatticeOnly = ['units_per_slice', 'slices', 'widths_mm', 'lattice', 'fit', 'splay', 'curvature', 'design_angle_deg'];
 const kTriangles = ['mesh', 'grid', 'text', 'outline'];
 
-/** The same shape as facets; what only a lattice has is left out. Its length stays. */
-export function asFacets(spec: Spec): Spec {
-  const out: Spec = { ...spec, style: 'facets' };
-  for (const field of kLatticeOnly) delete out[field];
+/** Styles of large panels; each keeps its fields in an object of its own name. */
+export type PanelStyle = 'facets' | 'silhouette';
+
+/** The same shape as facets or layers; what only other styles have is left out. Its length stays. */
+export function asPanels(spec: Spec, style: PanelStyle): Spec {
+  const out: Spec = { ...spec, style };
+  const before = isFacets(spec) ? spec['facets'] : isSilhouette(spec) ? spec['silhouette'] : undefined;
+  for (const field of [...kLatticeOnly, 'facets', 'silhouette']) delete out[field];
   const surface = spec['surface'];
   if (isRecord(surface) && kTriangles.includes(String(surface['type']))) return out;
+  if (isRecord(before) && typeof before['length_mm'] === 'number') {
+    out[style] = { ...(typeof before['from_mm'] === 'number' ? { from_mm: before['from_mm'] } : {}), length_mm: before['length_mm'] };
+    return out;
+  }
   const widths = widthsOf(spec);
   const along = widths ? widths.reduce((sum, w) => sum + w, 0) : 100;
-  out['facets'] = { from_mm: widths ? -(widths[0] as number) / 2 : 0, length_mm: along };
+  out[style] = { from_mm: widths ? -(widths[0] as number) / 2 : 0, length_mm: along };
   return out;
 }
 
 /** The same shape as a lattice of ten slices. */
 export function asLattice(spec: Spec): Spec {
   const out: Spec = { ...spec, units_per_slice: 6, slices: 10, widths_mm: 10, fit: 'nearest' };
-  const facets = spec['facets'];
-  if (isRecord(facets) && typeof facets['length_mm'] === 'number') out['widths_mm'] = round(facets['length_mm'] / 10, 3);
-  delete out['style'];
-  delete out['facets'];
+  const panels = spec['facets'] ?? spec['silhouette'];
+  if (isRecord(panels) && typeof panels['length_mm'] === 'number') out['widths_mm'] = round(panels['length_mm'] / 10, 3);
+  for (const field of ['style', 'facets', 'silhouette']) delete out[field];
   return out;
 }
 

@@ -83,6 +83,12 @@ export function duration(seconds: number): string {
   return minutes < 60 ? `${minutes} min` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
 }
 
+/** How long something takes, in words: "under a minute", "about 20 minutes". */
+export const minutes = (seconds: number): string => {
+  const n = Math.round(seconds / 60);
+  return seconds < 60 ? 'under a minute' : `about ${whole.format(n)} ${plural.select(n) === 'one' ? 'minute' : 'minutes'}`;
+};
+
 export const hourMinute = (at: number | string): string => timeOfDay.format(new Date(at));
 export const hourMinuteSecond = (at: number | string): string => timeToSecond.format(new Date(at));
 export const dateTime = (at: number | string): string => dayAndTime.format(new Date(at));
@@ -102,6 +108,10 @@ export const words = localized({
   sheets,
   strokes,
   copies: (n: number) => count(n, 'copy', 'copies'),
+  /** What a card is to fold: its folds, the shortest of them, the seconds, and how hard that is. */
+  byHand: (folds: number, shortest_mm: number, seconds: number, label: string) => (folds === 0 ? 'nothing to fold'
+    : `${count(folds, 'fold', 'folds')}, the shortest ${length(shortest_mm)}; ${minutes(seconds)} to fold${label === '' ? '' : ` (${label})`}`),
+  toFold: (seconds: number, label: string) => `${minutes(seconds)} to fold${label === '' ? '' : ` (${label})`}`,
   close: 'Close',
   back: 'Back',
   cancelled: 'Not yet',

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Texts of Design, Sheets and Glue: loaded with them.
-import { count, integer, localized } from './words';
+import { count, integer, length, localized, minutes } from './words';
 
 const fine = new Intl.NumberFormat('en', { maximumSignificantDigits: 2 });
 const number = new Intl.NumberFormat('en', { maximumFractionDigits: 3 });
@@ -138,6 +138,9 @@ export const designWords = localized({
     style: 'Style',
     styleLattice: 'lattice: smooth shapes',
     styleFacets: 'facets: flat sides, contours',
+    styleSilhouette: 'silhouette: a few large layers',
+    layers: 'Layers',
+    layersText: (n: number): string => (n === 1 ? '1, a cut-out' : integer(n)),
     text: 'Text',
     capitals: 'Height of capitals',
     toFront: 'Wall to front',
@@ -182,6 +185,34 @@ export const designWords = localized({
     groundHere: 'ground',
     errorOf: 'largest error',
     row: 'Place',
+  },
+  byHand: {
+    title: 'By hand',
+    firm: (mean: string, most: string): string => `In paper its panels move ${mean} on average, ${most} at most.`,
+    firmWhat: 'How far panels move when each fold lies 0.1 mm off its line.',
+    loose: (n: number): string => `${count(n, 'panel moves', 'panels move')} more than 1 mm.`,
+    guide: 'How to fold it',
+    storing: 'Reading how to fold it…',
+  },
+  fold: {
+    title: 'How to fold it',
+    step: (k: number, n: number): string => `Step ${k} of ${n}`,
+    card: (name: string, k: number, n: number): string => (n > 1 ? `${name === '' ? 'card' : name}, card ${k} of ${n}` : name),
+    next: 'Next',
+    back: 'Back',
+    restart: 'From the start',
+    whole: 'Show the whole sheet',
+    near: 'Show it larger',
+    save: 'Save all steps (JSON)',
+    toDesign: 'Back to the design',
+    done: 'Done',
+    keys: 'Arrow keys or space go through the steps.',
+    sheet: (what: string): string => `The sheet: ${what}`,
+    kinds: { waste: 'Take out the waste', crease: 'Crease', push: 'Push while it shuts' } as Record<string, string>,
+    mountains: (n: number): string => count(n, 'mountain fold', 'mountain folds'),
+    valleys: (n: number): string => count(n, 'valley fold', 'valley folds'),
+    panels: (n: number): string => `${count(n, 'panel', 'panels')} lit`,
+    nothing: 'This card has nothing to fold.',
   },
   warnings: {
     none: 'No warnings',
@@ -252,7 +283,8 @@ export const designWords = localized({
     front: 'What faces you in the file',
     sides: { any: 'any side', x: 'x', y: 'y', z: 'z', '-x': '-x', '-y': '-y', '-z': '-z' } as Record<string, string>,
     upSides: { usual: 'as such files usually stand' } as Record<string, string>,
-    looks: { good: 'looks good', fair: 'looks fair', poor: 'looks poor' } as Record<string, string>,
+    ease: 'How easy to fold',
+    eases: { any: 'any', medium: 'medium: at most 80 folds', easy: 'easy: at most 25 folds' } as Record<string, string>,
     effort: 'How long to search',
     quick: 'short: under a minute',
     thorough: 'thorough: a few minutes',
@@ -266,11 +298,16 @@ export const designWords = localized({
     cancel: 'Cancel',
     nothing: 'No card was found.',
     found: (n: number): string => count(n, 'card was found', 'cards were found'),
-    foundWhat: (n: number): string => `${n === 1 ? 'One card was found.' : 'The first is the quickest to fold, each further one looks more like your model.'} Press one to have it on the desk; Undo brings back what was there. The error is how much a card differs from the model on its left: 0 is the model itself.`,
+    foundWhat: (n: number): string => `${n === 1 ? 'One card was found.' : 'The first is the quickest to fold, each further one looks more like your model.'} Press one to have it on the desk; Undo brings back what was there.`,
     picture: (k: number, n: number): string => `Card ${k} of ${n}, beside the model`,
-    hands: (label: string, folds: number, seconds: number): string => `${label === '' ? '' : `${label}: `}${count(folds, 'fold', 'folds')}, ${Math.max(1, Math.round(seconds / 60))} min`,
-    error: (error: string): string => `error ${error}`,
-    best: 'most like it',
+    /** What a card is to make; `looks` is empty where nobody judged it printed. */
+    card: (folds: number, shortest_mm: number, fold_s: number, cut_s: number, looks: string): string => [
+      count(folds, 'fold', 'folds'), ...(shortest_mm > 0 ? [`shortest ${length(shortest_mm)}`] : []), ...(fold_s > 0 ? [`${minutes(fold_s)} to fold`] : []),
+      `${minutes(cut_s).replace('about ', '')} to cut`].join(', ') + (looks === '' ? '' : `; looks ${looks}`),
+    error: (settings: string, error: string): string => `${settings}; error ${error}: how much it differs from the model, 0 is the model itself`,
+    make: 'make this one',
+    makeWhat: 'The easiest to fold of those that look good, or about as good as the best.',
+    best: 'most like the model',
   },
   cut: {
     title: 'Cut this',

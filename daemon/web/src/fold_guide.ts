@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// fold-guide.json of a design, read and laid out: pure.
+
+export type Point = [number, number];   // u, v on the sheet, mm
+
+export interface GuideFold { from: Point; to: Point; sense: 'mountain' | 'valley' }
+
+export interface GuideStep {
+  kind: 'waste' | 'crease' | 'push';
+  words: string;
+  folds: number[];
+  panels: number[];   // faces of the pattern
+  look_from?: 'right' | 'left';   // from where the standing card shows them best
+}
+
+/** A card of a book, or the only one. */
+export interface GuideCard { name: string; folds: GuideFold[]; steps: GuideStep[] }
+
+export interface Guide { cards: GuideCard[] }
+
+/** A step of a card, and the numbers of both. */
+export interface PlacedStep { card: number; step: GuideStep }
+
+/** All steps, card by card. */
+export function stepsOf(guide: Guide): PlacedStep[] {
+  return guide.cards.flatMap(({ steps }, card) => steps.map((step) => ({ card, step })));
+}
+
+/** left, top, width, height on the page: v to the right, u down. */
+export type Box = [number, number, number, number];
+
+/** The box around points, with a margin of `share` of its longer side, mm; null for no point. */
+export function boxAround(points: readonly Point[], share: number): Box | null {
+  if (points.length === 0) return null;
+  let [left, top, right, bottom] = [Infinity, Infinity, -Infinity, -Infinity];
+  for (const [u, v] of points) {
+    [left, right] = [Math.min(left, v), Math.max(right, v)];
+    [top, bottom] = [Math.min(top, u), Math.max(bottom, u)];
+  }
+  const margin = Math.max(1, share * Math.max(right - left, bottom - top));
+  return [left - margin, top - margin, right - left + 2 * margin, bottom - top + 2 * margin];
+}
+
+const kMostDigits = 1e3;
+const text = ([u, v]: Point): string => `${Math.round(v * kMostDigits) / kMostDigits} ${Math.round(u * kMostDigits) / kMostDigits}`;
+
+/** Lines as the `d` of a path. */
+export const pathOf = (lines: Iterable<readonly [Point, Point]>): string =>
+  [...lines].map(([from, to]) => `M${text(from)}L${text(to)}`).join('');
+
+/** Triangles as the `d` of a path, from corners two numbers each: v, u. */
+export function trianglesPath(corners: ArrayLike<number>): string {
+  let out = '';
+  for (let i = 0; i + 5 < corners.length; i += 6) {
+    const at = (k: number): Point => [corners[i + 2 * k + 1] as number, corners[i + 2 * k] as number];
+    out += `M${text(at(0))}L${text(at(1))}L${text(at(2))}Z`;
+  }
+  return out;
+}
