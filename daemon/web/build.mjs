@@ -15,7 +15,7 @@ const gallery = join(root, 'docs/gallery');
 const openapi = join(here, '../http/api/openapi.json');
 
 /** The examples of `popcut design --list`, in the order in which the page shows them. */
-const examples = ['letters', 'house', 'heart', 'village', 'sphere', 'unit', 'cylinder', 'saddle', 'facade', 'packaging', 'airfoil', 'composite', 'multistate',
+const examples = ['cat', 'letters', 'house', 'heart', 'village', 'sphere', 'unit', 'cylinder', 'saddle', 'facade', 'packaging', 'airfoil', 'composite', 'multistate',
   'fig2a'];
 
 /** What a change of the page begins with: all files of this folder, without what a build or CMake makes and needs. */

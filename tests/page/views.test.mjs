@@ -75,14 +75,14 @@ test('signing in is fit for everybody on every screen', async () => {
   }
 });
 
-test('Now without a job shows the ten examples, on every screen', async () => {
+test('Now without a job shows the examples, on every screen', async () => {
   await everywhere('now-empty', '', async (page) => {
     await page.getByText('Nothing to cut.').waitFor();
     await until(() => page.evaluate(() => {
       const pictures = [...document.querySelectorAll('.examples img')];
       for (const one of pictures) one.loading = 'eager';
-      return pictures.length === 10 && pictures.every((one) => one.complete && one.naturalWidth > 0);
-    }), 'ten pictures');
+      return pictures.length >= 10 && pictures.every((one) => one.complete && one.naturalWidth > 0);
+    }), 'their pictures');
   });
 });
 

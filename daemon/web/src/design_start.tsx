@@ -11,7 +11,7 @@ import { designWords as words } from './words_design';
 
 declare const EXAMPLE_PICTURES: Record<string, string>;
 
-const kFirst = ['letters', 'sphere', 'house', 'saddle', 'heart', 'village', 'fig2a', 'cylinder', 'facade', 'packaging', 'multistate', 'composite', 'airfoil', 'unit'];
+const kFirst = ['cat', 'letters', 'sphere', 'house', 'saddle', 'heart', 'village', 'fig2a', 'cylinder', 'facade', 'packaging', 'multistate', 'composite', 'airfoil', 'unit'];
 
 export async function examples(): Promise<desk.Example[]> {
   const { items } = await read<{ items: desk.Example[] }>('/v1/examples');

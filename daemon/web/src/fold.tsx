@@ -3,6 +3,7 @@
 import { useSignal } from '@preact/signals';
 import { useEffect, useMemo } from 'preact/hooks';
 import { useAgain } from './again';
+import * as desk from './design_desk';
 import { facesOnSheet, sheetBox } from './design_panel';
 import { boxAround, pathOf, stepsOf, trianglesPath, type Guide, type GuideCard, type GuideFold, type GuideStep, type Point } from './fold_guide';
 import { readLattice, Role, type Lattice } from './lattice';
@@ -126,6 +127,7 @@ export default function Fold({ rest: id }: { rest: string }) {
   // In a lattice of a book all its cards lie side by side, and its faces have other numbers.
   const of = cards.length === 1 ? lattice.value : null;
   const psi_rad = now.step.kind === 'push' ? kShutting_rad : lattice.value.design_psi_rad || Math.PI / 2;
+  const back = desk.spec.value ? '#/design' : `#/design/${id}`;   // the one on the desk, as it is
   const save = async (): Promise<void> => {
     try {
       saveAs(await readBlob(`${address}/files/fold-guide.json`), `${card.name || 'design'}-fold-guide.json`);
@@ -149,7 +151,7 @@ export default function Fold({ rest: id }: { rest: string }) {
         </div>
         <div class="glue-text fold-text">
           <div aria-live="polite">
-            <p class="muted">{words.card(card.name, now.card + 1, cards.length)}</p>
+            {cards.length > 1 && <p class="muted">{words.card(card.name, now.card + 1, cards.length)}</p>}
             <h2>{words.kinds[now.step.kind] ?? ''}</h2>
             <p class="server-words">{now.step.words}</p>
           </div>
@@ -160,14 +162,14 @@ export default function Fold({ rest: id }: { rest: string }) {
         <Button big onClick={() => move(-1)} disabled={k === 0}>{words.back}</Button>
         {k + 1 < steps.length
           ? <Button big kind="primary" onClick={() => move(1)}>{words.next}</Button>
-          : <LinkButton big kind="primary" href="#/design">{words.done}</LinkButton>}
+          : <LinkButton big kind="primary" href={back}>{words.done}</LinkButton>}
       </div>
       <div class="row row-between">
         <p class="muted small">{words.keys}</p>
         <div class="row">
           <Button kind="quiet" onClick={() => go(0)}>{words.restart}</Button>
           <Button kind="quiet" onClick={() => void save()}>{words.save}</Button>
-          <LinkButton kind="quiet" href="#/design">{words.toDesign}</LinkButton>
+          <LinkButton kind="quiet" href={back}>{words.toDesign}</LinkButton>
         </div>
       </div>
     </div>

@@ -5,6 +5,7 @@ import { useEffect, useRef } from 'preact/hooks';
 import { useAgain } from './again';
 import type { Plan } from './model';
 import { Button, LinkButton, Loading, Note, Trouble } from './parts';
+import { foldOf } from './route';
 import { act, isProblem, read, readBlob, saveAs, type ServerProblem } from './server';
 import { endOf, SheetView, strokesAt, strokeWords, timeColour, type Strokes } from './sheet_view';
 import { devices, may, stale } from './store';
@@ -302,7 +303,8 @@ export default function Sheets({ rest: id }: { rest: string }) {
         <h1>{words.title}{name && <span class="muted">, {name}</span>}</h1>
         <div class="row">
           <Button kind="quiet" onClick={() => void save()}>{words.drawing}</Button>
-          <LinkButton kind="quiet" href={`#/glue/${id}`}>{total > 1 ? words.glue : words.fold}</LinkButton>
+          {total === 1 && kind === 'spec' ? <LinkButton kind="quiet" href={foldOf(plan.design)}>{words.fold}</LinkButton>
+            : <LinkButton kind="quiet" href={`#/glue/${id}`}>{total > 1 ? words.glue : words.fold}</LinkButton>}
         </div>
       </div>
       {unsaved.value && <Trouble problem={unsaved.value} onClose={() => { unsaved.value = null; }} />}

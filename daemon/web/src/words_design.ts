@@ -197,7 +197,7 @@ export const designWords = localized({
   fold: {
     title: 'How to fold it',
     step: (k: number, n: number): string => `Step ${k} of ${n}`,
-    card: (name: string, k: number, n: number): string => (n > 1 ? `${name === '' ? 'card' : name}, card ${k} of ${n}` : name),
+    card: (name: string, k: number, n: number): string => `${name === '' ? '' : `${name}, `}card ${k} of ${n}`,
     next: 'Next',
     back: 'Back',
     restart: 'From the start',

@@ -80,6 +80,19 @@ TEST_CASE("a house looks like a house: its roof and its gable are where they wer
   CHECK(bench.popcut({"verify", "out/pattern.fold", "--dof", "1"}).exit == 0);
 }
 
+TEST_CASE("the cat of the examples is easy to fold, holds in paper and opens in one movement",
+          "[cli][e2e][facets]") {
+  const Bench bench;
+  const Ran ran = bench.popcut(
+      {"design", source_file("examples/cat.json"), "-o", "out", "--formats", "fold,report"});
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  const json report = bench.report();
+  CHECK(report["handwork"]["label"] == "easy");
+  CHECK(report["wobble"]["loose_panels"] == 0);
+  CHECK(bench.popcut({"verify", "out/pattern.fold", "--dof", "1"}).exit == 0);
+}
+
 TEST_CASE("a word, a heart and a house with windows open in one movement with all counters cut out",
           "[cli][e2e][facets]") {
   const Bench bench;
