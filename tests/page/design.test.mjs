@@ -52,9 +52,9 @@ function watchPreviews(page) {
 test('one press on an example, one drag of its silhouette: a formula becomes points, and undo brings it back', async () => {
   const { page, sent, complaints, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
   await page.locator('.start-card:not(:disabled)').first().waitFor();
-  assert.equal(await page.locator('.start-card img').count(), 10);
+  assert.ok(await page.locator('.start-card img').count() >= 10);
   await picture(page, 'design-start');
-  await page.locator('.start-card').first().click();
+  await page.locator('.start-card', { hasText: 'sphere' }).click();
   await exact(page);
   const before = await specOf(page);
   assert.equal(typeof before.surface.radius, 'string');
@@ -287,7 +287,7 @@ test('a word that is written stands up, and its text and style change', async ()
   await page.getByLabel('Style').selectOption('silhouette');
   await until(async () => (await specOf(page)).style === 'silhouette', 'it is a silhouette');
   await exact(page);
-  await page.getByLabel('Layers').fill('1');
+  await page.getByRole('slider', { name: 'Layers' }).fill('1');
   await until(async () => (await specOf(page)).silhouette?.layers === 1, 'it has one layer');
   await exact(page);
   await picture(page, 'design-silhouette');
