@@ -324,6 +324,10 @@ Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
                : fail(ErrorKind::Infeasible, "/facets",
                       "nothing stands up: no patch of the target holds; use a smaller strip_mm and "
                       "pitch_mm, a larger scale_mm or a smaller fold_cost_mm2");
+  if (spec.style == DesignStyle::Silhouette && made->pattern.motion.degrees_of_freedom != 1)
+    return fail(ErrorKind::Infeasible, "/silhouette",
+                "not all of its layers hold; use a smaller min_fold_mm, fewer layers, a larger "
+                "scale_mm, or \"style\": \"facets\"");
   out.strips = std::move(made->pattern.strips.strips);
   out.pattern = std::move(made->pattern.built.pattern);
   out.panel_face = std::move(made->pattern.built.panel_face);

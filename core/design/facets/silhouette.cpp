@@ -181,20 +181,26 @@ class LayerHolder {
   [[nodiscard]] int least() const { return card_.labelling.limits().least_run; }
   [[nodiscard]] double mm(int steps) const { return grid().step_mm * steps; }
 
-  /// Leaves out the smallest loose layer, and all struts that hold nothing. Whether there was any.
+  /// Leaves out the smallest loose layer, and all struts that hold nothing; where there is neither,
+  /// the layer beside it takes a flap of wall or ground that hangs on one fold, such as between a
+  /// cat and its tail. Whether there was any.
   bool give_up_smallest() {
+    enum class Kind { Layer, Strut, Flap };
+    const auto kind_of = [&](const LoosePatch& one) {
+      const Label label = one.cells.front().label;
+      return is_card(label) ? Kind::Flap : planes()[label].upright ? Kind::Layer : Kind::Strut;
+    };
     bool any = false;
-    for (const bool upright : {true, false})
-      for (int round = 0; round < kMostRounds; ++round) {
+    for (const Kind kind : {Kind::Layer, Kind::Strut, Kind::Flap})
+      for (int round = 0; round < kMostRounds && !(any && kind == Kind::Flap); ++round) {
         const std::vector<LoosePatch> loose = loose_patches(card_);
         const auto smallest = std::find_if(loose.begin(), loose.end(), [&](const LoosePatch& one) {
-          return planes()[one.cells.front().label].upright == upright &&
-                 !is_card(one.cells.front().label);
+          return kind_of(one) == kind;
         });
         if (smallest == loose.end()) break;
         drop(*smallest);
         any = true;
-        if (upright) break;
+        if (kind != Kind::Strut) break;
       }
     return any;
   }
@@ -429,7 +435,7 @@ class LayerHolder {
                      [](const Strut& a, const Strut& b) { return a.cost < b.cost; });
     for (Strut& way : ways) {
       LabelHolding then = card_.holding_with(way.strips);
-      if (then.open > 0) continue;
+      if (then.open > card_.holding.open) continue;
       card_.take(way.strips, std::move(then));
       return;
     }

@@ -292,6 +292,23 @@ TEST_CASE("a silhouette has few folds, none shorter than asked, and holds in pap
   }
 }
 
+TEST_CASE("paper between a figure and its tail hangs on no fold alone", "[hands]") {
+  const auto spec =
+      parse_design_spec(R"j({"popcut": 1, "style": "silhouette",
+      "surface": {"type": "implicit", "f": ")j"
+                        "max(abs(x - 24) - 4, min(max(abs(y - 30) - 18, z - 60), "
+                        "min(max(abs(y - 60) - 14, z - 12), max(abs(y - 70) - 4, z - 50))))"
+                        R"j("},
+      "silhouette": {"layers": 1, "length_mm": 90}})j");
+  REQUIRE(spec);
+  const auto made = design_assembly(*spec, {});
+  REQUIRE(made);
+  const DesignReport& report = made->parts.front().report;
+  CHECK(report.degrees_of_freedom == 1);
+  REQUIRE(report.wobble);
+  CHECK(report.wobble->largest_mm <= hands::kFirm_mm);
+}
+
 TEST_CASE("the outline of a silhouette is smooth, and lies where the shape ends", "[hands]") {
   // A disc of 30 mm that faces the diagonal: on the sheet a circle, stretched along u.
   TriangleSoup disc;
