@@ -153,10 +153,14 @@ function(popcut_entry name labels)
   add_test(NAME ${name} COMMAND ${launcher} ${ARGN})
   set_tests_properties(${name} PROPERTIES
     LABELS "${labels}" RESOURCE_GROUPS ${slots}:1 COST ${cost} TIMEOUT 1800)
+  if(POPCUT_SANITIZE MATCHES "address")
+    set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT
+      "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/leaks.supp:print_suppressions=0")
+  endif()
   foreach(pattern ${popcut_on_postgres})
     if(name MATCHES "^${pattern}")
-      set_tests_properties(${name} PROPERTIES FIXTURES_REQUIRED PostgreSQL
-        ENVIRONMENT POPCUT_TEST_POSTGRES=${popcut_postgres_file})
+      set_tests_properties(${name} PROPERTIES FIXTURES_REQUIRED PostgreSQL)
+      set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT POPCUT_TEST_POSTGRES=${popcut_postgres_file})
       if(sanitize IN_LIST labels)
         set_property(GLOBAL APPEND PROPERTY POPCUT_SANITIZED_PROGRAMS fleet_postgres)
       endif()
