@@ -63,21 +63,21 @@ int bind(sqlite3_stmt* statement, int at, const Bound& value) {
 class SqliteRows final : public RowSource {
  public:
   /// @param busy  of the kept statement; nullptr: it is ours, to be finalised
-  SqliteRows(sqlite3* db, sqlite3_stmt* statement, bool* busy, std::span<const Bound> values)
+  SqliteRows(sqlite3* db, sqlite3_stmt* statement, bool* busy)
       : db_(db), statement_(statement), busy_(busy) {
     if (busy_ != nullptr) *busy_ = true;
-    int at = 0;
-    for (const Bound& value : values) {
-      const int code = bind(statement_, ++at, value);
-      if (code == SQLITE_OK) continue;
-      const std::string sql = sqlite3_sql(statement_);
-      put_back();
-      raise(db_, code, sql);
-    }
   }
   ~SqliteRows() override { put_back(); }
   SqliteRows(const SqliteRows&) = delete;
   SqliteRows& operator=(const SqliteRows&) = delete;
+
+  void take(std::span<const Bound> values) {
+    int at = 0;
+    for (const Bound& value : values) {
+      const int code = bind(statement_, ++at, value);
+      if (code != SQLITE_OK) raise(db_, code, sqlite3_sql(statement_));
+    }
+  }
 
   bool next() override {
     const int code = sqlite3_step(statement_);
@@ -133,7 +133,7 @@ class SqliteRows final : public RowSource {
 
 struct SqliteDatabase::Kept {
   struct One {
-    sqlite3_stmt* statement{};
+    Statement statement;
     bool busy{false};
   };
   // By the text's own copy in the statement.
@@ -182,32 +182,41 @@ SqliteDatabase::SqliteDatabase(const Options& options) : kept_(std::make_unique<
 }
 
 SqliteDatabase::~SqliteDatabase() {
-  for (const auto& [text, one] : kept_->statements) sqlite3_finalize(one.statement);
+  kept_.reset();
   sqlite3_close_v2(db_);
 }
 
-sqlite3_stmt* SqliteDatabase::prepare(std::string_view sql, bool kept) {
+void SqliteDatabase::Finalize::operator()(sqlite3_stmt* statement) const {
+  sqlite3_finalize(statement);
+}
+
+SqliteDatabase::Statement SqliteDatabase::prepare(std::string_view sql, bool kept) {
   sqlite3_stmt* statement = nullptr;
   check(db_,
         sqlite3_prepare_v3(db_, sql.data(), static_cast<int>(sql.size()),
                            kept ? SQLITE_PREPARE_PERSISTENT : 0, &statement, nullptr),
         sql);
-  return statement;
+  return Statement(statement);
 }
 
 Rows SqliteDatabase::rows_list(std::string_view sql, std::span<const Bound> values) {
-  const auto found = kept_->statements.find(sql);
+  auto found = kept_->statements.find(sql);
   if (found == kept_->statements.end()) {
-    sqlite3_stmt* const statement = prepare(sql, true);
-    Kept::One& one = kept_->statements[sqlite3_sql(statement)];
-    one.statement = statement;
-    return Rows(std::make_unique<SqliteRows>(db_, statement, &one.busy, values));
+    Statement statement = prepare(sql, true);
+    found = kept_->statements.try_emplace(sqlite3_sql(statement.get())).first;
+    found->second.statement = std::move(statement);
   }
-  // Its rows are being read further up.
-  if (found->second.busy)
-    return Rows(std::make_unique<SqliteRows>(db_, prepare(sql, false), nullptr, values));
-  return Rows(
-      std::make_unique<SqliteRows>(db_, found->second.statement, &found->second.busy, values));
+  Kept::One& one = found->second;
+  std::unique_ptr<SqliteRows> rows;
+  if (!one.busy) {
+    rows = std::make_unique<SqliteRows>(db_, one.statement.get(), &one.busy);
+  } else {  // its rows are being read further up
+    Statement own = prepare(sql, false);
+    rows = std::make_unique<SqliteRows>(db_, own.get(), nullptr);
+    static_cast<void>(own.release());
+  }
+  rows->take(values);
+  return Rows(std::move(rows));
 }
 
 int SqliteDatabase::run_list(std::string_view sql, std::span<const Bound> values) {

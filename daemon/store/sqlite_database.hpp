@@ -38,7 +38,11 @@ class SqliteDatabase final : public Database {
  private:
   friend class SlicedCopy;
   [[nodiscard]] std::string_view begin_words() const override { return "BEGIN IMMEDIATE"; }
-  sqlite3_stmt* prepare(std::string_view sql, bool kept);
+  struct Finalize {
+    void operator()(sqlite3_stmt* statement) const;
+  };
+  using Statement = std::unique_ptr<sqlite3_stmt, Finalize>;
+  Statement prepare(std::string_view sql, bool kept);
   struct Kept;
   sqlite3* db_{};
   std::unique_ptr<Kept> kept_;

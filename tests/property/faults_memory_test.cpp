@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "daemon/devices/make_cutters.hpp"
+#include "daemon/store/sqlite_database.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/received_log.hpp"
 #include "tests/support/service_bench.hpp"
@@ -85,6 +86,29 @@ void check_service(ServiceBench& bench, const std::string& id) {
 }
 
 }  // namespace
+
+TEST_CASE("a failed allocation in a statement leaves no connection to the database behind",
+          "[daemon][memory][faults]") {
+  const TempFolder folder;
+  const SqliteDatabase::Options options{.path = folder / "popcut.db"};
+  long n = 0;
+  for (bool failed = true; failed && n < 5000; ++n) {
+    CAPTURE(n);
+    arm_faults(n, 1);
+    try {
+      SqliteDatabase database(options);
+      (void)database.number("SELECT count(*) FROM sqlite_schema");
+    } catch (const std::exception&) {
+      // Opened or asked without memory.
+    }
+    failed = disarm_faults();
+    // One that is left behind locks the file.
+    SqliteDatabase again(options);
+    CHECK(again.number("SELECT 1") == 1);
+  }
+  CHECK(n > 5);
+  CHECK(n < 5000);
+}
 
 TEST_CASE("a failed allocation in the service never loses a job or leaves a knife without one",
           "[daemon][memory][faults]") {
