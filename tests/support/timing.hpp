@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <ctime>
+#include <limits>
 #include <thread>
 #include <vector>
 
@@ -41,6 +43,29 @@ namespace popcut::testing {
   return times[static_cast<std::size_t>(runs / 2)];
 }
 
+/// The processor time that `work()` takes in this thread, s.
+[[nodiscard]] double cpu_seconds_of(const auto& work) {
+  const auto now = [] {
+    timespec used{};
+    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
+    return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+  };
+  const double begun = now();
+  work();
+  return now() - begun;
+}
+
+/// True if `large()` takes at most `times` the processor time of `small()`. What else the machine
+/// does slows some runs down, so the quickest of a few counts.
+[[nodiscard]] bool takes_at_most(double times, const auto& large, const auto& small) {
+  double large_s = std::numeric_limits<double>::infinity(), small_s = cpu_seconds_of(small);
+  for (int run = 0; run < 5 && large_s > times * small_s; ++run) {
+    large_s = std::min(large_s, cpu_seconds_of(large));
+    small_s = std::min(small_s, cpu_seconds_of(small));
+  }
+  return large_s <= times * small_s;
+}
+
 /// The most memory that this process has had, MB.
 [[nodiscard]] inline long peak_mb() {
   rusage usage{};
@@ -50,7 +75,7 @@ namespace popcut::testing {
 
 /// Waits until `holds()` is true, asking every `step`; false if it is not within `seconds`.
 template <typename Condition>
-[[nodiscard]] bool comes_true(Condition holds, double seconds = 60,
+[[nodiscard]] bool comes_true(Condition holds, double seconds = 300,
                               std::chrono::milliseconds step = std::chrono::milliseconds(2)) {
   const auto begun = std::chrono::steady_clock::now();
   while (!holds()) {

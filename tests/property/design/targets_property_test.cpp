@@ -13,6 +13,7 @@
 #include "core/design/target/monotone_fit.hpp"
 #include "core/design/target/surface.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/rounds.hpp"
 #include "tests/support/slice_distance.hpp"
 
 namespace targets_property_test {
@@ -295,7 +296,7 @@ TEST_CASE("a loft meets the curves of its stations and falls between them",
           "[core][target][drawn]") {
   constexpr unsigned kSeed = 58;
   std::mt19937 random(kSeed);
-  for (int round = 0; round < 60; ++round) {
+  for (int round = 0; round < testing::rounds(60); ++round) {
     CAPTURE(kSeed, round);
     const std::size_t n = 2 + random() % 8;
     LoftSpec spec;

@@ -11,6 +11,7 @@
 #include "device/session/pace.hpp"
 #include "device/session/session.hpp"
 #include "device/sim/simulate.hpp"
+#include "tests/support/rounds.hpp"
 #include "tests/support/sim_bench.hpp"
 
 namespace session_pace_test {
@@ -182,7 +183,8 @@ TEST_CASE("no pause on the panel ends a job, and no cancel there goes unseen",
   std::uniform_real_distribution<double> length(0.001, 1.2);
   std::uniform_int_distribution<std::uint64_t> stroke(1, 40);
   int ended = 0, unseen = 0, asked = 0;
-  for (int round = 0; round < 250; ++round) {
+  const int all = rounds(250);
+  for (int round = 0; round < all; ++round) {
     const double pace = kPaces[round % 5];
     for (const bool cancelled : {false, true}) {
       std::vector<SimFault> faults;
@@ -209,9 +211,9 @@ TEST_CASE("no pause on the panel ends a job, and no cancel there goes unseen",
   CHECK(ended == 0);
   CHECK(unseen == 0);
   std::printf(
-      "1000 pauses on the panel: %d ended a job; 250 cancels: %d unseen; a person was asked "
+      "%d pauses on the panel: %d ended a job; %d cancels: %d unseen; a person was asked "
       "%d times\n",
-      ended, unseen, asked);
+      4 * all, ended, all, unseen, asked);
 }
 
 TEST_CASE("the pace of a machine is found from two rests", "[device][session]") {
