@@ -38,14 +38,14 @@ struct DaemonWithCli {
   /// Repeats the command until it succeeds; the last run.
   [[nodiscard]] Ran until_done(const std::vector<std::string>& words) const {
     Ran ran;
-    (void)comes_true([&] { return (ran = popcut(words)).exit == 0; }, 60, kBetweenRuns);
+    (void)comes_true([&] { return (ran = popcut(words)).exit == 0; }, 300, kBetweenRuns);
     return ran;
   }
   [[nodiscard]] nlohmann::json job(const std::string& id) const {
     return nlohmann::json::parse(popcut({"jobs", id, "--json"}).out);
   }
   [[nodiscard]] bool comes_to(const std::string& id, const std::string& state) const {
-    return comes_true([&] { return job(id)["state"] == state; }, 60, kBetweenRuns);
+    return comes_true([&] { return job(id)["state"] == state; }, 300, kBetweenRuns);
   }
   /// The trace of the newest sheet that was cut.
   [[nodiscard]] nlohmann::json trace() const {

@@ -91,7 +91,7 @@ class FaultProxy::Network {
   std::uint16_t port{0};
   bool records{false};
   std::vector<std::shared_ptr<std::string>> recordings;
-  std::size_t accepted{0};
+  std::size_t accepted{0}, turns{0};
   std::set<std::shared_ptr<Connection>> connections;
 
  private:
@@ -147,7 +147,7 @@ struct FaultProxy::Network::Connection {
   std::shared_ptr<std::string> recording;
   std::string seen;  // the last bytes from the client, in which the text of a cut may begin
   bool has_begun{};  // the client has said what the text of the cut comes after
-  bool answer_lost{false}, gone{false};
+  bool answered{false}, answer_lost{false}, gone{false};
 };
 
 FaultProxy::Network::Network(const std::string& at) : server(endpoint_of(at)) {
@@ -231,6 +231,8 @@ void FaultProxy::Network::take(const Alive& alive, Way way, std::size_t count) {
   std::string bytes(stream.buffer.data(), count);
   if (way == Way::ToServer && alive->recording && alive->recording->size() <= kMostRecorded)
     *alive->recording += bytes;
+  if (way == Way::ToServer && count > 0 && alive->answered) ++turns;
+  alive->answered = way == Way::ToClient;
   if (stream.nobody && !stream.ended) return;
   stream.waiting_bytes += count;
   stream.waiting.push_back({std::move(bytes), Clock::now() + direction(way).delay});
@@ -442,6 +444,10 @@ std::size_t FaultProxy::connections() const {
 
 std::size_t FaultProxy::accepted() const {
   return network_->on([&] { return network_->accepted; });
+}
+
+std::size_t FaultProxy::turns() const {
+  return network_->on([&] { return network_->turns; });
 }
 
 std::size_t FaultProxy::passed(Way way) const {

@@ -72,6 +72,8 @@ class FaultProxy {
   [[nodiscard]] std::size_t connections() const;    ///< that are open now
   [[nodiscard]] std::size_t accepted() const;       ///< so far
   [[nodiscard]] std::size_t passed(Way way) const;  ///< bytes so far
+  /// How often a client sent something after it got something, so far: ways to the server and back.
+  [[nodiscard]] std::size_t turns() const;
 
  private:
   class Network;

@@ -74,7 +74,7 @@ void FleetNodes::open() {
 
 void FleetNodes::open(int node, const std::vector<std::string>& environment) {
   (*this)[node].open(environment);
-  if (!happens([&] { return is_alive(node); }, 20))
+  if (!happens([&] { return is_alive(node); }))
     throw std::runtime_error(name(node) + " gets no lease: " + (*this)[node].daemon().log());
 }
 
@@ -100,7 +100,7 @@ bool FleetNodes::is_alive(int node) const {
 std::string FleetNodes::ready_job(int at, int for_cutter_of, int lines, double length_mm) {
   RunningDaemon& here = (*this)[at];
   const std::string design = here.design(RunningDaemon::lines_svg(lines, length_mm));
-  if (!happens([&] { return here.device_state(device(for_cutter_of)) == "idle"; }, 10))
+  if (!happens([&] { return here.device_state(device(for_cutter_of)) == "idle"; }))
     throw std::runtime_error(name(at) + " does not see " + device(for_cutter_of));
   std::string job = here.ready_job(design, device(for_cutter_of));
   return job;

@@ -15,8 +15,8 @@
 
 namespace popcut::testing {
 
-/// Waits until `holds`, at most a minute, looking every few milliseconds.
-[[nodiscard]] bool happens(const std::function<bool()>& holds, double seconds = 60);
+/// Waits until `holds`, at most `seconds`, looking every few milliseconds.
+[[nodiscard]] bool happens(const std::function<bool()>& holds, double seconds = 300);
 
 /// A running popcutd, and a person who asks it over its unix socket. What does not answer as it
 /// should throws, so that it can be used on any thread.

@@ -227,9 +227,9 @@ TEST_CASE("each cutter has its own thread and stopping all ends every cut", "[da
   Bench other({{.id = "sim:a", .machine = "cameo3", .time_scale = 1}});
   const auto c = std::make_shared<Journal>();
   REQUIRE(other.cut("sim:a", c));
-  const auto begun = steady_clock::now();
   other.cutters->stop_all(0.05);
-  CHECK(std::chrono::duration<double>(steady_clock::now() - begun).count() < 30);
+  CHECK(c->ends == 1);
+  CHECK(count(c->end, StrokeFate::NotSent) > 20);
 }
 
 TEST_CASE("a stroke that outlasts the stop timeout is abandoned with the tool up",
@@ -245,9 +245,7 @@ TEST_CASE("a stroke that outlasts the stop timeout is abandoned with the tool up
   const auto journal = std::make_shared<Journal>();
   REQUIRE(bench.cut("sim:slow", journal));
   REQUIRE(comes_true([&] { return journal->taken >= 0 || journal->intended >= 0; }));
-  const auto begun = steady_clock::now();
   bench.cutters->stop_all(0.3);
-  CHECK(std::chrono::duration<double>(steady_clock::now() - begun).count() < 30);
   REQUIRE(journal->ends == 1);
   CHECK(journal->end.cancelled);
   REQUIRE(journal->end.error);

