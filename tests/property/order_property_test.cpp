@@ -141,7 +141,7 @@ TEST_CASE("an order never costs more than the drawing's own within the same boun
 
 TEST_CASE("a good order stays good", "[core][plan][order]") {
   std::mt19937 random(31);
-  for (int round = 0; round < 12; ++round) {
+  for (int round = 0, all = testing::rounds(12, 4); round < all; ++round) {
     CAPTURE(round);
     const LineWork work = random_drawing(random, 120);
     OrderOptions options;
@@ -183,7 +183,7 @@ TEST_CASE("a search that ends early reports it and still gives a valid order",
   std::mt19937 random(41);
   for (int most : {0, 1, 2, 5, 20}) {
     CAPTURE(most);
-    const LineWork work = random_drawing(random, 400);
+    const LineWork work = random_drawing(random, testing::fewer_rounds() ? 200 : 400);
     OrderOptions options;
     options.method = OrderMethod::Best;
     options.effort = 0.2;
@@ -207,9 +207,10 @@ TEST_CASE("a search that ends early reports it and still gives a valid order",
 TEST_CASE("the best order never costs more than the quick one even if it ends early",
           "[core][plan][order]") {
   std::mt19937 random(42);
+  const int many = testing::fewer_rounds() ? 800 : 2500;
   for (int most : {0, 1, 3, 10, 1'000'000}) {
     CAPTURE(most);
-    const LineWork work = random_drawing(random, most == 0 ? 2500 : 300);
+    const LineWork work = random_drawing(random, most == 0 ? many : 300);
     OrderOptions options;
     options.effort = 0.1;
     const Ordered quick = order(work, options);
