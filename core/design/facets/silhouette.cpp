@@ -173,6 +173,7 @@ class LayerHolder {
       drop_all_small();
     }
     widen_or_cut_folds();
+    close_short_gaps();
   }
 
  private:
@@ -401,6 +402,41 @@ class LayerHolder {
       }
     }
   }
+  /// Where the spine's fold between two layers would be too short, one of them takes the gap.
+  void close_short_gaps() {
+    const auto wall = static_cast<std::size_t>(grid().wall);
+    const auto is_gap = [&](int s) {
+      const auto strip = card_.image().strip(s);
+      return strip[wall - 1] == kWallLabel && strip[wall] == kGroundLabel;
+    };
+    for (int s = 0; s < grid().strips;) {
+      const int begin = s++;
+      if (!is_gap(begin)) continue;
+      while (s < grid().strips && is_gap(s)) ++s;
+      if (begin == 0 || s == grid().strips || s - begin >= width_) continue;
+      std::vector<Strut> ways;
+      for (const int beside : {begin - 1, s}) {
+        Strut way;
+        for (int k = begin; k < s; ++k) way.strips.push_back({k, labels_of(card_.image(), beside)});
+        way.cost = extra_cost(card_.labelling, way.strips);
+        ways.push_back(std::move(way));
+      }
+      take_cheapest(ways);
+    }
+  }
+
+  /// Makes the cheapest change that loosens nothing.
+  void take_cheapest(std::vector<Strut>& ways) {
+    std::stable_sort(ways.begin(), ways.end(),
+                     [](const Strut& a, const Strut& b) { return a.cost < b.cost; });
+    for (Strut& way : ways) {
+      LabelHolding then = card_.holding_with(way.strips);
+      if (then.open > card_.holding.open) continue;
+      card_.take(way.strips, std::move(then));
+      return;
+    }
+  }
+
   [[nodiscard]] bool stands_at(Label label, int fold, int s) const {
     const auto strip = card_.image().strip(s);
     return strip[static_cast<std::size_t>(fold) - 1] == label &&
@@ -431,14 +467,7 @@ class LayerHolder {
         if (up == 0) up = fold - least();
         std::fill(labels.begin() + up, labels.begin() + fold, label);
       });
-    std::stable_sort(ways.begin(), ways.end(),
-                     [](const Strut& a, const Strut& b) { return a.cost < b.cost; });
-    for (Strut& way : ways) {
-      LabelHolding then = card_.holding_with(way.strips);
-      if (then.open > card_.holding.open) continue;
-      card_.take(way.strips, std::move(then));
-      return;
-    }
+    take_cheapest(ways);
   }
 
   LabelCard& card_;
@@ -470,12 +499,16 @@ Silhouette make_silhouette(Labelling& labelling, const SeenTarget& target,
                            const SilhouetteOptions& how, HoldRule rule, const Progress& progress) {
   rule.min_fold_mm = std::max(rule.min_fold_mm, how.min_fold_mm);
   LabelImage image = LayerLabels(target, labelling).run();
-  fill_enclosed(image, labelling.planes(), rule.min_panel_mm);
+  // Holes go now; a layer that wall or ground encloses may get a strut.
+  LabelImage filled = image;
+  fill_enclosed(filled, labelling.planes(), rule.min_panel_mm);
+  for (std::size_t k = 0; k < image.label.size(); ++k)
+    if (!is_card(filled.label[k])) image.label[k] = filled.label[k];
   for (int s = 0; s < image.grid.strips; ++s) labelling.set(s, labels_of(image, s));
   Silhouette out;
   LabelCard card(labelling, rule);
   LayerHolder(card, how, out).run(progress);
-  LabelImage filled = labelling.image();
+  filled = labelling.image();
   if (fill_enclosed(filled, labelling.planes(), rule.min_panel_mm)) {
     card.take(filled);
     LayerHolder(card, how, out).run(progress);
