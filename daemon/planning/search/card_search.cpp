@@ -750,7 +750,16 @@ class CardSearch {
       return card.error() <= near_least ||
              (card.printed && likeness::looks(*card.printed) == likeness::Looks::Good);
     };
-    while (!is_good(out_.front[out_.recommended])) ++out_.recommended;
+    const auto recommended = [&](const char* label) {
+      return std::find_if(out_.front.begin(), out_.front.end(), [&](const FoundCard& card) {
+        return is_good(card) && card.cost.hands.label == label;
+      });
+    };
+    auto best = out_.front.end();  // few folds that are too short are no easy card
+    for (const char* const label : {"easy", "medium", "hard"})
+      if (best == out_.front.end()) best = recommended(label);
+    out_.recommended = static_cast<std::size_t>(
+        std::distance(out_.front.begin(), best == out_.front.end() ? best - 1 : best));
     out_.seen_share = seen_share_of(ways_[out_.front.back().candidate.way]);
     return std::move(out_);
   }

@@ -97,8 +97,8 @@ struct FoundCards {
   /// `most_s`, no panel moves by more than `hands::kFirm_mm` unless `any_hold` asks for it, and
   /// each passes the verifier with one freedom. The last one is the one most like the model.
   std::vector<FoundCard> front;
-  /// Of `front`: the easiest that looks good; where none does, or all are judged plain, the easiest
-  /// whose error is near the least one.
+  /// Of `front`: the easiest that looks good, one with the label "easy" before others; where none
+  /// does, or all are judged plain, the easiest whose error is near the least one.
   std::size_t recommended{};
   std::vector<UsualCard> usual;
   SearchCounts counts;
