@@ -412,7 +412,7 @@ TEST_CASE("the artwork of a planned sheet is that of popcut print, and so is the
   refused(sheets + "1/artwork.pdf?model=" + picture, 422,
           "?model: is a PNG picture; give a 3D model");
   const std::string away =
-      put("/v1/assets?name=away.obj", "v 900 900 900\nv 901 900 900\nv 900 901 900\nf 1 2 3\n",
+      put("/v1/assets?name=away.obj", "v 900 900 900\nv 920 900 900\nv 900 920 900\nf 1 2 3\n",
           "application/octet-stream");
   refused(sheets + "1/artwork.pdf?model=" + away, 422, "nothing of the model is seen");
   const std::string drawing = desk.design(RunningDaemon::lines_svg(3));
