@@ -16,14 +16,6 @@ double p95_of(std::vector<float>& values) {
   return static_cast<double>(values[at]);
 }
 
-/// Sum of the distances at pixels, each `most` at most, in pixels.
-double sum_at(const ContourPixels& contours, const DistanceImage& distances, double most) {
-  double sum = 0.0;
-  for (const std::uint32_t pixel : contours.pixels)
-    sum += std::min(most, static_cast<double>(distances[pixel]));
-  return sum;
-}
-
 }  // namespace
 
 Target::Target(Triangles triangles, const Scene& scene)
@@ -93,10 +85,8 @@ ViewFigures Target::measure_view(std::size_t k, Triangles structure, Buffers& bu
   if (none != none_own) out.contour_mm = diagonal_mm_;
   if (none || none_own) return out;
   buffers.distances.measure(scene_.pixels, buffers.contours);
-  const double there = sum_at(seen.contours, buffers.distances, most) /
-                       static_cast<double>(seen.contours.pixels.size());
-  const double back = sum_at(buffers.contours, seen.distances, most) /
-                      static_cast<double>(buffers.contours.pixels.size());
+  const double there = mean_distance(seen.contours, buffers.distances, most);
+  const double back = mean_distance(buffers.contours, seen.distances, most);
   out.contour_mm = 0.5 * (there + back) * pitch;
   return out;
 }

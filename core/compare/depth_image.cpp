@@ -104,6 +104,13 @@ void find_contours(const DepthImage& image, float jump_mm, ContourPixels& out) {
     }
 }
 
+double mean_distance(const ContourPixels& contours, const DistanceImage& distances, double most) {
+  double sum = 0.0;
+  for (const std::uint32_t pixel : contours.pixels)
+    sum += std::min(most, static_cast<double>(distances[pixel]));
+  return sum / static_cast<double>(contours.pixels.size());
+}
+
 void DistanceImage::measure(int pixels, const ContourPixels& contours) {
   constexpr float kFar = 1e12f;
   const auto size = static_cast<std::size_t>(pixels);

@@ -69,4 +69,9 @@ class DistanceImage {
   bool empty_{true};
 };
 
+/// The mean distance at contour pixels from other contours, each `most` at most, in pixels.
+/// @param contours  at least one
+[[nodiscard]] double mean_distance(const ContourPixels& contours, const DistanceImage& distances,
+                                   double most);
+
 }  // namespace popcut::likeness

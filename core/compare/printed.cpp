@@ -168,14 +168,9 @@ PrintedFigures PrintedTarget::measure(Triangles structure, Buffers& buffers) con
     if (!none && !none_own) {
       buffers.distances.measure(scene_.pixels, buffers.contours);
       const double most = diagonal_mm_ / seen.frame.pitch_mm();
-      const auto mean = [&](const ContourPixels& from, const DistanceImage& to) {
-        double sum = 0.0;
-        for (const std::uint32_t pixel : from.pixels)
-          sum += std::min(most, static_cast<double>(to[pixel]));
-        return sum / static_cast<double>(from.pixels.size());
-      };
       contour = 0.5 *
-                (mean(seen.outline, buffers.distances) + mean(buffers.contours, seen.distances)) /
+                (mean_distance(seen.outline, buffers.distances, most) +
+                 mean_distance(buffers.contours, seen.distances, most)) /
                 most;
     }
     out.contour += contour / static_cast<double>(seen_.size());

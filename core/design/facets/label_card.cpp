@@ -54,17 +54,22 @@ void LabelCard::take(const LabelImage& image) {
   holding = holding_of(runs, planes(), grid(), rule);
 }
 
-std::vector<LoosePatch> loose_patches(const LabelCard& card) {
+std::map<std::uint32_t, LoosePatch> patch_cells(const LabelCard& card, bool only_loose) {
   std::map<std::uint32_t, LoosePatch> by_patch;
   for (int s = 0; s < card.grid().strips; ++s) {
     const std::vector<LabelRun>& runs = card.runs_of_strip(s);
     for (std::size_t r = 0; r < runs.size(); ++r) {
-      if (!card.is_loose(s, r)) continue;
+      if (only_loose && !card.is_loose(s, r)) continue;
       LoosePatch& patch = by_patch[card.patch_of(s, r)];
       patch.area += runs[r].end - runs[r].begin;
       patch.cells.push_back({s, runs[r].begin, runs[r].end, runs[r].label});
     }
   }
+  return by_patch;
+}
+
+std::vector<LoosePatch> loose_patches(const LabelCard& card) {
+  std::map<std::uint32_t, LoosePatch> by_patch = patch_cells(card, true);
   std::vector<LoosePatch> out;
   for (auto& [number, patch] : by_patch) out.push_back(std::move(patch));
   std::stable_sort(out.begin(), out.end(),

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -61,11 +62,14 @@ struct LabelCard {
   void take(const LabelImage& image);
 };
 
-/// A patch that is loose: its area in cells, and where it is.
+/// A patch, such as one that is loose: its area in cells, and where it is.
 struct LoosePatch {
   double area{};
   std::vector<LabelBan> cells;  ///< its stretches, by strip
 };
+/// The patches by number: all, or those that are loose.
+[[nodiscard]] std::map<std::uint32_t, LoosePatch> patch_cells(const LabelCard& card,
+                                                              bool only_loose);
 /// The loose patches, smallest first.
 [[nodiscard]] std::vector<LoosePatch> loose_patches(const LabelCard& card);
 

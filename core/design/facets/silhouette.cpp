@@ -234,16 +234,8 @@ class LayerHolder {
 
   /// Leaves out one piece that is too small to be cut. Whether there was one.
   bool drop_small() {
-    std::map<std::uint32_t, LoosePatch> pieces;
-    for (int s = 0; s < grid().strips; ++s)
-      for (std::size_t r = 0; r < card_.runs_of_strip(s).size(); ++r) {
-        const LabelRun& run = card_.runs_of_strip(s)[r];
-        LoosePatch& piece = pieces[card_.patch_of(s, r)];
-        piece.area += run.end - run.begin;
-        piece.cells.push_back({s, run.begin, run.end, run.label});
-      }
     const double cell_mm2 = grid().step_mm * grid().strip_mm;
-    for (const auto& [patch, piece] : pieces) {
+    for (const auto& [patch, piece] : patch_cells(card_, false)) {
       if (patch == patch_of_margin(0) || patch == patch_of_margin(1)) continue;
       if (piece.area * cell_mm2 >= how_.min_area_mm2 || is_strut(piece)) continue;
       const NewStrips without = painted_over(card_, piece, true);

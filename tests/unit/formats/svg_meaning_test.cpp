@@ -660,7 +660,7 @@ TEST_CASE("filled shapes that lie over each other are told and welded on request
   CHECK(cut("<path fill='none' stroke='#000'" + both, false).warnings.empty());
   CHECK_FALSE(is_told(cut("<path fill-rule='evenodd'" + both, false), "lie over"));
   CHECK(total_mm(cut("<path fill-rule='evenodd'" + both, true), Operation::Cut) == Approx(200));
-  // What crosses is told at the size that the drawing gets.
+  // popcut looks for crossings after it has scaled the drawing.
   SvgReadOptions tiny;
   tiny.profile = *find_stroke_profile("auto");
   tiny.enlarged = 300;
