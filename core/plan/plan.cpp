@@ -283,6 +283,7 @@ class Planner {
              options.svg_profile,
              options.svg_dpi,
              reading_tolerance_mm(options),
+             options.pdf_page,
              options.layers},
         settings_(out_.machine, out_.material, mode, out_.warnings) {}
 
@@ -340,9 +341,14 @@ class Planner {
     if (options_.labels == LabelTool::Cut || (options_.labels == LabelTool::Auto && !pen))
       cut_marks(*layout);
     out_.warnings.insert(out_.warnings.end(), layout->warnings.begin(), layout->warnings.end());
-    // Pieces that are apart in the drawing, such as a book's cards, are split without glue.
+    // Pieces that are apart in the drawing, such as a book's cards, are split without glue. Who has
+    // said which paper there is has no mat that is larger.
+    const auto is_named = [&](const Mat& mat) { return is_mat_name(mat, options_.mat); };
+    const std::vector<Mat>& mats = out_.machine.mats;
+    const bool own_paper =
+        !options_.mat.empty() && std::none_of(mats.begin(), mats.end(), is_named);
     if (const std::string other = mat_for(out_.machine, bounds(work), options_.marks);
-        !other.empty() && !layout->tabs.empty())
+        !own_paper && !other.empty() && !layout->tabs.empty())
       out_.warnings.push_back(
           {.code = "fits_whole",
            .message = fmt::format("the drawing fits whole on `mat` {}, without splitting", other)});

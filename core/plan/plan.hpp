@@ -64,6 +64,7 @@ struct Plan {
   bool weld{false};           ///< filled shapes that lie over each other became one
   std::string svg_profile{};  ///< how an SVG was read, as the next two
   double svg_dpi{}, curve_tolerance_mm{};
+  std::uint64_t pdf_page{1};
   std::string layers{};             ///< what names mean, where `layers` said it
   std::optional<double> unit_mm{};  ///< of a DXF or FOLD file, where `units` gave it
   Placement drawing_transform{};    ///< what `scale`, `rotate` and `mirror` did to the drawing

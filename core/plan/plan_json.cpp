@@ -335,6 +335,7 @@ std::string plan_json(const Plan& plan) {
             {"pens", pens_json(plan)},
             {"unit_mm", plan.unit_mm ? Json(*plan.unit_mm) : Json()},
             {"svg_dpi", plan.svg_dpi},
+            {"pdf_page", plan.pdf_page},
             {"curve_tolerance_mm", plan.curve_tolerance_mm},
             {"sheets", Json::array()},
             {"handwork", plan.handwork ? hands::handwork_json(*plan.handwork) : Json()},

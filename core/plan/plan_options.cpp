@@ -26,12 +26,28 @@ constexpr std::size_t kMostShown = 40;  // characters of a wrong value in an err
 
 // 1. Values from text.
 
-std::optional<json> numbers_in(std::string_view text) {
+/// Reads a number; one in mm may have its unit behind it: 80, 80mm, 8cm or 3in.
+bool read_value(std::string_view text, std::string_view unit, double& number) {
+  constexpr std::pair<std::string_view, double> kUnits[] = {{"mm", 1}, {"cm", 10}, {"in", 25.4}};
+  double mm = 1;
+  if (unit == "mm" && text.size() > 2)
+    for (const auto& [name, size_mm] : kUnits)
+      if (same_word(text.substr(text.size() - 2), name)) {
+        mm = size_mm;
+        text.remove_suffix(2);
+        break;
+      }
+  if (!read_number(text, number)) return false;
+  number *= mm;
+  return std::isfinite(number);
+}
+
+std::optional<json> numbers_in(std::string_view text, std::string_view unit) {
   json numbers = json::array();
   while (numbers.size() < kMostListed) {
     const std::string_view item = text.substr(0, text.find(','));
     double number{};
-    if (!read_number(item, number) || !std::isfinite(number)) return std::nullopt;
+    if (!read_value(item, unit, number)) return std::nullopt;
     numbers.push_back(number);
     if (item.size() == text.size()) return numbers;
     text.remove_prefix(item.size() + 1);
@@ -53,16 +69,16 @@ std::optional<json> value_in(const PlanOption& option, std::string_view text,
     case Kind::Flag:
       return if_valid(text == "true" || text == "false", text == "true");
     case Kind::Number:
-      return if_valid(read_number(text, number) && std::isfinite(number), number);
+      return if_valid(read_value(text, option.unit, number), number);
     case Kind::Whole:
       return if_valid(read_number(text, whole), whole);
     case Kind::Word:
       if (member.takes_index) return if_valid(is_word, word - option.words.begin());
       return if_valid(is_word || text.empty(), std::string(text));
     case Kind::Lengths:
-      return numbers_in(text);
+      return numbers_in(text, option.unit);
     case Kind::Place: {
-      auto place = numbers_in(text);
+      auto place = numbers_in(text, option.unit);
       return place && place->size() == 2 ? place : std::nullopt;
     }
     case Kind::Text:
@@ -268,6 +284,7 @@ std::vector<PlanOption> make_table() {
            "Largest distance between a curve and the straight lines that replace it"),
       number("svg-dpi", MEMBER(svg_dpi), "N", {1, 10'000},
            "SVG units (px) in an inch; 72 for old Illustrator files"),
+      number("pdf-page", MEMBER(pdf_page), "N", {1, 100'000}, "Which page of a PDF to read"),
       word("units", MEMBER(units), {"auto", "mm", "cm", "m", "in", "ft", "pt"},
            "Unit of length of a DXF or FOLD file, in place of what the file says"),
       flag("clip", MEMBER(place.clip),

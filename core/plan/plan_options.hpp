@@ -73,6 +73,7 @@ struct PlanOptions {
   bool tells_doubles{true};  ///< warn of lines that run close beside each other
   std::string layers{};      ///< what names mean, see `parse_layer_uses`
   double curve_tolerance_mm{0.02}, svg_dpi{96};
+  std::uint64_t pdf_page{1};                 ///< of a PDF, from 1
   LengthUnit units{LengthUnit::Auto};        ///< of DXF and FOLD files
   bool no_split{false};                      ///< a drawing that is too large is refused
   std::vector<double> seams_x{}, seams_y{};  ///< seams that were asked for, drawing mm

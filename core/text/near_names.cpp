@@ -45,6 +45,16 @@ std::string nearest_word(std::string_view wrong, const std::vector<std::string>&
 std::string suggestion(std::string_view wrong, const std::vector<std::string>& names) {
   const std::string near = nearest_word(wrong, names);
   if (!near.empty()) return fmt::format("did you mean {}?", near);
+  constexpr std::size_t kFewest = 3, kMost = 6;
+  std::vector<std::string> longer;
+  for (const std::string& name : names)
+    if (wrong.size() >= kFewest && name.find(wrong) != name.npos) longer.push_back(name);
+  if (!longer.empty() && longer.size() <= kMost) {
+    const std::string last = longer.back();
+    longer.pop_back();
+    return longer.empty() ? fmt::format("did you mean {}?", last)
+                          : fmt::format("did you mean {} or {}?", fmt::join(longer, ", "), last);
+  }
   return fmt::format("one of {}", fmt::join(names, ", "));
 }
 

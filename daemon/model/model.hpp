@@ -107,7 +107,7 @@ struct Asset {
 struct Design {
   std::string id;  ///< "sha256-..."
   std::string name;
-  std::string kind;  ///< "spec", "fold", "svg", "dxf"
+  std::string kind;  ///< "spec", "fold", "svg", "dxf", "pdf"
   std::string owner;
   std::uint64_t bytes{};
   TimeMs created{};

@@ -20,6 +20,7 @@
 #include "core/text/gzip.hpp"
 #include "core/text/json_text.hpp"
 #include "core/text/utf8.hpp"
+#include "daemon/pictures/pdf_page.hpp"
 #include "daemon/planning/design_files.hpp"
 
 namespace popcut::planning {
@@ -103,6 +104,15 @@ Result<DrawingInput> from_fold(const std::string& text, const SvgReadOptions& ho
       linework_from_fold(text, FoldLimits{}.raised(factor), how.unit_mm, how.enlarged));
 }
 
+Result<DrawingInput> from_pdf(const std::string& text, const SvgReadOptions& how) {
+  auto page = pictures::pdf_page(text, how.pdf_page);
+  if (!page) return tl::unexpected(page.error());
+  auto drawing = linework_from_svg(std::move(page->svg), how);
+  if (!drawing) return tl::unexpected(drawing.error());
+  drawing->warnings.insert(drawing->warnings.begin(), page->warnings.begin(), page->warnings.end());
+  return only_drawing(std::move(drawing));
+}
+
 /// Looks at the keys of the outermost object until one decides; never keeps a value.
 class TopKeys : public nlohmann::json_sax<nlohmann::json> {
  public:
@@ -138,11 +148,11 @@ class TopKeys : public nlohmann::json_sax<nlohmann::json> {
 
 Result<DrawingInput> drawing_from_text(std::string text, InputKind kind, const SvgReadOptions& how,
                                        unsigned factor, const SpecSources& sources) {
-  if (how.unit_mm && (kind == InputKind::Spec || kind == InputKind::Svg))
+  if (how.unit_mm && (kind == InputKind::Spec || kind == InputKind::Svg || kind == InputKind::Pdf))
     return fail(ErrorKind::Usage, "/options/units",
                 kind == InputKind::Spec
                     ? "is for DXF and FOLD files, and a design is in mm; use `scale` or `width`"
-                    : "is for DXF and FOLD files; for an SVG use `svg-dpi`, `scale` or `width`");
+                    : "is for DXF and FOLD files; use `scale` or `width`, or `svg-dpi` for an SVG");
   switch (kind) {
     case InputKind::Spec:
       return from_spec(text, sources);
@@ -150,6 +160,8 @@ Result<DrawingInput> drawing_from_text(std::string text, InputKind kind, const S
       return from_fold(text, how, factor);
     case InputKind::Dxf:
       return from_dxf(text, how, factor);
+    case InputKind::Pdf:
+      return from_pdf(text, how);
     case InputKind::Svg:
       break;
   }
@@ -160,7 +172,7 @@ DrawingInput test_shape_input() { return {test_shape(), std::nullopt, {}, {}, Pa
 
 Result<InputKind> kind_of_content(std::string_view text) {
   constexpr const char* kRight =
-      "is not a design (JSON with \"popcut\") or a FOLD (\"file_spec\"), SVG or DXF "
+      "is not a design (JSON with \"popcut\") or a FOLD (\"file_spec\"), SVG, DXF or PDF "
       "file";
   std::string kept;
   text = plain_text(text, kept);
@@ -168,6 +180,7 @@ Result<InputKind> kind_of_content(std::string_view text) {
   if (first == std::string_view::npos) return fail(ErrorKind::Malformed, "", "is empty");
   if (is_binary_dxf(text)) return InputKind::Dxf;
   if (is_gzip(text)) return InputKind::Svg;
+  if (pictures::is_pdf(text)) return InputKind::Pdf;
   if (is_crease_pattern(text)) return InputKind::Fold;
   if (const std::string foreign = foreign_advice(text); !foreign.empty())
     return fail(ErrorKind::Malformed, "", foreign);
@@ -182,15 +195,16 @@ Result<InputKind> kind_of_content(std::string_view text) {
 }
 
 std::string_view name_of(InputKind kind) {
-  constexpr std::array<std::string_view, 4> kNames{"spec", "fold", "svg", "dxf"};
+  constexpr std::array<std::string_view, 5> kNames{"spec", "fold", "svg", "dxf", "pdf"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 
 Result<InputKind> input_kind_from(std::string_view name) {
-  for (const InputKind kind : {InputKind::Spec, InputKind::Fold, InputKind::Svg, InputKind::Dxf})
+  for (const InputKind kind :
+       {InputKind::Spec, InputKind::Fold, InputKind::Svg, InputKind::Dxf, InputKind::Pdf})
     if (name_of(kind) == name) return kind;
   return fail(ErrorKind::OutOfRange, "/design_kind",
-              fmt::format("is \"{}\"; give spec, fold, svg or dxf", name.substr(0, 40)));
+              fmt::format("is \"{}\"; give spec, fold, svg, dxf or pdf", name.substr(0, 40)));
 }
 
 }  // namespace popcut::planning

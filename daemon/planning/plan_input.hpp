@@ -28,7 +28,7 @@ struct DrawingInput {
   std::size_t waste{};             ///< of a design: pieces that are taken out
 };
 
-enum class InputKind : std::uint8_t { Spec, Fold, Svg, Dxf };
+enum class InputKind : std::uint8_t { Spec, Fold, Svg, Dxf, Pdf };
 
 /// What designing a spec needs from outside.
 struct SpecSources {
@@ -41,7 +41,7 @@ struct SpecSources {
 };
 
 /// Reads a drawing, or designs a spec. `factor` raises the limits of FOLD and DXF files; those of
-/// SVG are in `how`.
+/// SVG are in `how`. A PDF is read in this process: only a worker should get one (`has_pdf`).
 ///
 /// @retval Malformed, OutOfRange, Infeasible  places are within the text
 /// @retval Internal  the spec's design is not sound (`sound_design`)
@@ -54,12 +54,12 @@ struct SpecSources {
 
 /// What a file is, by its content alone: JSON with "popcut" is a spec, with "file_spec" or
 /// "vertices_coords" a FOLD file, and so is a crease pattern (.cp, .opx); what begins with '<' or
-/// is a gzip is an SVG, with a group code a DXF.
+/// is a gzip is an SVG, with a group code a DXF, with "%PDF-" a PDF.
 ///
 /// @retval Malformed  none of these, or JSON that breaks before its kind is known (line and column)
 [[nodiscard]] Result<InputKind> kind_of_content(std::string_view text);
 
-/// "spec", "fold", "svg", "dxf".
+/// "spec", "fold", "svg", "dxf", "pdf".
 [[nodiscard]] std::string_view name_of(InputKind kind);
 /// @retval OutOfRange  none of these
 [[nodiscard]] Result<InputKind> input_kind_from(std::string_view name);

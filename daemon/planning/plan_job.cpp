@@ -80,6 +80,7 @@ Result<SvgReadOptions> read_options(const PlanOptions& options, const Tables& ta
   how.tolerance_mm = reading_tolerance_mm(options);
   how.enlarged = options.scale;
   how.dpi = options.svg_dpi;
+  how.pdf_page = options.pdf_page;
   how.weld = options.weld;
   how.unit_mm = unit_mm(options.units);
   how.pens = named_pens(options.pens);

@@ -33,14 +33,14 @@ struct PlanningTask {
     Export,   ///< one file of a spec as popcut design writes it; options: "file", "part" (from 1)
     Place,    ///< a spec with its shape moved into place; options: "place" (whole, quarter)
     Artwork,  ///< the artwork of a sheet of a plan of a spec, as a page; see `ArtworkRequest`
+    Svg,      ///< a page of a PDF as "drawing.svg"; options: "page" (from 1)
     Search,   ///< the best cards of a mesh, which is the design; see planning/search/search_task
   };
   Kind kind{};
   std::string who{};          ///< the principal for whom it is done
   std::string design_path;    ///< stored bytes; read by the daemon and sent through the pipe
   std::string design_text{};  ///< the bytes themselves, where there is no path
-  std::string
-      design_kind;  ///< "spec", "fold", "svg", "dxf"; empty in Check: the media type decides
+  std::string design_kind;    ///< see `planning::name_of`; empty in Check: the media type decides
   std::string media_type{};
   std::map<std::string, std::string> asset_paths{};  ///< by id
   /// If not empty: where the assets lie that the design refers to, for `find_assets`.

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/planning/work.hpp"
+#include "daemon/pictures/pdf_page.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <optional>
 #include <utility>
 
@@ -194,6 +196,19 @@ Result<PlanningOutcome> check(WorkerTask& task, const FileSink& add) {
   return outcome;
 }
 
+Result<PlanningOutcome> draw_pdf(const WorkerTask& task, const FileSink& add) {
+  std::uint64_t number = 0;
+  const std::string& text = task.options.at("page");
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  auto page = pictures::pdf_page(task.design, number);
+  if (!page) return tl::unexpected(page.error());
+  if (auto done = add("drawing.svg", std::move(page->svg)); !done)
+    return tl::unexpected(done.error());
+  PlanningOutcome outcome;
+  outcome.warnings = std::move(page->warnings);
+  return outcome;
+}
+
 }  // namespace
 
 Result<PlanningOutcome> perform(WorkerTask task, const FileSink& add, const Progress& progress) {
@@ -211,6 +226,8 @@ Result<PlanningOutcome> perform(WorkerTask task, const FileSink& add, const Prog
       return show(task, add);
     case Kind::Artwork:
       return draw_artwork(task, add, progress);
+    case Kind::Svg:
+      return draw_pdf(task, add);
     case Kind::Search:
       break;  // planning/search, which rests on this folder; the worker has it do the task
   }

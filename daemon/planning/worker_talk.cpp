@@ -22,6 +22,7 @@
 #include <fmt/format.h>
 
 #include "daemon/planning/frames.hpp"
+#include "daemon/planning/pdf_task.hpp"
 #include "daemon/planning/task_json.hpp"
 #include "daemon/planning/worker_process.hpp"
 
@@ -162,8 +163,8 @@ std::string last_words(const std::string& errors) {
 
 /// The task and its owner, for the log.
 std::string name_of(const PlanningTask& task) {
-  constexpr std::array kWords{"check",   "plan",   "test cut", "preview", "lattice",
-                              "picture", "export", "place",    "artwork", "search"};
+  constexpr std::array kWords{"check",  "plan",  "test cut", "preview", "lattice", "picture",
+                              "export", "place", "artwork",  "PDF",     "search"};
   static_assert(kWords.size() == static_cast<std::size_t>(PlanningTask::Kind::Search) + 1);
   const std::string file = task.design_path.substr(task.design_path.rfind('/') + 1);
   return fmt::format("a {}{}{} of {}", kWords.at(static_cast<std::size_t>(task.kind)),
@@ -434,7 +435,7 @@ Result<PlanningOutcome> run_in_worker(const PlanningTask& task, const PlanningLi
                                       int* killed_by) {
   auto sources = sources_of(task);
   if (!sources) return tl::unexpected(sources.error());
-  auto process = WorkerProcess::start(program, limits);
+  auto process = WorkerProcess::start(program, limits, has_pdf(task) ? "pdf" : nullptr);
   if (!process) return tl::unexpected(process.error());
   const PipeSignalBlocked blocked;
   Talk talk(task, limits, call_off, *process, false);
@@ -457,6 +458,11 @@ void WarmWorker::end() {
 
 Result<PlanningOutcome> WarmWorker::run(const PlanningTask& task, const CallOff& call_off,
                                         int* killed_by) {
+  if (has_pdf(task)) {
+    daemon::PlanningLimits one = limits_;
+    one.cpu_s /= kMostTasks;
+    return run_in_worker(task, one, program_, call_off, killed_by);
+  }
   if (served_ >= kMostTasks) end();
   const bool was_used = is_running();
   Result<PlanningOutcome> outcome = run_once(task, call_off, killed_by);

@@ -58,8 +58,9 @@ class WarmWorker {
   ///                thread
   WarmWorker(const daemon::PlanningLimits& limits, std::string program);
 
-  /// As `run_in_worker`. The worker is started if there is none, and replaced after 500 tasks; it
-  /// is gone after a task that was cancelled, hit a limit, or ended it.
+  /// As `run_in_worker`, which does tasks with a PDF. The worker is started if there is none, and
+  /// replaced after 500 tasks; it is gone after a task that was cancelled, hit a limit, or ended
+  /// it.
   [[nodiscard]] Result<daemon::PlanningOutcome> run(const daemon::PlanningTask& task,
                                                     const CallOff& call_off,
                                                     int* killed_by = nullptr);

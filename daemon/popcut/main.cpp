@@ -6,6 +6,7 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <initializer_list>
 #include <iostream>
@@ -17,6 +18,7 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/help/help_pages.hpp"
 #include "daemon/cli/help/program.hpp"
+#include "daemon/planning/worker/worker.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -120,6 +122,9 @@ int main(int argc, char** argv) {
   if (isatty(STDERR_FILENO) == 0) (void)std::setvbuf(stderr, nullptr, _IOFBF, 1u << 16);
   std::signal(SIGXFSZ, SIG_IGN);  // a write past the file size limit fails like a full disk
   try {
+    // What is done in a process that may do nothing else, such as reading a PDF.
+    if (argc >= 2 && argc <= 3 && std::strcmp(argv[1], "--worker") == 0)
+      return popcut::planning::run_worker(0, 1, argc == 3 ? argv[2] : "");
     return popcut::cli::run(argc, argv);
   } catch (const std::system_error& fault) {
     if (std::ferror(stdout) != 0) return popcut::cli::unwritable();

@@ -12,7 +12,7 @@ CREATE TABLE asset(
 
 CREATE TABLE design(
   id TEXT PRIMARY KEY CHECK (length(id) = 71), name TEXT NOT NULL,
-  kind TEXT NOT NULL CHECK (kind IN ('spec', 'fold', 'svg', 'dxf')), media_type TEXT NOT NULL,
+  kind TEXT NOT NULL CHECK (kind IN ('spec', 'fold', 'svg', 'dxf', 'pdf')), media_type TEXT NOT NULL,
   owner TEXT NOT NULL, bytes INTEGER NOT NULL, created INTEGER NOT NULL, assets TEXT NOT NULL
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX design_created ON design(created, id);

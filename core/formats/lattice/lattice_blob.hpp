@@ -26,7 +26,7 @@ enum class SideRole : std::uint8_t { Inside = 0, Outline = 1, Mountain = 2, Vall
 /// What goes into a blob beside the pattern.
 struct LatticeBlobOptions {
   LatticeQuality quality{LatticeQuality::Exact};
-  std::string kind{"spec"};  ///< of the source: "spec", "fold", "svg", "dxf"
+  std::string kind{"spec"};  ///< of the source: "spec", "fold", "svg", "dxf", "pdf"
   bool error{true};          ///< measure how far each face is from the target, where one is known
   bool curvature{false};     ///< K and H at fold vertices
   std::size_t most_ghost_triangles{0};  ///< of the target's ghost; 0: none

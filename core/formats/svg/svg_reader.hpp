@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -25,6 +26,7 @@ struct SvgReadOptions {
   double enlarged{1};  ///< times that the drawing becomes larger after it is read, positive
   std::vector<std::string> pens{};  ///< names for `PenFinder`; also for DXF
   double dpi{96};                   ///< user units (px) per inch, positive
+  std::uint64_t pdf_page{1};        ///< of a PDF that becomes an SVG before, from 1
   bool weld{false};                 ///< filled shapes that lie over each other become one
   SvgLimits limits;
 };

@@ -26,6 +26,12 @@ bool is_set(const char* name) {
   return value != nullptr && *value != '\0';
 }
 
+// Another program has the port.
+bool is_port_taken(const std::string& said) {
+  return said.find("cannot listen here: Address already in use") != said.npos &&
+         said.find("unix:") == said.npos;
+}
+
 // Waits until the popcutd that was started answers, or another one that was quicker.
 Result<void> await(Api& api, const StartedPopcutd& started) {
   const auto begun = std::chrono::steady_clock::now();
@@ -58,7 +64,15 @@ Result<Api> api_of_running(const Globals& globals) {
   if (!started) return tl::unexpected(started.error());
   if (!globals.quiet)
     fmt::print(stderr, "starting popcutd in the background; its log is {}\n", started->log);
-  if (const auto serves = await(*api, *started); !serves) return tl::unexpected(serves.error());
+  auto serves = await(*api, *started);
+  if (!serves && is_port_taken(last_words(*started))) {
+    const auto elsewhere = start_popcutd({"--listen", "127.0.0.1:0"});
+    if (!elsewhere) return tl::unexpected(elsewhere.error());
+    if (!globals.quiet)
+      fmt::print(stderr, "another program has popcutd's port; popcutd takes a free one\n");
+    serves = await(*api, *elsewhere);
+  }
+  if (!serves) return tl::unexpected(serves.error());
   return api;
 }
 
@@ -110,7 +124,8 @@ Result<void> open_page(bool print_only, const Globals& globals) {
 
 constexpr const char* kOpenHelp =
     "Open popcutd's page in the browser.\n\n"
-    "If no popcutd runs, popcut starts one in the background.\n\n"
+    "If no popcutd runs, popcut starts one in the background, at a free port if another program\n"
+    "has the usual one.\n\n"
     "  popcut open\n"
     "  popcut open --print     # print the address, which works once, within a minute\n\n"
     "The page has the role that you have. On a tablet, open the address of popcutd and type the\n"

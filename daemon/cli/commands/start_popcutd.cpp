@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -72,7 +73,7 @@ Result<int> open_log(const std::string& path) {
 
 }  // namespace
 
-Result<StartedPopcutd> start_popcutd() {
+Result<StartedPopcutd> start_popcutd(const std::vector<std::string>& arguments) {
   const std::string folder =
       client::user_state_folder([](const char* name) { return std::getenv(name); });
   if (folder.empty())
@@ -83,10 +84,12 @@ Result<StartedPopcutd> start_popcutd() {
   fs::create_directories(fs::path(folder).parent_path(), failed);
   if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
     return fail(ErrorKind::Unwritable, folder, std::strerror(errno));
-  const std::vector<std::string> words{popcutd_program()};
+  std::vector<std::string> words{popcutd_program()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
   StartedPopcutd started{-1, folder + "/popcutd.log"};
   const Result<int> log = open_log(started.log);
   if (!log) return tl::unexpected(log.error());
+  started.log_from = ::lseek(*log, 0, SEEK_END);
   started.pid = ::fork();
   if (started.pid == 0) {
     if (::chdir("/") != 0) ::_exit(kNotThere);
@@ -104,10 +107,14 @@ bool is_running(const StartedPopcutd& started) {
 
 std::string last_words(const StartedPopcutd& started) {
   std::ifstream log(started.log);
-  std::string last;
-  for (std::string line; std::getline(log, line);)
-    if (!line.empty()) last = line;
-  return last;
+  log.seekg(std::max<std::int64_t>(0, started.log_from));
+  std::string last, fault;
+  for (std::string line; std::getline(log, line);) {
+    if (line.empty()) continue;
+    last = line;
+    if (line.find(" info: ") == line.npos) fault = line;
+  }
+  return fault.empty() ? last : fault;
 }
 
 bool run_apart(const std::vector<std::string>& words, double seconds) {

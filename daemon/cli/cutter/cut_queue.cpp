@@ -25,6 +25,7 @@
 #include "daemon/cli/view/progress_bar.hpp"
 #include "daemon/client/api.hpp"
 #include "daemon/files/output_folder.hpp"
+#include "daemon/pictures/pdf_page.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -91,6 +92,7 @@ Result<Upload> read_input(Api& api, const std::string& file, const Globals& glob
   if (is_gzip(*text)) text = unpacked(*text, kMostDesignBytes);
   if (text && is_crease_pattern(*text)) text = fold_of_crease_pattern(*text);
   if (!text) return tl::unexpected(within(file, text.error()));
+  if (pictures::is_pdf(*text)) return Upload{std::move(*text), "application/pdf"};
   if (ending == ".dxf") return Upload{std::move(*text), "application/dxf"};
   if (ending == ".svg" || ending == ".svgz") return Upload{std::move(*text), "image/svg+xml"};
   const std::size_t first = text->find_first_not_of(" \t\r\n\xEF\xBB\xBF");

@@ -19,6 +19,7 @@
 #include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/client/command_words.hpp"
 #include "daemon/files/output_folder.hpp"
+#include "daemon/planning/pdf_task.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -26,6 +27,7 @@ namespace {
 using planning::InputKind;
 
 std::optional<InputKind> kind_of(const std::string& text, const std::string& ending) {
+  if (pictures::is_pdf(text)) return InputKind::Pdf;
   if (ending == ".svg" || ending == ".svgz" || is_gzip(text)) return InputKind::Svg;
   if (ending == ".fold" || ending == ".cp" || ending == ".opx" || is_crease_pattern(text))
     return InputKind::Fold;
@@ -98,8 +100,8 @@ Error neither_design_nor_drawing(const std::string& file, std::string_view bytes
                         "spec.json of one",
                         client::quoted(file))};
   return {ErrorKind::Malformed, file,
-          "is not a design (.json) or a drawing (.svg, .svgz, .dxf, .fold, .cp, .opx) that popcut "
-          "can read"};
+          "is not a design (.json) or a drawing (.svg, .svgz, .dxf, .fold, .pdf, .cp, .opx) that "
+          "popcut can read"};
 }
 
 Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
@@ -120,9 +122,19 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
                 fmt::format("is larger than {} bytes; simplify it, or set POPCUT_RAISE_LIMITS={}",
                             most, std::min(100u, 4 * *factor)));
   if (!text) return tl::unexpected(text.error());
-  const auto kind = kind_of(*text, ending);
-  const bool foreign = ending != ".json" && !foreign_advice(*text, file).empty();
+  auto kind = kind_of(*text, ending);
+  const bool foreign =
+      kind != InputKind::Pdf && ending != ".json" && !foreign_advice(*text, file).empty();
   if (!kind || foreign) return tl::unexpected(neither_design_nor_drawing(file, *text));
+  std::vector<Warning> page_warnings;
+  if (kind == InputKind::Pdf) {
+    auto page = planning::pdf_page_apart(std::move(*text), how.pdf_page);
+    if (!page)
+      return tl::unexpected(page.error().place.empty() ? within(file, page.error()) : page.error());
+    text = std::move(page->svg);
+    page_warnings = std::move(page->warnings);
+    kind = InputKind::Svg;
+  }
   SurfaceAssets assets;
   const planning::SpecSources beside{
       [&](const DesignSpec& spec) {
@@ -147,6 +159,8 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
         input.error().place.starts_with("/options/") ? input.error() : within(file, input.error()));
   if (input->drawing.name.empty())
     input->drawing.name = std::filesystem::path(file).stem().string();
+  std::vector<Warning>& warnings = input->drawing.warnings;
+  warnings.insert(warnings.begin(), page_warnings.begin(), page_warnings.end());
   return input;
 }
 

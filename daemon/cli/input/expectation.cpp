@@ -216,6 +216,8 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
     facts.layers = std::move(*uses);
   }
   if (const auto dpi = number_at(json, "/svg_dpi"); dpi && *dpi > 0) facts.svg_dpi = *dpi;
+  if (const auto page = number_at(json, "/pdf_page"); page && *page >= 1 && *page <= 100'000)
+    facts.pdf_page = static_cast<std::uint64_t>(*page);
   if (const auto box = number_at(json, "/weed_box_mm"); box && *box > 0) facts.weed_box_mm = *box;
   if (const nlohmann::json* clip = find(json, "/clip")) facts.clip = *clip == true;
   if (const auto unit = number_at(json, "/unit_mm"); unit && *unit > 0) facts.unit_mm = *unit;
@@ -308,6 +310,7 @@ Result<SvgReadOptions> reading_of(const PlanFacts& plan, const UserTables& table
   how.profile = std::move(*profile);
   for (const auto& [name, use] : plan.layers) how.profile.labels[name] = use;
   how.dpi = plan.svg_dpi;
+  how.pdf_page = plan.pdf_page;
   how.weld = plan.weld;
   how.unit_mm = plan.unit_mm;
   for (const PenSettings& pen : plan.pens) how.pens.push_back(pen.name);

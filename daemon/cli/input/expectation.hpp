@@ -34,6 +34,7 @@ struct PlanFacts {
   bool weld{false};
   std::string svg_profile{"popcut"};  ///< how the plan read an SVG, as the next two
   double svg_dpi{96}, curve_tolerance_mm{0.02};
+  std::uint64_t pdf_page{1};
   LayerUses layers{};  ///< what names mean, where the plan was told
   std::optional<double> unit_mm;
   double blade_offset_mm{};

@@ -17,8 +17,8 @@
 namespace popcut::daemon::http {
 namespace {
 
-constexpr std::array<std::string_view, 4> kDesignTypes{"application/json", "application/dxf",
-                                                       "image/svg+xml", "image/vnd.dxf"};
+constexpr std::array<std::string_view, 5> kDesignTypes{
+    "application/json", "application/dxf", "application/pdf", "image/svg+xml", "image/vnd.dxf"};
 constexpr std::array<std::string_view, 10> kAssetTypes{"application/octet-stream",
                                                        "application/json",
                                                        "application/dxf",

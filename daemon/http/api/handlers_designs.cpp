@@ -156,7 +156,9 @@ void design_content(const Request& request, Service& service, const HandlerConte
   const Answer<Design> design = service.designs.find(request.principal, request.params[0]);
   if (!design) return reply(problem_response(design.error(), request));
   // Always sent as an attachment: a browser must never show what users upload.
-  const std::string ending = design->kind == "svg" || design->kind == "dxf" ? design->kind : "json";
+  const std::string ending = design->kind == "svg" || design->kind == "dxf" || design->kind == "pdf"
+                                 ? design->kind
+                                 : "json";
   const Answer<std::string> path = service.designs.content(design->id);
   if (!path) return reply(problem_response(path.error(), request));
   Response response = drawing("application/octet-stream");

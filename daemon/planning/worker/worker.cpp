@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "daemon/pictures/load_graphics.hpp"
+#include "daemon/pictures/pdf_page.hpp"
 #include "daemon/planning/confinement.hpp"
 #include "daemon/planning/frames.hpp"
 #include "daemon/planning/search/freed_memory.hpp"
@@ -185,6 +186,7 @@ int run_worker(int in, int out, std::string_view word) {
     end_when_out_of_memory();
     // What draws pages of artwork cannot be loaded later; if it is missing, the task says so.
     (void)pictures::load_graphics();
+    if (word == "pdf") (void)pictures::load_pdf_reader();
     walls = confine_worker();
   }
   Pipes pipes(in, out);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <filesystem>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 
 #include "tests/support/command_bench.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/small_pdf.hpp"
 
 namespace plan_command_test {
 
@@ -83,6 +85,49 @@ TEST_CASE("a drawing that --width or --scale makes larger loses neither corners 
   CHECK(cut_mm({"dot.svg", "--width", "200"}) == Approx(200 * 3.14159265).margin(0.2));
 }
 
+TEST_CASE("a PDF is planned by its layers, and an Illustrator file by the PDF in it",
+          "[cli][e2e][plan][pdf]") {
+  const Bench bench;
+  const std::string page =
+      "/OC /L0 BDC 72 72 144 144 re S EMC /OC /L1 BDC 72 144 m 216 144 l S EMC";
+  const std::string pdf = small_pdf({"0 0 m 9 9 l S", page}, {"Cut", "Fold"});
+  for (const char* name : {"card.pdf", "card.ai", "card"}) {
+    CAPTURE(name);
+    write_file(bench.temp / name, pdf);
+    const json plan = bench.planned({name, "--pdf-page", "2"});
+    CHECK(plan["name"] == "card");
+    CHECK(plan["pdf_page"] == 2);
+    CHECK(plan["sheets"][0]["fold_line_mm"].get<double>() == Approx(144 * 25.4 / 72).margin(0.01));
+    CHECK(plan["sheets"][0]["cut_mm"].get<double>() == Approx(4 * 144 * 25.4 / 72).margin(1.01));
+    CHECK(says(plan["warnings"][0].get<std::string>(), "page 2 of 2 is read"));
+    const Ran checked = bench.popcut({"simulate", "sheets/sheet-01.gpgl", "-o", "sim", "--expect",
+                                      name, "--plan", "sheets/plan.json"});
+    CAPTURE(checked.err, checked.out);
+    CHECK(checked.exit == 0);
+  }
+  bench.refused({"card.pdf", "--pdf-page", "3"}, 3,
+                "--pdf-page: is 3; the PDF has the pages 1 to 2");
+  bench.refused({"card.pdf", "--pdf-page", "0"}, 2, "--pdf-page");
+  write_file(bench.temp / "cut short.pdf", pdf.substr(0, pdf.size() / 3));
+  bench.refused({"cut short.pdf"}, 3, "cut short.pdf: is a PDF that cannot be read");
+  // This one crashes poppler 22.12.
+  std::string odd = pdf;
+  const std::size_t group = odd.find("<</Type/OCG");
+  odd[group + 2] = '\xCA';
+  write_file(bench.temp / "odd.pdf", odd);
+  std::mt19937 random(37);
+  for (int round = 0; round < 12; ++round) {
+    const Ran ran = bench.popcut({"plan", "odd.pdf", "-o", "sheets"});
+    CAPTURE(round, ran.err);
+    CHECK((ran.exit == 0 || ran.exit == 3));
+    if (ran.exit != 0) check_refused(ran, 3, "odd.pdf: ");
+    std::string changed = pdf;
+    for (int k = 0; k < 3; ++k)
+      changed[5 + random() % (pdf.size() - 5)] = static_cast<char>(random() % 256);
+    write_file(bench.temp / "odd.pdf", changed);
+  }
+}
+
 TEST_CASE("plan writes the sheets and their programs and nothing else", "[cli][e2e][plan]") {
   const Bench bench;
   const json plan = bench.planned({kExamples + "sphere.json"});
@@ -107,6 +152,24 @@ TEST_CASE("what is too large and not to be split is refused and clipped only whe
   bench.refused({"big.svg", "--no-split"}, 4, "304.8 x 304.8 mm");
   const json clipped = bench.planned({"big.svg", "--clip"});
   CHECK(clipped["sheets"][0]["cut_mm"].get<double>() == Approx(2 * 294.8));
+  // Another mat is told, unless somebody has said which paper there is.
+  const auto tells_another_mat = [&](const Names& more) {
+    Names words{"big.svg", "--machine", "cameo3"};
+    words.insert(words.end(), more.begin(), more.end());
+    const json warnings = bench.planned(words)["warnings"];
+    return std::any_of(warnings.begin(), warnings.end(), [](const json& warning) {
+      return says(warning.get<std::string>(), "fits whole on");
+    });
+  };
+  CHECK(tells_another_mat({}));
+  CHECK_FALSE(tells_another_mat({"--mat", "A4"}));
+  // Lengths may have a unit.
+  for (const char* width : {"101.6", "101.6mm", "10.16cm", "4in", "4IN"}) {
+    CAPTURE(width);
+    CHECK(bench.planned({"big.svg", "--width", width})["sheets"][0]["cut_mm"].get<double>() ==
+          Approx(720 * 101.6 / 340));
+  }
+  bench.refused({"big.svg", "--width", "4ft"}, 2, "--width: is \"4ft\"");
   const auto simulated = [&] {
     return bench
         .popcut({"simulate", "sheets/sheet-01.gpgl", "-o", "sim", "--expect", "big.svg", "--plan",

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // popcut open: a page in the browser, with a word that opens it once; a popcutd, if none runs.
+#include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -54,6 +55,28 @@ class Environment {
     before_.emplace(name, now == nullptr ? std::nullopt : std::optional<std::string>(now));
   }
   std::map<std::string, std::optional<std::string>> before_;
+};
+
+// A program that listens at a port of its own.
+class OtherProgram {
+ public:
+  OtherProgram() : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in at{};
+    at.sin_family = AF_INET;
+    at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof at;
+    REQUIRE(::bind(socket_, reinterpret_cast<sockaddr*>(&at), size) == 0);
+    REQUIRE(::listen(socket_, 1) == 0);
+    REQUIRE(::getsockname(socket_, reinterpret_cast<sockaddr*>(&at), &size) == 0);
+    port_ = ntohs(at.sin_port);
+  }
+  ~OtherProgram() { ::close(socket_); }
+  OtherProgram(const OtherProgram&) = delete;
+  OtherProgram& operator=(const OtherProgram&) = delete;
+  [[nodiscard]] int port() const { return port_; }
+
+ private:
+  int socket_, port_{};
 };
 
 // A folder with programs, before all others in PATH, and a screen.
@@ -241,6 +264,19 @@ TEST_CASE("popcut open starts a popcutd that goes on if none runs", "[popcutd][o
     const pid_t pid = started.pid();
     REQUIRE(pid > 0);
     CHECK(::getsid(pid) == pid);  // not in the terminal's
+    REQUIRE(::kill(pid, SIGTERM) == 0);
+    CHECK(comes_true([&] { return ::kill(pid, 0) != 0; }));
+  }
+  SECTION("it takes another port where another program has its own") {
+    const OtherProgram other;
+    write_file(config, fmt::format("listen = [\"127.0.0.1:{}\"]\n", other.port()));
+    const Ran ran = open({"--print"});
+    INFO(ran.out << ran.err << text_of_file(log));
+    REQUIRE(ran.exit == 0);
+    CHECK(says(ran.err, "another program has popcutd's port"));
+    CHECK(session_of(page_in(ran.out)) == "admin");
+    const pid_t pid = started.pid();
+    REQUIRE(pid > 0);
     REQUIRE(::kill(pid, SIGTERM) == 0);
     CHECK(comes_true([&] { return ::kill(pid, 0) != 0; }));
   }

@@ -18,6 +18,7 @@
 #include "tests/support/process.hpp"
 #include "tests/support/raw_http.hpp"
 #include "tests/support/running_daemon.hpp"
+#include "tests/support/small_pdf.hpp"
 #include "tests/support/timing.hpp"
 
 namespace preview_test {
@@ -231,6 +232,27 @@ TEST_CASE("the lattice of a stored design is kept by who has it", "[popcutd][pre
   CHECK(again.headers.at("etag") == etag);
   CHECK(again.headers.at("cache-control") == "private, max-age=86400");
   CHECK(get("").body == first.body);
+}
+
+TEST_CASE("a PDF is a design like any drawing", "[popcutd][preview][pdf]") {
+  RunningDaemon desk(0, kMore);
+  desk.open();
+  const std::string pdf = small_pdf(
+      {"/OC /L0 BDC 72 72 144 144 re S EMC /OC /L1 BDC 72 144 m 216 144 l S EMC"}, {"Cut", "Fold"});
+  const auto made = desk.ask("POST", "/v1/designs?name=card", pdf, "application/pdf");
+  CAPTURE(made.body);
+  REQUIRE(made.status == 201);
+  const Json design = Json::parse(made.body);
+  CHECK(design["kind"] == "pdf");
+  const std::string id = design["id"].get<std::string>();
+  for (const char* name : {"preview.svg", "deployed.svg", "pattern.svg", "lattice"}) {
+    CAPTURE(name);
+    CHECK(desk.ask("GET", "/v1/designs/" + id + "/" + name).status == 200);
+  }
+  CHECK(desk.ask("GET", "/v1/designs/" + id + "/content").body == pdf);
+  const auto broken = desk.ask("POST", "/v1/designs", "%PDF-1.4 nothing", "application/pdf");
+  CHECK(broken.status == 422);
+  CHECK(broken.body.find("is a PDF that cannot be read") != std::string::npos);
 }
 
 TEST_CASE("pictures are made once, kept, and gone with their design", "[popcutd][preview]") {

@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: MIT
 // Pages to print: what stands on them, and their form as PDF.
 #include <algorithm>
+#include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
 #include <pugixml.hpp>
 
+#include "core/formats/svg/svg_reader.hpp"
 #include "core/layout/sheet.hpp"
 #include "core/print/footer.hpp"
 #include "core/print/pages.hpp"
 #include "core/text/text_width.hpp"
 #include "daemon/pictures/pdf.hpp"
+#include "daemon/pictures/pdf_page.hpp"
 #include "tests/support/box_card.hpp"
+#include "tests/support/small_pdf.hpp"
 
 namespace pages_test {
 
@@ -142,6 +147,89 @@ TEST_CASE("letters that no font has are named", "[core][print]") {
   CHECK(letters_without_font("Für Oma ♥ Ωμέγα Привет\t1").empty());
   CHECK(letters_without_font("a\xf3\xbf\xbf\xbd"
                              "b\xf3\xbf\xbf\xbd\xff") == "\xf3\xbf\xbf\xbd");
+}
+
+namespace {
+
+/// Lengths of cuts and folds, mm.
+std::pair<double, double> cut_and_fold_mm(const LineWork& work) {
+  std::pair<double, double> out;
+  for (const DrawnLine& line : work.lines) {
+    const auto points = work.points_of(line);
+    double length = 0;
+    for (std::size_t k = 1; k < points.size(); ++k)
+      length += std::hypot(points[k].x - points[k - 1].x, points[k].y - points[k - 1].y);
+    (is_fold(line.operation.operation) ? out.second : out.first) += length;
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("a page of a PDF is a drawing of its size, with its layers by name", "[pictures][pdf]") {
+  const std::string page =
+      "0.1 w /OC /L0 BDC 72 72 144 144 re S EMC\n"
+      "/OC /L1 BDC /OC /L2 BDC 72 144.3 m 216 144.3 l S EMC 90 90 36 36 re S EMC\n"
+      "/OC /L3 BDC 0 0 m 288 288 l S EMC\n"
+      "1 1 1 rg 0 0 288 288 re f 0 g BT /F 24 Tf 100 100 Td (Hello) Tj ET";
+  const std::string pdf =
+      testing::small_pdf({page}, {"Cut & out", "Inner \"Cut\"", "Valley Fold", "Notes"}, {3});
+  const auto read = pictures::pdf_page(pdf, 1);
+  REQUIRE(read);
+  for (const char* name : {"Cut &amp; out", "Inner &quot;Cut&quot;", "Valley Fold"})
+    CHECK(read->svg.find(fmt::format("inkscape:label=\"{}\"", name)) != std::string::npos);
+  CHECK(read->svg.find("Notes") == std::string::npos);
+  REQUIRE(read->warnings.size() == 2);
+  CHECK(read->warnings[0].message.find("5 letters of text are left out") == 0);
+  CHECK(read->warnings[1].message.find("1 white area") == 0);
+  SvgReadOptions how;
+  how.profile = find_stroke_profile("auto").value();
+  const auto drawn = linework_from_svg(read->svg, how);
+  REQUIRE(drawn);
+  const auto [cut_mm, fold_mm] = cut_and_fold_mm(*drawn);
+  CHECK(cut_mm == Approx((4 * 144 + 4 * 36) * 25.4 / 72).margin(0.01));
+  CHECK(fold_mm == Approx(144 * 25.4 / 72).margin(0.005));
+  const Box box = bounds(*drawn);
+  CHECK(box.x0 == Approx(25.4).margin(0.002));
+  CHECK(box.y1 == Approx(3 * 25.4).margin(0.002));
+}
+
+TEST_CASE("what popcut prints as PDF is read again with the same lengths", "[pictures][pdf]") {
+  const std::string svg =
+      "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 180 120'><path fill='none' "
+      "stroke='#000' stroke-width='.3' d='M10 10H150V90.37H10ZM20 20C40 0 60 80 90 33'/></svg>";
+  const auto pdf = pdf_of_pages(std::vector<PrintedPage>{{svg, 210, 150, 15}}, "a page");
+  REQUIRE(pdf);
+  const auto read = pictures::pdf_page(*pdf, 1);
+  REQUIRE(read);
+  const auto own = linework_from_svg(svg, SvgProfile::Plain);
+  const auto again = linework_from_svg(read->svg, SvgProfile::Plain);
+  REQUIRE(own);
+  REQUIRE(again);
+  // The SVG has no size: its units are px there, and mm on the page.
+  CHECK(cut_and_fold_mm(*again).first ==
+        Approx(cut_and_fold_mm(*own).first * 96 / 25.4).epsilon(2e-4));
+}
+
+TEST_CASE("a PDF that cannot be read says why", "[pictures][pdf]") {
+  const auto refused = [](std::string_view pdf, std::uint64_t page, const std::string& part) {
+    const auto read = pictures::pdf_page(pdf, page);
+    REQUIRE(!read);
+    CAPTURE(read.error().detail, part);
+    CHECK(read.error().detail.find(part) != std::string::npos);
+    return read.error().kind;
+  };
+  const std::string two = testing::small_pdf({"0 0 m 9 9 l S", "0 0 m 99 9 l S"});
+  CHECK(pictures::pdf_page(two, 2)->warnings.front().message.find("page 2 of 2") == 0);
+  CHECK(refused(two, 3, "has the pages 1 to 2") == ErrorKind::OutOfRange);
+  CHECK(refused(testing::small_pdf({""}), 2, "has one page") == ErrorKind::OutOfRange);
+  CHECK(refused("%PDF-1.4 nothing", 1, "cannot be read (") == ErrorKind::Malformed);
+  CHECK(refused(std::string_view(two).substr(0, 200), 1, "cannot be read (") ==
+        ErrorKind::Malformed);
+  const std::string illustrator = testing::small_pdf(
+      {"BT /F 9 Tf 9 9 Td (This is an Adobe Illustrator File that was saved without PDF Content.) "
+       "Tj ET"});
+  CHECK(refused(illustrator, 1, "Create PDF Compatible File") == ErrorKind::Malformed);
 }
 
 }  // namespace pages_test
