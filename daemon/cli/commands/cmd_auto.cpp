@@ -84,6 +84,10 @@ Result<void> write_files(const Options& options, SearchedModel& model, OutputFol
                   options.search.max_minutes));
   if (!picture) return tl::unexpected(picture.error());
   if (auto done = folder.add("front.svg", *picture); !done) return done;
+  const auto sides = sides_picture(model.found.mesh, model.up,
+                                   stand_of(model.found.front[model.found.recommended]));
+  if (!sides) return tl::unexpected(sides.error());
+  if (auto done = folder.add("sides.svg", *sides); !done) return done;
   if (auto done = folder.add("front.json", front_json(options.search, model)); !done) return done;
   return folder.commit("popcut auto " POPCUT_VERSION);
 }
@@ -131,6 +135,7 @@ constexpr const char* kHelp =
     "all\n"
     "sides. popcut writes into DIR:\n\n"
     "  front.svg      all cards on one page; look at this first\n"
+    "  sides.svg      the model from six sides, each with the options that stand it so\n"
     "  front.json     figures of each card, and which one popcut recommends\n"
     "  card-NN/       one card: spec.json, from which 'popcut design' makes it again, the\n"
     "                 pattern (FOLD, SVG, DXF), cut.svg, and thumbnail.png beside the model;\n"

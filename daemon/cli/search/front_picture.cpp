@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "core/compare/picture.hpp"
+#include "core/geometry/angle.hpp"
+#include "core/search/standing.hpp"
 #include "core/text/svg_document.hpp"
 #include "daemon/cli/view/compare_picture.hpp"
 #include "daemon/digest/digest.hpp"
@@ -98,8 +101,72 @@ std::string settings(const Candidate& c) {
   return fmt::format("{} lattice, {} x {} units", style_name(c), c.slices, c.units);
 }
 
+/// The first lines of a page of tiles.
+std::string page_head(std::size_t tiles, const std::string& title) {
+  const std::size_t rows = (tiles + kAcross - 1) / kAcross;
+  const int width = kGap + kAcross * (kTile + kGap);
+  const int height = kTop + static_cast<int>(rows) * (kTile + kWords + kGap);
+  return fmt::format(
+             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" "
+             "viewBox=\"0 0 {0} {1}\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"#fff\"/>\n",
+             width, height) +
+         words(kGap, 26, 17, title, true);
+}
+
+/// The axis of the file that points along `axis` of the card (0: out of the wall, 2: up).
+std::string axis_along(const FoundCard& card, std::size_t axis) {
+  std::string best;
+  float most = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    std::vector<float> points(9, 0.0F);
+    points[3 + k] = 1;
+    const std::vector<float> placed = likeness::placed(points, card.placement);
+    const float along = placed[3 + axis] - placed[axis];
+    if (std::abs(along) <= most) continue;
+    most = std::abs(along);
+    best = std::string(along < 0 ? "-" : "") + "xyz"[k];
+  }
+  return best;
+}
+
 }  // namespace
 }  // namespace front_picture_parts
+
+Stand stand_of(const planning::FoundCard& card) {
+  return {front_picture_parts::axis_along(card, 2), front_picture_parts::axis_along(card, 0)};
+}
+
+Result<std::string> sides_picture(const TriangleMesh& mesh, const std::string& up,
+                                  const Stand& taken) {
+  using namespace front_picture_parts;
+  const std::string upright = up == "any" ? taken.up : up;
+  const auto other = [](const std::string& axis) { return axis == "y" ? "z" : "y"; };
+  std::vector<Stand> stands;
+  for (const std::string& front : up_words())
+    if (front != "any" && front.back() != upright.back()) stands.push_back({upright, front});
+  const std::string lying = other(upright);
+  for (const char* front : {lying == "z" ? "-y" : "z", "x"}) stands.push_back({lying, front});
+  std::string svg = page_head(stands.size(),
+                              "Which picture shows the model as it should stand and "
+                              "look at you?");
+  for (std::size_t k = 0; k < stands.size(); ++k) {
+    const Stand& stand = stands[k];
+    const auto turns = upright_turns(up_side(stand.up), up_side(stand.front));
+    if (turns.empty()) continue;
+    const std::vector<float> standing = standing_model(mesh, way_of(mesh, turns.front()));
+    likeness::Scene scene;
+    scene.pixels = kPixels;
+    scene.views = {likeness::risen_view(0, radians(15))};
+    const bool is_taken = stand.up == taken.up && stand.front == taken.front;
+    auto part = tile(k, likeness::Target(standing, scene), standing,
+                     is_taken ? likeness::kModelColour : likeness::kPaperColour,
+                     {fmt::format("--up {} --front {}", stand.up, stand.front),
+                      is_taken ? "the card to make shows this" : "", ""});
+    if (!part) return part;
+    svg += *part;
+  }
+  return svg + "</svg>\n";
+}
 
 std::string front_folder(const planning::FoundCard& card, std::size_t k) {
   return fmt::format("{}-{:02}", card.made.book ? "book" : "card", k + 1);
@@ -115,14 +182,7 @@ Result<std::string> card_picture(const planning::FoundCards& found, const planni
 Result<std::string> front_picture(const planning::FoundCards& found, const std::string& title) {
   using namespace front_picture_parts;
   const std::size_t tiles = found.front.size() + 2;
-  const std::size_t rows = (tiles + kAcross - 1) / kAcross;
-  const int width = kGap + kAcross * (kTile + kGap);
-  const int height = kTop + static_cast<int>(rows) * (kTile + kWords + kGap);
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" "
-      "viewBox=\"0 0 {0} {1}\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"#fff\"/>\n",
-      width, height);
-  svg += words(kGap, 26, 17, title, true);
+  std::string svg = page_head(tiles, title);
   const FoundCard& best = found.front.back();
   const auto add = [&](const Result<std::string>& part) {
     if (part) svg += *part;

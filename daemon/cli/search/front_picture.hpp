@@ -25,4 +25,19 @@ namespace popcut::cli {
 [[nodiscard]] Result<std::string> front_picture(const planning::FoundCards& found,
                                                 const std::string& title);
 
+/// How a card's model stands: the axes of the file that point up and out of the card, "y" and "-z".
+/// One that is turned by other than right angles has the nearest ones.
+struct Stand {
+  std::string up, front;
+};
+[[nodiscard]] Stand stand_of(const planning::FoundCard& card);
+
+/// Six ways in which the model can stand, from the front, each with the options that ask for it
+/// (SVG): the four with `up` upright, and two others. The one of `taken` is marked.
+///
+/// @param up  a word of `up_words`; "any": as `taken`
+/// @retval Internal  the libraries cannot draw it
+[[nodiscard]] Result<std::string> sides_picture(const TriangleMesh& mesh, const std::string& up,
+                                                const Stand& taken);
+
 }  // namespace popcut::cli

@@ -145,33 +145,40 @@ std::string front_text(const ModelSearchOptions& options, const SearchedModel& m
         card.error(), planning::settings_words(card.candidate));
   }
   for (const std::string& note : found.notes) out += fmt::format("  note     {}\n", note);
-  out += fmt::format(
-      "  seen     {} can show {:.0f} % of the model's surface: what faces you, halfway between "
-      "wall "
-      "and ground{}\n",
-      is_book ? fmt::format("{} cards", options.cards) : std::string("one card"),
-      100.0 * found.seen_share, is_book ? " of each" : "");
-  if (options.up == kUsualUp && model.up != "any")
-    out += fmt::format(
-        "  upright  {} points up, as in most such files; if the model lies down, say which axis "
-        "points up, such as --up {}\n",
-        model.up, model.up == "y" ? "z" : "y");
-  else if (model.up == "any")
-    out +=
-        "  upright  the model may lie on its side; to have it upright, say which axis of the file "
-        "points up: --up y or --up z\n";
-  out += fmt::format("  best     {}/{}: the one most like the model within {:g} minutes\n", folder,
-                     front_folder(found.front.back(), found.front.size() - 1), options.max_minutes);
-  const std::string easiest = front_folder(found.front[found.recommended], found.recommended);
-  out += fmt::format("  make     {}/{}: the easiest to fold of those about as like the model\n",
+  const double seen = 100.0 * found.seen_share;
+  out += is_book ? fmt::format("  seen     {} cards show {:.0f} % of the model's surface\n",
+                               options.cards, seen)
+                 : fmt::format(
+                       "  seen     a card shows one side of a model: here {:.0f} % of its "
+                       "surface\n",
+                       seen);
+  const planning::FoundCard& recommended = found.front[found.recommended];
+  if (!is_book) {
+    const Stand stand = stand_of(recommended);
+    const bool guessed = options.up == kUsualUp || options.up == "any" || options.front == "any";
+    out += fmt::format("  stands   {} points up{}, {} toward you{}\n", stand.up,
+                       options.up == kUsualUp && model.up != "any" ? ", as in most such files" : "",
+                       stand.front,
+                       guessed ? fmt::format("; {}/sides.svg shows it from six sides: choose one "
+                                             "with --up and --front",
+                                             folder)
+                               : std::string());
+  }
+  const std::string easiest = front_folder(recommended, found.recommended);
+  out += fmt::format("  closest  {}/{} looks most like the model\n", folder,
+                     front_folder(found.front.back(), found.front.size() - 1));
+  out += fmt::format("  make     {}/{}: the easiest to fold of those that look about as good\n",
                      folder, easiest);
   out += fmt::format("  look at  {}/front.svg\n", folder);
   const std::string best =
       client::quoted(fmt::format("{}/{}/spec.json", folder, easiest)) + plan_words(options);
   out += fmt::format(
       "  next     popcut cut {0} --direct    # cuts it; simulated unless you add --device\n"
-      "           popcut print {0} -o printed    # or first prints the model's colours\n",
-      best);
+      "           popcut print {0} -o printed    # or first prints the model's colours\n{1}",
+      best,
+      options.marks ? ""
+                    : "           to print and cut on one sheet, search again with --marks: they "
+                      "need room\n");
   return out;
 }
 
