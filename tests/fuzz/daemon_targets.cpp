@@ -12,11 +12,11 @@
 #include "daemon/client/problem_line.hpp"
 #include "daemon/client/sse_reader.hpp"
 #include "daemon/config/config.hpp"
-#include "daemon/planning/confinement.hpp"
 #include "daemon/planning/frames.hpp"
 #include "daemon/planning/program_file.hpp"
 #include "daemon/planning/search/search_words.hpp"
 #include "daemon/planning/task_json.hpp"
+#include "daemon/planning/worker/confinement.hpp"
 #include "daemon/store/wal_check.hpp"
 #include "tests/fuzz/targets.hpp"
 

@@ -20,12 +20,12 @@
 
 #include "daemon/pictures/load_graphics.hpp"
 #include "daemon/pictures/pdf_page.hpp"
-#include "daemon/planning/confinement.hpp"
 #include "daemon/planning/frames.hpp"
 #include "daemon/planning/search/freed_memory.hpp"
 #include "daemon/planning/search/search_task.hpp"
 #include "daemon/planning/task_json.hpp"
 #include "daemon/planning/work.hpp"
+#include "daemon/planning/worker/confinement.hpp"
 
 namespace popcut::planning {
 namespace {

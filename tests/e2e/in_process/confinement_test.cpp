@@ -12,7 +12,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "daemon/planning/confinement.hpp"
+#include "daemon/planning/worker/confinement.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/planning/confinement.hpp"
+#include "daemon/planning/worker/confinement.hpp"
 
 #include <poll.h>
 #include <seccomp.h>
