@@ -21,6 +21,13 @@ struct DrawnLine {
   std::uint32_t count{};
 };
 
+/// How lines look of which nobody said what they are for.
+struct DrawnLook {
+  std::string layer;   ///< its name, which popcut does not know; empty: none
+  std::string colour;  ///< as `parse_colour_uses` reads it
+  friend bool operator==(const DrawnLook&, const DrawnLook&) = default;
+};
+
 /// A drawing as flat polylines in page mm (x right, y down). Folds are not dashed yet.
 struct LineWork {
   std::string name;
@@ -30,6 +37,10 @@ struct LineWork {
   bool has_page{false};              ///< the drawing's place on its page matters (SVG)
   bool dashed{false};                ///< its folds are dashes already: cut them as they are
   std::vector<std::string> looks{};  ///< colours and layers of its lines; only if pens were named
+  /// Of lines without a meaning, if a reader was asked for them: the pen of such a line is the
+  /// number of its look, from 1. The last one stands for all further ones.
+  std::vector<DrawnLook> unsaid{};
+  std::string asks{};  ///< "layers" or "colors": the option that must say what those are for
 
   [[nodiscard]] std::span<const PagePoint> points_of(const DrawnLine& line) const {
     return std::span(points).subspan(line.first, line.count);

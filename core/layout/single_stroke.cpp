@@ -17,7 +17,7 @@ struct Glyph {
 };
 
 // Drawn for popcut on a raster of 4 x 6, with straight strokes only.
-constexpr std::array<Glyph, 38> kGlyphs{{
+constexpr std::array<Glyph, 45> kGlyphs{{
     {'0', "010516364541301001 0145"},
     {'1', "152620 1030"},
     {'2', "0516364544000040"},
@@ -56,6 +56,13 @@ constexpr std::array<Glyph, 38> kGlyphs{{
     {'Z', "06460040"},
     {'-', "1333"},
     {'.', "2021"},
+    {',', "2110"},
+    {':', "2122 2425"},
+    {'/', "0046"},
+    {'(', "36252130"},
+    {')', "16252110"},
+    {'\'', "2625"},
+    {'"', "1615 3635"},
 }};
 
 const Glyph* glyph(char name) {

@@ -284,7 +284,8 @@ class Planner {
              options.svg_dpi,
              reading_tolerance_mm(options),
              options.pdf_page,
-             options.layers},
+             options.layers,
+             options.colors},
         settings_(out_.machine, out_.material, mode, out_.warnings) {}
 
   Result<Plan> run() {

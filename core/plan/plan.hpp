@@ -66,6 +66,7 @@ struct Plan {
   double svg_dpi{}, curve_tolerance_mm{};
   std::uint64_t pdf_page{1};
   std::string layers{};             ///< what names mean, where `layers` said it
+  std::string colors{};             ///< what colours mean, where `colors` said it
   std::optional<double> unit_mm{};  ///< of a DXF or FOLD file, where `units` gave it
   Placement drawing_transform{};    ///< what `scale`, `rotate` and `mirror` did to the drawing
   bool clip{false};                 ///< what lay outside the area was left out

@@ -327,6 +327,7 @@ std::string plan_json(const Plan& plan) {
             {"weld", plan.weld},
             {"svg_profile", plan.svg_profile},
             {"layers", plan.layers},
+            {"colors", plan.colors},
             {"drawing_transform", transform_json(plan.drawing_transform)},
             {"copies", copies_json(plan.copies)},
             {"weed_box_mm", plan.weed_box_mm},

@@ -246,6 +246,9 @@ std::vector<PlanOption> make_table() {
       text("layers", MEMBER(layers), "TEXT",
            "What the lines of a layer or group are for, such as \"Wing=fold; Notes=ignore\": cut, "
            "outline, score, fold, fold-mountain, fold-valley, draw or ignore"),
+      text("colors", MEMBER(colors), "TEXT",
+           "What the lines of a colour are for, where no layer says it, such as "
+           "\"red=fold-mountain; #0000ff=fold-valley\"; the uses are those of layers"),
       word("folds", MEMBER(knife.folds), {"perforate", "score", "light"},
            "How folds are made: perforate (dashes), score (press with a stylus) or light (cut "
            "half through)", "the material's"),

@@ -72,6 +72,7 @@ struct PlanOptions {
   bool weld{false};          ///< filled shapes that lie over each other become one
   bool tells_doubles{true};  ///< warn of lines that run close beside each other
   std::string layers{};      ///< what names mean, see `parse_layer_uses`
+  std::string colors{};      ///< what colours mean, see `parse_colour_uses`
   double curve_tolerance_mm{0.02}, svg_dpi{96};
   std::uint64_t pdf_page{1};                 ///< of a PDF, from 1
   LengthUnit units{LengthUnit::Auto};        ///< of DXF and FOLD files

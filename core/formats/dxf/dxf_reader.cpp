@@ -83,6 +83,7 @@ class DxfReader {
         from_(from),
         options_(options),
         pens_(options.pens),
+        looks_(options.looks),
         lines_left_(options.most_lines) {
     for (auto& [key, layer] : tables_.layers) {
       const LayerMeaning meaning = meaning_of(layer.name);
@@ -105,8 +106,15 @@ class DxfReader {
       cursor.next();
       if (!entities(cursor, place, 0)) return tl::unexpected(*error_);
     }
-    if (auto clear = names_clear(); !clear) return tl::unexpected(clear.error());
-    if (second_colour_) return tl::unexpected(*second_colour_);
+    if (auto clear = names_clear(); !clear) {
+      if (!looks_.any()) return tl::unexpected(clear.error());
+      work_.asks = "layers";
+    }
+    if (second_colour_) {
+      if (!looks_.any()) return tl::unexpected(*second_colour_);
+      if (work_.asks.empty()) work_.asks = "colors";
+    }
+    work_.unsaid = std::move(looks_.seen());
     add_warnings();
     work_.looks = pens_.seen();
     return std::move(work_);
@@ -265,7 +273,7 @@ class DxfReader {
       ++unread_["POLYLINE (mesh)"];
       return true;
     }
-    const PenOperation drawn{*operation, pens_.any() ? pen_of(own, use) : std::uint8_t{0}};
+    const PenOperation drawn{*operation, pens_.any() ? pen_of(own, use) : look_};
     if (shape == DxfShape::Tilted) ++tilted_;
     for (const PagePoint& p : line_)
       if (!(std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate)) {
@@ -291,7 +299,14 @@ class DxfReader {
     return by_layer != 0 ? by_layer : by_colour;
   }
 
+  // What was said of the colour of a line.
+  [[nodiscard]] std::optional<LayerMeaning> said_of(const Place& own) const {
+    return own.rgb >= 0 ? use_of_colour(options_.said, static_cast<std::uint32_t>(own.rgb))
+                        : use_of_index(options_.said, own.colour);
+  }
+
   std::optional<Operation> operation_for(const Place& own, const LayerUse& use) {
+    look_ = 0;
     const LayerMeaning meaning = use.meaning == LayerMeaning::Wordless ? own.of_block : use.meaning;
     if (meaning == LayerMeaning::Fold) ++sideless_;
     if (is_known(meaning)) {
@@ -301,12 +316,24 @@ class DxfReader {
       if (is_cut(meant)) cut_colours_.insert(colour_of(own));
       return meant;
     }
+    if (const auto said = said_of(own)) {
+      if (*said == LayerMeaning::Ignore) return std::nullopt;
+      return operation_of(*said);
+    }
     if (options_.colours == DxfColours::Ignored) return Operation::Cut;
     if (options_.colours == DxfColours::Asked) {
       if (is_solid(own)) see_colour(own, use);
+      if (is_solid(own) && looks_.any()) look_ = look_of(own, use);
       return Operation::Cut;
     }
     return by_colour(own.colour, own.rgb, options_.colours);
+  }
+
+  std::uint8_t look_of(const Place& own, const LayerUse& use) {
+    const std::pair<int, int> colour = colour_of(own);
+    const std::string name = use.meaning == LayerMeaning::Unknown ? use.layer.name : "";
+    return colour.second >= 0 ? looks_.of_colour(name, static_cast<std::uint32_t>(colour.second))
+                              : looks_.of_index(name, colour.first);
   }
 
   // Black and white are one colour: both are "the other than the background".
@@ -353,9 +380,10 @@ class DxfReader {
     second_colour_ = Error{
         ErrorKind::Malformed, fmt::format("layer \"{}\"", use.layer.name),
         "lines on layers whose names say neither cut nor fold have several colours, and popcut "
-        "does not guess which of them are folds; use `svg-profile` origami-sim or lightburn if "
-        "red is a mountain fold and blue a valley fold, `svg-profile` popcut to cut them all, or "
-        "name the layers CUT, MOUNTAIN and VALLEY",
+        "does not guess which of them are folds; say it with `colors` such as "
+        "\"red=fold-mountain\", "
+        "or use `svg-profile` origami-sim or lightburn if red is a mountain fold and blue a valley "
+        "fold, `svg-profile` popcut to cut them all, or name the layers CUT, MOUNTAIN and VALLEY",
         ErrorReason::Unclear};
   }
 
@@ -477,6 +505,8 @@ class DxfReader {
   std::optional<PagePoint> far_;
   DxfOptions options_;
   PenFinder pens_;
+  LookFinder looks_;
+  std::uint8_t look_{};  // of the line that is drawn; 0: it has a meaning
   LineWork work_;
   std::unordered_map<std::string, LayerUse> layers_;
   std::unordered_map<std::string, DxfDashes> dashes_;

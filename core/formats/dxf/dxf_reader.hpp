@@ -26,6 +26,8 @@ enum class DxfColours {
 struct DxfOptions {
   DxfColours colours{DxfColours::Ignored};
   LayerUses layers{};                   ///< what a person says of layers
+  std::vector<ColourUse> said{};        ///< and of colours, of lines whose layer says nothing
+  bool looks{false};                    ///< fill `LineWork::unsaid`, and refuse nothing unclear
   std::vector<std::string> pens{};      ///< names for `PenFinder`
   std::optional<double> unit_mm{};      ///< of one unit, whatever the file says
   double tolerance_mm{0.02};            ///< largest distance between a curve and its chords

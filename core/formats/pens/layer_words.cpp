@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "core/formats/svg/syntax/svg_colour.hpp"
 #include "core/machines/table.hpp"
 #include "core/text/field_reader.hpp"
 #include "core/text/near_names.hpp"
@@ -388,21 +389,25 @@ Operation operation_of(LayerMeaning meaning) {
   }
 }
 
-Result<LayerUses> parse_layer_uses(std::string_view text) {
-  constexpr const char* kPlace = "/options/layers";
-  LayerUses uses;
+namespace {
+
+/// Reads "NAME=USE; NAME=USE"; `add` takes a name and its use, and says whether it is one.
+///
+/// @param right  what would be right, after "is not "
+template <typename Add>
+Result<void> read_uses(std::string_view text, const char* place, std::string_view right, Add add) {
   while (!trimmed(text).empty()) {
     const std::string_view entry = trimmed(take_word(text, ";"));
     if (entry.empty()) continue;
     const std::size_t equals = entry.rfind('=');
     const std::string_view name = trimmed(entry.substr(0, equals));
-    const std::vector<Word> words = words_of(name);
-    if (equals == entry.npos || words.empty())
-      return fail(ErrorKind::Usage, kPlace,
-                  fmt::format("\"{}\" is not a name and its use; write one such as \"Wing=cut; "
-                              "Notes=ignore\"",
-                              entry.substr(0, 60)));
-    const std::string use = lower(trimmed(entry.substr(equals + 1)));
+    const auto refused = [&] {
+      return fail(ErrorKind::Usage, place,
+                  fmt::format("\"{}\" is not {}", entry.substr(0, 60), right));
+    };
+    if (equals == entry.npos || name.empty()) return refused();
+    std::string use = lower(trimmed(entry.substr(equals + 1)));
+    if (use == "mountain" || use == "valley") use.insert(0, "fold-");
     const auto* known = std::find_if(kRows.begin(), kRows.end(), [&](const auto& row) {
       return row.second && is_known(*row.second) && row.first == use;
     });
@@ -411,12 +416,83 @@ Result<LayerUses> parse_layer_uses(std::string_view text) {
       for (const auto& [row, meaning] : kRows)
         if (meaning && is_known(*meaning)) names.emplace_back(row);
       return fail(
-          ErrorKind::Usage, kPlace,
+          ErrorKind::Usage, place,
           fmt::format("\"{}\" is no use of lines; {}", use.substr(0, 40), suggestion(use, names)));
     }
-    uses[layer_key(name)] = *known->second;
+    if (!add(name, *known->second)) return refused();
   }
+  return {};
+}
+
+}  // namespace
+
+Result<LayerUses> parse_layer_uses(std::string_view text) {
+  LayerUses uses;
+  const auto read = read_uses(text, "/options/layers",
+                              "a name and its use; write one such as \"Wing=cut; Notes=ignore\"",
+                              [&](std::string_view name, LayerMeaning use) {
+                                if (words_of(name).empty()) return false;
+                                uses[layer_key(name)] = use;
+                                return true;
+                              });
+  if (!read) return tl::unexpected(read.error());
   return uses;
+}
+
+Result<std::vector<ColourUse>> parse_colour_uses(std::string_view text) {
+  std::vector<ColourUse> uses;
+  const auto read = read_uses(
+      text, "/options/colors",
+      "a colour and its use; write one such as \"red=fold-mountain; #0000ff=fold-valley; colour "
+      "30=ignore\"",
+      [&](std::string_view name, LayerMeaning use) {
+        ColourUse& one = uses.emplace_back();
+        one.use = use;
+        std::string_view rest = name;
+        const std::string_view word = take_word(rest, " ");
+        if (int index = 0; (same_word(word, "colour") || same_word(word, "color")) &&
+                           read_number(trimmed(rest), index)) {
+          one.index = index;
+        } else if (const auto paint = parse_svg_paint(name);
+                   paint && paint->kind == SvgPaint::Kind::Colour) {
+          one.rgb = paint->rgb;
+        }
+        return one.rgb || one.index;
+      });
+  if (!read) return tl::unexpected(read.error());
+  return uses;
+}
+
+std::optional<LayerMeaning> use_of_colour(std::span<const ColourUse> uses, std::uint32_t rgb) {
+  const auto found =
+      std::find_if(uses.begin(), uses.end(), [&](const ColourUse& one) { return one.rgb == rgb; });
+  return found == uses.end() ? std::nullopt : std::optional(found->use);
+}
+
+std::optional<LayerMeaning> use_of_index(std::span<const ColourUse> uses, int index) {
+  const auto values = values_of_index(index);
+  const auto found = std::find_if(uses.begin(), uses.end(), [&](const ColourUse& one) {
+    return one.index == index ||
+           (values && one.rgb && (*one.rgb == values->front() || *one.rgb == values->back()));
+  });
+  return found == uses.end() ? std::nullopt : std::optional(found->use);
+}
+
+std::optional<std::array<std::uint32_t, 2>> values_of_index(int index) {
+  constexpr std::array<std::array<std::uint32_t, 2>, 7> kColours{{{0xff0000, 0xff0000},
+                                                                  {0xffff00, 0xffff00},
+                                                                  {0x00ff00, 0x008000},
+                                                                  {0x00ffff, 0x00ffff},
+                                                                  {0x0000ff, 0x0000ff},
+                                                                  {0xff00ff, 0xff00ff},
+                                                                  {0x000000, 0xffffff}}};
+  if (index < 1 || index > static_cast<int>(kColours.size())) return std::nullopt;
+  return kColours.at(static_cast<std::size_t>(index - 1));
+}
+
+std::string index_text(int index) {
+  const auto values = values_of_index(index);
+  return values ? colour_text(values->front()) : fmt::format("colour {}", index);
 }
 
 LayerMeaning meaning_of_name(const LayerUses& uses, std::string_view name) {

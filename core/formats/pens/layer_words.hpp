@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/drawing/toolpath.hpp"
 #include "core/result.hpp"
@@ -54,10 +57,35 @@ enum class LayerMeaning : std::uint8_t {
 using LayerUses = std::map<std::string, LayerMeaning, std::less<>>;
 
 /// Reads "Wing=fold; Notes=ignore". The uses are cut, outline, score, fold, fold-mountain,
-/// fold-valley, draw and ignore.
+/// fold-valley, draw and ignore; "mountain" and "valley" are folds, too.
 ///
 /// @retval Usage  no name, no use, or an unknown one; place is /options/layers
 [[nodiscard]] Result<LayerUses> parse_layer_uses(std::string_view text);
+
+/// A meaning that a person gave to a colour.
+struct ColourUse {
+  std::optional<std::uint32_t> rgb;  ///< 0xRRGGBB
+  std::optional<int> index;          ///< AutoCAD's
+  LayerMeaning use{};
+};
+
+/// Reads "red=fold-mountain; #00f=fold-valley; colour 30=score", with the uses of
+/// `parse_layer_uses`. A colour is one of CSS, or an AutoCAD colour index.
+///
+/// @retval Usage  no colour, no use, or an unknown one; place is /options/colors
+[[nodiscard]] Result<std::vector<ColourUse>> parse_colour_uses(std::string_view text);
+
+/// What `uses` say of a colour, or of an AutoCAD colour index; none: nothing.
+[[nodiscard]] std::optional<LayerMeaning> use_of_colour(std::span<const ColourUse> uses,
+                                                        std::uint32_t rgb);
+[[nodiscard]] std::optional<LayerMeaning> use_of_index(std::span<const ColourUse> uses, int index);
+
+/// The values of an AutoCAD colour index: 1 to 7 are red, yellow, green, cyan, blue, magenta, and
+/// black or white. Green has two values, because that of CSS is darker. None for the others.
+[[nodiscard]] std::optional<std::array<std::uint32_t, 2>> values_of_index(int index);
+
+/// How `parse_colour_uses` reads an AutoCAD colour index: "#ff0000", "colour 30".
+[[nodiscard]] std::string index_text(int index);
 
 /// What `uses` says of a name, else `layer_meaning`.
 [[nodiscard]] LayerMeaning meaning_of_name(const LayerUses& uses, std::string_view name);

@@ -2,10 +2,11 @@
 #include "core/formats/pens/pen_finder.hpp"
 
 #include <algorithm>
-#include <array>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "core/formats/pens/layer_words.hpp"
 #include "core/formats/svg/syntax/svg_colour.hpp"
 #include "core/text/words.hpp"
 
@@ -76,22 +77,29 @@ std::uint8_t PenFinder::of_colour(std::uint32_t rgb) {
 
 std::uint8_t PenFinder::of_index(int index) {
   if (pens_.empty()) return 0;
-  // Green has two values: CSS's is darker than AutoCAD's.
-  constexpr std::array<std::array<std::uint32_t, 2>, 7> kColours{{{0xff0000, 0xff0000},
-                                                                  {0xffff00, 0xffff00},
-                                                                  {0x00ff00, 0x008000},
-                                                                  {0x00ffff, 0x00ffff},
-                                                                  {0x0000ff, 0x0000ff},
-                                                                  {0xff00ff, 0xff00ff},
-                                                                  {0x000000, 0xffffff}}};
-  const bool named = index >= 1 && index <= static_cast<int>(kColours.size());
-  const auto values =
-      named ? kColours.at(static_cast<std::size_t>(index - 1)) : std::array<std::uint32_t, 2>{};
-  see(named ? colour_text(values[0]) : fmt::format("colour {}", index));
+  const auto values = values_of_index(index);
+  see(index_text(index));
   return find([&](const Pen& pen) {
     return pen.index == index ||
-           (named && pen.rgb && (*pen.rgb == values[0] || *pen.rgb == values[1]));
+           (values && pen.rgb && (*pen.rgb == values->front() || *pen.rgb == values->back()));
   });
+}
+
+std::uint8_t LookFinder::of_colour(std::string layer, std::uint32_t rgb) {
+  return of({std::move(layer), colour_text(rgb)});
+}
+
+std::uint8_t LookFinder::of_index(std::string layer, int index) {
+  return of({std::move(layer), index_text(index)});
+}
+
+std::uint8_t LookFinder::of(DrawnLook look) {
+  auto found = std::find(seen_.begin(), seen_.end(), look);
+  if (found == seen_.end()) {
+    if (seen_.size() < kMostPens) seen_.push_back(std::move(look));
+    found = seen_.end() - 1;
+  }
+  return static_cast<std::uint8_t>(found - seen_.begin() + 1);
 }
 
 }  // namespace popcut

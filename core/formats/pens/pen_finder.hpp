@@ -43,4 +43,24 @@ class PenFinder {
   std::vector<std::string> seen_;
 };
 
+/// Numbers looks of lines, from 1.
+class LookFinder {
+ public:
+  /// @param wanted  otherwise it has none
+  explicit LookFinder(bool wanted) : wanted_(wanted) {}
+
+  [[nodiscard]] bool any() const { return wanted_; }
+  /// The number of the look of lines of this colour, on a layer whose name is not known, or "";
+  /// that of the last look if there are too many.
+  [[nodiscard]] std::uint8_t of_colour(std::string layer, std::uint32_t rgb);
+  [[nodiscard]] std::uint8_t of_index(std::string layer, int index);
+  [[nodiscard]] std::vector<DrawnLook>& seen() { return seen_; }
+
+ private:
+  std::uint8_t of(DrawnLook look);
+
+  bool wanted_;
+  std::vector<DrawnLook> seen_;
+};
+
 }  // namespace popcut

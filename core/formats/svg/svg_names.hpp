@@ -27,6 +27,10 @@ class SvgNames {
   void see_known(std::string_view name);
   /// Those to ask about, the first first. @param any_known  any line has a name that is known
   [[nodiscard]] std::vector<std::string> asked(bool any_known) const;
+  /// The name with the number `number`, as `asked` gives it; empty for 0.
+  [[nodiscard]] std::string name(std::uint32_t number) const {
+    return number == 0 ? std::string() : unknown_[number - 1].name;
+  }
   /// The element of the first of `asked`.
   [[nodiscard]] pugi::xml_node first_asked(bool any_known) const;
 

@@ -213,6 +213,7 @@ std::optional<StrokeUse> use_of_assignment(std::string_view word) {
 
 std::optional<StrokeUse> use_of_stroke(const StrokeProfile& profile, std::uint32_t rgb,
                                        LineStyle line, std::string_view classes) {
+  if (const auto said = use_of_colour(profile.colours, rgb)) return use_of(*said);
   if (profile.rules.empty()) return std::nullopt;
   if (profile.nearest) rgb = nearest_colour(profile, rgb);
   for (const StrokeRule& rule : profile.rules) {

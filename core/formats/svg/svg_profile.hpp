@@ -37,7 +37,8 @@ struct StrokeProfile {
   bool names{true};
   bool nearest{
       false};  ///< true: match the nearest of the rules' colours; false: only the exact colour
-  LayerUses labels;  ///< names whose meaning is another than that of their words
+  std::vector<ColourUse> colours{};  ///< what a person says of colours; before all rules
+  LayerUses labels;                  ///< names whose meaning is another than that of their words
   std::vector<StrokeRule> rules;
   StrokeUse otherwise{Operation::Cut};
   StrokeUse fills;   ///< the outline of shapes with a fill and no stroke

@@ -85,7 +85,8 @@ std::optional<SvgPurpose> SvgPurposes::meaning(const SvgElement& e, const SvgSty
     if (colours_.size() == 1) first_colour_ = here();
     if (colours_.size() == 2) second_colour_ = here();
   }
-  return SvgPurpose{profile_.otherwise, false};
+  if (said || !looks_.any()) return SvgPurpose{profile_.otherwise, false};
+  return SvgPurpose{profile_.otherwise, false, looks_.of_colour(names_.name(style.unknown), rgb)};
 }
 
 std::string SvgPurposes::colour_list() const {
@@ -96,8 +97,17 @@ std::string SvgPurposes::colour_list() const {
       colours_.size() == kMostListedColours ? "many" : std::to_string(colours_.size()), list);
 }
 
+void SvgPurposes::tell_looks(LineWork& work) {
+  if (!looks_.any()) return;
+  work.unsaid = std::move(looks_.seen());
+  if (!names_.asked(has_names_).empty())
+    work.asks = "layers";
+  else if (colours_.size() > 1)
+    work.asks = "colors";
+}
+
 Result<void> SvgPurposes::clear() const {
-  if (!profile_.asks) return {};
+  if (!profile_.asks || looks_.any()) return {};
   if (const std::vector<std::string> names = names_.asked(has_names_); !names.empty())
     return tl::unexpected(Error{ErrorKind::Malformed,
                                 svg_where(text_, names_.first_asked(has_names_)),
@@ -106,10 +116,10 @@ Result<void> SvgPurposes::clear() const {
   return tl::unexpected(Error{
       ErrorKind::Malformed, second_colour_,
       fmt::format("solid strokes without a name have {}, and popcut does not guess which of them "
-                  "are folds; use `svg-profile` origami-sim if red is a mountain fold and "
-                  "blue a valley fold, `svg-profile` popcut to cut them all, or one of "
-                  "'popcut plan --help'",
-                  colour_list()),
+                  "are folds; say it with `colors` such as \"{}=fold-mountain\", or use "
+                  "`svg-profile` origami-sim if red is a mountain fold and blue a valley fold, or "
+                  "`svg-profile` popcut to cut them all",
+                  colour_list(), colour_text(colours_.back())),
       ErrorReason::Unclear});
 }
 

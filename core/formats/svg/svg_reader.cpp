@@ -66,7 +66,7 @@ class SvgReader {
         pens_(options.pens),
         styles_(text, options.profile, user_mm_, text.by_illustrator, notes_, names_, steps_,
                 pens_),
-        purposes_(text, options.profile, notes_, names_, pens_),
+        purposes_(text, options.profile, notes_, names_, pens_, options.looks),
         strokes_(work_, options.limits.points) {}
 
   Result<LineWork> read(const pugi::xml_node& root, bool has_sheets) {
@@ -91,6 +91,7 @@ class SvgReader {
     if (!style.display_none)
       if (auto done = children(root, place, style); !done) return tl::unexpected(done.error());
     if (auto clear = purposes_.clear(); !clear) return tl::unexpected(clear.error());
+    purposes_.tell_looks(work_);
     if (auto done = settle_fills(root); !done) return tl::unexpected(done.error());
     add_warnings();
     work_.looks = pens_.seen();

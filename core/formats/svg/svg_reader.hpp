@@ -25,9 +25,10 @@ struct SvgReadOptions {
   std::optional<double> unit_mm{};  ///< of one unit of a DXF or FOLD file that is read instead
   double enlarged{1};  ///< times that the drawing becomes larger after it is read, positive
   std::vector<std::string> pens{};  ///< names for `PenFinder`; also for DXF
-  double dpi{96};                   ///< user units (px) per inch, positive
-  std::uint64_t pdf_page{1};        ///< of a PDF that becomes an SVG before, from 1
-  bool weld{false};                 ///< filled shapes that lie over each other become one
+  bool looks{false};  ///< fill `LineWork::unsaid` and do not refuse what is unclear; also for DXF
+  double dpi{96};     ///< user units (px) per inch, positive
+  std::uint64_t pdf_page{1};  ///< of a PDF that becomes an SVG before, from 1
+  bool weld{false};  ///< filled shapes that lie over each other become one
   SvgLimits limits;
 };
 

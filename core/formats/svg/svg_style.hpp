@@ -178,9 +178,10 @@ struct SvgPurpose {
 /// Decides what the shapes of one drawing are for: by their names, else by the profile.
 class SvgPurposes {
  public:
+  /// @param looks  collect how strokes look whose purpose is not known
   SvgPurposes(const SvgText& text, const StrokeProfile& profile, SvgNotes& notes, SvgNames& names,
-              PenFinder& pens)
-      : text_(text), profile_(profile), notes_(notes), names_(names), pens_(pens) {}
+              PenFinder& pens, bool looks)
+      : text_(text), profile_(profile), notes_(notes), names_(names), pens_(pens), looks_(looks) {}
 
   /// What the shape `e` is for. None if it is invisible, or if its fill does not count; this adds a
   /// note.
@@ -194,6 +195,8 @@ class SvgPurposes {
   /// @retval Malformed  the reason is Unclear; place: the first such name, or the first stroke of a
   ///                    second colour
   [[nodiscard]] Result<void> clear() const;
+  /// Moves what was collected to `work`, with the option that `clear` would ask for.
+  void tell_looks(LineWork& work);
   /// A warning if strokes of several colours all got the same purpose; else empty.
   [[nodiscard]] std::string colour_warning() const;
   /// A warning if other strokes have names, and those without one look different from the named
@@ -208,6 +211,7 @@ class SvgPurposes {
   SvgNotes& notes_;
   SvgNames& names_;
   PenFinder& pens_;
+  LookFinder looks_;
   [[nodiscard]] std::string colour_list() const;
   [[nodiscard]] std::optional<SvgPurpose> meaning(const SvgElement& e, const SvgStyle& style,
                                                   const SvgDashes& dashes, bool stroked);

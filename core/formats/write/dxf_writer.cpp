@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Part of core/formats/write/pattern_files.hpp.
 #include <array>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -18,6 +19,9 @@ struct DxfLayer {
 
 constexpr std::array<DxfLayer, 4> kDxfLayers{
     {{"CUT", 7}, {"FOLD_M", 1}, {"FOLD_V", 5}, {"MARK", 8}}};
+// What cutting programs sort by.
+constexpr std::array<DxfLayer, 4> kSheetLayers{
+    {{"DRAW", 3}, {"SCORE", 4}, {"FOLD", 1}, {"CUT", 7}}};
 
 // In cutting order: no part may move before it is cut.
 constexpr std::array<EdgeRole, 4> kDxfOrder{EdgeRole::Mountain, EdgeRole::Valley, EdgeRole::Slit,
@@ -51,12 +55,7 @@ class Groups {
   TextSink text_;
 };
 
-void put_header(Groups& groups, const Pattern& pattern) {
-  Box box;
-  for (const SheetLine& line : pattern.lines) {
-    box.add({line.v0, -line.u0});
-    box.add({line.v1, -line.u1});
-  }
+void put_header(Groups& groups, Box box) {
   if (box.empty()) box = {0, 0, 0, 0};
   groups.put_all({{0, "SECTION"},
                   {2, "HEADER"},
@@ -73,7 +72,7 @@ void put_header(Groups& groups, const Pattern& pattern) {
   groups.put(0, "ENDSEC");
 }
 
-void put_tables(Groups& groups) {
+void put_tables(Groups& groups, std::span<const DxfLayer> layers) {
   groups.put_all({{0, "SECTION"},
                   {2, "TABLES"},
                   {0, "TABLE"},
@@ -89,8 +88,8 @@ void put_tables(Groups& groups) {
                   {0, "ENDTAB"},
                   {0, "TABLE"},
                   {2, "LAYER"}});
-  groups.put(70, static_cast<int>(kDxfLayers.size()));
-  for (const DxfLayer& layer : kDxfLayers) {
+  groups.put(70, static_cast<int>(layers.size()));
+  for (const DxfLayer& layer : layers) {
     groups.put(0, "LAYER");
     groups.put(2, layer.name);
     groups.put(70, 0);
@@ -101,12 +100,62 @@ void put_tables(Groups& groups) {
   groups.put(0, "ENDSEC");
 }
 
+std::string_view layer_of(Operation operation) {
+  switch (operation) {
+    case Operation::Draw:
+      return "DRAW";
+    case Operation::Score:
+      return "SCORE";
+    case Operation::FoldMountain:
+    case Operation::FoldValley:
+      return "FOLD";
+    default:
+      return "CUT";
+  }
+}
+
 }  // namespace
+
+void write_sheet_dxf(const LineWork& drawing, const std::array<double, 2>& page_mm,
+                     std::ostream& out) {
+  const double height = page_mm[1];  // the y axis goes up, from the lower edge
+  Box box;
+  for (const DrawnLine& line : drawing.lines)
+    for (const PagePoint& p : drawing.points_of(line)) box.add({p.x, height - p.y});
+  Groups groups(out);
+  put_header(groups, box);
+  put_tables(groups, kSheetLayers);
+  groups.put_all({{0, "SECTION"}, {2, "ENTITIES"}});
+  for (const DrawnLine& line : drawing.lines) {
+    const auto points = drawing.points_of(line);
+    const std::string_view layer = layer_of(line.operation);
+    if (points.size() == 2) {
+      groups.put_all({{0, "LINE"}, {8, layer}});
+      groups.put_point(10, points[0].x, height - points[0].y);
+      groups.put_point(11, points[1].x, height - points[1].y);
+      continue;
+    }
+    const bool ring = points.size() > 3 && closed(points);
+    groups.put_all({{0, "POLYLINE"}, {8, layer}, {66, "1"}, {70, ring ? "1" : "0"}});
+    groups.put_point(10, 0, 0);
+    for (const PagePoint& p : points.first(points.size() - (ring ? 1 : 0))) {
+      groups.put_all({{0, "VERTEX"}, {8, layer}});
+      groups.put_point(10, p.x, height - p.y);
+    }
+    groups.put_all({{0, "SEQEND"}, {8, layer}});
+  }
+  groups.put_all({{0, "ENDSEC"}, {0, "EOF"}});
+}
 
 void write_pattern_dxf(const Pattern& pattern, std::ostream& out) {
   Groups groups(out);
-  put_header(groups, pattern);
-  put_tables(groups);
+  Box box;
+  for (const SheetLine& line : pattern.lines) {
+    box.add({line.v0, -line.u0});
+    box.add({line.v1, -line.u1});
+  }
+  put_header(groups, box);
+  put_tables(groups, kDxfLayers);
   groups.put(0, "SECTION");
   groups.put(2, "ENTITIES");
   for (const EdgeRole role : kDxfOrder) {

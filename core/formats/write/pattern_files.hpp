@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <iosfwd>
 #include <span>
 #include <string>
 
+#include "core/drawing/linework.hpp"
 #include "core/pattern/pattern.hpp"
 #include "core/result.hpp"
 
@@ -31,5 +33,13 @@ void write_cut_svg(const Pattern& pattern, std::span<const SheetLine> micro_cuts
 /// millimetres. They are newer than R12, but without them each program assumes a different unit.
 /// Coordinates are rounded to 1e-6 mm.
 void write_pattern_dxf(const Pattern& pattern, std::ostream& out);
+
+/// Writes what is cut on one sheet as DXF R12 for programs that drive a cutter, such as Silhouette
+/// Studio: millimetres at true size, x to the right and y up from the lower left corner of the
+/// page. Lines stay in their order, which is that of cutting. A line of two points is a LINE, a
+/// longer one a POLYLINE. Layers: DRAW (colour 3), SCORE (4), FOLD (1), CUT (7). In a dashed
+/// drawing each dash of a fold is a line of its own.
+void write_sheet_dxf(const LineWork& drawing, const std::array<double, 2>& page_mm,
+                     std::ostream& out);
 
 }  // namespace popcut

@@ -9,6 +9,7 @@
 #include <pugixml.hpp>
 
 #include "core/drawing/linework.hpp"
+#include "core/formats/dxf/dxf_reader.hpp"
 #include "core/formats/svg/svg_reader.hpp"
 #include "core/formats/write/pattern_files.hpp"
 #include "core/formats/write/profile_svg.hpp"
@@ -150,6 +151,39 @@ TEST_CASE("a drawing that is too wide for the Cricut mat is rotated and not mirr
   REQUIRE_FALSE(large);
   CHECK(large.error().kind == ErrorKind::Infeasible);
   CHECK(out.str().empty());
+}
+
+TEST_CASE("the DXF of a sheet has its lines in cutting order, at true size, y up",
+          "[core][formats][dxf]") {
+  LineWork work;
+  const std::vector<PagePoint> dash{{10, 20}, {11.5, 20}}, pen{{1, 2}, {3, 2}};
+  const std::vector<PagePoint> bend{{0, 0}, {10, 0}, {10, 5}};
+  const std::vector<PagePoint> ring{{0, 0}, {40, 0}, {40, 30}, {0, 30}, {0, 0}};
+  work.append(Operation::Draw, pen);
+  work.append(Operation::FoldMountain, dash);
+  work.append(Operation::FoldValley, dash);
+  work.append(Operation::Cut, bend);
+  work.append(Operation::Outline, ring);
+  std::ostringstream out;
+  write_sheet_dxf(work, {100, 50}, out);
+  const auto read = linework_from_dxf(out.str());
+  REQUIRE(read);
+  CHECK(read->warnings.size() == 1);  // folds of no side
+  REQUIRE(read->lines.size() == 5);
+  const Operation operations[] = {Operation::Draw, Operation::FoldValley, Operation::FoldValley,
+                                  Operation::Cut, Operation::Cut};
+  for (std::size_t i = 0; i < 5; ++i) {
+    CAPTURE(i);
+    CHECK(read->lines[i].operation == operations[i]);
+    const auto mine = work.points_of(work.lines[i]), theirs = read->points_of(read->lines[i]);
+    REQUIRE(theirs.size() == mine.size());
+    // The reader's page begins at the DXF's origin, which is the lower left corner of the sheet.
+    for (std::size_t k = 0; k < mine.size(); ++k) {
+      CHECK(theirs[k].x == Approx(mine[k].x));
+      CHECK(theirs[k].y + 50 == Approx(mine[k].y));
+    }
+  }
+  CHECK_THAT(out.str(), Catch::Contains("$INSUNITS\n70\n4\n"));
 }
 
 }  // namespace cut_files_test

@@ -513,7 +513,20 @@ TEST_CASE("several colours on layers without a meaning are asked about", "[core]
   CHECK(unclear.error().place == "layer \"B\"");
   CHECK(unclear.error().detail.find("`svg-profile` origami-sim") != std::string::npos);
   CHECK(unclear.error().detail.find("`svg-profile` popcut") != std::string::npos);
+  CHECK(unclear.error().detail.find("`colors`") != std::string::npos);
   CHECK(read(red_and_blue).lines.size() == 2);
+  DxfOptions looks = asks;
+  looks.looks = true;
+  const auto asked = linework_from_dxf(red_and_blue, looks);
+  REQUIRE(asked);
+  CHECK(asked->asks == "colors");
+  CHECK(asked->unsaid == std::vector<DrawnLook>{{"A", "#ff0000"}, {"B", "#0000ff"}});
+  DxfOptions says = asks;
+  says.said = *parse_colour_uses("red=fold-mountain; blue=ignore");
+  const auto said = linework_from_dxf(red_and_blue, says);
+  REQUIRE(said);
+  REQUIRE(said->lines.size() == 1);
+  CHECK(said->lines[0].operation == Operation::FoldMountain);
   // One colour, black beside white, one colour spelled twice, and colours of layers with a name.
   for (const std::string& clear :
        {coloured("A", "62 1") + coloured("B", "62 1"),

@@ -719,4 +719,60 @@ TEST_CASE("drawings of Illustrator without a unit are told to have 72 to the inc
   CHECK_FALSE(is_told(*said, advice));
 }
 
+TEST_CASE("a person says what colours and names are for, and what is left to say is known",
+          "[core][formats][svg][profile]") {
+  const std::string text =
+      svg(R"x(<g fill="none"><path d="M0 0H1" stroke="#000"/><path d="M0 1H2" stroke="red"/>
+      <path d="M0 2H4" stroke="blue"/><path d="M0 3H8" stroke="blue"/></g>)x");
+  SvgReadOptions how;
+  how.profile = *find_stroke_profile("auto");
+  REQUIRE(linework_from_svg(text, how).error().reason == ErrorReason::Unclear);
+  how.looks = true;
+  const auto asked = linework_from_svg(text, how);
+  REQUIRE(asked);
+  CHECK(asked->asks == "colors");
+  CHECK(asked->unsaid == std::vector<DrawnLook>{{"", "#000000"}, {"", "#ff0000"}, {"", "#0000ff"}});
+  REQUIRE(asked->lines.size() == 4);
+  CHECK(asked->lines[3].operation.pen == 3);
+  how.profile.colours = *parse_colour_uses("red=fold-mountain; #00F=ignore");
+  const auto said = linework_from_svg(text, how);
+  REQUIRE(said);
+  CHECK(said->asks.empty());
+  CHECK(said->unsaid == std::vector<DrawnLook>{{"", "#000000"}});
+  how.looks = false;
+  const auto read = linework_from_svg(text, how);
+  REQUIRE(read);
+  CHECK(read->lines.size() == 2);
+  CHECK(total_mm(*read, Operation::FoldMountain) == Approx(2));
+  CHECK(total_mm(*read, Operation::Cut) == Approx(1));
+  // Names come before colours, and are asked about before them.
+  const std::string named = svg(
+      R"x(<g fill="none" stroke="#f00"><g id="Cut"><path d="M0 0H1"/></g>
+      <g id="Zunge"><path d="M0 1H2"/></g></g>)x");
+  SvgReadOptions names;
+  names.profile = *find_stroke_profile("auto");
+  names.looks = true;
+  const auto layers = linework_from_svg(named, names);
+  REQUIRE(layers);
+  CHECK(layers->asks == "layers");
+  CHECK(layers->unsaid == std::vector<DrawnLook>{{"Zunge", "#ff0000"}});
+}
+
+TEST_CASE("what is said of colours is refused in one line where it is none",
+          "[core][formats][words][bad]") {
+  for (const char* wrong : {"red", "rouge=cut", "=cut", "red=", "red=glue", "colour x=cut"}) {
+    CAPTURE(wrong);
+    const auto uses = parse_colour_uses(wrong);
+    REQUIRE_FALSE(uses);
+    CHECK(uses.error().kind == ErrorKind::Usage);
+    CHECK(uses.error().place == "/options/colors");
+  }
+  const auto uses = parse_colour_uses(" colour 30 = score ; red=fold;");
+  REQUIRE(uses);
+  CHECK(use_of_index(*uses, 30) == LayerMeaning::Score);
+  CHECK(use_of_index(*uses, 1) == LayerMeaning::Fold);
+  CHECK(use_of_colour(*uses, 0xff0000) == LayerMeaning::Fold);
+  CHECK_FALSE(use_of_colour(*uses, 0x0000ff));
+}
+
 }  // namespace svg_meaning_test
