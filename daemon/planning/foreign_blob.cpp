@@ -17,6 +17,7 @@
 #include "core/machines/machine.hpp"
 #include "core/verify/verify.hpp"
 #include "daemon/planning/plan_input.hpp"
+#include "daemon/planning/plan_job.hpp"
 
 namespace popcut::planning {
 namespace {
@@ -29,16 +30,16 @@ struct Foreign {
 };
 
 /// Drawings whose colours could mean several things are read as Origami Simulator does.
-Result<Foreign> read_foreign(std::string text, InputKind kind) {
-  SvgReadOptions how;
-  const auto read = [&](const char* profile) -> Result<DrawingInput> {
-    auto found = find_stroke_profile(profile);
+Result<Foreign> read_foreign(std::string text, InputKind kind, SvgReadOptions how) {
+  auto drawn = drawing_from_text(text, kind, how, 1, {});
+  if (!drawn && drawn.error().reason == ErrorReason::Unclear) {
+    auto found = find_stroke_profile("origami-sim");
     if (!found) return tl::unexpected(found.error());
+    found->colours = std::move(how.profile.colours);
+    found->labels.merge(how.profile.labels);
     how.profile = std::move(*found);
-    return drawing_from_text(text, kind, how, 1, {});
-  };
-  auto drawn = read("auto");
-  if (!drawn && drawn.error().reason == ErrorReason::Unclear) drawn = read("origami-sim");
+    drawn = drawing_from_text(text, kind, how, 1, {});
+  }
   if (!drawn) return tl::unexpected(drawn.error());
   Foreign foreign{{}, std::move(drawn->drawing), {}};
   foreign.warnings = foreign.lines.warnings;
@@ -138,8 +139,8 @@ Result<std::string> opened_blob(const Foreign& foreign, LatticeBlobOptions& how)
 
 }  // namespace
 
-Result<std::string> foreign_blob(std::string text, InputKind kind) {
-  const auto foreign = read_foreign(std::move(text), kind);
+Result<std::string> foreign_blob(std::string text, InputKind kind, const SvgReadOptions& how_read) {
+  const auto foreign = read_foreign(std::move(text), kind, how_read);
   if (!foreign) return tl::unexpected(foreign.error());
   LatticeBlobOptions how;
   how.quality = LatticeQuality::Stored;
@@ -152,7 +153,9 @@ Result<std::string> foreign_blob(std::string text, InputKind kind) {
 }
 
 Result<ForeignDrawing> foreign_drawing(std::string text, InputKind kind) {
-  auto foreign = read_foreign(std::move(text), kind);
+  const auto how = read_options({}, {});
+  if (!how) return tl::unexpected(how.error());
+  auto foreign = read_foreign(std::move(text), kind, *how);
   if (!foreign) return tl::unexpected(foreign.error());
   ForeignDrawing drawing{std::move(foreign->lines), std::nullopt};
   if (const auto file = read_fold(foreign->fold))

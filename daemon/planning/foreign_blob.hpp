@@ -17,8 +17,10 @@ namespace popcut::planning {
 /// does; a warning says if that is not all the way. Where nothing opens there are only its lines.
 /// What `popcut verify` judges of it, and what not, is listed.
 ///
+/// @param how  how it is read; what is unclear then is read as Origami Simulator does
 /// @retval Malformed, OutOfRange  it cannot be read
-[[nodiscard]] Result<std::string> foreign_blob(std::string text, InputKind kind);
+[[nodiscard]] Result<std::string> foreign_blob(std::string text, InputKind kind,
+                                               const SvgReadOptions& how);
 
 /// A pattern from elsewhere, to be drawn.
 struct ForeignDrawing {

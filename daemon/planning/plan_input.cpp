@@ -89,6 +89,8 @@ Result<DrawingInput> from_dxf(const std::string& text, const SvgReadOptions& how
   options.unit_mm = how.unit_mm;
   options.pens = how.pens;
   options.layers = how.profile.labels;
+  options.said = how.profile.colours;
+  options.looks = how.looks;
   return only_drawing(linework_from_dxf(text, options));
 }
 

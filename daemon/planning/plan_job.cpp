@@ -69,7 +69,10 @@ Result<Material> choose_material(const PlanOptions& options, const DrawingInput&
               named ? "/material" : file + ": /material", material.error().detail);
 }
 
-Result<SvgReadOptions> read_options(const PlanOptions& options, const Tables& tables) {
+}  // namespace
+
+Result<SvgReadOptions> read_options(const PlanOptions& options,
+                                    const std::vector<std::string>& tables) {
   auto profile = find_stroke_profile(options.svg_profile, tables);
   if (!profile) return tl::unexpected(profile.error());
   SvgReadOptions how;
@@ -77,6 +80,9 @@ Result<SvgReadOptions> read_options(const PlanOptions& options, const Tables& ta
   auto layers = parse_layer_uses(options.layers);
   if (!layers) return tl::unexpected(layers.error());
   for (const auto& [name, use] : *layers) how.profile.labels[name] = use;
+  auto colours = parse_colour_uses(options.colors);
+  if (!colours) return tl::unexpected(colours.error());
+  how.profile.colours = std::move(*colours);
   how.tolerance_mm = reading_tolerance_mm(options);
   how.enlarged = options.scale;
   how.dpi = options.svg_dpi;
@@ -86,6 +92,8 @@ Result<SvgReadOptions> read_options(const PlanOptions& options, const Tables& ta
   how.pens = named_pens(options.pens);
   return how;
 }
+
+namespace {
 
 /// Reads the input. What `width` makes of a drawing is known only when it is read: then it is read
 /// once more, so that nothing is flattened or joined for a size that it does not have. A design has

@@ -27,6 +27,12 @@ struct PlanJob {
 /// Reads the drawing with the given options.
 using DrawingReader = std::function<Result<DrawingInput>(const SvgReadOptions&)>;
 
+/// How a drawing is read with these options.
+///
+/// @retval Usage  no such profile; what is said of layers or colours is not of its form
+[[nodiscard]] Result<SvgReadOptions> read_options(const PlanOptions& options,
+                                                  const std::vector<std::string>& tables);
+
 /// Plans the sheets and encodes their programs. Values in, values out: `popcut plan` adds files
 /// around it, popcutd's worker a pipe.
 ///

@@ -34,6 +34,7 @@ struct PlanningTask {
     Place,    ///< a spec with its shape moved into place; options: "place" (whole, quarter)
     Artwork,  ///< the artwork of a sheet of a plan of a spec, as a page; see `ArtworkRequest`
     Svg,      ///< a page of a PDF as "drawing.svg"; options: "page" (from 1)
+    Make,     ///< sheets for a way of making, or what a drawing asks: see `planning::make_sheets`
     Search,   ///< the best cards of a mesh, which is the design; see planning/search/search_task
   };
   Kind kind{};

@@ -100,15 +100,15 @@ Result<PlanningOutcome> outcome_of(const PlanJob& job, PlanningOutcome outcome,
 }  // namespace
 
 Result<PlanJob> planned(WorkerTask& task, PlanningOutcome& outcome, const DesignReceiver& designed,
-                        const Progress& progress) {
+                        const Progress& progress, bool by_hand) {
   auto options = read_plan_options(task.options);
   if (!options) return tl::unexpected(in_request(options.error()));
   const auto tables = tables_of(task);
   if (!tables) return tl::unexpected(tables.error());
   if (const auto machine = find_driven_machine(tables->machine, tables->texts);
-      !machine && !machine.error().place.starts_with("table"))
+      !by_hand && !machine && !machine.error().place.starts_with("table"))
     return tl::unexpected(within("/machine", machine.error()));
-  options->machine = tables->machine;
+  if (!by_hand || !task.machine_json.empty()) options->machine = tables->machine;
   options->material = tables->material;
   options->progress = progress;
   SpecSources sources;
@@ -228,6 +228,8 @@ Result<PlanningOutcome> perform(WorkerTask task, const FileSink& add, const Prog
       return draw_artwork(task, add, progress);
     case Kind::Svg:
       return draw_pdf(task, add);
+    case Kind::Make:
+      return make_sheets(task, add, progress);
     case Kind::Search:
       break;  // planning/search, which rests on this folder; the worker has it do the task
   }

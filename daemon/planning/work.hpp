@@ -43,8 +43,19 @@ using DesignReceiver = std::function<Result<void>(const DesignSpec&, PatchAssemb
 ///
 /// @param outcome   receives what kind of design it is
 /// @param designed  receives the design of a spec
+/// @param by_hand   the machine may be one that popcut does not drive, or none: an ideal plotter
 [[nodiscard]] Result<PlanJob> planned(WorkerTask& task, daemon::PlanningOutcome& outcome,
-                                      const DesignReceiver& designed, const Progress& progress);
+                                      const DesignReceiver& designed, const Progress& progress,
+                                      bool by_hand = false);
+
+/// What the options of a task begin with that are not those of its plan: "way", a row of
+/// `make_ways`, or "drawing" for `drawing_question` alone.
+inline constexpr const char* kMakeOption = "make-";
+inline constexpr const char* kMakeFile = "make.json";
+/// `perform` of the sheets for a way of making, as one JSON document. If the drawing has to be
+/// explained first, the document is `{"asks": ...}` with what `drawing_question` says.
+[[nodiscard]] Result<daemon::PlanningOutcome> make_sheets(WorkerTask& task, const FileSink& add,
+                                                          const Progress& progress);
 
 /// What the options of a task begin with that are not those of its plan.
 inline constexpr const char* kArtworkOption = "artwork-";

@@ -121,6 +121,15 @@ Result<std::string> stored_spec_blob(WorkerTask& task) {
   return lattice_blob(*made, how);
 }
 
+/// Of a drawing, read as the task's options say.
+Result<std::string> foreign_blob_of(WorkerTask& task, InputKind kind) {
+  const auto options = read_plan_options(task.options);
+  if (!options) return tl::unexpected(in_request(options.error()));
+  const auto how = read_options(*options, {});
+  if (!how) return tl::unexpected(in_request(how.error()));
+  return foreign_blob(std::move(task.design), kind, *how);
+}
+
 /// As it will be cut, or nearly so where that would take long.
 Result<PatchAssembly> shown_design(WorkerTask& task) {
   auto wanted = read_wanted(task);
@@ -211,8 +220,7 @@ Result<PlanningOutcome> show(WorkerTask& task, const FileSink& add) {
     const auto kind =
         task.design_kind.empty() ? kind_of_content(task.design) : input_kind_from(task.design_kind);
     if (!kind) return tl::unexpected(kind.error());
-    blob = *kind == InputKind::Spec ? stored_spec_blob(task)
-                                    : foreign_blob(std::move(task.design), *kind);
+    blob = *kind == InputKind::Spec ? stored_spec_blob(task) : foreign_blob_of(task, *kind);
   }
   if (!blob) return tl::unexpected(blob.error());
   if (auto done = add("lattice", std::move(*blob)); !done) return tl::unexpected(done.error());

@@ -164,7 +164,7 @@ std::string last_words(const std::string& errors) {
 /// The task and its owner, for the log.
 std::string name_of(const PlanningTask& task) {
   constexpr std::array kWords{"check",  "plan",  "test cut", "preview", "lattice", "picture",
-                              "export", "place", "artwork",  "PDF",     "search"};
+                              "export", "place", "artwork",  "PDF",     "make",    "search"};
   static_assert(kWords.size() == static_cast<std::size_t>(PlanningTask::Kind::Search) + 1);
   const std::string file = task.design_path.substr(task.design_path.rfind('/') + 1);
   return fmt::format("a {}{}{} of {}", kWords.at(static_cast<std::size_t>(task.kind)),

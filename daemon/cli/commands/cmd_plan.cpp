@@ -16,10 +16,11 @@
 #include "core/text/utf8.hpp"
 #include "core/text/words.hpp"
 #include "daemon/cli/command.hpp"
-#include "daemon/cli/commands/profile_sheets.hpp"
+#include "daemon/cli/commands/program_sheet_file.hpp"
 #include "daemon/cli/options/plan_arguments.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/pictures/pdf.hpp"
+#include "daemon/planning/make/program_sheets.hpp"
 
 namespace popcut::cli {
 namespace plan_command {
@@ -31,7 +32,8 @@ struct Options {
   std::string formats;
 };
 
-constexpr std::array<std::string_view, 5> kFormats{"svg", "program", "picture", "assembly", "pdf"};
+constexpr std::array<std::string_view, 8> kFormats{"svg", "program", "picture", "assembly",
+                                                   "pdf", "dxf",     "laser",   "cricut"};
 constexpr std::string_view kUsual = "svg,program,picture,assembly";
 
 /// What --formats asks for, or what is usual.
@@ -70,8 +72,21 @@ Result<void> add_pdf(Plan& plan, OutputFolder& folder) {
   return folder.add("sheets.pdf", *pdf);
 }
 
+// The programs whose sheets are written: by the machine, by the format and by the profile.
+std::set<std::string_view> programs_of(const Machine& machine, const PlanArguments& arguments,
+                                       const Formats& formats) {
+  std::set<std::string_view> programs;
+  if (machine.language == "cricut" || formats.given.contains("cricut")) programs.insert("cricut");
+  if (formats.given.contains("laser")) programs.insert("lightburn");
+  if (formats.given.contains("dxf")) programs.insert(planning::kDxfSheets);
+  const auto profile = arguments.options.find("svg-profile");
+  if (profile != arguments.options.end() && machine.language != "cricut")
+    programs.insert(profile->second);
+  return programs;
+}
+
 // One sheet: what will be cut, as other programs want it, its picture and its program.
-Result<void> add_sheet(PlanJob& job, std::size_t i, const std::string& profile,
+Result<void> add_sheet(PlanJob& job, std::size_t i, const std::set<std::string_view>& programs,
                        const Formats& formats, OutputFolder& folder) {
   const Machine& machine = job.plan.machine;
   const PlannedSheet& sheet = job.plan.sheets[i];
@@ -79,7 +94,8 @@ Result<void> add_sheet(PlanJob& job, std::size_t i, const std::string& profile,
   if (formats.has("svg", machine))
     if (auto done = folder.add(PlanJob::sheet_file(i, "svg"), sheet_svg(sheet, title)); !done)
       return done;
-  if (auto done = add_profile_sheet(job.plan, i + 1, profile, title, folder); !done) return done;
+  for (const std::string_view program : programs)
+    if (auto done = add_program_sheet(job.plan, i + 1, program, title, folder); !done) return done;
   if (!machine.driven()) return {};
   if (formats.has("picture", machine))
     if (auto done = folder.add(fmt::format("plan-{:02}.svg", i + 1), plan_svg(sheet, title)); !done)
@@ -104,13 +120,18 @@ void say_parts(const Plan& plan, std::size_t i) {
     fmt::print(stderr, "           {}\n", names);
 }
 
+// How large what is cut on a sheet is.
+std::string size_words(const Plan& plan, std::size_t i) {
+  const Box box = bounds(planning::strokes_as_lines(plan.sheets[i], plan.folds, ""));
+  return fmt::format("{:.1f} x {:.1f} mm ({:.3f} x {:.3f} in)", box.width(), box.height(),
+                     box.width() / 25.4, box.height() / 25.4);
+}
+
 // Where popcut does not drive: what is on the sheet, and the file to take on.
 void say_drawing(const Plan& plan, std::size_t i, const std::string& folder,
                  const Formats& formats) {
   const PlannedSheet& sheet = plan.sheets[i];
-  const Box box = bounds(strokes_as_lines(sheet, plan.folds, ""));
-  fmt::print(stderr, "  sheet {}  {:.1f} x {:.1f} mm ({:.3f} x {:.3f} in), cut {:.0f} mm, ", i + 1,
-             box.width(), box.height(), box.width() / 25.4, box.height() / 25.4, sheet.cut_mm);
+  fmt::print(stderr, "  sheet {}  {}, cut {:.0f} mm, ", i + 1, size_words(plan, i), sheet.cut_mm);
   if (plan.folds == FoldMode::Score)
     fmt::print(stderr, "score {:.0f} mm of folds", sheet.fold_line_mm);
   else
@@ -151,11 +172,8 @@ void say_cricut(const Plan& plan) {
 void say_blade(const PlanJob& job, const PlanArguments& arguments) {
   const Machine& machine = job.plan.machine;
   if (!machine.autoblade || machine.reports_tools() || arguments.options.contains("blade")) return;
-  fmt::print(
-      stderr,
-      "  blade    as it is set; for an autoblade add --blade autoblade, and the machine sets "
-      "it to {}\n",
-      job.plan.material.autoblade_depth);
+  fmt::print(stderr, "  blade    set it to {} (an AutoBlade sets itself: add --blade autoblade)\n",
+             job.plan.material.autoblade_depth);
 }
 
 void say(const PlanJob& job, const std::string& folder, const Formats& formats) {
@@ -171,8 +189,8 @@ void say(const PlanJob& job, const std::string& folder, const Formats& formats) 
     const PlannedSheet& sheet = plan.sheets[i];
     const auto minutes = [](double seconds) { return seconds / 60; };
     fmt::print(
-        stderr, "  sheet {}  cut {:.0f} mm, folds {:.0f} mm {}, {} strokes\n", i + 1, sheet.cut_mm,
-        sheet.fold_line_mm,
+        stderr, "  sheet {}  {}, cut {:.0f} mm, folds {:.0f} mm {}, {} strokes\n", i + 1,
+        size_words(plan, i), sheet.cut_mm, sheet.fold_line_mm,
         sheet.whole_folds ? "as whole lines" : fmt::format("as {:.0f} mm of dashes", sheet.fold_mm),
         sheet.path.strokes.size());
     fmt::print(stderr,
@@ -215,12 +233,9 @@ Result<void> run_plan(const Options& options, const Globals& globals) {
             fmt::format("{} takes no programs from popcut; leave {} out", machine.title, name));
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
-  const auto given = options.plan.options.find("svg-profile");
-  const std::string profile = machine.language == "cricut"          ? "cricut"
-                              : given != options.plan.options.end() ? given->second
-                                                                    : "";
+  const auto programs = programs_of(machine, options.plan, *formats);
   for (std::size_t i = 0; i < job->plan.sheets.size(); ++i)
-    if (auto done = add_sheet(*job, i, profile, *formats, *folder); !done) return done;
+    if (auto done = add_sheet(*job, i, programs, *formats, *folder); !done) return done;
   if (formats->has("pdf", machine))
     if (auto done = add_pdf(job->plan, *folder); !done) return done;
   if (formats->has("assembly", machine))
@@ -246,9 +261,10 @@ constexpr const char* kHelp =
     "  plan-NN.svg             a picture of the order of the cuts, as colours\n"
     "  assembly.svg            where each piece goes\n"
     "  plan.json               lengths, time and warnings\n\n"
-    "With --svg-profile cricut, lightburn or origami-sim you also get sheet-NN-PROFILE.svg for "
-    "that\n"
-    "program.\n\n"
+    "For another program name its format: --formats dxf for Silhouette Studio, laser for "
+    "LightBurn,\n"
+    "cricut for Design Space. With --svg-profile cricut, lightburn or origami-sim you also get\n"
+    "sheet-NN-PROFILE.svg.\n\n"
     "For a Cricut, name it (--machine cricut-maker): then there is no program, and\n"
     "sheet-NN-cricut.svg is what you upload in Design Space. To cut by hand:\n\n"
     "  popcut plan heart.svg -o sheets --machine none --mat A4\n\n"
@@ -265,7 +281,9 @@ void register_plan(const Command& app, const Globals& globals, Run& run) {
   command
       .add_option("--formats", options->formats,
                   "Files to write beside plan.json, separated by commas: svg program picture "
-                  "assembly pdf (sheets.pdf, to print at true scale; usual with --machine none)")
+                  "assembly pdf (sheets.pdf, to print at true scale; usual with --machine none) "
+                  "dxf (sheet-NN.dxf, for Silhouette Studio) laser (sheet-NN-lightburn.svg) "
+                  "cricut (sheet-NN-cricut.svg)")
       .value_text(fmt::format("LIST [{}]", kUsual));
   command
       .add_option("-o,--output", options->folder,

@@ -24,7 +24,7 @@
 #include "core/plan/sheet_pieces.hpp"
 #include "core/print/pages.hpp"
 #include "daemon/cli/command.hpp"
-#include "daemon/cli/commands/profile_sheets.hpp"
+#include "daemon/cli/commands/program_sheet_file.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/options/plan_arguments.hpp"
 #include "daemon/cli/view/long_work.hpp"
@@ -289,7 +289,7 @@ Result<void> add_for_programs(PlanJob& job, const Printed& printed, const PrintP
   if (auto done = folder.add(PlanJob::sheet_file(i, "svg"), *svg); !done) return done;
   if (job.plan.machine.language != "cricut") return {};
   const std::string title = page_name(fmt::format("{}: sheet {}", job.plan.name, i + 1));
-  if (auto done = add_profile_sheet(job.plan, i + 1, "cricut", title, folder); !done) return done;
+  if (auto done = add_program_sheet(job.plan, i + 1, "cricut", title, folder); !done) return done;
   const auto png = artwork_sheet_png(printed.artwork, job.plan, i, pages);
   if (!png) return tl::unexpected(png.error());
   return folder.add(PlanJob::sheet_file(i, "png"), *png);

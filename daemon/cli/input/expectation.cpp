@@ -215,6 +215,12 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
     if (!uses) return tl::unexpected(wrong("/layers", "give names and uses such as \"Wing=fold\""));
     facts.layers = std::move(*uses);
   }
+  if (const auto colours = text_at(json, "/colors")) {
+    auto uses = parse_colour_uses(*colours);
+    if (!uses)
+      return tl::unexpected(wrong("/colors", "give colours and uses such as \"red=fold\""));
+    facts.colours = std::move(*uses);
+  }
   if (const auto dpi = number_at(json, "/svg_dpi"); dpi && *dpi > 0) facts.svg_dpi = *dpi;
   if (const auto page = number_at(json, "/pdf_page"); page && *page >= 1 && *page <= 100'000)
     facts.pdf_page = static_cast<std::uint64_t>(*page);
@@ -309,6 +315,7 @@ Result<SvgReadOptions> reading_of(const PlanFacts& plan, const UserTables& table
   SvgReadOptions how;
   how.profile = std::move(*profile);
   for (const auto& [name, use] : plan.layers) how.profile.labels[name] = use;
+  how.profile.colours = plan.colours;
   how.dpi = plan.svg_dpi;
   how.pdf_page = plan.pdf_page;
   how.weld = plan.weld;

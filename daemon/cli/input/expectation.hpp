@@ -35,7 +35,8 @@ struct PlanFacts {
   std::string svg_profile{"popcut"};  ///< how the plan read an SVG, as the next two
   double svg_dpi{96}, curve_tolerance_mm{0.02};
   std::uint64_t pdf_page{1};
-  LayerUses layers{};  ///< what names mean, where the plan was told
+  LayerUses layers{};                ///< what names mean, where the plan was told
+  std::vector<ColourUse> colours{};  ///< and what colours mean
   std::optional<double> unit_mm;
   double blade_offset_mm{};
   std::uint16_t blade_tools{};

@@ -513,4 +513,47 @@ TEST_CASE("what a worker says it is at is told now and then, and as plain text",
   }
 }
 
+TEST_CASE("sheets are made for people without a cutter, and a drawing is asked about as data",
+          "[daemon][planning][make]") {
+  const auto made = [](std::map<std::string, std::string> options, std::string machine = "") {
+    planning::WorkerTask task{.kind = Kind::Make, .design_kind = "svg"};
+    task.machine_json = std::move(machine);
+    task.design =
+        "<svg xmlns='http://www.w3.org/2000/svg' width='100mm' height='80mm' viewBox='0 0 100 80' "
+        "fill='none'><path d='M5 5H95V75H5Z' stroke='#000'/><path d='M5 40H95' "
+        "stroke='red'/></svg>";
+    task.options = std::move(options);
+    std::string document;
+    const auto keep = [&](const std::string& name, const std::string& bytes) -> Result<void> {
+      CHECK(name == planning::kMakeFile);
+      document = bytes;
+      return {};
+    };
+    const auto outcome = planning::perform(std::move(task), keep);
+    if (!outcome) FAIL(message(outcome.error()));
+    return nlohmann::json::parse(document);
+  };
+  const std::string paper = R"({"name": "page", "like": "none"})";
+  const auto question = made({{"make-way", "hand"}}, paper)["asks"];
+  CHECK(question == made({{"make-way", "drawing"}}));
+  CHECK(question["asks"] == "colors");
+  CHECK(question["size_mm"] == nlohmann::json::array({90.0, 70.0}));
+  REQUIRE(question["looks"].size() == 2);
+  CHECK(question["looks"][1]["name"] == "#ff0000");
+  CHECK(question["looks"][1]["length_mm"] == Approx(90));
+  CHECK(question["looks"][1]["path"] == "M0 35L90 35");
+  const std::string colours = "red=fold-valley; black=cut";
+  const auto hand = made({{"make-way", "hand"}, {"colors", colours}, {"mat", "letter"}}, paper);
+  REQUIRE(hand["files"].size() == 1);
+  CHECK(hand["files"][0]["page_mm"] == nlohmann::json::array({215.9, 279.4}));
+  CHECK(hand["sheets"][0]["picture"].get<std::string>().find("<text") == std::string::npos);
+  CHECK_THAT(hand["command"].get<std::string>(), Catch::Contains("--colors \"" + colours + "\""));
+  const auto laser = made({{"make-way", "laser"}, {"colors", colours}});
+  CHECK(laser["files"][0]["name"] == "sheet-01-lightburn.svg");
+  const auto studio = made({{"make-way", "silhouette"}, {"colors", colours}},
+                           R"({"name": "ours", "like": "cameo3"})");
+  CHECK(studio["files"][0]["name"] == "sheet-01.dxf");
+  CHECK(studio["files"][1]["name"] == "sheet-01.svg");
+}
+
 }  // namespace planner_test

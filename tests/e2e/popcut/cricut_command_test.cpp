@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 
+#include "core/formats/dxf/dxf_reader.hpp"
 #include "core/formats/svg/svg_reader.hpp"
 #include "tests/support/command_bench.hpp"
 #include "tests/support/paths.hpp"
@@ -304,6 +305,34 @@ TEST_CASE("nothing of popcut moves a machine that popcut does not drive", "[cli]
   check_refused(
       bench.popcut({"simulate", "sheets/sheet-01.gpgl", "-o", "cut", "--machine", "none"}), 2,
       "takes no programs");
+}
+
+TEST_CASE("one plan is written for Silhouette Studio, lasers and Design Space",
+          "[cli][e2e][formats]") {
+  const Bench bench;
+  write_file(bench.temp / "heart.svg", kHeart);
+  const json plan = bench.planned("heart.svg", {"--formats", "dxf,laser,cricut", "--overcut", "0"});
+  CHECK(bench.files() == std::set<std::string>{"manifest.json", "plan.json", "sheet-01-cricut.svg",
+                                               "sheet-01-lightburn.svg", "sheet-01.dxf"});
+  CHECK_THAT(bench.said, Catch::Contains("86.4 x 78.7 mm"));
+  const auto sheet = linework_from_dxf(bench.file("sheet-01.dxf"));
+  REQUIRE(sheet);
+  double cut = 0.0, folds = 0.0;
+  bool cutting = false;
+  for (const DrawnLine& line : sheet->lines) {
+    const double mm = length(sheet->points_of(line));
+    if (is_cut(line.operation)) {
+      cutting = true;
+      cut += mm;
+    } else if (is_fold(line.operation)) {
+      CHECK_FALSE(cutting);  // folds first
+      CHECK(mm < 2.0);       // dashes
+      folds += mm;
+    }
+  }
+  const json& row = plan["sheets"][0];
+  CHECK(folds == Approx(row["fold_mm"].get<double>()).epsilon(1e-6));
+  CHECK(cut == Approx(row["cut_mm"].get<double>()).epsilon(1e-5));
 }
 
 }  // namespace cricut_command_test

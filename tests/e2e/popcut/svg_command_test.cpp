@@ -244,6 +244,12 @@ TEST_CASE("several colours without names are not cut before somebody says what t
   const Ran cut = plan(temp, "A=", {"card.svg", "--svg-profile", "popcut"});
   REQUIRE(cut.exit == 0);
   CHECK(json::parse(cut.out)["sheets"][0]["fold_line_mm"].get<double>() == 0.0);
+  CHECK(asked.err.find("--colors such as \"#") != std::string::npos);
+  const Ran said = plan(temp, "A=", {"card.svg", "--colors", "blue=valley; #0f0=cut; red=ignore"});
+  REQUIRE(said.exit == 0);
+  const json of_colours = json::parse(said.out);
+  CHECK(of_colours["sheets"][0]["fold_line_mm"].get<double>() > 0.0);
+  CHECK(of_colours["colors"] == "blue=valley; #0f0=cut; red=ignore");
   // A name for all but one colour is enough.
   const std::string layers =
       replaced(replaced(kCard, "stroke='blue'", "stroke='blue' data-assignment='V'"),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/cli/commands/profile_sheets.hpp"
+#include "daemon/planning/make/program_sheets.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,9 +10,10 @@
 
 #include <fmt/format.h>
 
+#include "core/formats/write/pattern_files.hpp"
 #include "core/formats/write/profile_svg.hpp"
 
-namespace popcut::cli {
+namespace popcut::planning {
 namespace {
 
 bool same_line(std::span<const PagePoint> a, std::span<const PagePoint> b) {
@@ -70,29 +71,30 @@ CricutMat cricut_mat(const PlannedSheet& sheet, const Machine& machine) {
 
 }  // namespace
 
-Result<void> add_profile_sheet(Plan& plan, std::size_t number, const std::string& profile,
-                               const std::string& title, OutputFolder& folder) {
-  const PlannedSheet& sheet = plan.sheets[number - 1];
-  const std::string name = fmt::format("sheet-{:02}-{}.svg", number, profile);
-  std::ostringstream out;
-  if (profile == "cricut") {
-    const auto written = write_cricut_svg(strokes_as_lines(sheet, plan.folds, title),
-                                          cricut_mat(sheet, plan.machine), out);
-    if (!written) {
-      plan.warnings.push_back(
-          {.code = "not_written",
-           .message = fmt::format("{} is not written: {}", name, written.error().detail),
-           .place = {.sheet = static_cast<int>(number)}});
-      return {};
-    }
-  } else if (profile == "lightburn") {
-    write_lightburn_svg(strokes_as_lines(sheet, plan.folds, title), sheet.area_mm, out);
-  } else if (profile == "origami-sim" && sheet.lines) {
-    write_origami_sim_svg(*sheet.lines, out);
-  } else {
-    return {};
-  }
-  return folder.add(name, out.str());
+std::string program_sheet_name(std::size_t number, std::string_view program) {
+  if (program == kDxfSheets) return fmt::format("sheet-{:02}.dxf", number);
+  return fmt::format("sheet-{:02}-{}.svg", number, program);
 }
 
-}  // namespace popcut::cli
+Result<std::optional<std::string>> program_sheet(const Plan& plan, std::size_t number,
+                                                 std::string_view program,
+                                                 const std::string& title) {
+  const PlannedSheet& sheet = plan.sheets[number - 1];
+  std::ostringstream out;
+  if (program == "cricut") {
+    const auto written = write_cricut_svg(strokes_as_lines(sheet, plan.folds, title),
+                                          cricut_mat(sheet, plan.machine), out);
+    if (!written) return tl::unexpected(written.error());
+  } else if (program == "lightburn") {
+    write_lightburn_svg(strokes_as_lines(sheet, plan.folds, title), sheet.area_mm, out);
+  } else if (program == kDxfSheets) {
+    write_sheet_dxf(strokes_as_lines(sheet, plan.folds, title), sheet.area_mm, out);
+  } else if (program == "origami-sim" && sheet.lines) {
+    write_origami_sim_svg(*sheet.lines, out);
+  } else {
+    return std::nullopt;
+  }
+  return std::move(out).str();
+}
+
+}  // namespace popcut::planning
