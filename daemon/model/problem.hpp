@@ -59,6 +59,8 @@ struct Problem {
   std::vector<std::string> allowed_actions{};  ///< allowed now (StateConflict, Stale)
   std::optional<int> retry_after_s{};
   std::vector<NextAction> next_actions{};  ///< complete requests that would pass now
+  std::string asks{};                      ///< JSON of `planning::drawing_question`, if it must be
+                                           ///< answered first; else empty
   std::vector<Warning> warnings{};         ///< of the job, where they are the reason; else none
 };
 

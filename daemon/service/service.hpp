@@ -116,7 +116,11 @@ class Designs {
   virtual CallOff file(const Principal&, const std::string& id, const std::string& name, int part,
                        Shown done) = 0;
   /// The lattice blob of a stored design.
-  virtual CallOff lattice(const Principal&, const std::string& id, Shown done) = 0;
+  ///
+  /// @param reading  of a drawing: the options of planning that say what its lines are for, and its
+  ///                 unit
+  virtual CallOff lattice(const Principal&, const std::string& id,
+                          const std::map<std::string, std::string>& reading, Shown done) = 0;
   /// A part for ETags that changes with the material that a stored spec names: "-" and a few
   /// digits; empty for other designs.
   [[nodiscard]] virtual std::string material_mark(const std::string& id) = 0;
@@ -155,6 +159,13 @@ class Plans {
   /// @retval Validation     the model cannot be read; artwork is too near to a mark
   virtual Designs::CallOff artwork(const Principal&, const std::string& id, int sheet,
                                    const ArtworkRequest&, Designs::Shown done) = 0;
+  /// The sheets of a design for a way of making it (`planning::make_ways`), or what a drawing asks
+  /// ("drawing"), as the JSON of `planning::make_sheets`. Nothing is stored (see `Designs`).
+  ///
+  /// @retval NotFound    there is no such design
+  /// @retval Validation  as for `request`; the drawing has to be explained first (`Problem::asks`)
+  virtual Designs::CallOff make(const Principal&, const std::string& way, const PlanRequest&,
+                                Designs::Shown done) = 0;
 };
 
 /// Searches for the best cards of a 3D model. See `Service`.

@@ -315,6 +315,7 @@ std::vector<Sent> inputs_of(const Route& route, const World& world) {
                            {path == "/v1/place" ? "place" : "quality",
                             path == "/v1/place" ? "whole" : "exact"}}
                 .dump();
+  if (path.ends_with("/make")) right = R"({"way":"hand"})";
   if (path == "/v1/tokens") right = R"({"name":"turns","role":"viewer"})";
   if (route.method == Method::Patch)
     right = nlohmann::json{{"note", std::string(2000, 'n')}}.dump();

@@ -246,6 +246,10 @@ void ContractLife::make_design_and_plans() {
   design_ = upload(sphere, 201);
   CHECK(upload(sphere, 200) == design_);
   upload("{", 422);
+  ask({.method = "POST",
+       .route = "/v1/designs/{id}/make",
+       .holes = {{"id", design_}},
+       .body = R"({"way": "silhouette", "options": {"mat": "A4"}})"});
   spare_design_ = upload(sphere + " ", 201);
   for (const int status : {201, 200})
     CHECK(ask({.method = "POST",

@@ -383,6 +383,15 @@ Designs::CallOff FakePlans::artwork(const Principal&, const std::string& id, int
   return [] {};
 }
 
+Designs::CallOff FakePlans::make(const Principal&, const std::string& way,
+                                 const PlanRequest& wanted, Designs::Shown done) {
+  if (auto problem = failure("make"))
+    done(tl::unexpected<Problem>(*problem));
+  else
+    done(fmt::format(R"({{"way": "{}", "design": "{}"}})", way, wanted.design));
+  return [] {};
+}
+
 void FakeDesigns::preview(const Principal&, const std::string& id,
                           std::function<void(Answer<std::string>)> done) {
   if (auto problem = failure("design_preview")) return done(tl::unexpected<Problem>(*problem));
@@ -412,7 +421,8 @@ Designs::CallOff FakeDesigns::place_spec(const Principal&, const PreviewRequest&
   return [] {};
 }
 
-Designs::CallOff FakeDesigns::lattice(const Principal&, const std::string& id, Shown done) {
+Designs::CallOff FakeDesigns::lattice(const Principal&, const std::string& id,
+                                      const std::map<std::string, std::string>&, Shown done) {
   if (auto problem = failure("design_lattice"))
     done(tl::unexpected<Problem>(*problem));
   else if (design_map.find(id) == design_map.end())

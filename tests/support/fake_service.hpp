@@ -112,7 +112,8 @@ class FakeDesigns : public Designs, public virtual FakeState {
                std::function<void(Answer<std::string>)> done) override;
   CallOff show_spec(const Principal&, const PreviewRequest&, Shown done) override;
   CallOff place_spec(const Principal&, const PreviewRequest&, Shown done) override;
-  CallOff lattice(const Principal&, const std::string& id, Shown done) override;
+  CallOff lattice(const Principal&, const std::string& id,
+                  const std::map<std::string, std::string>& reading, Shown done) override;
   std::string material_mark(const std::string&) override { return {}; }
   void picture(const Principal&, const std::string& id, const std::string& name,
                Shown done) override;
@@ -130,6 +131,8 @@ class FakePlans : public Plans, public virtual FakeState {
   Answer<std::string> file(const std::string& id, const std::string& name) override;
   Designs::CallOff artwork(const Principal&, const std::string& id, int sheet,
                            const ArtworkRequest&, Designs::Shown done) override;
+  Designs::CallOff make(const Principal&, const std::string& way, const PlanRequest&,
+                        Designs::Shown done) override;
 };
 
 class FakeSearches : public Searches, public virtual FakeState {

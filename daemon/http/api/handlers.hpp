@@ -20,7 +20,7 @@ extern const Body kPlanRequest;
 // handlers_searches.cpp
 extern const Body kSearchRequest, kPickRequest;
 // handlers_preview.cpp
-extern const Body kPreviewRequest, kPlaceRequest;
+extern const Body kPreviewRequest, kPlaceRequest, kMakeRequest;
 // handlers_jobs.cpp
 extern const Body kJobCreate, kJobPatch, kHold, kMove;
 // handlers_actions.cpp
@@ -62,7 +62,7 @@ HandlerFunction sheet_strokes, sheet_artwork;
 HandlerFunction search_cards, get_search, list_searches, delete_search, card_picture, pick_card;
 
 // handlers_preview.cpp
-HandlerFunction preview_spec, place_spec, design_lattice;
+HandlerFunction preview_spec, place_spec, make_design, design_lattice;
 
 // handlers_jobs.cpp
 HandlerFunction create_job, list_jobs, get_job, patch_job, delete_job;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include <map>
+
 #include <fmt/format.h>
 
+#include "daemon/digest/digest.hpp"
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/handlers.hpp"
 #include "daemon/http/api/input.hpp"
@@ -38,6 +41,18 @@ const Body body::kPlaceRequest{
       "spec": {"popcut": 1, "surface": {"type": "mesh", "file": "sha256-aa"},
                "units_per_slice": 3, "slices": 4, "widths_mm": 1.2},
       "place": "whole"})"};
+
+const Body body::kMakeRequest{
+    .schema = "MakeRequest",
+    .fields = {word("way", "hand cricut silhouette laser drawing")
+                   .required()
+                   .with_schema(R"({"enum": ["hand", "cricut", "silhouette", "laser", "drawing"]})")
+                   .described("how it is made; drawing: only what the drawing asks"),
+               text("material", kIdLimit),
+               text("machine", kIdLimit)
+                   .described("default: none, cricut-maker, cameo3, or an ideal plotter"),
+               plan_options("options")},
+    .example = R"({"way": "hand", "options": {"mat": "A4"}})"};
 
 namespace handle {
 namespace {
@@ -127,18 +142,54 @@ void place_spec(const Request& request, Service& service, const HandlerContext& 
                       }));
 }
 
+void make_design(const Request& request, Service& service, const HandlerContext& context,
+                 Reply reply) {
+  std::string way;
+  const auto read = [&way](BodyReader& body) {
+    way = body.word("way");
+    PlanRequest wanted;
+    wanted.material = body.text("material");
+    wanted.machine = body.text("machine");
+    wanted.options = body.options("options");
+    return wanted;
+  };
+  auto wanted = read_body<PlanRequest>(request, context, body::kMakeRequest, read);
+  if (!wanted) return reply(problem_response(wanted.error(), request));
+  wanted->design = request.params[0];
+  if (const auto design = service.designs.find(request.principal, wanted->design); !design)
+    return reply(problem_response(design.error(), request));
+  end_with_client(request,
+                  service.plans.make(
+                      request.principal, way, *wanted,
+                      [reply, target = request.target, id = request.id](Answer<std::string> made) {
+                        if (!made) return reply(problem_response(made.error(), target, id));
+                        Response response;
+                        response.body = std::move(*made);
+                        reply(std::move(response));
+                      }));
+}
+
 void design_lattice(const Request& request, Service& service, const HandlerContext& context,
                     Reply reply) {
   if (const Answer<Design> design = service.designs.find(request.principal, request.params[0]);
       !design)
     return reply(problem_response(design.error(), request));
-  const std::string etag = fmt::format("\"{}-{}{}\"", request.params[0], context.build,
-                                       service.designs.material_mark(request.params[0]));
+  QueryReader query(request);
+  std::map<std::string, std::string> reading;
+  std::string mark;
+  for (const char* name : {"layers", "colors", "units"})
+    if (std::string text = query.text(name); !text.empty()) {
+      mark += fmt::format("-{}", daemon::sha256_hex(name + text).substr(0, 12));
+      reading[name] = std::move(text);
+    }
+  if (const auto wrong = query.problem()) return reply(problem_response(*wrong, request));
+  const std::string etag = fmt::format("\"{}-{}{}{}\"", request.params[0], context.build,
+                                       service.designs.material_mark(request.params[0]), mark);
   if (has_seen(request, etag)) return reply(unchanged(etag, kKeptByClient));
   end_with_client(
       request,
       service.designs.lattice(
-          request.principal, request.params[0],
+          request.principal, request.params[0], reading,
           [reply, etag, target = request.target, id = request.id](Answer<std::string> blob) {
             if (!blob) return reply(problem_response(blob.error(), target, id));
             Response response = lattice_response(std::move(*blob));

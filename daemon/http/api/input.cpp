@@ -133,6 +133,7 @@ Answer<void> read_nothing(const Request& request, const HandlerContext& context)
 }
 
 const std::vector<InputRule>& query_rules() {
+  constexpr TextLimit kReadingLimit{2000};
   constexpr std::string_view kTime = "a date, or a time in RFC 3339";
   static const std::vector<InputRule> rules{
       whole("limit", 1, kMostPageItems),
@@ -155,6 +156,9 @@ const std::vector<InputRule>& query_rules() {
       whole("part", 1, kMostSheets)
           .described("number of the part, if the design has several")
           .by_default(1),
+      text_or_empty("layers", kReadingLimit).described("what layers are for, as when you plan it"),
+      text_or_empty("colors", kReadingLimit).described("what colours are for, as when you plan it"),
+      text_or_empty("units", kIdLimit).described("the unit of a DXF or FOLD file"),
       word("mode", "view surface")
           .described("view: the model as you see it; surface: the colour of the nearest point of "
                      "its surface")

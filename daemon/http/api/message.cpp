@@ -143,6 +143,7 @@ Response problem_response(const Problem& problem, std::string_view instance,
   if (!problem.state.empty())
     body.text("state", problem.state).texts("allowed_actions", problem.allowed_actions);
   if (!problem.next_actions.empty()) body.objects("ways", json_of(problem.next_actions));
+  if (!problem.asks.empty()) body.json("asks", problem.asks);
   if (!problem.warnings.empty()) body.warnings("warnings", problem.warnings);
   Response response;
   response.status = status_of(problem.kind);

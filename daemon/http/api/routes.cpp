@@ -282,6 +282,22 @@ constexpr auto kTable = std::to_array<Route>({
               "Returns the spec with its 3D model or height table turned and moved so that the "
               "pattern reaches as much of it as possible, like 'popcut design --place'. Takes at "
               "most two minutes; close the connection to cancel it. Nothing is stored."}),
+    post("/v1/designs/{id}/make", kSubmitter, handle::make_design,
+         "Get the sheets of a design to make it without a cutter that popcut drives",
+         {.takes = &body::kMakeRequest,
+          .gives = {"MadeSheets"},
+          .stores_nothing = true,
+          .patience = Patience::Design,
+          .bucket = Bucket::Preview,
+          .ends_with_client = true,
+          .details =
+              "hand: pages to print (PDF). cricut: SVG for Design Space. silhouette: DXF whose "
+              "folds "
+              "are dashes, and SVG, for Silhouette Studio. laser: SVG with a colour for each "
+              "operation, for LightBurn. The files are those of 'popcut plan --formats'. drawing: "
+              "gives a DrawingQuestion instead. 422 with 'asks' if the drawing does not say what "
+              "its "
+              "lines are for. Takes at most two minutes; nothing is stored."}),
     get("/v1/designs/{id}/deployed.svg", kViewer, handle::design_picture,
         "Get a small picture of the opened card; flat, if popcut does not know how it opens",
         {.gives = {"image/svg+xml"},
@@ -306,7 +322,8 @@ constexpr auto kTable = std::to_array<Route>({
          .ends_with_client = true}),
     get("/v1/designs/{id}/lattice", kViewer, handle::design_lattice,
         "Get the lattice blob of a design, to draw it in three dimensions",
-        {.gives = {"application/vnd.popcut.lattice", 200, "the lattice blob"},
+        {.query = "layers colors units",
+         .gives = {"application/vnd.popcut.lattice", 200, "the lattice blob"},
          .is_cached = true,
          .patience = Patience::Design,
          .bucket = Bucket::Picture,

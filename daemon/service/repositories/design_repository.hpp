@@ -54,7 +54,8 @@ class DesignRepository : public Designs {
                std::function<void(Answer<std::string>)> done) override;
   CallOff show_spec(const Principal& who, const PreviewRequest& request, Shown done) override;
   CallOff place_spec(const Principal& who, const PreviewRequest& request, Shown done) override;
-  CallOff lattice(const Principal& who, const std::string& id, Shown done) override;
+  CallOff lattice(const Principal& who, const std::string& id,
+                  const std::map<std::string, std::string>& reading, Shown done) override;
   void picture(const Principal& who, const std::string& id, const std::string& name,
                Shown done) override;
   std::string material_mark(const std::string& id) override;

@@ -71,14 +71,16 @@ Designs::CallOff DesignRepository::place_spec(const Principal& who, const Previe
 }
 
 Designs::CallOff DesignRepository::lattice(const Principal& who, const std::string& id,
+                                           const std::map<std::string, std::string>& reading,
                                            Shown done) {
   const Answer<Design> design = here(id);
   if (!design) {
     done(tl::unexpected(design.error()));
     return [] {};
   }
-  return show({task_for(*design, PlanningTask::Kind::Lattice), who.name}, kLattice,
-              std::move(done));
+  PreviewTask task{task_for(*design, PlanningTask::Kind::Lattice), who.name};
+  if (design->kind != "spec") task.task.options = reading;
+  return show(std::move(task), kLattice, std::move(done));
 }
 
 Designs::CallOff DesignRepository::file(const Principal& who, const std::string& id,

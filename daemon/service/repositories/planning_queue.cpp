@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/model/warnings.hpp"
+#include "daemon/planning/make/make_ways.hpp"
 #include "daemon/planning/plan_job.hpp"
 #include "daemon/planning/work.hpp"
 
@@ -218,14 +219,25 @@ Answer<PlanRow> PlanningQueue::plan_for(const Principal& who, const PlanRequest&
     return refuse_value("/design", "unknown", "must be the id of an uploaded design",
                         design.error().detail);
   }
-  std::string material =
-      request.material.empty() ? parts_.designs.own_material(*design) : request.material;
-  if (material.empty()) material = kUsualMaterial;
-  const Answer<MaterialRecord> row = material_named(material);
-  if (!row) return tl::unexpected(row.error());
+  const Answer<MaterialRecord> material = material_of(request, *design);
+  if (!material) return tl::unexpected(material.error());
   const Answer<MachineRow> machine =
-      machine_for(request.device, request.machine, material, request.site);
+      machine_for(request.device, request.machine, material->id, request.site);
   if (!machine) return tl::unexpected(machine.error());
+  const Answer<PlanRow> row = rows_of(request, *design, *material, *machine);
+  if (!row) return tl::unexpected(row.error());
+  return find_or_add(who, *row);
+}
+
+Answer<MaterialRecord> PlanningQueue::material_of(const PlanRequest& request,
+                                                  const Design& design) {
+  const std::string own =
+      request.material.empty() ? parts_.designs.own_material(design) : request.material;
+  return material_named(own.empty() ? kUsualMaterial : own);
+}
+
+Answer<PlanRow> PlanningQueue::rows_of(const PlanRequest& request, const Design& design,
+                                       const MaterialRecord& material, const MachineRow& machine) {
   std::map<std::string, std::string> options = request.options;
   if (options.contains(kProfileRow))
     return tl::unexpected(Problem{
@@ -237,15 +249,15 @@ Answer<PlanRow> PlanningQueue::plan_for(const Principal& who, const PlanRequest&
   if (const auto named = options.find("svg-profile"); named != options.end())
     if (std::string own = parts_.materials.profile_row(named->second); !own.empty())
       options[kProfileRow] = std::move(own);
-  return find_or_add(who, {.id = {},
-                           .key = {},
-                           .kind = "design",
-                           .design = design->id,
-                           .material = material,
-                           .machine = machine->name,
-                           .options = nlohmann::json(options).dump(),
-                           .machine_json = machine->json,
-                           .material_json = row->json});
+  return PlanRow{.id = {},
+                 .key = {},
+                 .kind = "design",
+                 .design = design.id,
+                 .material = material.id,
+                 .machine = machine.name,
+                 .options = nlohmann::json(options).dump(),
+                 .machine_json = machine.json,
+                 .material_json = material.json};
 }
 
 Answer<PlanRow> PlanningQueue::plan_again(const Principal& who, const PlanRow& before,
@@ -790,6 +802,50 @@ Designs::CallOff PlanningQueue::artwork(const Principal& who, const std::string&
   if (task) return parts_.designs.show(std::move(*task), planning::kArtworkFile, std::move(done));
   done(tl::unexpected(task.error()));
   return [] {};
+}
+
+Answer<PreviewTask> PlanningQueue::make_task(const Principal& who, const std::string& way,
+                                             const PlanRequest& request) {
+  const Answer<Design> design = parts_.designs.here(request.design);
+  if (!design) return tl::unexpected(design.error());
+  const Answer<MaterialRecord> material = material_of(request, *design);
+  if (!material) return tl::unexpected(material.error());
+  const planning::MakeWay* const named = planning::find_make_way(way);
+  MachineRow machine;
+  if (!request.machine.empty() || (named != nullptr && !named->machine.empty())) {
+    machine.name = request.machine.empty() ? std::string(named->machine) : request.machine;
+    Answer<std::string> row = parts_.materials.machine_row(machine.name);
+    if (!row) return tl::unexpected(row.error());
+    machine.json = std::move(*row);
+  }
+  const Answer<PlanRow> row = rows_of(request, *design, *material, machine);
+  if (!row) return tl::unexpected(row.error());
+  PreviewTask task{task_of(*row, *design, PlanningTask::Kind::Make), who.name};
+  task.task.options[std::string(planning::kMakeOption) + "way"] = way;
+  return task;
+}
+
+Designs::CallOff PlanningQueue::make(const Principal& who, const std::string& way,
+                                     const PlanRequest& request, Designs::Shown done) {
+  Answer<PreviewTask> task = parts_.store.look([&] { return make_task(who, way, request); });
+  if (!task) {
+    done(tl::unexpected(task.error()));
+    return [] {};
+  }
+  return parts_.designs.show(
+      std::move(*task), planning::kMakeFile, [done = std::move(done)](Answer<std::string> made) {
+        constexpr std::string_view kAsks = R"({"asks":)";
+        if (!made || !made->starts_with(kAsks)) return done(std::move(made));
+        const auto answer = nlohmann::ordered_json::parse(*made, nullptr, false);
+        if (answer.is_discarded())
+          return done(refuse(ProblemKind::Internal, "the worker's question cannot be read"));
+        Problem problem = invalid_value(
+            fmt::format("/options/{}", answer["asks"].value("asks", std::string("layers"))),
+            "unclear", "must say what the lines of `asks` are for",
+            answer.value("detail", std::string()));
+        problem.asks = answer["asks"].dump();
+        done(tl::unexpected(std::move(problem)));
+      });
 }
 
 std::string index_name(int sheet) { return fmt::format("sheet-{:02}.program.json", sheet); }

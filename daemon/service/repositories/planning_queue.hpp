@@ -39,6 +39,8 @@ class PlanningQueue : public Plans {
   Answer<std::vector<popcut::Machine>> machines() override;
   Answer<std::string> file(const std::string& id, const std::string& name) override;
   Answer<void> remove(const Principal& who, const std::string& id) override;
+  Designs::CallOff make(const Principal& who, const std::string& way, const PlanRequest& request,
+                        Designs::Shown done) override;
   Designs::CallOff artwork(const Principal& who, const std::string& id, int sheet,
                            const ArtworkRequest& wanted, Designs::Shown done) override;
 
@@ -105,6 +107,13 @@ class PlanningQueue : public Plans {
   struct Hurried {
     std::string plan, owner;
   };
+  /// The rows of a request, and its options with the row of its profile.
+  [[nodiscard]] Answer<PlanRow> rows_of(const PlanRequest& request, const Design& design,
+                                        const MaterialRecord& material, const MachineRow& machine);
+  [[nodiscard]] Answer<MaterialRecord> material_of(const PlanRequest& request,
+                                                   const Design& design);
+  [[nodiscard]] Answer<PreviewTask> make_task(const Principal& who, const std::string& way,
+                                              const PlanRequest& request);
   [[nodiscard]] Answer<PreviewTask> artwork_task(const Principal& who, const std::string& id,
                                                  int sheet, const ArtworkRequest& wanted);
   /// The task of a design, with the options and tables of a plan.

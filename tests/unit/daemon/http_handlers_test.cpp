@@ -452,6 +452,25 @@ TEST_CASE("a preview reaches the service with its spec, quality and key",
   CHECK(older.body["type"] == "https://popcut.invalid/p/superseded");
 }
 
+TEST_CASE("the sheets of a design come as they were made, and a question as data",
+          "[daemon][http][handlers]") {
+  FakeService fake;
+  const char* path = "/v1/designs/sha256-1/make";
+  CHECK(ask(fake, Method::Post, path, {}, R"({"way": "hand"})").response.status == 404);
+  fake.design_map["sha256-1"].id = "sha256-1";
+  const Asked made = ask(fake, Method::Post, path, {}, R"({"way": "hand", "options": {"mat": "A4"}})");
+  CHECK(made.response.status == 200);
+  CHECK(made.body == json{{"way", "hand"}, {"design", "sha256-1"}});
+  for (const char* wrong : {"{}", R"({"way": "glue"})", R"({"way": "hand", "mat": "A4"})"})
+    CHECK(ask(fake, Method::Post, path, {}, wrong).response.status == 422);
+  Problem unclear{ProblemKind::Validation, "say it"};
+  unclear.asks = R"({"asks": "colors", "looks": [{"name": "#ff0000", "length_mm": 90}]})";
+  fake.next_problem = unclear;
+  const Asked asked = ask(fake, Method::Post, path, {}, R"({"way": "laser"})");
+  CHECK(asked.response.status == 422);
+  CHECK(asked.body["asks"]["looks"][0]["length_mm"] == 90);
+}
+
 TEST_CASE("a placed spec and a design's lattice come back as they were made",
           "[daemon][http][handlers]") {
   FakeService fake;
