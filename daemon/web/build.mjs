@@ -14,9 +14,12 @@ const root = join(here, '../..');
 const gallery = join(root, 'docs/gallery');
 const openapi = join(here, '../http/api/openapi.json');
 
-/** The examples of `popcut design --list`, in the order in which the page shows them. */
-const examples = ['cat', 'letters', 'house', 'heart', 'village', 'sphere', 'unit', 'cylinder', 'saddle', 'facade', 'packaging', 'airfoil', 'composite', 'multistate',
-  'fig2a'];
+/** The examples of `popcut design --list`, in two groups, in the order in which the page shows them. */
+const groups = {
+  cards: ['cat', 'house', 'heart', 'letters', 'village', 'lantern'],
+  paper: ['sphere', 'saddle', 'cylinder', 'composite', 'airfoil', 'facade', 'packaging', 'multistate', 'fig2a', 'unit'],
+};
+const examples = Object.values(groups).flat();
 
 /** What a change of the page begins with: all files of this folder, without what a build or CMake makes and needs. */
 function sources() {
@@ -162,7 +165,7 @@ async function build() {
     legalComments: 'none',
     jsx: 'automatic',
     jsxImportSource: 'preact',
-    define: { EXAMPLE_PICTURES: JSON.stringify(writePictures()) },
+    define: { EXAMPLE_PICTURES: JSON.stringify(writePictures()), EXAMPLE_GROUPS: JSON.stringify(groups) },
     metafile: true,
     logLevel: 'warning',
   });

@@ -197,7 +197,7 @@ test('a book lies on the desk with all its cards and is planned as one', async (
   await page.locator('.start-card:not(:disabled)').first().waitFor();
   await give(page, 'lantern.json', Buffer.from(JSON.stringify(book)));
   await exact(page);
-  assert.match(await page.locator('[aria-labelledby=figures]').innerText(), /ways to move\s+one movement/);
+  assert.match(await page.locator('[aria-labelledby=figures]').innerText(), /opens in one movement\s+yes/);
   assert.match(await page.locator('[aria-labelledby=figures]').innerText(), /sheet\s+\d{3}/);
   await picture(page, 'cards-book');
   await page.getByRole('button', { name: 'Cut this…' }).click();

@@ -17,13 +17,13 @@ test('after a crash of popcutd the page is right again by itself, and a cut that
   await page.locator('.pause-big').waitFor();
   const stopped = server.port;
   await server.kill();
-  await page.getByText(/No word from popcutd/).waitFor({ timeout: 60_000 });
+  await page.getByText(/popcutd does not answer/).waitFor({ timeout: 60_000 });
   await page.getByText('restarted').first().waitFor();
   assert.ok(Number(await page.evaluate(() => getComputedStyle(document.querySelector('main')).opacity)) < 0.7, 'old looks old');
   await server.run(`127.0.0.1:${stopped}`);
   await page.getByText('Interrupted', { exact: true }).waitFor({ timeout: 60_000 });
   await until(() => page.locator('.live-on').count(), 'live again');
-  assert.equal(await page.getByText(/No word from popcutd/).count(), 0);
+  assert.equal(await page.getByText(/popcutd does not answer/).count(), 0);
   assert.deepEqual(sent.filter((one) => one.path.includes('/actions/')), [], 'nothing is done by itself');
   assert.deepEqual(complaints, []);
   await close();
@@ -41,7 +41,7 @@ test('a page that slept for an hour says how old it is, and is right as soon as 
   await page.clock.resume();
   await page.getByText('while asleep').waitFor();
   await page.locator('.live-on').waitFor({ timeout: 60_000 });
-  assert.equal(await page.getByText(/No word from popcutd/).count(), 0);
+  assert.equal(await page.getByText(/popcutd does not answer/).count(), 0);
   assert.deepEqual(complaints, []);
   await close();
   await server.act(job.id, 'cancel');

@@ -422,7 +422,8 @@ test('files of the exact design and a picture of it are saved', async () => {
     const one = await download;
     return [one.suggestedFilename(), await bytesOf(one)];
   };
-  await page.getByRole('button', { name: 'Export' }).click();
+  await page.getByRole('button', { name: 'Make it…' }).click();
+  await page.getByText('More: other formats').click();
   const [svgName, svg] = await saved('Pattern to look at (SVG)');
   assert.equal(svgName, 'unit-pattern.svg');
   assert.match(svg.toString(), /^<\?xml[^]*<svg /);
@@ -447,7 +448,8 @@ test('a design is handed to Origami Simulator once that is ready, and to no othe
     ${ready ? "opener.postMessage({ from: 'OrigamiSimulator', status: 'ready' }, '*');" : ''}
   </script>`;
   await context.route('https://origamisimulator.org/**', (route) => route.fulfill({ contentType: 'text/html', body: site(true) }));
-  await page.getByRole('button', { name: 'Export' }).click();
+  await page.getByRole('button', { name: 'Make it…' }).click();
+  await page.getByText('More: other formats').click();
   const opened = context.waitForEvent('page');
   await page.getByRole('button', { name: /Origami Simulator/ }).click();
   const other = await opened;
@@ -535,6 +537,64 @@ test('a pattern from a file is shown as it lies, and what was judged of it', asy
   await picture(page, 'design-foreign');
   await page.locator('input[type=file]').setInputFiles({ name: 'virus.exe', mimeType: 'application/octet-stream', buffer: Buffer.from('MZ') });
   await page.getByText(/"virus.exe" is none of them/).waitFor();
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+const twoColours = `<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="80mm" viewBox="0 0 100 80" fill="none"><path d="M5 5H95V75H5Z"
+  stroke="#000"/><path d="M30 30V50M70 30V50" stroke="#000"/><path d="M5 40H30M70 40H95" stroke="red"/><path d="M30 30H70M30 50H70" stroke="blue"/></svg>`;
+
+test('a drawing asks in place what its colours are for; the answer is kept, and goes along with what is made of it', async () => {
+  const { page, complaints, sent, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
+  await page.locator('.start-card').first().waitFor();
+  const openIt = () => page.locator('input[type=file]').setInputFiles({ name: 'two.svg', mimeType: 'image/svg+xml', buffer: Buffer.from(twoColours) });
+  await openIt();
+  await page.getByText('What are these lines for?').waitFor();
+  assert.deepEqual(await page.locator('.look-name').allTextContents(), ['black, 360 mm', 'red, 50 mm', 'blue, 80 mm']);
+  await page.getByText('The drawing is 90 × 70 mm.').waitFor();
+  await page.getByRole('button', { name: 'Cut this…' }).click();
+  assert.equal(await page.getByRole('button', { name: 'Show the sheets' }).isDisabled(), true, 'nothing is planned before the answer');
+  await page.locator('dialog').getByRole('button', { name: 'Cancel' }).click();
+  for (const [at, use] of ['cut', 'fold-valley', 'fold-mountain'].entries()) await page.locator('.look select').nth(at).selectOption(use);
+  await page.getByText('What these lines are for').waitFor();
+  await page.getByText('--colors "#000000=cut; #ff0000=fold-valley; #0000ff=fold-mountain"').waitFor();
+  await page.reload();
+  await page.getByRole('button', { name: 'Open a file' }).waitFor();
+  await openIt();
+  await page.getByText('What these lines are for').waitFor();
+  await page.getByRole('button', { name: 'Make it…' }).click();
+  await page.getByRole('button', { name: /^By hand/ }).click();
+  await page.getByText('The pages are 210 × 297 mm.').waitFor();
+  const download = page.waitForEvent('download');
+  await page.getByRole('button', { name: 'Save sheets.pdf' }).click();
+  assert.match((await bytesOf(await download)).toString('latin1'), /^%PDF[^]*MediaBox \[ 0 0 595.2\d* 841.8\d* \]/, 'A4');
+  await page.getByRole('button', { name: 'Other ways' }).click();
+  await page.getByRole('button', { name: /^Silhouette Studio/ }).click();
+  const dxf = page.waitForEvent('download');
+  await page.getByRole('button', { name: 'Save sheet-01.dxf' }).click();
+  assert.match((await bytesOf(await dxf)).toString(), /AC1009[^]*LINE\n8\nFOLD\n[^]*POLYLINE\n8\nCUT\n/);
+  assert.equal(sent.filter((one) => one.path.endsWith('/plan')).length, 0);
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('a file without a unit asks how large it is, and the view follows the file that is open', async () => {
+  const { page, complaints, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
+  await page.locator('.start-card').first().waitFor();
+  const line = (...at) => `0\nLINE\n8\n0\n${[10, 20, 11, 21].map((code, i) => `${code}\n${at[i]}\n`).join('')}`;
+  const dxf = `0\nSECTION\n2\nENTITIES\n${line(0, 0, 4, 0)}${line(4, 0, 4, 3)}${line(4, 3, 0, 3)}${line(0, 3, 0, 0)}0\nENDSEC\n0\nEOF\n`;
+  await page.locator('input[type=file]').setInputFiles({ name: 'box.dxf', mimeType: 'image/vnd.dxf', buffer: Buffer.from(dxf) });
+  for (const size of ['in mm: 4 × 3 mm', 'in cm: 40 × 30 mm', 'in inches: 101.6 × 76.2 mm']) await page.getByText(size).waitFor();
+  await page.getByText('in inches').click();
+  await page.getByText('--units "in"').waitFor();
+  await page.locator('.flat-sheet', { hasText: 'card 101.6 × 76.2 mm' }).waitFor();
+  // A flat pattern leaves no flat view behind.
+  await page.locator('input[type=file]').setInputFiles(new URL('../../docs/making/heart.svg', import.meta.url).pathname);
+  await page.getByText('The drawing is 120 × 150 mm.').waitFor();
+  const handle = page.locator('.handle-open');
+  await handle.waitFor();
+  const [stage, box] = [await page.locator('.stage-canvas').boundingBox(), await handle.boundingBox()];
+  assert.ok(box.y >= stage.y && box.x >= stage.x && box.x + box.width <= stage.x + stage.width, 'the free edge is in the picture: the card is open');
   assert.deepEqual(complaints, []);
   await close();
 });

@@ -12,7 +12,8 @@ after(async () => { await closeBrowser(); await server.remove(); });
 async function exporting(options = {}) {
   const visited = await visit(server, { hash: '#/design/example/unit', ...options });
   await visited.page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 60_000 });
-  await visited.page.getByRole('button', { name: 'Export' }).click();
+  await visited.page.getByRole('button', { name: 'Make it…' }).click();
+  await visited.page.getByText('More: other formats').click();
   return visited;
 }
 

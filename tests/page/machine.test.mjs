@@ -119,14 +119,14 @@ test('a double tap, a double click and a held key on START start nothing', async
   assert.equal((await server.job(job.id)).state, 'armed');
 });
 
-test('by keyboard START asks, with the focus on "Not yet", and the second answer starts', async () => {
+test('by keyboard START asks, with the focus on "Cancel", and the second answer starts', async () => {
   const job = await server.queue(ladder(4), { name: 'by keyboard' });
   const { page, acts } = await look({ hash: machineHash() });
   await armHere(page);
   await page.locator('.hold').focus();
   await page.keyboard.press('Enter');
   await page.locator('dialog[open]').waitFor();
-  assert.equal(await page.evaluate(() => document.activeElement.textContent), 'Not yet');
+  assert.equal(await page.evaluate(() => document.activeElement.textContent), 'Cancel');
   await page.keyboard.press('Enter');
   await page.locator('dialog').waitFor({ state: 'detached' });
   assert.equal(acts('start').length, 0);
@@ -220,7 +220,7 @@ test('away from the cutter, Arm asks first', async () => {
   await page.locator('.arm').waitFor();
   await tickAll(page);
   await page.locator('.arm').click();
-  await page.getByText('Do you see the cutter?').waitFor();
+  await page.getByText(/Are you at the/).waitFor();
   await page.keyboard.press('Escape');
   assert.equal((await server.job(job.id)).state, 'ready');
   await page.locator('.arm').click();

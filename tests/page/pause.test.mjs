@@ -78,7 +78,7 @@ test('PAUSE works while what is shown is old, and all other acts are off', async
   await page.route('**/v1/events', (route) => route.abort());
   server.program.kill('SIGSTOP');
   try {
-    await page.getByText(/No word from popcutd/).waitFor({ timeout: 60_000 });
+    await page.getByText(/popcutd does not answer/).waitFor({ timeout: 60_000 });
     assert.equal(await page.getByRole('button', { name: 'End the job' }).isDisabled(), true);
   } finally {
     server.program.kill('SIGCONT');

@@ -118,7 +118,7 @@ test('glue: step by step with arrow keys and space, kept for the next time, both
   assert.equal(plan.sheets_total, 2);
   const { page, complaints, close } = await visit(server, { hash: `#/glue/${plan.id}`, motion: 'reduce' });
   await page.getByText('Step 1 of 6').waitFor();
-  await page.getByRole('heading', { name: 'Free the waste' }).waitFor();
+  await page.getByRole('heading', { name: 'Take off the scraps' }).waitFor();
   await page.keyboard.press('ArrowRight');
   await page.getByRole('heading', { name: 'Crease the mountain folds' }).waitFor();
   await page.keyboard.press(' ');
@@ -136,7 +136,7 @@ test('glue: step by step with arrow keys and space, kept for the next time, both
   await page.getByText('Step 3 of 6').waitFor();
   for (let i = 0; i < 9; i++) await page.keyboard.press('ArrowRight');
   await page.getByRole('heading', { name: 'Open it once' }).waitFor();
-  await page.getByRole('button', { name: 'From the start' }).click();
+  await page.getByRole('button', { name: 'Start again' }).click();
   await page.getByText('Step 1 of 6').waitFor();
   const shift = await page.evaluate(() => new Promise((done) => {
     let sum = 0;
@@ -158,7 +158,7 @@ test('glue is printed with all its steps and the pictures of the sheets', async 
   await until(() => page.evaluate(() => window.printed), 'it asks to print');
   await page.emulateMedia({ media: 'print' });
   assert.equal(await page.locator('.glue-screen').isVisible(), false);
-  for (const title of ['Free the waste', 'Crease the mountain folds', 'Glue seam A', 'Open it once']) {
+  for (const title of ['Take off the scraps', 'Crease the mountain folds', 'Glue seam A', 'Open it once']) {
     assert.equal(await page.locator('.glue-print').getByText(title, { exact: true }).isVisible(), true, title);
   }
   assert.deepEqual(await page.locator('.glue-print img').evaluateAll((all) => all.map((one) => one.complete && one.naturalWidth > 0)), [true, true]);

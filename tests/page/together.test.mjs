@@ -92,7 +92,8 @@ test('while a draft is shown nothing is shared, saved, exported or cut; each wor
     await button.click({ force: true });
   }
   assert.equal(await page.locator('dialog').count(), 0);
-  await page.getByRole('button', { name: 'Export' }).click();
+  await page.getByRole('button', { name: 'Make it…' }).click();
+  await page.getByText('More: other formats').click();
   const files = page.locator('.export');
   assert.equal(await files.first().isDisabled(), true);
   await page.getByText('The exact design is being made.').waitFor();

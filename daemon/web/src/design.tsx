@@ -8,6 +8,8 @@ import { Panel } from './design_panel';
 import { shownModel, Stage } from './design_stage';
 import { Start } from './design_start';
 import { LatticeError } from './lattice';
+import { DrawingQuestion, mustAnswer, optionsOf } from './drawing';
+import { MakeDialog } from './make';
 import { openInSimulator } from './origami_simulator';
 import { Button, Dialog, Tick, Trouble } from './parts';
 import { go, parseRoute, route, sheetsOf } from './route';
@@ -17,6 +19,7 @@ import { SearchCards } from './search_cards';
 import * as searching from './search_desk';
 import { devices, may, meta, stale } from './store';
 import { designWords as words } from './words_design';
+import { makeWords } from './words_make';
 
 const rad = (degrees: number): number => (degrees * Math.PI) / 180;
 const deg = (radians: number): number => (radians * 180) / Math.PI;
@@ -214,10 +217,13 @@ async function film(view: NonNullable<typeof shownModel.view>, designed: number,
   return stop.aborted ? null : new Blob(parts, { type: 'video/webm' });
 }
 
-function ExportDialog({ onClose }: { onClose: () => void }) {
+const designName = (): string => (desk.foreign.value?.name ?? nameOf(desk.spec.value ?? {})) || 'design';
+
+/** All other formats, as files of the design. */
+function OtherFormats() {
   const problem = useSignal<ServerProblem | null>(null);
   const busy = useSignal<string | null>(null);
-  const name = (desk.foreign.value?.name ?? nameOf(desk.spec.value ?? {})) || 'design';
+  const name = designName();
   const closed = useRef(new AbortController());
   useEffect(() => () => closed.current.abort(), []);
   const makeFilm = async (of: NonNullable<typeof shownModel.view>): Promise<void> => {
@@ -254,10 +260,10 @@ function ExportDialog({ onClose }: { onClose: () => void }) {
   const view = shownModel.view;
   const off = busy.value !== null || !desk.canCut.value || stale.value;
   return (
-    <Dialog title={words.exports.title} onNo={onClose} no={words.close}>
+    <>
       {problem.value && <Trouble problem={problem.value} />}
       {blocked.value && <p class="note note-bad" role="alert">{words.exports.blocked}</p>}
-      {!desk.foreign.value && <p class="muted">{desk.canCut.value ? words.exports.what : words.cut.wait}</p>}
+      {!desk.foreign.value && <p class="muted">{words.exports.what}</p>}
       <ul class="export-list">
         {!desk.foreign.value && Object.entries(words.exports.files).map(([file, text]) => (
           <li key={file}><button type="button" class="export" disabled={off} onClick={() => void get(file)}>{text}</button></li>
@@ -274,18 +280,18 @@ function ExportDialog({ onClose }: { onClose: () => void }) {
           </>
         )}
       </ul>
-    </Dialog>
+    </>
   );
 }
 
 interface MaterialRow { id: string }
 
-function CutDialog({ onClose }: { onClose: () => void }) {
+function CutDialog({ onClose, print = false }: { onClose: () => void; print?: boolean }) {
   const materials = useSignal<string[]>([]);
   const material = useSignal(String(desk.spec.peek()?.material ?? ''));
   const device = useSignal('');
   const copies = useSignal(1);
-  const printed = useSignal(false);
+  const printed = useSignal(print);
   const busy = useSignal(false);
   const problem = useSignal<ServerProblem | null>(null);
   const open = useRef(true);
@@ -303,7 +309,7 @@ function CutDialog({ onClose }: { onClose: () => void }) {
       const body: Record<string, unknown> = {};
       if (material.value) body.material = material.value;
       if (device.value) body.device = device.value;
-      if (printed.value) body.options = { marks: true };
+      body.options = { ...(desk.foreign.peek() ? optionsOf(id) : {}), ...(printed.value ? { marks: true } : {}) };
       const made = await send<{ id: string }>('POST', `/v1/designs/${id}/plan`, { body });
       sessionStorage.setItem(`popcut.cut.${made.id}`, JSON.stringify({ copies: copies.value, device: device.value || null }));
       if (!open.current) return;
@@ -317,19 +323,20 @@ function CutDialog({ onClose }: { onClose: () => void }) {
     }
   };
   return (
-    <Dialog title={words.cut.title} onNo={onClose} yes={words.cut.sheets} onYes={() => void plan()} busy={busy.value || !desk.canCut.value || stale.value}>
+    <Dialog title={words.cut.title} onNo={onClose} yes={words.cut.sheets} onYes={() => void plan()} busy={busy.value || !desk.canCut.value || stale.value || mustAnswer()}>
       {problem.value && <Trouble problem={problem.value} />}
+      {desk.foreign.value && <DrawingQuestion design={desk.foreign.value.id} onAnswer={desk.readAgain} />}
       {!desk.canCut.value && <p class="muted" role="status">{words.cut.wait}</p>}
       {busy.value && <p class="muted" role="status">{words.cut.planning}</p>}
       <label class="field"><span>{words.cut.material}</span>
         <select value={material.value} onChange={(event) => { material.value = event.currentTarget.value; }}>
-          <option value="" selected={material.value === ''}>{words.fields.materialAuto}</option>
+          <option value="" selected={material.value === ''}>{words.fields.materialAuto(String(desk.spec.value?.material ?? 'paper-220'))}</option>
           {materials.value.map((id) => <option key={id} value={id} selected={id === material.value}>{id}</option>)}
         </select>
       </label>
       <label class="field"><span>{words.cut.cutter}</span>
         <select value={device.value} onChange={(event) => { device.value = event.currentTarget.value; }}>
-          <option value="" selected={device.value === ''}>{words.cut.any}</option>
+          <option value="" selected={device.value === ''}>{words.cut.any([...devices.value.values()].find((one) => one.state !== 'absent')?.title ?? null)}</option>
           {[...devices.value.values()].map((one) => <option key={one.id} value={one.id} selected={one.id === device.value}>{one.title}</option>)}
         </select>
       </label>
@@ -342,7 +349,7 @@ function CutDialog({ onClose }: { onClose: () => void }) {
 }
 
 function Bar({ onOpen }: { onOpen: () => void }) {
-  const dialog = useSignal<'share' | 'export' | 'cut' | null>(null);
+  const dialog = useSignal<'share' | 'make' | 'cut' | 'print' | null>(null);
   const spec = desk.spec.value;
   const close = (): void => { dialog.value = null; };
   const save = (): void => {
@@ -368,11 +375,13 @@ function Bar({ onOpen }: { onOpen: () => void }) {
       <Button kind="quiet" onClick={onOpen}>{words.bar.open}</Button>
       {spec && <Button kind="quiet" onClick={() => { dialog.value = 'share'; }} disabled={!desk.canCut.value}>{words.bar.share}</Button>}
       {spec && <Button kind="quiet" onClick={save} disabled={!desk.canCut.value}>{words.bar.save}</Button>}
-      <Button kind="quiet" onClick={() => { dialog.value = 'export'; }}>{words.bar.exports}</Button>
+      <Button onClick={() => { dialog.value = 'make'; }}>{makeWords.button}</Button>
       {may('submitter') && <Button kind="primary" onClick={() => { dialog.value = 'cut'; }} disabled={stale.value}>{words.bar.cut}</Button>}
       {dialog.value === 'share' && <ShareDialog onClose={close} />}
-      {dialog.value === 'export' && <ExportDialog onClose={close} />}
-      {dialog.value === 'cut' && <CutDialog onClose={close} />}
+      {dialog.value === 'make' && <MakeDialog name={designName()} onClose={close} onCut={(printed) => { dialog.value = printed ? 'print' : 'cut'; }}>
+        <OtherFormats />
+      </MakeDialog>}
+      {(dialog.value === 'cut' || dialog.value === 'print') && <CutDialog onClose={close} print={dialog.value === 'print'} />}
     </div>
   );
 }
@@ -405,6 +414,7 @@ function Impossible() {
 }
 
 function Desk({ onOpen }: { onOpen: () => void }) {
+  useLayoutEffect(() => { scrollTo(0, 0); }, []);   // from wherever the card was begun
   useEffect(() => {
     const onKey = (event: KeyboardEvent): void => {
       if (!(event.ctrlKey || event.metaKey) || event.altKey) return;

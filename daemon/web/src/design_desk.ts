@@ -2,6 +2,7 @@
 // What is on the desk of the Design view: the spec, its steps, what popcutd made of it, and what is lit.
 import { batch, computed, effect, signal } from '@preact/signals';
 import { isThere } from './again';
+import { optionsOf } from './drawing';
 import type { Lattice, Place } from './lattice';
 import { FaceKind, readLattice } from './lattice';
 import type { Design, Example as Listed } from './model';
@@ -350,7 +351,8 @@ export async function openStored(id: string, wanted: () => boolean): Promise<voi
     if (wanted()) begin(of);
     return;
   }
-  const answer = await readAnswer(`/v1/designs/${encodeURIComponent(id)}/lattice`, { accept: 'application/vnd.popcut.lattice' });
+  const query = Object.entries(optionsOf(id)).map(([name, text]) => `${name}=${encodeURIComponent(text)}`).join('&');
+  const answer = await readAnswer(`/v1/designs/${encodeURIComponent(id)}/lattice${query && `?${query}`}`, { accept: 'application/vnd.popcut.lattice' });
   const made = readLattice(await answer.arrayBuffer());
   if (!wanted()) return;
   turn++;
@@ -363,6 +365,13 @@ export async function openStored(id: string, wanted: () => boolean): Promise<voi
     pinned.value = hovered.value = null;
     psi.value = made.motion === 'flat' ? Math.PI : made.design_psi_rad || Math.PI / 2;
   });
+}
+
+/** Shows the drawing on the desk as it is read now. */
+export async function readAgain(): Promise<void> {
+  const of = foreign.peek();
+  if (!of) return;
+  await openStored(of.id, opening()).catch((error: unknown) => { if (!isProblem(error)) throw error; });
 }
 
 /** Faces that are lit, or null for none. */

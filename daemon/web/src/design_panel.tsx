@@ -4,6 +4,7 @@ import { effect, useSignal } from '@preact/signals';
 import type { ComponentChildren } from 'preact';
 import { useEffect, useId, useLayoutEffect, useMemo, useRef } from 'preact/hooks';
 import * as desk from './design_desk';
+import { DrawingQuestion } from './drawing';
 import { FaceKind, onSheet, type Lattice } from './lattice';
 import { SheetView, type Strokes } from './sheet_view';
 import { asLattice, asPanels, isFacets, isPlain, isSilhouette, scaled, slicesOf, stretched, unitsOf, widthOf, widthsOf, withField, withSlices, withSliceWidth, withUnits, withWidth, type PanelStyle, type Spec } from './spec';
@@ -448,7 +449,7 @@ export function Figures({ of }: { of: Lattice }) {
         )}
         {report.inner_error_mm?.max !== undefined && <Row name={words.figures.inner} means={words.figures.means.inner}>{length(report.inner_error_mm.max)}</Row>}
         {report.end_error_mm?.max !== undefined && <Row name={words.figures.ends} means={words.figures.means.ends}>{length(report.end_error_mm.max)}</Row>}
-        {freedom !== undefined && <Row name={words.figures.freedom} means={words.figures.means.freedom}>{freedom === 1 ? words.figures.freedomOne : integer(freedom)}</Row>}
+        {freedom !== undefined && <Row name={words.figures.freedom} means={words.figures.means.freedom}>{freedom === 1 ? words.figures.freedomOne : words.figures.freedomMany(freedom)}</Row>}
         {report.pieces !== undefined && <Row name={words.figures.pieces}>{integer(report.pieces)}</Row>}
         <Row name={words.figures.panels}>{integer(desk.panelsOf(of))}</Row>
         {report.folds !== undefined && <Row name={words.figures.folds}>{integer(report.folds)}{report.fold_length_mm !== undefined && <small>{length(report.fold_length_mm)}</small>}</Row>}
@@ -526,6 +527,9 @@ export function Warnings({ of }: { of: Lattice }) {
   );
 }
 
+/** "tiling: why not" with the name of the check in words. */
+const withCheckWords = (text: string): string => text.replace(/^[a-z_]+/, (name) => words.judged.checks[name] ?? name);
+
 /** What popcut judged of a pattern from elsewhere, and what not. */
 export function Judged({ of }: { of: Lattice }) {
   return (
@@ -534,8 +538,8 @@ export function Judged({ of }: { of: Lattice }) {
       <p class="note">{words.judged.stored}</p>
       <p class="muted">{of.motion === 'flat' ? words.judged.flat : of.motion === 'frames' ? words.judged.frames : ''}</p>
       <dl class="facts">
-        {of.judged.map((one) => <Row key={one} name={one}>{words.judged.yes}</Row>)}
-        {of.not_judged.map((one) => <Row key={one} name={one}>{words.judged.no}</Row>)}
+        {of.judged.map((one) => <Row key={one} name={words.judged.checks[one] ?? one}>{words.judged.yes}</Row>)}
+        {of.not_judged.map((one) => <Row key={one} name={withCheckWords(one)}>{words.judged.no}</Row>)}
         <Row name={words.figures.sheet}>{size(sheetBox(of)[2], sheetBox(of)[3])}</Row>
       </dl>
     </section>
@@ -549,6 +553,7 @@ export function Panel() {
     <aside class="design-panel">
       <FlatSheet />
       {spec && <Fields spec={spec} of={of} />}
+      {desk.foreign.value && <DrawingQuestion design={desk.foreign.value.id} onAnswer={desk.readAgain} />}
       {of && desk.foreign.value && <Judged of={of} />}
       {of && <Warnings of={of} />}
       {of && !desk.foreign.value && <ByHand of={of} />}

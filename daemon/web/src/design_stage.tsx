@@ -486,7 +486,7 @@ export function ColourChoice() {
     <div class="segments" role="radiogroup" aria-label={words.stage.colour}>
       {kColourings.map((colouring) => (
         <label key={colouring} class={desk.colouring.value === colouring ? 'segment segment-on' : 'segment'}
-          title={has(colouring) ? undefined : words.stage.notThere(words.stage[colouring])}>
+          title={has(colouring) ? undefined : words.stage.notThere(words.stage[colouring], desk.quality.value === 'draft')}>
           <input type="radio" name="colouring" class="visually-hidden" checked={desk.colouring.value === colouring}
             disabled={!has(colouring) && desk.colouring.value !== colouring} onChange={() => { desk.colouring.value = colouring; }} />
           {words.stage[colouring]}

@@ -7,11 +7,13 @@ import * as desk from './design_desk';
 import { Button, Trouble } from './parts';
 import { isProblem, read, send, type ServerProblem } from './server';
 import { falling, type RadiusPoint, type Spec } from './spec';
+import { words as everyWords } from './words';
 import { designWords as words } from './words_design';
 
 declare const EXAMPLE_PICTURES: Record<string, string>;
+declare const EXAMPLE_GROUPS: Record<'cards' | 'paper', string[]>;
 
-const kFirst = ['cat', 'letters', 'sphere', 'house', 'saddle', 'heart', 'village', 'fig2a', 'cylinder', 'facade', 'packaging', 'multistate', 'composite', 'airfoil', 'unit'];
+const kFirst = [...EXAMPLE_GROUPS.cards, ...EXAMPLE_GROUPS.paper];
 
 export async function examples(): Promise<desk.Example[]> {
   const { items } = await read<{ items: desk.Example[] }>('/v1/examples');
@@ -284,8 +286,10 @@ export function Start({ onOpen, children }: { onOpen: () => void; children?: pre
       <section aria-labelledby="begin">
         <h2 id="begin">{words.start.begin}</h2>
         <p class="muted">{words.start.beginWhat}</p>
+        {(['cards', 'paper'] as const).map((group) => <>
+        <h3>{everyWords.examples[group]}</h3>
         <ul class="start-cards">
-          {(list.value ?? kFirst.map((name): desk.Example => ({ name, spec: {} }))).map((example) => (
+          {(list.value ?? kFirst.map((name): desk.Example => ({ name, spec: {} }))).filter(({ name }) => EXAMPLE_GROUPS.cards.includes(name) === (group === 'cards')).map((example) => (
             <li key={example.name}>
               <button type="button" class="start-card" disabled={!list.value} onClick={() => desk.begin(example.spec)}>
                 <span class="start-picture">
@@ -296,6 +300,7 @@ export function Start({ onOpen, children }: { onOpen: () => void; children?: pre
             </li>
           ))}
         </ul>
+        </>)}
       </section>
       <section aria-labelledby="draw">
         <h2 id="draw">{words.start.draw}</h2>

@@ -1,13 +1,12 @@
 // At the machine: one job, one next act.
 import type { ComponentChildren } from 'preact';
-import { useEffect, useRef, useState } from 'preact/hooks';
+import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
 import { HoldButton } from './hold';
 import { Interrupted } from './interrupted';
 import { fatesOf } from './ledger';
 import type { Device, Job, Warning } from './model';
 import { fits, isElsewhere, remaining, shareCut } from './now';
 import { Button, Choice, Dialog, LinkButton, Loading, Meter, Note, Tick, Trouble } from './parts';
-import { PauseButton, PauseNews } from './pause';
 import { beside } from './preferences';
 import { atDevice, glueOf, sheetsOf } from './route';
 import { act, isProblem, read, type ServerProblem } from './server';
@@ -187,12 +186,15 @@ function Ready({ job, acts, device, prepared, onPrepare, material }: {
         onPrepare({ ...prepared, accepted });
       }} />
       {isElsewhere(device) ? null : mine ? (
-        <div class="ticks">
-          {texts.map((text, at) => (
-            <Tick key={at} big checked={prepared.ticks[at]!} disabled={acts.off} onChange={(on) => {
-              onPrepare({ ...prepared, ticks: prepared.ticks.map((old, other) => (other === at ? on : old)) });
-            }}>{text}</Tick>
-          ))}
+        <div class="ticks-and-arm">
+          <div class="ticks">
+            {texts.map((text, at) => (
+              <Tick key={at} big checked={prepared.ticks[at]!} disabled={acts.off} onChange={(on) => {
+                onPrepare({ ...prepared, ticks: prepared.ticks.map((old, other) => (other === at ? on : old)) });
+              }}>{text}</Tick>
+            ))}
+          </div>
+          <ArmButton job={job} acts={acts} prepared={prepared} device={device} />
         </div>
       ) : <p class="muted">{say.mayNot}</p>}
     </>
@@ -217,7 +219,7 @@ function ArmButton({ job, acts, prepared, device }: { job: Job; acts: Acts; prep
         onClick={() => (beside.value === device.id ? arm() : setAsks(true))}>{say.arm}</Button>
       <span class="muted">{fault ? say.afterFault : !ticked ? say.afterTicks : !warned ? say.afterWarnings : say.armWhat}</span>
       {asks && (
-        <Dialog title={say.notBeside} yes={say.notBesideGo} onNo={() => setAsks(false)}
+        <Dialog title={say.notBeside(device.title)} yes={say.notBesideGo} onNo={() => setAsks(false)}
           onYes={() => { setAsks(false); arm(); }}>
           <p>{say.notBesideWhat(device.title)}</p>
         </Dialog>
@@ -266,8 +268,7 @@ function Cutting({ job }: { job: Job }) {
       <Meter share={share} label={nameOf(job)} />
       <p class="figure">{say.progress(done, all)}{phase ? ` · ${phase}` : ''}</p>
       <p class="act-next figure">{say.left(timeRange(remaining(job)))}</p>
-      {may('operator') ? <div class="act-right"><PauseButton job={job} big /></div> : <p class="muted">{say.mayNotPause}</p>}
-      <PauseNews job={job.id} />
+      {!may('operator') && <p class="muted">{say.mayNotPause}</p>}
       <p class="muted small">{say.likely}</p>
     </>
   );
@@ -443,6 +444,10 @@ function AtJob({ job, device, others, onChoose }: {
   const setPrepared = (what: Preparation): void => setPreparedFor({ sheet: loadedSheet, what });
   useEffect(() => { if (job.state !== 'ready') setPrepared(nothingPrepared); }, [job.state]);
   useWakeLock(job.state === 'armed' || job.state === 'cutting');
+  const act = useRef<HTMLElement>(null);
+  useLayoutEffect(() => {   // Arm is below its ticks: what comes next begins above
+    if (job.state !== 'ready' && (act.current?.getBoundingClientRect().top ?? 0) < 0) scrollTo(0, 0);
+  }, [job.state]);
 
   const title = words.now.sheetOf(job.sheet ?? 1, job.sheets_total);
   const label = say.picture(job.sheet ?? 1, nameOf(job), known.strokes
@@ -484,12 +489,11 @@ function AtJob({ job, device, others, onChoose }: {
       <section class="machine-sheet">
         <SheetPicture job={job} known={known} fates={fates} label={label} />
         <Caption job={job} known={known} />
-        {job.state === 'ready' && <ArmButton job={job} acts={acts} prepared={prepared} device={device} />}
         {job.state === 'armed' && may('operator') && (
           <div class="act-left"><Button big disabled={acts.off} onClick={() => acts.run('disarm', {})}>{say.disarm}</Button></div>
         )}
       </section>
-      <section class="machine-act" aria-live="polite">
+      <section ref={act} class="machine-act" aria-live="polite">
         {news}
         {job.state === 'ready' && <Ready job={job} acts={acts} device={device} prepared={prepared} onPrepare={setPrepared} material={material} />}
         {job.state === 'armed' && <Armed job={job} acts={acts} device={device} />}

@@ -160,6 +160,7 @@ export class ModelView {
   private scale: Scale | null = null;
   private colouring: Colouring = 'paper';
   private psi = Math.PI / 2;
+  private wantedPsi = Math.PI / 2;   // what does not move lies flat, whatever is wanted
   private ghostOn = false;
   private requested = 0;
   private gathered = 0;
@@ -355,7 +356,7 @@ export class ModelView {
     }
     this.fillGhost(lattice);
     this.recolour();
-    if (lattice.motion === 'flat') this.psi = Math.PI;
+    this.psi = lattice.motion === 'flat' ? Math.PI : this.wantedPsi;
     this.pose();
     if (fit) this.fit(false);
     this.request();
@@ -461,8 +462,8 @@ export class ModelView {
   }
 
   setPsi(psi_rad: number): void {
-    if (this.lattice?.motion === 'flat') return;
-    if (psi_rad === this.psi) return;
+    this.wantedPsi = psi_rad;
+    if (this.lattice?.motion === 'flat' || psi_rad === this.psi) return;
     this.psi = psi_rad;
     this.pose();
     if (this.follow) this.fit(false);

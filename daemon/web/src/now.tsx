@@ -12,6 +12,7 @@ import {
 import { duration, hourMinute, percent, timeRange, words } from './words';
 
 declare const EXAMPLE_PICTURES: Record<string, string>;
+declare const EXAMPLE_GROUPS: Record<'cards' | 'paper', string[]>;
 
 const nameOf = (job: Job): string => job.name ?? words.unnamed;
 const pictureOf = (job: Job): string | null => (job.design
@@ -300,18 +301,25 @@ function DoneLine() {
   );
 }
 
-/** The ten examples as pictures: each leads to Design. */
+/** The examples as pictures, in their groups: each leads to Design. */
 export function Examples() {
   return (
-    <ul class="examples">
-      {Object.entries(EXAMPLE_PICTURES).map(([name, address]) => (
-        <li key={name}>
-          <a href={`#/design/example/${name}`}>
-            <img src={address} alt="" loading="lazy" width={180} height={180} /><span>{name}</span>
-          </a>
-        </li>
+    <>
+      {(['cards', 'paper'] as const).map((group) => (
+        <section key={group}>
+          <h3>{words.examples[group]}</h3>
+          <ul class="examples">
+            {EXAMPLE_GROUPS[group].map((name) => (
+              <li key={name}>
+                <a href={`#/design/example/${name}`}>
+                  <img src={EXAMPLE_PICTURES[name]} alt="" loading="lazy" width={180} height={180} /><span>{name}</span>
+                </a>
+              </li>
+            ))}
+          </ul>
+        </section>
       ))}
-    </ul>
+    </>
   );
 }
 

@@ -79,9 +79,9 @@ export function Trouble({ problem, onClose, children }: {
 /**
  * A question over the page. It opens as it is drawn; Esc and `no` close it, and neither acts. Focus is on `no`.
  */
-export function Dialog({ title, children, no, yes, onNo, onYes, kind = 'primary', busy }: {
+export function Dialog({ title, children, no, yes, onNo, onYes, kind = 'primary', busy, wide }: {
   title: string; children?: ComponentChildren; no?: string; yes?: string; onNo: () => void; onYes?: () => void;
-  kind?: Kind; busy?: boolean;
+  kind?: Kind; busy?: boolean; wide?: boolean;
 }) {
   const dialog = useRef<HTMLDialogElement>(null);
   const refuse = useRef<HTMLButtonElement>(null);
@@ -93,7 +93,7 @@ export function Dialog({ title, children, no, yes, onNo, onYes, kind = 'primary'
     return () => before?.isConnected && before.focus();
   }, []);
   return (
-    <dialog ref={dialog} class="dialog" aria-labelledby={id}
+    <dialog ref={dialog} class={wide ? 'dialog dialog-wide' : 'dialog'} aria-labelledby={id}
       onCancel={(event) => { event.preventDefault(); onNo(); }}>
       <h2 id={id}>{title}</h2>
       {children}

@@ -1,12 +1,13 @@
 // PAUSE: always reachable, sent at the touch, and honest about whether it arrived.
 import { signal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
-import { atDevice } from './route';
+import { atDevice, route } from './route';
 import { isProblem, newKey, send, type ServerProblem } from './server';
 import { deviceTitle, isPausing, may, me, pausable, takeJob } from './store';
 import type { Job } from './model';
+import { remaining } from './now';
 import { Button } from './parts';
-import { words } from './words';
+import { timeRange, words } from './words';
 
 const kSilent_ms = 1000;     // no answer for so long: NOT SENT
 const kRepeat_ms = 500;
@@ -155,10 +156,11 @@ export function PauseBar() {
       {all.map((job) => (
         <div class="pause-row" key={job.id}>
           {job.state === 'paused' ? <strong class="pause-state">{words.pause.paused}</strong>
-            : mayPause(job) ? <PauseButton job={job} /> : <strong class="pause-state">{words.states.cutting}</strong>}
+            : mayPause(job) ? <PauseButton job={job} big={route.value.view === 'at'} /> : <strong class="pause-state">{words.states.cutting}</strong>}
           <a href={job.device ? atDevice(job.device) : '#/'} class="pause-what">
             {words.pause.of(deviceTitle(job.device), job.name ?? words.unnamed)}
           </a>
+          {job.state === 'cutting' && <span class="figure">{words.machine.left(timeRange(remaining(job)))}</span>}
           {job.state === 'cutting' && mayPause(job) && <span class="pause-hint">{words.pause.what}</span>}
           <PauseNews job={job.id} />
         </div>

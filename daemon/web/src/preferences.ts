@@ -29,6 +29,10 @@ function writeStored(name: string, value: string | null): void {
   }
 }
 
+/** A text that this browser keeps; null: none. */
+export const keptText = readStored;
+export const keepText = writeStored;
+
 export const units = kept<Units>('units', ['mm', 'inch'], 'mm');
 export const theme = kept<Theme>('theme', ['system', 'light', 'dark'], 'system');
 export const language = kept<Language>('language', ['en', 'pseudo'], 'en');

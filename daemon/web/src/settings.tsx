@@ -21,7 +21,7 @@ function Display() {
         options={[['system', say.system], ['light', say.light], ['dark', say.dark]]} />
       <Choice label={say.language} value={language.value}
         onChange={(value) => { language.value = value; location.reload(); }}
-        options={[['en', say.english], ['pseudo', say.pseudo]]} />
+        options={language.value === 'pseudo' ? [['en', say.english], ['pseudo', say.pseudo]] : [['en', say.english]]} />
       <Choice label={say.beside} value={beside.value} onChange={(value) => { beside.value = value; }}
         options={[['', say.besideNone], ...[...devices.value.values()].map((one): [string, string] => [one.id, one.title])]} />
       <p class="muted">{say.besideWhat}</p>

@@ -270,6 +270,18 @@ function QueueIt({ plan, name }: { plan: WholePlan; name: string }) {
   );
 }
 
+/** How large what is cut on a sheet is; '' until that is known. */
+function useDrawn(plan: string, sheet: number, planned: boolean): string {
+  const drawn = useSignal('');
+  useEffect(() => {
+    drawn.value = '';
+    let wanted = planned;
+    if (planned) readStrokes(plan, sheet).then(({ drawing_mm: [, , w, h] }) => { if (wanted) drawn.value = size(w, h); }, () => undefined);
+    return () => { wanted = false; };
+  }, [plan, sheet, planned]);
+  return drawn.value;
+}
+
 function Fact({ name, children }: { name: string; children: string }) {
   return <div class="figure-row"><dt>{name}</dt><dd class="figure">{children}</dd></div>;
 }
@@ -281,9 +293,11 @@ export default function Sheets({ rest: id }: { rest: string }) {
   const under = useSignal('');
   const { name, kind } = useDesignOf(plan?.design);
   const unsaved = useSignal<ServerProblem | null>(null);
+  const drawn = useDrawn(id, sheet.value, plan?.state === 'planned');
   if (problem) return <Trouble problem={problem} />;
   if (!plan) return <Loading />;
-  if (plan.state === 'failed') return <div class="note note-bad" role="alert"><p><strong>{words.failed}</strong></p><p class="server-words">{plan.error}</p></div>;
+  if (plan.state === 'failed') return <div class="note note-bad" role="alert"><p><strong>{words.failed}</strong></p><p class="server-words">{withoutTicks(plan.error ?? '')}</p>
+    {plan.design && <p><LinkButton href={`#/design/${plan.design}`}>{words.toDesign}</LinkButton></p>}</div>;
   if (plan.state === 'pending') return <div class="loading" role="status">{words.planning}</div>;
   const total = plan.sheets_total;
   const shown = plan.sheets.find((one) => one.sheet === sheet.value) ?? plan.sheets[sheet.value - 1];
@@ -331,7 +345,8 @@ export default function Sheets({ rest: id }: { rest: string }) {
               {shown && <Fact name={words.time}>{timeRange(shown.seconds_range)}</Fact>}
               {shown && <Fact name={words.strokes}>{integer(shown.paths)}</Fact>}
               {shown && <Fact name={words.toCut}>{metres(shown.cut_mm + shown.fold_mm)}</Fact>}
-              {shown && <Fact name={designWords.figures.sheet}>{size(shown.area_mm[0] ?? 0, shown.area_mm[1] ?? 0)}</Fact>}
+              {drawn && <Fact name={words.drawn}>{drawn}</Fact>}
+              {shown && <Fact name={words.mat}>{[shown.mat ?? '', size(shown.area_mm[0] ?? 0, shown.area_mm[1] ?? 0)].filter(Boolean).join(', ')}</Fact>}
               {plan.material && <Fact name={words.material}>{plan.material}</Fact>}
               {plan.machine && <Fact name={words.machine}>{plan.machine}</Fact>}
             </dl>

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+// What a drawing from another program does not say: what its lines are for, and its unit. The answers are kept for
+// that drawing, and go along with every plan of it.
+import { signal } from '@preact/signals';
+import { useEffect, useId } from 'preact/hooks';
+import { keptText, keepText } from './preferences';
+import { isProblem, send } from './server';
+import { may } from './store';
+import { size } from './words';
+import { makeWords } from './words_make';
+
+const words = makeWords.drawing;
+
+export interface Look { name: string; option: 'layers' | 'colors'; colour: string; length_mm: number; path: string }
+export interface Question {
+  kind: string;
+  size_mm: [number, number];
+  unit: 'said' | 'guessed';
+  asks: 'layers' | 'colors' | null;
+  looks: Look[];
+  path: string;
+}
+
+interface Answers { uses: Record<'layers' | 'colors', Record<string, string>>; units: string }
+const none = (): Answers => ({ uses: { layers: {}, colors: {} }, units: '' });
+
+const kKept = 'drawings';
+const kMostKept = 50;
+
+function keptAnswers(): Record<string, Answers> {
+  try {
+    const all = JSON.parse(keptText(kKept) ?? '{}') as unknown;
+    return typeof all === 'object' && all !== null ? all as Record<string, Answers> : {};
+  } catch {
+    return {};
+  }
+}
+
+export function answersOf(design: string): Answers {
+  const kept = keptAnswers()[design];
+  return kept?.uses?.layers && kept.uses.colors ? kept : none();
+}
+
+function keep(design: string, answers: Answers): void {
+  const all = keptAnswers();
+  delete all[design];
+  const rows = [...Object.entries(all), [design, answers] as const].slice(-kMostKept);
+  keepText(kKept, JSON.stringify(Object.fromEntries(rows)));
+}
+
+const listed = (uses: Record<string, string>): string => Object.entries(uses).map(([name, use]) => `${name}=${use}`).join('; ');
+
+/** The answers as options of planning. */
+export function optionsOf(design: string): Record<string, string> {
+  const { uses, units } = answersOf(design);
+  const all = { layers: listed(uses.layers), colors: listed(uses.colors), units };
+  return Object.fromEntries(Object.entries(all).filter(([, text]) => text !== ''));
+}
+
+/** The drawing on the desk, what it asks, and all looks that it asked about so far. */
+export const drawing = signal<{ design: string; question: Question; looks: Look[] } | null>(null);
+
+/** Reads what the drawing asks, with the answers so far. */
+export async function ask(design: string): Promise<void> {
+  try {
+    const question = await send<Question>('POST', `/v1/designs/${design}/make`, { body: { way: 'drawing', options: optionsOf(design) } });
+    const before = drawing.peek()?.design === design ? drawing.peek()!.looks : [];
+    const fresh = question.looks.filter((look) => question.asks !== null && !before.some((one) => one.name === look.name && one.option === look.option));
+    drawing.value = { design, question, looks: [...before, ...fresh] };
+  } catch (error) {
+    if (!isProblem(error)) throw error;
+  }
+}
+
+/** Whether the drawing on the desk must be explained before it can be planned. */
+export const mustAnswer = (): boolean => drawing.value !== null && drawing.value.question.asks !== null;
+
+const shownName = ({ name, option }: Look): string => (option === 'colors' && words.colours[name.toLowerCase()]) || name;
+
+function Thumbnail({ of, look }: { of: Question; look: Look }) {
+  const [w, h] = of.size_mm.map((mm) => Math.max(mm, 1)) as [number, number];
+  const line = Math.max(w, h) / 40;
+  return (
+    <svg class="look-picture" viewBox={`${-line} ${-line} ${w + 2 * line} ${h + 2 * line}`} aria-hidden="true">
+      {[of.path, ...of.looks.map((one) => one.path)].map((path, i) => <path key={i} d={path} class="look-others" stroke-width={line / 2} />)}
+      <path d={look.path} fill="none" stroke={/^#[0-9a-f]{6}$/i.test(look.colour) ? look.colour : 'currentColor'} stroke-width={line} />
+    </svg>
+  );
+}
+
+/** The question in place: swatches of lines, and the unit. */
+export function DrawingQuestion({ design, onAnswer }: { design: string; onAnswer: () => Promise<void> }) {
+  const id = useId();
+  useEffect(() => { if (may('submitter')) void ask(design); }, [design]);
+  const shown = drawing.value;
+  if (shown === null || shown.design !== design) return null;
+  const { question, looks } = shown;
+  const answers = answersOf(design);
+  const rows = [...looks, ...(['layers', 'colors'] as const).flatMap((option) => Object.keys(answers.uses[option])
+    .filter((name) => !looks.some((look) => look.option === option && look.name === name))
+    .map((name): Look => ({ name, option, colour: option === 'colors' ? name : '', length_mm: 0, path: '' })))];
+  const answer = (change: (next: Answers) => void): void => {
+    const next = answersOf(design);
+    change(next);
+    keep(design, next);
+    void ask(design).then(onAnswer);
+  };
+  const guessed = question.unit === 'guessed' || answers.units !== '';
+  const unit_mm: Record<string, number> = { mm: 1, cm: 10, in: 25.4 };
+  const one = unit_mm[answers.units] ?? 1;
+  const options = optionsOf(design);
+  return (
+    <section class="drawing-question" aria-labelledby={id}>
+      {rows.length > 0 && <>
+        <h2 id={id}>{question.asks ? words.title : words.done}</h2>
+        {question.asks && <p class="note note-amber" role="status">{words.what}</p>}
+        <ul class="plain-list looks">
+          {rows.map((look) => (
+            <li key={`${look.option} ${look.name}`}>
+              <label class="look">
+                {look.path ? <Thumbnail of={question} look={look} /> : <span class="look-picture" />}
+                <span class="look-name">{look.length_mm > 0 ? words.of(shownName(look), look.length_mm) : shownName(look)}</span>
+                <select value={answers.uses[look.option][look.name] ?? ''} onChange={(event) => {
+                  const use = event.currentTarget.value;
+                  answer((next) => {
+                    if (use === '') delete next.uses[look.option][look.name];
+                    else next.uses[look.option][look.name] = use;
+                  });
+                }}>
+                  <option value="">{words.choose}</option>
+                  {Object.entries(words.uses).map(([use, text]) => <option key={use} value={use} selected={answers.uses[look.option][look.name] === use}>{text}</option>)}
+                </select>
+              </label>
+            </li>
+          ))}
+        </ul>
+      </>}
+      {guessed ? (
+        <fieldset class="units">
+          <legend>{words.unit}</legend>
+          <p class="muted small">{words.unitWhat}</p>
+          {Object.entries(words.units).map(([name, text]) => (
+            <label key={name} class="tick">
+              <input type="radio" name={`${id}-unit`} checked={answers.units === name} onChange={() => answer((next) => { next.units = name; })} />
+              <span>{text}: {size(question.size_mm[0] / one * unit_mm[name]!, question.size_mm[1] / one * unit_mm[name]!)}</span>
+            </label>
+          ))}
+        </fieldset>
+      ) : <p class="muted">{words.size(...question.size_mm)}</p>}
+      {Object.keys(options).length > 0 && <p class="small muted">{words.option('')}<code>{Object.entries(options).map(([name, text]) => `--${name} "${text}"`).join(' ')}</code></p>}
+    </section>
+  );
+}
