@@ -26,7 +26,8 @@ struct Handwork {
 [[nodiscard]] Handwork handwork(std::span<const double> fold_lengths_mm, std::size_t waste,
                                 std::size_t tabs, const Hands& hands = built_in_hands());
 
-/// The same of a whole pattern: its folds, and the pieces that fall out of it. O(edges).
+/// The same of a whole pattern: its folds, of which pieces that touch in one line count as one, and
+/// the pieces that fall out of it. O(edges log edges).
 [[nodiscard]] Handwork handwork(const Pattern& pattern, const Hands& hands = built_in_hands());
 
 /// What it takes to fold several patterns, such as the cards of a book.

@@ -28,7 +28,7 @@ struct SvgReadOptions {
   bool looks{false};  ///< fill `LineWork::unsaid` and do not refuse what is unclear; also for DXF
   double dpi{96};     ///< user units (px) per inch, positive
   std::uint64_t pdf_page{1};  ///< of a PDF that becomes an SVG before, from 1
-  bool weld{false};  ///< filled shapes that lie over each other become one
+  bool weld{false};           ///< filled shapes that lie over each other become one
   SvgLimits limits;
 };
 

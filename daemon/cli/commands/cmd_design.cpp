@@ -222,7 +222,9 @@ void say_figures(const DesignReport& report) {
   };
   fmt::print(stderr, "{}: {}\n", shown_text(report.name),
              report.surface_fit ? fit_in_words(*report.surface_fit) : "nothing stands up");
-  const std::string moves = count(report.degrees_of_freedom, "independent movement");
+  const std::string moves = report.degrees_of_freedom == 1
+                                ? "opens in one movement"
+                                : fmt::format("moves in {} ways", report.degrees_of_freedom);
   if (report.facets)
     fmt::print(stderr, "  made of  {}, {}; seen along the diagonal {:.2g} mm off on average\n",
                count(report.facets->patches, "facet"), moves, report.facets->depth_mean_mm);
@@ -234,8 +236,8 @@ void say_figures(const DesignReport& report) {
                report.design_angle_deg);
   fmt::print(stderr, "  sheet    {:.1f} mm across the main fold x {:.1f} mm along it\n",
              report.sheet_u_mm, report.sheet_v_mm);
-  fmt::print(stderr, "  folds    {}, {:.0f} mm; cuts {}, {:.0f} mm; {} rigid faces\n", report.folds,
-             report.fold_length_mm, report.cuts, report.cut_length_mm, report.faces);
+  fmt::print(stderr, "  lines    {} cuts, {:.0f} mm; folds, {:.0f} mm; {} panels\n", report.cuts,
+             report.cut_length_mm, report.fold_length_mm, report.faces);
   fmt::print(stderr, "  by hand  {}\n", hands::handwork_words(report.handwork));
   if (report.wobble)
     fmt::print(stderr,

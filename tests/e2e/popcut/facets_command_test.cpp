@@ -46,7 +46,7 @@ TEST_CASE("the example of facets is designed, drawn, planned and verified with o
                     "fold,svg,cut,dxf,csv,glb,png,poster,report,stl,pdf", "--frames", "3"});
   INFO(ran.err);
   REQUIRE(ran.exit == 0);
-  CHECK_THAT(ran.err, Catch::Contains("1 independent movement"));
+  CHECK_THAT(ran.err, Catch::Contains("opens in one movement"));
   for (const char* file : {"pattern.fold", "pattern.svg", "cut.svg", "pattern.dxf", "segments.csv",
                            "deploy.glb", "deployed.png", "poster.svg", "pattern.pdf"})
     CHECK(fs::file_size(bench.temp / "out" / file) > 100);

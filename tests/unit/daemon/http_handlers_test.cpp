@@ -458,7 +458,8 @@ TEST_CASE("the sheets of a design come as they were made, and a question as data
   const char* path = "/v1/designs/sha256-1/make";
   CHECK(ask(fake, Method::Post, path, {}, R"({"way": "hand"})").response.status == 404);
   fake.design_map["sha256-1"].id = "sha256-1";
-  const Asked made = ask(fake, Method::Post, path, {}, R"({"way": "hand", "options": {"mat": "A4"}})");
+  const Asked made =
+      ask(fake, Method::Post, path, {}, R"({"way": "hand", "options": {"mat": "A4"}})");
   CHECK(made.response.status == 200);
   CHECK(made.body == json{{"way", "hand"}, {"design", "sha256-1"}});
   for (const char* wrong : {"{}", R"({"way": "glue"})", R"({"way": "hand", "mat": "A4"})"})

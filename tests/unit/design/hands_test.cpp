@@ -411,6 +411,23 @@ TEST_CASE("a person's own table is made of the times for a strip, and found amon
           "[hands]") {
   const Pattern strip = hands::folding_strip();
   CHECK(hands::handwork(strip).folds == 10);
+  // Pieces of one line that touch are creased as one; others are folds of their own.
+  Pattern pieces;
+  const auto fold = [&](double u0, double v0, double u1, double v1, EdgeRole role) {
+    SheetLine line{};
+    line.u0 = u0, line.v0 = v0, line.u1 = u1, line.v1 = v1, line.role = role;
+    pieces.lines.push_back(line);
+  };
+  fold(10, 0, 10, 7, EdgeRole::Valley);
+  fold(10, 20, 10, 7, EdgeRole::Valley);
+  fold(10, 20, 10, 25, EdgeRole::Mountain);
+  fold(10, 31, 10, 40, EdgeRole::Valley);
+  fold(11, 20, 11, 30, EdgeRole::Valley);
+  fold(0, 0, 3, 4, EdgeRole::Mountain);
+  fold(6, 8, 3, 4, EdgeRole::Mountain);
+  const hands::Handwork creases = hands::handwork(pieces);
+  CHECK(creases.folds == 5);
+  CHECK(creases.shortest_mm == Approx(5));
   CHECK(strip.width_mm < 200);
   const std::string own = hands::own_hands_json({18, 22, 60, 120});
   const auto table = hands::hands_of({R"({"popcut": 1, "machines": []})", own});
