@@ -44,7 +44,8 @@ class PartArtwork {
                                   const Texture* image, const Box& whole) const {
     switch (options_.mode) {
       case PrintMode::View:
-        return view_of_model(*model, pattern_.wall_mm, frame_, {options_.shade, opening_});
+        return laid_on_kites(
+            view_of_model(*model, pattern_.wall_mm, frame_, {options_.shade, opening_}));
       case PrintMode::Surface: {
         ColourMesh in_space = *model;
         for (std::size_t k = 0; k + 2 < in_space.soup.corners.size(); k += 3)
@@ -67,6 +68,34 @@ class PartArtwork {
   [[nodiscard]] const PixelFrame& frame() const { return frame_; }
 
  private:
+  /// A picture on the flat sheet of stairs, laid so that it is exact on kites too: a place of the
+  /// sheet shows what is seen through the place in space where it stands, along (1, 0, 1).
+  [[nodiscard]] ColourImage laid_on_kites(ColourImage seen) const {
+    if (pattern_.kites.empty()) return seen;
+    ColourImage out = seen;
+    for (const Kite& kite : pattern_.kites) {
+      const KiteSection& section = kite.section;
+      const double from = section.q.x - section.q.z;
+      for (std::size_t j = 0; j < frame_.height; ++j) {
+        const double along = frame_.middle(0, j).y - pattern_.wall_mm - from;  // from Q
+        if (along <= 0.0 || along >= section.p_mm() + section.q_mm()) continue;
+        const double down = std::min(along, section.q_mm());
+        const KitePoint at = section.posed(section.q.x + (along - down), section.q.z - down,
+                                           pattern_.design_psi_rad);
+        double x = at.x, z = at.z;
+        opening_.to_oblique(x, z);
+        const double row = std::round(frame_.in_pixels({0.0, pattern_.wall_mm + x - z}).y);
+        if (!(row >= 0.0 && row < static_cast<double>(frame_.height))) continue;
+        for (std::size_t i = 0; i < frame_.width; ++i) {
+          const double v = frame_.middle(i, j).x;
+          if (v < kite.v0_mm || v > kite.v1_mm) continue;
+          std::memcpy(out.at(i, j), seen.at(i, static_cast<std::size_t>(row)), 4);
+        }
+      }
+    }
+    return out;
+  }
+
   const Pattern& pattern_;
   const ArtworkOptions& options_;
   DesignAngle opening_;

@@ -121,11 +121,13 @@ Result<void> check_frames(const FoldFile& file, const Sources& sources, const Pa
       const double far =
           std::hypot(due[i][0] - mm * is[0], due[i][1] - mm * is[1], due[i][2] - mm * is[2]);
       if (far <= within) continue;
-      return fail(ErrorKind::OutOfRange, fmt::format("vertex {}", i),
-                  fmt::format("lies {:.3g} mm off {}, if panels are parallel to wall or ground and "
-                              "V-folds lie on their creases; other patterns cannot be deployed "
-                              "from their file yet",
-                              far, where));
+      return fail(
+          ErrorKind::OutOfRange, fmt::format("vertex {}", i),
+          fmt::format("lies {:.3g} mm off {}, if panels are parallel to wall or ground, or two "
+                      "sloped ones hang between them, and V-folds lie on their creases; other "
+                      "patterns cannot be deployed "
+                      "from their file yet",
+                      far, where));
     }
     return {};
   };
@@ -235,6 +237,92 @@ class TipFinder {
   std::unordered_map<std::uint64_t, std::uint32_t> edge_of_;
 };
 
+/// Finds kites: two panels, parallel to neither wall nor ground, that meet in a fold and hang on a
+/// fold each. Puts their points where those of the stair are that is the same paper.
+class KiteFinder {
+ public:
+  KiteFinder(const FoldFrame& flat, double mm, Pattern& pattern)
+      : flat_(flat), mm_(mm), pattern_(pattern) {}
+
+  void run() {
+    for (const PatternEdge& edge : pattern_.edges)
+      if (edge.left >= 0 && edge.right >= 0 && edge.left != edge.right && is_sloped(edge.left) &&
+          is_sloped(edge.right))
+        add(static_cast<std::uint32_t>(edge.left), static_cast<std::uint32_t>(edge.right));
+    for (const Kite& kite : pattern_.kites)
+      for (const std::uint32_t i : kite.vertices) put_back(kite.section, i);
+  }
+
+ private:
+  [[nodiscard]] bool is_sloped(std::int32_t face) const {
+    const auto corners = pattern_.face(static_cast<std::size_t>(face));
+    const auto differ = [&](double PatternVertex::*part) {
+      return std::any_of(corners.begin(), corners.end(), [&](std::uint32_t corner) {
+        return pattern_.vertices[corner].*part != pattern_.vertices[corners.front()].*part;
+      });
+    };
+    return differ(&PatternVertex::x) && differ(&PatternVertex::z);
+  }
+  [[nodiscard]] double u_mm(std::uint32_t vertex) const { return mm_ * flat_.vertices[vertex][0]; }
+  [[nodiscard]] double v_mm(std::uint32_t vertex) const { return mm_ * flat_.vertices[vertex][1]; }
+
+  /// The fold of a face, to another one than `beside`, that is nearest to the wall's top or
+  /// farthest from it.
+  [[nodiscard]] std::vector<std::uint32_t> outer_folds(std::uint32_t face,
+                                                       std::uint32_t beside) const {
+    std::vector<std::uint32_t> out;
+    for (std::uint32_t e = 0; e < pattern_.edges.size(); ++e) {
+      const PatternEdge& edge = pattern_.edges[e];
+      const auto left = static_cast<std::uint32_t>(edge.left),
+                 right = static_cast<std::uint32_t>(edge.right);
+      if (edge.left < 0 || edge.right < 0 || left == right) continue;
+      if ((left == face && right != beside) || (right == face && left != beside)) out.push_back(e);
+    }
+    return out;
+  }
+
+  void add(std::uint32_t a, std::uint32_t b) {
+    for (const Kite& kite : pattern_.kites)
+      if (kite.faces[0] == a || kite.faces[1] == a) return;
+    std::vector<std::uint32_t> upper = outer_folds(a, b), lower = outer_folds(b, a);
+    if (upper.empty() || lower.empty()) return;
+    if (u_mm(pattern_.edges[upper[0]].from) > u_mm(pattern_.edges[lower[0]].from))
+      std::swap(a, b), std::swap(upper, lower);
+    const PatternVertex &q = pattern_.vertices[pattern_.edges[upper[0]].from],
+                        &e = pattern_.vertices[pattern_.edges[lower[0]].from];
+    Kite kite;
+    kite.section = {{q.x, q.z}, {e.x, e.z}};
+    if (!(kite.section.p_mm() > 0.0) || !(kite.section.q_mm() > 0.0)) return;
+    kite.faces = {a, b};
+    kite.edges = upper;
+    kite.edges.insert(kite.edges.end(), lower.begin(), lower.end());
+    const double first = u_mm(pattern_.edges[upper[0]].from),
+                 last = u_mm(pattern_.edges[lower[0]].from);
+    const double within = kWithin * (last - first);
+    kite.v0_mm = v_mm(pattern_.edges[upper[0]].from), kite.v1_mm = kite.v0_mm;
+    for (const std::uint32_t face : kite.faces)
+      for (const std::uint32_t i : pattern_.face(face)) {
+        kite.v0_mm = std::min(kite.v0_mm, v_mm(i)), kite.v1_mm = std::max(kite.v1_mm, v_mm(i));
+        if (u_mm(i) > first + within && u_mm(i) < last - within) kite.vertices.push_back(i);
+      }
+    std::sort(kite.vertices.begin(), kite.vertices.end());
+    kite.vertices.erase(std::unique(kite.vertices.begin(), kite.vertices.end()),
+                        kite.vertices.end());
+    pattern_.kites.push_back(std::move(kite));
+  }
+
+  void put_back(const KiteSection& kite, std::uint32_t i) {
+    const double from_q = u_mm(i) - pattern_.wall_mm - (kite.q.x - kite.q.z);
+    const double down = std::min(from_q, kite.q_mm());
+    pattern_.vertices[i].x = kite.q.x + (from_q - down);
+    pattern_.vertices[i].z = kite.q.z - down;
+  }
+
+  const FoldFrame& flat_;
+  double mm_;
+  Pattern& pattern_;
+};
+
 /// An end of a panel's line, with the strip it is in. Ends meet when they are equal to the digit,
 /// as they are in files that are written from one number.
 using End = std::tuple<double, double, double, double>;  // v, width, x, z
@@ -284,6 +372,7 @@ Result<Pattern> pattern_from_fold(const FoldFile& file) {
   pattern.wall_mm = height_of_wall(flat, pattern, mm);
   add_faces_and_edges(flat, pattern);
   TipFinder(flat, mm, kWithin * size, pattern).run();
+  KiteFinder(flat, mm, pattern).run();
   for (const PatternVertex& p : pattern.vertices) {
     pattern.width_mm = std::max(pattern.width_mm, p.v);
     pattern.ground_mm = std::max(pattern.ground_mm, pattern.u(p) - pattern.wall_mm);

@@ -11,9 +11,9 @@
 
 namespace popcut {
 
-/// The pattern behind a FOLD file whose panels are parallel to wall or ground, V-folds on their
-/// creases or none: from the flat frame and one deployed frame every vertex gets its place in the
-/// designed pose, and so in every pose (docs/geometry.md, sections 2 and 7). A deployed frame's
+/// The pattern behind a FOLD file whose panels are parallel to wall or ground, or kites, V-folds on
+/// their creases or none: from the flat frame and one deployed frame every vertex gets its place in
+/// the designed pose, and so in every pose (docs/geometry.md, sections 2 and 7). A deployed frame's
 /// angle is its `frame_popcut:psi_rad`, or what its fold angles say: 180 degrees less a valley's.
 ///
 /// All frames of known angle are checked against the result, within 1e-5 of the sheet's size. The

@@ -118,6 +118,7 @@ FacetOptions options_of(const DesignSpec& spec, const FacetTarget& target) {
   out.wall_mm = spec.card->wall_mm, out.ground_mm = spec.card->ground_mm;
   out.shut_inside = spec.card->shut == CardShut::Inside;
   out.inward = spec.facets.inward;
+  out.kites = spec.facets.sloped == SlopedParts::Kites;
   out.lattice = spec.facets.curved == CurvedParts::Lattice;
   out.in_paper = spec.facets.hold == FacetHold::Paper;
   out.rough = spec.facets.rough;
@@ -193,6 +194,13 @@ void warn_of_hanging_parts(const FacetCard& card, DesignReport& report) {
            count == 1 ? "a part" : fmt::format("{} parts", count), count == 1 ? "touches" : "touch",
            count == 1 ? "hangs" : "hang each", card.grid.strip_mm, count == 1 ? "it" : "them",
            count == 1 ? "it" : "them")});
+}
+
+/// Roofs that come out as stairs though sloped panels were asked for.
+void warn_of_stepped_roofs(const FacetCard& card, DesignReport& report) {
+  for (const RefusedRoof& refused : card.refused)
+    report.warnings.push_back(
+        {.code = "roof_in_steps", .message = "a roof comes out as stairs: " + refused.reason()});
 }
 
 /// A text or a drawing: a flat shape whose front is to look as it was drawn.
@@ -353,6 +361,7 @@ Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
   add_closing(out.pattern, spec.card->shut, r);
   warn_of_small_card(spec, *target, r);
   warn_of_hanging_parts(*made, r);
+  warn_of_stepped_roofs(*made, r);
   if (is_cut_out(*spec.surface))
     warn_of_filled_gaps(out.strips, made->card.margin_mm, *target, solid_word(*spec.surface), r);
   out.target.push_back({std::move(*surface)});

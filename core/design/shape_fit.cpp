@@ -73,6 +73,14 @@ void add_v_folds(const Pattern& pattern, const SpineMap& along, TriangleSoup& ou
       out.add(at(fold.apex), at(fold.tip), at(pattern.edges[side].to));
 }
 
+/// The kite on which a place of a strip lies, or none.
+const KiteSection* kite_at(const Pattern& pattern, double v_mm, double x_mm, double z_mm) {
+  for (const Kite& kite : pattern.kites)
+    if (v_mm > kite.v0_mm && v_mm < kite.v1_mm && kite.section.has(x_mm, z_mm))
+      return &kite.section;
+  return nullptr;
+}
+
 /// Piecewise linear through the points (from, to), and on with slope 1 beyond them.
 double mapped(const std::vector<double>& from, const std::vector<double>& to, double at) {
   if (from.empty()) return at;
@@ -124,8 +132,15 @@ TriangleSoup structure_triangles(const Strips& strips, const Pattern& pattern,
     for (std::uint32_t p = strips.first_panel[k]; p < strips.first_panel[k + 1]; ++p) {
       if (is_card(strips.plane[p])) continue;
       const std::size_t q = p + k;
-      const double x0 = strips.x[q] + strips.z[q] * c, z0 = strips.z[q] * s;
-      const double x1 = strips.x[q + 1] + strips.z[q + 1] * c, z1 = strips.z[q + 1] * s;
+      double x0 = strips.x[q] + strips.z[q] * c, z0 = strips.z[q] * s;
+      double x1 = strips.x[q + 1] + strips.z[q + 1] * c, z1 = strips.z[q + 1] * s;
+      if (const KiteSection* kite = kite_at(
+              pattern, 0.5 * (strips.v_begin[k] + strips.v_begin[k + 1]),
+              0.5 * (strips.x[q] + strips.x[q + 1]), 0.5 * (strips.z[q] + strips.z[q + 1]))) {
+        const KitePoint a = kite->posed(strips.x[q], strips.z[q], pattern.design_psi_rad),
+                        b = kite->posed(strips.x[q + 1], strips.z[q + 1], pattern.design_psi_rad);
+        x0 = a.x, z0 = a.z, x1 = b.x, z1 = b.z;
+      }
       const auto found = notches.find(p);
       if (found == notches.end()) {
         out.add({x0, from, z0}, {x1, from, z1}, {x1, to, z1}, {x0, to, z0});

@@ -8,6 +8,8 @@
 
 #include <Eigen/Sparse>
 
+#include "core/geometry/angle.hpp"
+
 namespace popcut::hands {
 namespace {
 
@@ -69,6 +71,12 @@ class Measure {
 
   std::optional<Wobble> run() {
     if (pattern_.faces() > kMostWobbleFaces) return std::nullopt;
+    at_ = pattern_.vertices;
+    for (const Kite& kite : pattern_.kites)
+      for (const std::uint32_t i : kite.vertices) {
+        const KitePoint p = kite.section.posed(at_[i].x, at_[i].z, 0.5 * kPi);
+        at_[i].x = p.x, at_[i].z = p.z;
+      }
     look_at_faces();
     if (moving_ == 0) return std::nullopt;
     add_folds();
@@ -107,8 +115,8 @@ class Measure {
       const PatternVertex* before = &pattern_.vertices[corners.back()];
       for (const std::uint32_t corner : corners) {
         const PatternVertex& p = pattern_.vertices[corner];
-        s.x_mm += p.x / static_cast<double>(corners.size());
-        s.z_mm += p.z / static_cast<double>(corners.size());
+        s.x_mm += at_[corner].x / static_cast<double>(corners.size());
+        s.z_mm += at_[corner].z / static_cast<double>(corners.size());
         s.area_mm2 += 0.5 * (pattern_.u(*before) * p.v - pattern_.u(p) * before->v);
         const double u_mm = pattern_.u(p);
         at_edge |= u_mm < kSame_mm || u_mm > far_mm - kSame_mm;
@@ -124,7 +132,7 @@ class Measure {
     for (const PatternEdge& edge : pattern_.edges) {
       if (edge.role != EdgeRole::Mountain && edge.role != EdgeRole::Valley) continue;
       if (edge.left < 0 || edge.right < 0 || edge.left == edge.right) continue;
-      const PatternVertex &from = pattern_.vertices[edge.from], &to = pattern_.vertices[edge.to];
+      const PatternVertex &from = at_[edge.from], &to = at_[edge.to];
       if (std::abs(from.x - to.x) > kSame_mm || std::abs(from.z - to.z) > kSame_mm) continue;
       const double length_mm = std::max(std::abs(to.v - from.v), kSame_mm);
       add_fold(edge, from.x, from.z, std::min(1.0, length_mm / play_.short_fold_mm) / variance_mm2);
@@ -161,7 +169,7 @@ class Measure {
     const Section& s = sections_[face];
     double most_mm2 = 0.0;
     for (const std::uint32_t corner : pattern_.face(face)) {
-      const PatternVertex& p = pattern_.vertices[corner];
+      const PatternVertex& p = at_[corner];
       const double x = (p.x - s.x_mm) / kArm_mm, z = (p.z - s.z_mm) / kArm_mm;
       most_mm2 = std::max(most_mm2, covariance(0, 0) + covariance(1, 1) +
                                         2.0 * (x * covariance(1, 2) - z * covariance(0, 2)) +
@@ -204,6 +212,7 @@ class Measure {
 
   const Pattern& pattern_;
   Play play_;
+  std::vector<PatternVertex> at_;  ///< where the vertices are at psi = pi/2
   std::vector<Section> sections_;
   int moving_{};
   std::vector<Eigen::Triplet<double>> terms_;

@@ -44,7 +44,8 @@ bool turns_as_drawn(const Pattern& pattern, const std::vector<std::uint8_t>& upr
 
 bool has_rectangular_motion(const Pattern& pattern, const verify::Sheet& sheet,
                             std::optional<int> freedoms) {
-  if (!pattern.v_folds.empty() || sheet.panels != pattern.faces()) return false;
+  if (!pattern.v_folds.empty() || !pattern.kites.empty() || sheet.panels != pattern.faces())
+    return false;
   auto section = faces_of(pattern);
   if (!section || !std::all_of(sheet.hinges.begin(), sheet.hinges.end(), [&](const auto& hinge) {
         return turns_as_drawn(pattern, section->upright, hinge);

@@ -25,6 +25,7 @@ constexpr std::size_t kMostLooseFaces = 2000;
 /// Rectangular units open as one affine family, so that one pose stands for all; splayed ones are
 /// looked at in several.
 std::vector<double> poses_of(const Pattern& pattern) {
+  if (!pattern.kites.empty()) return {2.9, 2.3, std::numbers::pi / 2, 1.1, 0.7, 0.4, 0.2, 0.05};
   if (pattern.v_folds.empty()) return {1.1};
   return {2.6, std::numbers::pi / 2, 1.1};
 }
@@ -37,7 +38,7 @@ std::optional<int> freedoms_of(const Design& part) {
 
 /// Whether the verifier finds the flat sheet sound, and the motion follows from rectangular units.
 bool is_proven(const Design& part) {
-  if (!part.pattern.v_folds.empty()) return false;
+  if (!part.pattern.v_folds.empty() || !part.pattern.kites.empty()) return false;
   auto model = pattern_model(part.pattern, {});
   if (!model) return false;
   verify::Subject subject;

@@ -11,6 +11,11 @@ std::array<double, 3> posed(const PatternVertex& p, double psi_rad) {
   return {p.x + p.z * std::cos(psi_rad), p.v, p.z * std::sin(psi_rad)};
 }
 
+std::array<double, 3> posed(const Kite& kite, const PatternVertex& p, double psi_rad) {
+  const KitePoint at = kite.section.posed(p.x, p.z, psi_rad);
+  return {at.x, p.v, at.z};
+}
+
 double fold_angle_deg(EdgeRole role, double psi_rad) {
   const double bend_deg = degrees(kPi - psi_rad);
   if (role == EdgeRole::Valley) return bend_deg;
@@ -34,6 +39,8 @@ std::vector<std::array<double, 3>> posed_vertices(const Pattern& pattern, double
     out[fold.tip] = {o[0] + up * std::cos(0.5 * psi_rad), o[1] + fold.length_mm * std::cos(theta),
                      o[2] + up * std::sin(0.5 * psi_rad)};
   }
+  for (const Kite& kite : pattern.kites)
+    for (const std::uint32_t i : kite.vertices) out[i] = posed(kite, pattern.vertices[i], psi_rad);
   return out;
 }
 
@@ -46,6 +53,11 @@ std::vector<double> fold_angles_deg(const Pattern& pattern, double psi_rad) {
         std::atan2(std::sqrt(1.0 + fold.alpha * fold.alpha) * std::cos(0.5 * psi_rad),
                    std::sin(0.5 * psi_rad));
     out[fold.edge_b] = out[fold.edge_c] = degrees(2.0 * half);
+  }
+  for (const Kite& kite : pattern.kites) {
+    const double bend_deg = degrees(kite.section.bend_rad(psi_rad));
+    for (const std::uint32_t e : kite.edges)
+      out[e] = pattern.edges[e].role == EdgeRole::Valley ? bend_deg : -bend_deg;
   }
   return out;
 }

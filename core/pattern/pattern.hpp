@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/kite.hpp"
+
 namespace popcut {
 
 /// What an edge of a pattern is.
@@ -55,6 +57,16 @@ struct VFold {
   double alpha{};          ///< tan of the splay angle
 };
 
+/// Two sloped panels (core/geometry/kite.hpp). Their vertices have the places of the stair that the
+/// kite is the mirror image of, so that they are where they should be on the sheet.
+struct Kite {
+  KiteSection section;
+  double v0_mm{}, v1_mm{};              ///< along the spine
+  std::vector<std::uint32_t> vertices;  ///< of its panels, but those on its outer folds
+  std::vector<std::uint32_t> faces;     ///< its two panels
+  std::vector<std::uint32_t> edges;     ///< its outer folds, at Q and at E
+};
+
 /// A stretch of the sheet's own edge that is glued to another pattern (docs/geometry.md, section
 /// 5): the line from (u0_mm, v_mm) to (u1_mm, v_mm), with a margin on either side of it.
 struct Seam {
@@ -84,6 +96,7 @@ struct Pattern {
   std::vector<std::uint32_t> face_first;     ///< faces + 1 offsets into `face_vertices`
   std::vector<std::uint32_t> face_vertices;  ///< counter-clockwise in (u, v)
   std::vector<VFold> v_folds;
+  std::vector<Kite> kites;
   std::vector<Seam> seams;  ///< empty if the pattern is the whole
   PatternPlace place;
   /// Where a model from a file stands in the designed pose, at (x, v, z): a point q of it is at
@@ -101,11 +114,14 @@ struct Pattern {
 
 /// Where `p` lies when the card is opened to `psi_rad` (pi: flat, pi/2: the designed shape, 0:
 /// shut), as (x, v, z) in mm: main text eq. 1 summed over the chain. Not valid for the tip of a
-/// V-fold.
+/// V-fold, nor on a kite.
 [[nodiscard]] std::array<double, 3> posed(const PatternVertex& p, double psi_rad);
 
-/// All vertices at `psi_rad`, including the tips of V-folds in their popped positions; (x, v, z) in
-/// mm.
+/// The same of a point of a kite.
+[[nodiscard]] std::array<double, 3> posed(const Kite& kite, const PatternVertex& p, double psi_rad);
+
+/// All vertices at `psi_rad`, including the tips of V-folds in their popped positions, and kites;
+/// (x, v, z) in mm.
 [[nodiscard]] std::vector<std::array<double, 3>> posed_vertices(const Pattern& pattern,
                                                                 double psi_rad);
 
@@ -117,7 +133,7 @@ struct Pattern {
 [[nodiscard]] double fold_angle_deg(EdgeRole role, double psi_rad);
 
 /// FOLD angles of all edges in degrees. The side folds of V-folds have 2 atan(sqrt(1 + alpha^2)
-/// cot(psi/2)).
+/// cot(psi/2)), the outer folds of kites `KiteSection::bend_rad`.
 [[nodiscard]] std::vector<double> fold_angles_deg(const Pattern& pattern, double psi_rad);
 
 }  // namespace popcut

@@ -93,9 +93,10 @@ class Picture {
       for (const SlabPanel& hole : slabs[s].holes())
         put_panels({&hole}, slabs[s], hole.is_upright ? "#38322d" : "#4a423b", 0.9);
       if (!ghost_.empty()) put_ghost(ghost_[s + 1].inside, kBehindPaper);
-      put_slab(s);
-      put_strokes(slabs[s].strokes, true, "#9a8f80", 0.5);
-      put_strokes(slabs[s].strokes, false, kPictureInk, 0.8);
+      put_slab(s, false);
+      put_strokes(slabs[s].strokes, false);
+      put_slab(s, true);
+      put_strokes(slabs[s].strokes, true);
       for (const std::uint32_t k : slabs[s].v_folds) put_v_fold(pattern_.v_folds[k]);
       if (!ghost_.empty()) put_ghost(ghost_[s + 1].outside);
     }
@@ -145,8 +146,9 @@ class Picture {
       seen.extend(Vec2{dot(camera_.right, p), dot(camera_.up, p)});
     };
     Eigen::AlignedBox3d box;
-    for (const PatternVertex& p : pattern_.vertices) {
-      const Vec3 place = vec3(posed(p, psi_rad_));
+    for (std::size_t k = 0; k < places_.size(); ++k) {
+      const Vec3 place =
+          pattern_.kites.empty() ? vec3(posed(pattern_.vertices[k], psi_rad_)) : places_[k];
       see(place), box.extend(place);
     }
     measure_depths();
@@ -199,8 +201,8 @@ class Picture {
           std::round(y * kHundredths) / kHundredths);
   }
 
-  void put_point(std::string_view command, const PatternVertex& p) {
-    put_place(command, vec3(posed(p, psi_rad_)));
+  void put_point(std::string_view command, const PatternVertex& p, const Kite* kite = nullptr) {
+    put_place(command, vec3(kite != nullptr ? posed(*kite, p, psi_rad_) : posed(p, psi_rad_)));
   }
 
   void put_panels(const std::vector<const SlabPanel*>& panels, const Slab& slab,
@@ -209,18 +211,27 @@ class Picture {
     for (const SlabPanel* panel : panels) {
       std::string_view command = "M";
       for (const PatternVertex& p : panel->corners(slab.low_mm, slab.high_mm))
-        put_point(std::exchange(command, "L"), p);
+        put_point(std::exchange(command, "L"), p, panel->kite);
       text_.put("Z");
     }
     // The stroke hides the thin line that antialiasing leaves between two panels.
     text_("\" fill=\"", colour, "\" stroke=\"", colour, "\" stroke-width=\"", line, "\"/>\n");
   }
 
+  /// Of the panel of a kite, on the side on which the structure pops up.
+  [[nodiscard]] Vec3 normal_of(const SlabPanel& panel) const {
+    const KiteSection& kite = panel.kite->section;
+    const KitePoint a = kite.posed(panel.low_a.x, panel.low_a.z, psi_rad_),
+                    b = kite.posed(panel.low_b.x, panel.low_b.z, psi_rad_);
+    return unit(Vec3{a.z - b.z, 0, b.x - a.x});
+  }
+
   [[nodiscard]] std::string colour_of(std::size_t s, std::size_t p) const {
     const Slab& slab = scene_.slabs.slabs[s];
     const SlabPanel& panel = slab.panels[p];
-    const Vec3 normal =
-        panel.is_upright ? Vec3{std::sin(psi_rad_), 0, -std::cos(psi_rad_)} : Vec3{0, 0, 1};
+    const Vec3 normal = panel.kite != nullptr ? normal_of(panel)
+                        : panel.is_upright    ? Vec3{std::sin(psi_rad_), 0, -std::cos(psi_rad_)}
+                                              : Vec3{0, 0, 1};
     const double lit = std::max(0.0, dot(normal, kLamp));
     if (panel.place != PanelPlace::Structure) return hex({238, 243, 247}, 0.80 + 0.22 * lit);
     const double range = nearest_ - farthest_;
@@ -253,26 +264,33 @@ class Picture {
     }
   }
 
-  /// The panels of a slab, those of one colour as one path: none hides another.
-  void put_slab(std::size_t s) {
+  /// The panels of a slab, those of one colour as one path: none hides another. Or those of its
+  /// kites, whose roofs come last.
+  void put_slab(std::size_t s, bool kites) {
     const Slab& slab = scene_.slabs.slabs[s];
-    std::map<std::string, std::vector<const SlabPanel*>> of_colour;
+    std::map<std::pair<bool, std::string>, std::vector<const SlabPanel*>> of_colour;
     for (std::size_t p = 0; p < slab.panels.size(); ++p)
-      of_colour[colour_of(s, p)].push_back(&slab.panels[p]);
-    for (const auto& [colour, panels] : of_colour)
+      if ((slab.panels[p].kite != nullptr) == kites)
+        of_colour[{slab.panels[p].is_roof, colour_of(s, p)}].push_back(&slab.panels[p]);
+    for (const auto& [key, panels] : of_colour)
       put_panels(
-          panels, slab, colour,
+          panels, slab, key.second,
           panels.front()->place == PanelPlace::Structure ? std::max(0.6, 0.9 * stroke_) : 0.9);
   }
 
-  void put_strokes(const std::vector<SlabStroke>& strokes, bool folds, std::string_view colour,
-                   double width) {
+  /// The strokes of a slab, or those that bound the roofs of its kites.
+  void put_strokes(const std::vector<SlabStroke>& strokes, bool of_roofs) {
+    put_strokes(strokes, of_roofs, true, "#9a8f80", 0.5);
+    put_strokes(strokes, of_roofs, false, kPictureInk, 0.8);
+  }
+  void put_strokes(const std::vector<SlabStroke>& strokes, bool of_roofs, bool folds,
+                   std::string_view colour, double width) {
     bool any = false;
     for (const SlabStroke& stroke : strokes) {
-      if (stroke.is_fold != folds) continue;
+      if (stroke.is_fold != folds || stroke.is_of_roof != of_roofs) continue;
       if (!std::exchange(any, true)) text_.put("<path d=\"");
-      put_point("M", stroke.from);
-      put_point("L", stroke.to);
+      put_point("M", stroke.from, stroke.kite);
+      put_point("L", stroke.to, stroke.kite);
     }
     if (any)
       text_("\" fill=\"none\" stroke=\"", colour, "\" stroke-width=\"",
@@ -392,8 +410,10 @@ double distance_mm(const SlabPanel& panel, const Slab& slab, const TriangleTree&
                    double psi_rad, int places_across, std::uint32_t& hint) {
   double sum = 0;
   const auto c = panel.corners(slab.low_mm, slab.high_mm);
-  const std::array<Vec3, 4> at{vec3(posed(c[0], psi_rad)), vec3(posed(c[1], psi_rad)),
-                               vec3(posed(c[2], psi_rad)), vec3(posed(c[3], psi_rad))};
+  const auto place = [&](const PatternVertex& p) {
+    return vec3(panel.kite != nullptr ? posed(*panel.kite, p, psi_rad) : posed(p, psi_rad));
+  };
+  const std::array<Vec3, 4> at{place(c[0]), place(c[1]), place(c[2]), place(c[3])};
   for (int i = 0; i < places_across; ++i)
     for (int j = 0; j < places_across; ++j) {
       const double s = (i + 0.5) / places_across, t = (j + 0.5) / places_across;

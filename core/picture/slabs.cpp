@@ -96,21 +96,46 @@ void add_face(const Pattern& pattern, std::uint32_t f, const Borders& borders,
     slabs[crossings[i].slab].panels.push_back(panel_between(crossings[i], crossings[i + 1], f));
 }
 
-void add_edge(const Pattern& pattern, const PatternEdge& edge, const Borders& borders,
-              std::vector<Slab>& slabs) {
+/// The kite of each face, and whether the face is its longer panel.
+struct FaceOfKite {
+  const Kite* kite{};
+  bool is_roof{};
+};
+std::vector<FaceOfKite> kites_of(const Pattern& pattern) {
+  std::vector<FaceOfKite> out(pattern.faces());
+  for (const Kite& kite : pattern.kites)
+    for (std::size_t k = 0; k < 2; ++k)
+      out[kite.faces[k]] = {&kite, (k == 0) == kite.section.overhangs()};
+  return out;
+}
+
+void mark(std::vector<Slab>& slabs, const std::vector<FaceOfKite>& kites) {
+  for (Slab& slab : slabs)
+    for (SlabPanel& panel : slab.panels)
+      panel.kite = kites[panel.face].kite, panel.is_roof = kites[panel.face].is_roof;
+}
+
+void add_edge(const Pattern& pattern, const PatternEdge& edge, const std::vector<FaceOfKite>& kites,
+              const Borders& borders, std::vector<Slab>& slabs) {
+  FaceOfKite of;
+  for (const std::int32_t face : {edge.left, edge.right})
+    if (face >= 0 && kites[static_cast<std::size_t>(face)].kite != nullptr && !of.is_roof)
+      of = kites[static_cast<std::size_t>(face)];
   PatternVertex a = pattern.vertices[edge.from], b = pattern.vertices[edge.to];
   const bool fold = edge.role == EdgeRole::Mountain || edge.role == EdgeRole::Valley;
   if (a.v == b.v) {  // along a slab's border: drawn with its face
     const bool face_above = (pattern.u(b) > pattern.u(a)) == (edge.left >= 0);
     const std::size_t border = borders.index(a.v);
     const std::size_t slab = face_above || border == 0 ? border : border - 1;
-    return slabs[std::min(slab, slabs.size() - 1)].strokes.push_back({a, b, fold});
+    return slabs[std::min(slab, slabs.size() - 1)].strokes.push_back(
+        {a, b, fold, of.kite, of.is_roof});
   }
   if (a.v > b.v) std::swap(a, b);
   for (std::size_t s = borders.index(a.v); s < borders.index(b.v); ++s) {
     const double low = borders.v[s], high = borders.v[s + 1];
     const SectionPlace from = at_v(a, b, low), to = at_v(a, b, high);
-    slabs[s].strokes.push_back({{from.x, from.z, low}, {to.x, to.z, high}, fold});
+    slabs[s].strokes.push_back(
+        {{from.x, from.z, low}, {to.x, to.z, high}, fold, of.kite, of.is_roof});
   }
 }
 
@@ -130,8 +155,8 @@ void thin(std::vector<SlabPanel>& panels, std::size_t steps) {
   for (std::size_t i = 0; i < panels.size();) {
     std::size_t end = i + 1;
     while (end < panels.size() && end - i < 2 * steps && panels[i].place == PanelPlace::Structure &&
-           panels[end].place == PanelPlace::Structure &&
-           meet(panels[end - 1].low_b, panels[end].low_a))
+           panels[end].place == PanelPlace::Structure && panels[i].kite == nullptr &&
+           panels[end].kite == nullptr && meet(panels[end - 1].low_b, panels[end].low_a))
       ++end;
     if (end - i > 2) {
       SlabPanel one = panels[i], two = panels[end - 1];
@@ -165,7 +190,8 @@ std::size_t count_panels(const Pattern& pattern, const Borders& borders) {
 
 /// All panels, V-folds left out, of the slabs that are drawn.
 std::vector<Slab> panels_of(const Pattern& pattern, const Borders& borders,
-                            const std::vector<std::uint8_t>& is_tip, int every_step) {
+                            const std::vector<std::uint8_t>& is_tip,
+                            const std::vector<FaceOfKite>& kites, int every_step) {
   std::vector<Slab> slabs(borders.drawn.size());
   for (std::size_t g = 0; g < slabs.size(); ++g) {
     slabs[g].low_mm = borders.v[borders.first[g]];
@@ -177,6 +203,7 @@ std::vector<Slab> panels_of(const Pattern& pattern, const Borders& borders,
     if (std::none_of(face.begin(), face.end(), [&](std::uint32_t c) { return is_tip[c] != 0; }))
       add_face(pattern, f, borders, crossings, slabs);
   }
+  mark(slabs, kites);
   for (Slab& slab : slabs) {
     std::stable_sort(slab.panels.begin(), slab.panels.end(),
                      [](const SlabPanel& a, const SlabPanel& b) {
@@ -224,6 +251,7 @@ Slabs cut_into_slabs(const Pattern& pattern, std::size_t most_panels) {
   std::vector<std::uint8_t> is_tip(pattern.vertices.size(), 0);
   for (const VFold& fold : pattern.v_folds) is_tip[fold.tip] = 1;
 
+  const std::vector<FaceOfKite> kites = kites_of(pattern);
   const auto most = static_cast<double>(std::max<std::size_t>(1, most_panels));
   const auto stretches = static_cast<double>(borders.v.size() - 1);
   const double share = static_cast<double>(count_panels(pattern, borders)) / most;
@@ -234,7 +262,7 @@ Slabs cut_into_slabs(const Pattern& pattern, std::size_t most_panels) {
   for (;;) {
     if (share > 1)
       borders.gather((borders.v.back() - borders.v.front()) * out.every_strip / stretches);
-    out.slabs = panels_of(pattern, borders, is_tip, out.every_step);
+    out.slabs = panels_of(pattern, borders, is_tip, kites, out.every_step);
     std::size_t panels = 0;
     for (const Slab& slab : out.slabs) panels += slab.panels.size();
     // Staircases of few steps do not become thinner, so that fewer strips must do.
@@ -246,7 +274,8 @@ Slabs cut_into_slabs(const Pattern& pattern, std::size_t most_panels) {
   const auto leaves = [&](std::uint32_t vertex) { return is_tip[vertex] != 0; };
   if (share <= 1)
     for (const PatternEdge& edge : pattern.edges)
-      if (!leaves(edge.from) && !leaves(edge.to)) add_edge(pattern, edge, borders, out.slabs);
+      if (!leaves(edge.from) && !leaves(edge.to))
+        add_edge(pattern, edge, kites, borders, out.slabs);
   for (std::uint32_t k = 0; k < pattern.v_folds.size(); ++k) {
     const double end = pattern.vertices[pattern.v_folds[k].tip].v;
     const std::size_t s = std::max<std::size_t>(borders.index(end), 1) - 1;

@@ -26,6 +26,8 @@ struct SlabPanel {
   PanelPlace place{};
   bool is_upright{};          ///< parallel to the wall
   std::uint32_t face{kNone};  ///< of the pattern
+  const Kite* kite{};         ///< that it is a panel of; its places are then those of the stair
+  bool is_roof{};             ///< the longer panel of a kite: nothing of the kite hides it
 
   static constexpr std::uint32_t kNone = UINT32_MAX;
 
@@ -37,6 +39,8 @@ struct SlabPanel {
 struct SlabStroke {
   PatternVertex from, to;
   bool is_fold{};
+  const Kite* kite{};  ///< that it bounds
+  bool is_of_roof{};   ///< it bounds the longer panel of the kite
 };
 
 /// What lies between two neighbouring places along the spine.
@@ -59,7 +63,8 @@ struct Slab {
 /// lies in its own slab or a later one; and within a slab nothing hides anything, because each slab
 /// is a staircase that the eye sees from within the opening: from a point outside of the staircase
 /// the way to the eye stays outside. Holes are behind all panels of their slab, and V-folds, which
-/// stand in the valleys, before them.
+/// stand in the valleys, before them. So do kites: the shorter panel first, which the roof may
+/// hide. Kites are those of the pattern, which must outlive the slabs.
 struct Slabs {
   std::vector<Slab> slabs;
   int every_strip{1};  ///< of so many strips one is drawn, as wide as all of them

@@ -39,6 +39,10 @@ struct Rectangle {
 /// A pattern as a mirror shows it, so that pictures can look from the left.
 Pattern mirrored(Pattern pattern) {
   for (PatternVertex& p : pattern.vertices) p.v = pattern.width_mm - p.v;
+  for (Kite& kite : pattern.kites) {
+    std::swap(kite.v0_mm, kite.v1_mm);
+    for (double* const v : {&kite.v0_mm, &kite.v1_mm}) *v = pattern.width_mm - *v;
+  }
   for (PatternEdge& e : pattern.edges) std::swap(e.left, e.right);
   for (std::size_t f = 0; f < pattern.faces(); ++f)
     std::reverse(pattern.face_vertices.begin() + pattern.face_first[f],

@@ -87,8 +87,9 @@ class Repairer {
   }
 
   void add(Move::Kind kind, NewStrips strips, std::vector<Move>& moves) {
-    if (std::any_of(strips.begin(), strips.end(),
-                    [&](const NewStrip& one) { return was_given_up(one); }))
+    if (std::any_of(strips.begin(), strips.end(), [&](const NewStrip& one) {
+          return was_given_up(one) || card_.labelling.is_fixed(one.strip);
+        }))
       return;
     const double cost = extra_cost(card_.labelling, strips);
     moves.push_back({kind, std::move(strips), cost});

@@ -74,12 +74,16 @@ class FacetMaker {
               most_z = most_offset(options_.wall_mm, reach_.z_mm);
     if (options_.layers > 0) return cut_out(image, most_x, most_z);
     const int pitch = std::max(1, static_cast<int>(std::llround(options_.pitch_mm / step_mm_)));
-    const FacetPlanes planes = planes_for(image, grid_, pitch, most_x, most_z, options_.inward);
+    if (options_.kites)
+      if (auto done = lay_kites(image, most_x, most_z); !done) return tl::unexpected(done.error());
+    const FacetPlanes planes =
+        planes_for(image, grid_, pitch, most_x, most_z, options_.inward, roofs_.kites);
     tell(progress_, "giving each point of the sheet a plane");
     // Strips that are cut across come nearer, but are looser; some shapes are better off without.
     FacetCardSize card{grid_.wall * step_mm_, (grid_.columns - grid_.wall) * step_mm_,
                        options_.margin_mm};
     Labelling labelling(image, planes, grid_, options_.weights, limits());
+    fix_kites(labelling);
     double least = labelling.least_distance();
     Labelling uncut = labelling;
     auto repaired = label(uncut, card, false);
@@ -103,6 +107,7 @@ class FacetMaker {
     if (is_moved) {
       tell(progress_, "moving panels nearer to the shape");
       moved_on.emplace(image, fine, grid_, options_.weights, limits());
+      fix_kites(*moved_on);
       take_over(labelling, *repaired, *moved_on);
       moves = move_patches(*moved_on, hold_rule(), kMostRepairWork);
       least = moved_on->least_distance();
@@ -112,6 +117,28 @@ class FacetMaker {
   }
 
  private:
+  /// Which strips are kites.
+  Result<void> lay_kites(const SeenTarget& image, int most_x, int most_z) {
+    KiteLimits within;
+    within.least_run = least_run(), within.most_x = most_x, within.most_z = most_z;
+    const double reach = limits().most_reach_mm / step_mm_;
+    if (reach < within.most_reach) within.most_reach = static_cast<int>(reach);
+    roofs_ = plan_kites(target_, image, grid_, within);
+    if (!roofs_.runs.empty()) return {};
+    return fail(
+        ErrorKind::Infeasible, "/facets/sloped",
+        roofs_.refused.empty()
+            ? std::string("no roof is seen: no plane of the shape falls away from the wall, "
+                          "with its ridge along the spine, at 8 to 82 degrees, and 12 mm of "
+                          "it free; turn the shape with rotate_deg, or leave sloped out")
+            : roofs_.refused.front().reason());
+  }
+  void fix_kites(Labelling& labelling) const {
+    for (const KiteRun& run : roofs_.runs)
+      for (int s = run.first; s < run.end; ++s)
+        labelling.fix(s, kite_labels(labelling.planes(), grid_, run, s));
+  }
+
   /// A silhouette.
   Result<FacetCard> cut_out(const SeenTarget& image, int most_x, int most_z) {
     const FacetPlanes planes = silhouette_planes(image, grid_, options_.layers, most_x, most_z);
@@ -135,21 +162,16 @@ class FacetMaker {
     for (FacetStrut& strut : repaired.struts) strut.without = moved(strut.without, labels.grid);
     auto pattern = pattern_of(labels, planes, card, options_.min_panel_mm);
     if (!pattern) return tl::unexpected(pattern.error());
-    FacetCard out{labels.grid,
-                  planes,
-                  std::move(labels),
-                  card,
-                  std::move(*pattern),
-                  std::move(repaired),
-                  moves,
-                  {},
-                  0};
+    FacetCard out{
+        labels.grid, planes, std::move(labels), card, std::move(*pattern), std::move(repaired),
+        moves,       {},     roofs_.refused,    0};
     measure(image, labelling, least, out);
     if (options_.layers == 0) open_windows(image, out);
     if (options_.layers > 0)
       smooth_contours(out.pattern.built.pattern);
     else
       follow_contours(out.pattern, out.labels, out.planes, image, options_.min_panel_mm);
+    mark_kites(out.pattern, out.planes, step_mm_);
     return out;
   }
 
@@ -335,6 +357,8 @@ class FacetMaker {
   void measure(const SeenTarget& image, const Labelling& labelling, double least,
                FacetCard& out) const {
     std::vector<double> off;
+    std::vector<KiteSection> kites;
+    for (const LabelKite& kite : out.planes.kites()) kites.push_back(kite.section(step_mm_));
     double sum = 0.0, whole = 0.0;
     const double root = std::sqrt(2.0);
     for (int s = 0; s < grid_.strips; ++s) {
@@ -349,9 +373,15 @@ class FacetMaker {
                                                                                  : kGroundLabel);
           if (is_card && image.facing[row * image.raster.columns + c] == Facing::Card) continue;
           const FacetPlane& plane = out.planes[label];
+          const double depth = static_cast<double>(image.depth_mm[row * image.raster.columns + c]);
           const double far =
-              root * std::abs(plane.offset * step_mm_ -
-                              (plane.upright ? image.x_mm(row, c) : image.z_mm(row, c)));
+              plane.kite >= 0
+                  ? std::abs(kites[static_cast<std::size_t>(plane.kite)].depth_mm(
+                                 image.raster.across_mm(c)) -
+                             depth) /
+                        root
+                  : root * std::abs(plane.offset * step_mm_ -
+                                    (plane.upright ? image.x_mm(row, c) : image.z_mm(row, c)));
           off.push_back(far), sum += far;
         }
     }
@@ -380,6 +410,7 @@ class FacetMaker {
   const Progress& progress_;
   double strength_;
   TargetReach reach_;
+  KitePlan roofs_;
   FacetGrid grid_;
   double step_mm_{};
 };

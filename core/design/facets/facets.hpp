@@ -4,10 +4,12 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/design/facets/facet_repair.hpp"
 #include "core/design/facets/label_pattern.hpp"
 #include "core/design/facets/labelling.hpp"
+#include "core/design/facets/roofs.hpp"
 #include "core/design/spec/report.hpp"
 #include "core/fit/triangle_soup.hpp"
 #include "core/progress.hpp"
@@ -25,6 +27,7 @@ struct FacetOptions {
   std::optional<double> wall_mm, ground_mm;
   bool shut_inside{true};  ///< the shut structure lies inside the card
   bool inward{};           ///< planes behind wall and ground may be taken
+  bool kites{};            ///< sloped planes become kites, where they can (roofs.hpp)
   bool lattice{true};   ///< curved parts hold as a lattice does, in planes that are fitted to them
   bool in_paper{true};  ///< panels hold at places that are far enough apart (`paper_rule`)
   int layers{};  ///< upright planes of a silhouette (silhouette.hpp); 0: facets in all planes
@@ -43,7 +46,8 @@ struct FacetCard {
   FacetRepair repaired;
   std::size_t moves{};  ///< of patches and strips, once everything held (`move_patches`)
   FacetFigures figures;
-  std::size_t windows{};  ///< cut out, where a patch would hide what is farther back
+  std::vector<RefusedRoof> refused{};  ///< sloped planes that are no kites
+  std::size_t windows{};               ///< cut out, where a patch would hide what is farther back
 };
 
 /// A target as origamic architecture: each point of the sheet gets one plane, parallel to the wall
@@ -54,7 +58,9 @@ struct FacetCard {
 ///
 /// @retval OutOfRange  the card that was asked for is too small, or there are too many cells; place
 ///                     names the field
-/// @retval Infeasible  nothing of the target stands in the corner
+/// @retval Infeasible  nothing of the target stands in the corner; with `kites`, no sloped plane
+/// can
+///                     be one
 [[nodiscard]] Result<FacetCard> facet_card(const TriangleSoup& target, const FacetOptions& options,
                                            const Progress& progress = {});
 

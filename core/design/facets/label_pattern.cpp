@@ -2,6 +2,7 @@
 #include "core/design/facets/label_pattern.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/geometry/buckets.hpp"
@@ -188,6 +189,71 @@ Result<LabelPattern> pattern_of(const LabelImage& image, const FacetPlanes& plan
   out.built = std::move(*built);
   out.motion = rigid::mobility(out.built.section());
   return out;
+}
+
+void mark_kites(LabelPattern& made, const FacetPlanes& planes, double step_mm) {
+  if (planes.kites().empty()) return;
+  Pattern& pattern = made.built.pattern;
+  const Strips& strips = made.strips.strips;
+  std::vector<std::int32_t> kite_of(pattern.faces(), -1);  // by face, index into the pattern's
+  for (std::uint32_t p = 0; p + 1 < strips.panels(); ++p) {
+    const PlaneId plane = strips.plane[p];
+    if (plane == kNoPlane || planes[static_cast<Label>(plane)].kite < 0) continue;
+    const FacetPlane& first = planes[static_cast<Label>(plane)];
+    if (!first.upright) continue;  // the panel after it is the other one
+    const auto upper = static_cast<std::size_t>(made.built.panel_face[p]),
+               lower = static_cast<std::size_t>(made.built.panel_face[p + 1]);
+    if (kite_of[upper] >= 0) continue;
+    kite_of[upper] = kite_of[lower] = static_cast<std::int32_t>(pattern.kites.size());
+    Kite kite;
+    kite.section = planes.kites()[static_cast<std::size_t>(first.kite)].section(step_mm);
+    kite.faces = {static_cast<std::uint32_t>(upper), static_cast<std::uint32_t>(lower)};
+    pattern.kites.push_back(std::move(kite));
+  }
+  for (Kite& kite : pattern.kites) {
+    kite.v0_mm = pattern.width_mm;
+    for (const std::uint32_t face : kite.faces)
+      for (const std::uint32_t i : pattern.face(face)) {
+        const PatternVertex& p = pattern.vertices[i];
+        kite.v0_mm = std::min(kite.v0_mm, p.v), kite.v1_mm = std::max(kite.v1_mm, p.v);
+        if (kite.section.has(p.x, p.z)) kite.vertices.push_back(i);
+      }
+    std::sort(kite.vertices.begin(), kite.vertices.end());
+    kite.vertices.erase(std::unique(kite.vertices.begin(), kite.vertices.end()),
+                        kite.vertices.end());
+    const bool overhangs = kite.section.overhangs();
+    const auto role_at = [&](double across_mm) {
+      const auto is_at = [&](double x, double z) {
+        return std::abs(across_mm - (x - z)) <= kSamePlace_mm;
+      };
+      if (is_at(kite.section.q.x, kite.section.e.z)) return EdgeRole::Mountain;
+      return is_at(kite.section.q.x, kite.section.q.z) != overhangs ? EdgeRole::Valley
+                                                                    : EdgeRole::Mountain;
+    };
+    const auto is_fold = [](EdgeRole role) {
+      return role == EdgeRole::Mountain || role == EdgeRole::Valley;
+    };
+    for (std::uint32_t e = 0; e < pattern.edges.size(); ++e) {
+      PatternEdge& edge = pattern.edges[e];
+      if (!is_fold(edge.role) || edge.left < 0 || edge.right < 0) continue;
+      const auto is_own = [&](std::int32_t face) {
+        return kite.faces[0] == static_cast<std::uint32_t>(face) ||
+               kite.faces[1] == static_cast<std::uint32_t>(face);
+      };
+      if (!is_own(edge.left) && !is_own(edge.right)) continue;
+      const PatternVertex& at = pattern.vertices[edge.from];
+      edge.role = role_at(at.x - at.z);
+      if (is_own(edge.left) != is_own(edge.right)) kite.edges.push_back(e);
+    }
+    const double begin = pattern.wall_mm + kite.section.q.x - kite.section.q.z,
+                 end = pattern.wall_mm + kite.section.e.x - kite.section.e.z;
+    for (SheetLine& line : pattern.lines)
+      if (is_fold(line.role) && line.u0 >= begin - kSamePlace_mm &&
+          line.u0 <= end + kSamePlace_mm &&
+          std::min(line.v0, line.v1) >= kite.v0_mm - kSamePlace_mm &&
+          std::max(line.v0, line.v1) <= kite.v1_mm + kSamePlace_mm)
+        line.role = role_at(line.u0 - pattern.wall_mm);
+  }
 }
 
 StripRuns strip_runs(const LabelImage& image, const FacetPlanes& planes) {

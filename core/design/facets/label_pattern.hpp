@@ -44,6 +44,11 @@ struct LabelPattern {
 [[nodiscard]] Result<LabelPattern> pattern_of(const LabelImage& image, const FacetPlanes& planes,
                                               const FacetCardSize& card, double min_panel_mm);
 
+/// Tells a finished pattern which of its faces are the panels of kites, and which way their folds
+/// turn. A kite hangs on three folds between two planes, so it takes no freedom and gives none:
+/// what is held is what a stair in its place would leave held. O(kites x (edges + lines)).
+void mark_kites(LabelPattern& pattern, const FacetPlanes& planes, double step_mm);
+
 /// Gives what lies inside of another patch, and touches nothing else, the label of that patch: it
 /// could fall out or flap, and a face with a hole is not written. Whether anything changed.
 bool fill_enclosed(LabelImage& image, const FacetPlanes& planes, double min_panel_mm);

@@ -18,6 +18,7 @@ Labelling::Labelling(const SeenTarget& target, const FacetPlanes& planes, const 
   image_.grid = grid;
   image_.label.assign(columns * static_cast<std::size_t>(grid.strips), kGroundLabel);
   for (int s = 0; s < grid.strips; ++s) std::fill_n(image_.strip(s).begin(), grid.wall, kWallLabel);
+  fixed_.assign(static_cast<std::size_t>(grid.strips), 0);
   cost_.resize(columns * planes.size());
   if (image_.label.size() * planes.size() <= kMostKept)
     kept_.resize(static_cast<std::size_t>(grid.strips));
@@ -53,6 +54,11 @@ void Labelling::compute(int strip, double* cost) const {
     for (std::size_t l = 0; l < labels; ++l) {
       out[l] *= area;
       const FacetPlane& plane = (*planes_)[static_cast<Label>(l)];
+      if (plane.kite >= 0) {
+        const bool here = is_fixed(strip) && planes_->is_at_kite(plane, begin);
+        out[l] = here ? kite_distance(static_cast<std::size_t>(strip), column, plane) : kForbidden;
+        continue;
+      }
       const int reach = plane.upright ? 2 * plane.offset - begin : 2 * plane.offset + begin + 1;
       if (step * reach > limits_.most_reach_mm && plane.offset != 0) out[l] += kForbidden;
       const bool is_behind =
@@ -62,7 +68,32 @@ void Labelling::compute(int strip, double* cost) const {
   }
 }
 
+void Labelling::fix(int strip, const std::vector<Label>& labels) {
+  fixed_[static_cast<std::size_t>(strip)] = 1;
+  set(strip, labels);
+}
+
+/// The picture of a kite is as long as its paper, though no panel's is: what is seen of it through
+/// the column.
+double Labelling::kite_distance(std::size_t strip, std::size_t column,
+                                const FacetPlane& plane) const {
+  const SheetRaster& raster = target_->raster;
+  const std::size_t across = raster.columns / static_cast<std::size_t>(grid_.columns);
+  const std::size_t along = raster.rows / static_cast<std::size_t>(grid_.strips);
+  const KiteSection kite =
+      planes_->kites()[static_cast<std::size_t>(plane.kite)].section(grid_.step_mm);
+  double sum = 0.0;
+  for (std::size_t c = column * across; c < (column + 1) * across; ++c) {
+    const double depth = kite.depth_mm(raster.across_mm(c));
+    for (std::size_t row = strip * along; row < (strip + 1) * along; ++row)
+      sum +=
+          0.5 * std::abs(depth - static_cast<double>(target_->depth_mm[row * raster.columns + c]));
+  }
+  return sum * raster.column_mm * raster.row_mm;
+}
+
 bool Labelling::look_alike(int strip, int other) const {
+  if (is_fixed(strip) || is_fixed(other)) return false;
   const SheetRaster& raster = target_->raster;
   const auto count = static_cast<std::ptrdiff_t>(
       raster.columns * (raster.rows / static_cast<std::size_t>(grid_.strips)));
@@ -87,6 +118,7 @@ void Labelling::load_costs(int strip) {
 }
 
 std::vector<Label> Labelling::solve(int strip, bool jumps, double coupling) {
+  if (is_fixed(strip)) return {image_.strip(strip).begin(), image_.strip(strip).end()};
   const std::size_t labels = planes_->size();
   load_costs(strip);
   next_ = cost_;
@@ -150,6 +182,9 @@ void Labelling::set(int strip, const std::vector<Label>& labels) {
 bool Labelling::allows(const LabelRun& run) const {
   const FacetPlane& plane = (*planes_)[run.label];
   const int first = grid_.across(run.begin), last = grid_.across(run.end);
+  if (plane.kite >= 0)
+    return planes_->is_at_kite(plane, first) && planes_->is_at_kite(plane, last - 1) &&
+           !planes_->is_at_kite(plane, first - 1) && !planes_->is_at_kite(plane, last);
   const bool is_behind = plane.upright ? last > plane.offset : first < -plane.offset;
   if (run.end - run.begin < limits_.least_run || (is_behind && !limits_.inward)) return false;
   const int reach = plane.upright ? 2 * plane.offset - first : 2 * plane.offset + last;
@@ -165,6 +200,7 @@ double Labelling::cell_distance(int strip, int column, Label label) const {
   const std::size_t across = raster.columns / static_cast<std::size_t>(grid_.columns);
   const std::size_t along = raster.rows / static_cast<std::size_t>(grid_.strips);
   const FacetPlane& plane = (*planes_)[label];
+  if (plane.kite >= 0) return kite_distance(at_strip, static_cast<std::size_t>(column), plane);
   const double offset = grid_.step_mm * plane.offset;
   double sum = 0.0;
   for (std::size_t row = at_strip * along; row < (at_strip + 1) * along; ++row)
@@ -179,9 +215,13 @@ double Labelling::distance(int strip, std::span<const Label> labels) const {
   const SheetRaster& raster = target_->raster;
   const std::size_t across = raster.columns / static_cast<std::size_t>(grid_.columns);
   const std::size_t along = raster.rows / static_cast<std::size_t>(grid_.strips);
-  double sum = 0.0;
+  double sum = 0.0, of_kites = 0.0;
   for (std::size_t column = 0; column < labels.size(); ++column) {
     const FacetPlane& plane = (*planes_)[labels[column]];
+    if (plane.kite >= 0) {
+      of_kites += kite_distance(static_cast<std::size_t>(strip), column, plane);
+      continue;
+    }
     const double offset = grid_.step_mm * plane.offset;
     for (std::size_t r = 0; r < along; ++r)
       for (std::size_t c = 0; c < across; ++c) {
@@ -190,7 +230,7 @@ double Labelling::distance(int strip, std::span<const Label> labels) const {
         sum += std::abs(offset - (plane.upright ? target_->x_mm(row, at) : target_->z_mm(row, at)));
       }
   }
-  return sum * raster.column_mm * raster.row_mm;
+  return sum * raster.column_mm * raster.row_mm + of_kites;
 }
 
 double Labelling::cost(int strip, std::span<const Label> labels) const {
@@ -208,7 +248,7 @@ double Labelling::cost(int strip, std::span<const Label> labels) const {
   for (std::size_t i = 1; i < labels.size(); ++i)
     if (labels[i] != labels[i - 1])
       sum += grid_.strip_mm *
-             (planes_->partner(labels[i - 1], grid_.across(static_cast<int>(i))) == labels[i]
+             (planes_->meet(labels[i - 1], labels[i], grid_.across(static_cast<int>(i)))
                   ? weights_.fold_mm2
                   : weights_.jump_mm2);
   int cut = 0;

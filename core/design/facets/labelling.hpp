@@ -51,6 +51,11 @@ class Labelling {
   [[nodiscard]] std::vector<Label> best(int strip, bool jumps);
 
   void set(int strip, const std::vector<Label>& labels);
+  /// Gives a strip labels that it keeps: `best` gives no other ones. Before anything else is asked.
+  void fix(int strip, const std::vector<Label>& labels);
+  [[nodiscard]] bool is_fixed(int strip) const {
+    return fixed_[static_cast<std::size_t>(strip)] != 0;
+  }
   void ban(const LabelBan& ban) { bans_.push_back(ban); }
   /// Takes the last bans back, so that `count` are left.
   void forget_bans(std::size_t count) { bans_.resize(count); }
@@ -72,6 +77,9 @@ class Labelling {
 
  private:
   void load_costs(int strip);
+  /// The distance from the target of a cell of a kite, mm^3.
+  [[nodiscard]] double kite_distance(std::size_t strip, std::size_t column,
+                                     const FacetPlane& plane) const;
   /// Whether the same is seen in both strips.
   [[nodiscard]] bool look_alike(int strip, int other) const;
   void compute(int strip, double* cost) const;
@@ -84,6 +92,7 @@ class Labelling {
   FacetLimits limits_;
   LabelImage image_;
   std::vector<LabelBan> bans_;
+  std::vector<std::uint8_t> fixed_;       ///< one a strip
   std::vector<std::vector<float>> kept_;  ///< costs of strips, where all of them fit
   std::vector<double> cost_, problem_, next_;
   int computed_{-1};  ///< the strip whose costs are in `cost_`, where none are kept

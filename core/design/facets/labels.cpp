@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 namespace popcut {
 namespace {
@@ -28,7 +29,9 @@ std::vector<int> offsets(const std::map<int, double>& weight, int least, int mos
 
 }  // namespace
 
-FacetPlanes::FacetPlanes(const std::vector<int>& upright, const std::vector<int>& level) {
+FacetPlanes::FacetPlanes(const std::vector<int>& upright, const std::vector<int>& level,
+                         std::vector<LabelKite> kites)
+    : kites_(std::move(kites)) {
   planes_ = {{true, 0}, {false, 0}};
   for (const bool is_upright : {true, false}) {
     std::vector<int> sorted = is_upright ? upright : level;
@@ -45,6 +48,36 @@ FacetPlanes::FacetPlanes(const std::vector<int>& upright, const std::vector<int>
   for (std::size_t k = 0; k < planes_.size(); ++k)
     (planes_[k].upright ? upright_ : level_)[static_cast<std::size_t>(planes_[k].offset - least_)] =
         static_cast<Label>(k);
+  first_of_kites_ = static_cast<int>(planes_.size());
+  for (int k = 0; k < static_cast<int>(kites_.size()); ++k) {
+    const LabelKite& kite = kites_[static_cast<std::size_t>(k)];
+    planes_.push_back({true, kite.qx, k});
+    planes_.push_back({false, kite.ez, k});
+  }
+}
+
+bool FacetPlanes::carries_kite(Label label) const {
+  const FacetPlane& plane = (*this)[label];
+  return plane.kite < 0 && std::any_of(kites_.begin(), kites_.end(), [&](const LabelKite& kite) {
+           return plane.offset == (plane.upright ? kite.ex : kite.qz);
+         });
+}
+
+bool FacetPlanes::is_at_kite(const FacetPlane& panel, int across) const {
+  const LabelKite& kite = kites_[static_cast<std::size_t>(panel.kite)];
+  const int fold = kite.qx - kite.ez;
+  return panel.upright ? across >= kite.qx - kite.qz && across < fold
+                       : across >= fold && across < kite.ex - kite.ez;
+}
+
+bool FacetPlanes::meet_at_kite(Label before, Label after, int across) const {
+  const FacetPlane &a = (*this)[before], &b = (*this)[after];
+  const LabelKite& kite = kites_[static_cast<std::size_t>(std::max(a.kite, b.kite))];
+  if (a.kite < 0)
+    return b.upright && before == find({false, kite.qz}) && across == kite.qx - kite.qz;
+  if (b.kite < 0)
+    return !a.upright && after == find({true, kite.ex}) && across == kite.ex - kite.ez;
+  return a.kite == b.kite && a.upright && !b.upright && across == kite.qx - kite.ez;
 }
 
 FacetPlanes every_step(const FacetPlanes& planes) {
@@ -53,13 +86,13 @@ FacetPlanes every_step(const FacetPlanes& planes) {
     int least = 0, most = 0;
     for (std::size_t l = 0; l < planes.size(); ++l) {
       const FacetPlane& plane = planes[static_cast<Label>(l)];
-      if (plane.upright != upright) continue;
+      if (plane.upright != upright || plane.kite >= 0) continue;
       least = std::min(least, plane.offset), most = std::max(most, plane.offset);
     }
     for (int at = least; at <= most; ++at) offsets[upright ? 1 : 0].push_back(at);
   }
   if (offsets[0].size() + offsets[1].size() > kMostLabels) return planes;
-  return {offsets[1], offsets[0]};
+  return {offsets[1], offsets[0], planes.kites()};
 }
 
 std::vector<LabelRun> runs_of(std::span<const Label> strip, const FacetPlanes& planes,
@@ -72,14 +105,14 @@ std::vector<LabelRun> runs_of(std::span<const Label> strip, const FacetPlanes& p
       continue;
     }
     const bool folds = !out.empty() && out.back().label != kNoLabel && label != kNoLabel &&
-                       planes.partner(out.back().label, grid.across(i)) == label;
+                       planes.meet(out.back().label, label, grid.across(i));
     out.push_back({i, i + 1, label, folds});
   }
   return out;
 }
 
 FacetPlanes planes_for(const SeenTarget& target, const FacetGrid& grid, int pitch, int most_x,
-                       int most_z, bool inward) {
+                       int most_z, bool inward, const std::vector<LabelKite>& kites) {
   std::map<int, double> upright, level;
   int least_x = 0, least_z = 0, reach_x = 0, reach_z = 0;
   const auto step_of = [&](double mm) { return static_cast<int>(std::llround(mm / grid.step_mm)); };
@@ -94,8 +127,10 @@ FacetPlanes planes_for(const SeenTarget& target, const FacetGrid& grid, int pitc
       if (facing == Facing::Ground) level[z] += 1.0;
     }
   if (!inward) least_x = least_z = 0;
-  return {offsets(upright, least_x, std::min(most_x, reach_x + pitch), pitch),
-          offsets(level, least_z, std::min(most_z, reach_z + pitch), pitch)};
+  std::vector<int> x = offsets(upright, least_x, std::min(most_x, reach_x + pitch), pitch),
+                   z = offsets(level, least_z, std::min(most_z, reach_z + pitch), pitch);
+  for (const LabelKite& kite : kites) x.push_back(kite.ex), z.push_back(kite.qz);
+  return {x, z, kites};
 }
 
 }  // namespace popcut

@@ -7,14 +7,17 @@
 #include <vector>
 
 #include "core/design/facets/seen_target.hpp"
+#include "core/geometry/kite.hpp"
 
 namespace popcut {
 
 /// A plane that a point of the sheet can lie in: parallel to the wall at x = offset, or to the
-/// ground at z = offset; the offset in steps of the grid, below 0 behind the card.
+/// ground at z = offset; the offset in steps of the grid, below 0 behind the card. A panel of a
+/// kite has the plane of the stair's panel that it is the mirror image of (core/geometry/kite.hpp).
 struct FacetPlane {
   bool upright{};
   int offset{};
+  int kite{-1};  ///< index into `FacetPlanes::kites`; -1: none
   friend bool operator==(const FacetPlane&, const FacetPlane&) = default;
 };
 
@@ -29,11 +32,29 @@ inline constexpr int kMostLabels = 2000;
   return label == kWallLabel || label == kGroundLabel;
 }
 
-/// The planes that labels stand for: wall and ground first.
+/// A kite in steps of the grid: Q on the level plane z = qz, E on the upright plane x = ex.
+struct LabelKite {
+  int qx{}, qz{}, ex{}, ez{};
+  friend bool operator==(const LabelKite&, const LabelKite&) = default;
+
+  [[nodiscard]] KiteSection section(double step_mm) const {
+    return {{step_mm * qx, step_mm * qz}, {step_mm * ex, step_mm * ez}};
+  }
+};
+
+/// The planes that labels stand for: wall and ground first, and two labels a kite last.
 class FacetPlanes {
  public:
   /// @param upright, level  offsets in steps; 0 and doubles are left out
-  FacetPlanes(const std::vector<int>& upright, const std::vector<int>& level);
+  FacetPlanes(const std::vector<int>& upright, const std::vector<int>& level,
+              std::vector<LabelKite> kites = {});
+
+  [[nodiscard]] const std::vector<LabelKite>& kites() const { return kites_; }
+  [[nodiscard]] bool is_of_kite(Label label) const { return (*this)[label].kite >= 0; }
+  /// Whether the panel of a kite lies in the column that begins `across` steps from the spine.
+  [[nodiscard]] bool is_at_kite(const FacetPlane& panel, int across) const;
+  /// Whether a plane ends at a kite, which hangs on it.
+  [[nodiscard]] bool carries_kite(Label label) const;
 
   [[nodiscard]] std::size_t size() const { return planes_.size(); }
   [[nodiscard]] const FacetPlane& operator[](Label label) const {
@@ -41,20 +62,33 @@ class FacetPlanes {
   }
   /// The label of a plane, or `kNoLabel`.
   [[nodiscard]] Label find(const FacetPlane& plane) const {
+    if (plane.kite >= 0)
+      return static_cast<Label>(first_of_kites_ + 2 * plane.kite + (plane.upright ? 0 : 1));
     const std::vector<Label>& table = plane.upright ? upright_ : level_;
     const int at = plane.offset - least_;
     return at < 0 || at >= static_cast<int>(table.size()) ? kNoLabel
                                                           : table[static_cast<std::size_t>(at)];
   }
   /// The plane that `label` meets in a fold `across` steps from the spine: x - z = across. Upright
-  /// planes c and level ones d meet at c - d only.
+  /// planes c and level ones d meet at c - d only. Panels of kites meet none so.
   [[nodiscard]] Label partner(Label label, int across) const {
     const FacetPlane& p = (*this)[label];
+    if (p.kite >= 0) return kNoLabel;
     return find({!p.upright, p.upright ? p.offset - across : p.offset + across});
   }
 
+  /// Whether two panels meet in a fold there, the second one farther from the wall's top.
+  [[nodiscard]] bool meet(Label before, Label after, int across) const {
+    if (is_of_kite(before) || is_of_kite(after)) return meet_at_kite(before, after, across);
+    return partner(before, across) == after;
+  }
+
  private:
+  [[nodiscard]] bool meet_at_kite(Label before, Label after, int across) const;
+
   std::vector<FacetPlane> planes_;
+  std::vector<LabelKite> kites_;
+  int first_of_kites_{};
   int least_{};
   std::vector<Label> upright_, level_;  ///< by offset from `least_`
 };
@@ -108,7 +142,9 @@ struct LabelRun {
 ///
 /// @param most_x, most_z  largest offsets, in steps
 /// @param inward          offsets below 0 too
+/// @param kites           get their labels, and the planes that they hang on
 [[nodiscard]] FacetPlanes planes_for(const SeenTarget& target, const FacetGrid& grid, int pitch,
-                                     int most_x, int most_z, bool inward);
+                                     int most_x, int most_z, bool inward,
+                                     const std::vector<LabelKite>& kites = {});
 
 }  // namespace popcut

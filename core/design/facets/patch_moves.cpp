@@ -124,6 +124,7 @@ class PatchMover {
         if (!move_run(runs, k - first, by)) return {};
       }
       if (runs.empty()) continue;
+      if (card_.labelling.is_fixed(s)) return {};
       std::vector<Label> labels(static_cast<std::size_t>(grid().columns));
       for (const LabelRun& run : runs) {
         if (!card_.labelling.allows(run)) return {};

@@ -87,7 +87,10 @@ std::vector<Label> painted_over(const LabelCard& card, int s, const LabelBan& ce
     if (!take_beside || beside < 0 || beside >= grid.strips) continue;
     const auto strip = card.image().strip(beside).subspan(
         static_cast<std::size_t>(cell.begin), static_cast<std::size_t>(cell.end - cell.begin));
-    if (std::find(strip.begin(), strip.end(), cell.label) != strip.end()) continue;
+    if (std::any_of(strip.begin(), strip.end(), [&](Label label) {
+          return label == cell.label || card.planes().is_of_kite(label);
+        }))
+      continue;
     std::vector<Label> other = labels;
     std::copy(strip.begin(), strip.end(), other.begin() + cell.begin);
     if (is_wide(other, card.labelling.limits().least_run)) look(std::move(other));
@@ -99,6 +102,7 @@ std::vector<Label> painted_over(const LabelCard& card, int s, const LabelBan& ce
 
 std::optional<std::vector<Label>> with_meeting(const LabelCard& card, int s, std::size_t a,
                                                std::size_t b) {
+  if (card.labelling.is_fixed(s)) return std::nullopt;
   const LabelRun &before = card.runs_of_strip(s)[a], &after = card.runs_of_strip(s)[b];
   const FacetPlane &p = card.planes()[before.label], &q = card.planes()[after.label];
   int fold = before.end;
@@ -118,6 +122,7 @@ std::vector<std::vector<Label>> with_ledges(const LabelCard& card, int s, std::s
   const LabelRun &before = card.runs_of_strip(s)[r - 1], &after = card.runs_of_strip(s)[r];
   const FacetPlane &p = card.planes()[before.label], &q = card.planes()[after.label];
   std::vector<std::vector<Label>> out;
+  if (card.labelling.is_fixed(s)) return out;
   const int length = p.upright ? q.offset - p.offset : p.offset - q.offset;
   if (p.upright != q.upright || length < card.labelling.limits().least_run) return out;
   // Planes are tried a pitch apart, so that one near the cut is there.
@@ -134,6 +139,7 @@ std::vector<std::vector<Label>> with_ledges(const LabelCard& card, int s, std::s
 
 std::vector<std::vector<Label>> shifted(const LabelCard& card, int s, std::size_t r) {
   std::vector<std::vector<Label>> out;
+  if (card.labelling.is_fixed(s)) return out;
   const FacetPlane& plane = card.planes()[card.runs_of_strip(s)[r].label];
   // The nearest planes, and the nearest ones that count as another place in paper.
   const double step_mm = card.grid().step_mm, apart_mm = card.rule.apart_mm;

@@ -77,6 +77,12 @@ enum class CurvedParts {
 /// in paper too.
 enum class FacetHold { Exact, Paper };
 
+/// What becomes of sloped planes of a target, such as roofs.
+enum class SlopedParts {
+  None,  ///< as of all others: panels parallel to wall or ground
+  Kites  ///< sloped panels, where they can be
+};
+
 /// How a target is made of facets (`"facets"` or `"silhouette"` of a spec, docs/facets.md).
 struct FacetSpec {
   double pitch_mm{2.0};               ///< between the planes that are tried
@@ -88,6 +94,7 @@ struct FacetSpec {
   CurvedParts curved{CurvedParts::Lattice};
   bool inward{false};  ///< parts behind wall and ground are made too
   FacetHold hold{FacetHold::Paper};
+  SlopedParts sloped{SlopedParts::None};
   int layers{2};            ///< of a silhouette
   double min_fold_mm{8.0};  ///< of a silhouette: no strut is narrower, and none stands on less
   /// Not a field of a spec. A search sets it: fewer rounds, to compare many designs quickly.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <set>
 #include <span>
 #include <utility>
@@ -30,6 +31,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
+
+constexpr int kKiteFrames = 60;  ///< from flat to shut, where the page does not know the motion
 
 /// What a face is, by its number in the blob.
 constexpr std::uint8_t kPanel = 0, kWall = 1, kGround = 2;
@@ -58,7 +61,15 @@ class LatticeWriter {
   LatticeWriter(std::span<const Part> parts, const LatticeFrames* frames,
                 const LatticeBlobOptions& options)
       : parts_(parts), frames_(frames), options_(options) {
-    for (const Part& part : parts_) wall_mm_ = std::max(wall_mm_, wall_of(*part.pattern));
+    for (const Part& part : parts_) {
+      wall_mm_ = std::max(wall_mm_, wall_of(*part.pattern));
+      has_kites_ = has_kites_ || !part.pattern->kites.empty();
+    }
+    if (frames_ != nullptr || !has_kites_) return;
+    // The page knows the law of panels that are parallel to wall or ground alone.
+    for (int k = 0; k <= kKiteFrames; ++k)
+      own_.psi_rad.push_back(std::numbers::pi * (kKiteFrames - k) / kKiteFrames);
+    frames_ = &own_;
   }
 
   /// @param name    of the whole
@@ -79,7 +90,9 @@ class LatticeWriter {
     std::size_t bytes = 3 * report_bytes + 65536 + 64 * options_.most_ghost_triangles;
     for (const Part& part : parts_) {
       const Pattern& p = *part.pattern;
-      if (frames_ != nullptr) {
+      if (frames_ == &own_) {
+        bytes += 12 * p.vertices.size() * own_.psi_rad.size();
+      } else if (frames_ != nullptr) {
         if (frames_->places.size() != frames_->psi_rad.size())
           return fail(ErrorKind::OutOfRange, "frames", "each needs an opening angle");
         for (std::size_t f = 0; f < frames_->places.size(); ++f)
@@ -393,6 +406,15 @@ class LatticeWriter {
   }
 
   void add_frames() {
+    if (frames_ == &own_) {
+      arrays_.frames.reserve(arrays_.points.size() * own_.psi_rad.size());
+      for (const double psi : own_.psi_rad)
+        for (const Part& part : parts_)
+          for (const auto& [x, v, z] : posed_vertices(*part.pattern, psi))
+            append(arrays_.frames,
+                   {x, v + (parts_.size() > 1 ? part.pattern->place.v_mm : 0.0), z});
+      return;
+    }
     if (frames_ == nullptr || frames_->places.empty()) return;
     arrays_.frames.reserve(arrays_.points.size() * frames_->places.size());
     for (const std::vector<Vec3>& frame : frames_->places)
@@ -458,6 +480,8 @@ class LatticeWriter {
 
   std::span<const Part> parts_;
   const LatticeFrames* frames_;
+  LatticeFrames own_;  ///< of patterns with kites, without places
+  bool has_kites_{};
   const LatticeBlobOptions& options_;
   LatticeArrays arrays_;
   double wall_mm_{};

@@ -49,9 +49,9 @@ inline constexpr std::size_t kMaxLatticeBytes = std::size_t{256} << 20;
 /// page draws in three dimensions: a design while it is made, a stored one, and a foreign pattern.
 ///
 /// The points are the pattern's vertices in their order; where `motion` is "pose" they open by
-/// `posed_vertices`. Faces are cut into triangles along their own corners; a corner where the role
-/// of a straight side changes is one too, so that each side of a triangle has one role. Memory is
-/// taken after all sizes are known.
+/// `posed_vertices`; those of a pattern with kites come as frames. Faces are cut into triangles
+/// along their own corners; a corner where the role of a straight side changes is one too, so that
+/// each side of a triangle has one role. Memory is taken after all sizes are known.
 ///
 /// @retval OutOfRange  more than `kMaxLatticeBytes`; a face is not a simple polygon with an area
 ///                     (`place` is "faces/N"); frames that have not a place for each vertex

@@ -19,11 +19,14 @@
 #include "core/design/facets/labelling.hpp"
 #include "core/design/facets/labels.hpp"
 #include "core/design/facets/patch_moves.hpp"
+#include "core/design/facets/roofs.hpp"
 #include "core/design/facets/seen_target.hpp"
 #include "core/design/facets/strip_chain.hpp"
 #include "core/design/facets/strip_moves.hpp"
 #include "core/design/shape_fit.hpp"
 #include "core/formats/lattice/lattice_blob.hpp"
+#include "core/judge/pattern_model.hpp"
+#include "core/verify/verify.hpp"
 #include "tests/support/random_numbers.hpp"
 #include "tests/support/rounds.hpp"
 
@@ -855,6 +858,200 @@ TEST_CASE("nothing in the corner is an error that says so", "[facets]") {
   const auto made = facet_card(away, coarse(10));
   REQUIRE_FALSE(made);
   CHECK(made.error().kind == ErrorKind::Infeasible);
+}
+
+// ---- sloped panels
+
+using Section = std::vector<std::pair<KitePoint, KitePoint>>;
+
+/// Whether two segments go through each other; one that only touches the other does not.
+bool cross_over(const std::pair<KitePoint, KitePoint>& s,
+                const std::pair<KitePoint, KitePoint>& t) {
+  const auto side = [](const std::pair<KitePoint, KitePoint>& of, const KitePoint& p) {
+    const double turn = (of.second.x - of.first.x) * (p.z - of.first.z) -
+                        (of.second.z - of.first.z) * (p.x - of.first.x);
+    return turn / std::hypot(of.second.x - of.first.x, of.second.z - of.first.z);
+  };
+  constexpr double kTouch = 1e-7;
+  const auto parts = [&](double a, double b) {
+    return std::min(a, b) < -kTouch && std::max(a, b) > kTouch;
+  };
+  return parts(side(s, t.first), side(s, t.second)) && parts(side(t, s.first), side(t, s.second));
+}
+
+/// A kite on its level and its upright plane, with long wall and ground, opened to psi: by turning
+/// about its hinges, not by mirrors.
+Section opened(const KiteSection& kite, double psi) {
+  const auto at = [&](double x, double z) {
+    return KitePoint{x + z * std::cos(psi), z * std::sin(psi)};
+  };
+  const KitePoint q = at(kite.q.x, kite.q.z), e = at(kite.e.x, kite.e.z);
+  const double far = std::hypot(e.x - q.x, e.z - q.z), p = kite.p_mm(), r = kite.q_mm();
+  const double along = (far * far + r * r - p * p) / (2.0 * far),
+               aside = std::sqrt(std::max(0.0, r * r - along * along));
+  const double ux = (e.x - q.x) / far, uz = (e.z - q.z) / far;
+  const KitePoint top{q.x + along * ux - aside * uz, q.z + along * uz + aside * ux};
+  return {{at(0, 500), at(0, 0)}, {at(0, 0), at(500, 0)}, {at(0, kite.q.z), q}, {q, top}, {top, e},
+          {e, at(kite.e.x, 0)}};
+}
+
+bool ever_crosses(const KiteSection& kite) {
+  constexpr int kOpenings = 60;
+  for (int k = 1; k < kOpenings; ++k) {
+    const Section section = opened(kite, std::numbers::pi * k / kOpenings);
+    for (std::size_t a = 0; a < section.size(); ++a)
+      for (std::size_t b = a + 1; b < section.size(); ++b)
+        if (cross_over(section[a], section[b])) return true;
+  }
+  // Near shut it comes nearest to wall and ground.
+  const Section shut = opened(kite, 1e-4);
+  for (std::size_t a = 0; a < shut.size(); ++a)
+    for (std::size_t b = a + 1; b < shut.size(); ++b)
+      if (cross_over(shut[a], shut[b])) return true;
+  return false;
+}
+
+TEST_CASE("a kite is the mirror image of a stair, and is the same sheet", "[facets][kites]") {
+  std::mt19937 random(11);
+  for (int round = 0; round < testing::rounds(300); ++round) {
+    const double p = uniform(random, 5, 40), q = uniform(random, 5, 40);
+    if (std::abs(p - q) < 0.5) continue;
+    const KitePoint top{uniform(random, 0, 90), uniform(random, 45, 90)};
+    const KiteSection kite{top, {top.x + p, top.z - q}};
+    for (const double psi : {3.1, 2.0, std::numbers::pi / 2, 0.7, 0.01}) {
+      const KitePoint r = kite.posed(kite.q.x, kite.e.z, psi);
+      const Section section = opened(kite, psi);
+      CHECK(r.x == Approx(section[3].second.x).margin(1e-6));
+      CHECK(r.z == Approx(section[3].second.z).margin(1e-6));
+      // The bend at Q, as the angle between the level panel and QR.
+      const KitePoint a = section[3].first;
+      const double bend = std::abs(std::atan2(r.z - a.z, r.x - a.x));
+      CHECK(std::abs(kite.bend_rad(psi)) == Approx(bend).margin(1e-6));
+    }
+    const double roof = kite.slope_rad();
+    const KitePoint r = kite.r(), low = kite.overhangs() ? r : kite.e,
+                    high = kite.overhangs() ? kite.q : r;
+    CHECK(std::atan2(high.z - low.z, low.x - high.x) == Approx(roof).margin(1e-9));
+    // Seen along the diagonal it is as long as its paper.
+    CHECK(kite.depth_mm(kite.q.x - kite.q.z + 1e-9) >= kite.q.x + kite.q.z - 1e-6);
+    CHECK(kite.depth_mm(kite.e.x - kite.e.z - 1e-9) >= kite.e.x + kite.e.z - 1e-6);
+    CHECK(std::isnan(kite.depth_mm(kite.e.x - kite.e.z + 1e4)));
+  }
+}
+
+TEST_CASE("kites within their bound cross nothing, and two percent outside they do",
+          "[facets][kites]") {
+  std::mt19937 random(12);
+  int of_each[2] = {0, 0};
+  for (int round = 0; round < testing::rounds(400); ++round) {
+    const bool overhangs = round % 2 == 1;
+    const double slope = uniform(random, 20, 70) * std::numbers::pi / 180.0;
+    const double room = uniform(random, 30, 120);
+    const double longest =
+        overhangs ? longest_at_ridge_mm(room, slope) : longest_at_eave_mm(room, slope);
+    for (const double part : {0.5, 0.9999, 1.02}) {
+      const double length = part * longest;
+      const KiteSection kite = overhangs
+                                   ? kite_at_ridge({uniform(random, 1, 60), room}, slope, length)
+                                   : kite_at_eave({room, uniform(random, 1, 60)}, slope, length);
+      CAPTURE(overhangs, slope, room, part);
+      REQUIRE(kite.overhangs() == overhangs);
+      REQUIRE(kite.slope_rad() == Approx(slope));
+      CHECK(kite.clears_card() == (part < 1.0));
+      CHECK(ever_crosses(kite) == (part > 1.0));
+    }
+    ++of_each[overhangs ? 1 : 0];
+  }
+  CHECK(std::min(of_each[0], of_each[1]) > 0);
+}
+
+/// A house with its ridge along the spine: a front wall below its eave, and a roof.
+struct RandomHouse {
+  KitePoint ridge, eave;
+  double front_x{};
+
+  [[nodiscard]] TriangleSoup triangles(double width_mm) const {
+    TriangleSoup out;
+    out.add({front_x, 0, 0}, {front_x, width_mm, 0}, {front_x, width_mm, eave.z},
+            {front_x, 0, eave.z});
+    out.add({eave.x, 0, eave.z}, {eave.x, width_mm, eave.z}, {ridge.x, width_mm, ridge.z},
+            {ridge.x, 0, ridge.z});
+    return out;
+  }
+};
+
+/// A house whose roof has `part` of the longest length of one type, and is too long for the other.
+RandomHouse random_house(std::mt19937& random, bool overhangs, double part) {
+  for (;;) {
+    const double slope = uniform(random, 20, 70) * std::numbers::pi / 180.0;
+    const double room = uniform(random, 60, 120), other = uniform(random, 8, 60);
+    const double length =
+        part * (overhangs ? longest_at_ridge_mm(room, slope) : longest_at_eave_mm(room, slope));
+    const double forward = length * std::cos(slope), down = length * std::sin(slope);
+    RandomHouse house;
+    if (overhangs)
+      house = {{other, room}, {other + forward, room - down}, other + forward};
+    else
+      house = {{room - forward, other + down}, {room, other}, room};
+    const double longest_else = overhangs ? longest_at_eave_mm(house.eave.x, slope)
+                                          : longest_at_ridge_mm(house.ridge.z, slope);
+    if (length < 10 || house.eave.z < 4 || house.ridge.x < 4 || length < 1.02 * longest_else)
+      continue;
+    return house;
+  }
+}
+
+FacetOptions broad_with_kites() {
+  FacetOptions options;
+  options.pitch_mm = 10, options.strip_mm = 6, options.to_mm = 36;
+  options.kites = true;
+  return options;
+}
+
+TEST_CASE(
+    "roofs within their bound become sloped panels that verify; two percent longer ones are "
+    "refused",
+    "[facets][kites]") {
+  std::mt19937 random(13);
+  std::vector<double> poses;
+  for (int k = 1; k < 60; ++k) poses.push_back(std::numbers::pi * (60 - k) / 60);
+  VerifyOptions how;
+  how.quick = true, how.degrees_of_freedom = 1;
+  for (int round = 0; round < testing::rounds(200); ++round) {
+    const bool overhangs = round % 2 == 1;
+    CAPTURE(round, overhangs);
+    const RandomHouse house = random_house(random, overhangs, uniform(random, 0.6, 1.0));
+    const auto card = facet_card(house.triangles(36), broad_with_kites());
+    if (!card) FAIL(message(card.error()));
+    const Pattern& pattern = card->pattern.built.pattern;
+    REQUIRE(pattern.kites.size() == 1);
+    CHECK(pattern.kites[0].section.overhangs() == overhangs);
+    CHECK(pattern.faces() == 6);
+    CHECK(card->pattern.motion.degrees_of_freedom == 1);
+    auto model = judge::pattern_model(pattern, poses);
+    REQUIRE(model);
+    const auto report = verify_model(std::move(*model), how);
+    REQUIRE(report);
+    for (const VerifyCheck& check : report->checks) {
+      CAPTURE(check.name);
+      CHECK(check.ok());
+    }
+
+    const RandomHouse longer = random_house(random, overhangs, 1.02);
+    const auto refused = facet_card(longer.triangles(36), broad_with_kites());
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().place == "/facets/sloped");
+    CHECK_THAT(refused.error().detail, Catch::Contains("must be at most"));
+  }
+}
+
+TEST_CASE("a shape without a roof has no sloped panels to make, and is told so",
+          "[facets][kites]") {
+  TriangleSoup box;
+  add_box(box, {0, 0, 0}, {20, 36, 15});
+  const auto refused = facet_card(box, broad_with_kites());
+  REQUIRE_FALSE(refused);
+  CHECK_THAT(refused.error().detail, Catch::Contains("no roof is seen"));
 }
 
 }  // namespace facets_test

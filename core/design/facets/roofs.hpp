@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "core/design/facets/labels.hpp"
+#include "core/design/facets/seen_target.hpp"
+#include "core/fit/triangle_soup.hpp"
+#include "core/geometry/kite.hpp"
+
+namespace popcut {
+
+/// A sloped plane of a target that is parallel to the spine and falls away from the wall, seen
+/// along the spine.
+struct RoofPlane {
+  double slope_rad{};
+  KitePoint top, eave;
+  double area_mm2{};
+
+  [[nodiscard]] double length_mm() const;
+};
+
+/// The largest sloped planes of a target, the largest first. O(triangles log triangles).
+[[nodiscard]] std::vector<RoofPlane> roofs_of(const TriangleSoup& target, std::size_t most);
+
+/// What kites must obey, in steps.
+struct KiteLimits {
+  int least_run{1};  ///< of the two panels, and of those that they hang on
+  int most_x{std::numeric_limits<int>::max()}, most_z{std::numeric_limits<int>::max()};
+  int most_reach{std::numeric_limits<int>::max()};  ///< x + z, shut
+};
+
+/// Why a roof is no kite.
+struct RefusedRoof {
+  RoofPlane roof;
+  bool is_too_long{};  ///< it would cross the wall or the ground; false: it does not fit the card
+  /// What it says of it: which bound it breaks, and the nearest that works.
+  [[nodiscard]] std::string reason() const;
+};
+
+/// A kite in a stretch of strips. At its ends some strips go on without it, from its level plane to
+/// its upright one: they hold both.
+struct KiteRun {
+  std::size_t kite{};
+  int first{}, end{};
+  int dormer{};  ///< strips at an end
+  bool at_both_ends{};
+
+  [[nodiscard]] bool is_dormer(int strip) const {
+    return strip < first + dormer || (at_both_ends && strip >= end - dormer);
+  }
+};
+
+/// The kites of a card.
+struct KitePlan {
+  std::vector<LabelKite> kites;
+  std::vector<KiteRun> runs;  ///< no two share a strip
+  std::vector<RefusedRoof> refused;
+  bool any_roof{};  ///< there is a sloped plane, and it is seen
+};
+
+/// Lays a kite over each roof that is seen, of the type that is lawful and comes nearer. A strip of
+/// a kite is a chain of wall, level plane, kite, upright plane and ground, and nothing else: so its
+/// bound (`KiteSection::clearance_mm`) is all that it must obey.
+[[nodiscard]] KitePlan plan_kites(const TriangleSoup& target, const SeenTarget& seen,
+                                  const FacetGrid& grid, const KiteLimits& limits);
+
+/// The labels of a strip of a run.
+[[nodiscard]] std::vector<Label> kite_labels(const FacetPlanes& planes, const FacetGrid& grid,
+                                             const KiteRun& run, int strip);
+
+}  // namespace popcut
