@@ -102,8 +102,8 @@ class Picture {
     }
     if (!ghost_.empty()) put_ghost(ghost_.back().outside);
     for (const SceneLine& line : scene_.lines) {
-      put_point("<path d=\"M", line.from);
-      put_point("L", line.to);
+      put_point("<path d=\"M", line.from, line.kite);
+      put_point("L", line.to, line.kite);
       text_("\" fill=\"none\" stroke=\"", line.colour, "\" stroke-width=\"", kLinePx, "\"/>\n");
     }
     text_.put("</g>\n");

@@ -39,6 +39,7 @@ enum class PanelTone : std::uint8_t {
 struct SceneLine {
   PatternVertex from, to;
   std::string colour;
+  const Kite* kite{};  ///< that it lies on
 };
 
 /// What a scene shows beside the pattern.

@@ -99,6 +99,15 @@ class Drawer {
 
   // 1. The standing card.
 
+  /// The kite that a fold lies on, or none.
+  [[nodiscard]] const Kite* kite_of(const GuideFold& fold) const {
+    for (const Kite& kite : pattern_.kites)
+      for (const std::uint32_t face : kite.faces)
+        if (std::find(fold.panels.begin(), fold.panels.end(), face) != fold.panels.end())
+          return &kite;
+    return nullptr;
+  }
+
   [[nodiscard]] std::string standing_svg(const GuideStep& step, const Rectangle& place) {
     const bool is_left = step.look_from == LookFrom::Left;
     CardScene& scene = is_left ? left_ : right_;
@@ -108,7 +117,7 @@ class Drawer {
     for (const std::uint32_t k : step.folds) {
       const GuideFold& fold = guide_.folds[k];
       SceneLine line{fold.from, fold.to,
-                     std::string(fold.is_mountain() ? kMountainInk : kValleyInk)};
+                     std::string(fold.is_mountain() ? kMountainInk : kValleyInk), kite_of(fold)};
       for (PatternVertex* p : {&line.from, &line.to})
         if (is_left) p->v = pattern_.width_mm - p->v;
       scene.lines.push_back(std::move(line));

@@ -52,7 +52,7 @@ Candidate only_its_own(Candidate candidate) {
   }
   if (candidate.style != DesignStyle::Facets) {
     candidate.strip_mm = usual.strip_mm, candidate.pitch_mm = usual.pitch_mm;
-    candidate.line_cost = usual.line_cost;
+    candidate.line_cost = usual.line_cost, candidate.kites = false;
   }
   return candidate;
 }
@@ -128,6 +128,22 @@ std::vector<Candidate> broad_candidates(const StyleChoice& styles, int cards, st
       broad.cards = cards, broad.way = way;
       broad.strip_mm = strip_mm, broad.pitch_mm = pitch_mm, broad.line_cost = line_cost;
       out.push_back(broad);
+    }
+  return out;
+}
+
+std::vector<Candidate> kite_candidates(const StyleChoice& styles, int cards,
+                                       std::span<const Way> ways) {
+  std::vector<Candidate> out;
+  if (!styles.facets || cards != 1) return out;
+  for (std::size_t way = 0; way < ways.size(); ++way)
+    for (const auto& [strip_mm, pitch_mm, line_cost] :
+         {std::array{8.0, 10.0, 4.0}, std::array{3.0, 10.0, 4.0}}) {
+      if (!ways[way].roof_off) continue;
+      Candidate one;
+      one.kites = true, one.way = way;
+      one.strip_mm = strip_mm, one.pitch_mm = pitch_mm, one.line_cost = line_cost;
+      out.push_back(one);
     }
   return out;
 }
@@ -237,6 +253,7 @@ std::string spec_text(const Candidate& candidate, const Way& way, double scale_m
                       {"fold_cost_mm2", usual.fold_cost_mm2 * candidate.line_cost},
                       {"jump_cost_mm2", usual.jump_cost_mm2 * candidate.line_cost},
                       {"cut_cost_mm2", usual.cut_cost_mm2 * candidate.line_cost}};
+    if (candidate.kites) spec["facets"]["sloped"] = "kites";
   } else {
     spec["fit"] = "nearest";
     spec["lattice"] = std::string(style_name(candidate));

@@ -27,6 +27,7 @@ struct Candidate {
   double pitch_mm{2.0};
   double line_cost{1.0};  ///< factor of the costs of folds and cuts
   int layers{2};          ///< of a silhouette
+  bool kites{};           ///< facets whose roofs are sloped panels, off the wall as these ask
   bool usual{};           ///< a style as it is without a search: goes on to the end
 
   friend bool operator==(const Candidate&, const Candidate&) = default;
@@ -58,6 +59,11 @@ struct StyleChoice {
 /// Facets in broad strips and few planes, standing in each way: cards of few long folds.
 [[nodiscard]] std::vector<Candidate> broad_candidates(const StyleChoice& styles, int cards,
                                                       std::size_t ways);
+
+/// Facets with sloped panels, in each way in which the model has a roof: few panels, whose sides
+/// are easy to fold, or narrow.
+[[nodiscard]] std::vector<Candidate> kite_candidates(const StyleChoice& styles, int cards,
+                                                     std::span<const Way> ways);
 
 /// Silhouettes of few layers, standing in each way: the easiest cards there are.
 [[nodiscard]] std::vector<Candidate> silhouette_candidates(const StyleChoice& styles,

@@ -6,7 +6,10 @@
 #include <limits>
 #include <numbers>
 
+#include "core/design/facets/roofs.hpp"
 #include "core/design/target/placement_map.hpp"
+#include "core/geometry/angle.hpp"
+#include "core/geometry/kite.hpp"
 
 namespace popcut {
 namespace {
@@ -70,6 +73,26 @@ std::vector<float> standing_model(const TriangleMesh& model, const Way& way) {
       out[k + i] = static_cast<float>(by * (p[i] - way.box.low[i]));
   }
   return out;
+}
+
+std::optional<double> roof_off_of(const TriangleMesh& model, const Way& way) {
+  constexpr std::size_t kRoofs = 3;
+  constexpr double kFarthest = 0.6 * kTargetSize_mm, kRoom = 1.01;
+  const std::vector<float> standing = standing_model(model, way);
+  const TriangleSoup soup{{standing.begin(), standing.end()}};
+  for (const RoofPlane& roof : roofs_of(soup, kRoofs)) {
+    const double far =
+        kRoom * roof.length_mm() / std::tan(0.25 * kPi - 0.5 * roof.slope_rad) - roof.eave.x;
+    if (far <= kFarthest) return std::max(0.0, far) / way.to_target();
+    if (roof.length_mm() <= longest_at_ridge_mm(roof.top.z, roof.slope_rad)) return 0.0;
+  }
+  return std::nullopt;
+}
+
+Way off_wall(Way way) {
+  const double off = way.roof_off.value_or(0.0);
+  way.box.low[0] -= off, way.shut_reach += off;
+  return way;
 }
 
 std::vector<float> seen_along_diagonal(const std::vector<float>& standing, int points) {

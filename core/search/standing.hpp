@@ -20,6 +20,7 @@ struct Way {
   MeshBox box;                         ///< of the turned model, before it is moved
   double shut_reach{};                 ///< the largest x + z: how far it reaches when shut
   double misfit{};                     ///< `misfit_of`
+  std::optional<double> roof_off{};    ///< `roof_off_of`
 
   [[nodiscard]] double length() const { return box.high[1] - box.low[1]; }
   /// From units of the model to those of `standing_model`, in which the box's diagonal is 100 mm.
@@ -40,6 +41,12 @@ struct Way {
 /// How well a way suits cards: the error (`likeness::Figures::error`) of the part of the model that
 /// is seen along the diagonal, from nine directions, 64 pixels wide.
 [[nodiscard]] double misfit_of(const TriangleMesh& model, const Way& way);
+
+/// How far a model must stand off the wall, in its own units, so that its largest roof can be a
+/// sloped panel (`plan_kites`). None: it has no roof, or stands better without.
+[[nodiscard]] std::optional<double> roof_off_of(const TriangleMesh& model, const Way& way);
+/// The way as far off the wall as its roof asks.
+[[nodiscard]] Way off_wall(Way way);
 
 /// Which side of a model is up, as a direction along one of its axes; none: any of them may be.
 using UpSide = std::optional<std::array<int, 3>>;

@@ -22,8 +22,9 @@ constexpr double kSameSlope_rad = radians(1.5), kSamePlane_mm = 1.0;
 constexpr double kLeastRoof_mm2 = 100.0, kLeastLength_mm = 6.0;
 constexpr double kSeen_mm = 1.5, kSeenShare = 0.7;  ///< of a strip's roof
 constexpr double kDormer_mm = 2.4, kLeastWidth_mm = 12.0;
-constexpr int kBothEnds = 8;     ///< a run of so many dormers has one at both ends
-constexpr double kSlack = 2e-3;  ///< of a bound: rounding to steps is finer
+constexpr double kLeastFront_mm = 2.0;  ///< of the upright panel below an eave
+constexpr int kBothEnds = 8;            ///< a run of so many dormers has one at both ends
+constexpr double kSlack = 2e-3;         ///< of a bound: rounding to steps is finer
 
 /// A triangle of a roof: its plane x sin + z cos = d.
 struct RoofPiece {
@@ -206,7 +207,7 @@ std::vector<RoofPlane> roofs_of(const TriangleSoup& target, std::size_t most) {
       used[k] = 1, whole += piece.area_mm2;
       low = std::min(low, piece.low_mm), high = std::max(high, piece.high_mm);
     }
-    low = std::max(low, 0.0);
+    low = std::max(low, kLeastFront_mm);
     const auto at_height = [&](double z) {
       return KitePoint{(d - z * std::cos(slope)) / std::sin(slope), z};
     };

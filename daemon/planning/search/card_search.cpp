@@ -260,6 +260,7 @@ class CardSearch {
       way = is_book() ? way_in_book(request_.mesh, way.rotate_deg, request_.cards)
                       : way_of(request_.mesh, way.rotate_deg);
       way.misfit = misfit;
+      if (!is_book()) way.roof_off = roof_off_of(coarse(), way);
     }
   }
 
@@ -341,7 +342,8 @@ class CardSearch {
 
   /// Designs a candidate, as large as it is wanted and fits; returns whether something came of it.
   [[nodiscard]] bool design_trial(Trial& trial, const Model& model, bool rough) const {
-    const Way& way = ways_[trial.candidate.way];
+    const Way way =
+        trial.candidate.kites ? off_wall(ways_[trial.candidate.way]) : ways_[trial.candidate.way];
     trial.judged.made = false;
     for (int k = 0; k < kMostSizes; ++k) {
       const double scale_mm = trial.candidate.fill * trial.shrunk * largest_scale_mm(way, room_mm_);
@@ -577,6 +579,10 @@ class CardSearch {
     const bool is_quick = effort_ / request_.cards < kLeastForBroad;
     for (const Candidate& one : silhouette_candidates(
              styles_, is_quick ? std::min(drawn_ways_, kStraightWays) : drawn_ways_))
+      add_trial(one);
+    for (const Candidate& one : kite_candidates(
+             styles_, request_.cards,
+             std::span(ways_).first(is_quick ? std::min(drawn_ways_, kStraightWays) : drawn_ways_)))
       add_trial(one);
     if (!is_quick)
       for (const Candidate& broad : broad_candidates(styles_, request_.cards, drawn_ways_))

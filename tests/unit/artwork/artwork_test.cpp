@@ -373,6 +373,56 @@ std::string coloured_box(const Vec3& low, const Vec3& high, int first) {
   return text;
 }
 
+TEST_CASE("a sloped panel is printed as the roof that it stands for", "[artwork]") {
+  // Bands of 5 mm up the roof from its eave, red and blue in turn, and a green front.
+  constexpr double kEaveX = 60, kEaveZ = 20, kBand = 5, kWide = 60;
+  constexpr int kBands = 6;
+  const double slope = GENERATE(0.42, 0.52);
+  std::string obj, faces;
+  int corners = 0;
+  const auto add = [&](double x0, double z0, double x1, double z1, const char* colour) {
+    for (const auto& [x, v, z] : {std::array{x0, 0.0, z0}, std::array{x0, kWide, z0},
+                                  std::array{x1, kWide, z1}, std::array{x1, 0.0, z1}})
+      obj += fmt::format("v {} {} {} {}\n", x, v, z, colour);
+    faces += fmt::format("f {} {} {} {}\n", corners + 1, corners + 2, corners + 3, corners + 4);
+    corners += 4;
+  };
+  add(kEaveX, 0, kEaveX, kEaveZ, "0 1 0");
+  for (int k = 0; k < kBands; ++k)
+    add(kEaveX - kBand * k * std::cos(slope), kEaveZ + kBand * k * std::sin(slope),
+        kEaveX - kBand * (k + 1) * std::cos(slope), kEaveZ + kBand * (k + 1) * std::sin(slope),
+        k % 2 == 0 ? "1 0 0" : "0 0 1");
+  obj += faces;
+  const auto spec = parse_design_spec(
+      R"({"popcut": 1, "style": "facets", "surface": {"type": "mesh", "file": "h.obj"},
+          "facets": {"sloped": "kites", "pitch_mm": 10, "strip_mm": 6}})");
+  REQUIRE(spec);
+  const auto made = design_assembly(*spec, {{"h.obj", obj}});
+  if (!made) FAIL(message(made.error()));
+  const auto mesh = read_colour_mesh("h.obj", obj, {});
+  REQUIRE(mesh);
+  const ColourMesh model = model_on_sheet(*mesh, spec->placement, made->parts.front());
+  const Pattern* const part = &made->parts.front().pattern;
+  REQUIRE(part->kites.size() == 1);
+  ArtworkOptions options;
+  options.pixel_mm = 0.2;
+  options.mode = GENERATE(PrintMode::View, PrintMode::Surface);
+  const auto artwork = design_artwork({&part, 1}, {&model, 1}, nullptr, options);
+  REQUIRE(artwork);
+  const Kite& kite = part->kites[0];
+  const double eave_u = part->wall_mm + kite.section.e.x - kite.section.e.z;
+  for (int k = -1; k < kBands; ++k) {
+    CAPTURE(k, slope);
+    const PagePoint at =
+        artwork->frame.in_pixels({0.5 * (kite.v0_mm + kite.v1_mm), eave_u - kBand * (k + 0.5)});
+    const Colour is = artwork->image.colour(static_cast<std::size_t>(std::lround(at.x)),
+                                            static_cast<std::size_t>(std::lround(at.y)));
+    CHECK(is.r == (k >= 0 && k % 2 == 0 ? 255 : 0));
+    CHECK(is.g == (k < 0 ? 255 : 0));
+    CHECK(is.b == (k >= 0 && k % 2 == 1 ? 255 : 0));
+  }
+}
+
 TEST_CASE("a letter of facets is printed around its window, and a little into it", "[artwork]") {
   const std::string obj =
       coloured_box({0, 10, 0}, {20, 20, 60}, 1) + coloured_box({0, 20, 50}, {20, 42, 60}, 9) +

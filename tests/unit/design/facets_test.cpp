@@ -5,12 +5,14 @@
 #include <map>
 #include <numbers>
 #include <random>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
+#include "core/deploy/loaded_pattern.hpp"
 #include "core/design/design.hpp"
 #include "core/design/facets/facets.hpp"
 #include "core/design/facets/label_card.hpp"
@@ -24,9 +26,13 @@
 #include "core/design/facets/strip_chain.hpp"
 #include "core/design/facets/strip_moves.hpp"
 #include "core/design/shape_fit.hpp"
+#include "core/formats/fold/fold_reader.hpp"
+#include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/lattice/lattice_blob.hpp"
+#include "core/hands/wobble.hpp"
 #include "core/judge/pattern_model.hpp"
 #include "core/verify/verify.hpp"
+#include "tests/support/lattice_reader.hpp"
 #include "tests/support/random_numbers.hpp"
 #include "tests/support/rounds.hpp"
 
@@ -1042,6 +1048,43 @@ TEST_CASE(
     REQUIRE_FALSE(refused);
     CHECK(refused.error().place == "/facets/sloped");
     CHECK_THAT(refused.error().detail, Catch::Contains("must be at most"));
+  }
+}
+
+TEST_CASE("a card with sloped panels comes back from its file, and moves the same on the page",
+          "[facets][kites]") {
+  std::mt19937 random(14);
+  for (const bool overhangs : {false, true}) {
+    CAPTURE(overhangs);
+    const RandomHouse house = random_house(random, overhangs, 0.8);
+    auto card = facet_card(house.triangles(36), broad_with_kites());
+    if (!card) FAIL(message(card.error()));
+    const Pattern& pattern = card->pattern.built.pattern;
+    std::ostringstream text;
+    REQUIRE(write_fold(pattern, {}, text));
+    const auto file = read_fold(text.str());
+    REQUIRE(file);
+    const auto back = pattern_from_fold(*file);
+    if (!back) FAIL(message(back.error()));
+    REQUIRE(back->kites.size() == 1);
+    CHECK(back->kites[0].vertices == pattern.kites[0].vertices);
+    for (const double psi : {2.5, 0.3}) {
+      const auto is = posed_vertices(*back, psi), due = posed_vertices(pattern, psi);
+      for (std::size_t k = 0; k < due.size(); ++k)
+        CHECK(norm(Vec3(vec3(is[k]) - vec3(due[k]))) < 1e-6);
+    }
+    // The page opens it by frames; flat and shut they are those of a stair.
+    const auto blob = lattice_blob(pattern);
+    REQUIRE(blob);
+    const testing::LatticeReader read(*blob);
+    CHECK(read.head["motion"] == "frames");
+    // Both sides measure how firmly it holds, each by its own code.
+    const auto report = verify_fold(text.str(), {});
+    REQUIRE(report);
+    const auto wobble = hands::wobble_of(pattern);
+    REQUIRE(wobble);
+    REQUIRE(report->wobble);
+    CHECK(report->wobble->largest_mm == Approx(wobble->largest_mm).epsilon(0.02));
   }
 }
 

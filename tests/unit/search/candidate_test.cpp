@@ -233,6 +233,37 @@ TEST_CASE("silhouettes of few layers stand in each way, and a card alone has the
   CHECK(spec->facets.layers == all[6].layers);
 }
 
+TEST_CASE("a house has cards with sloped panels, off the wall as its roof asks; a box has none",
+          "[search]") {
+  TriangleMesh house = box_mesh({0, 0, 0}, {4, 6, 3.5}, false);
+  const double slope = GENERATE(0.5, 0.9);
+  const auto up = static_cast<float>(3.5 + 2 * std::tan(slope));
+  for (const auto& [a, b] : {std::pair{4.0F, 2.0F}, std::pair{2.0F, 0.0F}}) {
+    const float low = a == 4.0F ? 3.5F : up, high = a == 4.0F ? up : 3.5F;
+    for (const float corner :
+         {a, 0.0F, low, a, 6.0F, low, b, 6.0F, high, a, 0.0F, low, b, 6.0F, high, b, 0.0F, high})
+      house.corners.push_back(corner);
+  }
+  Way way = way_of(house, {});
+  way.roof_off = roof_off_of(house, way);
+  REQUIRE(way.roof_off);
+  CHECK((*way.roof_off > 0.0) == (slope > 0.55));
+  const std::vector<Way> ways{way};
+  const auto all = kite_candidates(style_choice("any"), 1, ways);
+  REQUIRE(all.size() == 2);
+  CHECK(kite_candidates(style_choice("silhouette"), 1, ways).empty());
+  CHECK(kite_candidates(style_choice("facets"), 4, ways).empty());
+  for (const Candidate& one : all) {
+    const auto spec =
+        parse_design_spec(spec_text(one, off_wall(way), 12.0, {"house", "house.stl", "paper-220"}));
+    REQUIRE(spec);
+    CHECK(spec->facets.sloped == SlopedParts::Kites);
+    CHECK(spec->placement.translate_mm[0] == Approx(12.0 * *way.roof_off).margin(1e-5));
+  }
+  const TriangleMesh box = box_mesh({0, 0, 0}, {4, 6, 3.5}, false);
+  CHECK_FALSE(roof_off_of(box, way_of(box, {})));
+}
+
 TEST_CASE("facets are for books of four cards only", "[search]") {
   for (const StyleChoice& choice : style_choices()) {
     CHECK(styles_for_cards(choice, 1).facets == choice.facets);
