@@ -1051,6 +1051,50 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("streets of houses, boxes and balls with sloped panels verify", "[facets][kites]") {
+  std::mt19937 random(15);
+  const std::array poses{2.9, 2.2, 1.5, 0.8, 0.3, 0.05};
+  VerifyOptions how;
+  how.quick = true, how.degrees_of_freedom = 1;
+  for (int round = 0; round < testing::rounds(20); ++round) {
+    CAPTURE(round);
+    TriangleSoup street;
+    double v = 0;
+    for (int k = whole(random, 2, 4); k > 0; --k) {
+      const double wide = uniform(random, 15, 40);
+      const int kind = k == 1 ? 0 : whole(random, 0, 2);
+      if (kind == 0) {
+        const RandomHouse house = random_house(random, whole(random, 0, 1) == 1, 0.9);
+        const TriangleSoup one = house.triangles(wide);
+        for (std::size_t c = 0; c < one.corners.size(); ++c)
+          street.corners.push_back(one.corners[c] + (c % 3 == 1 ? v : 0.0));
+      } else if (kind == 1) {
+        add_box(street, {0, v, 0}, {uniform(random, 10, 60), v + wide, uniform(random, 10, 60)});
+      } else {
+        add_ball(street, {30, v + 0.5 * wide, 25}, 0.5 * wide);
+      }
+      v += wide + uniform(random, 0, 4);
+    }
+    FacetOptions options;
+    options.pitch_mm = whole(random, 3, 8), options.strip_mm = uniform(random, 2, 6);
+    options.to_mm = v, options.kites = true, options.rough = whole(random, 0, 1) == 1;
+    options.in_paper = whole(random, 0, 1) == 1;
+    const auto card = facet_card(street, options);
+    if (!card) FAIL(message(card.error()));
+    const Pattern& pattern = card->pattern.built.pattern;
+    CHECK_FALSE(pattern.kites.empty());
+    CHECK(card->pattern.motion.degrees_of_freedom == 1);
+    auto model = judge::pattern_model(pattern, poses);
+    REQUIRE(model);
+    const auto report = verify_model(std::move(*model), how);
+    REQUIRE(report);
+    for (const VerifyCheck& check : report->checks) {
+      CAPTURE(check.name);
+      CHECK(check.ok());
+    }
+  }
+}
+
 TEST_CASE("a card with sloped panels comes back from its file, and moves the same on the page",
           "[facets][kites]") {
   std::mt19937 random(14);
