@@ -105,49 +105,6 @@ cairo_status_t append(void* bytes, const unsigned char* data, unsigned size) {
   return CAIRO_STATUS_SUCCESS;
 }
 
-class Drawn {
-  /// Units of the SVG in a point: cairo keeps 256 parts of a unit.
-  static constexpr double kFine = 16;
-
- public:
-  explicit Drawn(PopplerPage* page) : page_(page) {
-    reader().poppler_page_get_size(page_, &width_, &height_);
-  }
-
-  /// What the page shows now, as the elements within <svg>.
-  Result<std::string> elements() const {
-    const PdfReader& r = reader();
-    std::string svg;
-    const Owned<cairo_surface_t> surface(
-        r.cairo_svg_surface_create_for_stream(append, &svg, kFine * width_, kFine * height_));
-    const Owned<cairo_t> cairo(r.cairo_create(surface.get()));
-    r.cairo_scale(cairo.get(), kFine, kFine);
-    // Else lines are moved to whole points.
-    r.poppler_page_render_for_printing(page_, cairo.get());
-    cairo_status_t status = r.cairo_status(cairo.get());
-    r.cairo_surface_finish(surface.get());
-    if (status == CAIRO_STATUS_SUCCESS) status = r.cairo_surface_status(surface.get());
-    const std::size_t head = svg.find('>', std::min(svg.find("<svg"), svg.size()));
-    const std::size_t end = svg.rfind("</svg>");
-    if (status == CAIRO_STATUS_NO_MEMORY) throw std::bad_alloc();
-    if (status != CAIRO_STATUS_SUCCESS || head == svg.npos || end == svg.npos || end < head)
-      return fail(ErrorKind::Internal, "PDF",
-                  fmt::format("cannot be drawn: {}", r.cairo_status_to_string(status)));
-    return svg.substr(head + 1, end - head - 1);
-  }
-
-  [[nodiscard]] std::string around(std::string_view elements) const {
-    return fmt::format(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" "
-        "width=\"{}pt\" height=\"{}pt\" viewBox=\"0 0 {} {}\">{}</svg>\n",
-        width_, height_, kFine * width_, kFine * height_, elements);
-  }
-
- private:
-  PopplerPage* page_;
-  double width_{}, height_{};
-};
-
 using Lines = std::map<std::string, std::size_t, std::less<>>;
 
 /// Calls `line` with each line of what cairo wrote, which is one element or half of one.
@@ -164,10 +121,18 @@ bool is_shape(std::string_view line) {
   return (line.starts_with("<path") || line.starts_with("<rect")) && line.ends_with("/>");
 }
 
+/// A shape, whatever number cairo gave to its gradient.
+std::string key_of(std::string_view line) {
+  std::string key(line);
+  for (std::size_t at = key.find("url(#"); at != key.npos; at = key.find("url(#", at + 1))
+    key.erase(at + 5, key.find(')', at) - at - 5);
+  return key;
+}
+
 Lines shapes_in(std::string_view elements) {
   Lines out;
   each_line(elements, [&](std::string_view line) {
-    if (is_shape(line)) ++out[std::string(line)];
+    if (is_shape(line)) ++out[key_of(line)];
   });
   return out;
 }
@@ -176,7 +141,7 @@ Lines shapes_in(std::string_view elements) {
 std::string without(std::string_view elements, Lines known) {
   std::string out;
   each_line(elements, [&](std::string_view line) {
-    const auto found = is_shape(line) ? known.find(line) : known.end();
+    const auto found = is_shape(line) ? known.find(key_of(line)) : known.end();
     if (found != known.end() && found->second > 0) {
       --found->second;
       return;
@@ -186,9 +151,48 @@ std::string without(std::string_view elements, Lines known) {
   return out;
 }
 
-/// The same with names of definitions that no other layer has.
+/// What of a page is no line, counted.
+struct LeftOut {
+  std::size_t letters{}, pictures{}, white{};
+};
+
+/// Whether an element is a use of something whose name holds `what`, such as "glyph" and "image".
+bool is_use_of(std::string_view line, std::string_view what) {
+  const std::size_t use = line.find("<use ");
+  if (use == line.npos) return false;
+  const std::size_t name = line.find("href=\"#", use);
+  return name != line.npos &&
+         line.substr(name, line.find('"', name + 6) - name).find(what) != line.npos;
+}
+
+/// A white area without a line is paper.
+bool is_paper(std::string_view line) {
+  return is_shape(line) && line.find("stroke:none") != line.npos &&
+         line.find("fill:rgb(100%,100%,100%)") != line.npos;
+}
+
+/// The same without letters, pictures and white areas.
+std::string only_lines(std::string_view elements, LeftOut& left_out) {
+  std::string out;
+  bool in_letter = false;
+  each_line(elements, [&](std::string_view line) {
+    if (line.starts_with("<symbol") && line.find("glyph") != line.npos) in_letter = true;
+    const bool skipped = in_letter;
+    if (line.starts_with("</symbol>")) in_letter = false;
+    if (skipped || line.starts_with("<image ")) return;
+    const bool letter = is_use_of(line, "glyph"), picture = is_use_of(line, "image");
+    left_out.letters += letter ? 1 : 0;
+    left_out.pictures += picture ? 1 : 0;
+    left_out.white += is_paper(line) ? 1 : 0;
+    if (!letter && !picture && !is_paper(line)) out.append(line) += '\n';
+  });
+  return out;
+}
+
+/// The same with names that no other layer has, and that say nothing (`LayerWords`): "g3-12".
 std::string with_own_names(std::string_view elements, std::size_t number) {
   constexpr std::string_view kMarks[] = {"id=\"", "href=\"#", "url(#"};
+  std::map<std::string, std::size_t, std::less<>> names;
   std::string out;
   for (std::size_t at = 0; at < elements.size();) {
     std::size_t next = elements.npos, size = 0;
@@ -199,9 +203,13 @@ std::string with_own_names(std::string_view elements, std::size_t number) {
       out += elements.substr(at);
       break;
     }
-    out += elements.substr(at, next + size - at);
-    out += fmt::format("l{}-", number);
-    at = next + size;
+    const std::size_t from = next + size;
+    const std::size_t end = std::min(elements.find_first_of("\")", from), elements.size());
+    const auto found =
+        names.try_emplace(std::string(elements.substr(from, end - from)), names.size()).first;
+    out += elements.substr(at, from - at);
+    out += fmt::format("g{}-{}", number, found->second);
+    at = end;
   }
   return out;
 }
@@ -228,48 +236,68 @@ std::string layer_group(std::string_view name, std::string_view elements, std::s
       escaped(name), with_own_names(elements, number));
 }
 
+class Drawn {
+  /// Units of the SVG in a point: cairo keeps 256 parts of a unit.
+  static constexpr double kFine = 16;
+
+ public:
+  explicit Drawn(PopplerPage* page) : page_(page) {
+    reader().poppler_page_get_size(page_, &width_, &height_);
+  }
+
+  /// What the page shows now, as the elements within <svg>, without what is no line.
+  Result<std::string> lines(LeftOut& left_out) const {
+    const PdfReader& r = reader();
+    std::string svg;
+    const Owned<cairo_surface_t> surface(
+        r.cairo_svg_surface_create_for_stream(append, &svg, kFine * width_, kFine * height_));
+    const Owned<cairo_t> cairo(r.cairo_create(surface.get()));
+    r.cairo_scale(cairo.get(), kFine, kFine);
+    // Else lines are moved to whole points.
+    r.poppler_page_render_for_printing(page_, cairo.get());
+    cairo_status_t status = r.cairo_status(cairo.get());
+    r.cairo_surface_finish(surface.get());
+    if (status == CAIRO_STATUS_SUCCESS) status = r.cairo_surface_status(surface.get());
+    const std::size_t head = svg.find('>', std::min(svg.find("<svg"), svg.size()));
+    const std::size_t end = svg.rfind("</svg>");
+    if (status == CAIRO_STATUS_NO_MEMORY) throw std::bad_alloc();
+    if (status != CAIRO_STATUS_SUCCESS || head == svg.npos || end == svg.npos || end < head)
+      return fail(ErrorKind::Internal, "PDF",
+                  fmt::format("cannot be drawn: {}", r.cairo_status_to_string(status)));
+    return only_lines(std::string_view(svg).substr(head + 1, end - head - 1), left_out);
+  }
+
+  [[nodiscard]] std::string around(std::string_view elements) const {
+    return fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" "
+        "width=\"{}pt\" height=\"{}pt\" viewBox=\"0 0 {} {}\">{}</svg>\n",
+        width_, height_, kFine * width_, kFine * height_, elements);
+  }
+
+ private:
+  PopplerPage* page_;
+  double width_{}, height_{};
+};
+
 /// Shows one layer after another, so that what comes with each has its name. A shape on a layer
 /// within another one comes with the inner one.
 ///
-/// @param whole  gets what the page shows in the end
+/// @param left_out  gets what is left out of the whole page
 Result<std::string> layer_by_layer(const Drawn& page, const std::vector<Layer>& layers,
-                                   std::string& whole) {
+                                   LeftOut& left_out) {
   const PdfReader& r = reader();
   for (const Layer& one : layers) r.poppler_layer_hide(one.layer.get());
-  auto drawn = page.elements();
+  auto drawn = page.lines(left_out);
   if (!drawn) return drawn;
   std::string out = layer_group("no layer", *drawn, 0);
   for (std::size_t k = 0; k < layers.size(); ++k) {
     const Lines before = shapes_in(*drawn);
     r.poppler_layer_show(layers[k].layer.get());
-    drawn = page.elements();
+    left_out = {};
+    drawn = page.lines(left_out);
     if (!drawn) return drawn;
     out += layer_group(layers[k].name, without(*drawn, before), k + 1);
   }
-  whole = std::move(*drawn);
-  return out;
-}
-
-/// Letters are uses of glyphs.
-bool is_letter(std::string_view line) {
-  const std::size_t use = line.find("<use ");
-  return use != line.npos && line.find("href=\"#", use) != line.npos &&
-         line.find("glyph", use) != line.npos;
-}
-
-/// A white area without a line is paper.
-bool is_paper(std::string_view line) {
-  return is_shape(line) && line.find("stroke:none") != line.npos &&
-         line.find("fill:rgb(100%,100%,100%)") != line.npos;
-}
-
-std::string only_lines(std::string_view elements) {
-  std::string out;
-  each_line(elements, [&](std::string_view line) {
-    // The name that cairo gives to all of it is nobody's.
-    if (line.starts_with("<g id=\"") && line.find("surface") != line.npos) line = "<g>";
-    if (!is_letter(line) && !is_paper(line)) out.append(line) += '\n';
-  });
   return out;
 }
 
@@ -319,17 +347,15 @@ Result<PdfPage> pdf_page(std::string_view pdf, std::uint64_t page) {
   const Owned<PopplerLayersIter> first(r.poppler_layers_iter_new(document.get()));
   add_layers(first.get(), 0, layers);
   const Drawn drawn(wanted.get());
-  std::string whole;
-  const bool is_plain = layers.empty() || layers.size() > kMostLayers;
-  auto elements = is_plain ? drawn.elements() : layer_by_layer(drawn, layers, whole);
+  LeftOut left_out;
+  auto elements = layers.empty() || layers.size() > kMostLayers
+                      ? drawn.lines(left_out)
+                      : layer_by_layer(drawn, layers, left_out);
   if (!elements) return tl::unexpected(elements.error());
   PdfPage out;
-  out.svg = drawn.around(only_lines(*elements));
-  std::size_t letters = 0, white = 0;
-  each_line(is_plain ? *elements : whole, [&](std::string_view line) {
-    letters += is_letter(line) ? 1 : 0;
-    white += is_paper(line) ? 1 : 0;
-  });
+  out.svg =
+      drawn.around(layers.empty() || layers.size() > kMostLayers ? with_own_names(*elements, 0)
+                                                                 : std::move(*elements));
   const auto warn = [&](const char* code, std::string message) {
     out.warnings.push_back({code, std::move(message)});
   };
@@ -340,14 +366,15 @@ Result<PdfPage> pdf_page(std::string_view pdf, std::uint64_t page) {
     warn("layers_ignored", fmt::format("the PDF has {} layers, and popcut tells at most {} apart: "
                                        "their names are not used",
                                        layers.size(), kMostLayers));
-  if (letters > 0)
-    warn("text_left_out",
-         fmt::format("{} letter{} of text {} left out; turn text that is to be cut into paths in "
-                     "the program that made the PDF",
-                     letters, letters == 1 ? "" : "s", letters == 1 ? "is" : "are"));
-  if (white > 0)
-    warn("white_left_out", fmt::format("{} white area{} without a line {} left out", white,
-                                       white == 1 ? "" : "s", white == 1 ? "is" : "are"));
+  const auto left = [&](const char* code, std::size_t count, const char* what, const char* advice) {
+    if (count > 0)
+      warn(code, fmt::format("{} {}{} {} left out{}", count, what, count == 1 ? "" : "s",
+                             count == 1 ? "is" : "are", advice));
+  };
+  left("text_left_out", left_out.letters, "letter",
+       "; turn text that is to be cut into paths in the program that made the PDF");
+  left("pictures_left_out", left_out.pictures, "picture", "; a picture has no lines to cut");
+  left("white_left_out", left_out.white, "white area", ", since it has no line");
   return out;
 }
 

@@ -181,7 +181,7 @@ TEST_CASE("a page of a PDF is a drawing of its size, with its layers by name", "
   CHECK(read->svg.find("Notes") == std::string::npos);
   REQUIRE(read->warnings.size() == 2);
   CHECK(read->warnings[0].message.find("5 letters of text are left out") == 0);
-  CHECK(read->warnings[1].message.find("1 white area") == 0);
+  CHECK(read->warnings[1].message.find("1 white area is left out") == 0);
   SvgReadOptions how;
   how.profile = find_stroke_profile("auto").value();
   const auto drawn = linework_from_svg(read->svg, how);
