@@ -50,13 +50,26 @@ class Placer {
     if (spec.adaptive && spec.adaptive->length_mm) extent_mm_ = *spec.adaptive->length_mm;
   }
 
-  Result<ProposedPlacement> run() {
-    for (const Vec& turn : right_turns())
+  /// @param turns  none: all by right angles, and those near the best of them
+  Result<ProposedPlacement> run(const std::vector<Vec>& turns) {
+    const std::vector<Vec> all = right_turns();
+    for (const Vec& turn : turns.empty() ? all : turns)
       if (auto tried = consider(turn, 0.0); !tried) return tl::unexpected(tried.error());
     if (ways_.empty())
       return fail(ErrorKind::Infeasible, "/surface",
-                  "none of the 24 ways to turn it by right angles can be sliced; is the surface "
-                  "flat or empty?");
+                  fmt::format("none of the {} ways to turn it by right angles can be sliced; is "
+                              "the surface flat or empty?",
+                              turns.empty() ? all.size() : turns.size()));
+    if (turns.empty()) turn_on();
+    for (const Standing& way : best(kDesigned))
+      if (way.length_mm > extent_mm_ + near_mm_ && extent_mm_ > 0.0)
+        for (const double shift : {-1.0, -0.5, 0.5, 1.0}) (void)consider(way.turn, shift);
+    return choose();
+  }
+
+ private:
+  /// Tries turns near the best ones.
+  void turn_on() {
     for (const Standing& way : best(kTurnsKept))
       for (const double degrees : {-30.0, -15.0, 15.0, 30.0, 45.0})
         (void)consider(turned_on(way.turn, 1, degrees), 0.0);
@@ -65,13 +78,7 @@ class Placer {
         for (std::size_t axis = 0; axis < 3; ++axis)
           for (const double sign : {-1.0, 1.0})
             (void)consider(turned_on(way.turn, axis, sign * degrees), way.shift);
-    for (const Standing& way : best(kDesigned))
-      if (way.length_mm > extent_mm_ + near_mm_ && extent_mm_ > 0.0)
-        for (const double shift : {-1.0, -0.5, 0.5, 1.0}) (void)consider(way.turn, shift);
-    return choose();
   }
-
- private:
   static constexpr std::size_t kPoints = 4096;
   static constexpr int kStrips = 64;
   static constexpr std::size_t kTurnsKept = 4;  ///< that are turned on
@@ -226,7 +233,7 @@ class Placer {
 }  // namespace
 
 Result<ProposedPlacement> propose_placement(const DesignSpec& spec, const SurfaceAssets& assets,
-                                            Stand stand) {
+                                            Stand stand, std::vector<std::array<double, 3>> turns) {
   if (!spec.patches.empty())
     return fail(ErrorKind::OutOfRange, "/patches",
                 "a placement is proposed for one design; give each patch's own spec");
@@ -247,7 +254,7 @@ Result<ProposedPlacement> propose_placement(const DesignSpec& spec, const Surfac
                 "rotate_deg and translate_mm by hand");
   const auto mesh = triangles_of(*spec.surface, assets);
   if (!mesh) return tl::unexpected(mesh.error());
-  return Placer(spec, assets, *mesh, stand).run();
+  return Placer(spec, assets, *mesh, stand).run(turns);
 }
 
 Result<std::string> with_placement(std::string_view spec_json, const ProposedPlacement& proposed) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/design/spec/spec.hpp"
 #include "core/design/target/surface_spec.hpp"
@@ -44,12 +46,13 @@ struct ProposedPlacement {
 /// along the spine. The best are designed (with `FitMode::Nearest`) and compared by the area that
 /// the structure itself reaches, so what is proposed can be designed.
 ///
+/// @param turns  the turns to choose from, as `TargetPlacement`, and no others near them; none: all
 /// @retval OutOfRange  the spec has patches
 /// @retval Infeasible  the surface is neither mesh nor grid, no way of standing can be cut, or
 ///                     none of them can be designed (the detail says why the best cannot)
-[[nodiscard]] Result<ProposedPlacement> propose_placement(const DesignSpec& spec,
-                                                          const SurfaceAssets& assets,
-                                                          Stand stand = Stand::Whole);
+[[nodiscard]] Result<ProposedPlacement> propose_placement(
+    const DesignSpec& spec, const SurfaceAssets& assets, Stand stand = Stand::Whole,
+    std::vector<std::array<double, 3>> turns = {});
 
 /// `spec_json` with the placement's fields set and, where it can be, "fit" set to "nearest": ready
 /// to be designed.

@@ -121,7 +121,8 @@ struct PreviewRequest {
   std::string key{};  ///< a newer one of the same principal and key takes its place; may be empty
   bool is_draft{false};  ///< quickly, whatever lattice it asks for; else as it will be cut
   std::string place{};   ///< "whole" or "quarter": with its shape moved into place; empty: as it is
-  std::string material{};  ///< that the spec names; empty: none
+  std::string material{};               ///< that the spec names; empty: none
+  std::string up{"any"}, front{"any"};  ///< with `place`: axes of the file, as `up_words`
 };
 
 /// What is printed on a sheet of a plan.
@@ -251,6 +252,7 @@ struct SearchFront {
   std::array<double, 2> mat_mm{};         ///< that the tool reaches
   std::vector<std::string> notes{};       ///< about the mesh and the search, a sentence each
   int recommended{};  ///< number of the card to make, from 1; 0: a search of an older version
+  std::string better_front{};  ///< that would look clearly better than the one asked for, or empty
 };
 
 enum class SearchState : std::uint8_t { Pending, Found, Failed };

@@ -11,6 +11,7 @@
 #include "core/deploy/pose_table.hpp"
 #include "core/deploy/shut_stack.hpp"
 #include "core/design/makeable.hpp"
+#include "core/design/shape_fit.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/write/pattern_files.hpp"
 #include "core/formats/write/report_json.hpp"
@@ -94,6 +95,13 @@ void add_make_warnings(const Material& material, const DesignSpec& spec, Design&
   for (Warning& warning : make_warnings(made.strips, made.pattern, limits)) add(std::move(warning));
   const ShutStack stack = shut_stack(made.strips, material.thickness_mm);
   if (auto warning = thickness_warning(stack, material.thickness_mm)) add(std::move(*warning));
+}
+
+void add_figures(const Material* material, const DesignSpec& spec, PatchAssembly& made) {
+  for (Design& part : made.parts) {
+    part.report.surface_fit = surface_fit(part);
+    if (material != nullptr) add_make_warnings(*material, spec, part);
+  }
 }
 
 Result<void> add_design_files(const PatchAssembly& made, const FileSink& add,

@@ -29,6 +29,12 @@ void suit_material(const Material& material, DesignSpec& spec);
 /// or, where that is left out, than the usual cutter's.
 void add_make_warnings(const Material& material, const DesignSpec& spec, Design& made);
 
+/// Adds to the reports of a design what designing leaves out: how near it is to its target, and
+/// what is hard to make.
+///
+/// @param material  that it was suited to (`suit_material`); null: popcut does not know it
+void add_figures(const Material* material, const DesignSpec& spec, PatchAssembly& made);
+
 /// Receives each file of a plan; its error ends the work.
 using FileSink = std::function<Result<void>(std::string name, std::string bytes)>;
 

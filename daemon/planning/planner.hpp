@@ -31,7 +31,8 @@ struct PlanningTask {
     Lattice,  ///< the lattice blob of a design of any kind
     Picture,  ///< a design's "deployed.svg" and "pattern.svg", without any text of its own
     Export,   ///< one file of a spec as popcut design writes it; options: "file", "part" (from 1)
-    Place,    ///< a spec with its shape moved into place; options: "place" (whole, quarter)
+    Place,  ///< a spec with its shape moved into place; options: "place" (whole, quarter), "up" and
+            ///< "front" (`up_words`)
     Artwork,  ///< the artwork of a sheet of a plan of a spec, as a page; see `ArtworkRequest`
     Svg,      ///< a page of a PDF as "drawing.svg"; options: "page" (from 1)
     Make,     ///< sheets for a way of making, or what a drawing asks: see `planning::make_sheets`

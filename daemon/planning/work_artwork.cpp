@@ -8,10 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "core/artwork/colour_mesh_reader.hpp"
 #include "daemon/digest/digest.hpp"
 #include "daemon/pictures/artwork_pages.hpp"
-#include "daemon/pictures/image_reader.hpp"
 #include "daemon/planning/task_inputs.hpp"
 #include "daemon/planning/views/printed_design.hpp"
 #include "daemon/planning/work.hpp"
@@ -53,27 +51,6 @@ Wanted taken_from(std::map<std::string, std::string>& options) {
   return out;
 }
 
-/// A file name for what has none: its ending says what the bytes are.
-std::string named(const std::string& id, const std::string& bytes) {
-  if (bytes.starts_with("glTF")) return id + ".glb";
-  const std::size_t first = bytes.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
-  if (first != std::string::npos && bytes[first] == '{') return id + ".gltf";
-  const bool stl = bytes.starts_with("solid") || bytes.find('\0') != std::string::npos;
-  return id + (stl ? ".stl" : ".obj");
-}
-
-/// Assets stand alone: what they name is in them, or nowhere.
-ModelFiles no_files_beside() {
-  return {[](const std::string& name) -> Result<std::string> {
-            return fail(ErrorKind::Malformed, name, "is not in the asset");
-          },
-          [](const std::string& name, std::string_view bytes, std::size_t most) {
-            return read_image(name, bytes, most);
-          },
-          "upload the model with its pictures as one GLB and name that with `model`, or ask for "
-          "`clay`"};
-}
-
 Result<std::optional<ColourMesh>> model_of(const Wanted& wanted, const DesignSpec& spec,
                                            const SurfaceAssets& assets) {
   std::optional<ColourMesh> none;
@@ -83,15 +60,8 @@ Result<std::optional<ColourMesh>> model_of(const Wanted& wanted, const DesignSpe
   const auto bytes = assets.find(id);
   if (bytes == assets.end())
     return fail(ErrorKind::OutOfRange, "?model", fmt::format("there is no asset {}", id));
-  const std::string name = named(id, bytes->second);
-  auto mesh = read_colour_mesh(name, bytes->second, no_files_beside(), !wanted.clay);
-  if (!mesh) {
-    Error error = mesh.error();
-    if (error.place.starts_with(name))
-      error.place.replace(0, name.size(), wanted.model.empty() ? id : "?model");
-    return tl::unexpected(std::move(error));
-  }
-  if (wanted.clay) make_clay(*mesh);
+  auto mesh = asset_colours(wanted.model.empty() ? id : "?model", bytes->second, wanted.clay);
+  if (!mesh) return tl::unexpected(mesh.error());
   return std::optional(std::move(*mesh));
 }
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 // What somebody looks at: previews of specs, lattices of stored designs.
 #include <algorithm>
+#include <array>
 #include <utility>
 #include <vector>
 
 #include "core/design/patches.hpp"
 #include "core/design/placement.hpp"
-#include "core/design/shape_fit.hpp"
-#include "core/formats/lattice/lattice_blob.hpp"
 #include "core/judge/sound_design.hpp"
 #include "core/layout/layout.hpp"
 #include "core/machines/machine.hpp"
+#include "core/search/standing.hpp"
 #include "daemon/planning/design_export.hpp"
 #include "daemon/planning/design_files.hpp"
 #include "daemon/planning/foreign_blob.hpp"
@@ -25,8 +25,6 @@ namespace {
 
 using daemon::PlanningOutcome;
 using Kind = daemon::PlanningTask::Kind;
-
-constexpr std::size_t kGhostTriangles = 4000;
 
 /// A spec as it will be designed, and what it needs.
 struct WantedDesign {
@@ -71,17 +69,20 @@ Result<PatchAssembly> draft_of(DesignSpec spec, const SurfaceAssets& assets) {
 Result<PatchAssembly> exact_of(const WantedDesign& wanted) {
   auto made = judge::sound_design(wanted.spec, wanted.assets);
   if (!made) return tl::unexpected(made.error().error);
-  for (Design& part : made->parts) {
-    part.report.surface_fit = surface_fit(part);
-    if (wanted.has_material) add_make_warnings(wanted.material, wanted.spec, part);
-  }
+  add_figures(wanted.has_material ? &wanted.material : nullptr, wanted.spec, *made);
   return std::move(*made);
 }
 
 Result<std::string> placed(const WorkerTask& task, const WantedDesign& wanted) {
   const bool quarter = task.options.at("place") == "quarter";
-  const auto proposed =
-      propose_placement(wanted.spec, wanted.assets, quarter ? Stand::Quarter : Stand::Whole);
+  const auto side = [&](const char* name) {
+    const auto word = task.options.find(name);
+    return word == task.options.end() ? UpSide() : up_side(word->second);
+  };
+  const UpSide up = side("up"), front = side("front");
+  const auto proposed = propose_placement(
+      wanted.spec, wanted.assets, quarter ? Stand::Quarter : Stand::Whole,
+      up || front ? upright_turns(up, front) : std::vector<std::array<double, 3>>());
   if (!proposed) return tl::unexpected(proposed.error());
   return with_placement(task.design, *proposed);
 }
@@ -101,11 +102,7 @@ Result<std::string> preview_blob(WorkerTask& task) {
   const bool is_draft = quality != task.options.end() && quality->second == "draft";
   const auto made = is_draft ? draft_of(wanted->spec, wanted->assets) : exact_of(*wanted);
   if (!made) return tl::unexpected(made.error());
-  LatticeBlobOptions how;
-  how.quality = is_draft ? LatticeQuality::Draft : LatticeQuality::Exact;
-  how.curvature = !is_draft;
-  how.most_ghost_triangles = is_draft ? 0 : kGhostTriangles;
-  return lattice_blob(*made, how);
+  return shown_blob(*made, is_draft ? LatticeQuality::Draft : LatticeQuality::Exact);
 }
 
 /// Of a stored spec: as it will be cut.
@@ -114,11 +111,7 @@ Result<std::string> stored_spec_blob(WorkerTask& task) {
   if (!wanted) return tl::unexpected(wanted.error());
   const auto made = exact_of(*wanted);
   if (!made) return tl::unexpected(made.error());
-  LatticeBlobOptions how;
-  how.quality = LatticeQuality::Stored;
-  how.curvature = true;
-  how.most_ghost_triangles = kGhostTriangles;
-  return lattice_blob(*made, how);
+  return shown_blob(*made, LatticeQuality::Stored);
 }
 
 /// Of a drawing, read as the task's options say.

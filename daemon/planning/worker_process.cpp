@@ -205,6 +205,14 @@ void WorkerProcess::send_kill() const {
   if (pid_ > 0) ::kill(pid_, SIGKILL);
 }
 
+double WorkerProcess::cpu_so_far_s() const {
+  clockid_t clock{};
+  timespec used{};
+  if (pid_ < 0 || ::clock_getcpuclockid(pid_, &clock) != 0 || ::clock_gettime(clock, &used) != 0)
+    return 0;
+  return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+}
+
 int WorkerProcess::wait() {
   int status = 0;
   rusage used{};

@@ -42,6 +42,8 @@ class WorkerProcess {
   [[nodiscard]] bool has_ended() const { return pid_ < 0; }
   /// Processor time that it took, once it was waited for.
   [[nodiscard]] double cpu_s() const { return cpu_s_; }
+  /// Processor time that it has taken so far; 0 if the kernel does not say.
+  [[nodiscard]] double cpu_so_far_s() const;
   /// Why it has no namespaces of its own, as errno has it; 0: it has.
   [[nodiscard]] int namespaces_error() const { return namespaces_error_; }
 

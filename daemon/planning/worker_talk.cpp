@@ -175,6 +175,7 @@ class Talk {
  public:
   /// See `run_in_worker`, after `run`.
   [[nodiscard]] int killed_by() const { return killed_by_; }
+  [[nodiscard]] bool ran_out_of_time() const { return ran_out_of_time_; }
 
   /// @param keeps  the worker waits for another task when it has answered this one
   Talk(const PlanningTask& task, const PlanningLimits& limits, const CallOff& call_off,
@@ -189,7 +190,8 @@ class Talk {
         teller_(task.progress),
         reader_(limits.output_bytes),
         until_(steady_clock::now() + std::chrono::milliseconds(static_cast<std::int64_t>(
-                                         1000 * std::clamp(limits.wall_s, 0.01, 1e8)))) {}
+                                         1000 * std::clamp(limits.wall_s, 0.01, 1e8)))),
+        cpu_until_s_(process.cpu_so_far_s() + limits.cpu_s) {}
 
   Result<PlanningOutcome> run(std::deque<Source> sources) {
     sources_ = std::move(sources);
@@ -225,6 +227,12 @@ class Talk {
                                    advice("may take", "planner.wall_s"))));
       teller_.tell_if_due(now);
       auto most = std::min<std::int64_t>(left.count() + 1, limits_.together ? 100 : 1000);
+      // One that does a task after another has a limit of the kernel for all of them only.
+      if (const double cpu_left_s = cpu_until_s_ - process_.cpu_so_far_s(); keeps_) {
+        ran_out_of_time_ = cpu_left_s <= 0;
+        if (ran_out_of_time_) return tl::unexpected(out_of_time());
+        most = std::min(most, static_cast<std::int64_t>(1000 * cpu_left_s) + 1);
+      }
       if (const auto due = teller_.due(); due < now + std::chrono::seconds(1))
         most = std::min<std::int64_t>(
             most, std::chrono::ceil<std::chrono::milliseconds>(due - now).count());
@@ -345,15 +353,18 @@ class Talk {
     return WTERMSIG(status) == SIGXCPU || (WTERMSIG(status) == SIGKILL && out_of_time);
   }
 
+  [[nodiscard]] Error out_of_time() const {
+    return infeasible(
+        fmt::format("took more than the {:g} s of processor time that {}", limits_.cpu_s,
+                    advice("may take", limits_.is_check ? "planner.check_s" : "planner.cpu_s")));
+  }
+
   void report(const std::string& what) const {
     if (limits_.report) limits_.report(fmt::format("the worker for {} {}", name_, what));
   }
 
   [[nodiscard]] Error how_it_died(int status) const {
-    if (took_its_time(status))
-      return infeasible(
-          fmt::format("took more than the {:g} s of processor time that {}", limits_.cpu_s,
-                      advice("may take", limits_.is_check ? "planner.check_s" : "planner.cpu_s")));
+    if (took_its_time(status)) return out_of_time();
     if (WIFSIGNALED(status))
       report(fmt::format("crashed (signal {}){}", WTERMSIG(status), last_words(errors_)));
     if (WIFSIGNALED(status))
@@ -380,6 +391,8 @@ class Talk {
   PhaseTeller teller_;
   FrameReader reader_;
   steady_clock::time_point until_;
+  double cpu_until_s_;
+  bool ran_out_of_time_{false};
   std::deque<Source> sources_;
   std::string block_, errors_;
   std::set<std::string> names_;
@@ -445,9 +458,7 @@ Result<PlanningOutcome> run_in_worker(const PlanningTask& task, const PlanningLi
 }
 
 WarmWorker::WarmWorker(const PlanningLimits& limits, std::string program)
-    : limits_(limits), program_(std::move(program)) {
-  limits_.cpu_s *= kMostTasks;
-}
+    : limits_(limits), program_(std::move(program)) {}
 
 bool WarmWorker::is_running() const { return process_.has_value(); }
 
@@ -477,7 +488,9 @@ Result<PlanningOutcome> WarmWorker::run_once(const PlanningTask& task, const Cal
   auto sources = sources_of(task);
   if (!sources) return tl::unexpected(sources.error());
   if (!process_) {
-    auto started = WorkerProcess::start(program_, limits_, "serve");
+    PlanningLimits of_all = limits_;
+    of_all.cpu_s *= kMostTasks;
+    auto started = WorkerProcess::start(program_, of_all, "serve");
     if (!started) return tl::unexpected(started.error());
     process_.emplace(std::move(*started));
   }
@@ -486,6 +499,7 @@ Result<PlanningOutcome> WarmWorker::run_once(const PlanningTask& task, const Cal
   Talk talk(task, limits_, call_off, *process_, true);
   Result<PlanningOutcome> outcome = talk.run(std::move(*sources));
   if (killed_by != nullptr) *killed_by = talk.killed_by();
+  ran_out_of_time_ = talk.ran_out_of_time();
   if (process_->has_ended()) {
     died_ = !process_->is_ended_by_us();
     end();

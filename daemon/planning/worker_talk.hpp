@@ -54,8 +54,7 @@ class CallOff {
 /// alone. It ends with the thread that started it.
 class WarmWorker {
  public:
-  /// @param limits  of one task; the processor time is bounded by `wall_s`, since a worker has one
-  ///                thread
+  /// @param limits  of one task
   WarmWorker(const daemon::PlanningLimits& limits, std::string program);
 
   /// As `run_in_worker`, which does tasks with a PDF. The worker is started if there is none, and
@@ -64,6 +63,8 @@ class WarmWorker {
   [[nodiscard]] Result<daemon::PlanningOutcome> run(const daemon::PlanningTask& task,
                                                     const CallOff& call_off,
                                                     int* killed_by = nullptr);
+  /// The last task hit the limit of its processor time.
+  [[nodiscard]] bool ran_out_of_time() const { return ran_out_of_time_; }
   [[nodiscard]] bool is_running() const;
   /// How many tasks it was given since it was started.
   [[nodiscard]] int served() const { return served_; }
@@ -78,6 +79,7 @@ class WarmWorker {
   std::optional<WorkerProcess> process_;
   int served_{0};
   bool died_{false};  ///< in its last task, by itself
+  bool ran_out_of_time_{false};
 };
 
 }  // namespace popcut::planning

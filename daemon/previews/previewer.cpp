@@ -69,20 +69,17 @@ class ProcessPreviewer final : public Previewer {
 
   std::uint64_t start(PreviewTask task, Done done) override {
     Done refused;
-    Problem why = too_many();
+    std::vector<Done> older;
     std::uint64_t id = 0;
     {
       const std::lock_guard lock(mutex_);
       id = ++last_id_;
       const FairLine::Added added =
-          stopping_ ? FairLine::Added{}
-                    : line_of(task.task.kind).line.add({id, task.who, task.key});
-      if (added.is_taken) end_older(task);
+          stopping_ ? FairLine::Added{} : line_of(task).line.add({id, task.who, task.key});
+      if (added.is_taken) end_older(task, older);
       if (added.replaced) {
-        const auto older = waiting_.find(*added.replaced);
-        refused = std::move(older->second.done);
-        why = superseded();
-        waiting_.erase(older);
+        auto replaced = waiting_.extract(*added.replaced);
+        older.push_back(std::move(replaced.mapped().done));
       }
       if (added.is_taken)
         waiting_.emplace(id, Waiting{std::move(task), std::move(done)});
@@ -90,7 +87,8 @@ class ProcessPreviewer final : public Previewer {
         refused = std::move(done);
     }
     changed_.notify_all();
-    if (refused) refused(tl::unexpected(std::move(why)));
+    for (const Done& done_before : older) done_before(tl::unexpected(superseded()));
+    if (refused) refused(tl::unexpected(too_many()));
     return id;
   }
 
@@ -102,7 +100,7 @@ class ProcessPreviewer final : public Previewer {
         return at_work->second->call_off.call();
       const auto waits = waiting_.find(id);
       if (waits == waiting_.end()) return;
-      line_of(waits->second.task.task.kind).line.remove(id);
+      line_of(waits->second.task).line.remove(id);
       dropped = std::move(waits->second.done);
       waiting_.erase(waits);
     }
@@ -137,11 +135,12 @@ class ProcessPreviewer final : public Previewer {
   };
 
   [[nodiscard]] static bool is_warm(const PreviewTask& task) {
-    return task.task.kind == PlanningTask::Kind::Preview;
+    return task.task.kind == PlanningTask::Kind::Preview && !task.is_long;
   }
-  [[nodiscard]] Line& line_of(PlanningTask::Kind kind) {
+  [[nodiscard]] Line& line_of(const PreviewTask& task) {
     using Kind = PlanningTask::Kind;
-    if (kind == Kind::Preview) return quick_;
+    const Kind kind = task.task.kind;
+    if (kind == Kind::Preview) return task.is_long ? opening_ : quick_;
     return kind == Kind::Lattice || kind == Kind::Place ? opening_ : slow_;
   }
 
@@ -149,9 +148,19 @@ class ProcessPreviewer final : public Previewer {
     return std::chrono::duration_cast<Clock::duration>(seconds(limits_.grace_s));
   }
 
-  /// Ends what is at work and older than `task`.
-  void end_older(const PreviewTask& task) {
+  /// Ends what is at work and older than `task`, and takes out what waits to go on.
+  void end_older(const PreviewTask& task, std::vector<Done>& out) {
     if (task.key.empty()) return;
+    for (auto one = waiting_.begin(); one != waiting_.end();) {
+      const PreviewTask& waits = one->second.task;
+      if (!waits.is_long || waits.who != task.who || waits.key != task.key) {
+        ++one;
+        continue;
+      }
+      opening_.line.remove(one->first);
+      out.push_back(std::move(one->second.done));
+      one = waiting_.erase(one);
+    }
     for (const auto& [id, running] : running_) {
       if (running->who != task.who || running->key != task.key) continue;
       running->is_superseded = true;
@@ -215,6 +224,14 @@ class ProcessPreviewer final : public Previewer {
     if (is_warm(one.task)) lane.owner = place.who;
     if (!lane.worker.is_running()) lane.owner.clear();
     const bool is_superseded = running->is_superseded;
+    if (!outcome && goes_on(lane, one.task, *running)) {
+      one.task.is_long = true;
+      if (opening_.line.add({place.id, place.who, ""}).is_taken) {
+        waiting_.emplace(place.id, std::move(one));
+        changed_.notify_all();
+        return;
+      }
+    }
     lock.unlock();
     changed_.notify_all();
     if (outcome)
@@ -225,6 +242,13 @@ class ProcessPreviewer final : public Previewer {
       one.done(tl::unexpected(is_superseded ? superseded() : called_off()));
     one = {};
     lock.lock();
+  }
+
+  /// Whether what ran out of the time of previews is one that somebody still waits for at rest.
+  [[nodiscard]] bool goes_on(const Lane& lane, const PreviewTask& task,
+                             const Running& running) const {
+    return is_warm(task) && lane.worker.ran_out_of_time() && !task.is_patient &&
+           !running.call_off.called() && !stopping_;
   }
 
   Result<PlanningOutcome> run(Lane& lane, const PreviewTask& task, const CallOff& call_off) {

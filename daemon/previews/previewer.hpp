@@ -20,6 +20,8 @@ struct PreviewTask {
   /// When a newer one is there, this one may go on until it has been at work for `grace_s`, so that
   /// somebody who never rests sees pictures too. Others end at once.
   bool is_patient{false};
+  /// It took more than the processor time of previews, and goes on as designs that are opened.
+  bool is_long{false};
 };
 
 struct PreviewLimits {
@@ -28,13 +30,14 @@ struct PreviewLimits {
   int files{2};         ///< the same, of pictures and files
   double idle_s{60};    ///< after which a worker without work ends
   double grace_s{0.5};  ///< see `PreviewTask::is_patient`
-  /// Of previews. Processor time is bounded by `wall_s`, since a worker has one thread.
-  PlanningLimits quick{.wall_s = 10,
+  /// Of previews. What counts is processor time: how busy the computer is does not matter.
+  PlanningLimits quick{.cpu_s = 10,
+                       .wall_s = 600,
                        .memory_bytes = std::uint64_t{512} << 20,
                        .output_bytes = std::uint64_t{64} << 20,
                        .is_preview = true};
   PlanningLimits slow{
-      .cpu_s = 120, .wall_s = 120, .output_bytes = std::uint64_t{256} << 20};  ///< of all else
+      .cpu_s = 120, .wall_s = 600, .output_bytes = std::uint64_t{256} << 20};  ///< of all else
 };
 
 /// Runs what somebody waits for at a screen in workers of its own (see `Planner`), so that no plan
@@ -42,7 +45,8 @@ struct PreviewLimits {
 /// and that does nothing for anybody else; all other tasks get a fresh one each.
 ///
 /// There are three lines, so that nobody's hand waits for somebody's large design: previews; stored
-/// designs that are opened and shapes that are placed; pictures and files. In each of them
+/// designs that are opened and shapes that are placed; pictures and files. An exact preview that
+/// takes more processor time than `quick` allows goes on in the second line. In each of them
 /// principals take turns, and of one principal one task is at work. In each at most 64 tasks wait,
 /// 16 of one principal. Of one principal and key one is at work and one waits.
 class Previewer {

@@ -187,11 +187,17 @@ class Searches {
   ///
   /// @retval Forbidden  it is someone else's
   [[nodiscard]] virtual Answer<void> remove(const Principal&, const std::string& id) = 0;
-  /// Path of the picture of a card (PNG): the model, and the card beside it.
+  /// Path of the picture of a card (PNG): printed, from in front and from aside; of a book or of
+  /// bare paper, beside the model.
   ///
   /// @param card  from 1
   /// @retval NotFound, StateConflict
   [[nodiscard]] virtual Answer<std::string> picture(const std::string& id, int card) = 0;
+  /// Path of the lattice blob of a card, as the search designed it.
+  ///
+  /// @param card  from 1
+  /// @retval NotFound, StateConflict
+  [[nodiscard]] virtual Answer<std::string> lattice(const std::string& id, int card) = 0;
   /// Makes a design of a card, as `Designs::add` does from its spec.
   ///
   /// @param name  if empty, the name of the model

@@ -280,6 +280,12 @@ export async function visit(server, { role = 'operator', name, hash = '', screen
     close: () => context.close() };
 }
 
+/** Opens a model; this side of it looks at a person, or the one that the page guesses. `files`: as Playwright takes them. */
+export async function openModel(page, files, front) {
+  await page.locator('.design-drop > input[type=file]').setInputFiles(files);
+  await page.locator(front ? `.side[aria-label^="Facing you: ${front}"]` : '.side-guess').click({ timeout: 60_000 });
+}
+
 const expected = new WeakMap();
 const expectedOf = (page) => expected.get(page) ?? [];
 

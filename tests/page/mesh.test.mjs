@@ -1,7 +1,7 @@
 // Models (STL, OBJ): opened, placed, drawn and cut; and those that are broken or mean harm.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { armHere, closeBrowser, expectComplaints, hold, machineHash, picture, refused, Server, until, visit } from './harness.mjs';
+import { armHere, closeBrowser, expectComplaints, hold, machineHash, openModel, picture, refused, Server, until, visit } from './harness.mjs';
 
 let server;
 
@@ -52,17 +52,18 @@ async function desk() {
   return visited;
 }
 
-const give = (page, name, buffer) => page.locator('input[type=file]').setInputFiles({ name, mimeType: 'application/octet-stream', buffer });
+const file = (name, buffer) => ({ name, mimeType: 'application/octet-stream', buffer });
+const give = (page, name, buffer) => page.locator('.design-drop > input[type=file]').setInputFiles(file(name, buffer));
 
 const specOf = (page) => page.evaluate(() => {
   const { steps, at } = JSON.parse(sessionStorage.getItem('popcut.design.steps'));
   return JSON.parse(steps[at]);
 });
 
-for (const [name, file] of [['ball.stl', binaryStl(ball())], ['ball in words.stl', textStl(ball())], ['BALL.OBJ', obj(ball())]]) {
+for (const [name, bytes] of [['ball.stl', binaryStl(ball())], ['ball in words.stl', textStl(ball())], ['BALL.OBJ', obj(ball())]]) {
   test(`${name} is placed in the corner of a card, drawn and exact`, async () => {
     const { page, sent, complaints, close } = await desk();
-    await give(page, name, file);
+    await openModel(page, file(name, bytes));
     await page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 60_000 });
     const spec = await specOf(page);
     assert.equal(spec.surface.type, 'mesh');
@@ -82,7 +83,7 @@ for (const [name, file] of [['ball.stl', binaryStl(ball())], ['ball in words.stl
 
 test('a model goes the whole way to a cut; it cannot be shared by a link', async () => {
   const { page, complaints, close } = await desk();
-  await give(page, 'dome.stl', binaryStl(ball(25)));
+  await openModel(page, file('dome.stl', binaryStl(ball(25))));
   await page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 60_000 });
   await page.getByRole('button', { name: 'Share' }).click();
   await page.getByText('This design uses a file of its own', { exact: false }).waitFor();
@@ -168,12 +169,78 @@ test('of a model that is being placed and a design that is begun meanwhile, the 
     await route.fulfill({ response });
     placed = true;
   });
-  await give(page, 'ball.stl', binaryStl(ball()));
+  await openModel(page, file('ball.stl', binaryStl(ball())));
   await until(() => placed, 'it is sent to be placed');
-  await page.getByText('Turning the model', { exact: false }).waitFor({ state: 'detached' });
+  await page.getByText('Sending the model', { exact: false }).waitFor({ state: 'detached' });
   assert.equal(await page.locator('.design-name').inputValue(), 'unit');
   assert.equal((await specOf(page)).name, 'unit');
   assert.equal(await page.locator('.note-bad').count(), 0);
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+/** An OBJ that names its colours, its MTL and the picture of it. */
+const cottage = {
+  obj: ['mtllib colours/cottage.mtl', ...[[0, 0], [60, 0], [60, 30], [0, 30]].flatMap(([x, z]) => [`v ${x} 0 ${z}`, `v ${x} 25 ${z}`]),
+    'vt 0 0', 'vt 1 0', 'vt 1 1', 'vt 0 1', 'usemtl brick', 'f 1/1 3/2 5/3 7/4', 'f 2/1 8/2 6/3 4/4', 'f 1/1 2/2 4/3 3/4', 'f 3/1 4/2 6/3 5/4',
+    'f 5/1 6/2 8/3 7/4', 'f 7/1 8/2 2/3 1/4', ''].join('\n'),
+  mtl: 'newmtl brick\nKd 1 1 1\nmap_Kd -s 1 1 1 C:\\mine\\Brick.PNG\n',
+  png: Buffer.from('iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAIAAAD91JpzAAAAE0lEQVR4nGM4oSECRAwiGieACAAcfgQRHLDUewAAAABJRU5ErkJggg==', 'base64'),
+};
+
+test('an OBJ goes with its MTL and pictures as one file, and what is missing is asked for', async () => {
+  const { page, sent, complaints, close } = await desk();
+  await page.route('**/v1/assets/*/search', (route) => route.continue({ postData: JSON.stringify({ ...JSON.parse(route.request().postData()), effort: 0.01, style: 'facets' }) }));
+  const note = page.getByRole('dialog').getByRole('alert');
+  const add = (...files) => page.locator('input[data-more]').setInputFiles(files);
+  await page.locator('.design-drop > input[type=file]').setInputFiles([file('cottage.obj', Buffer.from(cottage.obj)), file('boat.mtl', Buffer.from('newmtl sail\n'))]);
+  await note.getByText('boat.mtl belongs to another model: cottage.obj uses none of its materials.').waitFor({ timeout: 60_000 });
+  assert.ok(await note.getByRole('button', { name: 'Print in clay' }).isVisible());
+  await add(file('Cottage.MTL', Buffer.from(cottage.mtl)));
+  await note.getByText('The colours of cottage.obj are partly in Brick.PNG, which is not here.').waitFor();
+  const huge = Buffer.from(cottage.png);
+  huge.writeUInt32BE(30_000, 16);
+  huge.writeUInt32BE(30_000, 20);
+  await add(file('brick.png', huge));
+  await note.getByText('brick.png is too large to read (30000 x 30000 pixels).').waitFor();
+  await add(file('brick.png', cottage.png));
+  await note.waitFor({ state: 'detached' });
+  assert.equal(await page.locator('.side img').count(), 9, 'it is drawn from all sides');
+  await picture(page, 'mesh-standing');
+  assert.equal(await page.getByRole('dialog').getByLabel('Print a picture on the card').isChecked(), true);
+  await page.locator('.side-guess').click();
+  await page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 60_000 });
+  const asset = sent.find((one) => one.path === '/v1/assets');
+  assert.equal(asset.headers['content-type'], 'model/gltf-binary');
+  const { id } = await server.must('POST', '/v1/designs', JSON.stringify(await specOf(page)));
+  const plan = await server.must('POST', `/v1/designs/${id}/plan`, { device: 'sim:cameo3', options: { mat: 'A4', marks: true } });
+  await until(async () => (await server.must('GET', `/v1/plans/${plan.id}`)).state === 'planned', 'it is planned', 60_000);
+  assert.equal((await server.ask('GET', `/v1/plans/${plan.id}/sheets/1/artwork.pdf?dpi=50`)).status, 200, 'its colours can be printed');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('what cannot be opened is said in a sentence with the button that helps, and one of several models is chosen', async () => {
+  const { page, complaints, close } = await desk();
+  await page.locator('.start-card', { hasText: 'unit' }).click();
+  await page.locator('.badge', { hasText: 'exact' }).waitFor();
+  const input = page.locator('.design-drop > input[type=file]');
+  const note = page.locator('.note-bad');
+  for (const [files, sentence] of [
+    [[file('cat.png', cottage.png)], /"cat\.png" is a picture, which has no lines to cut\. Trace it first/],
+    [Array.from({ length: 200 }, (_, k) => file(`${k}.txt`, Buffer.from('x'))), /None of these 200 files is a model/],
+    [[file('cut short.zip', Buffer.from('PK'))], /"cut short\.zip" cannot be unpacked/],
+  ]) {
+    await input.setInputFiles(files);
+    await note.waitFor();
+    assert.match(await note.innerText(), sentence);
+    assert.ok(await note.getByRole('button', { name: 'Choose another file' }).isVisible());
+    await note.getByRole('button', { name: 'Close' }).click();
+  }
+  await input.setInputFiles([file('a.stl', binaryStl(ball())), file('b.stl', binaryStl(ball(20)))]);
+  await page.getByRole('dialog', { name: 'There are 2 models. Which one?' }).getByRole('button', { name: 'b.stl' }).click();
+  await page.getByRole('dialog', { name: 'How should it stand?' }).getByRole('button', { name: 'Cancel' }).click();
+  assert.equal(await page.locator('.design-name').inputValue(), 'unit', 'what was open stays');
   assert.deepEqual(complaints, []);
   await close();
 });

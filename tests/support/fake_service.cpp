@@ -350,6 +350,11 @@ Answer<std::string> FakeSearches::picture(const std::string& id, int card) {
   return lookup(files, fmt::format("{}/card-{:02}.png", id, card), "picture");
 }
 
+Answer<std::string> FakeSearches::lattice(const std::string& id, int card) {
+  if (auto problem = failure("card_lattice")) return tl::unexpected<Problem>(*problem);
+  return lookup(files, fmt::format("{}/card-{:02}.lattice", id, card), "lattice");
+}
+
 void FakeSearches::pick(const Principal& who, const std::string& id, int card,
                         const std::string& name, std::function<void(Answer<Design>)> done) {
   if (auto problem = failure("pick_card")) return done(tl::unexpected<Problem>(*problem));

@@ -142,6 +142,7 @@ class FakeSearches : public Searches, public virtual FakeState {
   Page<SearchRecord> list(const Principal&, const PageRequest&) override;
   Answer<void> remove(const Principal&, const std::string& id) override;
   Answer<std::string> picture(const std::string& id, int card) override;
+  Answer<std::string> lattice(const std::string& id, int card) override;
   void pick(const Principal&, const std::string& id, int card, const std::string& name,
             std::function<void(Answer<Design>)> done) override;
 };

@@ -28,12 +28,12 @@
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/options/plan_arguments.hpp"
 #include "daemon/cli/view/long_work.hpp"
-#include "daemon/cli/view/print_picture.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "daemon/pictures/artwork_pages.hpp"
 #include "daemon/pictures/image_reader.hpp"
 #include "daemon/pictures/pdf.hpp"
+#include "daemon/planning/views/print_picture.hpp"
 #include "daemon/planning/views/printed_design.hpp"
 
 namespace popcut::cli {

@@ -59,7 +59,8 @@ HandlerFunction sheet_svg, sheet_program;
 HandlerFunction sheet_strokes, sheet_artwork;
 
 // handlers_searches.cpp
-HandlerFunction search_cards, get_search, list_searches, delete_search, card_picture, pick_card;
+HandlerFunction search_cards, get_search, list_searches, delete_search, card_picture, card_lattice,
+    pick_card;
 
 // handlers_preview.cpp
 HandlerFunction preview_spec, place_spec, make_design, design_lattice;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "core/search/standing.hpp"
 #include "daemon/digest/digest.hpp"
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/handlers.hpp"
@@ -17,6 +18,8 @@ constexpr InputRule kSpec = other("spec", R"({"type": "object"})")
                                 .described("the spec of a design; its files are ids of assets");
 constexpr InputRule kPlace =
     word("place", "whole quarter").with_schema(R"({"enum": ["whole", "quarter"]})");
+
+std::vector<std::string> side_words() { return up_words(); }
 
 }  // namespace
 
@@ -36,7 +39,12 @@ const Body body::kPlaceRequest{
     .fields =
         {kSpec,
          kPlace.required().described(
-             "whole: all of the shape stands in the corner; quarter: its middle is on the spine")},
+             "whole: all of the shape stands in the corner; quarter: its middle is on the spine"),
+         word("up", side_words).by_default(0).described("the axis of the file that points up"),
+         word("front", side_words)
+             .by_default(0)
+             .described("the axis of the file that points out of the card, toward you; must not be "
+                        "the axis of 'up'")},
     .example = R"({
       "spec": {"popcut": 1, "surface": {"type": "mesh", "file": "sha256-aa"},
                "units_per_slice": 3, "slices": 4, "widths_mm": 1.2},
@@ -86,6 +94,10 @@ PreviewRequest read_place(BodyReader& body) {
   PreviewRequest wanted;
   read_spec(body.fields(), wanted);
   wanted.place = body.word("place");
+  wanted.up = body.word("up");
+  wanted.front = body.word("front");
+  if (upright_turns(up_side(wanted.up), up_side(wanted.front)).empty())
+    body.fields().refuse("front", ErrorKind::OutOfRange, "must not be the axis of `up`", "value");
   return wanted;
 }
 

@@ -104,6 +104,21 @@ CardSearchRequest read_search(BodyReader& body) {
   return wanted;
 }
 
+// A file of a card. What a search found never changes.
+void answer_card(const Request& request, int card, const Answer<std::string>& path,
+                 std::string_view type, const Reply& reply) {
+  if (!path) return reply(problem_response(path.error(), request));
+  const std::string etag =
+      fmt::format("\"{}-{}-{}\"", request.params[0], card, type.substr(type.rfind('.') + 1));
+  if (has_seen(request, etag)) return reply(unchanged(etag, kPictureKept));
+  Response response;
+  response.content_type = std::string(type);
+  response.headers.push_back({"ETag", etag});
+  response.headers.push_back({"Cache-Control", std::string(kPictureKept)});
+  response.file = *path;
+  reply(std::move(response));
+}
+
 // "{k}" of a path.
 std::optional<int> card_number(const Request& request, const Reply& reply) {
   const std::optional<int> number = path_number(request.params[1]);
@@ -151,18 +166,16 @@ void delete_search(const Request& request, Service& service, const HandlerContex
 
 void card_picture(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   const std::optional<int> card = card_number(request, reply);
-  if (!card) return;
-  const Answer<std::string> path = service.searches.picture(request.params[0], *card);
-  if (!path) return reply(problem_response(path.error(), request));
-  // The picture of a search never changes.
-  const std::string etag = fmt::format("\"{}-{}\"", request.params[0], *card);
-  if (has_seen(request, etag)) return reply(unchanged(etag, kPictureKept));
-  Response response;
-  response.content_type = "image/png";
-  response.headers.push_back({"ETag", etag});
-  response.headers.push_back({"Cache-Control", std::string(kPictureKept)});
-  response.file = *path;
-  reply(std::move(response));
+  if (card)
+    answer_card(request, *card, service.searches.picture(request.params[0], *card), "image/png",
+                reply);
+}
+
+void card_lattice(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  const std::optional<int> card = card_number(request, reply);
+  if (card)
+    answer_card(request, *card, service.searches.lattice(request.params[0], *card),
+                "application/vnd.popcut.lattice", reply);
 }
 
 void pick_card(const Request& request, Service& service, const HandlerContext& context,

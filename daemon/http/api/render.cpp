@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/plan/marks.hpp"
 #include "daemon/model/fields.hpp"
 #include "daemon/model/found_card_json.hpp"
 #include "daemon/model/warnings.hpp"
@@ -224,7 +225,8 @@ ordered_json card_json(const FoundCardRecord& card, std::size_t number, const st
   if (!card.page_mm) out["page_mm"] = nullptr;
   out["warnings"] = ordered_json::parse(warnings_json(card.warnings), nullptr, false);
   out["spec"] = ordered_json::parse(card.spec, nullptr, false);
-  out["links"] = {{"picture", own + ".png"}, {"design", own + "/design"}};
+  out["links"] = {
+      {"picture", own + ".png"}, {"lattice", own + "/lattice"}, {"design", own + "/design"}};
   return out;
 }
 
@@ -284,6 +286,7 @@ ordered_json to_json(const SearchRecord& search) {
           {"progress", std::move(progress)},
           {"cards", std::move(cards)},
           {"recommended", front.recommended > 0 ? ordered_json(front.recommended) : ordered_json()},
+          {"better_front", text_or_null(front.better_front)},
           {"tried", std::move(tried)},
           {"notes", front.notes},
           {"error", text_or_null(search.error)},
@@ -375,9 +378,16 @@ ordered_json to_json(const Machine& machine) {
   ordered_json mats = ordered_json::array();
   for (const Mat& mat : machine.mats)
     mats.push_back({{"name", mat.name}, {"width_mm", mat.width_mm}, {"length_mm", mat.length_mm}});
-  return {{"name", machine.name},           {"title", machine.title},
-          {"driven", machine.driven()},     {"width_mm", machine.width_mm},
-          {"length_mm", machine.length_mm}, {"mats", std::move(mats)}};
+  ordered_json marks;
+  if (machine.language == "gpgl") {  // no other one has a command to search for them
+    constexpr double kPage_mm = 1000;
+    const auto room = room_within_marks_mm({kPage_mm, kPage_mm});
+    marks = {kPage_mm - room[0], kPage_mm - room[1]};
+  }
+  return {{"name", machine.name},         {"title", machine.title},
+          {"driven", machine.driven()},   {"marks_take_mm", std::move(marks)},
+          {"width_mm", machine.width_mm}, {"length_mm", machine.length_mm},
+          {"mats", std::move(mats)}};
 }
 
 ordered_json to_json(const MaterialRecord& material) {

@@ -296,6 +296,21 @@ class CardSearch {
     return ways;
   }
 
+  /// Looks for a front beside the given one that suits cards clearly better, by what is seen of it.
+  void compare_fronts(double misfit) {
+    constexpr double kClearly = 0.7;
+    double least = kClearly * misfit;
+    for (const std::string& word : up_words()) {
+      const FrontSide front = up_side(word);
+      if (!front || front == request_.front) continue;
+      for (const auto& turn : upright_turns(request_.up, front)) {
+        const double other = misfit_of(coarse(), way_of(coarse(), turn));
+        if (!std::isfinite(other) || other >= least) continue;
+        least = other, out_.better_front = word;
+      }
+    }
+  }
+
   /// Ways to stand: the best by what is seen along the diagonal, straight ones, and as the file
   /// stands.
   void find_ways() {
@@ -315,6 +330,7 @@ class CardSearch {
     };
     std::vector<Way> ways = judged(upright_turns(request_.up, request_.front), {0.0, 0.02});
     const std::vector<Way> straight = best_ways(ways, kStraightWays);
+    if (request_.up && request_.front && !ways.empty()) compare_fronts(ways.front().misfit);
     std::vector<std::array<double, 3>> near;
     for (const Way& way : best_ways(ways, request_.front ? 0 : kWaysTurnedOn))
       for (const auto& turn : turns_near(way.rotate_deg, !request_.up)) near.push_back(turn);
@@ -659,6 +675,7 @@ class CardSearch {
     }
     card->candidate = trial.candidate, card->spec = trial.spec, card->cost = trial.cost;
     card->made = std::move(trial.made);
+    if (request_.show) card->shown = request_.show(card->spec, card->made);
     // The surface of each part holds the mesh; only books look at it once more.
     if (!is_book())
       for (Design& part : card->made.parts) part.target.clear();

@@ -51,6 +51,9 @@ struct SearchRequest {
   unsigned threads{1};  ///< changes nothing of the result
   Progress progress;
   std::function<bool()> stopped;  ///< asked between candidates; true: the search ends
+  /// Makes `FoundCard::shown` of a card and its spec, as long as its target is there. On any
+  /// thread.
+  std::function<std::string(const std::string& spec, PatchAssembly& made)> show;
 };
 
 /// What a card takes to cut and to fold.
@@ -72,6 +75,7 @@ struct FoundCard {
   std::optional<likeness::PrintedFigures> printed;  ///< as `popcut compare --printed`
   likeness::ModelPlacement placement;
   std::vector<float> structure;  ///< the opened card, as `likeness::Triangles`
+  std::string shown;             ///< what `SearchRequest::show` made of it
   std::size_t folds{};
 
   /// What cards are ranked by.
@@ -102,6 +106,7 @@ struct FoundCards {
   std::size_t recommended{};
   std::vector<UsualCard> usual;
   SearchCounts counts;
+  std::string better_front;  ///< of `up_words`: clearly better than the given one; empty: none is
   double seen_share{};  ///< of the model's area along the diagonal of the best card or its cards
   std::vector<std::string> notes;  ///< about the mesh and the search, a sentence each
   Machine machine;

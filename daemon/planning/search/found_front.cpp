@@ -53,6 +53,7 @@ daemon::SearchFront figures_of(const FoundCards& found) {
   out.mat_mm = found.area_mm;
   out.notes = found.notes;
   out.recommended = static_cast<int>(found.recommended) + 1;
+  out.better_front = found.better_front;
   return out;
 }
 

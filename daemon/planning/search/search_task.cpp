@@ -3,18 +3,23 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "core/machines/machine.hpp"
 #include "core/model/model.hpp"
 #include "core/search/choices.hpp"
+#include "daemon/planning/design_files.hpp"
 #include "daemon/planning/plan_job.hpp"
 #include "daemon/planning/search/card_search.hpp"
 #include "daemon/planning/search/found_front.hpp"
 #include "daemon/planning/search/search_words.hpp"
 #include "daemon/planning/search/thumbnail.hpp"
 #include "daemon/planning/task_inputs.hpp"
+#include "daemon/planning/views/preview.hpp"
+#include "daemon/planning/views/printed_design.hpp"
 
 namespace popcut::planning {
 namespace search_task_parts {
@@ -22,6 +27,25 @@ namespace {
 
 constexpr double kSecondsAMinute = 60.0;
 constexpr const char* kUsualPaper = "paper-220";
+
+/// The model in its colours for pictures of printed cards; clay where they cannot be read. None: it
+/// cannot be read at all.
+std::optional<ColourMesh> colours_of(const std::string& bytes) {
+  auto model = asset_colours("model", bytes, false);
+  if (!model) model = asset_colours("model", bytes, true);
+  if (!model) return std::nullopt;
+  return std::move(*model);
+}
+
+/// What a page shows of a card that was found. Empty: it can be designed, but not be shown.
+std::string shown_card(const std::string& spec, const Material& material, PatchAssembly& made) {
+  auto wanted = parse_design_spec(spec);
+  if (!wanted) return {};
+  Material suited = material;
+  suit_material(suited, *wanted);
+  add_figures(&suited, *wanted, made);
+  return shown_blob(made, LatticeQuality::Exact).value_or(std::string());
+}
 
 }  // namespace
 }  // namespace search_task_parts
@@ -42,7 +66,6 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
   planning::SearchRequest request;
   auto mesh = read_mesh("", task.design);
   if (!mesh) return tl::unexpected(within(wanted->name, mesh.error()));
-  task.design = {};  // its memory
   request.mesh = std::move(*mesh);
   request.model = {wanted->name, wanted->model, name};
   request.material = *material;
@@ -60,8 +83,11 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
   request.plain = wanted->plain;
   request.effort = wanted->effort, request.seed = static_cast<std::uint64_t>(wanted->seed);
   request.threads = 1;  // a worker may start none
+  request.show = [&](const std::string& spec, PatchAssembly& made) {
+    return shown_card(spec, *material, made);
+  };
   request.progress = progress;
-  const auto found = search_cards(std::move(request));
+  auto found = search_cards(std::move(request));
   if (!found) return tl::unexpected(in_request(found.error()));
   tell(progress, "drawing the cards");
   daemon::PlanningOutcome outcome;
@@ -69,10 +95,17 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
   outcome.assets = {wanted->model};
   if (auto done = add(kFrontFile, front_text(figures_of(*found))); !done)
     return tl::unexpected(done.error());
+  const std::optional<ColourMesh> colours =
+      wanted->plain ? std::nullopt : colours_of(std::exchange(task.design, {}));
   for (std::size_t k = 0; k < found->front.size(); ++k) {
-    auto png = thumbnail_png(*found, found->front[k]);
+    FoundCard& card = found->front[k];
+    const int number = static_cast<int>(k) + 1;
+    auto png = thumbnail_png(*found, card, colours);
     if (!png) return tl::unexpected(png.error());
-    if (auto done = add(thumbnail_file(static_cast<int>(k) + 1), std::move(*png)); !done)
+    if (auto done = add(thumbnail_file(number), std::move(*png)); !done)
+      return tl::unexpected(done.error());
+    if (card.shown.empty()) continue;
+    if (auto done = add(lattice_file(number), std::move(card.shown)); !done)
       return tl::unexpected(done.error());
   }
   return outcome;

@@ -81,6 +81,8 @@ daemon::FoundCardRecord read_card(FieldReader& fields) {
 
 std::string thumbnail_file(int card) { return fmt::format("card-{:02}.png", card); }
 
+std::string lattice_file(int card) { return fmt::format("card-{:02}.lattice", card); }
+
 std::string design_name(const std::string& file) {
   std::string name = file.substr(file.find_last_of("/\\") + 1);
   if (const std::size_t dot = name.rfind('.'); dot != std::string::npos && dot > 0)
@@ -138,10 +140,11 @@ std::string front_text(const daemon::SearchFront& front) {
   using namespace search_words_parts;
   auto cards = ordered_json::array();
   for (const daemon::FoundCardRecord& card : front.cards) cards.push_back(card_json(card));
-  const ordered_json out{{"cards", std::move(cards)},      {"designed", front.designed},
-                         {"planned", front.planned},       {"verified", front.verified},
-                         {"seen_share", front.seen_share}, {"mat_mm", front.mat_mm},
-                         {"notes", front.notes},           {"recommended", front.recommended}};
+  ordered_json out{{"cards", std::move(cards)},      {"designed", front.designed},
+                   {"planned", front.planned},       {"verified", front.verified},
+                   {"seen_share", front.seen_share}, {"mat_mm", front.mat_mm},
+                   {"notes", front.notes},           {"recommended", front.recommended}};
+  if (!front.better_front.empty()) out["better_front"] = front.better_front;
   return json_line(out);
 }
 
@@ -164,6 +167,8 @@ Result<daemon::SearchFront> read_front(std::string_view text) {
   const auto found = static_cast<std::int64_t>(front.cards.size());
   front.recommended =
       static_cast<int>(fields.optional_integer("recommended", 0, found).value_or(0));
+  if (const auto better = fields.optional_word("better_front", up_words()))
+    front.better_front = up_words()[*better];
   if (const auto whole = fields.finish(); !whole) return tl::unexpected(whole.error());
   if (front.cards.empty()) return fail(ErrorKind::Malformed, "/cards", "is empty");
   return front;

@@ -29,6 +29,8 @@ inline constexpr const char* kSearchWords = "search";
 inline constexpr const char* kFrontFile = "front.json";
 /// The picture of a card (`thumbnail_png`): "card-01.png". @param card  from 1
 [[nodiscard]] std::string thumbnail_file(int card);
+/// A card in three dimensions (`shown_blob`): "card-01.lattice". @param card  from 1
+[[nodiscard]] std::string lattice_file(int card);
 [[nodiscard]] std::string front_text(const daemon::SearchFront& front);
 /// Figures from `front_text`. A worker is not trusted: numbers are finite and in their ranges,
 /// texts are printable and short, and a spec is an object.

@@ -6,9 +6,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/artwork/design_artwork.hpp"
 #include "core/compare/picture.hpp"
+#include "core/design/spec/spec.hpp"
 #include "core/geometry/angle.hpp"
 #include "daemon/pictures/png.hpp"
+#include "daemon/planning/views/print_picture.hpp"
+#include "daemon/planning/views/printed_design.hpp"
 
 namespace popcut::planning {
 
@@ -26,7 +30,33 @@ likeness::Scene pictured_scene(const FoundCard& card, int pixels) {
   return scene;
 }
 
-Result<std::string> thumbnail_png(const FoundCards& found, const FoundCard& card) {
+namespace thumbnail_parts {
+namespace {
+
+/// With what is printed on it.
+Result<std::string> printed_png(const FoundCard& card, const ColourMesh& model) {
+  constexpr double kPixel_mm = 0.25;  // about two for one of the picture
+  const auto spec = parse_design_spec(card.spec);
+  if (!spec) return tl::unexpected(spec.error());
+  const auto design = printed_design(*spec, {}, card.made, model);
+  if (!design) return tl::unexpected(design.error());
+  std::vector<const Pattern*> parts;
+  for (const Pattern& part : design->parts) parts.push_back(&part);
+  ArtworkOptions how;
+  how.pixel_mm = kPixel_mm;
+  how.shade = usual_shade(*design);
+  const auto artwork = design_artwork(parts, design->models, nullptr, how);
+  if (!artwork) return tl::unexpected(artwork.error());
+  return print_picture(*design, *artwork, false, kThumbnailHeight_px);
+}
+
+}  // namespace
+}  // namespace thumbnail_parts
+
+Result<std::string> thumbnail_png(const FoundCards& found, const FoundCard& card,
+                                  const std::optional<ColourMesh>& model) {
+  if (model && !card.made.book)
+    if (auto printed = thumbnail_parts::printed_png(card, *model)) return printed;
   constexpr int kSide = kThumbnailHeight_px, kBytes = 3;
   static_assert(kThumbnailWidth_px == 2 * kSide);
   likeness::Scene scene = pictured_scene(card, kSide);
@@ -40,14 +70,14 @@ Result<std::string> thumbnail_png(const FoundCards& found, const FoundCard& card
     likeness::draw(frame, what, image);
     return likeness::shaded(image, frame.pitch_mm(), jump_mm, colour);
   };
-  const likeness::Pixels model = shown(around, likeness::kModelColour);
+  const likeness::Pixels shape = shown(around, likeness::kModelColour);
   const likeness::Pixels made = shown(card.structure, likeness::kPaperColour);
-  if (model.size != kSide || made.size != kSide)
+  if (shape.size != kSide || made.size != kSide)
     return fail(ErrorKind::Internal, "thumbnail", "its two halves have other sizes");
   std::vector<std::uint8_t> rgb;
   rgb.reserve(static_cast<std::size_t>(kBytes * kThumbnailWidth_px * kThumbnailHeight_px));
   for (int row = 0; row < kSide; ++row)
-    for (const likeness::Pixels* half : {&model, &made}) {
+    for (const likeness::Pixels* half : {&shape, &made}) {
       const auto begin = half->rgb.begin() + std::ptrdiff_t{kBytes} * row * kSide;
       rgb.insert(rgb.end(), begin, begin + std::ptrdiff_t{kBytes} * kSide);
     }

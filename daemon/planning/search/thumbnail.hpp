@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "core/artwork/colour_mesh.hpp"
 #include "core/compare/comparison.hpp"
 #include "core/result.hpp"
 #include "daemon/planning/search/card_search.hpp"
@@ -10,16 +12,19 @@
 namespace popcut::planning {
 
 /// Width and height of a thumbnail.
-inline constexpr int kThumbnailWidth_px = 640, kThumbnailHeight_px = 320;
+inline constexpr int kThumbnailWidth_px = 800, kThumbnailHeight_px = 400;
 
 /// From where a card is drawn: along the diagonal first. Of a book: from three
 /// sides, from above.
 [[nodiscard]] likeness::Scene pictured_scene(const FoundCard& card, int pixels);
 
-/// The model and beside it the card that was found, in the first view of that scene and in the same
-/// frame, as a PNG without words: it needs no fonts.
+/// A card that was found, as a PNG without words: it needs no fonts. With its print from in front
+/// and from aside, where the model has colours or is clay; else, and of a book, as bare paper
+/// beside the model, in the first view of that scene and in the same frame.
 ///
+/// @param model  in units and axes of the file that was searched; none: cards stay bare
 /// @retval Internal  libpng cannot write it
-[[nodiscard]] Result<std::string> thumbnail_png(const FoundCards& found, const FoundCard& card);
+[[nodiscard]] Result<std::string> thumbnail_png(const FoundCards& found, const FoundCard& card,
+                                                const std::optional<ColourMesh>& model);
 
 }  // namespace popcut::planning

@@ -97,4 +97,14 @@ std::string no_preview_svg(const std::string& why) {
   return svg + "</svg>\n";
 }
 
+Result<std::string> shown_blob(const PatchAssembly& made, LatticeQuality quality) {
+  constexpr std::size_t kGhostTriangles = 4000;
+  const bool is_draft = quality == LatticeQuality::Draft;
+  LatticeBlobOptions how;
+  how.quality = quality;
+  how.curvature = !is_draft;
+  how.most_ghost_triangles = is_draft ? 0 : kGhostTriangles;
+  return lattice_blob(made, how);
+}
+
 }  // namespace popcut::planning

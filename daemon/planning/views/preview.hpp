@@ -3,7 +3,10 @@
 
 #include <string>
 
+#include "core/design/patches.hpp"
 #include "core/drawing/linework.hpp"
+#include "core/formats/lattice/lattice_blob.hpp"
+#include "core/result.hpp"
 
 namespace popcut::planning {
 
@@ -14,5 +17,10 @@ namespace popcut::planning {
 
 /// A picture with the reason why there is no preview.
 [[nodiscard]] std::string no_preview_svg(const std::string& why);
+
+/// The lattice blob of a design, with all that a page shows of it.
+///
+/// @retval OutOfRange  as `lattice_blob`
+[[nodiscard]] Result<std::string> shown_blob(const PatchAssembly& made, LatticeQuality quality);
 
 }  // namespace popcut::planning

@@ -3,11 +3,54 @@
 
 #include <cmath>
 #include <cstddef>
+#include <string>
+#include <string_view>
 #include <utility>
 
+#include "core/artwork/colour_mesh_reader.hpp"
 #include "core/design/book.hpp"
+#include "daemon/pictures/image_reader.hpp"
 
 namespace popcut::planning {
+namespace printed_design_parts {
+namespace {
+
+/// A file name for an asset, which has none: its ending says what the bytes are.
+std::string named(const std::string& id, const std::string& bytes) {
+  if (bytes.starts_with("glTF")) return id + ".glb";
+  const std::size_t first = bytes.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  if (first != std::string::npos && bytes[first] == '{') return id + ".gltf";
+  const bool stl = bytes.starts_with("solid") || bytes.find('\0') != std::string::npos;
+  return id + (stl ? ".stl" : ".obj");
+}
+
+/// Assets stand alone: what they name is in them, or nowhere.
+ModelFiles no_files_beside() {
+  return {[](const std::string& name) -> Result<std::string> {
+            return fail(ErrorKind::Malformed, name, "is not in the asset");
+          },
+          [](const std::string& name, std::string_view bytes, std::size_t most) {
+            return read_image(name, bytes, most);
+          },
+          "upload the model with its pictures as one GLB and name that with `model`, or ask for "
+          "`clay`"};
+}
+
+}  // namespace
+}  // namespace printed_design_parts
+
+Result<ColourMesh> asset_colours(const std::string& id, const std::string& bytes, bool clay) {
+  using namespace printed_design_parts;
+  const std::string name = named(id, bytes);
+  auto mesh = read_colour_mesh(name, bytes, no_files_beside(), !clay);
+  if (!mesh) {
+    Error error = mesh.error();
+    if (error.place.starts_with(name)) error.place.replace(0, name.size(), id);
+    return tl::unexpected(std::move(error));
+  }
+  if (clay) make_clay(*mesh);
+  return mesh;
+}
 
 double usual_shade(const PrintedDesign& design) {
   constexpr double kOfClay = 0.6;

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "core/artwork/colour_mesh.hpp"
 #include "core/artwork/design_artwork.hpp"
 #include "core/design/patches.hpp"
 #include "core/plan/plan.hpp"
@@ -22,6 +24,14 @@ struct PrintedDesign {
 /// How much of a model's colour depends on the light, unless somebody says so: colours that were
 /// painted on have their shades already.
 [[nodiscard]] double usual_shade(const PrintedDesign& design);
+
+/// The model in an asset with its colours: what it names is in it, or nowhere.
+///
+/// @param id    what errors call it
+/// @param clay  its colours are not looked for, and all of it is clay
+/// @retval Malformed, OutOfRange  as `read_colour_mesh`
+[[nodiscard]] Result<ColourMesh> asset_colours(const std::string& id, const std::string& bytes,
+                                               bool clay);
 
 /// @param assets  those of the spec
 /// @param model   in units and axes of the spec's surface; each card of a book shows its part of

@@ -35,7 +35,8 @@ PreviewTask DesignRepository::task_for(const Principal& who, const PreviewReques
   task.task.media_type = "application/json";
   task.task.assets_folder = store_.folder().at("assets");
   task.task.material_json = row_of_material(request.material);
-  if (!request.place.empty()) task.task.options["place"] = request.place;
+  if (!request.place.empty())
+    task.task.options = {{"place", request.place}, {"up", request.up}, {"front", request.front}};
   task.who = who.name;
   return task;
 }

@@ -63,6 +63,9 @@ Result<SearchFront> with_pictures_kept(Result<PlanningOutcome> outcome, const st
     if (file == outcome->files.end())
       return fail(ErrorKind::Internal, "worker", "it made no picture of a card");
     pictures.emplace_back(name, file->bytes);
+    const std::string lattice = planning::lattice_file(static_cast<int>(k) + 1);
+    for (const PlanningFile& one : outcome->files)
+      if (one.name == lattice) pictures.emplace_back(lattice, one.bytes);
   }
   if (Result<void> kept = write_folder(folder, pictures); !kept)
     return tl::unexpected(kept.error());
@@ -294,16 +297,25 @@ Answer<SearchRepository::Picked> SearchRepository::card_of(const std::string& id
 }
 
 Answer<std::string> SearchRepository::picture(const std::string& id, int card) {
+  return file_of(id, card, planning::thumbnail_file(card), "picture");
+}
+
+Answer<std::string> SearchRepository::lattice(const std::string& id, int card) {
+  return file_of(id, card, planning::lattice_file(card), "lattice blob");
+}
+
+Answer<std::string> SearchRepository::file_of(const std::string& id, int card,
+                                              const std::string& name, std::string_view what) {
   return parts_.store.look([&]() -> Answer<std::string> {
     if (const auto there = card_of(id, card); !there) return tl::unexpected(there.error());
-    const std::string name = planning::thumbnail_file(card);
     if (const auto here = parts_.store.bring("searches/" + id + "/" + name); !here)
       return tl::unexpected(here.error());
     std::string path = folder_of(id) + "/" + name;
     std::error_code ignored;
     if (std::filesystem::is_regular_file(path, ignored)) return path;
-    return refuse(ProblemKind::NotFound,
-                  "the picture of this card is gone; delete the search and search again");
+    return refuse(
+        ProblemKind::NotFound,
+        fmt::format("the {} of this card is not here; delete the search and search again", what));
   });
 }
 

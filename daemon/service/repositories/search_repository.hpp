@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "daemon/service/repositories/planning_queue.hpp"
@@ -32,6 +33,7 @@ class SearchRepository : public Searches {
   Page<SearchRecord> list(const Principal& who, const PageRequest& request) override;
   Answer<void> remove(const Principal& who, const std::string& id) override;
   Answer<std::string> picture(const std::string& id, int card) override;
+  Answer<std::string> lattice(const std::string& id, int card) override;
   void pick(const Principal& who, const std::string& id, int card, const std::string& name,
             std::function<void(Answer<Design>)> done) override;
 
@@ -72,6 +74,9 @@ class SearchRepository : public Searches {
   /// As it is for `who`, if they own it; its front only if the row has one.
   [[nodiscard]] SearchRecord record_of(const Principal& who, const Row& row) const;
   [[nodiscard]] bool is_owned(const Row& row, const std::string& owner) const;
+  /// Path of a file of a card; `what` it is, for errors.
+  [[nodiscard]] Answer<std::string> file_of(const std::string& id, int card,
+                                            const std::string& name, std::string_view what);
   [[nodiscard]] std::string next();
   [[nodiscard]] bool start(const std::string& id);
   [[nodiscard]] Answer<PlanningTask> task_of(const Row& row);

@@ -4,101 +4,31 @@ import { useSignal } from '@preact/signals';
 import { useEffect, useLayoutEffect, useRef } from 'preact/hooks';
 import { useAgain } from './again';
 import * as desk from './design_desk';
-import { Panel } from './design_panel';
+import { marginOf, Panel, sheetBox } from './design_panel';
 import { shownModel, Stage } from './design_stage';
 import { Start } from './design_start';
 import { LatticeError } from './lattice';
 import { DrawingQuestion, mustAnswer, optionsOf } from './drawing';
 import { MakeDialog } from './make';
+import { filesOfDrop, type Given } from './model_files';
+import * as opening from './model_open';
 import { openInSimulator } from './origami_simulator';
-import { Button, Dialog, Tick, Trouble } from './parts';
+import * as outfit from './outfit';
+import { OutfitChoice } from './outfit_choice';
+import { Button, Dialog, Trouble } from './parts';
+import { prints } from './preferences';
 import { go, parseRoute, route, sheetsOf } from './route';
 import { isProblem, read, readBlob, saveAs, send, ServerProblem } from './server';
-import { fromShare, isSpec, nameOf, parseSpec, shareText, SpecError, withField, type Spec } from './spec';
-import { SearchCards } from './search_cards';
-import * as searching from './search_desk';
-import { devices, may, meta, stale } from './store';
+import { fromShare, isPlain, nameOf, scaled, shareText, SpecError, withField } from './spec';
+import { FirstDraft, SearchCards } from './search_cards';
+import { Questions } from './standing';
+import { may, stale } from './store';
+import { size } from './words';
 import { designWords as words } from './words_design';
 import { makeWords } from './words_make';
 
 const rad = (degrees: number): number => (degrees * Math.PI) / 180;
 const deg = (radians: number): number => (radians * 180) / Math.PI;
-
-/** Things that a file's ending says. */
-const kPatterns: Record<string, string> = {
-  fold: 'application/json', svg: 'image/svg+xml', dxf: 'image/vnd.dxf',
-};
-const kModels: Record<string, string> = { stl: 'model/stl', obj: 'model/obj', glb: 'model/gltf-binary' };
-
-function stem(name: string): string {
-  return name.replace(/\.[^.]*$/, '').slice(0, 120);
-}
-
-/** What came of opening a file or a link, in words; null: it went well. */
-type Said = string | ServerProblem | null;
-
-function said(error: unknown): Said {
-  if (isProblem(error)) return error;
-  if (error instanceof SpecError) return words.linkErrors[error.message] ?? error.message;
-  if (error instanceof LatticeError) return error.message;
-  throw error;
-}
-
-/** Turns a mesh into a spec that is placed in the corner. Throws ServerProblem. */
-async function specOfModel(file: File, type: string): Promise<Spec> {
-  const asset = await send<{ id: string }>('POST', `/v1/assets?name=${encodeURIComponent(file.name.slice(0, 120))}`, { raw: { bytes: file, type } });
-  const first: Spec = {
-    popcut: 1, name: stem(file.name), surface: { type: 'mesh', file: asset.id }, fit: 'nearest',
-    units_per_slice: 6, slices: 10, widths_mm: 10, min_panel_mm: 2,
-  };
-  try {
-    const { spec } = await send<{ spec: Spec }>('POST', '/v1/place', { body: { spec: first, place: 'whole' } });
-    return spec;
-  } catch (error) {
-    throw isProblem(error) ? error.naming(asset.id, file.name) : error;
-  }
-}
-
-async function openFile(file: File, tell: (text: string | null) => void): Promise<Said> {
-  const wanted = desk.opening();
-  const ending = /\.([^.]+)$/.exec(file.name)?.[1]?.toLowerCase() ?? '';
-  const limits = meta.value?.limits as Record<string, number> | undefined;
-  const most = kModels[ending] ? limits?.asset_bytes : limits?.design_bytes;
-  if (most !== undefined && file.size > most) return words.open.tooLarge(file.name, `${Math.round(most / 1048576)} MiB`);
-  try {
-    if (ending === 'json') {
-      const text = await file.text();
-      const value: unknown = (() => { try { return JSON.parse(text); } catch { return null; } })();
-      if (isSpec(value)) {
-        if (wanted()) desk.begin(value);
-        return null;
-      }
-      if (typeof value !== 'object' || value === null || !('vertices_coords' in value)) {
-        parseSpec(text);
-        return null;
-      }
-    }
-    if (kModels[ending]) {
-      tell(words.open.placing);
-      const placed = await specOfModel(file, kModels[ending] as string);
-      if (!wanted()) return null;
-      desk.begin(placed);
-      const model = searching.modelOf(placed);
-      if (model !== null && may('submitter')) void searching.begin(model);
-      return null;
-    }
-    const type = kPatterns[ending] ?? (ending === 'json' ? 'application/json' : undefined);
-    if (!type) return words.open.unknown(file.name);
-    tell(words.open.uploading);
-    const design = await desk.upload(file, type, stem(file.name));
-    await desk.openStored(design.id, wanted);
-    return null;
-  } catch (error) {
-    return wanted() ? said(error) : null;
-  } finally {
-    tell(null);
-  }
-}
 
 /** The slider that opens and shuts, with its marks. */
 function Deploy() {
@@ -286,16 +216,32 @@ function OtherFormats() {
 
 interface MaterialRow { id: string }
 
+/** Whether the card fits the paper that is chosen. */
+function SizeOnPaper() {
+  const of = desk.lattice.value;
+  const spec = desk.spec.value;
+  const paper = outfit.chosenPaper.value;
+  if (!of || !paper) return null;
+  const [, , width, length] = sheetBox(of);
+  if (outfit.fillFactor(width, length, 0) >= 1) return <p class="muted small">{words.cut.fits(size(width, length))}</p>;
+  const smaller = (): void => { if (spec) desk.set(scaled(spec, outfit.fillFactor(width, length, marginOf(of)))); };
+  return (
+    <div class="note note-amber small" role="status">
+      <p>{words.cut.tooLarge(size(width, length), paper.title, outfit.marked.value)}</p>
+      {spec && isPlain(spec) && <Button onClick={smaller} disabled={!desk.canCut.value}>{words.cut.smaller}</Button>}
+    </div>
+  );
+}
+
 function CutDialog({ onClose, print = false }: { onClose: () => void; print?: boolean }) {
   const materials = useSignal<string[]>([]);
   const material = useSignal(String(desk.spec.peek()?.material ?? ''));
-  const device = useSignal('');
   const copies = useSignal(1);
-  const printed = useSignal(print);
   const busy = useSignal(false);
   const problem = useSignal<ServerProblem | null>(null);
   const open = useRef(true);
   useEffect(() => () => { open.current = false; }, []);
+  useEffect(() => { if (print) prints.value = 'yes'; }, [print]);
   useEffect(() => {
     read<{ items: MaterialRow[] }>('/v1/materials?limit=200').then(({ items }) => { materials.value = items.map((row) => row.id); }, () => undefined);
   }, []);
@@ -306,12 +252,14 @@ function CutDialog({ onClose, print = false }: { onClose: () => void; print?: bo
     try {
       const id = await desk.storedId();
       if (!open.current) return;
-      const body: Record<string, unknown> = {};
-      if (material.value) body.material = material.value;
-      if (device.value) body.device = device.value;
-      body.options = { ...(desk.foreign.peek() ? optionsOf(id) : {}), ...(printed.value ? { marks: true } : {}) };
+      const canPrint = desk.spec.peek() !== null && prints.peek() === 'yes';
+      const wishes = outfit.planWishes(canPrint);
+      const body: Record<string, unknown> = {
+        ...(material.value ? { material: material.value } : {}), ...wishes,
+        options: { ...(desk.foreign.peek() ? optionsOf(id) : {}), ...(wishes.options as Record<string, unknown>) },
+      };
       const made = await send<{ id: string }>('POST', `/v1/designs/${id}/plan`, { body });
-      sessionStorage.setItem(`popcut.cut.${made.id}`, JSON.stringify({ copies: copies.value, device: device.value || null }));
+      sessionStorage.setItem(`popcut.cut.${made.id}`, JSON.stringify({ copies: copies.value, device: body.device ?? null }));
       if (!open.current) return;
       onClose();
       go(sheetsOf(made.id));
@@ -330,20 +278,15 @@ function CutDialog({ onClose, print = false }: { onClose: () => void; print?: bo
       {busy.value && <p class="muted" role="status">{words.cut.planning}</p>}
       <label class="field"><span>{words.cut.material}</span>
         <select value={material.value} onChange={(event) => { material.value = event.currentTarget.value; }}>
-          <option value="" selected={material.value === ''}>{words.fields.materialAuto(String(desk.spec.value?.material ?? 'paper-220'))}</option>
+          <option value="" selected={material.value === ''}>{words.fields.materialAuto(String(desk.spec.value?.material ?? ''))}</option>
           {materials.value.map((id) => <option key={id} value={id} selected={id === material.value}>{id}</option>)}
         </select>
       </label>
-      <label class="field"><span>{words.cut.cutter}</span>
-        <select value={device.value} onChange={(event) => { device.value = event.currentTarget.value; }}>
-          <option value="" selected={device.value === ''}>{words.cut.any([...devices.value.values()].find((one) => one.state !== 'absent')?.title ?? null)}</option>
-          {[...devices.value.values()].map((one) => <option key={one.id} value={one.id} selected={one.id === device.value}>{one.title}</option>)}
-        </select>
-      </label>
+      <OutfitChoice canPrint={desk.spec.value !== null} />
+      <SizeOnPaper />
       <label class="field"><span>{words.cut.copies}</span>
         <input type="number" min="1" max="1000" value={copies.value} onChange={(event) => { copies.value = Math.max(1, Math.min(1000, Math.round(Number(event.currentTarget.value)) || 1)); }} />
       </label>
-      {desk.spec.value && <Tick checked={printed.value} onChange={(on) => { printed.value = on; }}>{words.cut.print}</Tick>}
     </Dialog>
   );
 }
@@ -400,7 +343,7 @@ function fieldAt(pointer: string): string {
 
 function Impossible() {
   const problem = desk.problem.value;
-  if (!problem) return null;
+  if (!problem) return desk.isLong.value && desk.busy.value ? <p class="note" role="status">{words.problem.long}</p> : null;
   if (problem.status !== 422) return <Trouble problem={problem} onClose={() => { desk.problem.value = null; }} />;
   const first = problem.errors[0];
   const text = first ? `${fieldAt(first.pointer)}${first.detail}` : problem.detail;
@@ -439,6 +382,7 @@ function Desk({ onOpen }: { onOpen: () => void }) {
             <Stage />
             <div class="stage-notes">
               <Impossible />
+              <FirstDraft />
               {desk.note.value && <div class="note design-note" role="status"><p>{desk.note.value}</p>
                 <Button kind="quiet" onClick={() => { desk.note.value = null; }}>{words.close}</Button></div>}
             </div>
@@ -454,9 +398,9 @@ function Desk({ onOpen }: { onOpen: () => void }) {
 /** `#/design`, `#/design/d=…` a shared design, `#/design/example/NAME`, `#/design/ID` a stored one. */
 export default function Design({ rest }: { rest: string }) {
   const file = useRef<HTMLInputElement>(null);
-  const trouble = useSignal<Said>(null);
-  const doing = useSignal<string | null>(null);
+  const trouble = useSignal<opening.Said>(null);
   const over = useSignal(false);
+  useEffect(() => { void outfit.readMachines(); }, []);
 
   useEffect(() => {
     if (rest === '') return undefined;
@@ -478,7 +422,7 @@ export default function Design({ rest }: { rest: string }) {
         history.replaceState(null, '', '#/design');
         route.value = parseRoute('#/design');
       } catch (error) {
-        if (wanted()) trouble.value = said(error);
+        if (wanted()) trouble.value = opening.said(error);
       }
     };
     const here = location.hash;
@@ -486,19 +430,19 @@ export default function Design({ rest }: { rest: string }) {
     return undefined;
   }, [rest, useAgain(trouble.value instanceof ServerProblem ? trouble.value : null)]);
 
-  const take = (list: FileList | null | undefined): void => {
-    const one = list?.[0];
-    if (!one) return;
+  const onSaid = (said: opening.Said): void => { trouble.value = said; };
+  const take = (from: () => Promise<Given[]> | Given[]): void => {
     trouble.value = null;
-    void openFile(one, (text) => { doing.value = text; }).then((what) => { if (what !== null) trouble.value = what; });
+    void opening.open(from).then((said) => { if (said !== null) onSaid(said); });
   };
   const onOpen = (): void => file.current?.click();
   const problem = trouble.value;
   const messages = (
     <>
-      {doing.value && <p class="note" role="status">{doing.value}</p>}
+      {opening.doing.value && <p class="note" role="status">{opening.doing.value}</p>}
       {problem instanceof ServerProblem && <Trouble problem={problem} onClose={() => { trouble.value = null; }} />}
-      {typeof problem === 'string' && <div class="note note-bad" role="alert"><p>{problem}</p>
+      {problem && !(problem instanceof ServerProblem) && <div class="note note-bad" role="alert"><p>{problem.text}</p>
+        {problem.chooses && <Button onClick={onOpen}>{words.open.choose}</Button>}
         <Button kind="quiet" onClick={() => { trouble.value = null; }}>{words.close}</Button></div>}
     </>
   );
@@ -507,9 +451,15 @@ export default function Design({ rest }: { rest: string }) {
   return (
     <div class={over.value ? 'design-drop design-over' : 'design-drop'}
       onDragOver={(event) => { event.preventDefault(); over.value = true; }} onDragLeave={() => { over.value = false; }}
-      onDrop={(event) => { event.preventDefault(); over.value = false; take(event.dataTransfer?.files); }}>
-      <input ref={file} type="file" class="visually-hidden" tabIndex={-1} aria-hidden="true" accept=".json,.fold,.svg,.dxf,.stl,.obj,.glb"
-        onChange={(event) => { take(event.currentTarget.files); event.currentTarget.value = ''; }} />
+      onDrop={(event) => { event.preventDefault(); over.value = false; if (event.dataTransfer) take(() => filesOfDrop(event.dataTransfer!)); }}>
+      <input ref={file} type="file" class="visually-hidden" tabIndex={-1} aria-hidden="true" multiple
+        accept=".json,.fold,.svg,.dxf,.stl,.obj,.glb,.mtl,.zip,image/*"
+        onChange={(event) => {
+          const files = [...event.currentTarget.files ?? []].map((one) => ({ path: one.name, file: one }));
+          event.currentTarget.value = '';
+          take(() => files);
+        }} />
+      <Questions onSaid={onSaid} />
       {empty ? <Start onOpen={onOpen}>{messages}</Start> : <>{messages}<Desk onOpen={onOpen} /></>}
     </div>
   );

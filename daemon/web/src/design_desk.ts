@@ -4,7 +4,7 @@ import { batch, computed, effect, signal } from '@preact/signals';
 import { isThere } from './again';
 import { optionsOf } from './drawing';
 import type { Lattice, Place } from './lattice';
-import { FaceKind, readLattice } from './lattice';
+import { FaceKind, LatticeError, readLattice } from './lattice';
 import type { Design, Example as Listed } from './model';
 import { Previews, type Quality } from './preview';
 import type { Colouring } from './ramps';
@@ -160,6 +160,18 @@ function comeNearer(made: Lattice): void {
   ask(next, true);
 }
 
+const kLong_ms = 5000;
+/** The exact design takes long: it is still being drawn. */
+export const isLong = signal(false);
+effect(() => {
+  if (!busy.value) {
+    isLong.value = false;
+    return undefined;
+  }
+  const timer = setTimeout(() => { isLong.value = true; }, kLong_ms);
+  return () => clearTimeout(timer);
+});
+
 /** What the desk could not ask for, since when it has tried; null: nothing is missed. */
 let missed: { times: number; timer: ReturnType<typeof setTimeout> | undefined } | null = null;
 
@@ -252,8 +264,14 @@ export function opening(): () => boolean {
   return () => mine === turn;
 }
 
-/** A new design on the desk. `made`: by hand, so it is kept nowhere else; `step` is false for the one that was there. */
-export function begin(next: Spec, { step = true, made = false } = {}): void {
+interface Begin {
+  step?: boolean;      // false: it was there before
+  made?: boolean;      // by hand, so it is kept nowhere else
+  lattice?: Lattice;   // as it was designed already: then nothing is designed again
+}
+
+/** A new design on the desk. */
+export function begin(next: Spec, { step = true, made = false, lattice: known }: Begin = {}): void {
   turn++;
   fresh = true;
   good.clear();
@@ -261,9 +279,10 @@ export function begin(next: Spec, { step = true, made = false } = {}): void {
   batch(() => {
     foreign.value = null;
     spec.value = next;
-    lattice.value = null;
-    quality.value = null;
-    exactSpec.value = null;
+    lattice.value = known ?? null;
+    quality.value = known ? 'exact' : null;
+    exactSpec.value = known ? next : null;
+    if (known) psi.value = known.design_psi_rad;
     problem.value = null;
     pinned.value = hovered.value = null;
     note.value = null;
@@ -274,7 +293,27 @@ export function begin(next: Spec, { step = true, made = false } = {}): void {
     noteUnsaved(made);
   }
   tellSteps();
-  ask(next, true);
+  if (known) {
+    fresh = false;
+    clearTimeout(missed?.timer);
+    missed = null;
+    previews.drop();
+  } else {
+    ask(next, true);
+  }
+}
+
+/** Shows a design whose lattice popcutd keeps at `path`; designs it where that is gone. */
+export async function beginKept(next: Spec, path: string): Promise<void> {
+  const wanted = opening();
+  let known: Lattice | undefined;
+  try {
+    const answer = await readAnswer(path, { accept: 'application/vnd.popcut.lattice, application/problem+json' });
+    known = readLattice(await answer.arrayBuffer());
+  } catch (error) {
+    if (!isProblem(error) && !(error instanceof LatticeError)) throw error;
+  }
+  if (wanted()) begin(next, { made: true, lattice: known });
 }
 
 function take(next: Spec | null): void {

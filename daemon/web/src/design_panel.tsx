@@ -6,6 +6,7 @@ import { useEffect, useId, useLayoutEffect, useMemo, useRef } from 'preact/hooks
 import * as desk from './design_desk';
 import { DrawingQuestion } from './drawing';
 import { FaceKind, onSheet, type Lattice } from './lattice';
+import * as outfit from './outfit';
 import { SheetView, type Strokes } from './sheet_view';
 import { asLattice, asPanels, isFacets, isPlain, isSilhouette, scaled, slicesOf, stretched, unitsOf, widthOf, widthsOf, withField, withSlices, withSliceWidth, withUnits, withWidth, type PanelStyle, type Spec } from './spec';
 import { Button, Trouble } from './parts';
@@ -16,7 +17,7 @@ import { integer, length, percent, size, withoutTicks, words as everyWords } fro
 import { designWords as words, plainNumber } from './words_design';
 
 const kLineKinds = ['outline', 'mountain', 'valley', 'slit'];
-const kMat_mm = 304.8;
+const kMostMargin_mm = 30;
 
 /** What the pattern takes of the page, mm: its card, or all its lines where there is none. x, y, width, height. */
 export function sheetBox(of: Lattice): [number, number, number, number] {
@@ -31,6 +32,9 @@ export function sheetBox(of: Lattice): [number, number, number, number] {
   }
   return left <= right ? [left, top, right - left, bottom - top] : [0, 0, 0, 0];
 }
+
+/** How much of a card is margin, which does not grow with it, mm. */
+export const marginOf = (of: Lattice): number => Math.min(kMostMargin_mm, of.card.width_mm / 3);
 
 /** The lines of a lattice as strokes: page axes, v to the right and u down. */
 export function flatStrokes(of: Lattice): Strokes {
@@ -313,11 +317,10 @@ function Fields({ spec, of }: { spec: Spec; of: Lattice | null }) {
   const latticeRefused = refusedFor('/lattice');
   const move = (next: Spec, field: string, value: number): void => desk.change(next, field, value);
   const sheet = of ? [of.card.width_mm, of.card.wall_mm + of.card.ground_mm] as const : null;
+  const paper = outfit.chosenPaper.value?.title.split(',')[0] ?? '';
   const fits = (): void => {
     if (!sheet) return;
-    const margin = of ? Math.min(30, of.card.width_mm / 3) : 30;
-    const factor = Math.min((kMat_mm - 12 - margin) / Math.max(1, sheet[0] - margin), (kMat_mm - 12 - margin) / Math.max(1, sheet[1] - margin));
-    desk.set(scaled(spec, Math.floor(factor * 1000) / 1000));
+    desk.set(scaled(spec, outfit.fillFactor(sheet[0], sheet[1], of ? marginOf(of) : kMostMargin_mm)));
   };
   if (!isPlain(spec)) return <p class="note">{words.fields.notPlain}</p>;
   if (isFacets(spec) || isSilhouette(spec)) return <PanelFields spec={spec} of={of} />;
@@ -365,7 +368,7 @@ function Fields({ spec, of }: { spec: Spec; of: Lattice | null }) {
           <NumberField label={words.fields.angle} value={typeof spec.design_angle_deg === 'number' ? spec.design_angle_deg : 90} unit="°" pointers={['/design_angle_deg']} least={30}
             onSet={(v) => desk.set(withField(spec, 'design_angle_deg', v === 90 ? null : v))} />
           <div class="field field-end">
-            <button type="button" class="button button-plain" onClick={fits} disabled={!sheet} title={words.fields.fitsWhat('12 × 12')}>{words.fields.fits('12 × 12')}</button>
+            <button type="button" class="button button-plain" onClick={fits} disabled={!sheet} title={words.fields.fitsWhat(paper)}>{words.fields.fits(paper)}</button>
           </div>
         </div>
         <label class="field field-row">

@@ -5,11 +5,12 @@ import { useEffect, useMemo } from 'preact/hooks';
 import { useAgain } from './again';
 import * as desk from './design_desk';
 import { facesOnSheet, sheetBox } from './design_panel';
-import { boxAround, pathOf, stepsOf, trianglesPath, type Guide, type GuideCard, type GuideFold, type GuideStep, type Point } from './fold_guide';
+import { boxAround, pathOf, stepsOf, trianglesPath, type Box, type Guide, type GuideCard, type GuideFold, type GuideStep, type Point } from './fold_guide';
 import { readLattice, Role, type Lattice } from './lattice';
 import { Button, LinkButton, Loading, Trouble } from './parts';
 import { isProblem, read, readAnswer, readBlob, saveAs, type ServerProblem } from './server';
 import { StepModel, useStepKeys } from './steps';
+import { useZoom } from './zoom';
 import { designWords } from './words_design';
 
 const words = designWords.fold;
@@ -65,13 +66,14 @@ function StepSheet({ card, step, of, near }: { card: GuideCard; step: GuideStep;
   const at: Point[] = [...ends(own)];
   if (own.length === 0) for (let i = 0; i + 1 < corners.length; i += 2) at.push([corners[i + 1] as number, corners[i] as number]);
   const box = (near ? boxAround(at, kNear) : null) ?? sheet.box ?? [0, 0, 100, 100];
+  const { shown, isNear, closer, farther, handlers } = useZoom(box as Box, `${near} ${step.words} ${step.folds.join(' ')}`);
   const of_sense = (sense: GuideFold['sense']): GuideFold[] => own.filter((fold) => fold.sense === sense);
   const [mountains, valleys] = [of_sense('mountain'), of_sense('valley')];
   const said = [words.kinds[step.kind] ?? '', mountains.length > 0 && words.mountains(mountains.length), valleys.length > 0 && words.valleys(valleys.length)]
     .filter(Boolean).join(', ');
   return (
     <figure>
-      <svg class="fold-sheet" viewBox={box.join(' ')} role="img" aria-label={words.sheet(said)}>
+      <svg class={isNear ? 'fold-sheet fold-near' : 'fold-sheet'} viewBox={shown.join(' ')} role="img" aria-label={words.sheet(said)} {...handlers}>
         {sheet.paper && <rect class="fold-paper" x={sheet.paper.left} y={sheet.paper.top} width={sheet.paper.width} height={sheet.paper.height} />}
         <path class="fold-lit" d={trianglesPath(corners)} />
         <path class="fold-other" d={others} />
@@ -83,6 +85,10 @@ function StepSheet({ card, step, of, near }: { card: GuideCard; step: GuideStep;
         {mountains.length > 0 && <span class="fold-mountain">{words.mountains(mountains.length)}</span>}
         {valleys.length > 0 && <span class="fold-valley">{words.valleys(valleys.length)}</span>}
         {of && step.panels.length > 0 && <span class="muted">{words.panels(step.panels.length)}</span>}
+        <span class="fold-zoom">
+          <Button onClick={farther} disabled={!isNear} label={words.farther}>−</Button>
+          <Button onClick={closer} label={words.closer}>+</Button>
+        </span>
       </figcaption>
     </figure>
   );

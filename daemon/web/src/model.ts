@@ -9,6 +9,7 @@ export type Way = Schemas['Way'];
 export type Ledger = Schemas['Ledger'];
 export type Plan = Schemas['Plan'];
 export type Search = Schemas['Search'];
+export type Machine = Schemas['Machine'];
 export type SheetPlan = Schemas['SheetPlan'];
 export type Sheet = Schemas['Sheet'];
 export type Strokes = Schemas['Strokes'];

@@ -89,7 +89,7 @@ export function Dialog({ title, children, no, yes, onNo, onYes, kind = 'primary'
   useLayoutEffect(() => {
     const before = document.activeElement as HTMLElement | null;
     dialog.current?.showModal();
-    refuse.current?.focus();
+    refuse.current?.focus({ preventScroll: true });   // what is asked stands above
     return () => before?.isConnected && before.focus();
   }, []);
   return (

@@ -56,6 +56,16 @@ export class Previews<I, R> {
     return this.current !== null || this.waiting !== null || this.timer !== null;
   }
 
+  /** What is asked for is not wanted any more, whatever comes of it. */
+  drop(): void {
+    this.shown = this.shownExact = ++this.turn;
+    if (this.timer) clearTimeout(this.timer);
+    this.timer = null;
+    this.waiting = null;
+    this.current?.abort.abort();
+    this.tell();
+  }
+
   end(): void {
     this.ended = true;
     if (this.timer) clearTimeout(this.timer);

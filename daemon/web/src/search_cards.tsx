@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 // The best cards of a model as pictures, to choose one from.
 import { useSignal } from '@preact/signals';
-import { useId, useRef } from 'preact/hooks';
+import { useEffect, useId, useRef } from 'preact/hooks';
 import * as desk from './design_desk';
 import type { Search } from './model';
-import { Button, Choice, Meter, Picture, Tick, Trouble } from './parts';
+import * as opening from './model_open';
+import * as outfit from './outfit';
+import { OutfitChoice } from './outfit_choice';
+import { Button, Choice, Meter, Picture, Trouble } from './parts';
+import { kByHand } from './preferences';
 import * as searching from './search_desk';
 import type { Spec } from './spec';
 import { may, stale } from './store';
@@ -13,8 +17,6 @@ import { designWords, small } from './words_design';
 
 const words = designWords.search;
 
-const kSides = Object.entries(words.sides) as [string, string][];
-const kUps = [...Object.entries(words.upSides), ...kSides] as [string, string][];
 const kEases = Object.entries(words.eases) as [string, string][];
 const kEfforts: [string, string][] = [[String(searching.kQuick), words.quick], [String(searching.kThorough), words.thorough]];
 
@@ -31,10 +33,9 @@ function Wishes({ of, again }: { of: string; again: boolean }) {
       <Choice label={words.ease} value={asked.label} options={kEases} onChange={(label) => set({ label })} />
       <Choice label={words.cards} value={String(asked.cards)} options={searching.kCards.map((n) => [String(n), words.cardsOf(n)])}
         onChange={(n) => set({ cards: Number(n) })} />
-      <Choice label={words.up} value={asked.up} options={kUps} onChange={(up) => set({ up })} />
-      {asked.cards === 1 && <Choice label={words.front} value={asked.front} options={kSides} onChange={(front) => set({ front })} />}
       <Choice label={words.effort} value={String(asked.effort)} options={kEfforts} onChange={(effort) => set({ effort: Number(effort) })} />
-      <Tick checked={asked.marks} onChange={(marks) => set({ marks })}>{words.marks}</Tick>
+      <OutfitChoice />
+      {opening.canTurn(of) && <Button onClick={opening.turn}>{words.turn}</Button>}
       <button type="submit" class={`button ${again ? 'button-plain' : 'button-primary'}`} disabled={stale.value}>{again ? words.again : words.find}</button>
     </form>
   );
@@ -60,18 +61,32 @@ function Found({ of }: { of: Search }) {
         return (
           <li key={card.card}>
             <button type="button" class={on ? 'found-card found-on' : 'found-card'} aria-pressed={on} title={words.error(card.settings, small(card.error))}
-              onClick={() => desk.begin(spec, { made: true })}>
+              onClick={() => void desk.beginKept(spec, card.links.lattice)}>
               <Picture path={card.links.picture} alt={words.picture(card.card, last)} class="found-picture" />
               <span class="found-words">
                 {card.card === of.recommended && <strong class="found-make" title={words.makeWhat}>{words.make}</strong>}
                 {card.card === last && <span class="found-best">{words.best}</span>}
-                <span class="found-what">{words.card(card.folds, card.shortest_fold_mm, card.hand_seconds, card.seconds, card.looks)}</span>
+                <span class="found-what">{words.card(card.folds, card.shortest_fold_mm, card.hand_seconds, outfit.chosenCutter.value === kByHand ? 0 : card.seconds, card.looks)}</span>
               </span>
             </button>
           </li>
         );
       })}
     </ul>
+  );
+}
+
+/** Another side than the one that was chosen would be clearly better. */
+function Better({ of, front }: { of: string; front: string | null }) {
+  if (front === null) return null;
+  return (
+    <div class="row small">
+      <span>{words.better}</span>
+      <Button kind="quiet" onClick={() => {
+        searching.asked.value = { ...searching.asked.peek(), front };
+        void searching.begin(of, desk.spec.peek()?.material);
+      }}>{words.tryBetter}</Button>
+    </div>
   );
 }
 
@@ -87,17 +102,28 @@ function Running({ of }: { of: Search | null }) {
   );
 }
 
+/** Over the picture of a model of which cards are still searched. */
+export function FirstDraft() {
+  const isDraft = searching.draft.value !== null && searching.draft.value === desk.spec.value;
+  return isDraft && searching.busy.value ? <p class="note" role="status">{words.draft}</p> : null;
+}
+
 /** Above a design that shows a model. */
 export function SearchCards() {
   const other = useSignal(false);
   const of = searching.modelOf(desk.spec.value);
-  if (of === null || !may('submitter')) return null;
-  const mine = searching.model.value === of;
+  const mine = of !== null && searching.model.value === of;
   const search = mine ? searching.search.value : null;
   const runs = mine && searching.busy.value;
   const found = search?.state === 'found' ? search : null;
   const failed = search?.state === 'failed' ? search : null;
   const problem = mine ? searching.problem.value : null;
+  // Who has not begun to work on the draft gets the card that popcut would make in place of it.
+  useEffect(() => {
+    const make = found?.cards.find((card) => card.card === found.recommended) ?? found?.cards.at(-1);
+    if (make && searching.draft.peek() === desk.spec.peek() && !document.querySelector('dialog[open]')) void desk.beginKept(make.spec as unknown as Spec, make.links.lattice);
+  }, [found?.id]);
+  if (of === null || !may('submitter')) return null;
   return (
     <section class="search" aria-label={words.title}>
       <div class="row row-between">
@@ -109,6 +135,7 @@ export function SearchCards() {
         <>
           <p class="muted small" role="status">{words.foundWhat(found.cards.length)}</p>
           <Found of={found} />
+          <Better of={of} front={found.better_front} />
           {found.notes.length > 0 && <ul class="plain-list small muted server-words">{found.notes.map((note) => <li key={note}>{note}</li>)}</ul>}
         </>
       )}

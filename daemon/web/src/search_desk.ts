@@ -2,6 +2,7 @@
 // The search for the best cards of the model on the desk: what is asked for, how far it is, what it found.
 import { signal } from '@preact/signals';
 import type { Search } from './model';
+import { searchWishes } from './outfit';
 import { isProblem, read, send, type ServerProblem } from './server';
 import type { Spec } from './spec';
 
@@ -13,7 +14,6 @@ export interface Asked {
   front: string;   // of a card alone
   effort: number;
   label: string;   // how hard to fold, at most
-  marks: boolean;
 }
 
 export const kQuick = 0.25;
@@ -21,7 +21,9 @@ export const kThorough = 1;
 export const kCards = [1, 3, 4, 5, 6, 8, 12];
 const kLook_ms = [300, 500, 1000];
 
-export const asked = signal<Asked>({ max_minutes: 15, cards: 1, up: 'usual', front: 'any', effort: kQuick, label: 'any', marks: false });
+export const asked = signal<Asked>({ max_minutes: 15, cards: 1, up: 'usual', front: 'any', effort: kQuick, label: 'any' });
+/** What was made of a model to begin with, until cards are found. */
+export const draft = signal<Spec | null>(null);
 /** The asset that is or was searched last. */
 export const model = signal<string | null>(null);
 export const search = signal<Search | null>(null);
@@ -67,7 +69,7 @@ export async function begin(of: string, material?: unknown): Promise<void> {
   busy.value = true;
   try {
     const { front, ...wishes } = asked.peek();
-    const body = { ...wishes, ...(wishes.cards === 1 ? { front } : {}), ...(typeof material === 'string' && material !== '' ? { material } : {}) };
+    const body = { ...wishes, ...searchWishes(), ...(wishes.cards === 1 ? { front } : {}), ...(typeof material === 'string' && material !== '' ? { material } : {}) };
     const begun = await inLine(async () => {
       if (mine !== turn) return null;
       const made = await send<Search>('POST', `/v1/assets/${encodeURIComponent(of)}/search`, { body });

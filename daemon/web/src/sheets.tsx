@@ -4,12 +4,13 @@ import { effect, useSignal, type Signal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import { useAgain } from './again';
 import type { Plan } from './model';
+import { anyCutter, kNone, paperTitle } from './outfit';
 import { Button, LinkButton, Loading, Note, Trouble } from './parts';
 import { foldOf } from './route';
 import { act, isProblem, read, readBlob, saveAs, type ServerProblem } from './server';
 import { endOf, SheetView, strokesAt, strokeWords, timeColour, type Strokes } from './sheet_view';
 import { devices, may, stale } from './store';
-import { clockTime, integer, metres, size, timeRange, withoutTicks, words as everyWords } from './words';
+import { clockTime, integer, metres, timeRange, withoutTicks, words as everyWords } from './words';
 import { designWords } from './words_design';
 
 const words = designWords.sheets;
@@ -199,15 +200,15 @@ function useDesignOf(design: string | null | undefined): { name: string; kind: s
 }
 
 /** What is printed on a sheet before it is cut. popcutd draws it when it is asked for. */
-function PrintFirst({ plan, sheet }: { plan: string; sheet: number }) {
+function PrintFirst({ plan, sheet, paper }: { plan: string; sheet: number; paper: string }) {
   const busy = useSignal(false);
   const problem = useSignal<ServerProblem | null>(null);
   useEffect(() => { problem.value = null; }, [sheet]);
-  const get = async (): Promise<void> => {
+  const get = async (clay = false): Promise<void> => {
     busy.value = true;
     problem.value = null;
     try {
-      saveAs(await readBlob(`/v1/plans/${encodeURIComponent(plan)}/sheets/${sheet}/artwork.pdf`), `print-${sheet}.pdf`);
+      saveAs(await readBlob(`/v1/plans/${encodeURIComponent(plan)}/sheets/${sheet}/artwork.pdf${clay ? '?clay=true' : ''}`), `print-${sheet}.pdf`);
     } catch (error) {
       if (!isProblem(error)) throw error;
       problem.value = error;
@@ -218,8 +219,15 @@ function PrintFirst({ plan, sheet }: { plan: string; sheet: number }) {
   return (
     <section aria-label={words.print} class="note">
       <h2>{words.print}</h2>
-      <p class="small">{words.printWhat}</p>
-      {problem.value && <Trouble problem={problem.value} onClose={() => { problem.value = null; }} />}
+      <p class="small">{words.printWhat(paper)}</p>
+      {problem.value?.status === 422
+        ? (
+          <div class="note note-amber" role="alert">
+            <p>{words.noColours}</p>
+            <Button onClick={() => void get(true)} disabled={busy.value}>{designWords.standing.clay}</Button>
+          </div>
+        )
+        : problem.value && <Trouble problem={problem.value} onClose={() => { problem.value = null; }} />}
       <Button onClick={() => void get()} disabled={busy.value || stale.value}>{busy.value ? words.drawingPage : words.page}</Button>
     </section>
   );
@@ -257,7 +265,7 @@ function QueueIt({ plan, name }: { plan: WholePlan; name: string }) {
       {problem.value && <Trouble problem={problem.value} />}
       <label class="field"><span>{designWords.cut.cutter}</span>
         <select value={device.value} onChange={(event) => { device.value = event.currentTarget.value; }}>
-          <option value="" selected={device.value === ''}>{designWords.cut.any}</option>
+          <option value="" selected={device.value === ''}>{anyCutter.value}</option>
           {[...devices.value.values()].map((one) => <option key={one.id} value={one.id} selected={one.id === device.value}>{one.title}</option>)}
         </select>
       </label>
@@ -346,7 +354,7 @@ export default function Sheets({ rest: id }: { rest: string }) {
               {shown && <Fact name={words.strokes}>{integer(shown.paths)}</Fact>}
               {shown && <Fact name={words.toCut}>{metres(shown.cut_mm + shown.fold_mm)}</Fact>}
               {drawn && <Fact name={words.drawn}>{drawn}</Fact>}
-              {shown && <Fact name={words.mat}>{[shown.mat ?? '', size(shown.area_mm[0] ?? 0, shown.area_mm[1] ?? 0)].filter(Boolean).join(', ')}</Fact>}
+              {shown && <Fact name={designWords.figures.sheet}>{paperTitle(shown)}</Fact>}
               {plan.material && <Fact name={words.material}>{plan.material}</Fact>}
               {plan.machine && <Fact name={words.machine}>{plan.machine}</Fact>}
             </dl>
@@ -359,8 +367,8 @@ export default function Sheets({ rest: id }: { rest: string }) {
               <ul class="plain-list server-words">{plan.warnings.slice(0, 30).map((one, i) => <li key={i}>{withoutTicks(one.message)}</li>)}</ul>
             </section>
           )}
-          {kind === 'spec' && shown?.side === 'printed' && <PrintFirst plan={id} sheet={sheet.value} />}
-          {may('submitter') && <QueueIt plan={plan} name={name} />}
+          {kind === 'spec' && shown?.side === 'printed' && <PrintFirst plan={id} sheet={sheet.value} paper={paperTitle(shown)} />}
+          {plan.machine === kNone ? <p class="note">{words.byHand}</p> : may('submitter') && <QueueIt plan={plan} name={name} />}
         </div>
       </div>
     </div>

@@ -259,11 +259,33 @@ TEST_CASE("a preview that is called off ends wherever it is", "[daemon][previews
 
 TEST_CASE("each limit of a preview ends it alone and says so", "[daemon][previews]") {
   SECTION("time") {
-    Bench bench(quick_limits(0.5), probe_program());
-    const auto late = bench.run(probe("spins", "ana"));
+    PreviewLimits limits = quick_limits(600);
+    limits.quick.cpu_s = 0.2;
+    limits.slow.cpu_s = 1;
+    Bench bench(limits, probe_program());
+    const auto late = bench.run(probe("spins", "ana", "", true));
     REQUIRE_FALSE(late);
     CHECK(late.error().kind == ProblemKind::Validation);
-    CHECK(late.error().detail.find("0.5 s that a preview may take") != std::string::npos);
+    CHECK(late.error().detail.find("0.2 s of processor time that a preview may take") !=
+          std::string::npos);
+    // Somebody at rest waits longer.
+    const auto longer = bench.run(probe("spins", "ana"));
+    REQUIRE_FALSE(longer);
+    CHECK(longer.error().detail.find("1 s of processor time that a design may take") !=
+          std::string::npos);
+  }
+  SECTION("time on a busy computer is that of the processor") {
+    PreviewLimits limits = quick_limits(600);
+    limits.quick.cpu_s = 0.2;
+    Bench bench(limits, probe_program());
+    CHECK(bench.run(probe("naps", "ana")));
+  }
+  SECTION("exact previews that take longer are made all the same") {
+    PreviewLimits limits = quick_limits(600);
+    limits.quick.cpu_s = 0.02;
+    Bench bench(limits);
+    const std::string spec = sphere(25, 20, kConformal);
+    CHECK(head_of(bench.run(preview(spec, "exact", "ana")))["quality"] == "exact");
   }
   SECTION("output") {
     PreviewLimits limits;

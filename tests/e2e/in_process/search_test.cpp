@@ -92,7 +92,7 @@ TEST_CASE("a worker finds the same cards of a model each time and draws each of 
   REQUIRE(front);
   CHECK(planning::front_text(*front) == text->bytes);
   REQUIRE_FALSE(front->cards.empty());
-  CHECK(first->files.size() == front->cards.size() + 1);
+  CHECK(first->files.size() == 2 * front->cards.size() + 1);
   double seconds = 0.0, error = 1e9;
   for (std::size_t k = 0; k < front->cards.size(); ++k) {
     const daemon::FoundCardRecord& card = front->cards[k];
@@ -111,7 +111,11 @@ TEST_CASE("a worker finds the same cards of a model each time and draws each of 
     CHECK(png->bytes.starts_with("\x89PNG"));
     CHECK(static_cast<unsigned char>(png->bytes[18]) * 256 +
               static_cast<unsigned char>(png->bytes[19]) ==
-          640);
+          planning::kThumbnailWidth_px);
+    const PlanningFile* const shown =
+        file_of(*first, planning::lattice_file(static_cast<int>(k) + 1));
+    REQUIRE(shown);
+    CHECK(shown->bytes.starts_with("PCLB"));
   }
   CHECK(front->cards.back().error < 0.5);  // a hall is what cards are good at
   CHECK(front->recommended >= 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/cli/view/print_picture.hpp"
+#include "daemon/planning/views/print_picture.hpp"
 
 #include <cmath>
 #include <cstdint>
@@ -13,20 +13,19 @@
 #include "core/geometry/design_angle.hpp"
 #include "daemon/pictures/png.hpp"
 
-namespace popcut::cli {
+namespace popcut::planning {
 namespace print_picture_parts {
 namespace {
 
-constexpr std::size_t kTile = 480;
 constexpr Colour kBack{247, 245, 240, 255};
 
 /// Where the two pictures of a design are seen from.
 struct Eyes {
   PictureLook front, aside;
 
-  explicit Eyes(const planning::PrintedDesign& design) {
+  Eyes(const PrintedDesign& design, std::size_t tile_px) {
     const double psi_rad = design.parts.front().design_psi_rad;
-    front.width_px = front.height_px = kTile;
+    front.width_px = front.height_px = tile_px;
     aside = front;
     if (design.around) {
       const auto toward = [&](double turn_rad) {
@@ -47,36 +46,40 @@ struct Eyes {
 /// Tiles side by side, three bytes a pixel.
 class Strip {
  public:
-  explicit Strip(std::size_t tiles) : width_(tiles * kTile), rgb_(3 * width_ * kTile, 255) {}
+  Strip(std::size_t tiles, std::size_t tile_px)
+      : side_(tile_px), width_(tiles * tile_px), rgb_(3 * width_ * tile_px, 255) {}
 
   void add(const ColourImage& tile) {
-    for (std::size_t j = 0; j < kTile; ++j)
-      for (std::size_t i = 0; i < kTile; ++i)
+    for (std::size_t j = 0; j < side_; ++j)
+      for (std::size_t i = 0; i < side_; ++i)
         std::memcpy(&rgb_[3 * (j * width_ + at_ + i)], tile.at(i, j), 3);
-    at_ += kTile;
+    at_ += side_;
   }
   [[nodiscard]] Result<std::string> png() const {
-    return png_of_pixels(rgb_, static_cast<int>(width_), static_cast<int>(kTile));
+    return png_of_pixels(rgb_, static_cast<int>(width_), static_cast<int>(side_));
   }
 
  private:
-  std::size_t width_, at_{};
+  std::size_t side_, width_, at_{};
   std::vector<std::uint8_t> rgb_;
 };
 
 }  // namespace
 }  // namespace print_picture_parts
 
-Result<std::string> print_picture(const planning::PrintedDesign& design, const Artwork& artwork) {
+Result<std::string> print_picture(const PrintedDesign& design, const Artwork& artwork,
+                                  bool with_model, int tile_px) {
   using namespace print_picture_parts;
   const PartsStand stand = design.around ? PartsStand::Around : PartsStand::InRow;
   std::vector<const Pattern*> parts;
   for (const Pattern& part : design.parts) parts.push_back(&part);
   const auto card = standing_print(parts, stand, artwork);
   if (!card) return tl::unexpected(card.error());
-  Eyes eyes(design);
-  Strip strip(design.models.empty() ? 2 : 3);
-  if (!design.models.empty()) {
+  const auto side = static_cast<std::size_t>(tile_px);
+  Eyes eyes(design, side);
+  const bool is_modelled = with_model && !design.models.empty();
+  Strip strip(is_modelled ? 3 : 2, side);
+  if (is_modelled) {
     PictureLook look = eyes.front;
     look.shade = design.coloured ? 0.4 : 0.65;
     strip.add(lit_picture(standing_models(parts, stand, design.models), look));
@@ -88,4 +91,4 @@ Result<std::string> print_picture(const planning::PrintedDesign& design, const A
   return strip.png();
 }
 
-}  // namespace popcut::cli
+}  // namespace popcut::planning

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+// The cutter and the paper that a person chose, and what they mean for searches and plans.
+import { computed, signal } from '@preact/signals';
+import type { Machine } from './model';
+import { cutter, kByHand, paper, prints } from './preferences';
+import { isProblem, read } from './server';
+import { devices } from './store';
+import { size } from './words';
+import { designWords } from './words_design';
+
+/** A paper or a mat; `name` is that of the option `mat`. */
+export interface Paper {
+  name: string;
+  title: string;
+  width_mm: number;
+  length_mm: number;
+}
+
+/** The machine of who cuts by hand. */
+export const kNone = 'none';
+const kUsualMachine = 'cameo3';    // whose times tell cards apart where nobody cuts with a machine
+const kSizes: [string, number, number][] = [['A4', 210, 297], ['letter', 215.9, 279.4], ['A3', 297, 420], ['12x12in', 304.8, 304.8]];
+const kLetterCountries = ['US', 'CA', 'MX', 'CL', 'CO', 'PH'];
+
+const machines = signal<Machine[]>([]);
+let asked = false;
+
+/** Reads what machines there are, once. */
+export async function readMachines(): Promise<void> {
+  if (asked) return;
+  asked = true;
+  try {
+    machines.value = (await read<{ items: Machine[] }>('/v1/machines')).items;
+  } catch (error) {
+    asked = false;
+    if (!isProblem(error)) throw error;
+  }
+}
+
+/** The cutter that is meant: one that is not there any more is not. */
+export const chosenCutter = computed(() => (cutter.value === kByHand || devices.value.has(cutter.value) ? cutter.value : ''));
+
+/** The cutter that is meant where nobody chose one. */
+const firstCutter = computed(() => [...devices.value.values()].find((one) => one.state !== 'absent') ?? [...devices.value.values()][0]);
+
+/** What the choice of no cutter is called. */
+export const anyCutter = computed(() => (firstCutter.value ? designWords.outfit.first(firstCutter.value.title) : designWords.outfit.none));
+
+/** The machine that is meant; null: not known yet. */
+export const machine = computed<Machine | null>(() => {
+  const device = devices.value.get(chosenCutter.value) ?? firstCutter.value;
+  const name = chosenCutter.value === kByHand ? kNone : device?.machine ?? kUsualMachine;
+  return machines.value.find((one) => one.name === name) ?? null;
+});
+
+/** What the chosen cutter takes: usual papers, then its own mats. */
+export const papers = computed<Paper[]>(() => {
+  const of = machine.value;
+  const titles: Record<string, string> = designWords.outfit.papers;
+  const fits = ([, width, length]: [string, number, number]): boolean => !of || (width <= of.width_mm + 0.1 && length <= of.length_mm + 0.1);
+  const own = (of?.name === kNone ? [] : of?.mats ?? []).map((mat): Paper => ({ ...mat, title: designWords.outfit.mat(mat.name) }));
+  const same = (a: Paper, b: Paper): boolean => Math.abs(a.width_mm - b.width_mm) < 1 && Math.abs(a.length_mm - b.length_mm) < 1;
+  const usual = kSizes.filter(fits).map(([name, width_mm, length_mm]): Paper => ({ name, title: titles[name] ?? name, width_mm, length_mm }));
+  return [...usual.filter((one) => !own.some((mat) => same(mat, one))), ...own];
+});
+
+/** What a planned sheet lies on, as people call it. */
+export function paperTitle(of: { mat: string | null; area_mm: number[] }): string {
+  const [width, length] = of.area_mm as [number, number];
+  const known = kSizes.find((one) => Math.abs(one[1] - width) < 1 && Math.abs(one[2] - length) < 1);
+  const title = known && designWords.outfit.papers[known[0]];
+  return title ?? (of.mat ? designWords.outfit.mat(of.mat) : size(width, length));
+}
+
+function usualPaper(): string {
+  const country = /-([A-Z]{2})\b/.exec(navigator.language)?.[1];
+  return country && kLetterCountries.includes(country) ? 'letter' : 'A4';
+}
+
+/** The paper that is meant: the chosen one if the cutter takes it. */
+export const chosenPaper = computed<Paper | null>(() => {
+  const named = (name: string): Paper | undefined => papers.value.find((one) => one.name === name || one.name === name.replace(/in$/, ''));
+  return named(paper.value) ?? named(usualPaper()) ?? papers.value[0] ?? null;
+});
+
+/** Whether the cutter looks for marks on a printed sheet. */
+export const canFindMarks = computed(() => machine.value?.marks_take_mm !== null);
+
+/** Whether cards get room for marks, and marks. */
+export const marked = computed(() => prints.value === 'yes' && canFindMarks.value && chosenCutter.value !== kByHand);
+
+const kEdge_mm = 2;
+
+/** Width and length that a card may have, mm: of the paper, or of what lies between its marks. */
+export const room = computed<[number, number] | null>(() => {
+  const of = chosenPaper.value;
+  const [across, along] = (marked.value ? machine.value?.marks_take_mm as [number, number] | null | undefined : null) ?? [kEdge_mm, kEdge_mm];
+  return of && [of.width_mm - across, of.length_mm - along];
+});
+
+/** The factor by which a card of this size, of which `margin_mm` stays as it is, is to be made smaller or larger to fill `room`. */
+export function fillFactor(width_mm: number, length_mm: number, margin_mm: number): number {
+  const of = room.value;
+  if (!of) return 1;
+  const factor = (a: number, b: number): number => Math.min((a - margin_mm) / Math.max(1, width_mm - margin_mm), (b - margin_mm) / Math.max(1, length_mm - margin_mm));
+  return Math.floor(1000 * Math.max(factor(...of), factor(of[1], of[0]))) / 1000;
+}
+
+/** Members of the request of a search. */
+export function searchWishes(): Record<string, unknown> {
+  const of = chosenCutter.value;
+  return {
+    ...(of === kByHand ? { machine: kUsualMachine } : of !== '' ? { device: of } : {}),
+    ...(chosenPaper.value ? { mat: chosenPaper.value.name } : {}), marks: marked.value,
+  };
+}
+
+/** Members of the request of a plan. `isPrinted`: the sheet is printed first. */
+export function planWishes(isPrinted: boolean): Record<string, unknown> {
+  const of = chosenCutter.value;
+  const options: Record<string, unknown> = chosenPaper.value ? { mat: chosenPaper.value.name } : {};
+  if (isPrinted && marked.value) options.marks = true;
+  return { ...(of === kByHand ? { machine: kNone } : of !== '' ? { device: of } : {}), options };
+}
