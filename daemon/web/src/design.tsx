@@ -7,7 +7,6 @@ import * as desk from './design_desk';
 import { marginOf, Panel, sheetBox } from './design_panel';
 import { shownModel, Stage } from './design_stage';
 import { Start } from './design_start';
-import { LatticeError } from './lattice';
 import { DrawingQuestion, mustAnswer, optionsOf } from './drawing';
 import { MakeDialog } from './make';
 import { filesOfDrop, type Given } from './model_files';

@@ -6,7 +6,7 @@ import { useEffect, useMemo } from 'preact/hooks';
 import * as desk from './design_desk';
 import { drawing, DrawingQuestion, optionsOf } from './drawing';
 import { Button, Dialog, Trouble } from './parts';
-import { keepText, keptText } from './preferences';
+import { keepText, keptText, paper as ownPaper } from './preferences';
 import { isProblem, saveAs, send, type ServerProblem } from './server';
 import { devices, may, stale } from './store';
 import { withoutTicks } from './words';
@@ -42,7 +42,8 @@ function SheetImage({ svg, alt }: { svg: string; alt: string }) {
 function Way({ way, name }: { way: string; name: string }) {
   const papers = kPapers[way] ?? [];
   const stored = keptText(`paper.${way}`) ?? '';
-  const paper = useSignal(papers.includes(stored) ? stored : papers[0]!);
+  // What was chosen here, else what this person cuts on.
+  const paper = useSignal([stored, ownPaper.peek()].find((one) => one !== '' && papers.includes(one)) ?? papers[0]!);
   const machine = useSignal(keptText('cricut') ?? 'cricut-maker');
   const made = useSignal<Made | null>(null);
   const problem = useSignal<ServerProblem | null>(null);

@@ -38,18 +38,18 @@ export const theme = kept<Theme>('theme', ['system', 'light', 'dark'], 'system')
 export const language = kept<Language>('language', ['en', 'pseudo'], 'en');
 
 /** A text that is kept; '' is not. */
-function keptText(name: string): Signal<string> {
+function keptSignal(name: string): Signal<string> {
   const value = signal(readStored(name) ?? '');
   effect(() => writeStored(name, value.value || null));
   return value;
 }
 
 /** The id of the cutter beside which this screen stands, or ''. */
-export const beside = keptText('beside');
+export const beside = keptSignal('beside');
 
 /** What a person cuts with and on, chosen once: the id of a cutter or `kByHand`; a paper or mat by its name. '': not chosen yet. */
-export const cutter = keptText('cutter');
-export const paper = keptText('paper');
+export const cutter = keptSignal('cutter');
+export const paper = keptSignal('paper');
 export const kByHand = 'by-hand';
 /** Whether cards are printed before they are cut; 'unset': nobody said so. */
 export const prints = kept<'yes' | 'no' | 'unset'>('prints', ['yes', 'no', 'unset'], 'unset');

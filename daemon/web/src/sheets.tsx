@@ -10,7 +10,7 @@ import { foldOf } from './route';
 import { act, isProblem, read, readBlob, saveAs, type ServerProblem } from './server';
 import { endOf, SheetView, strokesAt, strokeWords, timeColour, type Strokes } from './sheet_view';
 import { devices, may, stale } from './store';
-import { clockTime, integer, metres, timeRange, withoutTicks, words as everyWords } from './words';
+import { clockTime, integer, metres, size, timeRange, withoutTicks, words as everyWords } from './words';
 import { designWords } from './words_design';
 
 const words = designWords.sheets;
