@@ -578,6 +578,32 @@ test('a drawing asks in place what its colours are for; the answer is kept, and 
   await close();
 });
 
+test('examples are in two groups, each with its picture, in one order everywhere; what is begun far down is in view', async () => {
+  const { page, complaints, close } = await visit(server, { hash: '#/', screen: 'phone', motion: 'reduce' });
+  const names = async (pictures) => {
+    await page.locator(pictures).first().waitFor();
+    return page.locator(pictures).evaluateAll((all) => all.map((one) => /example-(\w+)-/.exec(one.src)[1]));
+  };
+  const now = await names('.examples img');
+  assert.equal(now[0], 'cat');
+  assert.ok(now.includes('lantern') && now.indexOf('lantern') < now.indexOf('sphere'));
+  await page.evaluate(() => { location.hash = '#/design'; });
+  await page.locator('.start-card:enabled').first().waitFor();
+  assert.deepEqual(await names('.start-picture img'), now);
+  assert.equal(await page.locator('.start-card').count(), now.length, 'no card without its picture');
+  await page.getByRole('heading', { name: 'From the paper' }).waitFor();
+  await page.locator('.start-word input').fill('HI');
+  await page.getByRole('button', { name: 'Make it stand up' }).click();
+  await page.locator('.badge').waitFor();
+  assert.equal(await page.evaluate(() => scrollY), 0);
+  await page.getByRole('button', { name: 'Cut this…' }).waitFor();
+  await page.evaluate(() => { location.hash = '#/settings'; });
+  await page.getByText('Language').waitFor();
+  assert.equal(await page.getByText('Pseudo').count(), 0);
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
 test('a file without a unit asks how large it is, and the view follows the file that is open', async () => {
   const { page, complaints, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
   await page.locator('.start-card').first().waitFor();

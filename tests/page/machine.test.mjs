@@ -275,6 +275,26 @@ test('a job that somebody cancelled elsewhere is told, and its START is gone', a
   assert.equal(acts('start').length, 0);
 });
 
+test('Arm is below its ticks on a phone and beside them on a desktop, and there is one PAUSE', async () => {
+  const job = await server.queue(ladder(200), { name: 'places' });
+  for (const screen of ['phone', 'desktop']) {
+    const { page, close } = await look({ hash: machineHash(), screen });
+    await page.locator('.arm').waitFor();
+    const [arm, ticks] = [await page.locator('.arm').boundingBox(), await page.locator('.ticks').boundingBox()];
+    if (screen === 'phone') assert.ok(arm.y >= ticks.y + ticks.height, 'below');
+    else assert.ok(arm.x + arm.width <= ticks.x && arm.y < ticks.y + ticks.height, 'beside, at the left');
+    if (screen === 'phone') {
+      await close();
+      continue;
+    }
+    await server.cut(job.id);
+    await page.locator('.pause-button').waitFor();
+    assert.equal(await page.locator('.pause-button').count(), 1);
+    await server.act(job.id, 'cancel');
+    await close();
+  }
+});
+
 test('a viewer sees everything and can do nothing', async () => {
   const job = await server.queue(ladder(200), { name: 'only look' });
   const { page, sent } = await look({ role: 'viewer', hash: machineHash() });

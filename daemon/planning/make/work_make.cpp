@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Part of daemon/planning/work.hpp. Sheets for people who have no cutter that popcut drives.
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,6 +29,8 @@ using daemon::PlanningOutcome;
 
 constexpr std::size_t kMostPictures = 6;  // of sheets, in one document
 
+double rounded_mm(double mm) { return std::round(mm * 1e6) / 1e6; }
+
 std::string dumped(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -47,10 +50,11 @@ Result<std::vector<PrintedPage>> pages_of(const Plan& plan) {
 Result<Json> pages_file(const std::vector<PrintedPage>& pages, const std::string& title) {
   const auto pdf = pdf_of_pages(pages, title);
   if (!pdf) return tl::unexpected(pdf.error());
-  return Json{{"name", "sheets.pdf"},
-              {"type", "application/pdf"},
-              {"base64", daemon::base64(*pdf)},
-              {"page_mm", {pages.front().width_mm, pages.front().height_mm}}};
+  return Json{
+      {"name", "sheets.pdf"},
+      {"type", "application/pdf"},
+      {"base64", daemon::base64(*pdf)},
+      {"page_mm", {rounded_mm(pages.front().width_mm), rounded_mm(pages.front().height_mm)}}};
 }
 
 /// @param pages  printed; empty unless the way is by hand
@@ -89,10 +93,10 @@ Json sheets_json(const Plan& plan, const std::vector<PrintedPage>& pages) {
   for (std::size_t i = 0; i < plan.sheets.size(); ++i) {
     const PlannedSheet& sheet = plan.sheets[i];
     const Box box = bounds(strokes_as_lines(sheet, plan.folds, ""));
-    sheets.push_back({{"area_mm", sheet.area_mm},
-                      {"size_mm", {box.width(), box.height()}},
-                      {"cut_mm", sheet.cut_mm},
-                      {"fold_mm", sheet.fold_line_mm},
+    sheets.push_back({{"area_mm", {rounded_mm(sheet.area_mm[0]), rounded_mm(sheet.area_mm[1])}},
+                      {"size_mm", {rounded_mm(box.width()), rounded_mm(box.height())}},
+                      {"cut_mm", rounded_mm(sheet.cut_mm)},
+                      {"fold_mm", rounded_mm(sheet.fold_line_mm)},
                       {"picture", i >= kMostPictures ? ""
                                   : pages.empty()    ? sheet_svg(sheet, "")
                                                      : pages[i].svg}});

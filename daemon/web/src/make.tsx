@@ -25,6 +25,9 @@ const kPapers: Record<string, string[]> = {
   laser: ['A4', 'letter', 'A3', '300x200', '600x400', '12x12in'],
 };
 
+const papersOf = (way: string, machine: string): string[] => (way !== 'cricut' || !machine.includes('joy') ? kPapers[way] ?? []
+  : machine === 'cricut-joy' ? ['4.5x12', ''] : ['']);
+
 function bytesOf(file: MadeFile): Blob {
   const { text, base64 = '', type } = file;
   const bytes = text === undefined ? Uint8Array.from(atob(base64), (c) => c.charCodeAt(0)) : text;
@@ -40,11 +43,11 @@ function SheetImage({ svg, alt }: { svg: string; alt: string }) {
 
 /** One way: its steps, its paper, its sheets and files. */
 function Way({ way, name }: { way: string; name: string }) {
-  const papers = kPapers[way] ?? [];
+  const machine = useSignal(keptText('cricut') ?? 'cricut-maker');
+  const papers = papersOf(way, machine.value);
   const stored = keptText(`paper.${way}`) ?? '';
   // What was chosen here, else what this person cuts on.
   const paper = useSignal([stored, ownPaper.peek()].find((one) => one !== '' && papers.includes(one)) ?? papers[0]!);
-  const machine = useSignal(keptText('cricut') ?? 'cricut-maker');
   const made = useSignal<Made | null>(null);
   const problem = useSignal<ServerProblem | null>(null);
   const answered = JSON.stringify(drawing.value?.question ?? null);
@@ -80,7 +83,7 @@ function Way({ way, name }: { way: string; name: string }) {
           <label class="field"><span>{words.machine}</span>
             <select value={machine.value} onChange={(event) => {
               machine.value = event.currentTarget.value;
-              paper.value = '';
+              paper.value = papersOf(way, machine.value)[0]!;
               keepText('cricut', machine.value);
             }}>
               {Object.entries(words.cricuts).map(([id, title]) => <option key={id} value={id} selected={id === machine.value}>{title}</option>)}

@@ -41,7 +41,7 @@ export const makeWords = localized({
   paper: 'Paper',
   machine: 'Machine',
   papers: {
-    '': '12 × 12 in mat', A4: 'A4', letter: 'Letter', A3: 'A3', '12x12in': '12 × 12 in', '12x24': '12 × 24 in mat', '300x200': '300 × 200 mm', '600x400': '600 × 400 mm',
+    '': '12 × 12 in mat', A4: 'A4', letter: 'Letter', A3: 'A3', '12x12in': '12 × 12 in', '12x24': '12 × 24 in mat', '4.5x12': '4.5 × 12 in mat', '300x200': '300 × 200 mm', '600x400': '600 × 400 mm',
   } as Record<string, string>,
   cricuts: {
     'cricut-maker': 'Maker', 'cricut-explore': 'Explore', 'cricut-joy-xtra': 'Joy Xtra', 'cricut-joy': 'Joy',
