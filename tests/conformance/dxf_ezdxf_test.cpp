@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
+#include <sstream>
+
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/formats/dxf/dxf_reader.hpp"
+#include "core/formats/write/pattern_files.hpp"
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
@@ -76,6 +79,54 @@ TEST_CASE("every entity of every DXF version lies where ezdxf has it",
     CHECK(closed(own) == (distance(other.front(), other.back()) < 1e-9 && other.size() > 2));
     CHECK(length(own) == Approx(length(other)).epsilon(4e-3));
   }
+}
+
+TEST_CASE("ezdxf reads the DXF of a sheet without a complaint, in mm and at the same lengths",
+          "[conformance][formats][dxf]") {
+  LineWork work;
+  const Points ring{{5, 5}, {95, 5}, {95, 75}, {5, 75}, {5, 5}};
+  work.append(Operation::Draw, Points{{1, 1}, {4, 5}});
+  for (int i = 0; i < 9; ++i)
+    work.append(Operation::FoldValley, Points{{10 + 2.5 * i, 40}, {11.5 + 2.5 * i, 40}});
+  work.append(Operation::Cut, Points{{20, 20}, {30, 20}, {30, 32.5}});
+  work.append(Operation::Outline, ring);
+  const popcut::testing::TempFolder folder;
+  std::ostringstream dxf;
+  write_sheet_dxf(work, {100, 80}, dxf);
+  popcut::testing::write_file(folder / "sheet.dxf", dxf.str());
+  const auto seen = popcut::testing::run_program({"/usr/bin/python3", "-c", R"py(
+import json, sys
+try:
+    import ezdxf
+except ImportError:
+    print("skip"); sys.exit(0)
+document = ezdxf.readfile(sys.argv[1])
+mm, order = {}, []
+for one in document.modelspace():
+    line = [one.dxf.start, one.dxf.end] if one.dxftype() == "LINE" else [v.dxf.location for v in one.vertices]
+    if one.dxftype() != "LINE" and one.is_closed:
+        line.append(line[0])
+    layer = one.dxf.layer
+    mm[layer] = mm.get(layer, 0) + sum((b - a).magnitude for a, b in zip(line, line[1:]))
+    if layer not in order:
+        order.append(layer)
+print(json.dumps({"errors": len(document.audit().errors), "units": document.units, "mm": mm, "order": order}))
+)py",
+                                                  (folder / "sheet.dxf").string()},
+                                                 folder.path());
+  if (seen.exit == 127 || seen.out.rfind("skip", 0) == 0) {
+    WARN("skipped: python3-ezdxf is not installed");
+    return;
+  }
+  CAPTURE(seen.err);
+  REQUIRE(seen.exit == 0);
+  const auto theirs = nlohmann::json::parse(seen.out);
+  CHECK(theirs["errors"] == 0);
+  CHECK(theirs["units"] == 4);
+  CHECK(theirs["order"] == nlohmann::json::array({"DRAW", "FOLD", "CUT"}));
+  CHECK(theirs["mm"]["DRAW"].get<double>() == Approx(5));
+  CHECK(theirs["mm"]["FOLD"].get<double>() == Approx(13.5));
+  CHECK(theirs["mm"]["CUT"].get<double>() == Approx(22.5 + 320));
 }
 
 }  // namespace dxf_ezdxf_test
