@@ -115,7 +115,7 @@ test('a model gives cards as pictures, and the one that is picked by key is the 
 });
 
 test('a book of cards is searched, picked and planned', async () => {
-  const { page, asked, complaints, close } = await desk();
+  const { page, asked, complaints, close } = await desk({ style: 'levels' });
   await give(page, 'hall.obj', hall());
   await found(page);
   await page.getByRole('button', { name: 'Search for others' }).click();

@@ -202,6 +202,8 @@ export async function readModel(given: Given, beside: readonly Given[]): Promise
   } catch {
     return null;
   }
+  const places = meshesOf(read.scene).map((mesh) => mesh.geometry.getAttribute('position')?.array ?? []);
+  if (!places.every((of) => Array.prototype.every.call(of, Number.isFinite))) return null;
   read.scene.updateMatrixWorld(true);
   const size = new Box3().setFromObject(read.scene).getSize(new Vector3());
   const drawn = [size.x, size.y, size.z].every((one) => one > 0 && one < kFarthest);

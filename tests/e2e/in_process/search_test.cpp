@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/planning/search/search_words.hpp"
+#include "daemon/planning/search/thumbnail.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/planner_bench.hpp"
