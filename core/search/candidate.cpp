@@ -138,7 +138,7 @@ std::vector<Candidate> kite_candidates(const StyleChoice& styles, int cards,
   if (!styles.facets || cards != 1) return out;
   for (std::size_t way = 0; way < ways.size(); ++way)
     for (const auto& [strip_mm, pitch_mm, line_cost] :
-         {std::array{8.0, 10.0, 4.0}, std::array{3.0, 10.0, 4.0}}) {
+         {std::array{8.0, 10.0, 4.0}, std::array{5.0, 10.0, 4.0}, std::array{2.0, 10.0, 4.0}}) {
       if (!ways[way].roof_off) continue;
       Candidate one;
       one.kites = true, one.way = way;

@@ -89,7 +89,7 @@ Result<void> write_dxf_file(const ExportJob& job, std::ostream& out) {
 }
 
 Result<void> write_csv_file(const ExportJob& job, std::ostream& out) {
-  write_segments_csv(job.made.strips, out);
+  write_segments_csv(job.made.strips, out, job.made.pattern.kites);
   return {};
 }
 

@@ -16,7 +16,7 @@ const openapi = join(here, '../http/api/openapi.json');
 
 /** The examples of `popcut design --list`, in two groups, in the order in which the page shows them. */
 const groups = {
-  cards: ['cat', 'house', 'heart', 'letters', 'village', 'lantern'],
+  cards: ['cat', 'house', 'heart', 'letters', 'village', 'cottage', 'lantern'],
   paper: ['sphere', 'saddle', 'cylinder', 'composite', 'airfoil', 'facade', 'packaging', 'multistate', 'fig2a', 'unit'],
 };
 const examples = Object.values(groups).flat();

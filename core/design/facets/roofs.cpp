@@ -23,7 +23,6 @@ constexpr double kLeastRoof_mm2 = 100.0, kLeastLength_mm = 6.0;
 constexpr double kSeen_mm = 1.5, kSeenShare = 0.7;  ///< of a strip's roof
 constexpr double kDormer_mm = 2.4, kLeastWidth_mm = 12.0;
 constexpr double kLeastFront_mm = 2.0;  ///< of the upright panel below an eave
-constexpr int kBothEnds = 8;            ///< a run of so many dormers has one at both ends
 constexpr double kSlack = 2e-3;         ///< of a bound: rounding to steps is finer
 
 /// A triangle of a roof: its plane x sin + z cos = d.
@@ -249,7 +248,7 @@ KitePlan plan_kites(const TriangleSoup& target, const SeenTarget& seen, const Fa
     const auto best = std::min_element(far.begin(), far.end()) - far.begin();
     for (const auto& [first, end] : found) {
       if (end - first < 2 * dormer) continue;
-      out.runs.push_back({out.kites.size(), first, end, dormer, end - first >= kBothEnds * dormer});
+      out.runs.push_back({out.kites.size(), first, end, dormer});
       std::fill(taken.begin() + first, taken.begin() + end, std::uint8_t{1});
     }
     out.kites.push_back(ways[static_cast<std::size_t>(best)]);

@@ -41,17 +41,14 @@ struct RefusedRoof {
   [[nodiscard]] std::string reason() const;
 };
 
-/// A kite in a stretch of strips. At its ends some strips go on without it, from its level plane to
-/// its upright one: they hold both.
+/// A kite in a stretch of strips. The first strips go on without it, from its level plane to its
+/// upright one: they hold both.
 struct KiteRun {
   std::size_t kite{};
   int first{}, end{};
-  int dormer{};  ///< strips at an end
-  bool at_both_ends{};
+  int dormer{};  ///< how many strips these are
 
-  [[nodiscard]] bool is_dormer(int strip) const {
-    return strip < first + dormer || (at_both_ends && strip >= end - dormer);
-  }
+  [[nodiscard]] bool is_dormer(int strip) const { return strip < first + dormer; }
 };
 
 /// The kites of a card.

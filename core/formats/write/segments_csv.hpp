@@ -2,8 +2,10 @@
 #pragma once
 
 #include <iosfwd>
+#include <span>
 
 #include "core/design/strips/strips.hpp"
+#include "core/pattern/pattern.hpp"
 
 namespace popcut {
 
@@ -23,6 +25,8 @@ namespace popcut {
 /// - `flag`: 1 for a connector between two branches (after an even-numbered slice), else 0.
 /// - `width`: twice the strip's width, mm: the drawn rectangle is half as wide as this column, in
 ///   popcut's file as in the paper's, where a slice of width w is a strip of width w/2.
-void write_segments_csv(const Strips& strips, std::ostream& out);
+///
+/// @param kites  of the pattern: their panels are where they stand, at psi = pi/2
+void write_segments_csv(const Strips& strips, std::ostream& out, std::span<const Kite> kites = {});
 
 }  // namespace popcut

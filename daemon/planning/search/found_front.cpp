@@ -34,8 +34,8 @@ daemon::FoundCardRecord record_of(const FoundCard& card) {
 
 std::string settings_words(const Candidate& candidate) {
   if (candidate.style == DesignStyle::Facets)
-    return fmt::format("facets in strips of {:g} mm, planes {:g} mm apart", candidate.strip_mm,
-                       candidate.pitch_mm);
+    return fmt::format("facets in strips of {:g} mm, planes {:g} mm apart{}", candidate.strip_mm,
+                       candidate.pitch_mm, candidate.kites ? ", sloped roofs" : "");
   if (candidate.style == DesignStyle::Silhouette)
     return fmt::format("silhouette in {} layer{}", candidate.layers,
                        candidate.layers == 1 ? "" : "s");

@@ -268,6 +268,10 @@ function PanelFields({ spec, of }: { spec: Spec; of: Lattice | null }) {
         <Slider label={words.fields.pitch} field="pitch" value={number(facets.pitch_mm, 2)} least={1} most={Math.max(8, number(facets.pitch_mm, 2))} step={0.1}
           pointers={['/facets/pitch_mm']} text={length(number(facets.pitch_mm, 2))} onMove={(v) => desk.change(withFacet('pitch_mm', tenth(v)), 'pitch', v)} />
         <label class="field field-row">
+          <span>{words.fields.sloped}</span>
+          <input type="checkbox" checked={facets.sloped === 'kites'} onChange={(event) => desk.set(withFacet('sloped', event.currentTarget.checked ? 'kites' : null))} />
+        </label>
+        <label class="field field-row">
           <span>{words.fields.inward}</span>
           <input type="checkbox" checked={facets.inward === true} onChange={(event) => desk.set(withFacet('inward', event.currentTarget.checked || null))} />
         </label>

@@ -145,6 +145,7 @@ export const designWords = localized({
     toFront: 'Depth',
     strip: 'Detail',
     pitch: 'Step in depth',
+    sloped: 'Roofs as sloped panels',
     inward: 'Also cut into the card',
     notPlain: 'This design has regions or patches. Open, change and share it here; edit its fields in a saved spec.',
   },

@@ -80,6 +80,39 @@ TEST_CASE("a house looks like a house: its roof and its gable are where they wer
   CHECK(bench.popcut({"verify", "out/pattern.fold", "--dof", "1"}).exit == 0);
 }
 
+TEST_CASE("the cottage of the examples has a sloped roof that opens, prints and is folded",
+          "[cli][e2e][facets]") {
+  const Bench bench;
+  const std::string spec = source_file("examples/cottage.json");
+  const Ran ran =
+      bench.popcut({"design", spec, "-o", "out", "--formats", "fold,picture,glb,report"});
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  const json report = bench.report();
+  CHECK(report["faces"] == 6);
+  CHECK(report["wobble"]["loose_panels"] == 0);
+  CHECK(bench.popcut({"verify", "out/pattern.fold", "--dof", "1"}).exit == 0);
+  // The file alone says how it moves.
+  CHECK(bench
+            .popcut(
+                {"deploy", "out/pattern.fold", "-o", "poses", "--frames", "2", "--to-psi", "20deg"})
+            .exit == 0);
+  CHECK(bench.popcut({"fold-guide", spec, "-o", "guide"}).exit == 0);
+}
+
+TEST_CASE("a roof that is too long for a sloped panel is refused with what would work",
+          "[cli][e2e][facets]") {
+  const Bench bench;
+  std::string spec = text_of_file(source_file("examples/cottage.json"));
+  const std::string gentle = "0.55 * abs(x - 35) - 43.75", steep = "1.1 * abs(x - 35) - 57.5";
+  spec.replace(spec.find(gentle), gentle.size(), steep);
+  write_file(bench.temp / "steep.json", spec);
+  const Ran ran = bench.popcut({"design", "steep.json", "-o", "out"});
+  CHECK(ran.exit == 4);
+  CHECK_THAT(ran.err, Catch::Contains("/facets/sloped") && Catch::Contains("must be at most") &&
+                          Catch::Contains("away from the wall"));
+}
+
 TEST_CASE("the cat of the examples is easy to fold, holds in paper and opens in one movement",
           "[cli][e2e][facets]") {
   const Bench bench;
