@@ -552,16 +552,15 @@ TEST_CASE("a person who follows the fold guide creases every fold once and the r
     check_followed(testing::row_of_boxes(9), false);
   }
   SECTION("sloped panels") {
-    const auto spec = parse_design_spec(R"({"popcut": 1, "style": "facets",
+    const auto spec = parse_design_spec(R"json({"popcut": 1, "style": "facets",
         "surface": {"type": "implicit",
                     "f": "max(max(x - 60, abs(y - 45) - 35), z + 0.55 * abs(x - 35) - 43.75)"},
-        "facets": {"length_mm": 90, "strip_mm": 10, "pitch_mm": 5, "sloped": "kites"}})");
+        "facets": {"length_mm": 90, "strip_mm": 10, "pitch_mm": 5, "sloped": "kites"}})json");
     REQUIRE(spec);
     const auto made = design(*spec);
     if (!made) FAIL(message(made.error()));
     REQUIRE(made->pattern.kites.size() == 1);
     check_followed(made->pattern);
-    // Sloped panels are pushed as they turn, and seen where they stand.
     CHECK(hands::wobble_of(made->pattern)->loose == 0);
   }
   SECTION("lattices") {
