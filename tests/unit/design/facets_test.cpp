@@ -1095,6 +1095,43 @@ TEST_CASE("streets of houses, boxes and balls with sloped panels verify", "[face
   }
 }
 
+TEST_CASE("verify refuses a sloped roof outside of its bound, and no other", "[facets][kites]") {
+  std::mt19937 random(16);
+  std::vector<double> poses;
+  for (int k = 1; k < 60; ++k) poses.push_back(std::numbers::pi * (60 - k) / 60);
+  poses.push_back(0.001);
+  const FacetGrid grid{1.0, 200, 400, 6.0, 6, 0.0};
+  int sound = 0, unsound = 0;
+  for (int round = 0; round < testing::rounds(100); ++round) {
+    const int p = whole(random, 10, 40), q = whole(random, 10, 40);
+    const int x = whole(random, 2, 60), z = whole(random, 2, 60);
+    const LabelKite kite{x, z + q, x + p, z};
+    const KiteSection section = kite.section(grid.step_mm);
+    const double room = section.overhangs() ? section.e.z : section.q.x;
+    const bool is_within = section.clears_card();
+    if (p == q || (!is_within && section.clearance_mm() < 1.02 * room)) continue;
+    CAPTURE(p, q, room, is_within);
+    const FacetPlanes planes({kite.ex}, {kite.qz}, {kite});
+    LabelImage labels{grid, std::vector<Label>(6 * 400)};
+    for (int s = 0; s < grid.strips; ++s) {
+      const auto strip = kite_labels(planes, grid, {0, 0, grid.strips, 1}, s);
+      std::copy(strip.begin(), strip.end(), labels.strip(s).begin());
+    }
+    auto made = pattern_of(labels, planes, {200, 200, 15}, 0.5);
+    REQUIRE(made);
+    mark_kites(*made, planes, grid.step_mm);
+    auto model = judge::pattern_model(made->built.pattern, poses);
+    REQUIRE(model);
+    VerifyOptions how;
+    how.quick = true, how.degrees_of_freedom = 1;
+    const auto report = verify_model(std::move(*model), how);
+    REQUIRE(report);
+    CHECK(report->ok() == is_within);
+    ++(is_within ? sound : unsound);
+  }
+  CHECK(std::min(sound, unsound) > 3);
+}
+
 TEST_CASE("a card with sloped panels comes back from its file, and moves the same on the page",
           "[facets][kites]") {
   std::mt19937 random(14);
