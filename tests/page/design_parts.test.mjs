@@ -13,6 +13,7 @@ const { Previews } = await sources('preview.ts');
 const ramps = await sources('ramps.ts');
 const glue = await sources('glue_steps.ts');
 const guide = await sources('fold_guide.ts');
+const { nearer } = await sources('zoom.ts');
 const { strokesAt, strokeAt, strokeNumber, strokeStarts, endOf } = await sources('strokes.ts');
 
 const near = (a, b, tolerance, what) => assert.ok(Math.abs(a - b) <= tolerance, `${what ?? ''} ${a} is not ${b}`);
@@ -313,4 +314,33 @@ test('a fold guide is its steps card by card, and lines and triangles become pat
   assert.deepEqual(guide.boxAround([[10, 0], [30, 100]], 0.1), [-10, 0, 120, 40]);
   assert.equal(guide.pathOf([[[10, 0], [10.00049, 5]]]), 'M0 10L5 10');
   assert.equal(guide.trianglesPath([0, 0, 4, 0, 4, 3]), 'M0 0L4 0L4 3Z');
+});
+
+test('a drawing comes nearer about a place, and stays within its edges', () => {
+  const whole = [10, 20, 100, 50];
+  assert.deepEqual(nearer(whole, whole, 2, 60, 45), [35, 32.5, 50, 25], 'about its middle');
+  assert.deepEqual(nearer(whole, whole, 2, 10, 20), [10, 20, 50, 25], 'about a corner');
+  assert.deepEqual(nearer(whole, [60, 45, 50, 25], 0.1, 110, 70), whole, 'no farther than whole');
+  assert.deepEqual(nearer(whole, [10, 20, 50, 25], 0.9, 60, 45)[0], 10, 'not over its edge');
+  assert.ok(nearer(whole, whole, 1e9, 60, 45)[2] > 5, 'not without end');
+});
+
+test('previews that are dropped show nothing, and a later one does', async () => {
+  const shown = [];
+  let end;
+  const previews = new Previews({
+    run: (input) => new Promise((done) => { end = () => done(input); }),
+    onResult: (result) => shown.push(result), onFailure: () => assert.fail('nothing failed'), rest_ms: 1,
+  });
+  previews.input('draft', true);
+  const first = end;
+  previews.drop();
+  first();
+  await new Promise((done) => setTimeout(done));
+  assert.deepEqual(shown, []);
+  assert.equal(previews.busy, false);
+  previews.input('next', true);
+  end();
+  await new Promise((done) => setTimeout(done));
+  assert.deepEqual(shown, ['next']);
 });
