@@ -34,11 +34,18 @@ std::string counted(std::size_t count, std::string_view what) {
 /// The edges of a pattern as whole folds: those that meet end to end in one line are one.
 std::vector<GuideFold> whole_folds(const Pattern& pattern) {
   std::vector<std::uint32_t> edges;
-  std::map<std::uint32_t, std::vector<std::uint32_t>> at;  // of each vertex: indices into `edges`
+  // Of each place, the ends there: an index into `edges` and a vertex. A cut parts vertices, and a
+  // crease goes on behind it.
+  std::map<std::pair<double, double>, std::vector<std::pair<std::uint32_t, std::uint32_t>>> at;
+  const auto place_of = [&](std::uint32_t vertex) {
+    const auto rounded = [](double x) { return std::round(x * 1e6) + 0.0; };
+    const PatternVertex& p = pattern.vertices[vertex];
+    return std::pair(rounded(pattern.u(p)), rounded(p.v));
+  };
   for (std::uint32_t e = 0; e < pattern.edges.size(); ++e) {
     if (!is_fold(pattern.edges[e])) continue;
     for (const std::uint32_t end : {pattern.edges[e].from, pattern.edges[e].to})
-      at[end].push_back(static_cast<std::uint32_t>(edges.size()));
+      at[place_of(end)].emplace_back(static_cast<std::uint32_t>(edges.size()), end);
     edges.push_back(e);
   }
   const auto along = [&](std::uint32_t k, std::uint32_t from) {  // unit vector away from a vertex
@@ -49,13 +56,15 @@ std::vector<GuideFold> whole_folds(const Pattern& pattern) {
     return std::array<double, 2>{length > 0 ? u / length : 0, length > 0 ? v / length : 0};
   };
   DisjointSets lines(edges.size());
-  for (const auto& [vertex, here] : at)
+  for (const auto& [place, here] : at)
     for (std::size_t i = 0; i < here.size(); ++i)
       for (std::size_t k = i + 1; k < here.size(); ++k) {
-        if (pattern.edges[edges[here[i]]].role != pattern.edges[edges[here[k]]].role) continue;
-        const auto a = along(here[i], vertex), b = along(here[k], vertex);
+        const auto [one, one_end] = here[i];
+        const auto [other, other_end] = here[k];
+        if (pattern.edges[edges[one]].role != pattern.edges[edges[other]].role) continue;
+        const auto a = along(one, one_end), b = along(other, other_end);
         if (std::abs(a[0] + b[0]) < kTouching_mm && std::abs(a[1] + b[1]) < kTouching_mm)
-          lines.join(here[i], here[k]);
+          lines.join(one, other);
       }
   std::vector<std::uint32_t> number;
   std::vector<GuideFold> folds(lines.number(number));

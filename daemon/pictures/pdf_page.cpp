@@ -366,15 +366,17 @@ Result<PdfPage> pdf_page(std::string_view pdf, std::uint64_t page) {
     warn("layers_ignored", fmt::format("the PDF has {} layers, and popcut tells at most {} apart: "
                                        "their names are not used",
                                        layers.size(), kMostLayers));
-  const auto left = [&](const char* code, std::size_t count, const char* what, const char* advice) {
+  const auto left = [&](const char* code, std::size_t count, const char* one, const char* several,
+                        const char* advice) {
     if (count > 0)
-      warn(code, fmt::format("{} {}{} {} left out{}", count, what, count == 1 ? "" : "s",
-                             count == 1 ? "is" : "are", advice));
+      warn(code, fmt::format("{} {} left out{}", count, count == 1 ? one : several, advice));
   };
-  left("text_left_out", left_out.letters, "letter",
+  left("text_left_out", left_out.letters, "letter of text is", "letters of text are",
        "; turn text that is to be cut into paths in the program that made the PDF");
-  left("pictures_left_out", left_out.pictures, "picture", "; a picture has no lines to cut");
-  left("white_left_out", left_out.white, "white area", ", since it has no line");
+  left("pictures_left_out", left_out.pictures, "picture is", "pictures are",
+       "; a picture has no lines to cut");
+  left("white_left_out", left_out.white, "white area is", "white areas are",
+       ", since it has no line");
   return out;
 }
 

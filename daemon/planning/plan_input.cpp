@@ -154,7 +154,9 @@ Result<DrawingInput> drawing_from_text(std::string text, InputKind kind, const S
     return fail(ErrorKind::Usage, "/options/units",
                 kind == InputKind::Spec
                     ? "is for DXF and FOLD files, and a design is in mm; use `scale` or `width`"
-                    : "is for DXF and FOLD files; use `scale` or `width`, or `svg-dpi` for an SVG");
+                : kind == InputKind::Pdf
+                    ? "is for DXF and FOLD files, and a PDF has its size; use `scale` or `width`"
+                    : "is for DXF and FOLD files; for an SVG use `svg-dpi`, `scale` or `width`");
   switch (kind) {
     case InputKind::Spec:
       return from_spec(text, sources);

@@ -13,7 +13,8 @@ class FakePreviewer final : public daemon::Previewer {
  public:
   std::uint64_t start(daemon::PreviewTask task, Done done) override {
     daemon::PlanningOutcome made;
-    for (const char* name : {"lattice", "spec.json", "deployed.svg", "pattern.svg", "artwork.pdf"})
+    for (const char* name :
+         {"lattice", "spec.json", "deployed.svg", "pattern.svg", "artwork.pdf", "make.json"})
       made.files.push_back({name, "{}"});
     if (const auto file = task.task.options.find("file"); file != task.task.options.end())
       made.files.push_back({file->second, "{}"});

@@ -42,7 +42,7 @@ ordered_json card_json(const planning::FoundCard& card, std::size_t k) {
       {"contour", f.contour()},
       {"cover", f.cover},
       {"excess", f.excess},
-      {"folds", card.folds},
+      {"folds", card.cost.hands.folds},
       {"shortest_fold_mm", card.cost.hands.shortest_mm},
       {"hand_seconds", card.cost.hands.time_s},
       {"label", card.cost.hands.label},

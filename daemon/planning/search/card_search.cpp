@@ -704,7 +704,6 @@ class CardSearch {
     card.figures = likeness::Target(target, scene).measure(card.structure);
     if (is_printed())
       card.printed = likeness::PrintedTarget(target, {}, scene).measure(card.structure);
-    card.folds = opened->folds;
     return card;
   }
 
@@ -727,7 +726,6 @@ class CardSearch {
     card.structure = std::move(opened.triangles);
     const likeness::Scene scene = scene_of(kComparePixels, true, likeness::round_views().size());
     card.figures = likeness::Target(target, scene).measure(card.structure);
-    card.folds = opened.folds;
     return card;
   }
   [[nodiscard]] static tl::unexpected<Error> unsound(std::size_t failed) {

@@ -76,7 +76,6 @@ struct FoundCard {
   likeness::ModelPlacement placement;
   std::vector<float> structure;  ///< the opened card, as `likeness::Triangles`
   std::string shown;             ///< what `SearchRequest::show` made of it
-  std::size_t folds{};
 
   /// What cards are ranked by.
   [[nodiscard]] double error() const { return printed ? printed->error() : figures.error(); }

@@ -19,7 +19,7 @@ daemon::FoundCardRecord record_of(const FoundCard& card) {
   out.cut_mm = card.cost.cut_mm, out.fold_mm = card.cost.fold_mm;
   out.sheet_mm = {card.made.u_mm, card.made.book ? card.made.book->width_mm : card.made.v_mm};
   if (card.made.book) out.page_mm = card.made.book->page_mm;
-  out.folds = static_cast<int>(card.folds);
+  out.folds = static_cast<int>(card.cost.hands.folds);
   out.shortest_fold_mm = card.cost.hands.shortest_mm, out.hand_seconds = card.cost.hands.time_s;
   out.label = card.cost.hands.label, out.wobble_mm = card.cost.wobble_mm;
   for (const Design& part : card.made.parts)

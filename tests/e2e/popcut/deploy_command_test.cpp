@@ -278,10 +278,15 @@ TEST_CASE("the Khronos validator finds no fault in any animation", "[cli][e2e][g
       continue;
     }
     words.push_back(bench.path(name + "/deploy.glb"));
-    REQUIRE(bench
-                .popcut({"deploy", name + "/segments.csv", "-o", name + "/loose", "--glb", "-q",
-                         "--no-stl", "--thickness", "0.2"})
-                .exit == 0);
+    const Ran loose = bench.popcut({"deploy", name + "/segments.csv", "-o", name + "/loose",
+                                    "--glb", "-q", "--no-stl", "--thickness", "0.2"});
+    // Segments are those of level and upright panels; the pattern of a sloped roof says how it
+    // moves.
+    if (name == "cottage") {
+      check_refused(loose, 3, "is neither level nor upright");
+      continue;
+    }
+    REQUIRE(loose.exit == 0);
     words.push_back(bench.path(name + "/loose/deploy.glb"));
   }
   const Ran ran = run_program(words, bench.temp.path());
