@@ -115,6 +115,13 @@ class SvgReader {
     return wrong(node, Error{kind, "", std::move(detail)});
   }
 
+  // What an element takes, as characters: one that is repeated takes longer than what it repeats
+  // has bytes.
+  static constexpr std::size_t kElement = 16, kClip = 100, kRepeated = 400;
+  [[nodiscard]] std::size_t steps_of_element() const {
+    return used_.empty() ? kElement : kRepeated;
+  }
+
   // Uses up work. If none is left, something in the drawing repeats far too often.
   Result<void> spend(const pugi::xml_node& node, std::size_t steps) {
     if (steps < steps_) {
@@ -199,7 +206,7 @@ class SvgReader {
   }
 
   Result<void> element(const pugi::xml_node& node, const Place& outer, const SvgStyle& inherited) {
-    if (auto done = spend(node, 16); !done) return done;
+    if (auto done = spend(node, steps_of_element()); !done) return done;
     SvgStyle style;
     const auto read = styles_.read(node, inherited, style);
     if (!read) return wrong(node, read.error());
@@ -293,7 +300,7 @@ class SvgReader {
       return ClipPart{};
     }
     const pugi::xml_node target = *found;
-    if (auto done = spend(target, 16); !done) return tl::unexpected(done.error());
+    if (auto done = spend(target, kClip); !done) return tl::unexpected(done.error());
     if (std::find(used_.begin(), used_.end(), target) != used_.end() ||
         outer.depth > options_.limits.depth)
       return wrong(
@@ -343,7 +350,7 @@ class SvgReader {
   // A shape in a <clipPath>, or the <use> of one.
   Result<ClipPart> clip_shape(const pugi::xml_node& node, Place place, const SvgStyle& inherited,
                               SvgRegion& region, bool& depends) {
-    if (auto done = spend(node, 16); !done) return tl::unexpected(done.error());
+    if (auto done = spend(node, kClip); !done) return tl::unexpected(done.error());
     SvgStyle style;
     const auto read = styles_.read(node, inherited, style);
     if (!read) return wrong(node, read.error());
@@ -551,7 +558,7 @@ class SvgReader {
                     const SvgStyle& inherited) {
     const std::string_view name = styles_.svg_name(target);
     if (name != "symbol" && name != "svg") return element(target, place, inherited);
-    if (auto done = spend(target, 16); !done) return done;
+    if (auto done = spend(target, steps_of_element()); !done) return done;
     SvgStyle style;
     const auto read = styles_.read(target, inherited, style);
     if (!read) return wrong(target, read.error());
