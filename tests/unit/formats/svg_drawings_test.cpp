@@ -238,7 +238,7 @@ TEST_CASE("a use of itself and a use bomb are refused", "[core][formats][svg][us
   CHECK(error_of(bomb(""), small).kind == ErrorKind::OutOfRange);
   CHECK(error_of(bomb(""), small).reason == ErrorReason::TooMuch);
   CHECK(circle.reason == ErrorReason::None);
-  small.points = 1000;
+  small.steps = 10'000'000, small.points = 1000;
   CHECK(error_of(bomb("<path stroke='red' d='M0 0H1'/>"), small).detail.find("1000 points") !=
         std::string::npos);
 }
