@@ -342,8 +342,8 @@ class Planner {
     if (options_.labels == LabelTool::Cut || (options_.labels == LabelTool::Auto && !pen))
       cut_marks(*layout);
     out_.warnings.insert(out_.warnings.end(), layout->warnings.begin(), layout->warnings.end());
-    // Pieces that are apart in the drawing, such as a book's cards, are split without glue. Who has
-    // said which paper there is has no mat that is larger.
+    // Pieces that are apart in the drawing, such as a book's cards, are split without glue. Who
+    // names a paper has no larger mat.
     const auto is_named = [&](const Mat& mat) { return is_mat_name(mat, options_.mat); };
     const std::vector<Mat>& mats = out_.machine.mats;
     const bool own_paper =

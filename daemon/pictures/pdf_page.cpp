@@ -348,14 +348,11 @@ Result<PdfPage> pdf_page(std::string_view pdf, std::uint64_t page) {
   add_layers(first.get(), 0, layers);
   const Drawn drawn(wanted.get());
   LeftOut left_out;
-  auto elements = layers.empty() || layers.size() > kMostLayers
-                      ? drawn.lines(left_out)
-                      : layer_by_layer(drawn, layers, left_out);
+  const bool has_names = !layers.empty() && layers.size() <= kMostLayers;
+  auto elements = has_names ? layer_by_layer(drawn, layers, left_out) : drawn.lines(left_out);
   if (!elements) return tl::unexpected(elements.error());
   PdfPage out;
-  out.svg =
-      drawn.around(layers.empty() || layers.size() > kMostLayers ? with_own_names(*elements, 0)
-                                                                 : std::move(*elements));
+  out.svg = drawn.around(has_names ? std::move(*elements) : with_own_names(*elements, 0));
   const auto warn = [&](const char* code, std::string message) {
     out.warnings.push_back({code, std::move(message)});
   };

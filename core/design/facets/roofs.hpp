@@ -59,9 +59,9 @@ struct KitePlan {
   bool any_roof{};  ///< there is a sloped plane, and it is seen
 };
 
-/// Lays a kite over each roof that is seen, of the type that is lawful and comes nearer. A strip of
-/// a kite is a chain of wall, level plane, kite, upright plane and ground, and nothing else: so its
-/// bound (`KiteSection::clearance_mm`) is all that it must obey.
+/// Lays a kite over each roof that is seen. Of the types whose bound holds, it takes the one nearer
+/// to the shape. A strip with a kite has wall, level plane, kite, upright plane and ground, and
+/// nothing else. So its bound (`KiteSection::clearance_mm`) is all that it must keep.
 [[nodiscard]] KitePlan plan_kites(const TriangleSoup& target, const SeenTarget& seen,
                                   const FacetGrid& grid, const KiteLimits& limits);
 

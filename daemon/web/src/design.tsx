@@ -14,7 +14,7 @@ import * as opening from './model_open';
 import { openInSimulator } from './origami_simulator';
 import * as outfit from './outfit';
 import { OutfitChoice } from './outfit_choice';
-import { Button, Dialog, Trouble } from './parts';
+import { Button, Dialog, Trouble, useAsking } from './parts';
 import { prints } from './preferences';
 import { go, parseRoute, route, sheetsOf } from './route';
 import { isProblem, read, readBlob, saveAs, send, ServerProblem } from './server';
@@ -236,39 +236,28 @@ function CutDialog({ onClose, print = false }: { onClose: () => void; print?: bo
   const materials = useSignal<string[]>([]);
   const material = useSignal(String(desk.spec.peek()?.material ?? ''));
   const copies = useSignal(1);
-  const busy = useSignal(false);
-  const problem = useSignal<ServerProblem | null>(null);
+  const { busy, problem, run } = useAsking();
   const open = useRef(true);
   useEffect(() => () => { open.current = false; }, []);
   useEffect(() => { if (print) prints.value = 'yes'; }, [print]);
   useEffect(() => {
     read<{ items: MaterialRow[] }>('/v1/materials?limit=200').then(({ items }) => { materials.value = items.map((row) => row.id); }, () => undefined);
   }, []);
-  const plan = async (): Promise<void> => {
-    if (busy.peek()) return;
-    busy.value = true;
-    problem.value = null;
-    try {
-      const id = await desk.storedId();
-      if (!open.current) return;
-      const canPrint = desk.spec.peek() !== null && prints.peek() === 'yes';
-      const wishes = outfit.planWishes(canPrint);
-      const body: Record<string, unknown> = {
-        ...(material.value ? { material: material.value } : {}), ...wishes,
-        options: { ...(desk.foreign.peek() ? optionsOf(id) : {}), ...(wishes.options as Record<string, unknown>) },
-      };
-      const made = await send<{ id: string }>('POST', `/v1/designs/${id}/plan`, { body });
-      sessionStorage.setItem(`popcut.cut.${made.id}`, JSON.stringify({ copies: copies.value, device: body.device ?? null }));
-      if (!open.current) return;
-      onClose();
-      go(sheetsOf(made.id));
-    } catch (error) {
-      if (!isProblem(error)) throw error;
-      problem.value = error;
-    } finally {
-      busy.value = false;
-    }
-  };
+  const plan = (): Promise<void> => run(async () => {
+    const id = await desk.storedId();
+    if (!open.current) return;
+    const canPrint = desk.spec.peek() !== null && prints.peek() === 'yes';
+    const wishes = outfit.planWishes(canPrint);
+    const body: Record<string, unknown> = {
+      ...(material.value ? { material: material.value } : {}), ...wishes,
+      options: { ...(desk.foreign.peek() ? optionsOf(id) : {}), ...(wishes.options as Record<string, unknown>) },
+    };
+    const made = await send<{ id: string }>('POST', `/v1/designs/${id}/plan`, { body });
+    sessionStorage.setItem(`popcut.cut.${made.id}`, JSON.stringify({ copies: copies.value, device: body.device ?? null }));
+    if (!open.current) return;
+    onClose();
+    go(sheetsOf(made.id));
+  });
   return (
     <Dialog title={words.cut.title} onNo={onClose} yes={words.cut.sheets} onYes={() => void plan()} busy={busy.value || !desk.canCut.value || stale.value || mustAnswer()}>
       {problem.value && <Trouble problem={problem.value} />}

@@ -9,9 +9,8 @@ import { FaceKind, onSheet, type Lattice } from './lattice';
 import * as outfit from './outfit';
 import { SheetView, type Strokes } from './sheet_view';
 import { asLattice, asPanels, isFacets, isPlain, isSilhouette, scaled, slicesOf, stretched, unitsOf, widthOf, widthsOf, withField, withSlices, withSliceWidth, withUnits, withWidth, type PanelStyle, type Spec } from './spec';
-import { Button, Trouble } from './parts';
+import { Button, Trouble, useAsking } from './parts';
 import { foldOf, go } from './route';
-import { isProblem, type ServerProblem } from './server';
 import { may, stale } from './store';
 import { integer, length, percent, size, withoutTicks, words as everyWords } from './words';
 import { designWords as words, plainNumber } from './words_design';
@@ -409,21 +408,9 @@ function Row({ name, means, children }: { name: string; means?: string; children
 /** What the design is to fold, how firmly it holds in paper, and the way to its steps. */
 export function ByHand({ of }: { of: Lattice }) {
   const { handwork, wobble } = of.report as Report;
-  const busy = useSignal(false);
-  const problem = useSignal<ServerProblem | null>(null);
+  const { busy, problem, run } = useAsking();
   if (!handwork) return null;
-  const guide = async (): Promise<void> => {
-    busy.value = true;
-    problem.value = null;
-    try {
-      go(foldOf(await desk.storedId()));
-    } catch (error) {
-      if (!isProblem(error)) throw error;
-      problem.value = error;
-    } finally {
-      busy.value = false;
-    }
-  };
+  const guide = (): Promise<void> => run(async () => { go(foldOf(await desk.storedId())); });
   return (
     <section class="by-hand" aria-labelledby="by-hand">
       <h2 id="by-hand">{words.byHand.title}</h2>

@@ -200,3 +200,23 @@ export function Note({ kind = 'plain', children }: { kind?: 'plain' | 'amber' | 
 }
 
 export type Ref<T> = RefObject<T>;
+
+/** Asks popcutd one thing at a time: whether it is at work, and what it refused. Other faults go on. */
+export function useAsking() {
+  const busy = useSignal(false);
+  const problem = useSignal<ServerProblem | null>(null);
+  const run = async (ask: () => Promise<void>): Promise<void> => {
+    if (busy.peek()) return;
+    busy.value = true;
+    problem.value = null;
+    try {
+      await ask();
+    } catch (error) {
+      if (!isProblem(error)) throw error;
+      problem.value = error;
+    } finally {
+      busy.value = false;
+    }
+  };
+  return { busy, problem, run };
+}

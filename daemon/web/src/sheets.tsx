@@ -5,7 +5,7 @@ import { useEffect, useRef } from 'preact/hooks';
 import { useAgain } from './again';
 import type { Plan } from './model';
 import { anyCutter, kNone, paperTitle } from './outfit';
-import { Button, LinkButton, Loading, Note, Trouble } from './parts';
+import { Button, LinkButton, Loading, Note, Trouble, useAsking } from './parts';
 import { foldOf } from './route';
 import { act, isProblem, read, readBlob, saveAs, type ServerProblem } from './server';
 import { endOf, SheetView, strokesAt, strokeWords, timeColour, type Strokes } from './sheet_view';
@@ -201,21 +201,11 @@ function useDesignOf(design: string | null | undefined): { name: string; kind: s
 
 /** What is printed on a sheet before it is cut. popcutd draws it when it is asked for. */
 function PrintFirst({ plan, sheet, paper }: { plan: string; sheet: number; paper: string }) {
-  const busy = useSignal(false);
-  const problem = useSignal<ServerProblem | null>(null);
+  const { busy, problem, run } = useAsking();
   useEffect(() => { problem.value = null; }, [sheet]);
-  const get = async (clay = false): Promise<void> => {
-    busy.value = true;
-    problem.value = null;
-    try {
-      saveAs(await readBlob(`/v1/plans/${encodeURIComponent(plan)}/sheets/${sheet}/artwork.pdf${clay ? '?clay=true' : ''}`), `print-${sheet}.pdf`);
-    } catch (error) {
-      if (!isProblem(error)) throw error;
-      problem.value = error;
-    } finally {
-      busy.value = false;
-    }
-  };
+  const get = (clay = false): Promise<void> => run(async () => {
+    saveAs(await readBlob(`/v1/plans/${encodeURIComponent(plan)}/sheets/${sheet}/artwork.pdf${clay ? '?clay=true' : ''}`), `print-${sheet}.pdf`);
+  });
   return (
     <section aria-label={words.print} class="note">
       <h2>{words.print}</h2>

@@ -152,7 +152,7 @@ TEST_CASE("what is too large and not to be split is refused and clipped only whe
   bench.refused({"big.svg", "--no-split"}, 4, "304.8 x 304.8 mm");
   const json clipped = bench.planned({"big.svg", "--clip"});
   CHECK(clipped["sheets"][0]["cut_mm"].get<double>() == Approx(2 * 294.8));
-  // Another mat is told, unless somebody has said which paper there is.
+  // A warning names a larger mat, unless the command names the paper.
   const auto tells_another_mat = [&](const Names& more) {
     Names words{"big.svg", "--machine", "cameo3"};
     words.insert(words.end(), more.begin(), more.end());

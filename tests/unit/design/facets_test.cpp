@@ -1169,7 +1169,7 @@ TEST_CASE("a card with sloped panels comes back from its file, and moves the sam
   }
 }
 
-TEST_CASE("a shape without a roof has no sloped panels to make, and is told so",
+TEST_CASE("a shape without a roof is refused sloped panels, and the error says why",
           "[facets][kites]") {
   TriangleSoup box;
   add_box(box, {0, 0, 0}, {20, 36, 15});
