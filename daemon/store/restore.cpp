@@ -43,7 +43,7 @@ Result<void> is_usable(const std::string& copy, const Integrity& found) {
   if (found.application != kApplicationId || found.version < 1)
     return fail(ErrorKind::Malformed, copy,
                 "is not a database of popcutd; copies are in the folder backups, as popcut-*.db");
-  if (std::string misfit = version_misfit(found.version); !misfit.empty())
+  if (std::string misfit = version_misfit(found.version, ""); !misfit.empty())
     return fail(ErrorKind::OutOfRange, copy, std::move(misfit));
   return {};
 }

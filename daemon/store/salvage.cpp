@@ -25,10 +25,27 @@ std::vector<std::string> columns_of(Database& database, const std::string& table
       first_text);
 }
 
+// That of this popcutd if the damage hides it.
+int version_of(Database& damaged) {
+  try {
+    const int version = schema_version(damaged);
+    return version < 1 ? kSchemaVersion : version;
+  } catch (const StoreFault&) {
+    return kSchemaVersion;
+  }
+}
+
 // Rows from the front up to damage, then from the back up to it: what lies before and behind.
 Salvage::Table bring_over(Database& from, Database& to, const std::string& table) {
   Salvage::Table report{.name = table};
-  const std::vector<std::string> columns = columns_of(to, table, "1");
+  std::vector<std::string> columns = columns_of(to, table, "1");
+  if (version_of(from) < kSchemaVersion) {
+    const std::vector<std::string> known = columns_of(from, table, "1");
+    std::erase_if(columns, [&](const std::string& column) {
+      return std::find(known.begin(), known.end(), column) == known.end();
+    });
+    if (columns.empty()) return report;
+  }
   const std::vector<std::string> keys = columns_of(to, table, "pk > 0 ORDER BY pk");
   const std::string names = fmt::format("{}", fmt::join(columns, ","));
   const std::string insert =
@@ -57,16 +74,6 @@ Salvage::Table bring_over(Database& from, Database& to, const std::string& table
     }
   }
   return report;
-}
-
-// That of this popcutd if the damage hides it.
-int version_of(Database& damaged) {
-  try {
-    const int version = schema_version(damaged);
-    return version < 1 ? kSchemaVersion : version;
-  } catch (const StoreFault&) {
-    return kSchemaVersion;
-  }
 }
 
 std::vector<Salvage::Table> bring_all(SqliteDatabase& from, SqliteDatabase& to) {
@@ -162,8 +169,9 @@ Result<Salvage> salvage(const std::string& path) {
     for (const char* suffix : {"", "-wal", "-journal"}) remove_tree(fresh + suffix);
     SqliteDatabase from({.path = reading + "/popcut.db", .create = false, .exclusive_wal = false});
     SqliteDatabase to({.path = fresh});
-    if (const std::string misfit = version_misfit(version_of(from)); !misfit.empty())
-      return fail(ErrorKind::OutOfRange, "", fmt::format("{}: {}", original, misfit));
+    if (const int version = version_of(from); version < kOldestSalvaged || version > kSchemaVersion)
+      return fail(ErrorKind::OutOfRange, "",
+                  fmt::format("{}: {}", original, version_misfit(version, "")));
     build_schema(to);
     report.tables = bring_all(from, to);
   } catch (const StoreFault& fault) {

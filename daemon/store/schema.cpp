@@ -58,8 +58,13 @@ int schema_version(Database& database) {
   return static_cast<int>(database.number("PRAGMA user_version"));
 }
 
-std::string version_misfit(int version) {
+std::string version_misfit(int version, const std::string& state) {
   if (version == kSchemaVersion) return {};
+  if (version >= kOldestSalvaged && version < kSchemaVersion && !state.empty())
+    return fmt::format(
+        "was written by an older popcutd (schema {}, this version uses schema {}); bring its jobs "
+        "into this version with 'popcut db salvage --state {}', which keeps the old database",
+        version, kSchemaVersion, state);
   return fmt::format(
       "was written by another version of popcutd (schema {}, this version uses schema {}); install "
       "that version, or use another state folder to start with an empty queue",

@@ -116,7 +116,7 @@ Result<std::unique_ptr<Store>> Store::open(StoreOptions options) {
     store->file_ = file.get();
     store->database_ = std::move(file);
     const int version = schema_version(*store->database_);
-    const std::string misfit = version < 1 ? "" : version_misfit(version);
+    const std::string misfit = version < 1 ? "" : version_misfit(version, settings.folder);
     if (!misfit.empty()) {
       store->failed_ = true;
       return fail(ErrorKind::OutOfRange, "", fmt::format("{}: {}", path, misfit));

@@ -207,7 +207,7 @@ TEST_CASE("a database with tables of another version is refused and not touched"
       CHECK(message(result.error()) ==
             place + ": was written by another version of popcutd (schema " +
                 std::to_string(version) +
-                ", this version uses schema 1); install that version, or use another state folder "
+                ", this version uses schema 2); install that version, or use another state folder "
                 "to start with an empty queue");
       CHECK(read_whole(path, 1 << 24).value() == before);
     };
@@ -217,6 +217,36 @@ TEST_CASE("a database with tables of another version is refused and not touched"
     fs::copy_file(path, copy);
     refused(restore(state, copy, true), copy);
   }
+}
+
+TEST_CASE("a database of an older popcutd is brought into this version by salvage",
+          "[daemon][store]") {
+  const TempFolder scratch{TempFolder::Place::Memory};
+  const std::string state = (scratch / "state").string(), path = state + "/popcut.db";
+  add_token(open(scratch).value()->database(), "kept");
+  {
+    SqliteDatabase older({.path = path, .create = false, .exclusive_wal = false});
+    older.script(
+        "ALTER TABLE plan DROP COLUMN handwork; DROP TABLE calendar; PRAGMA user_version=1");
+    older.checkpoint(true);
+  }
+  for (const char* beside : {"/database-state", "/witness"}) fs::remove(state + beside);
+  const auto refused = open(scratch);
+  REQUIRE_FALSE(refused);
+  CHECK(message(refused.error()) ==
+        path +
+            ": was written by an older popcutd (schema 1, this version uses schema 2); bring "
+            "its jobs into this version with 'popcut db salvage --state " +
+            state + "', which keeps the old database");
+  const auto done = salvage(state);
+  REQUIRE(done);
+  CHECK(fs::exists(done->original + "/popcut.db"));
+  const auto opened = open(scratch);
+  REQUIRE(opened);
+  Database& now = opened.value()->database();
+  CHECK(now.number("SELECT count(*) FROM material WHERE id='kept'") == 1);
+  CHECK(now.number("SELECT count(*) FROM calendar") == 0);
+  CHECK(now.number("SELECT count(*) FROM pragma_table_info('plan') WHERE name='handwork'") == 1);
 }
 
 TEST_CASE("a missing or empty or foreign database is never replaced silently", "[daemon][store]") {
