@@ -16,6 +16,7 @@
 
 #include "core/design/design_report.hpp"
 #include "core/design/facets/facets.hpp"
+#include "core/hands/folding.hpp"
 
 namespace popcut {
 namespace {
@@ -120,6 +121,7 @@ FacetOptions options_of(const DesignSpec& spec, const FacetTarget& target) {
   out.inward = spec.facets.inward;
   out.kites = spec.facets.sloped == SlopedParts::Kites;
   out.lattice = spec.facets.curved == CurvedParts::Lattice;
+  out.widen_to_mm = spec.facets.widen_to_mm;
   out.in_paper = spec.facets.hold == FacetHold::Paper;
   out.rough = spec.facets.rough;
   if (spec.style == DesignStyle::Silhouette) {
@@ -129,7 +131,8 @@ FacetOptions options_of(const DesignSpec& spec, const FacetTarget& target) {
     const double most_mm = std::max({target.to_mm - target.from_mm, extent.x_mm, extent.z_mm});
     out.pitch_mm = out.strip_mm = std::max({finest_mm, spec.min_panel_mm, kContourShare * most_mm});
   }
-  out.weights = {spec.facets.fold_cost_mm2, spec.facets.jump_cost_mm2, spec.facets.cut_cost_mm2};
+  out.weights = {spec.facets.fold_cost_mm2, spec.facets.jump_cost_mm2, spec.facets.cut_cost_mm2,
+                 spec.facets.hinge_cost_mm3};
   return out;
 }
 
@@ -309,6 +312,42 @@ void warn_of_filled_gaps(const Strips& strips, double margin_mm, const FacetTarg
            what, 100.0 * share)});
 }
 
+std::size_t folds_of(const FacetCard& card) {
+  return hands::handwork(card.pattern.built.pattern).folds;
+}
+
+/// The card with as little hinge cost as leaves it no more folds than the spec asks for; else the
+/// one with the fewest folds.
+Result<FacetCard> card_of_few_folds(const TriangleSoup& target, const DesignSpec& spec,
+                                    FacetOptions options, const Progress& progress) {
+  constexpr double kFirst_mm3 = 50.0, kFactor = 3.0, kLast_mm3 = 5e5;
+  auto best = facet_card(target, options, progress);
+  if (!best || spec.facets.most_folds == 0) return best;
+  const auto most = static_cast<std::size_t>(spec.facets.most_folds);
+  std::size_t fewest = folds_of(*best);
+  for (double cost = std::max(kFirst_mm3, kFactor * options.weights.hinge_mm3);
+       fewest > most && cost < kLast_mm3; cost *= kFactor) {
+    tell(progress, fmt::format("has {} folds; looking for at most {}", fewest, most));
+    options.weights.hinge_mm3 = cost;
+    auto made = facet_card(target, options, progress);
+    if (!made || !stands(*made) || folds_of(*made) >= fewest) continue;
+    fewest = folds_of(*made), best = std::move(made);
+  }
+  return best;
+}
+
+void warn_of_many_folds(const DesignSpec& spec, DesignReport& report) {
+  const auto most = static_cast<std::size_t>(spec.facets.most_folds);
+  if (most == 0 || report.handwork.folds <= most) return;
+  report.warnings.push_back(
+      {.code = "many_folds",
+       .message = fmt::format(
+           "the card has {} folds, and most_folds is {}; nothing with fewer folds was found that "
+           "holds: leave small parts of the shape out, use a larger pitch_mm and strip_mm, or "
+           "\"style\": \"silhouette\"",
+           report.handwork.folds, most)});
+}
+
 }  // namespace
 
 Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
@@ -318,7 +357,7 @@ Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
   if (!surface) return tl::unexpected(surface.error());
   const auto target = target_over(spec, *surface);
   if (!target) return tl::unexpected(target.error());
-  auto made = facet_card(target->soup, options_of(spec, *target), progress);
+  auto made = card_of_few_folds(target->soup, spec, options_of(spec, *target), progress);
   if (!made) return tl::unexpected(made.error());
   Design out;
   DesignReport& r = out.report;
@@ -362,6 +401,7 @@ Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
   warn_of_small_card(spec, *target, r);
   warn_of_hanging_parts(*made, r);
   warn_of_stepped_roofs(*made, r);
+  warn_of_many_folds(spec, r);
   if (is_cut_out(*spec.surface))
     warn_of_filled_gaps(out.strips, made->card.margin_mm, *target, solid_word(*spec.surface), r);
   out.target.push_back({std::move(*surface)});

@@ -23,6 +23,8 @@ constexpr std::array kPitches{1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 15.0};
 constexpr std::array kLayers{1, 2, 3, 4, 5, 6};
 constexpr int kFewLayers = 3;
 constexpr std::array kLineCosts{0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0};
+constexpr std::array kHinges_mm3{0.0, 50.0, 100.0, 200.0, 400.0, 800.0, 1500.0, 3000.0};
+constexpr double kMinFold_mm = 5.0;  ///< where folds have a price, shorter ones are made longer
 
 /// The value beside the one that is nearest to `now`, or that one itself at an end.
 template <typename Values, typename Value>
@@ -52,7 +54,8 @@ Candidate only_its_own(Candidate candidate) {
   }
   if (candidate.style != DesignStyle::Facets) {
     candidate.strip_mm = usual.strip_mm, candidate.pitch_mm = usual.pitch_mm;
-    candidate.line_cost = usual.line_cost, candidate.kites = false;
+    candidate.line_cost = usual.line_cost, candidate.hinge_mm3 = usual.hinge_mm3;
+    candidate.kites = false;
   }
   return candidate;
 }
@@ -122,11 +125,12 @@ std::vector<Candidate> broad_candidates(const StyleChoice& styles, int cards, st
   std::vector<Candidate> out;
   if (!styles.facets) return out;
   for (std::size_t way = 0; way < ways; ++way)
-    for (const auto& [strip_mm, pitch_mm, line_cost] :
-         {std::array{8.0, 10.0, 4.0}, std::array{10.0, 6.0, 8.0}, std::array{6.0, 4.0, 2.0}}) {
+    for (const auto& [strip_mm, pitch_mm, hinge_mm3] :
+         {std::array{3.0, 8.0, 800.0}, std::array{5.0, 8.0, 200.0}, std::array{8.0, 10.0, 3000.0},
+          std::array{3.0, 5.0, 200.0}}) {
       Candidate broad;
       broad.cards = cards, broad.way = way;
-      broad.strip_mm = strip_mm, broad.pitch_mm = pitch_mm, broad.line_cost = line_cost;
+      broad.strip_mm = strip_mm, broad.pitch_mm = pitch_mm, broad.hinge_mm3 = hinge_mm3;
       out.push_back(broad);
     }
   return out;
@@ -179,7 +183,7 @@ Candidate drawn_candidate(const StyleChoice& styles, int cards, std::size_t ways
     out.layers = draws.next_of(kLayers);
   } else if (out.style == DesignStyle::Facets) {
     out.strip_mm = draws.next_of(kStrips), out.pitch_mm = draws.next_of(kPitches);
-    out.line_cost = draws.next_of(kLineCosts);
+    out.line_cost = draws.next_of(kLineCosts), out.hinge_mm3 = draws.next_of(kHinges_mm3);
   } else {
     out.lattice = draws.next_of(styles.lattices);
     out.units = draws.next_of(kUnits), out.slices = draws.next_of(kSlices);
@@ -202,10 +206,12 @@ Candidate changed_candidate(const Candidate& from, std::size_t ways, std::uint64
       out.fill = beside(kFills, out.fill, draws);
     else if (out.style == DesignStyle::Silhouette)
       out.layers = beside(kLayers, out.layers, draws);
-    else if (facets && what < 0.55)
+    else if (facets && what < 0.5)
       out.strip_mm = beside(kStrips, out.strip_mm, draws);
-    else if (facets && what < 0.75)
+    else if (facets && what < 0.7)
       out.pitch_mm = beside(kPitches, out.pitch_mm, draws);
+    else if (facets && what < 0.9)
+      out.hinge_mm3 = beside(kHinges_mm3, out.hinge_mm3, draws);
     else if (facets)
       out.line_cost = beside(kLineCosts, out.line_cost, draws);
     else if (what < 0.65)
@@ -253,6 +259,10 @@ std::string spec_text(const Candidate& candidate, const Way& way, double scale_m
                       {"fold_cost_mm2", usual.fold_cost_mm2 * candidate.line_cost},
                       {"jump_cost_mm2", usual.jump_cost_mm2 * candidate.line_cost},
                       {"cut_cost_mm2", usual.cut_cost_mm2 * candidate.line_cost}};
+    if (candidate.hinge_mm3 > 0.0) {
+      spec["facets"]["hinge_cost_mm3"] = candidate.hinge_mm3;
+      spec["facets"]["min_fold_mm"] = kMinFold_mm;
+    }
     if (candidate.kites) spec["facets"]["sloped"] = "kites";
   } else {
     spec["fit"] = "nearest";

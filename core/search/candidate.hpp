@@ -26,6 +26,7 @@ struct Candidate {
   double strip_mm{2.0};                        ///< of facets, as the next two
   double pitch_mm{2.0};
   double line_cost{1.0};  ///< factor of the costs of folds and cuts
+  double hinge_mm3{};     ///< cost of a fold, however long
   int layers{2};          ///< of a silhouette
   bool kites{};           ///< facets whose roofs are sloped panels, off the wall as these ask
   bool usual{};           ///< a style as it is without a search: goes on to the end
@@ -56,7 +57,7 @@ struct StyleChoice {
 /// Each style with the usual settings, standing in the first way.
 [[nodiscard]] std::vector<Candidate> usual_candidates(const StyleChoice& styles, int cards);
 
-/// Facets in broad strips and few planes, standing in each way: cards of few long folds.
+/// Facets whose folds have a price, standing in each way: cards of few long folds.
 [[nodiscard]] std::vector<Candidate> broad_candidates(const StyleChoice& styles, int cards,
                                                       std::size_t ways);
 

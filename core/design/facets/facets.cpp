@@ -100,7 +100,8 @@ class FacetMaker {
       repaired = std::move(*cut);
     else
       labelling = std::move(uncut);
-    const bool is_moved = options_.lattice && !options_.rough;
+    const bool is_for_hands = options_.weights.hinge_mm3 > 0.0 || options_.widen_to_mm > 0.0;
+    const bool is_moved = (options_.lattice || is_for_hands) && !options_.rough;
     const FacetPlanes fine = is_moved ? every_step(planes) : planes;
     std::optional<Labelling> moved_on;
     std::size_t moves = 0;
@@ -109,7 +110,7 @@ class FacetMaker {
       moved_on.emplace(image, fine, grid_, options_.weights, limits());
       fix_kites(*moved_on);
       take_over(labelling, *repaired, *moved_on);
-      moves = move_patches(*moved_on, hold_rule(), kMostRepairWork);
+      moves = move_patches(*moved_on, hold_rule(), options_.widen_to_mm, kMostRepairWork);
       least = moved_on->least_distance();
     }
     const Labelling& last = moved_on ? *moved_on : labelling;
@@ -433,13 +434,12 @@ Result<FacetCard> firm_card(const TriangleSoup& target, const FacetOptions& opti
   return std::move(*firmest);
 }
 
-/// Whether anything stands up.
+}  // namespace
+
 bool stands(const FacetCard& card) {
   return std::any_of(card.labels.label.begin(), card.labels.label.end(),
                      [](Label label) { return label != kWallLabel && label != kGroundLabel; });
 }
-
-}  // namespace
 
 Result<FacetCard> facet_card(const TriangleSoup& target, const FacetOptions& options,
                              const Progress& progress) {

@@ -32,6 +32,7 @@ struct FacetOptions {
   bool in_paper{true};  ///< panels hold at places that are far enough apart (`paper_rule`)
   int layers{};  ///< upright planes of a silhouette (silhouette.hpp); 0: facets in all planes
   double min_fold_mm{6.0};  ///< of a silhouette: no strut is narrower
+  double widen_to_mm{};     ///< of facets: shorter folds are made longer, where that can be
   bool rough{};             ///< fewer sweeps and repairs, and no strips that are cut across
   FacetWeights weights;
 };
@@ -49,6 +50,9 @@ struct FacetCard {
   std::vector<RefusedRoof> refused{};  ///< sloped planes that are no kites
   std::size_t windows{};               ///< cut out, where a patch would hide what is farther back
 };
+
+/// Whether anything of a card stands up.
+[[nodiscard]] bool stands(const FacetCard& card);
 
 /// A target as origamic architecture: each point of the sheet gets one plane, parallel to the wall
 /// or to the ground. With `in_paper` it is made again with a stronger rule where a panel still

@@ -122,32 +122,66 @@ std::vector<Label> Labelling::solve(int strip, bool jumps, double coupling) {
   const std::size_t labels = planes_->size();
   load_costs(strip);
   next_ = cost_;
-  for (const int other : {strip - 1, strip + 1}) {
-    const bool is_margin = other < 0 || other >= grid_.strips;
-    for (int i = 0; i < grid_.columns; ++i) {
-      const Label beside = !is_margin       ? image_.strip(other)[static_cast<std::size_t>(i)]
-                           : i < grid_.wall ? kWallLabel
-                                            : kGroundLabel;
-      next_[static_cast<std::size_t>(i) * labels + static_cast<std::size_t>(beside)] -=
+  for (const int other : {strip - 1, strip + 1})
+    for (int i = 0; i < grid_.columns; ++i)
+      next_[static_cast<std::size_t>(i) * labels +
+            static_cast<std::size_t>(label_beside(other, i))] -=
           coupling * weights_.cut_mm2 * grid_.step_mm;
-    }
-  }
+  const double hinge = coupling * weights_.hinge_mm3;
+  if (hinge > 0.0) find_folds_beside(strip, hinge);
   for (const LabelBan& ban : bans_)
     if (ban.strip == strip)
       for (int i = ban.begin; i < ban.end; ++i)
         next_[static_cast<std::size_t>(i) * labels + static_cast<std::size_t>(ban.label)] +=
             kForbidden;
+  const double width = grid_.strip_mm, fold = weights_.fold_mm2 * width + hinge;
   // Strips of a flat front are often one and the same problem.
-  if (!solved_.empty() && jumps == solved_jumps_ && next_ == problem_) return solved_;
+  if (!solved_.empty() && jumps == solved_jumps_ && fold == solved_fold_ && next_ == problem_ &&
+      beside_ == solved_beside_)
+    return solved_;
   problem_.swap(next_);
-  solved_jumps_ = jumps;
-  const double width = grid_.strip_mm;
-  solved_ =
-      solver_
-          .solve({*planes_, grid_, problem_, limits_.least_run, weights_.fold_mm2 * width,
-                  jumps ? std::max(weights_.jump_mm2, weights_.fold_mm2) * width : kForbidden})
-          .label;
+  solved_jumps_ = jumps, solved_fold_ = fold, solved_beside_ = beside_;
+  solved_ = solver_
+                .solve({*planes_, grid_, problem_, limits_.least_run, fold,
+                        jumps ? std::max(weights_.jump_mm2, weights_.fold_mm2) * width : kForbidden,
+                        beside_})
+                .label;
   return solved_;
+}
+
+Label Labelling::label_beside(int other, int column) const {
+  if (other >= 0 && other < grid_.strips)
+    return image_.strip(other)[static_cast<std::size_t>(column)];
+  return column < grid_.wall ? kWallLabel : kGroundLabel;
+}
+
+bool Labelling::goes_on(int other, int column, Label before, Label after) const {
+  return label_beside(other, column - 1) == before && label_beside(other, column) == after;
+}
+
+int Labelling::shared_folds(std::span<const Label> labels, int other) const {
+  int shared = 0;
+  for (std::size_t i = 1; i < labels.size(); ++i)
+    if (labels[i] != labels[i - 1] &&
+        goes_on(other, static_cast<int>(i), labels[i - 1], labels[i]) &&
+        planes_->meet(labels[i - 1], labels[i], grid_.across(static_cast<int>(i))))
+      ++shared;
+  return shared;
+}
+
+void Labelling::find_folds_beside(int strip, double gain) {
+  beside_.clear();
+  for (int i = 1; i < grid_.columns; ++i)
+    for (const int other : {strip - 1, strip + 1}) {
+      const Label before = label_beside(other, i - 1), after = label_beside(other, i);
+      if (before == after || planes_->is_of_kite(before) || planes_->is_of_kite(after) ||
+          !planes_->meet(before, after, grid_.across(i)))
+        continue;
+      if (!beside_.empty() && beside_.back().column == i && beside_.back().into == after)
+        beside_.back().gain += gain;
+      else
+        beside_.push_back({i, after, gain});
+    }
 }
 
 void Labelling::sweep(int sweeps, bool jumps) {
@@ -245,29 +279,30 @@ double Labelling::cost(int strip, std::span<const Label> labels) const {
   } else {
     sum = distance(strip, labels);
   }
+  int hinges = 0;
   for (std::size_t i = 1; i < labels.size(); ++i)
-    if (labels[i] != labels[i - 1])
-      sum += grid_.strip_mm *
-             (planes_->meet(labels[i - 1], labels[i], grid_.across(static_cast<int>(i)))
-                  ? weights_.fold_mm2
-                  : weights_.jump_mm2);
+    if (labels[i] != labels[i - 1]) {
+      const bool is_fold =
+          planes_->meet(labels[i - 1], labels[i], grid_.across(static_cast<int>(i)));
+      sum += grid_.strip_mm * (is_fold ? weights_.fold_mm2 : weights_.jump_mm2);
+      hinges += is_fold ? 1 : 0;
+    }
   int cut = 0;
   for (const int other : {strip - 1, strip + 1}) {
-    const bool is_margin = other < 0 || other >= grid_.strips;
-    for (int i = 0; i < grid_.columns; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      const Label beside = !is_margin       ? image_.strip(other)[at]
-                           : i < grid_.wall ? kWallLabel
-                                            : kGroundLabel;
-      cut += labels[at] != beside ? 1 : 0;
-    }
+    for (int i = 0; i < grid_.columns; ++i)
+      cut += labels[static_cast<std::size_t>(i)] != label_beside(other, i) ? 1 : 0;
+    if (weights_.hinge_mm3 > 0.0) hinges -= shared_folds(labels, other);
   }
-  return sum + weights_.cut_mm2 * grid_.step_mm * cut;
+  return sum + weights_.cut_mm2 * grid_.step_mm * cut + weights_.hinge_mm3 * hinges;
 }
 
 double Labelling::whole_cost() const {
   double sum = 0.0;
-  for (int s = 0; s < grid_.strips; ++s) sum += cost(s, image_.strip(s));
+  for (int s = 0; s < grid_.strips; ++s) {
+    sum += cost(s, image_.strip(s));
+    if (weights_.hinge_mm3 > 0.0 && s > 0)
+      sum += weights_.hinge_mm3 * shared_folds(image_.strip(s), s - 1);
+  }
   return sum;
 }
 

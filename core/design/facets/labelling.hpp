@@ -16,6 +16,9 @@ struct FacetWeights {
   double fold_mm2{1.0};  ///< a fold
   double jump_mm2{4.0};  ///< a cut across a strip
   double cut_mm2{1.0};   ///< a cut between strips
+  /// A hinge, however long: as much as this volume between card and target, mm^3. Folds of strips
+  /// side by side between the same two planes are one hinge.
+  double hinge_mm3{};
 };
 
 /// What the labels must obey.
@@ -42,6 +45,7 @@ class Labelling {
   [[nodiscard]] const LabelImage& image() const { return image_; }
   [[nodiscard]] const FacetPlanes& planes() const { return *planes_; }
   [[nodiscard]] const FacetLimits& limits() const { return limits_; }
+  [[nodiscard]] const FacetWeights& weights() const { return weights_; }
 
   /// Every strip, odd and even ones in turn, until nothing changes or `sweeps` are done. The first
   /// sweeps take the neighbours less seriously.
@@ -66,7 +70,7 @@ class Labelling {
 
   /// What a strip costs, with the cuts to its neighbours.
   [[nodiscard]] double cost(int strip, std::span<const Label> labels) const;
-  /// What all strips cost together; a cut between two of them counts for both.
+  /// What all strips cost together; a cut between two of them counts for both, a hinge once.
   [[nodiscard]] double whole_cost() const;
   /// The distance from the target of one cell, mm^3; `kForbidden` and more where limits forbid it.
   [[nodiscard]] double cell_distance(int strip, int column, Label label) const;
@@ -83,6 +87,14 @@ class Labelling {
   /// Whether the same is seen in both strips.
   [[nodiscard]] bool look_alike(int strip, int other) const;
   void compute(int strip, double* cost) const;
+  /// The label of a column in strip `other`, or of the card's margin.
+  [[nodiscard]] Label label_beside(int other, int column) const;
+  /// Whether the labels of `other` at the line before a column are `before` and `after`.
+  [[nodiscard]] bool goes_on(int other, int column, Label before, Label after) const;
+  /// How many folds of a strip go on in strip `other`.
+  [[nodiscard]] int shared_folds(std::span<const Label> labels, int other) const;
+  /// The folds of the strips beside a strip, each worth `gain` to it, into `beside_`.
+  void find_folds_beside(int strip, double gain);
   [[nodiscard]] std::vector<Label> solve(int strip, bool jumps, double coupling);
 
   const SeenTarget* target_;
@@ -95,6 +107,8 @@ class Labelling {
   std::vector<std::uint8_t> fixed_;       ///< one a strip
   std::vector<std::vector<float>> kept_;  ///< costs of strips, where all of them fit
   std::vector<double> cost_, problem_, next_;
+  std::vector<FoldBeside> beside_, solved_beside_;
+  double solved_fold_{};
   int computed_{-1};  ///< the strip whose costs are in `cost_`, where none are kept
   FacetChainSolver solver_;
   bool solved_jumps_{};

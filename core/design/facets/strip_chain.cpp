@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 namespace popcut {
 namespace {
@@ -24,15 +25,34 @@ std::size_t least_of(std::span<const double> values) {
 
 }  // namespace
 
+/// Into each label at the line before `column` by a jump: from the least label, but into the plane
+/// that this one meets there, which would be a fold.
+void FacetChainSolver::jump_into(const FacetChainProblem& problem, std::size_t column) {
+  const std::size_t labels = problem.planes.size();
+  double* const here = whole_.data() + column * labels;
+  double* const into = entered_.data() + column * labels;
+  Label* const from = from_.data() + column * labels;
+  const std::size_t least = least_of({here, labels});
+  std::fill(into, into + labels, std::min(kNever, here[least] + problem.jump));
+  std::fill(from, from + labels, static_cast<Label>(least));
+  if (problem.jump >= problem.fold) return;  // the fold is as good
+  const Label met = problem.planes.partner(static_cast<Label>(least),
+                                           problem.grid.across(static_cast<int>(column)));
+  if (met == kNoLabel) return;
+  const double cost = std::exchange(here[least], kNever);
+  const std::size_t second = least_of({here, labels});
+  into[met] = std::min(kNever, here[second] + problem.jump);
+  from[met] = static_cast<Label>(second);
+  here[least] = cost;
+}
+
 /// Into each label at the line before `column`: by a fold, or by a jump.
 void FacetChainSolver::enter(const FacetChainProblem& problem, std::size_t column) {
   const std::size_t labels = problem.planes.size();
   const double* const here = whole_.data() + column * labels;
   double* const into = entered_.data() + column * labels;
   Label* const from = from_.data() + column * labels;
-  const std::size_t least = least_of({here, labels});
-  std::fill(into, into + labels, std::min(kNever, here[least] + problem.jump));
-  std::fill(from, from + labels, static_cast<Label>(least));
+  jump_into(problem, column);
   const int across = problem.grid.across(static_cast<int>(column));
   for (std::size_t l = 0; l < labels; ++l) {
     if (!(here[l] < kNever)) continue;
@@ -40,6 +60,18 @@ void FacetChainSolver::enter(const FacetChainProblem& problem, std::size_t colum
     if (other == kNoLabel || here[l] + problem.fold > into[other]) continue;
     into[other] = here[l] + problem.fold;
     from[other] = static_cast<Label>(l);
+  }
+  for (; beside_ < problem.beside.size() &&
+         problem.beside[beside_].column <= static_cast<int>(column);
+       ++beside_) {
+    const FoldBeside& fold = problem.beside[beside_];
+    const Label before = problem.planes.partner(fold.into, across);
+    if (fold.column != static_cast<int>(column) || before == kNoLabel || !(here[before] < kNever))
+      continue;
+    const double cost = here[before] + problem.fold - fold.gain;
+    if (cost > into[fold.into]) continue;
+    into[fold.into] = cost;
+    from[fold.into] = before;
   }
 }
 
@@ -57,6 +89,7 @@ FacetChain FacetChainSolver::solve(const FacetChainProblem& problem) {
   std::fill_n(from_.begin(), labels, kNoLabel);
   std::fill_n(begins_.begin(), std::min(columns + 1, run) * labels, std::uint8_t{0});
   entered_[kWallLabel] = 0.0;
+  beside_ = 0;
   for (std::size_t i = 1; i <= columns; ++i) {
     const double* const cost = problem.cost.data() + (i - 1) * labels;
     double* const sum = sum_.data() + i * labels;

@@ -91,12 +91,15 @@ struct FacetSpec {
   bool from_given{false};             ///< the spec gives it
   std::optional<double> length_mm{};  ///< along the spine; none: all of a mesh or a grid
   double fold_cost_mm2{1.0}, jump_cost_mm2{4.0}, cut_cost_mm2{1.0};  ///< of a line, by length
+  double hinge_cost_mm3{0.0};                                        ///< of a fold, however long
   CurvedParts curved{CurvedParts::Lattice};
   bool inward{false};  ///< parts behind wall and ground are made too
   FacetHold hold{FacetHold::Paper};
   SlopedParts sloped{SlopedParts::None};
   int layers{2};            ///< of a silhouette
   double min_fold_mm{8.0};  ///< of a silhouette: no strut is narrower, and none stands on less
+  double widen_to_mm{0.0};  ///< of facets (`min_fold_mm`): shorter folds are made longer
+  int most_folds{0};        ///< of facets; 0: as many as come
   /// Not a field of a spec. A search sets it: fewer rounds, to compare many designs quickly.
   bool rough{false};
 };

@@ -463,6 +463,8 @@ FieldTable curvature_table(AugmentedSpec& read, WeightFields& weights) {
 // ---- facets
 
 FieldTable facet_table(FacetSpec& facets, std::optional<double>& given_from_mm) {
+  constexpr double kMostHingeCost = 1e6;
+  constexpr int kMostFolds = 100'000;
   const auto cost = [](Member into) { return number(into, from(0.0, kMostWeight), "mm^2"); };
   return {{
       {"pitch_mm", number(&facets.pitch_mm, from(0.1, kMaxLength), "mm"),
@@ -478,9 +480,16 @@ FieldTable facet_table(FacetSpec& facets, std::optional<double>& given_from_mm) 
       {"fold_cost_mm2", cost(&facets.fold_cost_mm2),
        "what a fold costs for each mm of its length: as much as this area 1 mm off the target. "
        "More makes fewer folds"},
+      {"hinge_cost_mm3", number(&facets.hinge_cost_mm3, from(0.0, kMostHingeCost), "mm^3"),
+       "what a fold costs however long it is: as much as this volume between card and target. More "
+       "makes fewer, longer folds"},
       {"jump_cost_mm2", cost(&facets.jump_cost_mm2), "the same of a cut along the spine"},
       {"cut_cost_mm2", cost(&facets.cut_cost_mm2),
        "the same of a cut across the spine. More makes larger patches"},
+      {"most_folds", whole(&facets.most_folds, 0, kMostFolds),
+       "a card of no more folds, the best that is found; 0: as many as come"},
+      {"min_fold_mm", number(&facets.widen_to_mm, from(0.0, 100.0), "mm"),
+       "shorter folds are made longer, or their panels left out, where the card still holds then"},
       {"curved", word(&facets.curved, {"lattice", "facets"}),
        "how curved parts hold. lattice: by panels in planes of their own from strip to strip, "
        "which are moved to where the target is; facets: by struts, as planar parts do"},

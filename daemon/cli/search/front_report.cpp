@@ -22,7 +22,7 @@ ordered_json settings_json(const Candidate& candidate) {
                    {"fill", candidate.fill}};
   if (candidate.style == DesignStyle::Facets) {
     out["strip_mm"] = candidate.strip_mm, out["pitch_mm"] = candidate.pitch_mm;
-    out["line_cost"] = candidate.line_cost;
+    out["line_cost"] = candidate.line_cost, out["hinge_cost_mm3"] = candidate.hinge_mm3;
   } else if (candidate.style == DesignStyle::Silhouette) {
     out["layers"] = candidate.layers;
   } else {

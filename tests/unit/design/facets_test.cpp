@@ -29,6 +29,7 @@
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/lattice/lattice_blob.hpp"
+#include "core/hands/folding.hpp"
 #include "core/hands/wobble.hpp"
 #include "core/judge/pattern_model.hpp"
 #include "core/verify/verify.hpp"
@@ -98,6 +99,15 @@ TEST_CASE("parts behind the card are seen only where they are asked for", "[face
   CHECK(open.x_mm(5, 2) == Approx(0).margin(1e-5));  // nothing is there
 }
 
+/// What it costs to go on from one label to the other at the line before a column.
+double step_cost(const FacetChainProblem& problem, int column, Label before, Label after) {
+  if (problem.planes.partner(before, problem.grid.across(column)) != after) return problem.jump;
+  double cost = problem.fold;
+  for (const FoldBeside& fold : problem.beside)
+    if (fold.column == column && fold.into == after) cost -= fold.gain;
+  return cost;
+}
+
 /// The cheapest chain by trying all.
 double brute_force(const FacetChainProblem& problem, std::vector<Label>& labels, int column) {
   const int columns = problem.grid.columns;
@@ -111,9 +121,7 @@ double brute_force(const FacetChainProblem& problem, std::vector<Label>& labels,
       if (i > 0 && labels[at] != labels[at - 1]) {
         if (run < problem.least_run) return 1e30;
         run = 0;
-        cost += problem.planes.partner(labels[at - 1], problem.grid.across(i)) == labels[at]
-                    ? problem.fold
-                    : problem.jump;
+        cost += step_cost(problem, i, labels[at - 1], labels[at]);
       }
       ++run;
     }
@@ -137,10 +145,15 @@ TEST_CASE("the labels of a strip are the best of all", "[facets]") {
     std::vector<double> cost(6 * planes.size());
     for (double& c : cost) c = uniform(random, 0.0, 2.0);
     const double fold = uniform(random, 0.0, 0.5);
+    std::vector<FoldBeside> beside;
+    for (int column = 1; k % 2 == 0 && column < grid.columns; ++column)
+      beside.push_back(
+          {column, static_cast<Label>(whole(random, 0, 5)), uniform(random, 0.0, 2.0)});
     const FacetChainProblem problem{
         planes, grid,
         cost,   whole(random, 1, 3),
-        fold,   k % 3 == 0 ? kForbidden : fold + uniform(random, 0.0, 0.5)};
+        fold,   k % 3 == 0 ? kForbidden : std::max(0.0, fold + uniform(random, -0.5, 0.5)),
+        beside};
     std::vector<Label> labels(6);
     const double best = brute_force(problem, labels, 0);
     const FacetChain chain = solver.solve(problem);
@@ -151,9 +164,7 @@ TEST_CASE("the labels of a strip are the best of all", "[facets]") {
     for (std::size_t i = 0; i < 6; ++i) {
       sum += cost[i * planes.size() + static_cast<std::size_t>(same[i])];
       if (i > 0 && same[i] != same[i - 1])
-        sum += planes.partner(same[i - 1], grid.across(static_cast<int>(i))) == same[i]
-                   ? problem.fold
-                   : problem.jump;
+        sum += step_cost(problem, static_cast<int>(i), same[i - 1], same[i]);
     }
     CHECK(sum == Approx(best).epsilon(1e-9));
   }
@@ -316,7 +327,7 @@ TEST_CASE("patches move only to where labels cost less and all holds", "[facets]
     }
     const double before = moved.whole_cost();
     CHECK(before == Approx(labelling.whole_cost()));
-    const std::size_t made = move_patches(moved, {least_mm}, kMostRepairWork);
+    const std::size_t made = move_patches(moved, {least_mm}, 0.0, kMostRepairWork);
     moves += made;
     CHECK(moved.whole_cost() <= before + 1e-6);
     if (made == 0) CHECK(moved.whole_cost() == Approx(before));
@@ -326,10 +337,89 @@ TEST_CASE("patches move only to where labels cost less and all holds", "[facets]
         CHECK(moved.allows(run));
     // Without work to do it leaves all as it is.
     Labelling still = moved;
-    move_patches(still, {least_mm}, 0);
+    move_patches(still, {least_mm}, 0.0, 0);
     CHECK(still.whole_cost() <= moved.whole_cost() + 1e-6);
   }
   CHECK(moves > 0);
+}
+
+/// Folds of strips side by side between the same two planes, one by one; the card goes on at both
+/// sides.
+int hinges_of(const LabelImage& image, const FacetPlanes& planes) {
+  const auto label = [&](int s, int column) {
+    if (s < 0 || s >= image.grid.strips)
+      return column < image.grid.wall ? kWallLabel : kGroundLabel;
+    return image.strip(s)[static_cast<std::size_t>(column)];
+  };
+  int hinges = 0;
+  for (int column = 1; column < image.grid.columns; ++column)
+    for (int s = -1; s <= image.grid.strips; ++s) {
+      const Label before = label(s, column - 1), after = label(s, column);
+      if (before == after || !planes.meet(before, after, image.grid.across(column))) continue;
+      if (s < 0 || label(s - 1, column - 1) != before || label(s - 1, column) != after) ++hinges;
+    }
+  return hinges;
+}
+
+TEST_CASE("a fold with a price costs it once, however many strips it crosses", "[facets]") {
+  std::mt19937 random(20261127);
+  const FacetPlanes planes({2, 4, 6, 8}, {2, 4, 6, 8});
+  for (int k = 0; k < testing::rounds(20); ++k) {
+    INFO("round " << k);
+    const LabelImage image = random_labels(random, planes, whole(random, 1, 9));
+    TriangleSoup box;
+    add_box(box, {0, 0, 0}, {8, 10, 8});
+    const SheetRaster raster{-12, 0.5, 0, 0.5, 48, static_cast<std::size_t>(4 * image.grid.strips)};
+    const SeenTarget seen = seen_target(box, raster, false);
+    Labelling labelling(seen, planes, image.grid, {0.0, 0.0, 0.0, 7.0}, {});
+    double distance = 0.0;
+    for (int s = 0; s < image.grid.strips; ++s) {
+      const auto strip = image.strip(s);
+      labelling.set(s, {strip.begin(), strip.end()});
+      distance += labelling.distance(s, strip);
+    }
+    // The margins have the spine, which costs nothing.
+    CHECK(labelling.whole_cost() - distance ==
+          Approx(7.0 * (hinges_of(image, planes) - 2)).margin(1e-6));
+    // What a strip says of a change is what all of them cost more then.
+    const int changed = whole(random, 0, image.grid.strips - 1);
+    const std::vector<Label> flat(labels_of(random_labels(random, planes, 1), 0));
+    const double said = extra_cost(labelling, {{changed, flat}}), before = labelling.whole_cost();
+    labelling.set(changed, flat);
+    CHECK(labelling.whole_cost() - before == Approx(said).margin(1e-6));
+  }
+}
+
+TEST_CASE("a price on folds makes fewer of them, and longer ones where that is asked for",
+          "[facets]") {
+  std::mt19937 random(20261128);
+  std::size_t cheap = 0, dear = 0;
+  double short_mm = 0.0, long_mm = 0.0;
+  for (int k = 0; k < testing::rounds(4); ++k) {
+    INFO("round " << k);
+    TriangleSoup scene;
+    add_ball(scene, {uniform(random, 15, 30), uniform(random, 15, 45), uniform(random, 15, 30)},
+             uniform(random, 12, 20));
+    add_box(scene, {0, uniform(random, 0, 20), 0},
+            {uniform(random, 10, 40), uniform(random, 30, 55), uniform(random, 10, 40)});
+    FacetOptions options = coarse(60);
+    options.pitch_mm = 4;
+    const auto made_with = [&](double hinge_mm3, double widen_to_mm) {
+      options.weights.hinge_mm3 = hinge_mm3, options.widen_to_mm = widen_to_mm;
+      auto made = facet_card(scene, options);
+      if (!made) FAIL(message(made.error()));
+      CHECK(made->pattern.motion.degrees_of_freedom == 1);
+      CHECK(made->pattern.motion.pieces == 1);
+      CHECK(stands(*made));
+      return hands::handwork(made->pattern.built.pattern);
+    };
+    cheap += made_with(0.0, 0.0).folds;
+    const hands::Handwork few = made_with(300.0, 0.0), wide = made_with(300.0, 6.0);
+    dear += few.folds, short_mm += few.shortest_mm, long_mm += wide.shortest_mm;
+  }
+  CAPTURE(cheap, dear, short_mm, long_mm);
+  CHECK(2 * dear < cheap);
+  CHECK(long_mm > 1.5 * short_mm);
 }
 
 /// Three strips of two millimetres, steps of one, a wall of ten steps and as much ground. Planes
