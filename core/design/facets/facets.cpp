@@ -328,7 +328,8 @@ class FacetMaker {
                                  const Labelling& labelling) const {
     LabelImage open = labelling.image();
     double gone = 0.0;
-    if (cut_windows(open, planes, image, window_depth_mm(), options_.min_panel_mm) > 0)
+    if (cut_windows(open, planes, image, window_depth_mm(), options_.min_panel_mm,
+                    options_.widen_to_mm) > 0)
       for (std::size_t row = 0; row < image.raster.rows; ++row)
         for (std::size_t c = 0; c < image.raster.columns; ++c) {
           const int s = static_cast<int>(row) / kPointsAlong;
@@ -344,7 +345,8 @@ class FacetMaker {
   /// Windows, where the card with them is as sound as without.
   void open_windows(const SeenTarget& image, FacetCard& out) const {
     LabelImage labels = out.labels;
-    out.windows = cut_windows(labels, out.planes, image, window_depth_mm(), options_.min_panel_mm);
+    out.windows = cut_windows(labels, out.planes, image, window_depth_mm(), options_.min_panel_mm,
+                              options_.widen_to_mm);
     if (out.windows == 0) return;
     auto pattern = pattern_of(labels, out.planes, out.card, options_.min_panel_mm);
     if (pattern && pattern->motion.degrees_of_freedom == 1 && pattern->motion.pieces == 1) {

@@ -12,6 +12,8 @@
 namespace popcut {
 namespace {
 
+constexpr double kLeastArea_mm2 = 4.0;
+
 /// A stretch of a strip that is to be cut out.
 struct WindowStretch {
   int strip{}, begin{}, end{};
@@ -20,8 +22,12 @@ struct WindowStretch {
 class WindowCutter {
  public:
   WindowCutter(LabelImage& image, const FacetPlanes& planes, const SeenTarget& target,
-               double deeper_mm, double min_panel_mm)
-      : image_(image), planes_(planes), target_(target), deeper_mm_(deeper_mm) {
+               double deeper_mm, double min_panel_mm, double min_side_mm)
+      : image_(image),
+        planes_(planes),
+        target_(target),
+        deeper_mm_(deeper_mm),
+        least_area_mm2_(std::max(kLeastArea_mm2, min_side_mm * min_side_mm)) {
     least_ = std::max(1, static_cast<int>(std::ceil(min_panel_mm / grid().step_mm - 1e-9)));
     ring_ = std::max(1, static_cast<int>(std::ceil(min_panel_mm / grid().strip_mm - 1e-9)));
     slit_.assign(static_cast<std::size_t>(grid().strips) * static_cast<std::size_t>(grid().columns),
@@ -111,7 +117,6 @@ class WindowCutter {
 
   /// Wide enough to be cut, and of a form that one slit opens: it begins in one strip only.
   [[nodiscard]] bool is_sound(const std::vector<WindowStretch>& parts) const {
-    constexpr double kLeastArea = 4.0;  // mm^2
     double area = 0.0;
     int begins = 0;
     for (const WindowStretch& part : parts) {
@@ -124,7 +129,7 @@ class WindowCutter {
       if (has_twin) return false;
       begins += has_before ? 0 : 1;
     }
-    if (area < kLeastArea || begins != 1) return false;
+    if (area < least_area_mm2_ || begins != 1) return false;
     return slit_end(parts.front()) > 0;
   }
 
@@ -186,7 +191,7 @@ class WindowCutter {
   LabelImage& image_;
   const FacetPlanes& planes_;
   const SeenTarget& target_;
-  double deeper_mm_;
+  double deeper_mm_, least_area_mm2_;
   int least_{}, ring_{};
   std::vector<std::uint8_t> slit_;  ///< of each cell, whether a slit parts it from the strip before
 };
@@ -194,8 +199,8 @@ class WindowCutter {
 }  // namespace
 
 std::size_t cut_windows(LabelImage& image, const FacetPlanes& planes, const SeenTarget& target,
-                        double deeper_mm, double min_panel_mm) {
-  return WindowCutter(image, planes, target, deeper_mm, min_panel_mm).run();
+                        double deeper_mm, double min_panel_mm, double min_side_mm) {
+  return WindowCutter(image, planes, target, deeper_mm, min_panel_mm, min_side_mm).run();
 }
 
 }  // namespace popcut

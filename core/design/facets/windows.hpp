@@ -12,8 +12,9 @@ namespace popcut {
 /// of a letter: cells whose part of the target is more than `deeper_mm` behind the patch, with
 /// `min_panel_mm` and a strip of the patch left all around. Such cells get no label.
 ///
+/// @param min_side_mm  of a square: smaller windows are not cut
 /// @return how many windows there are
 std::size_t cut_windows(LabelImage& image, const FacetPlanes& planes, const SeenTarget& target,
-                        double deeper_mm, double min_panel_mm);
+                        double deeper_mm, double min_panel_mm, double min_side_mm);
 
 }  // namespace popcut

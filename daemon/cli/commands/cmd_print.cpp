@@ -25,6 +25,7 @@
 #include "core/print/pages.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/program_sheet_file.hpp"
+#include "daemon/cli/input/model_file.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/options/plan_arguments.hpp"
 #include "daemon/cli/view/long_work.hpp"
@@ -50,13 +51,6 @@ struct Options {
   bool clay{false}, bare_card{false}, back{false}, preview{false}, no_marks{false};
   bool cut_lines{false};
 };
-
-ModelFiles files_beside(const std::filesystem::path& model) {
-  return {[model](const std::string& name) { return read_beside(model, name); },
-          [](const std::string& name, std::string_view bytes, std::size_t most) {
-            return read_image(name, bytes, most);
-          }};
-}
 
 /// The model of a design: the one that was asked for, else the mesh that the spec names.
 Result<std::optional<ColourMesh>> model_of(const Options& options, const DesignSpec& spec,

@@ -12,6 +12,7 @@
 #include "core/text/words.hpp"
 #include "daemon/digest/digest.hpp"
 #include "daemon/files/output_folder.hpp"
+#include "daemon/pictures/image_reader.hpp"
 
 namespace popcut::cli {
 namespace model_file {
@@ -83,6 +84,13 @@ Result<std::string> read_model_file(const std::filesystem::path& file) {
   }
   if (!is_changed) return bytes;
   return json_line(*json);
+}
+
+ModelFiles files_beside(const std::filesystem::path& model) {
+  return {[model](const std::string& name) { return read_beside(model, name); },
+          [](const std::string& name, std::string_view bytes, std::size_t most) {
+            return read_image(name, bytes, most);
+          }};
 }
 
 }  // namespace popcut::cli

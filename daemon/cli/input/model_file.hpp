@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "core/artwork/colour_mesh_reader.hpp"
 #include "core/result.hpp"
 
 namespace popcut::cli {
@@ -17,5 +18,8 @@ namespace popcut::cli {
 /// @retval Malformed   it cannot be read, or one of its buffers
 /// @retval OutOfRange  larger than files may be
 [[nodiscard]] Result<std::string> read_model_file(const std::filesystem::path& file);
+
+/// The pictures and materials that lie beside a model.
+[[nodiscard]] ModelFiles files_beside(const std::filesystem::path& model);
 
 }  // namespace popcut::cli

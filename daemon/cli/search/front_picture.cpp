@@ -24,15 +24,21 @@ namespace {
 using planning::FoundCard;
 using planning::FoundCards;
 
-constexpr int kPixels = 480, kTile = 240, kGap = 12, kTop = 44, kWords = 58, kAcross = 4;
+constexpr int kPixels = 480, kGap = 12, kTop = 44, kWords = 58;
 
-/// Places of the page's tiles, in rows.
+/// The page's tiles, in rows.
+struct Tiles {
+  int width{240}, height{240}, across{4};
+};
+/// For pictures of printed cards, which show two sides.
+constexpr Tiles kWideTiles{400, 200, 3};
 struct Place {
   int x{}, y{};
 };
-Place place_of(std::size_t tile) {
+Place place_of(const Tiles& tiles, std::size_t tile) {
   const int k = static_cast<int>(tile);
-  return {kGap + k % kAcross * (kTile + kGap), kTop + k / kAcross * (kTile + kWords + kGap)};
+  return {kGap + k % tiles.across * (tiles.width + kGap),
+          kTop + k / tiles.across * (tiles.height + kWords + kGap)};
 }
 
 std::string words(double x, double y, int size, const std::string& text, bool bold = false) {
@@ -42,9 +48,22 @@ std::string words(double x, double y, int size, const std::string& text, bool bo
       x, y, size, bold ? " font-weight=\"bold\"" : "", xml_escaped(text));
 }
 
-Result<std::string> tile(std::size_t at, const likeness::Target& frame_of,
-                         likeness::Triangles shown, const likeness::Rgb& colour,
-                         const std::array<std::string, 3>& lines) {
+/// A picture (PNG) with three lines below it.
+std::string tile(const Tiles& tiles, std::size_t at, const std::string& png,
+                 const std::array<std::string, 3>& lines) {
+  const Place place = place_of(tiles, at);
+  std::string out = fmt::format(
+      "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" href=\"data:image/png;base64,{}\"/>\n",
+      place.x, place.y, tiles.width, tiles.height, daemon::base64(png));
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    out += words(place.x + 2, place.y + tiles.height + 16 + 17 * static_cast<int>(k), 13, lines[k],
+                 k == 0);
+  return out;
+}
+
+Result<std::string> drawn_tile(const Tiles& tiles, std::size_t at, const likeness::Target& frame_of,
+                               likeness::Triangles shown, const likeness::Rgb& colour,
+                               const std::array<std::string, 3>& lines) {
   const likeness::Frame frame = frame_of.frame(0);
   likeness::DepthImage image;
   likeness::draw(frame, shown, image);
@@ -52,26 +71,19 @@ Result<std::string> tile(std::size_t at, const likeness::Target& frame_of,
   const likeness::Pixels pixels = likeness::shaded(image, frame.pitch_mm(), jump, colour);
   const auto png = png_of_pixels(pixels.rgb, pixels.size, pixels.size);
   if (!png) return png;
-  const Place place = place_of(at);
-  std::string out = fmt::format(
-      "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" href=\"data:image/png;base64,{}\"/>\n",
-      place.x, place.y, kTile, kTile, daemon::base64(*png));
-  for (std::size_t k = 0; k < lines.size(); ++k)
-    out +=
-        words(place.x + 2, place.y + kTile + 16 + 17 * static_cast<int>(k), 13, lines[k], k == 0);
-  return out;
+  return tile(tiles, at, *png, lines);
 }
 
 /// The errors over the times.
-std::string graph(std::size_t at, const FoundCards& found) {
-  const Place place = place_of(at);
+std::string graph(const Tiles& tiles, std::size_t at, const FoundCards& found) {
+  const Place place = place_of(tiles, at);
   constexpr double kLeft = 40, kBottom = 30;
   double most_s = 0.0, most_error = 0.0;
   for (const FoundCard& card : found.front) {
     most_s = std::max(most_s, card.cost.hands.time_s);
-    most_error = std::max(most_error, card.figures.error());
+    most_error = std::max(most_error, card.error());
   }
-  const double width = kTile - kLeft - 12, height = kTile - kBottom - 24;
+  const double width = tiles.width - kLeft - 12, height = tiles.height - kBottom - 24;
   const auto x = [&](double s) { return place.x + kLeft + width * s / (1.05 * most_s); };
   const auto y = [&](double error) {
     return place.y + 24 + height * (1.0 - error / (1.1 * most_error));
@@ -81,7 +93,7 @@ std::string graph(std::size_t at, const FoundCards& found) {
                   x(0), place.y + 24.0, y(0), x(1.05 * most_s));
   std::string line;
   for (const FoundCard& card : found.front) {
-    const double px = x(card.cost.hands.time_s), py = y(card.figures.error());
+    const double px = x(card.cost.hands.time_s), py = y(card.error());
     line += line.empty() ? fmt::format("M{:.1f} {:.1f}", px, py)
                          : fmt::format("H{:.1f}V{:.1f}", px, py);
     out += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"#2166ac\"/>\n", px, py);
@@ -102,10 +114,10 @@ std::string settings(const Candidate& c) {
 }
 
 /// The first lines of a page of tiles.
-std::string page_head(std::size_t tiles, const std::string& title) {
-  const std::size_t rows = (tiles + kAcross - 1) / kAcross;
-  const int width = kGap + kAcross * (kTile + kGap);
-  const int height = kTop + static_cast<int>(rows) * (kTile + kWords + kGap);
+std::string page_head(const Tiles& tiles, int count, const std::string& title) {
+  const int rows = (count + tiles.across - 1) / tiles.across;
+  const int width = kGap + tiles.across * (tiles.width + kGap);
+  const int height = kTop + rows * (tiles.height + kWords + kGap);
   return fmt::format(
              "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" "
              "viewBox=\"0 0 {0} {1}\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"#fff\"/>\n",
@@ -146,7 +158,8 @@ Result<std::string> sides_picture(const TriangleMesh& mesh, const std::string& u
     if (front != "any" && front.back() != upright.back()) stands.push_back({upright, front});
   const std::string lying = other(upright);
   for (const char* front : {lying == "z" ? "-y" : "z", "x"}) stands.push_back({lying, front});
-  std::string svg = page_head(stands.size(),
+  const Tiles tiles;
+  std::string svg = page_head(tiles, static_cast<int>(stands.size()),
                               "Which picture shows the model as it should stand and "
                               "look at you?");
   for (std::size_t k = 0; k < stands.size(); ++k) {
@@ -158,10 +171,10 @@ Result<std::string> sides_picture(const TriangleMesh& mesh, const std::string& u
     scene.pixels = kPixels;
     scene.views = {likeness::risen_view(0, radians(15))};
     const bool is_taken = stand.up == taken.up && stand.front == taken.front;
-    auto part = tile(k, likeness::Target(standing, scene), standing,
-                     is_taken ? likeness::kModelColour : likeness::kPaperColour,
-                     {fmt::format("--up {} --front {}", stand.up, stand.front),
-                      is_taken ? "the card to make shows this" : "", ""});
+    auto part = drawn_tile(tiles, k, likeness::Target(standing, scene), standing,
+                           is_taken ? likeness::kModelColour : likeness::kPaperColour,
+                           {fmt::format("--up {} --front {}", stand.up, stand.front),
+                            is_taken ? "the card to make shows this" : "", ""});
     if (!part) return part;
     svg += *part;
   }
@@ -179,43 +192,49 @@ Result<std::string> card_picture(const planning::FoundCards& found, const planni
   return compare_picture(aim, around, card.structure, title);
 }
 
-Result<std::string> front_picture(const planning::FoundCards& found, const std::string& title) {
+Result<std::string> front_picture(const planning::FoundCards& found, const std::string& title,
+                                  const std::optional<ColourMesh>& model) {
   using namespace front_picture_parts;
-  const std::size_t tiles = found.front.size() + 2;
-  std::string svg = page_head(tiles, title);
   const FoundCard& best = found.front.back();
-  const auto add = [&](const Result<std::string>& part) {
-    if (part) svg += *part;
-    return part.has_value();
-  };
+  const bool is_printed = model && !best.made.book;
+  const Tiles tiles = is_printed ? kWideTiles : Tiles{};
+  const std::size_t count = found.front.size() + 2;
+  std::string svg = page_head(tiles, static_cast<int>(count), title);
   const std::vector<float> around_best = planning::model_around(found, best);
-  auto part = tile(0, likeness::Target(around_best, planning::pictured_scene(best, kPixels)),
-                   around_best, likeness::kModelColour,
-                   {"the model",
-                    fmt::format("{} can show {:.0f} % of it",
-                                best.made.book ? fmt::format("{} cards", best.made.parts.size())
-                                               : std::string("one card"),
-                                100 * found.seen_share),
-                    best.made.book ? "turned as in the best book" : "turned as in the best card"});
-  if (!add(part)) return part;
+  auto part =
+      drawn_tile(tiles, 0, likeness::Target(around_best, planning::pictured_scene(best, kPixels)),
+                 around_best, likeness::kModelColour,
+                 {"the model",
+                  fmt::format("{} can show {:.0f} % of it",
+                              best.made.book ? fmt::format("{} cards", best.made.parts.size())
+                                             : std::string("one card"),
+                              100 * found.seen_share),
+                  best.made.book ? "turned as in the best book" : "turned as in the best card"});
+  if (!part) return part;
+  svg += *part;
   for (std::size_t k = 0; k < found.front.size(); ++k) {
     const FoundCard& card = found.front[k];
-    part = tile(
-        k + 1,
-        likeness::Target(planning::model_around(found, card),
-                         planning::pictured_scene(card, kPixels)),
-        card.structure, likeness::kPaperColour,
-        {fmt::format(
-             "{}: {}{} folds, {:.0f} min{}", k + 1, k == found.recommended ? "make this; " : "",
-             card.cost.hands.folds, std::max(1.0, card.cost.hands.time_s / 60.0),
-             k == found.recommended ? std::string() : fmt::format(" ({})", card.cost.hands.label)),
-         settings(card.candidate),
-         fmt::format("error {:.3f}; {:.1f} min to cut", card.figures.error(),
-                     card.cost.seconds / 60.0)});
-    if (!add(part)) return part;
+    const std::array<std::string, 3> lines{
+        fmt::format(
+            "{}: {}{} folds, {:.0f} min{}", k + 1, k == found.recommended ? "make this; " : "",
+            card.cost.hands.folds, std::max(1.0, card.cost.hands.time_s / 60.0),
+            k == found.recommended ? std::string() : fmt::format(" ({})", card.cost.hands.label)),
+        settings(card.candidate),
+        fmt::format("error {:.3f}; {:.1f} min to cut", card.error(), card.cost.seconds / 60.0)};
+    if (is_printed) {
+      const auto png = planning::thumbnail_png(found, card, model);
+      if (!png) return png;
+      svg += tile(tiles, k + 1, *png, lines);
+      continue;
+    }
+    part = drawn_tile(tiles, k + 1,
+                      likeness::Target(planning::model_around(found, card),
+                                       planning::pictured_scene(card, kPixels)),
+                      card.structure, likeness::kPaperColour, lines);
+    if (!part) return part;
+    svg += *part;
   }
-  svg += graph(tiles - 1, found) + "</svg>\n";
-  return svg;
+  return svg + graph(tiles, count - 1, found) + "</svg>\n";
 }
 
 }  // namespace popcut::cli

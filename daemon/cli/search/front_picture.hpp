@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "core/artwork/colour_mesh.hpp"
 #include "core/result.hpp"
 #include "daemon/planning/search/card_search.hpp"
 
@@ -18,12 +20,14 @@ namespace popcut::cli {
                                                const planning::FoundCard& card,
                                                const std::string& title);
 
-/// All cards of the front on one page (SVG): the model first, then each card from the diagonal with
-/// its time and its error, and a graph of the errors over the times.
+/// All cards of the front on one page (SVG): the model first, then each card as it looks printed,
+/// with its time and its error, and a graph of the errors over the times.
 ///
+/// @param model  in units and axes of its file; none: cards are drawn bare, from the diagonal
 /// @retval Internal  the libraries cannot draw it
 [[nodiscard]] Result<std::string> front_picture(const planning::FoundCards& found,
-                                                const std::string& title);
+                                                const std::string& title,
+                                                const std::optional<ColourMesh>& model);
 
 /// How a card's model stands: the axes of the file that point up and out of the card, "y" and "-z".
 /// One that is turned by other than right angles has the nearest ones.
