@@ -65,8 +65,8 @@ double floored(double value, int digits) {
   const double unit = std::pow(10.0, std::abs(digits));
   return digits < 0 ? std::floor(value / unit) * unit : std::floor(value * unit) / unit;
 }
-double six_digits(double value) {
-  return floored(value, 5 - static_cast<int>(std::floor(std::log10(value))));
+double with_digits(double value, int digits) {
+  return floored(value, digits - 1 - static_cast<int>(std::floor(std::log10(value))));
 }
 
 }  // namespace
@@ -126,8 +126,8 @@ std::vector<Candidate> broad_candidates(const StyleChoice& styles, int cards, st
   if (!styles.facets) return out;
   for (std::size_t way = 0; way < ways; ++way)
     for (const auto& [strip_mm, pitch_mm, hinge_mm3] :
-         {std::array{3.0, 8.0, 800.0}, std::array{5.0, 8.0, 200.0}, std::array{8.0, 10.0, 3000.0},
-          std::array{3.0, 5.0, 200.0}}) {
+         {std::array{5.0, 8.0, 800.0}, std::array{3.0, 8.0, 800.0}, std::array{8.0, 10.0, 3000.0},
+          std::array{3.0, 8.0, 200.0}}) {
       Candidate broad;
       broad.cards = cards, broad.way = way;
       broad.strip_mm = strip_mm, broad.pitch_mm = pitch_mm, broad.hinge_mm3 = hinge_mm3;
@@ -232,7 +232,7 @@ double largest_scale_mm(const Way& way, const std::array<double, 2>& sheet_mm) {
 
 std::string spec_text(const Candidate& candidate, const Way& way, double scale_mm,
                       const CandidateModel& model) {
-  scale_mm = six_digits(scale_mm);
+  scale_mm = with_digits(scale_mm, 6);
   const double length_mm = scale_mm * way.length();
   nlohmann::ordered_json spec{{"popcut", 1}, {"name", model.name}, {"material", model.material}};
   const bool facets = is_of_facets(candidate.style);
@@ -260,7 +260,8 @@ std::string spec_text(const Candidate& candidate, const Way& way, double scale_m
                       {"jump_cost_mm2", usual.jump_cost_mm2 * candidate.line_cost},
                       {"cut_cost_mm2", usual.cut_cost_mm2 * candidate.line_cost}};
     if (candidate.hinge_mm3 > 0.0) {
-      spec["facets"]["hinge_cost_mm3"] = candidate.hinge_mm3;
+      const double size = scale_mm / way.to_target();
+      spec["facets"]["hinge_cost_mm3"] = with_digits(candidate.hinge_mm3 * size * size * size, 3);
       spec["facets"]["min_fold_mm"] = kMinFold_mm;
     }
     if (candidate.kites) spec["facets"]["sloped"] = "kites";

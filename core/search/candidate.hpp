@@ -26,7 +26,7 @@ struct Candidate {
   double strip_mm{2.0};                        ///< of facets, as the next two
   double pitch_mm{2.0};
   double line_cost{1.0};  ///< factor of the costs of folds and cuts
-  double hinge_mm3{};     ///< cost of a fold, however long
+  double hinge_mm3{};     ///< cost of a fold, however long, where the model's diagonal is 100 mm
   int layers{2};          ///< of a silhouette
   bool kites{};           ///< facets whose roofs are sloped panels, off the wall as these ask
   bool usual{};           ///< a style as it is without a search: goes on to the end

@@ -101,8 +101,8 @@ class FacetMaker {
     else
       labelling = std::move(uncut);
     const bool is_for_hands = options_.weights.hinge_mm3 > 0.0 || options_.widen_to_mm > 0.0;
-    const bool is_moved = (options_.lattice || is_for_hands) && !options_.rough;
-    const FacetPlanes fine = is_moved ? every_step(planes) : planes;
+    const bool is_moved = is_for_hands || (options_.lattice && !options_.rough);
+    const FacetPlanes fine = is_moved && !options_.rough ? every_step(planes) : planes;
     std::optional<Labelling> moved_on;
     std::size_t moves = 0;
     if (is_moved) {
