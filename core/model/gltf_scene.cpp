@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -26,6 +27,8 @@ constexpr std::size_t kMostParts = 1'000'000;
 /// Numbers that are added up at most, to move vertices: a few bytes can name a target or a joint
 /// many times.
 constexpr std::size_t kMostMoves = 500'000'000;
+/// Values that sparse accessors replace at most: a few bytes can stand in many of them.
+constexpr std::size_t kMostReplaced = 50'000'000;
 
 Matrix matrix_of(const Eigen::Vector3d& move, const Eigen::Vector4d& turn,
                  const Eigen::Vector3d& scale) {
@@ -159,7 +162,7 @@ class SceneReader {
   }
 
   /// Where a node has its mesh: in one place, or in that of each instance.
-  Result<std::vector<Matrix>> places_of(const tinygltf::Node& node, const Matrix& here) const {
+  Result<std::vector<Matrix>> places_of(const tinygltf::Node& node, const Matrix& here) {
     const tinygltf::Value* const said = extension_of(node, "EXT_mesh_gpu_instancing");
     if (!said || !said->Has("attributes")) return std::vector{here};
     const tinygltf::Value& attributes = said->Get("attributes");
@@ -169,8 +172,7 @@ class SceneReader {
          {std::tuple{"TRANSLATION", 3U, &move}, std::tuple{"ROTATION", 4U, &turn},
           std::tuple{"SCALE", 3U, &scale}}) {
       if (!attributes.Has(word)) continue;
-      const auto found =
-          GltfNumbers::of(file_, attributes.Get(word).GetNumberAsInt(), parts, name_);
+      const auto found = numbers_of(attributes.Get(word).GetNumberAsInt(), parts);
       if (!found) return tl::unexpected(found.error());
       *numbers = *found;
       count = std::min(count.value_or(found->size()), found->size());
@@ -193,13 +195,26 @@ class SceneReader {
     return out;
   }
 
+  Result<GltfNumbers> numbers_of(int accessor, std::size_t least_parts) {
+    auto out = GltfNumbers::of(file_, accessor, least_parts, name_);
+    if (!out || out->replaced() == 0 || !ordered_.insert(accessor).second) return out;
+    replaced_ += out->replaced();
+    if (replaced_ > kMostReplaced)
+      return fail(ErrorKind::OutOfRange, name_,
+                  fmt::format("has more than {} sparse values; save the model without them",
+                              kMostReplaced));
+    if (!out->is_in_order())
+      return broken("accessors", accessor,
+                    "has sparse indices that do not rise, or are too large; repair the model");
+    return out;
+  }
+
   /// The numbers that a primitive has for each of its vertices; none if it does not have them.
   Result<std::optional<GltfNumbers>> attribute(const std::map<std::string, int>& of,
-                                               const std::string& word,
-                                               std::size_t least_parts) const {
+                                               const std::string& word, std::size_t least_parts) {
     const auto found = of.find(word);
     if (found == of.end()) return std::optional<GltfNumbers>{};
-    const auto numbers = GltfNumbers::of(file_, found->second, least_parts, name_);
+    const auto numbers = numbers_of(found->second, least_parts);
     if (!numbers) return tl::unexpected(numbers.error());
     return std::optional(*numbers);
   }
@@ -220,7 +235,7 @@ class SceneReader {
     if (!*places) return {};
     std::optional<GltfNumbers> indices;
     if (of.indices >= 0) {
-      const auto numbers = GltfNumbers::of(file_, of.indices, 1, name_);
+      const auto numbers = numbers_of(of.indices, 1);
       if (!numbers) return tl::unexpected(numbers.error());
       indices = *numbers;
     }
@@ -244,11 +259,12 @@ class SceneReader {
       if (auto done = find_colours(of, colours); !done) return done;
     for (std::size_t k = 0; k < triangles; ++k)
       for (const std::size_t corner : triangle_of(mode, k)) {
-        const auto i = indices ? static_cast<std::size_t>(indices->get(corner, 0)) : corner;
-        if (i >= (*places)->size())
+        const double named = indices ? indices->get(corner, 0) : static_cast<double>(corner);
+        if (!(named >= 0 && named < static_cast<double>((*places)->size())))
           return fail(ErrorKind::Malformed, name_,
-                      fmt::format("a triangle names vertex {} of {}; repair the model", i,
+                      fmt::format("a triangle names vertex {} of {}; repair the model", named,
                                   (*places)->size()));
+        const auto i = static_cast<std::size_t>(named);
         if (auto done = add_corner(i, **places, *morphs, *bones, here); !done) return done;
         if (options_.colours) add_colour(i, colours);
       }
@@ -257,12 +273,22 @@ class SceneReader {
     return {};
   }
 
+  /// Whether the positions of a target are all zero: it has an accessor without values.
+  [[nodiscard]] bool moves_nothing(const std::map<std::string, int>& target) const {
+    const auto found = target.find("POSITION");
+    if (found == target.end()) return true;
+    if (found->second < 0 || static_cast<std::size_t>(found->second) >= file_.accessors.size())
+      return false;
+    const auto& accessor = file_.accessors[static_cast<std::size_t>(found->second)];
+    return accessor.bufferView < 0 && !accessor.sparse.isSparse && accessor.extensions.empty();
+  }
+
   /// The targets of a primitive whose weight is not zero.
   Result<std::vector<Morph>> morphs_of(const tinygltf::Primitive& of,
-                                       const std::vector<double>& weights) const {
+                                       const std::vector<double>& weights) {
     std::vector<Morph> out;
     for (std::size_t k = 0; k < of.targets.size() && k < weights.size(); ++k) {
-      if (weights[k] == 0) continue;
+      if (weights[k] == 0 || moves_nothing(of.targets[k])) continue;
       const auto move = attribute(of.targets[k], "POSITION", 3);
       if (!move) return tl::unexpected(move.error());
       if (*move) out.push_back({weights[k], **move});
@@ -271,7 +297,7 @@ class SceneReader {
   }
 
   /// How a skin moves the vertices of a primitive; none if the primitive does not say which joints.
-  Result<std::optional<Skin>> skin_of(const tinygltf::Primitive& of, int index) const {
+  Result<std::optional<Skin>> skin_of(const tinygltf::Primitive& of, int index) {
     if (static_cast<std::size_t>(index) >= file_.skins.size())
       return broken("skins", index, "does not exist; repair the model");
     const tinygltf::Skin& skin = file_.skins[static_cast<std::size_t>(index)];
@@ -289,7 +315,7 @@ class SceneReader {
     if (out.indices.empty()) return std::optional<Skin>{};
     std::optional<GltfNumbers> rest;
     if (skin.inverseBindMatrices >= 0) {
-      const auto numbers = GltfNumbers::of(file_, skin.inverseBindMatrices, 16, name_);
+      const auto numbers = numbers_of(skin.inverseBindMatrices, 16);
       if (!numbers) return tl::unexpected(numbers.error());
       if (numbers->size() < skin.joints.size())
         return broken("skins", index, "has fewer matrices than joints; repair the model");
@@ -393,7 +419,8 @@ class SceneReader {
   GltfMaterials materials_;
   std::vector<bool> is_joint_;          ///< of each node
   std::map<int, Matrix> joint_places_;  ///< of nodes that are joints
-  std::size_t visited_{}, parts_{}, moves_{};
+  std::set<int> ordered_;               ///< sparse accessors whose indices were looked at
+  std::size_t visited_{}, parts_{}, moves_{}, replaced_{};
   bool draws_{false}, has_corner_colours_{false};
 };
 

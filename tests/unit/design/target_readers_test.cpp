@@ -243,6 +243,126 @@ TEST_CASE("each instance of a node is there", "[core][mesh]") {
   CHECK(corners[20] == 7.0F);
 }
 
+namespace {
+
+/// A .gltf whose buffer has, at 0 the corners of the square, at 48 two points (2,2,5) and (0,2,5),
+/// at 72 the bytes 2 and 3, at 74 the shorts 0 1 2 0 0 0, at 86 the byte 3, 4, at 88 the shorts
+/// 2 3.
+std::string sparse_gltf(const std::string& accessors, const std::string& primitive,
+                        const std::string& mesh = "") {
+  std::string buffer;
+  const std::array<float, 18> points{0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 2, 0, 2, 2, 5, 0, 2, 5};
+  const std::array<std::uint8_t, 2> which{2, 3}, last{4, 5};
+  const std::array<std::uint16_t, 6> corners{0, 1, 2, 0, 0, 0};
+  const std::array<std::uint16_t, 2> ends{2, 3};
+  const auto put = [&](const auto& all) {
+    buffer.append(reinterpret_cast<const char*>(all.data()), sizeof all);
+  };
+  put(points), put(which), put(corners), put(last), put(ends);
+  return fmt::format(
+      R"({{"asset": {{"version": "2.0"}}, "scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0}}],
+"meshes": [{{"primitives": [{{{}}}] {}}}], "accessors": [{}],
+"bufferViews": [{{"buffer": 0, "byteLength": 48}}, {{"buffer": 0, "byteOffset": 48, "byteLength": 44}}],
+"buffers": [{{"byteLength": {}, "uri": "data:application/octet-stream;base64,{}"}}]}})",
+      primitive, mesh, accessors, buffer.size(), base64(buffer));
+}
+
+constexpr const char* kCorners =
+    R"({"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3")";
+constexpr const char* kLifted =
+    R"("sparse": {"count": 2, "indices": {"bufferView": 1, "byteOffset": 24, "componentType": 5121},
+"values": {"bufferView": 1}}})";
+
+}  // namespace
+
+// Khronos, glTF 2.0 Specification, 3.6.2.3.
+TEST_CASE("sparse values of a glTF replace those of its buffer or zeros", "[core][mesh]") {
+  const auto corners = [](const std::string& text) {
+    const auto mesh = read_mesh("a.gltf", text);
+    if (!mesh) FAIL(message(mesh.error()));
+    return mesh->corners;
+  };
+  const std::string fan = R"("mode": 6, "attributes": {"POSITION": 0})";
+  const std::string lifted = std::string(kCorners) + ", " + kLifted;
+  CHECK(corners(sparse_gltf(lifted, fan)) ==
+        std::vector<float>{2, 0, 0, 2, 2, 5, 0, 0, 0, 2, 2, 5, 0, 2, 5, 0, 0, 0});
+  const std::string from_zeros =
+      std::string(R"({"componentType": 5126, "count": 4, "type": "VEC3", )") + kLifted;
+  CHECK(corners(sparse_gltf(from_zeros, fan)) ==
+        std::vector<float>{0, 0, 0, 2, 2, 5, 0, 0, 0, 2, 2, 5, 0, 2, 5, 0, 0, 0});
+  // Indices 0 1 2 0 0 0, of which the last two become 2 and 3.
+  const std::string indices = std::string(kCorners) + R"(}, {"bufferView": 1, "byteOffset": 26,
+"componentType": 5123, "count": 6, "type": "SCALAR", "sparse": {"count": 2,
+"indices": {"bufferView": 1, "byteOffset": 38, "componentType": 5121},
+"values": {"bufferView": 1, "byteOffset": 40}}})";
+  CHECK(corners(sparse_gltf(indices, R"("attributes": {"POSITION": 0}, "indices": 1)")) ==
+        kTwoTriangles);
+  // A morph target that moves two of four, and one without values, which moves none.
+  const std::string morph = std::string(kCorners) + "}, " + from_zeros +
+                            R"(, {"componentType": 5126, "count": 4, "type": "VEC3"})";
+  CHECK(corners(sparse_gltf(morph, fan + R"(, "targets": [{"POSITION": 1}, {"POSITION": 2}])",
+                            R"(, "weights": [1, 1])")) ==
+        std::vector<float>{2, 0, 0, 4, 4, 5, 0, 0, 0, 4, 4, 5, 0, 4, 5, 0, 0, 0});
+  // Colours.
+  ModelOptions options;
+  options.colours = true;
+  const auto painted =
+      read_model("a.gltf",
+                 sparse_gltf(std::string(kCorners) + "}, " + from_zeros,
+                             R"("mode": 6, "attributes": {"POSITION": 0, "COLOR_0": 1})"),
+                 options);
+  REQUIRE(painted);
+  CHECK(painted->corner_colours[0] == ModelColour{0, 0, 0});
+  CHECK(painted->corner_colours[1] == ModelColour{1, 1, 1});
+}
+
+TEST_CASE("sparse values of a glTF that are not there or out of order are refused",
+          "[core][mesh]") {
+  const auto said = [](const std::string& count, const std::string& sparse) {
+    const auto accessor =
+        fmt::format(R"({{"componentType": 5126, "count": {}, "type": "VEC3", "sparse": {{{}}}}})",
+                    count, sparse);
+    return message(refused(
+        read_mesh("a.gltf", sparse_gltf(accessor, R"("mode": 6, "attributes": {"POSITION": 0})"))));
+  };
+  const auto with = [](const std::string& count, const std::string& indices,
+                       const std::string& values) {
+    return fmt::format(R"("count": {}, "indices": {{{}}}, "values": {{{}}})", count, indices,
+                       values);
+  };
+  const std::string good = R"("bufferView": 1, "byteOffset": 24, "componentType": 5121)";
+  const std::string values = R"("bufferView": 1)";
+  CHECK_THAT(said("4", with("5", good, values)), Catch::Contains("replaces 5 of 4 values"));
+  CHECK_THAT(said("4", with("-1", good, values)), Catch::Contains("replaces -1 of 4"));
+  CHECK_THAT(said("2", with("2", good, values)),
+             Catch::Contains("sparse indices that do not rise"));
+  CHECK_THAT(
+      said("4", with("2", R"("bufferView": 1, "byteOffset": 26, "componentType": 5121)", values)),
+      Catch::Contains("sparse indices that do not rise"));
+  CHECK_THAT(said("4", with("2", R"("bufferView": 1, "componentType": 5126)", values)),
+             Catch::Contains("component type that glTF does not allow"));
+  CHECK_THAT(said("900000000", with("90000000", good, values)),
+             Catch::Contains("announces 90000000 values"));
+  CHECK_THAT(said("4", with("2", R"("bufferView": 9, "componentType": 5121)", values)),
+             Catch::Contains("buffer view that does not exist"));
+  CHECK_THAT(said("4", with("2", good, R"("bufferView": 1, "byteOffset": -4)")),
+             Catch::Contains("before the begin"));
+  CHECK_THAT(said("4", with("2", good, R"("bufferView": 1, "byteOffset": 32)")),
+             Catch::Contains("announces 2 values"));
+  CHECK_THAT(said("900000000", with("2", good, values)), Catch::Contains("triangles; reduce"));
+}
+
+TEST_CASE("numbers of a type that glTF does not define are refused", "[core][mesh]") {
+  for (const char* type : {"5124", "5130"}) {
+    const auto accessor = fmt::format(
+        R"({{"bufferView": 0, "componentType": {}, "count": 1, "type": "VEC3"}})", type);
+    CHECK_THAT(
+        message(refused(read_mesh(
+            "a.gltf", sparse_gltf(accessor, R"("mode": 6, "attributes": {"POSITION": 0})")))),
+        Catch::Contains("component type that glTF does not define"));
+  }
+}
+
 TEST_CASE("a glTF that needs what popcut does not know is refused by name", "[core][mesh]") {
   const auto needs = [](const std::string& extension) {
     Square square;
