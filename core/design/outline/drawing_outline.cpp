@@ -10,6 +10,9 @@
 #include "core/drawing/linework.hpp"
 #include "core/formats/dxf/dxf_reader.hpp"
 #include "core/formats/svg/svg_reader.hpp"
+#include "core/text/file_kind.hpp"
+#include "core/text/gzip.hpp"
+#include "core/text/utf8.hpp"
 
 namespace popcut {
 namespace {
@@ -17,8 +20,10 @@ namespace {
 constexpr double kClosed = 1e-4;  // of the drawing's size: ends that are as near as this meet
 
 bool is_svg(const std::string& bytes) {
-  const std::size_t first = bytes.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
-  return first != std::string::npos && bytes[first] == '<';
+  std::string kept;
+  const std::string_view text = plain_text(bytes, kept);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return is_gzip(bytes) || (first != std::string_view::npos && text[first] == '<');
 }
 
 constexpr Operation kSolid = Operation::Cut, kWhite = Operation::Draw, kPage = Operation::Outline;
@@ -26,6 +31,8 @@ constexpr Operation kSolid = Operation::Cut, kWhite = Operation::Draw, kPage = O
 /// @param enlarged  times that the drawing becomes larger afterwards, at least 1
 Result<LineWork> drawing_of(const std::string& bytes, double enlarged) {
   if (!is_svg(bytes)) {
+    if (const std::string_view kind = foreign_kind(bytes); !kind.empty())
+      return fail(ErrorKind::Malformed, "", fmt::format("is {}; give an SVG or DXF drawing", kind));
     DxfOptions options;
     options.tolerance_mm /= enlarged;
     return linework_from_dxf(bytes, options);

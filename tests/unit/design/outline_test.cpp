@@ -439,6 +439,20 @@ TEST_CASE("the filled shapes and closed lines of a drawing stand upright", "[out
   CHECK_FALSE(drawing_areas("solid x", {}));
 }
 
+TEST_CASE("a drawing that stands upright is read in any encoding, and what is none is named",
+          "[outline]") {
+  const std::string svg =
+      R"(<svg xmlns="http://www.w3.org/2000/svg" width="9mm" height="9mm"><rect width="5mm" height="4mm"/></svg>)";
+  std::string wide = "\xFF\xFE";
+  for (const char c : svg) wide += {c, '\0'};
+  const auto areas = drawing_areas(wide, std::nullopt);
+  if (!areas) FAIL(message(areas.error()));
+  CHECK(areas->size() == 1);
+  CHECK_THAT(drawing_areas("\x1F\x8B\x08", std::nullopt).error().detail, Catch::Contains("gunzip"));
+  CHECK(drawing_areas("\x89PNG\r\n\x1A\n", std::nullopt).error().detail ==
+        "is a PNG picture; give an SVG or DXF drawing");
+}
+
 TEST_CASE("white shapes of a drawing are holes in what they lie on", "[outline]") {
   const auto area = [](const std::string& inner) {
     const auto areas = drawing_areas(
