@@ -139,6 +139,17 @@ class Designer {
     }
   }
 
+  /// Says that most slices are blank, which hardly anybody wants; empty if they are not.
+  [[nodiscard]] std::string mostly_blank() const {
+    std::size_t count = 0, first = 0;
+    for (std::size_t j = sliced_.blank.size(); j-- > 0;)
+      if (sliced_.is_blank(j)) ++count, first = j;
+    if (2 * count <= sliced_.blank.size()) return {};
+    return fmt::format(
+        "{} of {} slices are blank, plain card: {} (slice {}); is that what you mean?", count,
+        sliced_.blank.size(), sliced_.blank[first], first);
+  }
+
   /// V-folds as asked for, or solved from their targets.
   Result<void> splay(const Strips& strips, Pattern& pattern) {
     if (!spec_.splay) return {};
@@ -554,6 +565,8 @@ class Designer {
     note_borders(r.bridges);
     if (spec_.curvature) add_curvature(layout, method, r);
     r.notes = notes_;
+    if (std::string said = mostly_blank(); !said.empty())
+      r.warnings.push_back({.code = "mostly_blank", .message = std::move(said)});
     add_fit(r, spec_.fit);
     if (spec_.card && !spec_.is_patch) add_closing(out.pattern, spec_.card->shut, r);
     if (breaks_step(r))

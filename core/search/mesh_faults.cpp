@@ -165,9 +165,9 @@ MeshFaults faults_of(const TriangleMesh& mesh) {
 std::vector<std::string> in_words(const MeshFaults& faults) {
   std::vector<std::string> out;
   if (faults.open_edges > 0)
-    out.push_back(
-        fmt::format("the mesh is open: {} {} one triangle only; popcut makes what is seen of it",
-                    faults.open_edges, faults.open_edges == 1 ? "edge has" : "edges have"));
+    out.push_back(fmt::format(
+        "the model has holes ({} {} one triangle only); that does not matter for a card",
+        faults.open_edges, faults.open_edges == 1 ? "edge has" : "edges have"));
   if (faults.crossings > 0)
     out.push_back(fmt::format(
         "the mesh crosses itself: {} of its triangles; popcut makes what is outermost",

@@ -361,7 +361,7 @@ TEST_CASE("open and crossing meshes are made, and a note says what they are", "[
       bench.search("torn.stl", "out", {"0.01", "--style", "facets", "--mat", "100x100"});
   INFO(ran.err);
   REQUIRE(ran.exit == 0);
-  CHECK(says(ran.out, "the mesh is open: 4 edges have one triangle only"));
+  CHECK(says(ran.out, "the model has holes (4 edges have one triangle only)"));
   CHECK(says(ran.out, "the mesh crosses itself"));
   CHECK(bench.read_json("out/front.json")["notes"].size() == 2);
 }

@@ -85,6 +85,17 @@ TEST_CASE("a slice too small for panels is plain card", "[core][design][blank]")
   check_sound(made->pattern);
 }
 
+TEST_CASE("a design whose slices are mostly blank says so in a warning", "[core][design][blank]") {
+  const std::string fields = R"("units_per_slice":5,"slices":10,"widths_mm":10,"min_panel_mm":2.5)";
+  const auto typed = designed("sqrt(70 - (y - 45)^2)", fields);  // for 70^2
+  if (!typed) FAIL(message(typed.error()));
+  CHECK_THAT(messages_of(typed->report.warnings).front(),
+             Catch::StartsWith("8 of 10 slices are blank, plain card: the radius is not a number"));
+  const auto meant = designed("sqrt(70^2 - (y - 45)^2)", fields);
+  if (!meant) FAIL(message(meant.error()));
+  for (const Warning& one : meant->report.warnings) CHECK(one.code != "mostly_blank");
+}
+
 TEST_CASE("where every slice would be blank there is no design", "[core][design][blank]") {
   const std::string fields = R"("units_per_slice":2,"slices":6,"widths_mm":10)";
   for (const char* radius : {"-5", "sqrt(-1 - y^2)", "0.1"}) {
