@@ -115,6 +115,7 @@ void OverlapIndex::find(const Segment& segment, std::uint32_t not_this, std::vec
         const std::uint32_t index = entries_[static_cast<std::size_t>(e)].first;
         if (seen_[index] == query_ || ids_[index] == not_this) continue;
         seen_[index] = query_;
+        ++compared_;
         Covered part{0.0, 0.0, ids_[index]};
         if (overlap(segment, l, segments_[index], tolerance_, part.from, part.to))
           out.push_back(part);

@@ -39,6 +39,9 @@ class OverlapIndex {
   /// The same, appended to `out` and not sorted.
   void find(const Segment& segment, std::uint32_t not_this, std::vector<Covered>& out);
 
+  /// Pairs of segments that were compared so far: many where many meet in one place.
+  [[nodiscard]] std::size_t compared() const { return compared_; }
+
  private:
   [[nodiscard]] std::size_t slot(std::int64_t cx, std::int64_t cy, int direction) const;
 
@@ -51,6 +54,7 @@ class OverlapIndex {
   std::vector<std::uint32_t> ids_;
   std::vector<std::uint32_t> seen_;  ///< last query that looked at each segment
   std::uint32_t query_{};
+  std::size_t compared_{};
 };
 
 }  // namespace popcut

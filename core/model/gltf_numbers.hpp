@@ -28,6 +28,9 @@ class GltfNumbers {
   /// Values that a sparse accessor replaces.
   [[nodiscard]] std::size_t replaced() const { return replaced_; }
 
+  /// Values that are in the file; others are zero.
+  [[nodiscard]] std::size_t given() const { return at_ ? count_ : replaced_; }
+
   /// Whether the replaced values are in order and exist, as `get` needs to find them. Looks at
   /// each.
   [[nodiscard]] bool is_in_order() const;

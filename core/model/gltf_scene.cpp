@@ -23,7 +23,7 @@ namespace {
 using Matrix = Eigen::Matrix4d;
 
 /// Parts of the scene that are visited at most: a few bytes can draw a part many times.
-constexpr std::size_t kMostParts = 1'000'000;
+constexpr std::size_t kMostParts = 250'000;
 /// Numbers that are added up at most, to move vertices: a few bytes can name a target or a joint
 /// many times.
 constexpr std::size_t kMostMoves = 500'000'000;
@@ -117,6 +117,12 @@ class SceneReader {
         fmt::format("draws more than {} parts; join them, and save the model again", kMostParts));
   }
 
+  [[nodiscard]] tl::unexpected<Error> empty_values(std::size_t count, std::size_t given) const {
+    return fail(
+        ErrorKind::Malformed, name_,
+        fmt::format("announces {} values and gives {} of them; repair the model", count, given));
+  }
+
   /// Visits all nodes of the scene: draws them, or keeps where the joints are.
   Result<void> visit_scene(bool draws) {
     visited_ = 0;
@@ -168,6 +174,7 @@ class SceneReader {
     const tinygltf::Value& attributes = said->Get("attributes");
     std::optional<GltfNumbers> move, turn, scale;
     std::optional<std::size_t> count;
+    std::size_t given = 0;
     for (const auto& [word, parts, numbers] :
          {std::tuple{"TRANSLATION", 3U, &move}, std::tuple{"ROTATION", 4U, &turn},
           std::tuple{"SCALE", 3U, &scale}}) {
@@ -176,8 +183,10 @@ class SceneReader {
       if (!found) return tl::unexpected(found.error());
       *numbers = *found;
       count = std::min(count.value_or(found->size()), found->size());
+      given = std::max(given, found->given());
     }
     if (!count) return std::vector{here};
+    if (*count > given) return empty_values(*count, given);
     if (*count > kMostParts) return too_many_parts();
     std::vector<Matrix> out;
     out.reserve(*count);
@@ -242,6 +251,9 @@ class SceneReader {
     const std::size_t vertices = indices ? indices->size() : (*places)->size();
     const std::size_t triangles =
         mode == TINYGLTF_MODE_TRIANGLES ? vertices / 3 : std::max<std::size_t>(vertices, 2) - 2;
+    // Others have three corners in one place.
+    if (!indices && triangles > 3 * (*places)->given())
+      return empty_values(vertices, (*places)->given());
     if (triangles > kMaxTriangles - model_.size())
       return fail(ErrorKind::OutOfRange, name_,
                   fmt::format("has more than {} triangles; reduce the mesh", kMaxTriangles));

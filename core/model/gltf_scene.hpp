@@ -18,7 +18,7 @@ namespace popcut::model_readers {
 ///
 /// @param name  of the file, for errors
 /// @retval Malformed   see `read_model`
-/// @retval OutOfRange  more than `kMaxTriangles`, more than a million parts, or a corner that is
+/// @retval OutOfRange  more than `kMaxTriangles`, more than 250,000 parts, or a corner that is
 /// not a finite number
 [[nodiscard]] Result<Model> read_gltf_scene(const std::string& name, const tinygltf::Model& file,
                                             const ModelOptions& options);

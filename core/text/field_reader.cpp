@@ -353,8 +353,11 @@ Result<void> FieldReader::finish() {
     std::vector<std::string> known = asked_;
     std::sort(known.begin(), known.end());
     known.erase(std::unique(known.begin(), known.end()), known.end());
+    constexpr std::size_t kMostNamed = 100;
+    std::size_t named = 0;
     for (const auto& [key, value] : object_->items()) {
-      if (std::find(asked_.begin(), asked_.end(), key) != asked_.end()) continue;
+      if (std::binary_search(known.begin(), known.end(), key)) continue;
+      if (++named > kMostNamed) break;
       const std::string near = nearest_word(key, known);
       add({ErrorKind::Malformed, notation().place(pointer(key), true), "unknown_member",
            !near.empty()

@@ -44,6 +44,7 @@ struct LayerUse {
   DxfLayer layer;
   LayerMeaning meaning{};
   std::size_t left_out{};
+  bool is_named{false};  ///< in `unknown_`
 };
 
 enum class Kind { Drawn, Insert, Silent, Unread };
@@ -305,7 +306,7 @@ class DxfReader {
                         : use_of_index(options_.said, own.colour);
   }
 
-  std::optional<Operation> operation_for(const Place& own, const LayerUse& use) {
+  std::optional<Operation> operation_for(const Place& own, LayerUse& use) {
     look_ = 0;
     const LayerMeaning meaning = use.meaning == LayerMeaning::Wordless ? own.of_block : use.meaning;
     if (meaning == LayerMeaning::Fold) ++sideless_;
@@ -370,9 +371,8 @@ class DxfReader {
                                 std::move(detail), ErrorReason::Unclear});
   }
 
-  void see_colour(const Place& own, const LayerUse& use) {
-    if (use.meaning == LayerMeaning::Unknown &&
-        std::find(unknown_.begin(), unknown_.end(), use.layer.name) == unknown_.end())
+  void see_colour(const Place& own, LayerUse& use) {
+    if (use.meaning == LayerMeaning::Unknown && !std::exchange(use.is_named, true))
       unknown_.push_back(use.layer.name);
     const std::pair<int, int> colour = colour_of(own);
     if (!first_colour_) first_colour_ = colour, first_layer_ = use.layer.name;

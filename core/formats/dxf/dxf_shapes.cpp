@@ -57,7 +57,7 @@ bool upright(const DxfEntity& entity) {
   return !n || (std::abs(n->x()) < 1e-6 && std::abs(n->y()) < 1e-6);
 }
 
-void polyline(const DxfEntity& entity, Pen& pen, std::vector<PagePoint>& line) {
+void polyline(const DxfEntity& entity, Pen& pen, std::size_t most, std::vector<PagePoint>& line) {
   const bool old = entity.type == "POLYLINE";
   const bool spatial = old && (entity.flag[0] & 8) != 0;
   const double z = old ? entity.p10.z() : entity.elevation;
@@ -72,7 +72,7 @@ void polyline(const DxfEntity& entity, Pen& pen, std::vector<PagePoint>& line) {
   const auto side = [&](std::size_t from, std::size_t to) {
     pen.bulge_to(corner(from), corner(to), spatial ? 0.0 : entity.vertices[from].bulge);
   };
-  for (std::size_t i = 1; i < n; ++i) side(i - 1, i);
+  for (std::size_t i = 1; i < n && line.size() <= most; ++i) side(i - 1, i);
   const bool round = (entity.flag[0] & 1) != 0;
   if (!round) return;
   if (line.front() != line.back() || entity.vertices[n - 1].bulge != 0.0) side(n - 1, 0);
@@ -172,7 +172,7 @@ DxfShape outline_of(const DxfEntity& entity, const DxfFrame& frame, double toler
   } else if (entity.type == "CIRCLE" || entity.type == "ARC") {
     circle(entity, pen, wrong);
   } else {
-    polyline(entity, pen, line);
+    polyline(entity, pen, most, line);
   }
   return world || upright(entity) ? DxfShape::Flat : DxfShape::Tilted;
 }

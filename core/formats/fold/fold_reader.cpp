@@ -266,7 +266,10 @@ Result<FoldFile> read_fold(std::string_view text, const FoldLimits& limits) {
   file.title = key.file_title;
   file.design_psi_rad = key.design_psi_rad;
   file.frames.resize(texts->size());
-  FrameOrder order(*texts, file, limits.frame_bytes);
+  // Frames may inherit what they do not have, but not all of it thousands of times.
+  constexpr std::size_t kFewBytes = 32u << 20, kForEachByte = 100;
+  FrameOrder order(*texts, file,
+                   std::min(limits.frame_bytes, kFewBytes + kForEachByte * text.size()));
   for (std::size_t i = 0; i < texts->size(); ++i)
     if (auto done = order.read(i); !done) return tl::unexpected(done.error());
   return file;

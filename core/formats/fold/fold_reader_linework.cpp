@@ -15,7 +15,9 @@
 namespace popcut {
 namespace {
 
-constexpr std::size_t kMostOverlaps = 20'000'000;  // limit of pairs of overlapping border edges
+// Of each border edge on average, and of all: overlaps with others, and others that lie near.
+constexpr std::size_t kMostOverlaps = 100, kFewOverlaps = 100'000;
+constexpr std::size_t kMostCompared = 2'000, kFewCompared = 1'000'000;
 
 bool flat(const FoldFrame& frame) {
   if (frame.vertices.empty() || (frame.edges.empty() && frame.faces.empty())) return false;
@@ -196,7 +198,9 @@ bool add_borders(std::vector<Segment> borders, LineWork& work) {
     const auto at = [&](double t) { return between(s.a, s.b, t / l); };
     index.covered(s, i, covered);
     overlaps += covered.size();
-    if (overlaps > kMostOverlaps) return false;
+    if (overlaps > kFewOverlaps + kMostOverlaps * borders.size() ||
+        index.compared() > kFewCompared + kMostCompared * borders.size())
+      return false;
     for (const auto& [from, to] : free_parts(covered, l)) edge.push_back({at(from), at(to)});
     // Subtract all other edges for the outline, and the earlier ones for the slit's first side.
     slit.clear();
@@ -342,7 +346,7 @@ Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& lim
   }
   if (!add_borders(std::move(borders), work))
     return fail(ErrorKind::OutOfRange, "/edges_vertices",
-                "too many border edges overlap; draw each side of a cut once");
+                "too many border edges lie on or beside each other; draw each side of a cut once");
   for (PagePoint& p : work.points) p = {p.x / enlarged, p.y / enlarged};
   uncut.add_warnings(work.warnings);
   const bool cuts = std::any_of(work.lines.begin(), work.lines.end(),

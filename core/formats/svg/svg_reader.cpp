@@ -505,7 +505,7 @@ class SvgReader {
   }
 
   const pugi::xml_node* find_id(std::string_view id, const pugi::xml_node& any) {
-    if (ids_.empty())
+    if (!std::exchange(ids_read_, true))
       each_svg_element(any.root(), [&](const pugi::xml_node& node) {
         if (const auto attribute = node.attribute("id")) ids_.try_emplace(attribute.value(), node);
       });
@@ -744,8 +744,9 @@ class SvgReader {
       remove_lines(work_, fills_);
     }
     if (shapes_.empty()) return {};
-    constexpr std::size_t kMostComparisons = 20'000'000;
-    const auto crossing = crossing_shapes(work_, shapes_, kMostComparisons, options_.enlarged);
+    constexpr std::size_t kStepsToCompare = 10;
+    const auto crossing =
+        crossing_shapes(work_, shapes_, steps_ / kStepsToCompare, options_.enlarged);
     if (options_.weld) {
       weld_shapes(work_, shapes_, crossing, steps_);
       if (steps_ > 0) return {};
@@ -784,6 +785,7 @@ class SvgReader {
   SvgStrokes strokes_;
   std::array<double, 2> page_mm_{};
   std::unordered_map<std::string_view, pugi::xml_node> ids_;
+  bool ids_read_{false};  ///< a drawing may have none
   std::vector<pugi::xml_node> used_;
   std::deque<SvgRegion> regions_;  ///< of clip paths
   std::unordered_map<std::string, const SvgRegion*> known_clips_;

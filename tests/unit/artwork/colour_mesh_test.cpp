@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -12,6 +14,8 @@
 
 #include "core/artwork/colour_mesh_reader.hpp"
 #include "daemon/pictures/image_reader.hpp"
+#include "daemon/pictures/pdf_page.hpp"
+#include "tests/support/growth.hpp"
 #include "tests/support/painted_shell.hpp"
 
 namespace popcut {
@@ -357,6 +361,132 @@ TEST_CASE("a picture in the colours of a printer says so", "[artwork]") {
   CHECK(image.error().detail ==
         "is a picture that cannot be read: its colours are CMYK and must be RGB; save it again as "
         "PNG or JPEG");
+}
+
+// ---- files that are dear to read
+
+using testing::check_growth;
+using testing::DearFile;
+using testing::times;
+
+constexpr std::string_view kMtlBegins = "#mtl\n";
+
+/// An OBJ; what follows the mark is each file that it names.
+void read_dear_obj(const std::string& text) {
+  const std::size_t end = std::min(text.find(kMtlBegins), text.size());
+  const std::string rest = text.substr(std::min(end + kMtlBegins.size(), text.size()));
+  ModelFiles files = files_of({});
+  files.open = [&](const std::string&) -> Result<std::string> { return rest; };
+  (void)read_colour_mesh("q.obj", std::string_view(text).substr(0, end), files);
+}
+void read_dear_gltf(const std::string& text) {
+  (void)read_colour_mesh("q.gltf", text, files_of({}));
+}
+void read_dear_stl(const std::string& text) { (void)read_colour_mesh("q.stl", text, files_of({})); }
+void read_dear_picture(const std::string& bytes) {
+  constexpr std::size_t kMost = 1u << 20;
+  (void)read_image("q.png", bytes, kMost);
+}
+
+/// A .gltf with a square in its buffer, and what the members say.
+std::string gltf_of(const std::string& nodes, const std::string& primitives,
+                    const std::string& more = "", const std::string& accessors = "") {
+  return R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [)" + nodes +
+         R"({}], "meshes": [{"primitives": [)" + primitives +
+         R"({"attributes": {"POSITION": 0}, "mode": 6}]}],
+"buffers": [{"byteLength": 48, "uri": "data:application/octet-stream;base64,)"
+         "AAAAAAAAAAAAAAAAAAAAQAAAAAAAAAAAAAAAQAAAAEAAAAAAAAAAAAAAAEAAAAAA\"}],\n"
+         R"("bufferViews": [{"buffer": 0, "byteLength": 48}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"})" +
+         accessors + "]" + more + "}";
+}
+const std::string kMeshNode = R"({"mesh": 0}, )";
+
+std::string numbers(std::size_t from, std::size_t n) {
+  return times(n, [&](std::size_t k) { return fmt::format("{}{}", k ? ", " : "", from + k); });
+}
+
+/// A PDF of one page; its table of objects is left to the reader.
+std::string pdf_of(const std::string& content, const std::string& objects = "") {
+  return "%PDF-1.4\n1 0 obj<</Type/Catalog/Pages 2 0 R>>endobj\n"
+         "2 0 obj<</Type/Pages/Kids[3 0 R]/Count 1>>endobj\n"
+         "3 0 obj<</Type/Page/Parent 2 0 R/MediaBox[0 0 200 200]/Contents 4 0 R>>endobj\n" +
+         objects +
+         fmt::format("4 0 obj<</Length {}>>stream\n{}\nendstream endobj\n", content.size(),
+                     content) +
+         "trailer<</Root 1 0 R>>\n";
+}
+void read_dear_pdf(const std::string& bytes) { (void)pictures::pdf_page(bytes, 1); }
+
+std::string png_with(const std::string& chunks) {
+  const std::string png = small_png();
+  constexpr std::size_t kHead = 8 + 25;  // the signature and IHDR
+  return png.substr(0, kHead) + chunks + png.substr(kHead);
+}
+
+TEST_CASE("no model or picture takes work or memory out of proportion to its size",
+          "[artwork][dear]") {
+  // clang-format off
+  const std::vector<DearFile> obj{
+      {"obj: corners of a face", 2000, [](std::size_t n) { return times(n, [n](std::size_t k) { const double a = 0.05 * static_cast<double>(k), r = 1 + 9 * static_cast<double>(k) / static_cast<double>(n); return fmt::format("v {} {} 0\n", r * std::cos(a), r * std::sin(a)); }) + "f" + times(n, [](std::size_t k) { return fmt::format(" {}", k + 1); }) + "\n"; }, read_dear_obj},
+      {"obj: faces of many corners", 20, [](std::size_t n) { return kQuad + times(n, "f" + times(200, " 1 2 3 4") + "\n"); }, read_dear_obj},
+      {"obj: faces of one corner", 5000, [](std::size_t n) { return kQuad + times(n, "f 1 1 1\n") + "f 1 2 3\n"; }, read_dear_obj},
+      {"obj: materials", 1000, [](std::size_t n) { return "mtllib a\n" + kQuad + times(n, [](std::size_t k) { return fmt::format("usemtl m{}\nf 1 2 3\n", k); }) + std::string(kMtlBegins) + times(n, [](std::size_t k) { return fmt::format("newmtl m{}\nKd 1 0 0\n", k); }); }, read_dear_obj},
+      {"obj: one material often", 3000, [](std::size_t n) { return "mtllib a\n" + kQuad + "usemtl m\nf 1 2 3\n" + std::string(kMtlBegins) + times(n, "newmtl m\nKd 1 0 0\n"); }, read_dear_obj},
+      {"obj: one mtllib often", 300, [](std::size_t n) { return times(n, "mtllib a\n") + kQuad + "f 1 2 3\n" + std::string(kMtlBegins) + times(n, "newmtl m\n"); }, read_dear_obj},
+      {"obj: mtllib of many names", 300, [](std::size_t n) { return "mtllib " + times(n, [](std::size_t k) { return fmt::format("a{} ", k); }) + "\n" + kQuad + "f 1 2 3\n" + std::string(kMtlBegins) + times(n, "newmtl m\n"); }, read_dear_obj},
+      {"obj: options of a picture", 5000, [](std::size_t n) { return "mtllib a\n" + kQuad + "usemtl m\nf 1 2 3\n" + std::string(kMtlBegins) + "newmtl m\nmap_Kd " + times(n, "-s 1 1 1 ") + "a.png\n"; }, read_dear_obj},
+      {"obj: groups", 10000, [](std::size_t n) { return kQuad + times(n, [](std::size_t k) { return fmt::format("g a{}\no b{}\ns {}\n", k, k, k); }) + "f 1 2 3\n"; }, read_dear_obj},
+      {"obj: lines that go on", 20000, [](std::size_t n) { return kQuad + "f 1 2 3" + times(n, " \\\n"); }, read_dear_obj},
+      {"obj: a long word", 200000, [](std::size_t n) { return kQuad + "f 1 2 " + std::string(n, '3') + "\n"; }, read_dear_obj},
+      {"obj: empty lines", 50000, [](std::size_t n) { return kQuad + std::string(n, '\n') + "f 1 2 3\n"; }, read_dear_obj},
+      {"obj: points that are far away", 5000, [](std::size_t n) { return times(n, [](std::size_t k) { return fmt::format("v 1e9 {} 0\n", k); }) + "f 1 2 3\n"; }, read_dear_obj},
+      {"stl: facets", 1000, [](std::size_t n) { return "solid a\n" + times(n, "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n") + "endsolid\n"; }, read_dear_stl},
+      {"stl: the word solid", 10000, [](std::size_t n) { return times(n, "solid a\n"); }, read_dear_stl},
+      {"stl: one long line", 50000, [](std::size_t n) { return "solid " + times(n, "a "); }, read_dear_stl},
+      {"stl: a false count", 50000, [](std::size_t n) { return std::string(80, 'x') + std::string(4, '\xFF') + std::string(n, 'x'); }, read_dear_stl},
+  };
+  check_growth(obj);
+  const std::vector<DearFile> gltf{
+      {"gltf: nodes of one mesh", 3000, [](std::size_t n) { return gltf_of(R"({"children": [)" + numbers(1, n) + "]}, " + times(n, kMeshNode), ""); }, read_dear_gltf},
+      {"gltf: nodes of many parts", 200, [](std::size_t n) { return gltf_of(R"({"children": [)" + numbers(1, n) + "]}, " + times(n, kMeshNode), times(n, R"({"attributes": {"POSITION": 0}, "mode": 6}, )")); }, read_dear_gltf},
+      {"gltf: nodes in nodes", 60, [](std::size_t n) { return gltf_of(times(n, [](std::size_t k) { return fmt::format(R"({{"children": [{}]}}, )", k + 1); }), ""); }, read_dear_gltf},
+      {"gltf: nodes without a mesh", 5000, [](std::size_t n) { return gltf_of(kMeshNode + times(n, "{}, "), ""); }, read_dear_gltf},
+      {"gltf: brackets", 20000, [](std::size_t n) { return gltf_of(kMeshNode, "", R"(, "extras": )" + std::string(n, '[') + std::string(n, ']')); }, read_dear_gltf},
+      {"gltf: extras", 20000, [](std::size_t n) { return gltf_of(kMeshNode, "", R"(, "extras": [)" + numbers(0, n) + "]"); }, read_dear_gltf},
+      {"gltf: a long name", 200000, [](std::size_t n) { return gltf_of(kMeshNode, "", R"(, "extras": ")" + std::string(n, 'x') + "\""); }, read_dear_gltf},
+      {"gltf: accessors", 2000, [](std::size_t n) { return gltf_of(kMeshNode, times(n, [](std::size_t k) { return fmt::format(R"({{"attributes": {{"POSITION": {}}}, "mode": 6}}, )", k); }), "", times(n, R"(, {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"})")); }, read_dear_gltf},
+      {"gltf: sparse accessors of one buffer", 500, [](std::size_t n) { return gltf_of(kMeshNode, times(n, [](std::size_t k) { return fmt::format(R"({{"attributes": {{"POSITION": {}}}, "mode": 6}}, )", k + 1); }), "", times(n, R"(, {"componentType": 5126, "count": 255, "type": "VEC3", "sparse": {"count": 1, "indices": {"bufferView": 0, "componentType": 5121}, "values": {"bufferView": 0}}})")); }, read_dear_gltf},
+      {"gltf: a count of zeros", 250000, [](std::size_t n) { return gltf_of(kMeshNode, R"({"attributes": {"POSITION": 1}}, )", "", fmt::format(R"(, {{"componentType": 5126, "count": {}, "type": "VEC3", "sparse": {{"count": 1, "indices": {{"bufferView": 0, "componentType": 5121}}, "values": {{"bufferView": 0}}}}}})", 3 * n)); }, read_dear_gltf},
+      {"gltf: instances", 250000, [](std::size_t n) { return gltf_of(R"({"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 1}}}}, )", "", "", fmt::format(R"(, {{"componentType": 5126, "count": {}, "type": "VEC3", "sparse": {{"count": 0, "indices": {{"bufferView": 0, "componentType": 5121}}, "values": {{"bufferView": 0}}}}}})", n)); }, read_dear_gltf},
+      {"gltf: morph targets", 1000, [](std::size_t n) { return gltf_of(kMeshNode, R"({"attributes": {"POSITION": 0}, "mode": 6, "targets": [)" + times(n, R"({"POSITION": 0}, )") + R"({"POSITION": 0}]}, )", ""); }, read_dear_gltf},
+      {"gltf: pictures of one view", 500, [](std::size_t n) { return gltf_of(kMeshNode, "", R"(, "materials": [)" + times(n, [](std::size_t k) { return fmt::format(R"({{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": {}}}}}}}, )", k); }) + R"({}], "textures": [)" + times(n, [](std::size_t k) { return fmt::format(R"({{"source": {}}}, )", k); }) + R"({"source": 0}], "images": [)" + times(n, R"({"bufferView": 0, "mimeType": "image/png"}, )") + R"({"bufferView": 0, "mimeType": "image/png"}])"); }, read_dear_gltf},
+      {"gltf: materials", 3000, [](std::size_t n) { return gltf_of(kMeshNode, "", R"(, "materials": [)" + times(n, "{}, ") + "{}]"); }, read_dear_gltf},
+      {"gltf: buffers", 1000, [](std::size_t n) { std::string text = gltf_of(kMeshNode, ""); const std::string mark = R"("buffers": [)"; return text.insert(text.find(mark) + mark.size(), times(n, R"({"byteLength": 3, "uri": "data:application/octet-stream;base64,AAAA"}, )")); }, read_dear_gltf},
+      {"gltf: required extensions", 5000, [](std::size_t n) { return gltf_of(kMeshNode, "", R"(, "extensionsRequired": [)" + times(n, R"("KHR_lights_punctual", )") + R"("KHR_lights_punctual"])"); }, read_dear_gltf},
+  };
+  check_growth(gltf);
+  const std::string jpeg = noisy_jpeg(64, true);
+  const auto scan = jpeg.find("\xFF\xDA");
+  const std::vector<DearFile> pictures{
+      {"png: chunks that nobody knows", 5000, [](std::size_t n) { return png_with(times(n, std::string("\0\0\0\0abCd\x9E\x10\xA9\xB2", 12))); }, read_dear_picture},
+      {"png: a size that is not there", 100, [](std::size_t n) { std::string png = small_png(); png[16 + 1] = png[20 + 1] = static_cast<char>(n / 4); return png + std::string(n, ' '); }, read_dear_picture},
+      {"jpeg: scans", 40, [&](std::size_t n) { return jpeg.substr(0, scan) + times(n, jpeg.substr(scan, 200)); }, read_dear_picture},
+      {"jpeg: a size that is not there", 100, [&](std::size_t n) { std::string large = jpeg; const auto frame = large.find("\xFF\xC2"); large[frame + 5] = large[frame + 7] = static_cast<char>(n / 4); return large + std::string(n, ' '); }, read_dear_picture},
+      {"jpeg: comments", 5000, [&](std::size_t n) { return jpeg.substr(0, 2) + times(n, std::string("\xFF\xFE\0\x04" "ab", 6)) + jpeg.substr(2); }, read_dear_picture},
+  };
+  check_growth(pictures);
+  const std::string line = "0 0 m 9 9 l S\n";
+  const std::vector<DearFile> pdf{
+      {"pdf: lines", 500, [&](std::size_t n) { return pdf_of(times(n, line)); }, read_dear_pdf},
+      {"pdf: states in states", 1000, [&](std::size_t n) { return pdf_of(times(n, "q ") + line + times(n, "Q ")); }, read_dear_pdf},
+      {"pdf: objects", 1000, [&](std::size_t n) { return pdf_of(line, times(n, [](std::size_t k) { return fmt::format("{} 0 obj<</A {} 0 R>>endobj\n", k + 5, k + 6); })); }, read_dear_pdf},
+      {"pdf: brackets", 5000, [&](std::size_t n) { return pdf_of(line, "5 0 obj" + std::string(n, '[') + "endobj\n"); }, read_dear_pdf},
+  };
+  REQUIRE(pictures::load_pdf_reader());
+  REQUIRE(pictures::pdf_page(pdf_of(line), 1));
+  check_growth(pdf);
+  // clang-format on
 }
 
 }  // namespace

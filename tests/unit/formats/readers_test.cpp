@@ -1,10 +1,24 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <zlib.h>
 #include <catch2/catch.hpp>
 
+#include "core/design/spec/spec.hpp"
+#include "core/formats/csv/segments_reader.hpp"
+#include "core/formats/dxf/dxf_reader.hpp"
+#include "core/formats/fold/crease_pattern.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/svg/svg_reader.hpp"
 #include "core/formats/svg/syntax/svg_path.hpp"
 #include "core/formats/svg/syntax/svg_transform.hpp"
+#include "core/model/height_grid.hpp"
+#include "tests/support/growth.hpp"
 #include "tests/support/linework_checks.hpp"
 
 namespace readers_test {
@@ -298,6 +312,197 @@ TEST_CASE("sample drawings of other programs are read or refused as expected", "
     CHECK(work->lines.size() > 10);
     CHECK(total_mm(*work, Operation::FoldValley) > 0);
   }
+}
+
+namespace {
+
+// Files that are dear to read if a reader is careless: what is named often, nested, repeated, or
+// looked up. Names and numbers differ where a reader may remember what it saw.
+std::string page(const std::string& inner) {
+  return R"(<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">)" +
+         inner + "</svg>";
+}
+const std::string kStroke = R"(<path d="M1 1h5" stroke="#000"/>)";
+
+std::string in_defs(const std::string& defs, const std::string& shown) {
+  return page("<defs>" + defs + "</defs>" + shown);
+}
+
+std::string dxf_of(const std::string& entities, const std::string& blocks = "",
+                   const std::string& tables = "") {
+  const auto section = [](const char* name, const std::string& inner) {
+    return inner.empty() ? "" : fmt::format("0\nSECTION\n2\n{}\n{}0\nENDSEC\n", name, inner);
+  };
+  return "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n" + section("TABLES", tables) +
+         section("BLOCKS", blocks) + section("ENTITIES", entities) + "0\nEOF\n";
+}
+std::string line_on(const std::string& layer) {
+  return "0\nLINE\n8\n" + layer + "\n10\n0\n20\n0\n11\n9\n21\n1\n";
+}
+std::string insert(const std::string& name, const std::string& more = "") {
+  return "0\nINSERT\n8\n0\n2\n" + name + "\n10\n0\n20\n0\n" + more;
+}
+std::string block(const std::string& name, const std::string& inner) {
+  return "0\nBLOCK\n2\n" + name + "\n10\n0\n20\n0\n" + inner + "0\nENDBLK\n";
+}
+std::string grid_of(std::size_t n) {
+  return fmt::format("70\n{}\n71\n{}\n44\n0.1\n45\n0.1\n", n, n);
+}
+std::string nested_blocks(std::size_t n, std::size_t each, const std::string& inner) {
+  return times(n,
+               [&](std::size_t k) {
+                 return block(fmt::format("a{}", k),
+                              times(each, insert(fmt::format("a{}", k + 1))));
+               }) +
+         block(fmt::format("a{}", n), inner);
+}
+
+std::string fold_of(const std::string& vertices, const std::string& edges,
+                    const std::string& more = "") {
+  const auto count = static_cast<std::size_t>(std::count(edges.begin(), edges.end(), '['));
+  return R"({"file_spec": 1.1, "vertices_coords": [)" + vertices + R"([90, 0], [90, 90]],
+"edges_vertices": [)" +
+         edges + R"([0, 1]], "edges_assignment": [)" + times(count, R"("B", )") + R"("B"])" + more +
+         "}";
+}
+
+std::string gzip_of(const std::string& text) {
+  constexpr int kGzip = 16;
+  z_stream stream{};
+  REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, kGzip + MAX_WBITS, 9, Z_DEFAULT_STRATEGY) == Z_OK);
+  std::string out(deflateBound(&stream, text.size()), '\0');
+  std::string in = text;
+  stream.next_in = reinterpret_cast<Bytef*>(in.data());
+  stream.avail_in = static_cast<uInt>(in.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  REQUIRE(deflate(&stream, Z_FINISH) == Z_STREAM_END);
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
+  return out;
+}
+
+// With a hundredth of the usual limits, what repeats itself reaches them soon.
+void read_svg(const std::string& text) {
+  auto profile = find_stroke_profile("popcut");
+  if (!profile) return;
+  SvgReadOptions how;
+  how.profile = std::move(*profile);
+  how.limits.steps /= 100;
+  (void)linework_from_svg(text, how);
+}
+void read_dxf(const std::string& text) {
+  DxfOptions how;
+  how.colours = DxfColours::Asked;
+  how.most_lines /= 300;
+  how.most_points /= 10;
+  (void)linework_from_dxf(text, how);
+}
+void read_fold(const std::string& text) { (void)linework_from_fold(text); }
+void read_creases(const std::string& text) {
+  if (!is_crease_pattern(text)) return;
+  if (const auto fold = fold_of_crease_pattern(text)) (void)linework_from_fold(*fold);
+}
+void read_spec(const std::string& text) { (void)parse_design_spec(text); }
+
+}  // namespace
+
+TEST_CASE("no drawing takes work or memory out of proportion to its size",
+          "[core][formats][dear]") {
+  using std::to_string;
+  // clang-format off
+  const std::vector<DearFile> svg{
+      {"svg: groups in groups", 100, [](std::size_t n) { return page(times(n, "<g transform='translate(1)' class='a b'>") + kStroke + times(n, "</g>")); }, read_svg},
+      {"svg: use of use", 100, [](std::size_t n) { return in_defs("<g id='a0'>" + kStroke + "</g>" + times(n, [](std::size_t k) { return fmt::format("<g id='a{}'><use href='#a{}'/></g>", k + 1, k); }), fmt::format("<use href='#a{}'/>", n)); }, read_svg},
+      {"svg: one thing used often", 1500, [](std::size_t n) { return in_defs("<g id='a'>" + kStroke + "</g>", times(n, "<use href='#a'/>")); }, read_svg},
+      {"svg: much used often", 150, [](std::size_t n) { return in_defs("<g id='a'>" + times(n, kStroke) + "</g>", times(n, "<use href='#a'/>")); }, read_svg},
+      {"svg: nothing used often", 500, [](std::size_t n) { return in_defs("<g id='a'>" + times(n, "<g/>") + "</g>", times(n, "<use href='#a'/>") + kStroke); }, read_svg},
+      {"svg: use of what is missing", 2500, [](std::size_t n) { return page(times(n, [](std::size_t k) { return fmt::format("<use href='#x{}'/>", k); }) + kStroke); }, read_svg},
+      {"svg: one id often", 2500, [](std::size_t n) { return in_defs(times(n, "<g id='a'/>"), times(n, "<use href='#a'/>") + kStroke); }, read_svg},
+      {"svg: classes of one element", 1000, [](std::size_t n) { return page("<style>" + times(n, [](std::size_t k) { return fmt::format(".c{}{{stroke:#000}}", k); }) + "</style><path d='M1 1h5' class='" + times(n, [](std::size_t k) { return fmt::format("c{} ", k); }) + "'/>"); }, read_svg},
+      {"svg: a class for each element", 1000, [](std::size_t n) { return page("<style>" + times(n, [](std::size_t k) { return fmt::format(".c{}{{stroke:#000}}", k); }) + "</style>" + times(n, [](std::size_t k) { return fmt::format("<path d='M1 1h5' class='c{}'/>", k); })); }, read_svg},
+      {"svg: rules for all elements", 500, [](std::size_t n) { return page("<style>" + times(n, "*{stroke:#000}path{fill:none}") + "</style>" + times(n, kStroke)); }, read_svg},
+      {"svg: selectors of ancestors", 150, [](std::size_t n) { return page("<style>" + times(n, "g g g path{stroke:#000}") + "</style>" + times(50, "<g>") + times(n, kStroke) + times(50, "</g>")); }, read_svg},
+      {"svg: a list of selectors", 2500, [](std::size_t n) { return page("<style>" + times(n, [](std::size_t k) { return fmt::format(".c{},", k); }) + "a{stroke:#000}</style>" + times(n, "<path class='c1' d='M1 1h5'/>")); }, read_svg},
+      {"svg: one property often", 5000, [](std::size_t n) { return page("<path d='M1 1h5' style='" + times(n, "stroke:#000;") + "'/>"); }, read_svg},
+      {"svg: css blocks in blocks", 2500, [](std::size_t n) { return page("<style>" + times(n, "@media x{") + times(n, "}") + "</style>" + kStroke); }, read_svg},
+      {"svg: css that is open", 5000, [](std::size_t n) { return page("<style>" + times(n, "a{/*") + "</style>" + kStroke); }, read_svg},
+      {"svg: style sheets", 2500, [](std::size_t n) { return page(times(n, "<style>a{}</style>") + kStroke); }, read_svg},
+      {"svg: a long dash array", 5000, [](std::size_t n) { return page("<path d='M1 1h50' stroke='#000' stroke-dasharray='" + times(n, "1 ") + "'/>"); }, read_svg},
+      {"svg: a dash array for many", 200, [](std::size_t n) { return page("<g stroke-dasharray='" + times(n, "1 ") + "'>" + times(n, "<path d='M1 1h50' stroke='#000'/>") + "</g>"); }, read_svg},
+      {"svg: fine dashes", 20, [](std::size_t n) { return page(times(n, "<path d='M1 1h90' stroke='#000' stroke-dasharray='0.01'/>")); }, read_svg},
+      {"svg: a long transform", 2500, [](std::size_t n) { return page("<path transform='" + times(n, "translate(0) ") + "' d='M1 1h5' stroke='#000'/>"); }, read_svg},
+      {"svg: gradients of gradients", 250, [](std::size_t n) { return in_defs(times(n, [](std::size_t k) { return fmt::format("<linearGradient id='g{}' href='#g{}'/>", k, k + 1); }), times(n, [](std::size_t k) { return fmt::format("<rect x='{}' width='9' height='9' fill='url(#g0)'/>", 10 * k); })); }, read_svg},
+      {"svg: patterns of patterns", 150, [](std::size_t n) { return in_defs(times(n, [](std::size_t k) { return fmt::format("<pattern id='g{}'><rect width='9' height='9' fill='url(#g{})'/></pattern>", k, k + 1); }), times(n, [](std::size_t k) { return fmt::format("<rect x='{}' width='9' height='9' fill='url(#g0)'/>", 10 * k); })); }, read_svg},
+      {"svg: a clip path of many", 100, [](std::size_t n) { return in_defs("<clipPath id='c'>" + times(n, [](std::size_t k) { return fmt::format("<circle cx='{}' cy='{}' r='9'/>", k % 90, k % 77); }) + "</clipPath>", times(n, [](std::size_t k) { return fmt::format("<path clip-path='url(#c)' d='M0 {}h100' stroke='#000'/>", k % 90); })); }, read_svg},
+      {"svg: clip paths of clip paths", 100, [](std::size_t n) { return in_defs(times(n, [](std::size_t k) { return fmt::format("<clipPath id='c{}' clip-path='url(#c{})'><circle cx='50' cy='50' r='30'/></clipPath>", k, k + 1); }), "<path clip-path='url(#c0)' d='M0 50h100' stroke='#000'/>"); }, read_svg},
+      {"svg: clipped in clipped", 40, [](std::size_t n) { return in_defs("<clipPath id='c'><circle cx='50' cy='50' r='30'/></clipPath>", times(n, "<g clip-path='url(#c)'>") + kStroke + times(n, "</g>")); }, read_svg},
+      {"svg: used in a clip path", 150, [](std::size_t n) { return in_defs("<g id='u'>" + times(n, "<circle cx='50' cy='50' r='30'/>") + "</g><clipPath id='c'><use href='#u'/></clipPath>", times(n, "<path clip-path='url(#c)' d='M0 50h100' stroke='#000'/>")); }, read_svg},
+      {"svg: frames in frames", 40, [](std::size_t n) { return page(times(n, "<svg viewBox='0 0 100 100'>") + kStroke + times(n, "</svg>")); }, read_svg},
+      {"svg: symbols", 500, [](std::size_t n) { return page(times(n, [](std::size_t k) { return fmt::format("<symbol id='s{}' viewBox='0 0 9 9'>{}</symbol><use href='#s{}'/>", k, kStroke, k); })); }, read_svg},
+      {"svg: a long id", 50000, [](std::size_t n) { return page("<path id='" + std::string(n, 'a') + "' d='M1 1h5' stroke='#000'/>"); }, read_svg},
+      {"svg: layers that nobody knows", 1500, [](std::size_t n) { return page("<g id='cut'>" + kStroke + "</g>" + times(n, [](std::size_t k) { return fmt::format("<g id='zork{}'>{}</g>", k, kStroke); })); }, read_svg},
+      {"svg: words of a name", 1000, [](std::size_t n) { return page("<g id='" + times(n, "cutx-foldx ") + "'>" + times(n, [](std::size_t k) { return fmt::format("<g id='g{}'>{}</g>", k, kStroke); }) + "</g>"); }, read_svg},
+      {"svg: attributes", 2500, [](std::size_t n) { return page("<path " + times(n, [](std::size_t k) { return fmt::format("a{}='1' ", k); }) + "d='M1 1h5' stroke='#000'/>"); }, read_svg},
+      {"svg: one attribute often", 5000, [](std::size_t n) { return page("<path " + times(n, "d='M1 1h5' ") + "stroke='#000'/>"); }, read_svg},
+      {"svg: namespaces", 1000, [](std::size_t n) { return page("<g " + times(n, [](std::size_t k) { return fmt::format("xmlns:x{}='http://x/{}' ", k, k); }) + ">" + times(n, [](std::size_t k) { return fmt::format("<x{}:path d='M1 1'/>", k); }) + kStroke + "</g>"); }, read_svg},
+      {"svg: entities", 500, [](std::size_t n) { return "<!DOCTYPE svg [" + times(n, [](std::size_t k) { return fmt::format("<!ENTITY e{} 'x'>", k); }) + "]>" + page(times(n, [](std::size_t k) { return fmt::format("<g id='&e{};'/>", k); }) + kStroke); }, read_svg},
+      {"svg: a long entity often", 250, [](std::size_t n) { return "<!DOCTYPE svg [<!ENTITY e '" + std::string(n, 'x') + "'>]>" + page(times(n, "<g id='&e;'/>") + kStroke); }, read_svg},
+      {"svg: references of letters", 10000, [](std::size_t n) { return page("<g id='" + times(n, "&#65;") + "'/>" + kStroke); }, read_svg},
+      {"svg: comments", 5000, [](std::size_t n) { return page(times(n, "<!-- x -->") + kStroke); }, read_svg},
+      {"svg: texts and pictures", 2500, [](std::size_t n) { return page(kStroke + times(n, "<text>x</text><image href='x.png' width='1' height='1'/>")); }, read_svg},
+      {"svg: arcs", 1500, [](std::size_t n) { return page("<path stroke='#000' d='M0 0" + times(n, "a1 1 0 1 1 0 .1") + "'/>"); }, read_svg},
+      {"svg: large circles", 50, [](std::size_t n) { return page(times(n, "<circle r='50000' stroke='#000'/>")); }, read_svg},
+      {"svg: curves", 500, [](std::size_t n) { return page("<path stroke='#000' d='M0 0" + times(n, "C0 100 100 100 100 0") + "'/>"); }, read_svg},
+      {"svg: subpaths", 5000, [](std::size_t n) { return page("<path stroke='#000' d='" + times(n, "M0 0h1") + "'/>"); }, read_svg},
+      {"svg: a fill of many parts", 1000, [](std::size_t n) { return page("<path d='" + times(n, [](std::size_t k) { return fmt::format("M{} {}h1v1z", k % 97, k % 89); }) + "'/>"); }, read_svg},
+      {"svg: fills over each other", 50, [](std::size_t n) { return page(times(n, [](std::size_t k) { return fmt::format("<circle cx='{}' cy='50' r='40'/>", 50 + 0.001 * static_cast<double>(k)); })); }, read_svg},
+      {"svg: white on black", 500, [](std::size_t n) { return page("<rect x='1' width='98' height='100'/>" + times(n, [](std::size_t k) { return fmt::format("<rect x='{}' y='{}' width='.5' height='.5' fill='#fff'/>", k % 97, k % 89); })); }, read_svg},
+      {"svg: a long number", 50000, [](std::size_t n) { return page("<path stroke='#000' d='M0 0h1." + std::string(n, '1') + "'/>"); }, read_svg},
+      {"svg: colours", 1500, [](std::size_t n) { return page(times(n, [](std::size_t k) { return fmt::format("<path d='M1 1h5' stroke='#{:06x}'/>", k); })); }, read_svg},
+      {"svg: tags that are open", 10000, [](std::size_t n) { return page(kStroke) + times(n, "<g>"); }, read_svg},
+      {"svgz: much of nothing", 20, [](std::size_t n) { return gzip_of(page(kStroke + std::string(10000 * n, ' '))); }, read_svg},
+      {"svgz: members", 500, [](std::size_t n) { return times(n, gzip_of(" ")); }, read_svg},
+  };
+  check_growth(svg);
+  const std::vector<DearFile> others{
+      {"dxf: blocks in blocks", 20, [](std::size_t n) { return dxf_of(insert("a0"), nested_blocks(n, 1, line_on("0"))); }, read_dxf},
+      {"dxf: ten of ten of ten", 3, [](std::size_t n) { return dxf_of(insert("a0"), nested_blocks(n, 10, line_on("0"))); }, read_dxf},
+      {"dxf: ten of ten of nothing", 3, [](std::size_t n) { return dxf_of(insert("a0") + line_on("0"), nested_blocks(n, 10, "")); }, read_dxf},
+      {"dxf: an array of blocks", 100, [](std::size_t n) { return dxf_of(insert("a", grid_of(n)), block("a", line_on("0"))); }, read_dxf},
+      {"dxf: arrays of nothing", 30, [](std::size_t n) { return dxf_of(times(n, insert("a", grid_of(n))) + line_on("0"), block("a", "")); }, read_dxf},
+      {"dxf: arrays of what is not read", 50, [](std::size_t n) { return dxf_of(times(n, insert("a", grid_of(n))) + line_on("0"), block("a", "0\nPOINT\n8\n0\n10\n0\n20\n0\n")); }, read_dxf},
+      {"dxf: blocks that are missing", 1500, [](std::size_t n) { return dxf_of(times(n, [](std::size_t k) { return insert(fmt::format("x{}", k)); }) + line_on("0")); }, read_dxf},
+      {"dxf: blocks", 500, [](std::size_t n) { return dxf_of(times(n, [](std::size_t k) { return insert(fmt::format("b{}", k)); }), times(n, [](std::size_t k) { return block(fmt::format("b{}", k), line_on("0")); })); }, read_dxf},
+      {"dxf: bulges", 1500, [](std::size_t n) { return dxf_of("0\nLWPOLYLINE\n8\n0\n70\n0\n" + times(n, [](std::size_t k) { return fmt::format("10\n{}\n20\n0\n42\n1000000\n", k % 2); })); }, read_dxf},
+      {"dxf: a spline of high degree", 50, [](std::size_t n) { return dxf_of(fmt::format("0\nSPLINE\n8\n0\n70\n8\n71\n{}\n72\n{}\n73\n{}\n", n, 2 * n + 2, n + 1) + times(n + 1, "40\n0\n") + times(n + 1, "40\n1\n") + times(n + 1, [](std::size_t k) { return fmt::format("10\n{}\n20\n{}\n", k % 90, k % 77); })); }, read_dxf},
+      {"dxf: a long spline", 500, [](std::size_t n) { return dxf_of(fmt::format("0\nSPLINE\n8\n0\n70\n8\n71\n3\n72\n{}\n73\n{}\n", n + 4, n) + times(n + 4, [](std::size_t k) { return fmt::format("40\n{}\n", k); }) + times(n, [](std::size_t k) { return fmt::format("10\n{}\n20\n{}\n", k % 90, k % 77); })); }, read_dxf},
+      {"dxf: layers", 1000, [](std::size_t n) { return dxf_of(times(n, [](std::size_t k) { return line_on(fmt::format("zork{}", k)); }), "", "0\nTABLE\n2\nLAYER\n" + times(n, [](std::size_t k) { return fmt::format("0\nLAYER\n2\nzork{}\n70\n0\n62\n7\n", k); }) + "0\nENDTAB\n"); }, read_dxf},
+      {"dxf: a long line type for many", 250, [](std::size_t n) { return dxf_of(times(n, line_on("0\n6\nL")), "", fmt::format("0\nTABLE\n2\nLTYPE\n0\nLTYPE\n2\nL\n70\n0\n73\n{}\n40\n2\n", n) + times(n, "49\n1\n49\n-1\n") + "0\nENDTAB\n"); }, read_dxf},
+      {"dxf: ellipses", 150, [](std::size_t n) { return dxf_of(times(n, "0\nELLIPSE\n8\n0\n10\n0\n20\n0\n11\n90\n21\n0\n40\n0.001\n41\n0\n42\n6.28\n")); }, read_dxf},
+      {"dxf: large circles", 100, [](std::size_t n) { return dxf_of(times(n, "0\nCIRCLE\n8\n0\n10\n0\n20\n0\n40\n9000\n")); }, read_dxf},
+      {"dxf: one group often", 10000, [](std::size_t n) { return dxf_of("0\nLINE\n8\n0\n" + times(n, "10\n0\n") + "20\n0\n11\n9\n21\n1\n"); }, read_dxf},
+      {"dxf: a long text", 100000, [](std::size_t n) { return dxf_of("0\nTEXT\n8\n0\n1\n" + std::string(n, 'x') + "\n" + line_on("0")); }, read_dxf},
+      {"fold: one edge often", 2500, [](std::size_t n) { return fold_of("[0, 0], ", times(n, "[0, 1], ")); }, read_fold},
+      {"fold: edges of one vertex", 500, [](std::size_t n) { return fold_of(times(n, [](std::size_t k) { return fmt::format("[{}, {}], ", k % 100, k / 100); }), times(n, [](std::size_t k) { return fmt::format("[0, {}], ", k + 1); })); }, read_fold},
+      {"fold: vertices in one place", 2500, [](std::size_t n) { return fold_of(times(n, "[1, 1], "), times(n, [](std::size_t k) { return fmt::format("[{}, {}], ", k, k + 1); })); }, read_fold},
+      {"fold: edges on one line", 250, [](std::size_t n) { return fold_of(times(n, [&](std::size_t k) { return fmt::format("[{}, 0], ", 80.0 * static_cast<double>(k) / static_cast<double>(n)); }), times(n, [n](std::size_t k) { return fmt::format("[{}, {}], ", k, (k + n / 2) % n); })); }, read_fold},
+      {"fold: frames that inherit", 500, [](std::size_t n) { return fold_of("", times(n, "[0, 1], "), R"(, "file_frames": [)" + times(n, [](std::size_t k) { return fmt::format(R"({{"frame_parent": {}, "frame_inherit": true}}, )", k); }) + "{}]"); }, read_fold},
+      {"fold: a large face", 5000, [](std::size_t n) { return fold_of("", "", R"(, "faces_vertices": [[)" + times(n, "0, 1, ") + "0]]"); }, read_fold},
+      {"fold: brackets", 10000, [](std::size_t n) { return R"({"file_spec": 1, "vertices_coords": )" + std::string(n, '['); }, read_fold},
+      {"fold: one key often", 2500, [](std::size_t n) { return fold_of("", "", times(n, R"(, "edges_foldAngle": [0])")); }, read_fold},
+      {"cp: one line often", 2500, [](std::size_t n) { return times(n, "1 0 0 9 9\n"); }, read_creases},
+      {"opx: one line often", 250, [](std::size_t n) { return R"(<?xml version="1.0"?><java><object class="oripa.DataSet"><void property="lines"><array>)" + times(n, R"(<void index="0"><object class="oripa.OriLineProxy"><void property="type"><int>1</int></void><void property="x0"><double>1</double></void><void property="x1"><double>2</double></void><void property="y0"><double>3</double></void><void property="y1"><double>4</double></void></object></void>)") + "</array></void></object></java>"; }, read_creases},
+      {"spec: brackets", 10000, [](std::size_t n) { return R"({"popcut": 1, "widths_mm": )" + std::string(n, '['); }, read_spec},
+      {"spec: widths", 10000, [](std::size_t n) { return R"({"popcut": 1, "widths_mm": [)" + times(n, "1, ") + "1]}"; }, read_spec},
+      {"spec: names that nobody knows", 1000, [](std::size_t n) { return R"({"popcut": 1)" + times(n, [](std::size_t k) { return fmt::format(R"(, "width_m{}": 1)", k); }) + "}"; }, read_spec},
+      {"spec: a long formula", 10000, [](std::size_t n) { return R"({"popcut": 1, "surface": {"type": "revolution", "radius": ")" + times(n, "(1+") + R"("}})"; }, read_spec},
+      {"csv: panels", 1500, [](std::size_t n) { return "slice,panel,x0,z0,x1,z1,v,width\n" + times(n, "1,1,0,0,1,0,0,1\n"); }, [](const std::string& text) { (void)read_segments_csv(text, SegmentConvention::Popcut); }},
+      {"csv: heights", 100, [](std::size_t n) { return times(n, times(n, "1,") + "1\n"); }, [](const std::string& text) { (void)read_height_grid("a.csv", text); }},
+      {"csv: a long line", 10000, [](std::size_t n) { return times(n, "1,") + "1\n1,1\n"; }, [](const std::string& text) { (void)read_height_grid("a.csv", text); }},
+  };
+  // clang-format on
+  check_growth(others);
 }
 
 }  // namespace readers_test
