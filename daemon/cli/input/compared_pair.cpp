@@ -41,7 +41,7 @@ bool has_ending(const std::string& file, std::string_view ending) {
 Result<std::vector<float>> mesh_triangles(const std::string& file, const std::string& bytes) {
   auto triangles =
       has_ending(file, ".csv") ? read_height_grid(file, bytes) : read_mesh(file, bytes);
-  if (!triangles) return tl::unexpected(within(file, triangles.error()));
+  if (!triangles) return tl::unexpected(triangles.error());  // the readers name the file
   return std::move(triangles->corners);
 }
 

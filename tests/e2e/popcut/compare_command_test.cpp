@@ -213,6 +213,7 @@ TEST_CASE("compare refuses bad input in one line", "[cli][e2e][compare]") {
     const Ran ran = bench.popcut(words);
     check_refused(ran, exit, part);
     CHECK(ran.out.empty());
+    CHECK_FALSE(says(ran.err, words[2] + ": " + words[2]));  // a file is named once
   };
   refused({"absent.fold", "ball.stl"}, 3, "absent.fold");
   refused({"ball/pattern.fold", "absent.stl"}, 3, "absent.stl");
