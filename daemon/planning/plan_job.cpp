@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -110,6 +111,23 @@ Result<DrawingInput> read_at_its_size(const PlanOptions& options, SvgReadOptions
   how.enlarged = larger;
   how.tolerance_mm = options.curve_tolerance_mm / std::max(larger, 1.0);
   return read(how);
+}
+
+/// Says that a drawing is smaller than what anybody cuts from paper: its numbers may be inches or
+/// centimetres. A design has its size, and so has what a person scales or gives a unit.
+std::optional<Warning> very_small(const PlanOptions& options, const DrawingInput& input) {
+  constexpr double kSmall_mm = 15.0;
+  if (input.material || input.at || options.width_mm || options.scale != 1.0 ||
+      unit_mm(options.units))
+    return std::nullopt;
+  const Box box = bounds(input.drawing);
+  if (box.empty() || std::max(box.width(), box.height()) >= kSmall_mm) return std::nullopt;
+  return Warning{.code = "very_small",
+                 .message = fmt::format(
+                     "the drawing is only {:.3g} x {:.3g} mm; if it is meant in inches, use "
+                     "`scale` 25.4, in centimetres 10",
+                     box.width(), box.height()),
+                 .spoils = true};
 }
 
 /// The tool in each holder of a sheet: the firmware needs the offset of a blade.
@@ -254,6 +272,7 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
   if (options.width_mm)
     std::erase_if(input->drawing.warnings,
                   [](const Warning& warning) { return warning.code == "no_unit"; });
+  if (auto said = very_small(options, *input)) input->drawing.warnings.push_back(std::move(*said));
   auto material = choose_material(options, *input, tables, input_name);
   if (!material) return tl::unexpected(material.error());
   material = with_pens(on_machine(std::move(*material), *machine), input->pens);

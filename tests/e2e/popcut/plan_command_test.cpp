@@ -85,6 +85,22 @@ TEST_CASE("a drawing that --width or --scale makes larger loses neither corners 
   CHECK(cut_mm({"dot.svg", "--width", "200"}) == Approx(200 * 3.14159265).margin(0.2));
 }
 
+TEST_CASE("a drawing that is smaller than anybody cuts is asked about, unless its size was said",
+          "[cli][e2e][plan]") {
+  const Bench bench;
+  write_file(bench.temp / "small.svg",
+             "<svg xmlns='http://www.w3.org/2000/svg' width='4mm' height='4mm' viewBox='0 0 4 4'>"
+             "<path d='M0 0h4v4' fill='none' stroke='black'/></svg>");
+  const auto small = [&](Names arguments) {
+    arguments.insert(arguments.begin(), "small.svg");
+    return bench.planned(arguments)["warnings"].dump();
+  };
+  CHECK(says(small({"--machine", "cameo3"}),
+             "only 4 x 4 mm; if it is meant in inches, use --scale 25.4"));
+  CHECK_FALSE(says(small({"--machine", "cameo3", "--scale", "25.4"}), "inches"));
+  CHECK_FALSE(says(small({"--machine", "cameo3", "--width", "5"}), "inches"));
+}
+
 TEST_CASE("a PDF is planned by its layers, and an Illustrator file by the PDF in it",
           "[cli][e2e][plan][pdf]") {
   const Bench bench;
