@@ -151,7 +151,7 @@ TEST_CASE("a model with a hole is searched as it is seen and a note says so",
   const auto front = planning::read_front(file_of(*outcome, planning::kFrontFile)->bytes);
   REQUIRE(front);
   REQUIRE_FALSE(front->notes.empty());
-  CHECK_THAT(front->notes.front(), Catch::Contains("open"));
+  CHECK_THAT(front->notes.front(), Catch::Contains("has holes"));
   for (const daemon::FoundCardRecord& card : front->cards) CHECK(card.style == "facets");
 }
 
