@@ -7,8 +7,6 @@
 #include <cstring>
 #include <vector>
 
-#include <png.h>
-
 #include "daemon/pictures/drawing.hpp"
 
 namespace popcut {
@@ -39,21 +37,6 @@ Result<std::string> packed(cairo_surface_t* surface, int width, int height) {
 }
 
 }  // namespace
-
-/// Compressed quickly: drawings are small anyway, and a design should not wait for its pictures.
-Result<std::string> png_of_pixels(std::span<const std::uint8_t> rgb, int width, int height) {
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  image.width = static_cast<png_uint_32>(width), image.height = static_cast<png_uint_32>(height);
-  image.format = PNG_FORMAT_RGB;
-  image.flags = PNG_IMAGE_FLAG_FAST;
-  std::string png(PNG_IMAGE_PNG_SIZE_MAX(image), '\0');
-  png_alloc_size_t size = png.size();
-  if (png_image_write_to_memory(&image, png.data(), &size, 0, rgb.data(), 0, nullptr) == 0)
-    return cannot(image.message);
-  png.resize(size);
-  return png;
-}
 
 Result<std::string> png_of_svg(std::string_view svg, int largest_px) {
   if (auto loaded = load_graphics(); !loaded) return tl::unexpected(loaded.error());

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/design/spec/spec.hpp"
+#include "core/plan/machine_choice.hpp"
 #include "daemon/digest/digest.hpp"
 #include "daemon/examples/examples.hpp"
 #include "daemon/http/api/handler_kit.hpp"
@@ -94,6 +95,7 @@ void meta(const Request& request, Service& service, const HandlerContext& contex
                                                   : nlohmann::ordered_json(context.page_url)},
             {"schema_sha256", context.openapi_sha256},
             {"now", rfc3339(wall_clock_ms())},
+            {"can", {"design", "plan", "search", "print", "queue", "devices", "users"}},
             {"principal",
              {{"name", request.principal.name},
               {"title", service.access.title_of(request.principal.name)},
@@ -158,7 +160,7 @@ void list_machines(const Request& request, Service& service, const HandlerContex
   const Answer<std::vector<Machine>> all = service.plans.machines();
   if (!all) return reply(problem_response(all.error(), request));
   reply(page_response(Page<Machine>{*all, {}}, 'x',
-                      [](const Machine& machine) { return dump(to_json(machine)); }));
+                      [](const Machine& machine) { return dump(machine_choice(machine)); }));
 }
 
 void usage(const Request& request, Service& service, const HandlerContext&, Reply reply) {

@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/plan/marks.hpp"
 #include "daemon/model/fields.hpp"
 #include "daemon/model/found_card_json.hpp"
 #include "daemon/model/warnings.hpp"
@@ -372,22 +371,6 @@ ordered_json to_json(const DeviceRecord& device) {
   if (!device.node_url.empty()) out["node_url"] = device.node_url;
   if (!device.site.empty()) out["site"] = device.site;
   return out;
-}
-
-ordered_json to_json(const Machine& machine) {
-  ordered_json mats = ordered_json::array();
-  for (const Mat& mat : machine.mats)
-    mats.push_back({{"name", mat.name}, {"width_mm", mat.width_mm}, {"length_mm", mat.length_mm}});
-  ordered_json marks;
-  if (machine.language == "gpgl") {  // no other one has a command to search for them
-    constexpr double kPage_mm = 1000;
-    const auto room = room_within_marks_mm({kPage_mm, kPage_mm});
-    marks = {kPage_mm - room[0], kPage_mm - room[1]};
-  }
-  return {{"name", machine.name},         {"title", machine.title},
-          {"driven", machine.driven()},   {"marks_take_mm", std::move(marks)},
-          {"width_mm", machine.width_mm}, {"length_mm", machine.length_mm},
-          {"mats", std::move(mats)}};
 }
 
 ordered_json to_json(const MaterialRecord& material) {

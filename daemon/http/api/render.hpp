@@ -28,7 +28,6 @@ namespace popcut::daemon::http {
 [[nodiscard]] nlohmann::ordered_json to_json(const SheetRecord& sheet);
 [[nodiscard]] nlohmann::ordered_json to_json(const Ledger& ledger);
 [[nodiscard]] nlohmann::ordered_json to_json(const DeviceRecord& device);
-[[nodiscard]] nlohmann::ordered_json to_json(const Machine& machine);
 [[nodiscard]] nlohmann::ordered_json to_json(const MaterialRecord& material);
 [[nodiscard]] nlohmann::ordered_json to_json(const TokenRecord& token);
 [[nodiscard]] nlohmann::ordered_json to_json(const SessionRecord& session);

@@ -7,31 +7,22 @@
 #endif
 
 #include <cerrno>
-#include <chrono>
 #include <csignal>
-#include <cstdint>
 #include <cstdlib>
 #include <exception>
 #include <new>
-#include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "daemon/pictures/load_graphics.hpp"
 #include "daemon/pictures/pdf_page.hpp"
-#include "daemon/planning/frames.hpp"
-#include "daemon/planning/search/freed_memory.hpp"
-#include "daemon/planning/search/search_task.hpp"
-#include "daemon/planning/task_json.hpp"
-#include "daemon/planning/work.hpp"
+#include "daemon/planning/engine/engine.hpp"
 #include "daemon/planning/worker/confinement.hpp"
 
 namespace popcut::planning {
 namespace {
 
 constexpr int kBroken = 3;
-constexpr std::uint64_t kMostTaskBytes = std::uint64_t{2} << 30;
 
 class Pipes {
  public:
@@ -42,31 +33,17 @@ class Pipes {
 
   /// Reads frames until the one that says that nothing more comes.
   Result<WorkerTask> read() {
-    FrameReader reader(kMostTaskBytes);
-    Result<WorkerTask> task = fail(ErrorKind::Malformed, "pipe", "no task was sent");
-    bool go = false;
-    const auto take = [&](Frame frame) -> Result<void> {
-      if (frame.kind == FrameKind::Task) {
-        task = read_task(frame.bytes);
-        return task ? Result<void>() : tl::unexpected(task.error());
-      }
-      if (!task) return tl::unexpected(task.error());
-      if (frame.kind == FrameKind::Design) task->design = std::move(frame.bytes);
-      if (frame.kind == FrameKind::Asset) task->assets[frame.name] = std::move(frame.bytes);
-      go = frame.kind == FrameKind::Go;
-      return {};
-    };
+    TaskReader task;
     std::string block(1u << 16, '\0');
-    while (!go) {
+    while (!task.is_whole()) {
       const ssize_t got = ::read(in_, block.data(), block.size());
       if (got < 0 && errno == EINTR) continue;
-      ended_ = got == 0 && reader.at_rest() && !task;
+      ended_ = got == 0 && task.at_rest();
       if (got <= 0) return fail(ErrorKind::Malformed, "pipe", "it ended within the task");
       const std::string_view bytes(block.data(), static_cast<std::size_t>(got));
-      if (const Result<void> fed = reader.feed(bytes, take); !fed)
-        return tl::unexpected(fed.error());
+      if (const Result<void> fed = task.feed(bytes); !fed) return tl::unexpected(fed.error());
     }
-    return task;
+    return task.take();
   }
 
   [[nodiscard]] Result<void> write(FrameKind kind, std::string_view name, std::string_view bytes) {
@@ -122,55 +99,19 @@ int end(int code, [[maybe_unused]] bool confined) {
   return code;
 }
 
-/// Writes what is being done, but not each step of it.
-Progress phases_to(Pipes& pipes) {
-  using Clock = std::chrono::steady_clock;
-  return [&pipes, last = std::string(), at = Clock::time_point()](std::string_view doing,
-                                                                  double done) mutable {
-    constexpr std::chrono::milliseconds kEach{200};
-    const Clock::time_point now = Clock::now();
-    if (doing == last && now - at < kEach) return;
-    last = doing;
-    at = now;
-    (void)pipes.write(FrameKind::Phase, "",
-                      phase_json(doing, done));  // the outcome tells the fault
-  };
-}
-
-Result<daemon::PlanningOutcome> guarded(Pipes& pipes, bool serves) {
-  const auto add = [&](const std::string& name, const std::string& bytes) {
-    return pipes.write(FrameKind::File, name, bytes);
-  };
-  // One that serves has its memory in pieces then, and is replaced.
-  const auto too_large = [&]() -> tl::unexpected<Error> {
-    if (serves) ::_exit(kOutOfMemoryCode);
-    return fail(ErrorKind::Infeasible, "",
-                "needs more memory than a design may use; make it smaller or simpler, or raise "
-                "planner.memory_mib in popcutd.toml");
-  };
-  try {
-    Result<WorkerTask> task = pipes.read();
-    if (!task) return tl::unexpected(task.error());
-    if (task->kind == daemon::PlanningTask::Kind::Search) {
-      keep_freed_memory();
-      return search(*task, add, phases_to(pipes));
-    }
-    return perform(std::move(*task), add, phases_to(pipes));
-  } catch (const std::bad_alloc&) {
-    return too_large();
-  } catch (const std::length_error&) {
-    return too_large();
-  } catch (const std::exception& fault) {
-    return fail(ErrorKind::Internal, "worker", fault.what());
-  }
-}
-
 /// Does one task; false: nothing could be written.
 bool do_task(Pipes& pipes, bool serves) {
-  const Result<daemon::PlanningOutcome> outcome = guarded(pipes, serves);
-  if (pipes.has_ended() && serves) return true;
-  return outcome ? pipes.write(FrameKind::Outcome, "", outcome_json(*outcome)).has_value()
-                 : pipes.write(FrameKind::Failure, "", error_json(outcome.error())).has_value();
+  const auto send = [&](FrameKind kind, std::string_view name,
+                        std::string_view bytes) -> Result<void> {
+    if (pipes.has_ended() && serves) return {};  // nothing was asked
+    return pipes.write(kind, name, bytes);
+  };
+  // One that serves has its memory in pieces then, and is replaced.
+  const auto spent = [&]() -> std::string_view {
+    if (serves) ::_exit(kOutOfMemoryCode);
+    return ", or raise planner.memory_mib in popcutd.toml";
+  };
+  return answer([&] { return pipes.read(); }, send, spent).has_value();
 }
 
 }  // namespace
