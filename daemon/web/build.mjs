@@ -15,7 +15,7 @@ const gallery = join(root, 'docs/gallery');
 const openapi = join(here, '../http/api/openapi.json');
 
 /** The examples of `popcut design --list`, in two groups, in the order in which the page shows them. */
-const groups = {
+export const groups = {
   cards: ['cat', 'house', 'heart', 'letters', 'village', 'cottage', 'lantern'],
   paper: ['sphere', 'saddle', 'cylinder', 'composite', 'airfoil', 'facade', 'packaging', 'multistate', 'fig2a', 'unit'],
 };
@@ -38,7 +38,7 @@ function sources() {
   return [...found, ...pictures];
 }
 
-const inFolder = (folder, path) => relative(folder, path).split(sep).join('/');
+export const inFolder = (folder, path) => relative(folder, path).split(sep).join('/');
 
 /** sha256 over the lines 'SHA256  NAME' of every source, by name, in hex. page_files.cmake computes the same. */
 function stamp() {
@@ -59,7 +59,7 @@ function compress() {
 }
 
 /** The first eight hex digits of the contents, for names that may be kept for ever. */
-function shortHash(bytes) {
+export function shortHash(bytes) {
   return createHash('sha256').update(bytes).digest('hex').slice(0, 8).toUpperCase();
 }
 
@@ -99,14 +99,14 @@ function smallPicture(svg) {
     + paths.map(({ paint, d }) => `<path ${paint} d="${d}"/>`).join('') + '</g></svg>\n';
 }
 
-/** Writes the pictures of the examples; returns the address of each by its name. */
-function writePictures() {
+/** Writes the pictures of the examples into `folder`/page; returns the address of each, below `base`, by its name. */
+function writePictures(folder, base) {
   const addresses = {};
   for (const name of examples) {
     const picture = smallPicture(readFileSync(join(gallery, `${name}-deployed.svg`), 'utf8'));
     const file = `example-${name}-${shortHash(picture)}.svg`;
-    writeFileSync(join(dist, 'page', file), picture);
-    addresses[name] = `/page/${file}`;
+    writeFileSync(join(folder, 'page', file), picture);
+    addresses[name] = `${base}page/${file}`;
   }
   return addresses;
 }
@@ -147,14 +147,15 @@ async function writeTypes() {
   writeFileSync(join(here, 'src/api.d.ts'), astToString(await openapiTS(description, { arrayLength: true })));
 }
 
-async function build() {
-  rmSync(dist, { recursive: true, force: true });
-  mkdirSync(join(dist, 'page'), { recursive: true });
+/** Bundles the page into `folder`/page; `constants` are added to what its sources are told. Returns what is to be written into index.html. */
+export async function bundle(folder, { pictures, constants }) {
+  rmSync(folder, { recursive: true, force: true });
+  mkdirSync(join(folder, 'page'), { recursive: true });
   const styles = ['page.css', 'design.css'].filter((name) => existsSync(join(here, name)));
   const { metafile } = await esbuild.build({
     absWorkingDir: here,
     entryPoints: ['src/one_shot.ts', 'src/main.tsx', ...styles],
-    outdir: 'dist/page',
+    outdir: join(folder, 'page'),
     entryNames: '[name]-[hash]',
     chunkNames: '[name]-[hash]',
     bundle: true,
@@ -165,7 +166,7 @@ async function build() {
     legalComments: 'none',
     jsx: 'automatic',
     jsxImportSource: 'preact',
-    define: { EXAMPLE_PICTURES: JSON.stringify(writePictures()), EXAMPLE_GROUPS: JSON.stringify(groups) },
+    define: { EXAMPLE_PICTURES: JSON.stringify(writePictures(folder, pictures)), EXAMPLE_GROUPS: JSON.stringify(groups), ...constants },
     metafile: true,
     logLevel: 'warning',
   });
@@ -176,27 +177,42 @@ async function build() {
   const first = byEntry('src/one_shot.ts');
   const early = [...new Set([...importedAtOnce(outputs, first), ...importedAtOnce(outputs, main)])]
     .filter((path) => path !== first && path !== main);
-  const address = (path) => '/' + relative('dist', path).split(sep).join('/');
-  const text = licences(metafile);
-  const licenceFile = `licences-${shortHash(text)}.txt`;
-  writeFileSync(join(dist, 'page', licenceFile), text);
-  const icon = readFileSync(join(here, 'icon.svg'));
-  const iconFile = `icon-${shortHash(icon)}.svg`;
-  writeFileSync(join(dist, 'page', iconFile), icon);
+  return { metafile, main, first, early, style: byEntry('page.css'), laterStyles: styles.slice(1).map(byEntry), licences: licences(metafile) };
+}
+
+/** Writes `bytes` as page/NAME-HASH.ENDING; returns its name below `folder`. */
+export function writeHashed(folder, name, ending, bytes) {
+  const file = `page/${name}-${shortHash(bytes)}.${ending}`;
+  writeFileSync(join(folder, file), bytes);
+  return file;
+}
+
+/** Writes index.html; `base` is before all addresses, `more` are lines of its head. */
+export function writeIndex(folder, made, base, more = []) {
+  const address = (path) => base + inFolder(folder, join(here, path));
+  const licenceFile = writeHashed(folder, 'licences', 'txt', made.licences);
+  const iconFile = writeHashed(folder, 'icon', 'svg', readFileSync(join(here, 'icon.svg')));
   const index = readFileSync(join(here, 'index.html'), 'utf8').replace('<!-- files -->', [
-    `<link rel="stylesheet" href="${address(byEntry('page.css'))}">`,
-    ...styles.slice(1).map((name) => `<meta name="later-style" content="${address(byEntry(name))}">`),
-    ...early.map((path) => `<link rel="modulepreload" href="${address(path)}">`),
-    `<link rel="icon" type="image/svg+xml" href="/page/${iconFile}">`,
-    `<link rel="license" href="/page/${licenceFile}">`,
-    `<script type="module" src="${address(first)}"></script>`,
-    `<script type="module" src="${address(main)}"></script>`,
+    ...more,
+    `<link rel="stylesheet" href="${address(made.style)}">`,
+    ...made.laterStyles.map((path) => `<meta name="later-style" content="${address(path)}">`),
+    ...made.early.map((path) => `<link rel="modulepreload" href="${address(path)}">`),
+    `<link rel="icon" type="image/svg+xml" href="${base}${iconFile}">`,
+    `<link rel="license" href="${base}${licenceFile}">`,
+    `<script type="module" src="${address(made.first)}"></script>`,
+    `<script type="module" src="${address(made.main)}"></script>`,
   ].join('\n'));
-  writeFileSync(join(dist, 'index.html'), index);
+  writeFileSync(join(folder, 'index.html'), index);
+}
+
+async function build() {
+  const made = await bundle(dist, { pictures: '/', constants: { LOCAL: 'false' } });
+  const { metafile: { outputs }, main, first, early } = made;
+  writeIndex(dist, made, '/');
   compress();
   writeFileSync(join(dist, 'stamp'), stamp() + '\n');
 
-  const shell = [first, main, ...early, byEntry('page.css')];
+  const shell = [first, main, ...early, made.style];
   const size = (path) => gzipSync(readFileSync(join(here, path)), { level: 9 }).length;
   const all = Object.keys(outputs).filter((path) => /\.(js|css)$/.test(path));
   for (const path of all) {
@@ -208,11 +224,12 @@ async function build() {
     .reduce((sum, name) => sum + size(join('dist/page', name)), 0);
   console.log(`${kilobytes(pictures).padStart(9)}  pictures of the examples, gzip`);
   writeFileSync(join(dist, 'sizes.json'), JSON.stringify({
-    shell: shell.map((path) => ({ path: address(path), gzip: size(path) })),
-    all: all.map((path) => ({ path: address(path), gzip: size(path), inputs: Object.keys(outputs[path].inputs) })),
+    shell: shell.map((path) => ({ path: '/' + inFolder(dist, join(here, path)), gzip: size(path) })),
+    all: all.map((path) => ({ path: '/' + inFolder(dist, join(here, path)), gzip: size(path), inputs: Object.keys(outputs[path].inputs) })),
   }, null, 1) + '\n');
 }
 
-if (process.argv.includes('--stamp')) console.log(stamp());
+if (process.argv[1] !== fileURLToPath(import.meta.url)) { /* another script takes parts of this one */ }
+else if (process.argv.includes('--stamp')) console.log(stamp());
 else if (process.argv.includes('--types')) await writeTypes();
 else await build();

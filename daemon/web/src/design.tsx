@@ -21,7 +21,7 @@ import { isProblem, read, readBlob, saveAs, send, ServerProblem } from './server
 import { fromShare, isPlain, nameOf, scaled, shareText, SpecError, withField } from './spec';
 import { FirstDraft, SearchCards } from './search_cards';
 import { Questions } from './standing';
-import { may, stale } from './store';
+import { can, may, stale } from './store';
 import { size } from './words';
 import { designWords as words } from './words_design';
 import { makeWords } from './words_make';
@@ -259,7 +259,7 @@ function CutDialog({ onClose, print = false }: { onClose: () => void; print?: bo
     go(sheetsOf(made.id));
   });
   return (
-    <Dialog title={words.cut.title} onNo={onClose} yes={words.cut.sheets} onYes={() => void plan()} busy={busy.value || !desk.canCut.value || stale.value || mustAnswer()}>
+    <Dialog title={can('queue') ? words.cut.title : words.bar.sheets} onNo={onClose} yes={words.cut.sheets} onYes={() => void plan()} busy={busy.value || !desk.canCut.value || stale.value || mustAnswer()}>
       {problem.value && <Trouble problem={problem.value} />}
       {desk.foreign.value && <DrawingQuestion design={desk.foreign.value.id} onAnswer={desk.readAgain} />}
       {!desk.canCut.value && <p class="muted" role="status">{words.cut.wait}</p>}
@@ -272,9 +272,9 @@ function CutDialog({ onClose, print = false }: { onClose: () => void; print?: bo
       </label>
       <OutfitChoice canPrint={desk.spec.value !== null} />
       <SizeOnPaper />
-      <label class="field"><span>{words.cut.copies}</span>
+      {can('queue') && <label class="field"><span>{words.cut.copies}</span>
         <input type="number" min="1" max="1000" value={copies.value} onChange={(event) => { copies.value = Math.max(1, Math.min(1000, Math.round(Number(event.currentTarget.value)) || 1)); }} />
-      </label>
+      </label>}
     </Dialog>
   );
 }
@@ -307,7 +307,7 @@ function Bar({ onOpen }: { onOpen: () => void }) {
       {spec && <Button kind="quiet" onClick={() => { dialog.value = 'share'; }} disabled={!desk.canCut.value}>{words.bar.share}</Button>}
       {spec && <Button kind="quiet" onClick={save} disabled={!desk.canCut.value}>{words.bar.save}</Button>}
       <Button onClick={() => { dialog.value = 'make'; }}>{makeWords.button}</Button>
-      {may('submitter') && <Button kind="primary" onClick={() => { dialog.value = 'cut'; }} disabled={stale.value}>{words.bar.cut}</Button>}
+      {may('submitter') && <Button kind="primary" onClick={() => { dialog.value = 'cut'; }} disabled={stale.value}>{can('queue') ? words.bar.cut : words.bar.sheets}</Button>}
       {dialog.value === 'share' && <ShareDialog onClose={close} />}
       {dialog.value === 'make' && <MakeDialog name={designName()} onClose={close} onCut={(printed) => { dialog.value = printed ? 'print' : 'cut'; }}>
         <OtherFormats />

@@ -12,7 +12,8 @@ import { go, parseRoute, route } from './route';
 import { isProblem, ServerProblem, session, signInWithWord, waitsUntil } from './server';
 import { Settings } from './settings';
 import { SignIn } from './sign_in';
-import { connection, follow, loaded, me, meta, now, readMeta, jobs, stale, tryNow } from './store';
+import { can, connection, follow, loaded, me, meta, now, readMeta, jobs, stale, tryNow } from './store';
+import { begin as beginBackend, newer, reload, storeTrouble } from './backend';
 import { unsaved } from './unsaved';
 import { swallowWaking } from './waking';
 import { hourMinuteSecond, words } from './words';
@@ -66,11 +67,15 @@ function Later({ view, rest }: { view: string; rest: string }) {
   return View.value ? <View.value rest={rest} /> : <Loading />;
 }
 
+/** Where nothing is queued, one begins with a design. */
+const viewOf = (view: string): string => (view === 'now' && !can('queue') ? 'design' : view);
+
 function View() {
-  const { view, rest } = route.value;
+  const { rest } = route.value;
+  const view = viewOf(route.value.view);
   if (view === 'now') return <Now />;
-  if (view === 'at') return <Machine device={rest} key={rest} />;
-  if (view === 'done') return <Done />;
+  if (view === 'at' && can('devices')) return <Machine device={rest} key={rest} />;
+  if (view === 'done' && can('queue')) return <Done />;
   if (view === 'settings') return <Settings />;
   if (Object.hasOwn(later, view)) return <Later view={view} rest={rest} key={view} />;
   return <Note><p>{words.notFound}</p><p><a href="#/">{words.toNow}</a></p></Note>;
@@ -88,9 +93,9 @@ function Connection() {
 }
 
 function Bar() {
-  const view = route.value.view;
-  const names = ['now', 'design', 'done', 'settings'] as const;
-  const person = me.value;
+  const view = viewOf(route.value.view);
+  const names = (['now', 'design', 'done', 'settings'] as const).filter((name) => can('queue') || (name !== 'now' && name !== 'done'));
+  const person = can('users') ? me.value : null;
   return (
     <header class="bar">
       <a class="bar-name" href="#/">{words.title}</a>
@@ -101,7 +106,7 @@ function Bar() {
         ))}
       </nav>
       <div class="bar-end">
-        <Connection />
+        {can('queue') && <Connection />}
         {person && <span class="bar-person">
           {words.person(person.title ?? person.name, words.roles[person.role] ?? person.role)}
         </span>}
@@ -117,17 +122,18 @@ const isIdle = (): boolean => document.querySelector('dialog[open]') === null &&
 function Updated({ first }: { first: string }) {
   const other = meta.value !== null && first !== '' && pageOf() !== first;
   const quiet = ![...jobs.value.values()].some((job) => ['armed', 'cutting', 'paused'].includes(job.state));
+  const waits = newer.value;
   const ready = other && quiet && !unsaved.value && now.value > 0 && isIdle();   // looked at again as time goes on
   useEffect(() => {
     if (!ready) return undefined;
     const timer = setTimeout(() => { if (isIdle()) location.reload(); }, kReload_ms);
     return () => clearTimeout(timer);
   }, [ready]);
-  if (!other) return null;
+  if (!other && !waits) return null;
   return (
     <div class="note note-amber band">
-      <p>{words.live.updated}</p>
-      <Button onClick={() => location.reload()}>{words.live.reload}</Button>
+      <p>{waits ? words.live.newer : words.live.updated}</p>
+      <Button onClick={() => void reload()}>{words.live.reload}</Button>
     </div>
   );
 }
@@ -153,6 +159,12 @@ function Old() {
   );
 }
 
+/** What is made now would be lost with this tab. */
+function Unkept() {
+  const why = storeTrouble.value;
+  return why === null ? null : <div class="note note-amber band" role="status"><p>{words.live.unkept[why]}</p></div>;
+}
+
 function Waiting() {
   const left_s = Math.ceil((waitsUntil.value - now.value) / 1000);
   return left_s > 1 ? <p class="band small" role="status">{words.live.waiting(String(left_s))}</p> : null;
@@ -160,7 +172,8 @@ function Waiting() {
 
 function Keys({ onClose }: { onClose: () => void }) {
   const rows = [['?', words.settings.keyHelp], ['p', words.settings.keyPause], ['1', words.settings.keyNow],
-    ['2', words.settings.keyDesign], ['3', words.settings.keyDone], ['4', words.settings.keySettings]] as const;
+    ['2', words.settings.keyDesign], ['3', words.settings.keyDone], ['4', words.settings.keySettings]]
+    .filter(([key]) => can('queue') || !['p', '1', '3'].includes(key!)) as [string, string][];
   return (
     <Dialog title={words.settings.keys} no={words.close} onNo={onClose}>
       <dl class="keys">{rows.map(([key, what]) => <div key={key}><dt><kbd>{key}</kbd></dt><dd>{what}</dd></div>)}</dl>
@@ -187,13 +200,14 @@ function Page() {
       const views: Record<string, string> = { 1: '#/', 2: '#/design', 3: '#/done', 4: '#/settings' };
       if (event.key === '?') setKeys(true);
       else if (event.key === 'p') pauseAll();
+      else if (['1', '3'].includes(event.key) && !can('queue')) return;
       else if (views[event.key] && !document.querySelector('dialog[open]')) go(views[event.key]!);
     };
     addEventListener('keydown', pressed);
     return () => removeEventListener('keydown', pressed);
   }, []);
 
-  const view = route.value.view;
+  const view = viewOf(route.value.view);
   const shown = useRef(view);
   useEffect(() => {
     if (shown.current === view) return;
@@ -211,6 +225,7 @@ function Page() {
       <Updated first={firstPage.current} />
       <Old />
       <Waiting />
+      <Unkept />
       <main ref={main} id="main" tabIndex={-1} class={`view view-${view}${old ? ' view-old' : ''}`}>
         <View />
       </main>
@@ -281,6 +296,7 @@ async function begin(word: string | null): Promise<void> {
   render(<Root badWord={badWord} />, document.getElementById('page')!);
 }
 
+beginBackend();
 swallowWaking();
 document.documentElement.lang = 'en';
 addEventListener('hashchange', () => {

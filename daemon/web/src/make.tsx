@@ -8,7 +8,7 @@ import { drawing, DrawingQuestion, optionsOf } from './drawing';
 import { Button, Dialog, Trouble } from './parts';
 import { keepText, keptText, paper as ownPaper } from './preferences';
 import { isProblem, saveAs, send, type ServerProblem } from './server';
-import { devices, may, stale } from './store';
+import { can, devices, may, stale } from './store';
 import { withoutTicks } from './words';
 import { designWords } from './words_design';
 import { makeWords as words } from './words_make';
@@ -138,7 +138,7 @@ export function MakeDialog({ name, onCut, onClose, children }: {
   const way = useSignal<string | null>(null);
   const off = !desk.canCut.value || stale.value;
   const here = devices.value.size > 0;
-  const rows = Object.entries(words.ways).filter(([id]) => id !== 'print' || desk.spec.value);
+  const rows = Object.entries(words.ways).filter(([id]) => (id !== 'print' || desk.spec.value) && (id !== 'cut' || can('devices')));
   if (way.value) return (
     <Dialog title={words.ways[way.value]!.title} onNo={onClose} no={designWords.close} wide>
       <p><Button kind="quiet" onClick={() => { way.value = null; }}>{words.back}</Button></p>
@@ -149,12 +149,14 @@ export function MakeDialog({ name, onCut, onClose, children }: {
     <Dialog title={words.title} onNo={onClose} no={designWords.close} wide>
       {!desk.canCut.value && <p class="muted" role="status">{designWords.cut.wait}</p>}
       {may('submitter') && <ul class="make-ways">
-        {rows.map(([id, { title, what }]) => {
+        {rows.map(([id, said]) => {
           const cuts = id === 'cut' || id === 'print';
+          const missing = cuts && !here && can('devices');
+          const { title, what } = id === 'print' && !can('devices') ? words.printOnly : said;
           return (
             <li key={id}>
-              <button type="button" class="make-choice" disabled={off || (cuts && !here)} onClick={() => (cuts ? onCut(id === 'print') : (way.value = id))}>
-                <strong>{title}</strong><span>{cuts && !here ? words.noCutter : what}</span>
+              <button type="button" class="make-choice" disabled={off || missing} onClick={() => (cuts ? onCut(id === 'print') : (way.value = id))}>
+                <strong>{title}</strong><span>{missing ? words.noCutter : what}</span>
               </button>
             </li>
           );

@@ -19,7 +19,9 @@ export type Example = Schemas['Example'];
 export type UsageRow = Schemas['UsageRow'];
 export type SessionListed = Schemas['SessionListed'];
 export type Job = Schemas['Job'];
-export type Meta = Schemas['Meta'];
+/** What there is to ask for. Only popcutd can queue; keep: this browser keeps designs in place of popcutd. */
+export type Ability = Schemas['Meta']['can'][number] | 'keep';
+export type Meta = Omit<Schemas['Meta'], 'can'> & { can: Ability[] };
 export type ProblemEntry = NonNullable<Schemas['Problem']['errors']>[number];
 
 /** What a `progress` event says about the cut of a job; of one that is planned, only `phase` and `share`. */

@@ -4,7 +4,7 @@ import { computed, signal } from '@preact/signals';
 import type { Machine } from './model';
 import { cutter, kByHand, paper, prints } from './preferences';
 import { isProblem, read } from './server';
-import { devices } from './store';
+import { can, devices } from './store';
 import { size } from './words';
 import { designWords } from './words_design';
 
@@ -44,7 +44,7 @@ export const chosenCutter = computed(() => (cutter.value === kByHand || devices.
 const firstCutter = computed(() => [...devices.value.values()].find((one) => one.state !== 'absent') ?? [...devices.value.values()][0]);
 
 /** What the choice of no cutter is called. */
-export const anyCutter = computed(() => (firstCutter.value ? designWords.outfit.first(firstCutter.value.title) : designWords.outfit.none));
+export const anyCutter = computed(() => (firstCutter.value ? designWords.outfit.first(firstCutter.value.title) : can('devices') ? designWords.outfit.none : designWords.outfit.usual));
 
 /** The machine that is meant; null: not known yet. */
 export const machine = computed<Machine | null>(() => {

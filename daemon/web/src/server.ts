@@ -1,11 +1,12 @@
 // Requests to popcutd. The token lives in sessionStorage and leaves by `fetch` alone.
 import { signal } from '@preact/signals';
+import { answer as answerOf, signsIn } from './backend';
 import type { ProblemEntry, Warning, Way } from './model';
 
 const kToken = 'popcut.token';
 
 /** none: never signed in here; in: has a token; over: popcutd no longer takes the token. */
-export const session = signal<'none' | 'in' | 'over'>(sessionStorage.getItem(kToken) ? 'in' : 'none');
+export const session = signal<'none' | 'in' | 'over'>(!signsIn || sessionStorage.getItem(kToken) ? 'in' : 'none');
 
 /** popcutd asked to wait until then (ms since 1970), or 0. */
 export const waitsUntil = signal(0);
@@ -122,7 +123,7 @@ export async function request(method: string, path: string, ask: Ask = {}): Prom
 async function answered(path: string, init: RequestInit): Promise<Response> {
   let answer: Response;
   try {
-    answer = await fetch(path, { credentials: 'omit', redirect: 'error', ...init });
+    answer = await answerOf(path, init);
   } catch (error) {
     if (init.signal?.aborted) throw error;
     throw new ServerProblem(0, { type: 'unreachable' });

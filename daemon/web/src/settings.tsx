@@ -5,7 +5,8 @@ import { beside, language, theme, units } from './preferences';
 import { isProblem, read, send, signOut, type ServerProblem } from './server';
 import type { Role, SessionListed } from './model';
 import { includes } from './model';
-import { devices, localTime, me, meta, stale } from './store';
+import { can, devices, localTime, me, meta, stale } from './store';
+import { Kept } from './kept';
 import { dateTime, words } from './words';
 
 const kRoles: Role[] = ['viewer', 'submitter', 'operator', 'admin'];
@@ -22,9 +23,9 @@ function Display() {
       <Choice label={say.language} value={language.value}
         onChange={(value) => { language.value = value; location.reload(); }}
         options={language.value === 'pseudo' ? [['en', say.english], ['pseudo', say.pseudo]] : [['en', say.english]]} />
-      <Choice label={say.beside} value={beside.value} onChange={(value) => { beside.value = value; }}
-        options={[['', say.besideNone], ...[...devices.value.values()].map((one): [string, string] => [one.id, one.title])]} />
-      <p class="muted">{say.besideWhat}</p>
+      {can('devices') && <Choice label={say.beside} value={beside.value} onChange={(value) => { beside.value = value; }}
+        options={[['', say.besideNone], ...[...devices.value.values()].map((one): [string, string] => [one.id, one.title])]} />}
+      {can('devices') && <p class="muted">{say.besideWhat}</p>}
     </section>
   );
 }
@@ -105,7 +106,7 @@ function About() {
   return (
     <section class="card">
       <h2>{say.about}</h2>
-      {me.value && <p>{words.person(me.value.title ?? me.value.name, words.roles[me.value.role] ?? me.value.role)}</p>}
+      {can('users') && me.value && <p>{words.person(me.value.title ?? me.value.name, words.roles[me.value.role] ?? me.value.role)}</p>}
       {meta.value && <p>{say.build(meta.value.build)}{meta.value.page ? ` · ${meta.value.page}` : ''}</p>}
       {licences && <p><a href={licences} target="_blank" rel="noopener">{say.licences}</a></p>}
     </section>
@@ -118,11 +119,12 @@ export function Settings() {
       <h1>{words.settings.title}</h1>
       <div class="cards">
         <Display />
-        <section class="card">
+        {can('keep') && <Kept />}
+        {can('users') && <section class="card">
           <h2>{words.settings.tablets}</h2>
           <Allow />
           <Sessions />
-        </section>
+        </section>}
         <About />
       </div>
     </div>

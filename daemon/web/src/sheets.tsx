@@ -9,7 +9,7 @@ import { Button, LinkButton, Loading, Note, Trouble, useAsking } from './parts';
 import { foldOf } from './route';
 import { act, isProblem, read, readBlob, saveAs, type ServerProblem } from './server';
 import { endOf, SheetView, strokesAt, strokeWords, timeColour, type Strokes } from './sheet_view';
-import { devices, may, stale } from './store';
+import { can, devices, may, stale } from './store';
 import { clockTime, integer, metres, size, timeRange, withoutTicks, words as everyWords } from './words';
 import { designWords } from './words_design';
 
@@ -357,8 +357,8 @@ export default function Sheets({ rest: id }: { rest: string }) {
               <ul class="plain-list server-words">{plan.warnings.slice(0, 30).map((one, i) => <li key={i}>{withoutTicks(one.message)}</li>)}</ul>
             </section>
           )}
-          {kind === 'spec' && shown?.side === 'printed' && <PrintFirst plan={id} sheet={sheet.value} paper={paperTitle(shown)} />}
-          {plan.machine === kNone ? <p class="note">{words.byHand}</p> : may('submitter') && <QueueIt plan={plan} name={name} />}
+          {kind === 'spec' && shown && (shown.side === 'printed' || !can('devices')) && <PrintFirst plan={id} sheet={sheet.value} paper={paperTitle(shown)} />}
+          {plan.machine === kNone ? <p class="note">{words.byHand}</p> : can('queue') && may('submitter') && <QueueIt plan={plan} name={name} />}
         </div>
       </div>
     </div>

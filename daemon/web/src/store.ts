@@ -1,7 +1,7 @@
 // What this page knows of popcutd: read once, then kept true by its events.
 import { batch, computed, signal } from '@preact/signals';
 import { EventStream, type StreamEvent } from './events';
-import { includes, type Device, type Job, type Meta, type Progress, type Role } from './model';
+import { includes, type Ability, type Device, type Job, type Meta, type Progress, type Role } from './model';
 import { isProblem, read, session } from './server';
 
 export const meta = signal<Meta | null>(null);
@@ -47,6 +47,9 @@ export const quiet_ms = (): number => (moving.value.length > 0 ? 4000 : 20_000);
 
 export const stale = computed(() => loaded.value
   && (session.value === 'over' || now.value - connection.value.at > quiet_ms()));
+
+/** What there is to ask for here. */
+export const can = (what: Ability): boolean => meta.value?.can.includes(what) ?? false;
 
 const ended = ['done', 'failed', 'cancelled'];
 export const hasEnded = (job: Job): boolean => ended.includes(job.state);
@@ -254,6 +257,11 @@ let stream: EventStream | null = null;
 /** Reads everything and follows the events until the session ends. */
 export function follow(): void {
   stream?.stop();
+  if (!can('queue')) {   // nothing happens but what this page does
+    connection.value = { open: true, at: Infinity };
+    loaded.value = true;
+    return;
+  }
   connection.value = { open: false, at: Date.now() };
   stream = new EventStream({
     event: onEvent,

@@ -14,6 +14,7 @@ export const makeWords = localized({
     silhouette: { title: 'Silhouette Studio', what: 'a DXF whose folds are dashes; also as SVG' },
     laser: { title: 'LightBurn and other lasers', what: 'an SVG with a colour for each operation' },
   } as Record<string, { title: string; what: string }>,
+  printOnly: { title: 'Print a picture on it', what: 'the model in its colours, as a page for your printer' },
   noCutter: 'No cutter is connected.',
   steps: {
     hand: {

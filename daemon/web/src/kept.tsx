@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// What this browser keeps of a person's work: to look through, to carry elsewhere, to delete.
+import { useSignal } from '@preact/signals';
+import { useEffect, useRef, useState } from 'preact/hooks';
+import type { Design } from './model';
+import { Button, Dialog, Trouble, useAct } from './parts';
+import { read, readBlob, saveAs, send, type ServerProblem } from './server';
+import { dateTime, words } from './words';
+
+const say = words.settings;
+
+export function Kept() {
+  const designs = useSignal<Design[]>([]);
+  const taken = useSignal<number | null>(null);
+  const sure = useSignal(false);
+  const [problem, setProblem] = useState<ServerProblem | null>(null);
+  const { busy, run } = useAct(setProblem);
+  const file = useRef<HTMLInputElement>(null);
+  const load = (): void => void run(async () => { designs.value = (await read<{ items: Design[] }>('/v1/designs')).items; });
+  useEffect(load, []);
+  const change = (what: () => Promise<unknown>): void => void run(what).then(load);
+  const take = (from: File): void => change(async () => {
+    taken.value = (await send<{ designs: number }>('POST', '/v1/kept', { raw: { bytes: from, type: 'application/zip' } })).designs;
+  });
+  return (
+    <section class="card">
+      <h2>{say.kept}</h2>
+      <p class="muted">{say.keptWhat}</p>
+      {problem && <Trouble problem={problem} onClose={() => setProblem(null)} />}
+      {taken.value !== null && <p class="note note-good" role="status">{say.keptTaken(taken.value)}</p>}
+      {designs.value.length === 0 ? <p>{say.keptNone}</p> : (
+        <ul class="plain-list">
+          {designs.value.map((one) => (
+            <li key={one.id} class="row row-between">
+              <span><a href={`#/design/${one.id}`}>{one.name || say.unnamed}</a> <span class="muted">{dateTime(Date.parse(one.created))}</span></span>
+              <Button kind="quiet" disabled={busy} label={`${say.keptForget}: ${one.name || say.unnamed}`}
+                onClick={() => change(() => send('DELETE', `/v1/designs/${one.id}`))}>{say.keptForget}</Button>
+            </li>
+          ))}
+        </ul>
+      )}
+      <div class="row">
+        <Button kind="primary" disabled={busy || designs.value.length === 0}
+          onClick={() => void run(async () => saveAs(await readBlob('/v1/kept'), say.keptFile))}>{say.keptSave}</Button>
+        <Button disabled={busy} onClick={() => file.current?.click()}>{say.keptOpen}</Button>
+        <Button kind="quiet" disabled={busy || designs.value.length === 0} onClick={() => { sure.value = true; }}>{say.keptClear}</Button>
+      </div>
+      <input ref={file} type="file" class="visually-hidden" tabIndex={-1} aria-hidden="true" accept=".zip"
+        onChange={(event) => {
+          const chosen = event.currentTarget.files?.[0];
+          event.currentTarget.value = '';
+          if (chosen) take(chosen);
+        }} />
+      {sure.value && (
+        <Dialog title={say.keptSure} yes={say.keptClear} onNo={() => { sure.value = false; }}
+          onYes={() => { sure.value = false; change(() => send('DELETE', '/v1/kept')); }}>
+          <p>{say.keptSureWhat}</p>
+        </Dialog>
+      )}
+    </section>
+  );
+}

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+// Searches of cards in this browser: one at a time. A search that was ended leaves nothing; one that has found is kept.
+import type { Search } from '../model';
+import { perform, Refusal, refusal, rowsOf } from './answers';
+import { Lane } from './engine';
+import type { Bytes } from './frames';
+import { get, put, remove, sha256, type KeptFile } from './keep';
+
+interface Kept { body: Search; files: Map<string, Bytes> }
+
+const lane = new Lane();
+const running = new Map<string, { body: Search; stop: AbortController }>();
+const plain = new TextDecoder();
+
+const kUsual = {
+  max_minutes: 15, mat: '', style: 'any', up: 'usual', front: 'any', cards: 1, marks: false, max_folds: 0, min_fold_mm: 0, label: 'any', plain: false,
+  effort: 1, seed: 1,
+};
+
+/** The axis that points up in a file of this name, as core/search/standing.hpp has it. */
+function upOf(up: string, name: string, front: string): string {
+  if (up !== 'usual') return up;
+  const ending = name.slice(name.lastIndexOf('.')).toLowerCase();
+  const usual = ['.obj', '.glb', '.gltf'].includes(ending) ? 'y' : ending === '.stl' ? 'z' : 'any';
+  return front === usual || front === `-${usual}` ? 'any' : usual;
+}
+
+function nameOf(file: string): string {
+  const name = file.slice(Math.max(file.lastIndexOf('/'), file.lastIndexOf('\\')) + 1).replace(/(.)\.[^.]*$/, '$1');
+  return name !== '' && name.length <= 60 && !/\p{Cc}/u.test(name) ? name : 'model';
+}
+
+/** Begins a search of the cards of a model; the same search is one. Throws Refusal. */
+export async function beginSearch(model: string, body: Record<string, unknown>): Promise<Search> {
+  const file = await get<KeptFile>('files', model);
+  if (!file) throw refusal(404, 'not-found', 'this model is not kept in this browser');
+  const asked = { ...kUsual, ...body } as typeof kUsual & { machine?: string; material?: string };
+  const up = upOf(asked.up, file.name, asked.front);
+  const machine = asked.machine ?? 'cameo3';
+  const material = asked.material ?? 'paper-220';
+  const rows = await rowsOf(machine, material);
+  const words: Record<string, unknown> = {
+    model, name: nameOf(file.name), mat: asked.mat, style: asked.style, up, front: asked.front, cards: asked.cards, marks: asked.marks, seed: asked.seed,
+    max_minutes: asked.max_minutes, effort: asked.effort,
+  };
+  if (asked.max_folds > 0) words.max_folds = asked.max_folds;
+  if (asked.min_fold_mm > 0) words.min_fold_mm = asked.min_fold_mm;
+  if (asked.label !== 'any') words.label = asked.label;
+  if (asked.plain) words.plain = true;
+  const id = (await sha256(new TextEncoder().encode(JSON.stringify([words, rows])))).slice(0, 32);
+  const before = running.get(id)?.body ?? (await get<Kept>('searches', id))?.body;
+  if (before && before.state !== 'failed') return { ...before };
+  const search: Search = {
+    id, model, name: nameOf(file.name), owner: null, state: 'pending', machine, material, mat: asked.mat || null, max_minutes: asked.max_minutes,
+    style: asked.style, up, front: asked.front, marks: asked.marks, book: asked.cards > 1 ? { cards: asked.cards } : null,
+    max_folds: asked.max_folds || null, min_fold_mm: asked.min_fold_mm, label: asked.label, plain: asked.plain, effort: asked.effort, seed: asked.seed,
+    progress: null, cards: [], recommended: null, better_front: null, tried: null, notes: [], error: null, created: new Date().toISOString(),
+    links: { self: `/v1/searches/${id}` },
+  };
+  const stop = new AbortController();
+  running.set(id, { body: search, stop });
+  void run(search, file.bytes, { ...rows, words: JSON.stringify(words) }, stop.signal);
+  return { ...search };
+}
+
+interface Front {
+  cards: ({ spec: string; page_mm?: number } & Record<string, unknown>)[];
+  designed: number; planned: number; verified: number; seen_share: number; mat_mm: [number, number];
+  notes: string[]; recommended: number; better_front?: string;
+}
+
+async function run(search: Search, design: Bytes, how: { machine: string; material: string; words: string }, signal: AbortSignal): Promise<void> {
+  const onPhase = (text: string): void => {
+    const { doing, done } = JSON.parse(text) as { doing: string; done: number };
+    search.progress = { doing, share: done >= 0 ? done : null };
+  };
+  try {
+    const { files } = await perform(lane, { kind: 'search', design, machine: how.machine, material: how.material, options: { search: how.words } }, signal, onPhase);
+    const front = JSON.parse(plain.decode(files.get('front.json'))) as Front;
+    search.cards = front.cards.map(({ spec, ...card }, k) => {
+      const own = `${search.links.self}/cards/${k + 1}`;
+      return { page_mm: null, ...card, card: k + 1, spec: JSON.parse(spec) as unknown, links: { picture: `${own}.png`, lattice: `${own}/lattice`, design: `${own}/design` } } as unknown as Search['cards'][number];
+    });
+    search.recommended = front.recommended || null;
+    search.better_front = front.better_front ?? null;
+    search.tried = { designed: front.designed, planned: front.planned, verified: front.verified, mat_mm: front.mat_mm, seen_share: front.seen_share };
+    search.notes = front.notes;
+    search.state = 'found';
+    search.progress = null;
+    await put('searches', search.id, { body: search, files } satisfies Kept);
+    running.delete(search.id);
+  } catch (error) {
+    if (signal.aborted) return;
+    search.state = 'failed';
+    search.progress = null;
+    search.error = error instanceof Refusal ? error.message : String(error);
+  }
+}
+
+/** Throws Refusal. */
+export async function findSearch(id: string): Promise<Search> {
+  const body = running.get(id)?.body ?? (await get<Kept>('searches', id))?.body;
+  if (!body) throw refusal(404, 'not-found', 'this search is not kept in this browser');
+  return body;
+}
+
+export async function endSearch(id: string): Promise<void> {
+  running.get(id)?.stop.abort();
+  running.delete(id);
+  await remove('searches', id);
+}
+
+/** A picture or lattice of a card that was found. Throws Refusal. */
+export async function readyCard(id: string, card: string, ending: string): Promise<Bytes> {
+  const bytes = (await get<Kept>('searches', id))?.files.get(`card-${card.padStart(2, '0')}.${ending}`);
+  if (!bytes) throw refusal(404, 'not-found', 'this card is not kept in this browser');
+  return bytes;
+}
