@@ -12,7 +12,7 @@ export async function bundled(...names) {
   const { outputFiles } = await build({
     stdin: { contents: names.map((name) => `export * from './src/${name}';`).join('\n'), resolveDir: web, loader: 'ts' },
     bundle: true, format: 'esm', target: 'es2022', write: false, logLevel: 'error', jsx: 'automatic', jsxImportSource: 'preact',
-    define: { EXAMPLE_PICTURES: '{}', EXAMPLE_GROUPS: '{"cards": [], "paper": []}' },
+    define: { LOCAL: 'false', EXAMPLE_PICTURES: '{}', EXAMPLE_GROUPS: '{"cards": [], "paper": []}' },
   });
   return outputFiles[0].text;
 }

@@ -58,7 +58,7 @@ test('the built page keeps its budgets: 50 kB for the shell, 160 kB for the chun
 /** A module of the page, as it is. */
 async function load(name) {
   const { build } = await import(new URL('node_modules/esbuild/lib/main.js', `file://${web}`).href);
-  const { outputFiles } = await build({ entryPoints: [join(web, 'src', name)], bundle: true, format: 'esm', write: false, logLevel: 'error' });
+  const { outputFiles } = await build({ entryPoints: [join(web, 'src', name)], bundle: true, format: 'esm', write: false, logLevel: 'error', define: { LOCAL: 'false' } });
   return import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString('base64')}`);
 }
 

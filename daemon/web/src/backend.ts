@@ -19,6 +19,9 @@ export function begin(): void {
   if (LOCAL) void import('./local/installed').then((module) => module.install());
 }
 
+/** The view of what this browser keeps, where it keeps anything. */
+export const loadKept = LOCAL ? () => import('./kept') : null;
+
 /** Shows the newer page, where one is there. */
 export async function reload(): Promise<void> {
   if (LOCAL && newer.peek()) await (await import('./local/installed')).takeOver();
@@ -30,7 +33,9 @@ let local: Promise<Answer> | null = null;
 
 /** The answer to a request. Throws where none comes. */
 export async function answer(path: string, init: RequestInit): Promise<Response> {
-  if (!LOCAL) return fetch(path, { credentials: 'omit', redirect: 'error', ...init });
-  local ??= import('./local/answers').then((module) => module.answer);
-  return (await local)(path, init);
+  if (LOCAL) {   // not `!LOCAL`: so the bundler sees that popcutd's page has nothing of this
+    local ??= import('./local/answers').then((module) => module.answer);
+    return (await local)(path, init);
+  }
+  return fetch(path, { credentials: 'omit', redirect: 'error', ...init });
 }

@@ -5,9 +5,8 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import type { Design } from './model';
 import { Button, Dialog, Trouble, useAct } from './parts';
 import { read, readBlob, saveAs, send, type ServerProblem } from './server';
-import { dateTime, words } from './words';
-
-const say = words.settings;
+import { dateTime } from './words';
+import { keptWords as say } from './words_kept';
 
 export function Kept() {
   const designs = useSignal<Design[]>([]);
@@ -24,26 +23,26 @@ export function Kept() {
   });
   return (
     <section class="card">
-      <h2>{say.kept}</h2>
-      <p class="muted">{say.keptWhat}</p>
+      <h2>{say.title}</h2>
+      <p class="muted">{say.what}</p>
       {problem && <Trouble problem={problem} onClose={() => setProblem(null)} />}
-      {taken.value !== null && <p class="note note-good" role="status">{say.keptTaken(taken.value)}</p>}
-      {designs.value.length === 0 ? <p>{say.keptNone}</p> : (
+      {taken.value !== null && <p class="note note-good" role="status">{say.taken(taken.value)}</p>}
+      {designs.value.length === 0 ? <p>{say.none}</p> : (
         <ul class="plain-list">
           {designs.value.map((one) => (
             <li key={one.id} class="row row-between">
               <span><a href={`#/design/${one.id}`}>{one.name || say.unnamed}</a> <span class="muted">{dateTime(Date.parse(one.created))}</span></span>
-              <Button kind="quiet" disabled={busy} label={`${say.keptForget}: ${one.name || say.unnamed}`}
-                onClick={() => change(() => send('DELETE', `/v1/designs/${one.id}`))}>{say.keptForget}</Button>
+              <Button kind="quiet" disabled={busy} label={`${say.forget}: ${one.name || say.unnamed}`}
+                onClick={() => change(() => send('DELETE', `/v1/designs/${one.id}`))}>{say.forget}</Button>
             </li>
           ))}
         </ul>
       )}
       <div class="row">
         <Button kind="primary" disabled={busy || designs.value.length === 0}
-          onClick={() => void run(async () => saveAs(await readBlob('/v1/kept'), say.keptFile))}>{say.keptSave}</Button>
-        <Button disabled={busy} onClick={() => file.current?.click()}>{say.keptOpen}</Button>
-        <Button kind="quiet" disabled={busy || designs.value.length === 0} onClick={() => { sure.value = true; }}>{say.keptClear}</Button>
+          onClick={() => void run(async () => saveAs(await readBlob('/v1/kept'), say.file))}>{say.save}</Button>
+        <Button disabled={busy} onClick={() => file.current?.click()}>{say.open}</Button>
+        <Button kind="quiet" disabled={busy || designs.value.length === 0} onClick={() => { sure.value = true; }}>{say.clear}</Button>
       </div>
       <input ref={file} type="file" class="visually-hidden" tabIndex={-1} aria-hidden="true" accept=".zip"
         onChange={(event) => {
@@ -52,9 +51,9 @@ export function Kept() {
           if (chosen) take(chosen);
         }} />
       {sure.value && (
-        <Dialog title={say.keptSure} yes={say.keptClear} onNo={() => { sure.value = false; }}
+        <Dialog title={say.sure} yes={say.clear} onNo={() => { sure.value = false; }}
           onYes={() => { sure.value = false; change(() => send('DELETE', '/v1/kept')); }}>
-          <p>{say.keptSureWhat}</p>
+          <p>{say.sureWhat}</p>
         </Dialog>
       )}
     </section>

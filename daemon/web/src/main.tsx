@@ -10,7 +10,6 @@ import { Button, Dialog, Loading, Note } from './parts';
 import { pauseAll, PauseBar } from './pause';
 import { go, parseRoute, route } from './route';
 import { isProblem, ServerProblem, session, signInWithWord, waitsUntil } from './server';
-import { Settings } from './settings';
 import { SignIn } from './sign_in';
 import { can, connection, follow, loaded, me, meta, now, readMeta, jobs, stale, tryNow } from './store';
 import { begin as beginBackend, newer, reload, storeTrouble } from './backend';
@@ -26,6 +25,7 @@ const later: Record<string, () => Promise<{ default: ComponentType<{ rest: strin
   sheets: () => import('./sheets'),
   glue: () => import('./glue'),
   fold: () => import('./fold'),
+  settings: () => import('./settings'),
 };
 
 let laterStyle: Promise<unknown> | null = null;
@@ -76,7 +76,6 @@ function View() {
   if (view === 'now') return <Now />;
   if (view === 'at' && can('devices')) return <Machine device={rest} key={rest} />;
   if (view === 'done' && can('queue')) return <Done />;
-  if (view === 'settings') return <Settings />;
   if (Object.hasOwn(later, view)) return <Later view={view} rest={rest} key={view} />;
   return <Note><p>{words.notFound}</p><p><a href="#/">{words.toNow}</a></p></Note>;
 }

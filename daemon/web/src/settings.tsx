@@ -1,4 +1,5 @@
 // Settings: of this browser, of tablets, and what this page is.
+import type { ComponentType } from 'preact';
 import { useEffect, useState } from 'preact/hooks';
 import { Button, Choice, Note, Trouble, useAct } from './parts';
 import { beside, language, theme, units } from './preferences';
@@ -6,7 +7,7 @@ import { isProblem, read, send, signOut, type ServerProblem } from './server';
 import type { Role, SessionListed } from './model';
 import { includes } from './model';
 import { can, devices, localTime, me, meta, stale } from './store';
-import { Kept } from './kept';
+import { loadKept } from './backend';
 import { dateTime, words } from './words';
 
 const kRoles: Role[] = ['viewer', 'submitter', 'operator', 'admin'];
@@ -113,13 +114,19 @@ function About() {
   );
 }
 
-export function Settings() {
+function KeptHere() {
+  const [View, setView] = useState<ComponentType | null>(null);
+  useEffect(() => { void loadKept?.().then(({ Kept }) => setView(() => Kept)); }, []);
+  return View && <View />;
+}
+
+export default function Settings() {
   return (
     <div class="settings">
       <h1>{words.settings.title}</h1>
       <div class="cards">
         <Display />
-        {can('keep') && <Kept />}
+        <KeptHere />
         {can('users') && <section class="card">
           <h2>{words.settings.tablets}</h2>
           <Allow />

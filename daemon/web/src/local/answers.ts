@@ -2,14 +2,12 @@
 // popcutd's part without popcutd: the requests of this page, answered by the engine in this browser (local/engine.ts)
 // and by what this browser keeps (local/keep.ts). Paths, bodies and answers are those of daemon/http/api/openapi.json.
 import type { Example, Machine, Meta, Plan, ProblemEntry, SheetPlan, Warning } from '../model';
-import { EngineBroken, Lane } from './engine';
+import { EngineBroken, Lane, placeOf } from './engine';
 import { Kind, type Bytes, type Frame, type Task } from './frames';
 import { clear, exported, get, idsOf, imported, put, putFile, remove, sha256, type KeptDesign, type KeptFile } from './keep';
 import { beginSearch, endSearch, findSearch, readyCard } from './searches';
 
 declare const LOCAL_BUILD: string;
-declare const LOCAL_TABLES: string;   // addresses of files, below the page
-declare const LOCAL_EXAMPLES: string;
 
 const utf8 = new TextEncoder();
 const plain = new TextDecoder();
@@ -30,16 +28,17 @@ const gone = (what: string): Refusal => refusal(404, 'not-found', `${what} is no
 
 interface Tables { machines: Machine[]; rows: { machines: Record<string, unknown>; materials: Record<string, unknown> } }
 
-function once<T>(address: () => string): () => Promise<T> {
+/** A file of this site, read once. */
+function once<T>(name: string): () => Promise<T> {
   let text: Promise<T> | null = null;
   return () => {
-    text ??= fetch(new URL(address(), document.baseURI)).then((answer) => answer.json() as Promise<T>);
+    text ??= fetch(placeOf(name)).then((answer) => answer.json() as Promise<T>);
     text.catch(() => { text = null; });
     return text;
   };
 }
-const tables = once<Tables>(() => LOCAL_TABLES);
-const examples = once<Example[]>(() => LOCAL_EXAMPLES);
+const tables = once<Tables>('tables');
+const examples = once<Example[]>('examples');
 
 /** Rows of a machine and a material for a task. Throws Refusal. */
 export async function rowsOf(machine: string | null, material: string): Promise<{ machine: string; material: string }> {

@@ -6,8 +6,8 @@ import type { FromWorker, ToWorker } from './worker';
 /** Why a task gave no frames. */
 export class EngineBroken extends Error {}
 
-/** Where worker and engine lie, below the page. */
-const placeOf = (name: string): string => new URL(document.querySelector<HTMLMetaElement>(`meta[name=${name}]`)!.content, document.baseURI).href;
+/** Where a file of this site lies: its name has a hash, which index.html knows. */
+export const placeOf = (name: string): string => new URL(document.querySelector<HTMLMetaElement>(`meta[name=${name}]`)!.content, document.baseURI).href;
 
 interface Policies { createPolicy(name: string, rules: { createScriptURL(address: string): string }): { createScriptURL(address: string): string } }
 const policies = (window as unknown as { trustedTypes?: Policies }).trustedTypes;
