@@ -1,0 +1,253 @@
+// The page of static files in a browser: the maker's whole way, from a plain server and without one.
+import assert from 'node:assert/strict';
+import { mkdtempSync, rmSync, symlinkSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join, resolve } from 'node:path';
+import { after, before, test } from 'node:test';
+import { serve } from '../../../daemon/web/serve.mjs';
+import { bytesOf, closeBrowser, openBrowser, openModel, picture, screens, Server, until, visit } from '../harness.mjs';
+
+const folder = process.env.POPCUT_SITE ?? 'build/site/page';
+let server;
+let address;
+
+before(async () => {
+  server = await serve(folder);
+  address = `http://127.0.0.1:${server.address().port}/`;
+});
+after(async () => {
+  await closeBrowser();
+  server.closeAllConnections();
+  server.close();
+});
+
+/** A page of the site in a browser profile of its own. `complaints`: what its console said, and requests elsewhere. */
+async function open({ hash = '#/design', screen = 'desktop', context: given, base = address } = {}) {
+  const { width, height, touch } = screens[screen];
+  const context = given ?? await (await openBrowser()).newContext({ viewport: { width, height }, hasTouch: touch, locale: 'en-GB', reducedMotion: 'reduce' });
+  context.setDefaultTimeout(60_000);
+  const page = await context.newPage();
+  const complaints = [];
+  page.on('console', (message) => { if (!/GL Driver Message/.test(message.text())) complaints.push(`console: ${message.text()} ${message.location().url}`); });
+  page.on('pageerror', (error) => complaints.push(`error: ${error.stack ?? error.message}`));
+  page.on('request', (request) => { if (!/^(blob|data):/.test(request.url()) && !request.url().startsWith(base)) complaints.push(`request: ${request.url()}`); });
+  await page.addInitScript(() => document.addEventListener('securitypolicyviolation', (event) => console.error(`policy: ${event.violatedDirective} ${event.blockedURI} ${event.sample}`)));
+  await page.goto(base + hash);
+  return { page, context, complaints, close: () => context.close() };
+}
+
+const start = (page) => page.locator('.start-card:not(:disabled)').first().waitFor();
+const exact = (page) => page.locator('.badge-exact', { hasText: 'exact' }).waitFor();
+const begin = async (page, name) => {
+  await start(page);
+  await page.locator('.start-card', { hasText: new RegExp(`^${name}$`) }).click();
+  await exact(page);
+};
+
+async function saved(page, press) {
+  const [download] = await Promise.all([page.waitForEvent('download'), press()]);
+  return { name: download.suggestedFilename(), bytes: await bytesOf(download) };
+}
+
+const house = Buffer.from([
+  ...[[0, 0], [60, 0], [60, 30], [30, 50], [0, 30]].flatMap(([x, z]) => [`v ${x} 0 ${z}`, `v ${x} 25 ${z}`]),
+  'f 1 3 5 7 9', 'f 2 10 8 6 4', 'f 1 2 4 3', 'f 3 4 6 5', 'f 5 6 8 7', 'f 7 8 10 9', 'f 9 10 2 1', '',
+].join('\n'));
+
+test('an example is designed, made in every way, planned and folded', async () => {
+  const { page, complaints, close } = await open();
+  await begin(page, 'heart');
+  await picture(page, 'site-design');
+  await page.getByRole('button', { name: 'Make it…' }).click();
+  await picture(page, 'site-make');
+  const wanted = [['By hand', /sheets\.pdf$/, '%PDF-'], ['Cricut', /cricut\.svg$/, '<?xml'], ['Silhouette Studio', /\.dxf$/, ''], ['LightBurn', /\.svg$/, '<?xml']];
+  for (const [way, name, head] of wanted) {
+    await page.locator('.make-choice', { hasText: way }).click();
+    const file = await saved(page, () => page.locator('.made-files button').first().click());
+    assert.match(file.name, name);
+    assert.ok(file.bytes.length > 500 && file.bytes.toString('latin1', 0, 9).startsWith(head), `${way}: ${file.name}`);
+    if (way === 'By hand') await picture(page, 'site-by-hand');
+    await page.getByRole('button', { name: 'Other ways' }).click();
+  }
+  await page.locator('.make-more summary').click();
+  for (const [label, name] of [['(FOLD)', /fold$/], ['(GLB)', /glb$/], ['for CAD (DXF)', /dxf$/], ['step by step', /json$/]]) {
+    const file = await saved(page, () => page.locator('.export', { hasText: label }).click());
+    assert.match(file.name, name);
+  }
+  await page.getByRole('button', { name: 'Close' }).click();
+  await page.getByRole('button', { name: 'Plan the sheets…' }).click();
+  await page.getByRole('button', { name: 'Show the sheets' }).click();
+  await page.locator('.sheets .facts').waitFor();
+  assert.match(await page.locator('.sheets .facts').innerText(), /paper-220/);
+  assert.equal(await page.getByRole('button', { name: 'Queue it' }).count(), 0);
+  await picture(page, 'site-sheets');
+  await page.getByRole('link', { name: /fold/i }).first().click();
+  await page.locator('.fold-acts').waitFor();
+  await page.getByRole('button', { name: 'Next' }).click();
+  await picture(page, 'site-fold');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('a word stands up; a link with it opens at popcutd, and one of popcutd here', async () => {
+  const { page, context, complaints, close } = await open();
+  await start(page);
+  await page.locator('.start-word input').fill('ANNA');
+  await page.locator('.start-word button').click();
+  await exact(page);
+  await page.getByRole('button', { name: 'Share' }).click();
+  const link = await page.getByRole('dialog').locator('input, textarea').first().inputValue();
+  assert.ok(link.startsWith(`${address}#/design/d=`), link);
+  const daemon = await Server.start();
+  try {
+    const there = await visit(daemon, { hash: link.slice(link.indexOf('#')), beside: '' });
+    await there.page.locator('.badge-exact').waitFor();
+    assert.match(await there.page.locator('.design-name').inputValue(), /ANNA/);
+    await there.close();
+  } finally {
+    await daemon.remove();
+  }
+  const back = await open({ context, hash: link.slice(link.indexOf('#')) });
+  await exact(back.page);
+  assert.deepEqual([...complaints, ...back.complaints], []);
+  await close();
+});
+
+test('a model is searched for cards, called off, searched again, and the card that is taken is printed', async () => {
+  const { page, complaints, close } = await open();
+  await start(page);
+  await openModel(page, { name: 'house.obj', mimeType: 'application/octet-stream', buffer: house }, 'x');
+  await page.getByRole('progressbar', { name: 'Searching for the best cards' }).waitFor();
+  await picture(page, 'site-search');
+  await page.getByRole('button', { name: 'Cancel' }).click();
+  assert.equal(await page.getByRole('progressbar').count(), 0);
+  await page.getByRole('button', { name: 'Find the best cards' }).click();
+  await page.locator('.found-card').first().waitFor({ timeout: 300_000 });
+  assert.ok(await page.locator('.found-card:has(.found-make)').count() === 1);
+  await until(() => page.locator('.found-card img').count(), 'the cards have pictures');
+  await exact(page);
+  await picture(page, 'site-cards');
+  await page.getByRole('button', { name: 'Make it…' }).click();
+  await page.locator('.make-choice', { hasText: 'Print a picture on it' }).click();
+  await page.getByRole('button', { name: 'Show the sheets' }).click();
+  const file = await saved(page, async () => {
+    await page.getByRole('button', { name: 'Page to print (PDF)' }).click();
+    const clay = page.getByRole('button', { name: /clay|without/i });
+    await clay.waitFor({ timeout: 4000 }).then(() => clay.click(), () => undefined);
+  });
+  assert.equal(file.bytes.toString('latin1', 0, 5), '%PDF-');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('what was made is kept over a restart, carried elsewhere as one file, and deleted', async () => {
+  const first = await open();
+  await begin(first.page, 'unit');
+  await first.page.getByRole('button', { name: 'Make it…' }).click();
+  await first.page.locator('.make-choice', { hasText: 'By hand' }).click();
+  await first.page.locator('.made-files button').first().waitFor();
+  const again = await open({ context: first.context, hash: '#/settings' });   // another tab
+  await again.page.locator('.settings .plain-list a').first().waitFor();
+  const all = await saved(again.page, () => again.page.getByRole('button', { name: 'Save everything' }).click());
+  await picture(again.page, 'site-kept');
+  await first.close();
+
+  const other = await open({ hash: '#/settings' });
+  await other.page.getByText('Nothing yet').waitFor();
+  await other.page.locator('.settings input[type=file]').setInputFiles({ name: 'x.zip', mimeType: 'application/zip', buffer: Buffer.from('nothing') });
+  await other.page.locator('.note-bad', { hasText: 'no file that popcut keeps' }).waitFor();
+  await other.page.locator('.settings input[type=file]').setInputFiles({ name: all.name, mimeType: 'application/zip', buffer: all.bytes });
+  await other.page.locator('.settings .plain-list a').first().click();
+  await exact(other.page);
+  await other.page.goto(`${address}#/settings`);
+  await other.page.getByRole('button', { name: 'Delete everything' }).click();
+  await other.page.getByRole('dialog').getByRole('button', { name: 'Delete everything' }).click();
+  await other.page.getByText('Nothing yet').waitFor();
+  assert.deepEqual([...first.complaints, ...again.complaints, ...other.complaints], []);
+  await other.close();
+});
+
+test('after the first load it works without a network', async () => {
+  const { page, context, complaints, close } = await open();
+  await start(page);
+  await page.evaluate(() => navigator.serviceWorker.ready);
+  await until(() => page.evaluate(async () => (await caches.keys()).length === 1 && (await (await caches.open((await caches.keys())[0])).keys()).length > 20), 'the page is kept');
+  await page.reload();
+  await context.setOffline(true);
+  await page.reload();
+  await begin(page, 'village');
+  await page.getByRole('button', { name: 'Plan the sheets…' }).click();
+  await page.getByRole('button', { name: 'Show the sheets' }).click();
+  await page.locator('.sheets .facts').waitFor();
+  await page.goto(`${address}#/settings`);
+  await page.getByText('What this browser keeps').waitFor();
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('a browser that keeps nothing, or is full, is said, and what is open stays', async () => {
+  for (const [spoil, words] of [
+    [() => { IDBFactory.prototype.open = () => { throw new DOMException('no', 'SecurityError'); }; }, 'keeps nothing'],
+    [() => { IDBObjectStore.prototype.put = () => { throw new DOMException('full', 'QuotaExceededError'); }; }, 'no room left'],
+  ]) {
+    const context = await (await openBrowser()).newContext({ viewport: screens.desktop, reducedMotion: 'reduce' });
+    await context.addInitScript(spoil);
+    const { page, complaints, close } = await open({ context });
+    await begin(page, 'unit');
+    await page.getByRole('button', { name: 'Make it…' }).click();
+    await page.locator('.make-choice', { hasText: 'By hand' }).click();
+    await page.locator('.made-files button').first().waitFor();
+    await page.locator('.band', { hasText: words }).waitFor();
+    assert.deepEqual(complaints, []);
+    await close();
+  }
+});
+
+test('an engine that breaks costs the one design, in a sentence', async () => {
+  const { page, complaints, close } = await open();
+  await begin(page, 'unit');
+  await page.evaluate(() => { Worker.prototype.postMessage = function broken() { this.dispatchEvent(new ErrorEvent('error', { message: 'out of memory' })); }; });
+  await page.locator('.start-word, .design-name').first().waitFor();
+  await page.getByRole('button', { name: 'Make it…' }).click();
+  await page.locator('.make-choice', { hasText: 'By hand' }).click();
+  await page.locator('.note-bad, .impossible').first().waitFor();
+  assert.match(await page.locator('.note-bad, .impossible').first().innerText(), /too much for this browser/);
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('a link of a newer popcut, and one that was cut off, are refused in a sentence', async () => {
+  for (const link of ['#/design/d=9AAAA', '#/design/d=1']) {
+    const { page, close } = await open({ hash: link });
+    await page.locator('.note-bad').waitFor();
+    await start(page);
+    await close();
+  }
+});
+
+test('below another path of a server that sends no headers', async () => {
+  const around = mkdtempSync(join(tmpdir(), 'popcut-site-'));
+  symlinkSync(resolve(folder), join(around, 'cards'));
+  const plain = await serve(around, 0, { plain: true });
+  const base = `http://127.0.0.1:${plain.address().port}/cards/`;
+  const { page, complaints, close } = await open({ base, hash: '#/design' });
+  await begin(page, 'unit');
+  assert.deepEqual(complaints, []);
+  await close();
+  plain.closeAllConnections();
+  plain.close();
+  rmSync(around, { recursive: true });
+});
+
+for (const screen of ['phone', 'tablet']) {
+  test(`on a ${screen}`, async () => {
+    const { page, complaints, close } = await open({ screen });
+    await start(page);
+    await picture(page, `site-${screen}-start`);
+    await begin(page, 'house');
+    await picture(page, `site-${screen}-design`);
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'nothing is wider than the screen');
+    assert.deepEqual(complaints, []);
+    await close();
+  });
+}
