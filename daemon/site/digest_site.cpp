@@ -3,16 +3,39 @@
 #include "daemon/digest/digest.hpp"
 
 #include <array>
+#include <memory>
 
 #include <mbedtls/sha256.h>
 
 namespace popcut::daemon {
 
-std::string sha256_hex(std::string_view bytes) {
+struct Sha256::State {
+  mbedtls_sha256_context context{};
+  State() {
+    mbedtls_sha256_init(&context);
+    mbedtls_sha256_starts_ret(&context, 0);
+  }
+};
+
+Sha256::Sha256() : state_(std::make_unique<State>()) {}
+Sha256::~Sha256() = default;
+Sha256::Sha256(Sha256&&) noexcept = default;
+
+void Sha256::add(std::string_view bytes) {
+  mbedtls_sha256_update_ret(&state_->context, reinterpret_cast<const unsigned char*>(bytes.data()),
+                            bytes.size());
+}
+
+std::string Sha256::hex() {
   std::array<unsigned char, 32> digest{};
-  mbedtls_sha256_ret(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(),
-                     digest.data(), 0);
+  mbedtls_sha256_finish_ret(&state_->context, digest.data());
   return hex_of({reinterpret_cast<const char*>(digest.data()), digest.size()});
+}
+
+std::string sha256_hex(std::string_view bytes) {
+  Sha256 digest;
+  digest.add(bytes);
+  return digest.hex();
 }
 
 std::string hex_of(std::string_view bytes) {

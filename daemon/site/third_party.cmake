@@ -83,6 +83,9 @@ foreach(part ZLIB BZIP2 PNG HARFBUZZ BROTLI)
   set(FT_DISABLE_${part} ON)
 endforeach()
 others(freetype ${source_freetype})
+# It has a zlib of its own, which knows of no prefix for these three.
+target_compile_definitions(freetype PRIVATE Z_PREFIX crc32_combine_gen64=z_crc32_combine_gen64
+  crc32_combine_gen=z_crc32_combine_gen crc32_combine_op=z_crc32_combine_op)
 foreach(type SIZE_T UNSIGNED_LONG)  # its check finds no size in wasm
   set(HAVE_${type} TRUE)
   set(${type} 4)
