@@ -83,9 +83,11 @@ foreach(part ZLIB BZIP2 PNG HARFBUZZ BROTLI)
   set(FT_DISABLE_${part} ON)
 endforeach()
 others(freetype ${source_freetype})
-# It has a zlib of its own, which knows of no prefix for these three.
-target_compile_definitions(freetype PRIVATE Z_PREFIX crc32_combine_gen64=z_crc32_combine_gen64
-  crc32_combine_gen=z_crc32_combine_gen crc32_combine_op=z_crc32_combine_op)
+# It has a zlib of its own, which knows of no prefix for these.
+target_compile_definitions(freetype PRIVATE Z_PREFIX)
+foreach(name crc32_combine_gen64 crc32_combine_gen crc32_combine_op z_errmsg zcalloc zcfree)
+  target_compile_definitions(freetype PRIVATE ${name}=own_${name})
+endforeach()
 foreach(type SIZE_T UNSIGNED_LONG)  # its check finds no size in wasm
   set(HAVE_${type} TRUE)
   set(${type} 4)

@@ -1,6 +1,6 @@
 // Keeps the whole page, so that it opens without a network. VERSION and FILES are written by site.mjs. Each version of
 // the page has a cache of its own, so a page never gets an engine of another one.
-const kCache = `popcut-VERSION`;
+const kCache = 'popcut-VERSION';
 const kFiles = FILES;
 
 self.addEventListener('install', (event) => {

@@ -103,7 +103,7 @@ const kept = ['./', 'manifest.webmanifest', ...files];
 const hash = createHash('sha256');
 for (const file of ['index.html', ...kept.slice(1)]) hash.update(readFileSync(join(folder, file)));
 writeFileSync(join(folder, 'service_worker.js'), readFileSync(join(here, 'service_worker.js'), 'utf8')
-  .replace('VERSION', hash.digest('hex').slice(0, 12)).replace('FILES', JSON.stringify(kept)));
+  .replace('popcut-VERSION', `popcut-${hash.digest('hex').slice(0, 12)}`).replace('= FILES', `= ${JSON.stringify(kept)}`));
 
 // Beside each file its smaller forms, for servers that can send them.
 const sizes = [];
