@@ -24,7 +24,8 @@ constexpr std::array kLayers{1, 2, 3, 4, 5, 6};
 constexpr int kFewLayers = 3;
 constexpr std::array kLineCosts{0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0};
 constexpr std::array kHinges_mm3{0.0, 50.0, 100.0, 200.0, 400.0, 800.0, 1500.0, 3000.0};
-constexpr double kMinFold_mm = 5.0;  ///< where folds have a price, shorter ones are made longer
+// Where folds have a price, shorter ones are made longer: those of a medium or of an easy card.
+constexpr double kMinFold_mm = 5.0, kEasyFold_mm = 8.0, kEasyHinge_mm3 = 800.0;
 
 /// The value beside the one that is nearest to `now`, or that one itself at an end.
 template <typename Values, typename Value>
@@ -262,7 +263,8 @@ std::string spec_text(const Candidate& candidate, const Way& way, double scale_m
     if (candidate.hinge_mm3 > 0.0) {
       const double size = scale_mm / way.to_target();
       spec["facets"]["hinge_cost_mm3"] = with_digits(candidate.hinge_mm3 * size * size * size, 3);
-      spec["facets"]["min_fold_mm"] = kMinFold_mm;
+      spec["facets"]["min_fold_mm"] =
+          candidate.hinge_mm3 < kEasyHinge_mm3 ? kMinFold_mm : kEasyFold_mm;
     }
     if (candidate.kites) spec["facets"]["sloped"] = "kites";
   } else {
