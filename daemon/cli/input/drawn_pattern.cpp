@@ -6,9 +6,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/formats/fold/crease_pattern.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/svg/svg_reader.hpp"
 #include "core/text/file_kind.hpp"
+#include "core/text/gzip.hpp"
+#include "core/text/utf8.hpp"
 #include "core/text/words.hpp"
 #include "daemon/cli/input/model_file.hpp"
 #include "daemon/client/command_words.hpp"
@@ -18,13 +21,16 @@
 namespace popcut::cli {
 
 bool is_svg(std::string_view text) {
-  if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
+  if (is_gzip(text)) return true;
+  std::string kept;
+  text = plain_text(text, kept);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
-  return first != std::string_view::npos && text[first] == '<';
+  return first != std::string_view::npos && text[first] == '<' && !is_crease_pattern(text);
 }
 
 bool is_drawing(std::string_view text, const std::string& file) {
-  return is_svg(text) || same_word(std::filesystem::path(file).extension().string(), ".dxf");
+  return is_svg(text) || is_crease_pattern(text) ||
+         same_word(std::filesystem::path(file).extension().string(), ".dxf");
 }
 
 Result<std::string> fold_of_drawing(const std::string& text, const std::string& file,
@@ -37,7 +43,9 @@ Result<std::string> fold_of_drawing(const std::string& text, const std::string& 
     return tl::unexpected<Error>(client::on_command_line(tables->with_file(profile.error())));
   SvgReadOptions how;
   how.profile = std::move(*profile);
-  const auto kind = is_svg(text) ? planning::InputKind::Svg : planning::InputKind::Dxf;
+  const auto kind = is_crease_pattern(text) ? planning::InputKind::Fold
+                    : is_svg(text)          ? planning::InputKind::Svg
+                                            : planning::InputKind::Dxf;
   const auto read = [&] { return planning::drawing_from_text(text, kind, how, 1, {}); };
   auto work = read();
   if (!work && work.error().reason == ErrorReason::Unclear) {

@@ -9,14 +9,17 @@
 
 namespace popcut::cli {
 
-/// Is it a drawing rather than a FOLD file? JSON begins with a brace, XML with an angle.
+/// Is it an SVG drawing, in any encoding or packed by gzip, rather than a FOLD file? JSON begins
+/// with a brace, XML with an angle.
 [[nodiscard]] bool is_svg(std::string_view text);
 
-/// Is it a drawing (SVG by its text, DXF by its name) rather than a FOLD file?
+/// Is it a drawing (SVG and crease patterns by their text, DXF by its name) rather than a FOLD
+/// file?
 [[nodiscard]] bool is_drawing(std::string_view text, const std::string& file);
 
-/// The lines of an SVG or DXF drawing as FOLD text without faces (`fold_from_linework`), for
-/// `verify` and `deploy` to trace. What the reader has to say is added to `warnings`.
+/// The lines of an SVG or DXF drawing or a crease pattern (.cp, .opx) as FOLD text without faces
+/// (`fold_from_linework`), for `verify` and `deploy` to trace. What the reader has to say is added
+/// to `warnings`.
 ///
 /// Where the profile asks what several colours mean, they are read as `origami-sim`, and a warning
 /// says so: nothing is cut here.

@@ -106,6 +106,29 @@ TEST_CASE("popcut's own drawings verify with the same freedoms as its FOLD file"
   }
 }
 
+TEST_CASE("verify reads drawings in any encoding and crease patterns, as plan does",
+          "[cli][e2e][verify]") {
+  const TempFolder folder;
+  const std::string svg =
+      R"(<svg xmlns="http://www.w3.org/2000/svg" width="90mm" height="80mm" viewBox="0 0 90 80">)"
+      R"(<g fill="none" stroke="#000"><path id="outline" d="M0 0h90v80H0z"/>)"
+      R"(<path id="mountain" d="M0 40h90"/></g></svg>)";
+  std::string wide = "\xFF\xFE";
+  for (const char c : svg) wide += {c, '\0'};
+  write_file(folder / "plain.svg", svg);
+  write_file(folder / "wide.svg", wide);
+  write_file(folder / "a.cp", "1 0 0 90 0\n1 90 0 90 80\n1 90 80 0 80\n1 0 80 0 0\n2 0 40 90 40\n");
+  const auto faces = [&](const std::string& name) {
+    const Ran ran = popcut_in(folder, {"verify", name, "--json"});
+    CAPTURE(name, ran.err);
+    const json report = json::parse(ran.out, nullptr, false);
+    return report.is_object() ? report["faces"] : json();
+  };
+  CHECK(faces("plain.svg") == 2);
+  CHECK(faces("wide.svg") == 2);
+  CHECK(faces("a.cp") == 2);
+}
+
 TEST_CASE("slices of a tenth of a millimetre pass through all checks", "[cli][e2e][verify]") {
   const TempFolder folder;
   write_file(folder / "thin.json",
