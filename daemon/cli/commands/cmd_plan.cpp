@@ -181,6 +181,10 @@ void say(const PlanJob& job, const std::string& folder, const Formats& formats) 
   fmt::print(
       stderr, "{}\n",
       shown_text(fmt::format("{}: {} on {}", plan.name, plan.material.title, plan.machine.title)));
+  if (plan.machine.name.starts_with("ideal"))
+    fmt::print(
+        stderr,
+        "  note     --mat alone plans for an ideal plotter; name your cutter with --machine\n");
   for (std::size_t i = 0; i < plan.sheets.size(); ++i) {
     if (!plan.machine.driven()) {
       say_drawing(plan, i, folder, formats);

@@ -99,6 +99,9 @@ TEST_CASE("a drawing that is smaller than anybody cuts is asked about, unless it
              "only 4 x 4 mm; if it is meant in inches, use --scale 25.4"));
   CHECK_FALSE(says(small({"--machine", "cameo3", "--scale", "25.4"}), "inches"));
   CHECK_FALSE(says(small({"--machine", "cameo3", "--width", "5"}), "inches"));
+  // A paper that somebody names without a cutter is told from the usual cutter's.
+  const Ran ideal = bench.popcut({"plan", "small.svg", "-o", "sheets", "--mat", "letter"});
+  CHECK(says(ideal.err, "name your cutter with --machine"));
 }
 
 TEST_CASE("a PDF is planned by its layers, and an Illustrator file by the PDF in it",
