@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The algorithms of std::ranges that popcut uses and libc++ 13 lacks, for whole containers. After std_gaps.hpp.
+// The algorithms of std::ranges that popcut uses and libc++ 13 lacks, for whole containers. After
+// std_gaps.hpp.
 #pragma once
 #ifdef __cplusplus
 

@@ -164,7 +164,9 @@ class CardSearch {
   Result<FoundCards> run() {
     if (auto done = look_at_mesh(); !done) return tl::unexpected(done.error());
     if (auto done = look_at_machine(); !done) return tl::unexpected(done.error());
-    find_ways();
+    for (const JudgedCard& one : request_.memory.cards)
+      judged_[one.rough ? 0 : 1].push_back(trial_of(one));
+    recall_ways();
     if (is_stopped()) return stopped();
     if (ways_.empty())
       return no_card(is_book() ? "it has no size" : "it has no side that stands in a corner");
@@ -184,10 +186,41 @@ class CardSearch {
     return finish();
   }
 
+  /// Only judges candidates.
+  Result<std::vector<JudgedCard>> judge_only(const WantedCards& wanted) {
+    if (auto done = look_at_machine(); !done) return tl::unexpected(done.error());
+    recall_ways();
+    const Care& care = wanted.rough ? kCoarse : kCareful;
+    Model model(wanted.rough ? coarse() : careful(), ways_, care.pixels, is_book());
+    likeness::Buffers buffers;
+    std::vector<JudgedCard> out;
+    for (const Candidate& candidate : wanted.candidates) {
+      if (candidate.way >= ways_.size())
+        return fail(ErrorKind::OutOfRange, "steps", "a candidate stands in no way");
+      Trial trial;
+      trial.candidate = candidate;
+      trial.judged.stays = candidate.usual;
+      judge(trial, model, care, buffers);
+      out.push_back(
+          {wanted.rough, candidate, trial.shrunk, trial.judged, trial.why, trial.spec, trial.cost});
+      tell(request_.progress, wanted.doing,
+           static_cast<double>(out.size()) / static_cast<double>(wanted.candidates.size()));
+    }
+    return out;
+  }
+
  private:
   using Part = std::pair<double, double>;  ///< of all the work, from and to
 
-  [[nodiscard]] bool is_stopped() const { return request_.stopped && request_.stopped(); }
+  [[nodiscard]] bool is_stopped() const {
+    return waits_ || (request_.stopped && request_.stopped());
+  }
+  [[nodiscard]] static Trial trial_of(const JudgedCard& of) {
+    Trial out;
+    out.candidate = of.candidate, out.shrunk = of.shrunk, out.judged = of.judged;
+    out.why = of.why, out.spec = of.spec, out.cost = of.cost;
+    return out;
+  }
   [[nodiscard]] static tl::unexpected<Error> stopped() {
     return fail(ErrorKind::Refused, "", "the search was stopped; nothing is written");
   }
@@ -309,6 +342,18 @@ class CardSearch {
         least = other, out_.better_front = word;
       }
     }
+  }
+
+  /// The ways to stand that are remembered, or else looked for.
+  void recall_ways() {
+    const auto& found = request_.memory.ways;
+    if (!found) return find_ways();
+    ways_ = found->ways, drawn_ways_ = found->drawn;
+    out_.counts.ways = found->tried, out_.better_front = found->better_front;
+    take_boxes();
+  }
+  [[nodiscard]] FoundWays found_ways() const {
+    return {ways_, drawn_ways_, out_.counts.ways, out_.better_front};
   }
 
   /// Ways to stand: the best by what is seen along the diagonal, straight ones, and as the file
@@ -483,6 +528,15 @@ class CardSearch {
                  bool keep_designs) {
     std::vector<likeness::Buffers> buffers(std::max(1U, request_.threads));
     std::vector<Trial>& known = judged_[care.rough ? 0 : 1];
+    if (request_.wanted) {
+      WantedCards wanted{
+          found_ways(), care.rough, {}, std::string(what), {part.first, part.second}};
+      for (std::size_t k = from; k < trials_.size(); ++k)
+        if (!is_among(known, trials_[k].candidate))
+          wanted.candidates.push_back(trials_[k].candidate);
+      waits_ = !wanted.candidates.empty();
+      if (waits_) return request_.wanted(std::move(wanted));
+    }
     for_each(trials_.size() - from, what, part, [&](std::size_t thread, std::size_t k) {
       Trial& trial = trials_[from + k];
       const auto before = std::find_if(known.begin(), known.end(), [&](const Trial& other) {
@@ -914,6 +968,7 @@ class CardSearch {
   std::array<std::vector<Trial>, 2> judged_;  ///< coarsely, and carefully; without their designs
   std::vector<Trial> finals_;
   bool is_whole_mesh_{};
+  bool waits_{};         ///< for candidates that others judge
   std::string refusal_;  ///< why the first one failed
 };
 
@@ -921,6 +976,11 @@ class CardSearch {
 
 std::vector<float> model_around(const FoundCards& found, const FoundCard& card) {
   return likeness::placed(found.mesh.corners, card.placement);
+}
+
+Result<std::vector<JudgedCard>> judge_cards(const SearchRequest& request,
+                                            const WantedCards& wanted) {
+  return CardSearch(request).judge_only(wanted);
 }
 
 Result<FoundCards> search_cards(SearchRequest request) {

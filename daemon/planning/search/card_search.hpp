@@ -21,6 +21,8 @@
 #include "core/progress.hpp"
 #include "core/result.hpp"
 #include "core/search/candidate.hpp"
+#include "core/search/halving.hpp"
+#include "core/search/standing.hpp"
 
 namespace popcut::planning {
 
@@ -30,6 +32,49 @@ struct HandLimits {
   double shortest_mm{};  ///< no fold is shorter
   std::string label;     ///< "easy", or "medium": no harder; empty: any
   bool any_hold{};       ///< cards that move in paper are offered too
+};
+
+/// What a card takes to cut and to fold.
+struct CuttingCost {
+  double seconds{};
+  std::array<double, 2> seconds_range{};
+  double cut_mm{}, fold_mm{};
+  hands::Handwork hands;  ///< of a book: of all its cards
+  double wobble_mm{};     ///< of the panel that moves most (`hands::wobble_of`)
+};
+
+/// A candidate as a search judged it, without its design.
+struct JudgedCard {
+  bool rough{};  ///< in the first rounds
+  Candidate candidate;
+  double shrunk{1.0};  ///< so that it fits on the mat
+  Judged judged;
+  std::string why;  ///< where nothing came of it
+  std::string spec;
+  CuttingCost cost;
+};
+
+/// The ways to stand that a search begins with.
+struct FoundWays {
+  std::vector<Way> ways;  ///< turn and misfit of each; the rest is measured again
+  std::size_t drawn{};    ///< of `ways`: those that candidates are drawn for
+  std::size_t tried{};
+  std::string better_front;  ///< as `FoundCards`
+};
+
+/// What a search need not find out again.
+struct SearchMemory {
+  std::optional<FoundWays> ways;
+  std::vector<JudgedCard> cards;
+};
+
+/// Candidates that a search wants to have judged.
+struct WantedCards {
+  FoundWays ways;
+  bool rough{};
+  std::vector<Candidate> candidates;
+  std::string doing;             ///< in words
+  std::array<double, 2> part{};  ///< of all the work
 };
 
 /// What the best cards are searched for.
@@ -54,15 +99,10 @@ struct SearchRequest {
   /// Makes `FoundCard::shown` of a card and its spec, as long as its target is there. On any
   /// thread.
   std::function<std::string(const std::string& spec, PatchAssembly& made)> show;
-};
-
-/// What a card takes to cut and to fold.
-struct CuttingCost {
-  double seconds{};
-  std::array<double, 2> seconds_range{};
-  double cut_mm{}, fold_mm{};
-  hands::Handwork hands;  ///< of a book: of all its cards
-  double wobble_mm{};     ///< of the panel that moves most (`hands::wobble_of`)
+  SearchMemory memory;
+  /// If set, the search judges no candidate: it ends with Refused after it told this which ones are
+  /// to be judged (`judge_cards`) and remembered.
+  std::function<void(WantedCards)> wanted;
 };
 
 /// A card that a search ended with.
@@ -112,6 +152,12 @@ struct FoundCards {
   std::array<double, 2> area_mm{};  ///< of the mat that the tool reaches
   TriangleMesh mesh;                ///< that was searched
 };
+
+/// Judges candidates as a search of this request does, which wants them.
+///
+/// @retval OutOfRange, Usage  as `search_cards`
+[[nodiscard]] Result<std::vector<JudgedCard>> judge_cards(const SearchRequest& request,
+                                                          const WantedCards& wanted);
 
 /// The model as it stands around a card that was found, as `likeness::Triangles`. It is large, and
 /// so no part of a card.

@@ -15,6 +15,7 @@
 #include "daemon/planning/plan_job.hpp"
 #include "daemon/planning/search/card_search.hpp"
 #include "daemon/planning/search/found_front.hpp"
+#include "daemon/planning/search/search_steps.hpp"
 #include "daemon/planning/search/search_words.hpp"
 #include "daemon/planning/search/thumbnail.hpp"
 #include "daemon/planning/task_inputs.hpp"
@@ -45,6 +46,19 @@ std::string shown_card(const std::string& spec, const Material& material, PatchA
   suit_material(suited, *wanted);
   add_figures(&suited, *wanted, made);
   return shown_blob(made, LatticeQuality::Exact).value_or(std::string());
+}
+
+/// One step of a search: see planning/search/search_steps.
+Result<daemon::PlanningOutcome> judge_some(SearchRequest& request, const std::string& text,
+                                           const FileSink& add) {
+  auto wanted = read_wanted(text);
+  if (!wanted) return tl::unexpected(wanted.error());
+  request.memory.ways = wanted->ways;
+  const auto judged = judge_cards(request, *wanted);
+  if (!judged) return tl::unexpected(in_request(judged.error()));
+  if (auto done = add(kJudgedFile, judged_text(*judged)); !done)
+    return tl::unexpected(done.error());
+  return daemon::PlanningOutcome{};
 }
 
 }  // namespace
@@ -87,7 +101,21 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
     return shown_card(spec, *material, made);
   };
   request.progress = progress;
+  if (const auto judges = task.assets.find(kJudgeFile); judges != task.assets.end())
+    return judge_some(request, judges->second, add);
+  std::optional<WantedCards> more;
+  if (const auto memory = task.assets.find(kMemoryFile); memory != task.assets.end()) {
+    auto known = read_memory(memory->second);
+    if (!known) return tl::unexpected(known.error());
+    request.memory = std::move(*known);
+    request.wanted = [&](WantedCards cards) { more = std::move(cards); };
+  }
   auto found = search_cards(std::move(request));
+  if (more) {
+    if (auto done = add(kWantedFile, wanted_text(*more)); !done)
+      return tl::unexpected(done.error());
+    return daemon::PlanningOutcome{};
+  }
   if (!found) return tl::unexpected(in_request(found.error()));
   tell(progress, "drawing the cards");
   daemon::PlanningOutcome outcome;

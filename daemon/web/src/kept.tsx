@@ -17,7 +17,7 @@ export function Kept() {
   const file = useRef<HTMLInputElement>(null);
   const load = (): void => void run(async () => { designs.value = (await read<{ items: Design[] }>('/v1/designs')).items; });
   useEffect(load, []);
-  const change = (what: () => Promise<unknown>): void => void run(what).then(load);
+  const change = (what: () => Promise<unknown>): void => void run(what).then((done) => { if (done) load(); });
   const take = (from: File): void => change(async () => {
     taken.value = (await send<{ designs: number }>('POST', '/v1/kept', { raw: { bytes: from, type: 'application/zip' } })).designs;
   });

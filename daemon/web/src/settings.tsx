@@ -108,7 +108,7 @@ function About() {
     <section class="card">
       <h2>{say.about}</h2>
       {can('users') && me.value && <p>{words.person(me.value.title ?? me.value.name, words.roles[me.value.role] ?? me.value.role)}</p>}
-      {meta.value && <p>{say.build(meta.value.build)}{meta.value.page ? ` · ${meta.value.page}` : ''}</p>}
+      {meta.value && <p>{can('queue') ? say.build(meta.value.build) : `popcut ${meta.value.build}`}{meta.value.page ? ` · ${meta.value.page}` : ''}</p>}
       {licences && <p><a href={licences} target="_blank" rel="noopener">{say.licences}</a></p>}
     </section>
   );

@@ -200,7 +200,7 @@ function useDesignOf(design: string | null | undefined): { name: string; kind: s
 }
 
 /** What is printed on a sheet before it is cut. popcutd draws it when it is asked for. */
-function PrintFirst({ plan, sheet, paper }: { plan: string; sheet: number; paper: string }) {
+function PrintFirst({ plan, sheet, paper, marks }: { plan: string; sheet: number; paper: string; marks: boolean }) {
   const { busy, problem, run } = useAsking();
   useEffect(() => { problem.value = null; }, [sheet]);
   const get = (clay = false): Promise<void> => run(async () => {
@@ -209,7 +209,7 @@ function PrintFirst({ plan, sheet, paper }: { plan: string; sheet: number; paper
   return (
     <section aria-label={words.print} class="note">
       <h2>{words.print}</h2>
-      <p class="small">{words.printWhat(paper)}</p>
+      <p class="small">{words.printWhat(paper, marks)}</p>
       {problem.value?.status === 422
         ? (
           <div class="note note-amber" role="alert">
@@ -357,7 +357,7 @@ export default function Sheets({ rest: id }: { rest: string }) {
               <ul class="plain-list server-words">{plan.warnings.slice(0, 30).map((one, i) => <li key={i}>{withoutTicks(one.message)}</li>)}</ul>
             </section>
           )}
-          {kind === 'spec' && shown && (shown.side === 'printed' || !can('devices')) && <PrintFirst plan={id} sheet={sheet.value} paper={paperTitle(shown)} />}
+          {kind === 'spec' && shown && (shown.side === 'printed' || !can('devices')) && <PrintFirst plan={id} sheet={sheet.value} paper={paperTitle(shown)} marks={shown.side === 'printed'} />}
           {plan.machine === kNone ? <p class="note">{words.byHand}</p> : can('queue') && may('submitter') && <QueueIt plan={plan} name={name} />}
         </div>
       </div>

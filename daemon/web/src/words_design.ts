@@ -411,7 +411,7 @@ export const designWords = localized({
     fold: 'How to fold it',
     drawing: 'Drawing of this sheet (SVG)',
     print: 'Print first',
-    printWhat: (paper: string): string => `Print this page at actual size (100 %), on the sheet that you cut: ${paper}. Then load the sheet as it is printed: the cutter looks for the marks.`,
+    printWhat: (paper: string, marks: boolean): string => `Print this page at actual size (100 %), on the sheet that you cut: ${paper}.${marks ? ' Then load the sheet as it is printed: the cutter looks for the marks.' : ''}`,
     noColours: 'We could not read the colours of this model.',
     byHand: 'By hand: save the drawing, print it at actual size, cut the solid lines and crease the dashed ones.',
     page: 'Page to print (PDF)',

@@ -69,3 +69,41 @@ test('what cannot be made is refused in the same words', () => {
     assert.deepEqual(here.error, there.error);
   }
 });
+
+/** A house of seven corners, as an OBJ file. */
+const house = Buffer.from([
+  ...[[0, 0], [60, 0], [60, 30], [30, 50], [0, 30]].flatMap(([x, z]) => [`v ${x} 0 ${z}`, `v ${x} 25 ${z}`]),
+  'f 1 3 5 7 9', 'f 2 10 8 6 4', 'f 1 2 4 3', 'f 3 4 6 5', 'f 5 6 8 7', 'f 7 8 10 9', 'f 9 10 2 1', '',
+].join('\n'));
+
+/** A search in steps, as the page does it with so many workers; `perform` does a task. */
+function inSteps(perform, task, workers) {
+  const memory = { ways: null, cards: [] };
+  const json = (value) => Buffer.from(JSON.stringify(value));
+  for (;;) {
+    const made = perform({ ...task, assets: { 'memory.json': json(memory) } });
+    if (made.error || !made.files.has('wanted.json')) return made;
+    const wanted = JSON.parse(String(made.files.get('wanted.json')));
+    memory.ways = wanted.ways;
+    const each = Math.ceil(wanted.candidates.length / workers);
+    for (let at = 0; at < wanted.candidates.length; at += each) {
+      const judge = json({ ...wanted, candidates: wanted.candidates.slice(at, at + each) });
+      memory.cards.push(...JSON.parse(String(perform({ ...task, assets: { 'judge.json': judge } }).files.get('judged.json'))));
+    }
+  }
+}
+
+test('a search finds the same cards in one go and in steps, whoever judges', () => {
+  const words = { model: `sha256-${'0'.repeat(64)}`, name: 'house', mat: 'A4', style: 'any', up: 'z', front: 'x', cards: 1, marks: false, seed: 1, max_minutes: 15, effort: 0.02 };
+  const task = { kind: 'search', design: house, machine: JSON.stringify(rows.machines.cameo3), material: JSON.stringify(rows.materials['paper-220']), options: { search: JSON.stringify(words) } };
+  for (const perform of [native, (one) => engine.perform(one)]) {
+    const whole = perform(task);
+    assert.equal(whole.error, null);
+    for (const workers of [1, 3]) {
+      const steps = inSteps(perform, task, workers);
+      assert.equal(steps.error, null);
+      assert.deepEqual([...steps.files.keys()], [...whole.files.keys()]);
+      for (const [name, bytes] of whole.files) assert.ok(bytes.equals(steps.files.get(name)), `${name} with ${workers} workers`);
+    }
+  }
+});

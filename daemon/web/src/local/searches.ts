@@ -3,12 +3,14 @@
 import type { Search } from '../model';
 import { perform, Refusal, refusal, rowsOf } from './answers';
 import { Lane } from './engine';
-import type { Bytes } from './frames';
+import type { Bytes, Task } from './frames';
 import { get, put, remove, sha256, type KeptFile } from './keep';
 
 interface Kept { body: Search; files: Map<string, Bytes> }
 
-const lane = new Lane();
+/** As many as there is room for: each worker holds the model and its designs. */
+const kWorkers = Math.max(1, Math.min(8, navigator.hardwareConcurrency || 1, ((navigator as Navigator & { deviceMemory?: number }).deviceMemory ?? 4) / 0.5));
+const lanes = Array.from({ length: Math.floor(kWorkers) }, () => new Lane());
 const running = new Map<string, { body: Search; stop: AbortController }>();
 const plain = new TextDecoder();
 
@@ -69,13 +71,58 @@ interface Front {
   notes: string[]; recommended: number; better_front?: string;
 }
 
-async function run(search: Search, design: Bytes, how: { machine: string; material: string; words: string }, signal: AbortSignal): Promise<void> {
-  const onPhase = (text: string): void => {
-    const { doing, done } = JSON.parse(text) as { doing: string; done: number };
-    search.progress = { doing, share: done >= 0 ? done : null };
+type How = Pick<Task, 'design' | 'machine' | 'material' | 'options'>;
+interface Wanted { ways: unknown; rough: boolean; doing: string; part: [number, number]; candidates: unknown[] }
+const utf8 = new TextEncoder();
+const named = (name: string, content: unknown): ReadonlyMap<string, Bytes> => new Map([[name, utf8.encode(JSON.stringify(content))]]);
+
+/**
+ * A search in steps (daemon/planning/search/search_steps.hpp): one worker says which candidates are to be judged, all of
+ * them judge some, and it goes on. What is found does not depend on how many there are.
+ */
+async function searched(how: How, signal: AbortSignal, tell: (doing: string, share: number | null) => void): Promise<Map<string, Bytes>> {
+  const phase = (text: string): { doing: string; done: number } => JSON.parse(text) as { doing: string; done: number };
+  const shown = (text: string): void => {
+    const { doing, done } = phase(text);
+    tell(doing, done >= 0 ? done : null);
   };
+  const first = lanes[0]!;
+  if (lanes.length === 1) return (await perform(first, { kind: 'search', ...how }, signal, shown)).files;
+  const memory: { ways: unknown; cards: unknown[] } = { ways: null, cards: [] };
+  for (;;) {
+    const { files } = await perform(first, { kind: 'search', ...how, assets: named('memory.json', memory) }, signal, shown);
+    const text = files.get('wanted.json');
+    if (!text) return files;
+    const { candidates, part: [from, to], doing, ...of } = JSON.parse(plain.decode(text)) as Wanted;
+    memory.ways = of.ways;
+    // Some take longer than others, so nobody takes too many at once.
+    const each = Math.ceil(candidates.length / (3 * lanes.length));
+    const judged: unknown[][] = [];
+    let next = 0;
+    const done = new Map<number, number>();
+    const told = (): void => tell(doing, from + ((to - from) * [...done.values()].reduce((sum, one) => sum + one, 0)) / candidates.length);
+    await Promise.all(lanes.map(async (lane) => {
+      while (next * each < candidates.length) {
+        const k = next++;
+        const some = candidates.slice(k * each, (k + 1) * each);
+        const asked = named('judge.json', { ...of, doing, part: [from, to], candidates: some });
+        const made = await perform(lane, { kind: 'search', ...how, assets: asked }, signal, (said) => {
+          done.set(k, some.length * Math.max(0, phase(said).done));
+          told();
+        });
+        judged[k] = JSON.parse(plain.decode(made.files.get('judged.json'))) as unknown[];
+        done.set(k, some.length);
+        told();
+      }
+    }));
+    memory.cards.push(...judged.flat());
+  }
+}
+
+async function run(search: Search, design: Bytes, how: { machine: string; material: string; words: string }, signal: AbortSignal): Promise<void> {
   try {
-    const { files } = await perform(lane, { kind: 'search', design, machine: how.machine, material: how.material, options: { search: how.words } }, signal, onPhase);
+    const task = { design, machine: how.machine, material: how.material, options: { search: how.words } };
+    const files = await searched(task, signal, (doing, share) => { search.progress = { doing, share }; });
     const front = JSON.parse(plain.decode(files.get('front.json'))) as Front;
     search.cards = front.cards.map(({ spec, ...card }, k) => {
       const own = `${search.links.self}/cards/${k + 1}`;
