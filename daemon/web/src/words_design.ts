@@ -266,7 +266,7 @@ export const designWords = localized({
     zipTooMuch: (name: string, most_mb: number): string => `"${name}" would unpack to more than ${most_mb} MB, so popcut opens nothing of it.`,
     zipBroken: (name: string): string => `"${name}" cannot be unpacked: it is cut short, or no zip.`,
     looking: 'Reading the model…',
-    tooLarge: (name: string, most: string): string => `"${name}" is larger than the ${most} that popcutd takes.`,
+    tooLarge: (name: string, most: string): string => `"${name}" is larger than ${most}, which is what fits here: make it smaller or simpler.`,
     placing: 'Sending the model…',
     uploading: 'Sending the file…',
   },

@@ -203,6 +203,18 @@ test('a browser that keeps nothing, or is full, is said, and what is open stays'
   }
 });
 
+test('a model that is too large for this computer is refused with what fits', async () => {
+  const context = await (await openBrowser()).newContext({ viewport: screens.phone, reducedMotion: 'reduce' });
+  await context.addInitScript(() => Object.defineProperty(Navigator.prototype, 'deviceMemory', { get: () => 0.25 }));
+  const { page, complaints, close } = await open({ context });
+  await begin(page, 'unit');
+  await page.locator('.design-drop > input[type=file]').setInputFiles({ name: 'large.stl', mimeType: 'model/stl', buffer: Buffer.alloc(5 << 20) });
+  await page.locator('.note-bad', { hasText: '"large.stl" is larger than 4 MiB, which is what fits here' }).waitFor();
+  assert.equal(await page.locator('.design-name').inputValue(), 'unit');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
 test('an engine that breaks costs the one design, in a sentence', async () => {
   const { page, complaints, close } = await open();
   await begin(page, 'unit');

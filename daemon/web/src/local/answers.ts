@@ -147,9 +147,12 @@ const kLattice = 'application/vnd.popcut.lattice';
 const kUsualMachine = 'cameo3';
 const kUsualMaterial = 'paper-220';
 
+/** Of a file, for each GB of this computer: a model of so many bytes takes about twenty times as much to design. */
+const kMost_bytes = 16 << 20;
+
 function meta(): Meta {
   const memory_GB = (navigator as Navigator & { deviceMemory?: number }).deviceMemory ?? 4;
-  const most = Math.round(Math.min(4, memory_GB) * (64 << 20));
+  const most = Math.round(memory_GB * kMost_bytes);
   return {
     api: 'v1', build: LOCAL_BUILD, page: '', page_url: null, schema_sha256: '', now: new Date().toISOString(),
     can: ['design', 'plan', 'search', 'print', 'keep'], principal: { name: 'you', title: '', role: 'submitter' },
