@@ -71,7 +71,7 @@ set(libraries
   "(ft2build|hb)[.]h : core/design/outline"
   "clipper[.]hpp : core/design/outline"
   "jpeglib[.]h : daemon/pictures"
-  "zlib[.]h : core/text|daemon/http"
+  "zlib[.]h : core/text|daemon/(http|site)"
   "toml.* : daemon/config")
 set(most_files 34)  # sources and headers of a folder
 
