@@ -144,7 +144,9 @@ Result<Model> read_stl(const std::string& name, std::string_view bytes) {
   if (is_whole_binary_stl(bytes)) return read_binary(name, bytes);
   std::string kept;
   const std::string_view text = plain_lines(bytes, kept);
-  return is_binary(text) ? read_binary(name, bytes) : read_text(name, text);
+  // A text in UTF-16 may be longer than its bytes.
+  const bool has_head = bytes.size() >= kHead;
+  return has_head && is_binary(text) ? read_binary(name, bytes) : read_text(name, text);
 }
 
 }  // namespace popcut::model_readers

@@ -608,6 +608,11 @@ TEST_CASE("an incomplete or invalid mesh file is refused with its place", "[core
   CHECK(with_nan.kind == ErrorKind::OutOfRange);
   CHECK(with_nan.place == "m.stl: triangle 3");
 
+  // Fewer bytes than a head, whose text is longer than one.
+  std::string wide("\x24\0\x02\0", 4);
+  while (wide.size() < 60) wide += "\x85\x85";
+  CHECK_THAT(refused(read_mesh("m.stl", wide)).detail, Catch::Contains("is not an STL file"));
+
   CHECK(refused(read_mesh("m.ply", "ply")).kind == ErrorKind::Malformed);
   CHECK(refused(read_mesh("m.stl", "")).kind == ErrorKind::Malformed);
   CHECK(refused(read_mesh("m.stl", "solid x\nendsolid x\n")).detail ==
