@@ -127,6 +127,7 @@ test('a tablet is let in by a code that somebody allows, with a role at most the
   assert.match(code, /^[A-HJ-NP-Z2-9]{6}$/);
   const desk = await visit(server, { role: 'operator', hash: '#/settings' });
   expectComplaints(desk.page, refused(404));
+  await desk.page.getByLabel('May act as').waitFor();
   const roles = await desk.page.getByLabel('May act as').locator('option').allTextContents();
   assert.deepEqual(roles, ['viewer', 'submitter', 'operator'], 'no role above the own one');
   await desk.page.getByLabel('Code').fill('AAAAAA');
