@@ -75,6 +75,7 @@ export class Lane {
     const worker = await this.worker!;
     if (this.keepsSpare) this.spare ??= newWorker();
     const frames: Frame[] = [];
+    let calledOff = (): void => undefined;
     try {
       await new Promise<void>((done, failed) => {
         let over: ReturnType<typeof setTimeout> | undefined;
@@ -83,7 +84,8 @@ export class Lane {
           this.drop(worker);
           failed(why);
         };
-        signal?.addEventListener('abort', () => { over = setTimeout(() => end(signal.reason), kGrace_ms); }, { once: true });
+        calledOff = () => { over = setTimeout(() => end(signal!.reason), kGrace_ms); };
+        signal?.addEventListener('abort', calledOff);
         worker.onmessage = ({ data }: MessageEvent<FromWorker>) => {
           if ('broken' in data) return end(new EngineBroken(data.broken));
           if ('frame' in data) {
@@ -104,6 +106,7 @@ export class Lane {
       });
     } finally {
       worker.onmessage = worker.onerror = null;
+      signal?.removeEventListener('abort', calledOff);   // else it would end the worker of the next task
     }
     signal?.throwIfAborted();
     return frames;
