@@ -99,7 +99,7 @@ TEST_CASE("a drawing that is smaller than anybody cuts is asked about, unless it
              "only 4 x 4 mm; if it is meant in inches, use --scale 25.4"));
   CHECK_FALSE(says(small({"--machine", "cameo3", "--scale", "25.4"}), "inches"));
   CHECK_FALSE(says(small({"--machine", "cameo3", "--width", "5"}), "inches"));
-  // A paper that somebody names without a cutter is told from the usual cutter's.
+  // Without a cutter, popcut cannot know that a mat that somebody names is not of the usual cutter.
   const Ran ideal = bench.popcut({"plan", "small.svg", "-o", "sheets", "--mat", "letter"});
   CHECK(says(ideal.err, "name your cutter with --machine"));
 }

@@ -6,7 +6,7 @@ import { scriptAt } from './engine';
 export async function install(): Promise<void> {
   if (!('serviceWorker' in navigator)) return;
   try {
-    // One that takes over while a page is open has another engine than this page: that page is told, and goes on.
+    // A newer service worker has a newer engine. An open page keeps its own engine, and says that a newer page is ready.
     const first = navigator.serviceWorker.controller === null;
     const registration = await navigator.serviceWorker.register(scriptAt(new URL('service_worker.js', document.baseURI).href), { updateViaCache: 'none' });
     if (registration.waiting && !first) newer.value = true;
