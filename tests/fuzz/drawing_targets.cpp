@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Drawings and patterns: SVG, DXF, FOLD.
+// Drawings and patterns: SVG, DXF, FOLD, crease patterns.
 #include <algorithm>
 #include <string>
 #include <vector>
 
 #include "core/formats/dxf/dxf_reader.hpp"
+#include "core/formats/fold/crease_pattern.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/svg/svg_dash.hpp"
 #include "core/formats/svg/svg_reader.hpp"
@@ -102,6 +103,11 @@ void fold(std::string_view text) {
   if (const auto work = linework_from_fold(text)) demand_sound(*work);
 }
 
+/// Lines of numbers or XML, and then the FOLD text that is made of them.
+void crease_pattern(std::string_view text) {
+  if (const auto made = fold_of_crease_pattern(text); accepted(made)) fold(*made);
+}
+
 /// What verify reads as a pattern: arrays that agree and indices that exist.
 void verify_fold(std::string_view text) {
   const auto file = verify::read_fold_model(text);
@@ -124,6 +130,7 @@ constexpr Target kTargets[] = {{"svg_path", svg_path},
                                {"svg_document", svg_document},
                                {"dxf", dxf},
                                {"fold", fold},
+                               {"crease_pattern", crease_pattern},
                                {"verify_fold", verify_fold}};
 
 }  // namespace
