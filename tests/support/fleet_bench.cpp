@@ -21,8 +21,10 @@ const bool kIsSet = [] {
     if (is_new) kept = std::make_shared<popcut::testing::FreshDatabase>();
     const auto& database = *static_cast<popcut::testing::FreshDatabase*>(kept.get());
     if (is_new) (void)database.run_sql(std::string(daemon::fleet_schema()));
-    return std::make_unique<daemon::PostgresDatabase>(
-        daemon::PostgresDatabase::Options{.url = database.url(), .name = "bench"});
+    // These cases wait for states; on a busy machine a login may take longer than popcutd waits for
+    // it.
+    return std::make_unique<daemon::PostgresDatabase>(daemon::PostgresDatabase::Options{
+        .url = database.url(), .name = "bench", .connect_s = 60, .answer_s = 60});
   };
   return true;
 }();
