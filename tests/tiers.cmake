@@ -1,5 +1,6 @@
-# How each entry of CTest runs: in which pool, and whether with sanitizers. An entry is a source file
-# of tests, named by its path below tests/, or a script; patterns match the beginnings of these names.
+# How each entry of CTest runs: in which pool, in './run test' or only with '--whole', and whether with sanitizers. An
+# entry is a source file of tests, named by its path below tests/, or a script; patterns match the beginnings of these
+# names.
 
 # Pools run side by side (pools.json). An entry that computes takes a core for itself and runs with lower
 # priority than those that wait. An entry that waits (for a lease, a device, a process, a page)
@@ -19,6 +20,11 @@ set(popcut_waiting
   "unit/fleet/"
   "unit/support/"
   "usb/")
+
+# What './run test' runs, by the label of the entry: all that calls popcut's libraries, and scripts that need no program
+# but these. '--whole' and CI also run popcut and popcutd themselves, the page in a browser, the commands of the
+# documentation, and the package: two thirds of the time of all.
+set(popcut_quick unit property conformance fuzz usb)
 
 # The sanitizer tier: what reads foreign bytes, shares memory between threads, or touches raw memory.
 # Sanitizers say nothing new of the rest: it computes with values, or runs what these entries run,
@@ -111,7 +117,7 @@ function(popcut_only_tier list)
 endfunction()
 
 # popcut_entry(NAME LABELS command ...): an entry, with the labels LABELS, 'cpu' or 'wait', and
-# 'sanitize' if it is in that tier.
+# 'quick' and 'sanitize' if it is in these tiers.
 find_program(POPCUT_NICE nice)
 mark_as_advanced(POPCUT_NICE)
 function(popcut_entry name labels)
@@ -127,15 +133,19 @@ function(popcut_entry name labels)
   elseif(name MATCHES "fleet|^unit/support/")
     set(slots fleet)
   endif()
-  list(APPEND labels ${pool})
+  string(REGEX MATCHALL "[$]<TARGET_FILE:[^>]+" programs "${ARGN}")
+  list(TRANSFORM programs REPLACE "^.*:" "")
+  if(labels IN_LIST popcut_quick OR (labels STREQUAL script AND NOT programs AND NOT name MATCHES "^every case"))
+    list(APPEND labels quick)
+    set_property(GLOBAL APPEND PROPERTY POPCUT_PROGRAMS_OF_quick ${programs})
+  endif()
   popcut_tier("${name}" pattern)
   if(pattern)
     list(APPEND labels sanitize)
     set_property(GLOBAL APPEND PROPERTY POPCUT_SANITIZED_PATTERNS "${pattern}")
-    string(REGEX MATCHALL "[$]<TARGET_FILE:[^>]+" programs "${ARGN}")
-    list(TRANSFORM programs REPLACE "^.*:" "")
-    set_property(GLOBAL APPEND PROPERTY POPCUT_SANITIZED_PROGRAMS ${programs})
+    set_property(GLOBAL APPEND PROPERTY POPCUT_PROGRAMS_OF_sanitize ${programs})
   endif()
+  list(APPEND labels ${pool})
   set(cost 10)
   foreach(pattern ${popcut_longest})
     if(name MATCHES "^${pattern}")
@@ -161,8 +171,11 @@ function(popcut_entry name labels)
     if(name MATCHES "^${pattern}")
       set_tests_properties(${name} PROPERTIES FIXTURES_REQUIRED PostgreSQL)
       set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT POPCUT_TEST_POSTGRES=${popcut_postgres_file})
+      if(quick IN_LIST labels)
+        set_property(GLOBAL APPEND PROPERTY POPCUT_PROGRAMS_OF_quick fleet_postgres)
+      endif()
       if(sanitize IN_LIST labels)
-        set_property(GLOBAL APPEND PROPERTY POPCUT_SANITIZED_PROGRAMS fleet_postgres)
+        set_property(GLOBAL APPEND PROPERTY POPCUT_PROGRAMS_OF_sanitize fleet_postgres)
       endif()
     endif()
   endforeach()
