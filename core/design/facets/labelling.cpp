@@ -13,7 +13,12 @@ constexpr std::size_t kMostKept = 40'000'000;  ///< costs that are kept, of four
 
 Labelling::Labelling(const SeenTarget& target, const FacetPlanes& planes, const FacetGrid& grid,
                      const FacetWeights& weights, const FacetLimits& limits)
-    : target_(&target), planes_(&planes), grid_(grid), weights_(weights), limits_(limits) {
+    : target_(&target),
+      planes_(&planes),
+      grid_(grid),
+      weights_(weights),
+      limits_(limits),
+      solver_(planes, grid) {
   const auto columns = static_cast<std::size_t>(grid.columns);
   image_.grid = grid;
   image_.label.assign(columns * static_cast<std::size_t>(grid.strips), kGroundLabel);
@@ -101,27 +106,27 @@ bool Labelling::look_alike(int strip, int other) const {
   return std::equal(first, first + count, target_->depth_mm.begin() + count * other);
 }
 
-/// Into `cost_`.
-void Labelling::load_costs(int strip) {
+void Labelling::load_costs(int strip, std::vector<double>& into) {
   if (kept_.empty()) {
     if (computed_ < 0 || !look_alike(computed_, strip)) compute(strip, cost_.data());
     computed_ = strip;
+    into = cost_;
     return;
   }
   std::vector<float>& kept = kept_[static_cast<std::size_t>(strip)];
   if (kept.empty()) {
     compute(strip, cost_.data());
     kept.assign(cost_.begin(), cost_.end());
+    into = cost_;
   } else {
-    std::copy(kept.begin(), kept.end(), cost_.begin());
+    into.assign(kept.begin(), kept.end());
   }
 }
 
 std::vector<Label> Labelling::solve(int strip, bool jumps, double coupling) {
   if (is_fixed(strip)) return {image_.strip(strip).begin(), image_.strip(strip).end()};
   const std::size_t labels = planes_->size();
-  load_costs(strip);
-  next_ = cost_;
+  load_costs(strip, next_);
   for (const int other : {strip - 1, strip + 1})
     for (int i = 0; i < grid_.columns; ++i)
       next_[static_cast<std::size_t>(i) * labels +
@@ -142,7 +147,7 @@ std::vector<Label> Labelling::solve(int strip, bool jumps, double coupling) {
   problem_.swap(next_);
   solved_jumps_ = jumps, solved_fold_ = fold, solved_beside_ = beside_;
   solved_ = solver_
-                .solve({*planes_, grid_, problem_, limits_.least_run, fold,
+                .solve({problem_, limits_.least_run, fold,
                         jumps ? std::max(weights_.jump_mm2, weights_.fold_mm2) * width : kForbidden,
                         beside_})
                 .label;
@@ -309,8 +314,8 @@ double Labelling::whole_cost() const {
 double Labelling::least_distance() {
   double sum = 0.0;
   for (int s = 0; s < grid_.strips; ++s) {
-    load_costs(s);
-    sum += solver_.solve({*planes_, grid_, cost_, limits_.least_run, 0.0, 0.0}).cost;
+    load_costs(s, next_);
+    sum += solver_.solve({next_, limits_.least_run, 0.0, 0.0}).cost;
   }
   return sum;
 }

@@ -80,7 +80,8 @@ class Labelling {
   [[nodiscard]] double least_distance();
 
  private:
-  void load_costs(int strip);
+  /// What each label costs in each column.
+  void load_costs(int strip, std::vector<double>& into);
   /// The distance from the target of a cell of a kite, mm^3.
   [[nodiscard]] double kite_distance(std::size_t strip, std::size_t column,
                                      const FacetPlane& plane) const;
@@ -106,7 +107,8 @@ class Labelling {
   std::vector<LabelBan> bans_;
   std::vector<std::uint8_t> fixed_;       ///< one a strip
   std::vector<std::vector<float>> kept_;  ///< costs of strips, where all of them fit
-  std::vector<double> cost_, problem_, next_;
+  std::vector<double> cost_;              ///< of the strip that was computed last
+  std::vector<double> problem_, next_;
   std::vector<FoldBeside> beside_, solved_beside_;
   double solved_fold_{};
   int computed_{-1};  ///< the strip whose costs are in `cost_`, where none are kept

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "core/design/facets/label_card.hpp"
@@ -66,7 +67,10 @@ std::vector<int> medians(const std::map<int, double>& weight, int count) {
 class LayerLabels {
  public:
   LayerLabels(const SeenTarget& target, const Labelling& labelling)
-      : target_(target), labelling_(labelling), layers_(uprights(labelling.planes()), {}) {}
+      : target_(target),
+        labelling_(labelling),
+        layers_(uprights(labelling.planes()), {}),
+        solver_(layers_, labelling.image().grid) {}
 
   LabelImage run() {
     LabelImage image = labelling_.image();
@@ -141,9 +145,7 @@ class LayerLabels {
       for (std::size_t i = 0; i < beside.size(); ++i)
         cost[i * layers_.size() + static_cast<std::size_t>(beside[i])] -= border;
     }
-    return solver_
-        .solve(
-            {layers_, grid, cost, labelling_.limits().least_run, 0.0, kBorder_mm * grid.strip_mm})
+    return solver_.solve({cost, labelling_.limits().least_run, 0.0, kBorder_mm * grid.strip_mm})
         .label;
   }
 
@@ -257,6 +259,13 @@ class LayerHolder {
     NewStrips strips;
     double cost{};
     int height{};
+    int first_strip{}, line{};
+
+    /// Of two that cost the same, the one in the first strips.
+    [[nodiscard]] bool goes_before(const Strut& other) const {
+      return std::tie(cost, first_strip, line) <
+             std::tie(other.cost, other.first_strip, other.line);
+    }
   };
 
   /// By what is behind, and about how high.
@@ -296,54 +305,92 @@ class LayerHolder {
       if (cell.end - cell.begin > longest.end - longest.begin) longest = {cell.begin, cell.end};
     }
     Cheapest cheapest;
+    std::vector<Stretch> wide;  // what the strips from each place on have in common
     for (int s = 0; s + width_ <= grid().strips; s += kEach) {
       Stretch common{0, grid().columns};
       for (int k = s; k < s + width_; ++k) {
         common.begin = std::max(common.begin, at[static_cast<std::size_t>(k)].begin);
         common.end = std::min(common.end, at[static_cast<std::size_t>(k)].end);
       }
+      wide.push_back(common);
       if (common.end - common.begin < least()) continue;
-      for (int line = common.begin; line + least() <= common.end; line += kEach)
-        add_backs(s, label, line, cheapest);
       if (auto foot = foot_at(s, label, at)) {
         Strut& best = cheapest[{kGroundLabel, 0}];
         if (best.strips.empty() || foot->cost < best.cost) best = std::move(*foot);
       }
     }
+    for (int line = 0; line + least() <= grid().columns; ++line) {
+      const int height = planes()[label].offset - grid().across(line);
+      const Label level = planes().find({false, height});
+      if (height < least() || level == kNoLabel) continue;
+      LevelCosts costs(card_, level, line);
+      for (std::size_t k = 0; k < wide.size(); ++k)
+        if (line >= wide[k].begin && line + least() <= wide[k].end &&
+            (line - wide[k].begin) % kEach == 0)
+          add_backs(kEach * static_cast<int>(k), label, costs, cheapest);
+    }
     for (auto& [place, strut] : cheapest)
       if (!strut.strips.empty()) out.push_back(std::move(strut));
   }
 
+  /// What level paper up to a line costs more than what is there, for all struts that end there.
+  class LevelCosts {
+   public:
+    LevelCosts(const LabelCard& card, Label level, int line)
+        : level(level),
+          line(line),
+          card_(card),
+          from_(static_cast<std::size_t>(card.grid().strips)) {}
+
+    /// Of a strip, from a column up to the line.
+    [[nodiscard]] double from(int strip, int begin) {
+      std::vector<double>& sums = from_[static_cast<std::size_t>(strip)];
+      if (sums.empty()) sums.push_back(0.0);
+      while (static_cast<int>(sums.size()) <= line - begin)
+        sums.push_back(sums.back() + extra(strip, line - static_cast<int>(sums.size()), level));
+      return sums[static_cast<std::size_t>(line - begin)];
+    }
+    [[nodiscard]] double extra(int strip, int column, Label then) const {
+      const Label here = card_.image().strip(strip)[static_cast<std::size_t>(column)];
+      return here == then ? 0.0
+                          : card_.labelling.cell_distance(strip, column, then) -
+                                card_.labelling.cell_distance(strip, column, here);
+    }
+
+    const Label level;
+    const int line;
+
+   private:
+    const LabelCard& card_;
+    std::vector<std::vector<double>> from_;  ///< by strip and by how far before the line
+  };
+
   /// Level paper from a layer, at a line of it, back to the wall or to a layer behind it.
-  void add_backs(int s, Label label, int line, Cheapest& cheapest) const {
-    const int c = planes()[label].offset, height = c - grid().across(line);
-    const Label level = planes().find({false, height});
-    if (height < least() || level == kNoLabel) return;
+  void add_backs(int s, Label label, LevelCosts& costs, Cheapest& cheapest) const {
+    const int c = planes()[label].offset, line = costs.line, height = c - grid().across(line);
     for (std::size_t l = 0; l < planes().size(); ++l) {
       const auto back = static_cast<Label>(l);
       const FacetPlane& plane = planes()[back];
       if (!plane.upright || plane.offset >= c) continue;
       const int begin = grid().wall + plane.offset - height;
       if (begin - least() < 0 || line - begin < least()) continue;
-      Strut strut{{}, 0.0, height};
+      Strut strut{{}, 0.0, height, s, line};
       bool is_there = true;
       for (int k = s; k < s + width_ && is_there; ++k) {
         const auto now = card_.image().strip(k);
-        for (int i = begin - least(); i < line && is_there; ++i) {
-          const Label here = now[static_cast<std::size_t>(i)], then = i < begin ? back : level;
-          is_there = i >= begin || back == kWallLabel || here == back;
-          if (here != then)
-            strut.cost += card_.labelling.cell_distance(k, i, then) -
-                          card_.labelling.cell_distance(k, i, here);
+        for (int i = begin - least(); i < begin && is_there; ++i) {
+          is_there = back == kWallLabel || now[static_cast<std::size_t>(i)] == back;
+          strut.cost += costs.extra(k, i, back);
         }
+        if (is_there) strut.cost += costs.from(k, begin);
       }
       if (!is_there) continue;
       Strut& best = cheapest[{back, static_cast<int>(mm(height) / kHeights_mm)}];
-      if (!best.strips.empty() && best.cost <= strut.cost) continue;
+      if (!best.strips.empty() && !strut.goes_before(best)) continue;
       for (int k = s; k < s + width_; ++k) {
         std::vector<Label> labels = labels_of(card_.image(), k);
         std::fill_n(labels.begin() + (begin - least()), least(), back);
-        std::fill(labels.begin() + begin, labels.begin() + line, level);
+        std::fill(labels.begin() + begin, labels.begin() + line, costs.level);
         if (!is_wide(labels, least()) || !is_allowed(labels)) break;
         strut.strips.push_back({k, std::move(labels)});
       }

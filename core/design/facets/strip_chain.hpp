@@ -22,8 +22,6 @@ struct FoldBeside {
 /// The labels of one strip as a shortest path: what each column costs under each label, and what it
 /// costs to go on in another plane.
 struct FacetChainProblem {
-  const FacetPlanes& planes;
-  const FacetGrid& grid;
   std::span<const double> cost;  ///< columns x labels; `kForbidden` and more: not to be taken
   int least_run{1};              ///< columns that a plane keeps at least
   double fold{};                 ///< a fold into the plane that meets this one there
@@ -41,16 +39,27 @@ struct FacetChain {
 /// least costs of all labels there. O(columns x labels).
 class FacetChainSolver {
  public:
+  FacetChainSolver(const FacetPlanes& planes, const FacetGrid& grid);
+
   [[nodiscard]] FacetChain solve(const FacetChainProblem& problem);
 
  private:
   void enter(const FacetChainProblem& problem, std::size_t column);
-  void jump_into(const FacetChainProblem& problem, std::size_t column);
+  void jump_into(const FacetChainProblem& problem, double* here, double* into, Label* from,
+                 std::size_t column);
+  /// The costs of all labels at a line, of the last `rows_` lines.
+  [[nodiscard]] double* row(std::vector<double>& costs, std::size_t line) const {
+    return costs.data() + line % rows_ * labels_;
+  }
 
-  std::vector<double> whole_;    ///< (columns + 1) x labels: in it for `least_run` columns or more
-  std::vector<double> entered_;  ///< comes into it at this line
-  std::vector<double> sum_;      ///< of the costs of a label so far
-  std::vector<Label> from_;      ///< label before the entry
+  std::size_t labels_, columns_;
+  std::vector<Label>
+      partners_;  ///< columns x labels: the plane that each one meets at the line before
+  std::size_t rows_{1};
+  std::vector<double> whole_;          ///< by label: in it for `least_run` columns or more
+  std::vector<double> entered_;        ///< comes into it at this line
+  std::vector<double> sum_;            ///< of the costs of a label so far
+  std::vector<Label> from_;            ///< (columns + 1) x labels: label before the entry
   std::vector<unsigned char> begins_;  ///< the run begins `least_run` columns before
   std::size_t beside_{};               ///< the first of `beside` that is not behind
 };

@@ -99,9 +99,17 @@ TEST_CASE("parts behind the card are seen only where they are asked for", "[face
   CHECK(open.x_mm(5, 2) == Approx(0).margin(1e-5));  // nothing is there
 }
 
+/// The costs of a strip, and what their labels stand for.
+struct OneStrip {
+  const FacetPlanes& planes;
+  const FacetGrid& grid;
+  FacetChainProblem problem;
+};
+
 /// What it costs to go on from one label to the other at the line before a column.
-double step_cost(const FacetChainProblem& problem, int column, Label before, Label after) {
-  if (problem.planes.partner(before, problem.grid.across(column)) != after) return problem.jump;
+double step_cost(const OneStrip& strip, int column, Label before, Label after) {
+  const FacetChainProblem& problem = strip.problem;
+  if (strip.planes.partner(before, strip.grid.across(column)) != after) return problem.jump;
   double cost = problem.fold;
   for (const FoldBeside& fold : problem.beside)
     if (fold.column == column && fold.into == after) cost -= fold.gain;
@@ -109,28 +117,29 @@ double step_cost(const FacetChainProblem& problem, int column, Label before, Lab
 }
 
 /// The cheapest chain by trying all.
-double brute_force(const FacetChainProblem& problem, std::vector<Label>& labels, int column) {
-  const int columns = problem.grid.columns;
+double brute_force(const OneStrip& strip, std::vector<Label>& labels, int column) {
+  const FacetChainProblem& problem = strip.problem;
+  const int columns = strip.grid.columns;
   if (column == columns) {
     if (labels.front() != kWallLabel || labels.back() != kGroundLabel) return 1e30;
     double cost = 0.0;
     int run = 0;
     for (int i = 0; i < columns; ++i) {
       const auto at = static_cast<std::size_t>(i);
-      cost += problem.cost[at * problem.planes.size() + static_cast<std::size_t>(labels[at])];
+      cost += problem.cost[at * strip.planes.size() + static_cast<std::size_t>(labels[at])];
       if (i > 0 && labels[at] != labels[at - 1]) {
         if (run < problem.least_run) return 1e30;
         run = 0;
-        cost += step_cost(problem, i, labels[at - 1], labels[at]);
+        cost += step_cost(strip, i, labels[at - 1], labels[at]);
       }
       ++run;
     }
     return run < problem.least_run ? 1e30 : cost;
   }
   double best = 1e30;
-  for (std::size_t l = 0; l < problem.planes.size(); ++l) {
+  for (std::size_t l = 0; l < strip.planes.size(); ++l) {
     labels[static_cast<std::size_t>(column)] = static_cast<Label>(l);
-    best = std::min(best, brute_force(problem, labels, column + 1));
+    best = std::min(best, brute_force(strip, labels, column + 1));
   }
   return best;
 }
@@ -138,10 +147,10 @@ double brute_force(const FacetChainProblem& problem, std::vector<Label>& labels,
 TEST_CASE("the labels of a strip are the best of all", "[facets]") {
   std::mt19937 random(20261125);
   const FacetPlanes planes({1, 2}, {1, 2});
-  FacetChainSolver solver;
+  FacetGrid grid;
+  grid.wall = 3, grid.columns = 6;
+  FacetChainSolver solver(planes, grid);
   for (int k = 0; k < testing::rounds(60); ++k) {
-    FacetGrid grid;
-    grid.wall = 3, grid.columns = 6;
     std::vector<double> cost(6 * planes.size());
     for (double& c : cost) c = uniform(random, 0.0, 2.0);
     const double fold = uniform(random, 0.0, 0.5);
@@ -149,14 +158,14 @@ TEST_CASE("the labels of a strip are the best of all", "[facets]") {
     for (int column = 1; k % 2 == 0 && column < grid.columns; ++column)
       beside.push_back(
           {column, static_cast<Label>(whole(random, 0, 5)), uniform(random, 0.0, 2.0)});
-    const FacetChainProblem problem{
-        planes, grid,
-        cost,   whole(random, 1, 3),
-        fold,   k % 3 == 0 ? kForbidden : std::max(0.0, fold + uniform(random, -0.5, 0.5)),
-        beside};
+    const OneStrip strip{
+        planes,
+        grid,
+        {cost, whole(random, 1, 3), fold,
+         k % 3 == 0 ? kForbidden : std::max(0.0, fold + uniform(random, -0.5, 0.5)), beside}};
     std::vector<Label> labels(6);
-    const double best = brute_force(problem, labels, 0);
-    const FacetChain chain = solver.solve(problem);
+    const double best = brute_force(strip, labels, 0);
+    const FacetChain chain = solver.solve(strip.problem);
     INFO("round " << k);
     CHECK(chain.cost == Approx(best).epsilon(1e-9));
     std::vector<Label> same = chain.label;  // the labels cost what is said
@@ -164,7 +173,7 @@ TEST_CASE("the labels of a strip are the best of all", "[facets]") {
     for (std::size_t i = 0; i < 6; ++i) {
       sum += cost[i * planes.size() + static_cast<std::size_t>(same[i])];
       if (i > 0 && same[i] != same[i - 1])
-        sum += step_cost(problem, static_cast<int>(i), same[i - 1], same[i]);
+        sum += step_cost(strip, static_cast<int>(i), same[i - 1], same[i]);
     }
     CHECK(sum == Approx(best).epsilon(1e-9));
   }
