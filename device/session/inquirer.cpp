@@ -64,8 +64,8 @@ Transport::WriteEnd Inquirer::begin(std::string_view query) {
   constexpr double kSliceS = 0.25;
   const std::chrono::nanoseconds until = later(limits_.reply_s);
   for (;;) {
-    Transport::WriteEnd end =
-        transport_.write(std::as_bytes(std::span(query)), std::min(until, later(kSliceS)));
+    Transport::WriteEnd end = transport_.write(std::as_bytes(std::span(query.data(), query.size())),
+                                               std::min(until, later(kSliceS)));
     const bool waited_for = end.error && end.error->kind == ErrorKind::Timeout && end.taken == 0;
     const bool hurry = limits_.hurry != nullptr && limits_.hurry->load(std::memory_order_relaxed);
     if (!waited_for || hurry || transport_.now() >= until) return end;

@@ -29,7 +29,7 @@ void StrokeJournal::settle(std::uint64_t ready_bytes, std::uint64_t good_bytes,
   const auto& strokes = program_.strokes;
   const auto unsure = std::partition_point(strokes.begin(), strokes.end(),
                                            [&](const ByteRange& s) { return s.end <= sure; });
-  const std::int64_t certain = std::min(taken, unsure - strokes.begin() - 1);
+  const std::int64_t certain = std::min<std::int64_t>(taken, unsure - strokes.begin() - 1);
   if (certain <= certain_ && taken <= taken_) return;
   certain_ = std::max(certain, certain_);
   taken_ = std::max(taken, taken_);
