@@ -111,13 +111,16 @@ class PatchMover {
   /// Patches whose hinges cost more than they bring nearer: those before and behind them, or beside
   /// them, take their place.
   void remove_patches() {
+    auto cells = patch_cells(card_, false);
     for (const Place& place : places()) {
       if (is_over()) return;
-      const auto cells = patch_cells(card_, false);
       const auto patch = cells.find(patch_at(place));
       if (patch == cells.end()) continue;
-      for (const bool take_beside : {false, true})
-        if (take_if_better(painted_over(card_, patch->second, take_beside))) break;
+      for (const bool take_beside : {false, true}) {
+        if (!take_if_better(painted_over(card_, patch->second, take_beside))) continue;
+        cells = patch_cells(card_, false);
+        break;
+      }
     }
   }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -279,6 +280,7 @@ class LayerHolder {
   /// Makes the strut or foot that costs least for what it holds. Whether one holds anything.
   bool improve() {
     std::vector<Strut> all;
+    costs_ = costs_of(card_.image());
     for (const LoosePatch& patch : loose_patches(card_)) add_struts(patch, all);
     const double before = looseness(card_.holding);
     std::optional<std::size_t> best;
@@ -323,7 +325,7 @@ class LayerHolder {
       const int height = planes()[label].offset - grid().across(line);
       const Label level = planes().find({false, height});
       if (height < least() || level == kNoLabel) continue;
-      LevelCosts costs(card_, level, line);
+      LevelCosts costs(card_, costs_, level, line);
       for (std::size_t k = 0; k < wide.size(); ++k)
         if (line >= wide[k].begin && line + least() <= wide[k].end &&
             (line - wide[k].begin) % kEach == 0)
@@ -333,13 +335,26 @@ class LayerHolder {
       if (!strut.strips.empty()) out.push_back(std::move(strut));
   }
 
+  /// The distance from the target of each cell as it is, strip by strip.
+  [[nodiscard]] std::vector<double> costs_of(const LabelImage& image) const {
+    std::vector<double> out;
+    out.reserve(image.label.size());
+    for (int s = 0; s < grid().strips; ++s)
+      for (int i = 0; i < grid().columns; ++i) {
+        const Label label = image.strip(s)[static_cast<std::size_t>(i)];
+        out.push_back(label == kNoLabel ? 0.0 : card_.labelling.cell_distance(s, i, label));
+      }
+    return out;
+  }
+
   /// What level paper up to a line costs more than what is there, for all struts that end there.
   class LevelCosts {
    public:
-    LevelCosts(const LabelCard& card, Label level, int line)
+    LevelCosts(const LabelCard& card, std::span<const double> now, Label level, int line)
         : level(level),
           line(line),
           card_(card),
+          now_(now),
           from_(static_cast<std::size_t>(card.grid().strips)) {}
 
     /// Of a strip, from a column up to the line.
@@ -351,10 +366,10 @@ class LayerHolder {
       return sums[static_cast<std::size_t>(line - begin)];
     }
     [[nodiscard]] double extra(int strip, int column, Label then) const {
-      const Label here = card_.image().strip(strip)[static_cast<std::size_t>(column)];
-      return here == then ? 0.0
-                          : card_.labelling.cell_distance(strip, column, then) -
-                                card_.labelling.cell_distance(strip, column, here);
+      const auto row = static_cast<std::size_t>(strip), at = static_cast<std::size_t>(column);
+      if (card_.image().strip(strip)[at] == then) return 0.0;
+      return card_.labelling.cell_distance(strip, column, then) -
+             now_[row * static_cast<std::size_t>(card_.grid().columns) + at];
     }
 
     const Label level;
@@ -362,6 +377,7 @@ class LayerHolder {
 
    private:
     const LabelCard& card_;
+    const std::span<const double> now_;
     std::vector<std::vector<double>> from_;  ///< by strip and by how far before the line
   };
 
@@ -512,7 +528,8 @@ class LayerHolder {
   LabelCard& card_;
   const SilhouetteOptions& how_;
   Silhouette& out_;
-  int width_;  ///< strips of a strut
+  std::vector<double> costs_;  ///< of the cells as they are
+  int width_;                  ///< strips of a strut
 };
 
 }  // namespace
