@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/planning/search/search_steps.hpp"
 
+#include <concepts>
 #include <limits>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -16,36 +19,67 @@ using nlohmann::json;
 
 constexpr int kDepth = 8;
 
-/// Numbers keep all their digits; only an infinite one has none.
-double number_in(const json& value) {
-  return value.is_null() ? std::numeric_limits<double>::infinity() : value.get<double>();
+/// All members of a struct, in order. One that is added later does not compile before it stands
+/// here: a search in steps would not know again what it has judged, and never end.
+template <typename Of, typename Struct>
+concept Is = std::same_as<std::remove_const_t<Of>, Struct>;
+
+template <Is<Candidate> Of>
+auto members(Of& of) {
+  auto& [style, lattice, way, fill, cards, units, slices, strip_mm, pitch_mm, line_cost, hinge_mm3,
+         layers, kites, usual] = of;
+  return std::tie(style, lattice, way, fill, cards, units, slices, strip_mm, pitch_mm, line_cost,
+                  hinge_mm3, layers, kites, usual);
+}
+template <Is<Judged> Of>
+auto members(Of& of) {
+  auto& [error, cost, made, stays] = of;
+  return std::tie(error, cost, made, stays);
+}
+template <Is<hands::Handwork> Of>
+auto members(Of& of) {
+  auto& [folds, shortest_mm, waste, tabs, time_s, label] = of;
+  return std::tie(folds, shortest_mm, waste, tabs, time_s, label);
+}
+template <Is<CuttingCost> Of>
+auto members(Of& of) {
+  auto& [seconds, seconds_range, cut_mm, fold_mm, hands, wobble_mm] = of;
+  return std::tie(seconds, seconds_range, cut_mm, fold_mm, hands, wobble_mm);
+}
+template <Is<JudgedCard> Of>
+auto members(Of& of) {
+  auto& [rough, candidate, shrunk, judged, why, spec, cost] = of;
+  return std::tie(rough, candidate, shrunk, judged, why, spec, cost);
 }
 
-json json_of(const Candidate& of) {
-  return {static_cast<int>(of.style),
-          static_cast<int>(of.lattice),
-          of.way,
-          of.fill,
-          of.cards,
-          of.units,
-          of.slices,
-          of.strip_mm,
-          of.pitch_mm,
-          of.line_cost,
-          of.layers,
-          of.kites,
-          of.usual};
+/// A struct as the list of its members. Numbers keep all their digits; only an infinite one has
+/// none.
+template <typename Value>
+json json_of(const Value& value) {
+  if constexpr (std::is_enum_v<Value>) {
+    return static_cast<int>(value);
+  } else if constexpr (requires { members(value); }) {
+    json list = json::array();
+    std::apply([&](const auto&... member) { (list.push_back(json_of(member)), ...); },
+               members(value));
+    return list;
+  } else {
+    return value;
+  }
 }
 
-Candidate candidate_in(const json& list) {
-  Candidate out;
-  out.style = static_cast<DesignStyle>(list.at(0).get<int>());
-  out.lattice = static_cast<LatticeMethod>(list.at(1).get<int>());
-  list.at(2).get_to(out.way), list.at(3).get_to(out.fill), list.at(4).get_to(out.cards);
-  list.at(5).get_to(out.units), list.at(6).get_to(out.slices), list.at(7).get_to(out.strip_mm);
-  list.at(8).get_to(out.pitch_mm), list.at(9).get_to(out.line_cost);
-  list.at(10).get_to(out.layers), list.at(11).get_to(out.kites), list.at(12).get_to(out.usual);
-  return out;
+template <typename Value>
+void take(const json& from, Value& into) {
+  if constexpr (std::is_enum_v<Value>) {
+    into = static_cast<Value>(from.get<int>());
+  } else if constexpr (requires { members(into); }) {
+    std::size_t k = 0;
+    std::apply([&](auto&... member) { (take(from.at(k++), member), ...); }, members(into));
+  } else if constexpr (std::same_as<Value, double>) {
+    into = from.is_null() ? std::numeric_limits<double>::infinity() : from.get<double>();
+  } else {
+    from.get_to(into);
+  }
 }
 
 json json_of(const FoundWays& of) {
@@ -59,46 +93,11 @@ FoundWays ways_in(const json& of) {
   for (const json& one : of.at("ways")) {
     Way way;
     one.at(0).get_to(way.rotate_deg);
-    way.misfit = number_in(one.at(1));
+    take(one.at(1), way.misfit);
     out.ways.push_back(way);
   }
   of.at("drawn").get_to(out.drawn), of.at("tried").get_to(out.tried);
   of.at("front").get_to(out.better_front);
-  return out;
-}
-
-json json_of(const JudgedCard& of) {
-  const CuttingCost& cost = of.cost;
-  const hands::Handwork& hands = cost.hands;
-  return {{"rough", of.rough},
-          {"candidate", json_of(of.candidate)},
-          {"shrunk", of.shrunk},
-          {"judged", {of.judged.error, of.judged.cost, of.judged.made, of.judged.stays}},
-          {"why", of.why},
-          {"spec", of.spec},
-          {"cost", {cost.seconds, cost.seconds_range, cost.cut_mm, cost.fold_mm, cost.wobble_mm}},
-          {"hands",
-           {hands.folds, hands.shortest_mm, hands.waste, hands.tabs, hands.time_s, hands.label}}};
-}
-
-JudgedCard judged_in(const json& of) {
-  JudgedCard out;
-  of.at("rough").get_to(out.rough);
-  out.candidate = candidate_in(of.at("candidate"));
-  of.at("shrunk").get_to(out.shrunk);
-  const json& judged = of.at("judged");
-  out.judged.error = number_in(judged.at(0)), out.judged.cost = number_in(judged.at(1));
-  judged.at(2).get_to(out.judged.made), judged.at(3).get_to(out.judged.stays);
-  of.at("why").get_to(out.why), of.at("spec").get_to(out.spec);
-  const json& cost = of.at("cost");
-  out.cost.seconds = number_in(cost.at(0));
-  cost.at(1).get_to(out.cost.seconds_range), cost.at(2).get_to(out.cost.cut_mm);
-  cost.at(3).get_to(out.cost.fold_mm);
-  out.cost.wobble_mm = number_in(cost.at(4));
-  const json& hands = of.at("hands");
-  hands.at(0).get_to(out.cost.hands.folds), hands.at(1).get_to(out.cost.hands.shortest_mm);
-  hands.at(2).get_to(out.cost.hands.waste), hands.at(3).get_to(out.cost.hands.tabs);
-  hands.at(4).get_to(out.cost.hands.time_s), hands.at(5).get_to(out.cost.hands.label);
   return out;
 }
 
@@ -123,7 +122,7 @@ Result<SearchMemory> read_memory(std::string_view text) {
   return read_with(text, [](const json& of) {
     SearchMemory out;
     if (!of.at("ways").is_null()) out.ways = ways_in(of.at("ways"));
-    for (const json& card : of.at("cards")) out.cards.push_back(judged_in(card));
+    for (const json& card : of.at("cards")) take(card, out.cards.emplace_back());
     return out;
   });
 }
@@ -143,7 +142,7 @@ Result<WantedCards> read_wanted(std::string_view text) {
     WantedCards out;
     out.ways = ways_in(of.at("ways"));
     of.at("rough").get_to(out.rough);
-    for (const json& one : of.at("candidates")) out.candidates.push_back(candidate_in(one));
+    for (const json& one : of.at("candidates")) take(one, out.candidates.emplace_back());
     return out;
   });
 }

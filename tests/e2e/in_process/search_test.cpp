@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Searches in a worker process, as popcutd has them made.
 #include <atomic>
+#include <limits>
 #include <string>
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "daemon/planning/search/search_steps.hpp"
 #include "daemon/planning/search/search_words.hpp"
 #include "daemon/planning/search/thumbnail.hpp"
 #include "tests/support/meshes.hpp"
@@ -169,6 +171,44 @@ TEST_CASE("what is no model, or has no card, gives one sentence", "[daemon][plan
   CardSearchRequest on = small();
   on.mat = "no such mat";
   bench.refused(hall(), on, "/mat");
+}
+
+TEST_CASE(
+    "a search in steps knows each candidate again that it wanted and each card that was judged",
+    "[daemon][search]") {
+  planning::WantedCards wanted;
+  wanted.doing = "designing";
+  const StyleChoice& any = style_choice("any");
+  for (const auto& some :
+       {usual_candidates(any, 1), broad_candidates(any, 1, 3), usual_candidates(any, 4)})
+    wanted.candidates.insert(wanted.candidates.end(), some.begin(), some.end());
+  Candidate& odd = wanted.candidates.emplace_back();
+  odd.way = 7, odd.fill = 0.1, odd.hinge_mm3 = 1.0 / 3, odd.layers = 3, odd.kites = true;
+  const auto again = planning::read_wanted(planning::wanted_text(wanted));
+  REQUIRE(again);
+  CHECK(again->candidates == wanted.candidates);
+
+  std::vector<planning::JudgedCard> cards;
+  for (const Candidate& candidate : wanted.candidates) {
+    planning::JudgedCard& card = cards.emplace_back();
+    card.candidate = candidate;
+    card.judged = {std::numeric_limits<double>::infinity(), 0.1, false, true};
+    card.why = "why", card.spec = "{}", card.shrunk = 0.9, card.rough = true;
+    card.cost = {1.5, {1, 2}, 3, 4, {5, 6, 7, 8, 9, "hard"}, 10};
+  }
+  const auto memory =
+      planning::read_memory("{\"ways\": null, \"cards\": " + planning::judged_text(cards) + "}");
+  REQUIRE(memory);
+  REQUIRE(memory->cards.size() == cards.size());
+  for (std::size_t k = 0; k < cards.size(); ++k) {
+    const planning::JudgedCard& card = memory->cards[k];
+    CHECK(card.candidate == cards[k].candidate);
+    CHECK(card.judged.error == cards[k].judged.error);
+    CHECK(card.judged.stays);
+    CHECK(card.cost.wobble_mm == 10);
+    CHECK(card.cost.hands.label == "hard");
+  }
+  CHECK(planning::judged_text(memory->cards) == planning::judged_text(cards));
 }
 
 TEST_CASE("the words of a search are read back and what is out of range is refused",
