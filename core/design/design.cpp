@@ -676,6 +676,9 @@ class Designer {
 
 Result<Design> design(const DesignSpec& spec, const SurfaceAssets& assets,
                       const Progress& progress) {
+  if (spec.style == DesignStyle::Layers)
+    return fail(ErrorKind::Infeasible, "/style",
+                "is layers, a card of several parts; 'popcut design' and 'popcut plan' make it");
   if (is_of_facets(spec.style)) return facet_design(spec, assets, progress);
   return Designer(spec, assets, progress).run();
 }

@@ -59,6 +59,12 @@ struct FoldLimits {
 /// The size of one `frame_unit` in mm; 1 for "unit" or none, 0 for an unknown word.
 [[nodiscard]] double fold_unit_mm(std::string_view unit);
 
+/// Whether a FOLD file is a card of several parts (docs/parts.md): it lists joints, and each frame
+/// is a part.
+[[nodiscard]] inline bool lists_joints(std::string_view text) {
+  return text.find("\"popcut:joints\"") != std::string_view::npos;
+}
+
 inline constexpr int kMaxFoldDepth = 64;
 inline constexpr std::size_t kMaxFoldFrames = 10'000;
 

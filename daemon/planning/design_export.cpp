@@ -34,20 +34,6 @@ Result<void> write_fold_guide(const ExportJob& job, std::ostream& out) {
   return {};
 }
 
-/// The dashes of all folds, back from the page (x = v, y = u) onto the sheet.
-std::vector<SheetLine> micro_cuts(const LineWork& dashed) {
-  std::vector<SheetLine> dashes;
-  for (const DrawnLine& line : dashed.lines) {
-    if (!is_fold(line.operation)) continue;
-    const EdgeRole role =
-        line.operation == Operation::FoldMountain ? EdgeRole::Mountain : EdgeRole::Valley;
-    const auto points = dashed.points_of(line);
-    for (std::size_t i = 1; i < points.size(); ++i)
-      dashes.push_back({points[i - 1].y, points[i - 1].x, points[i].y, points[i].x, role});
-  }
-  return dashes;
-}
-
 struct Named {
   std::string_view file;
   Result<void> (*write)(const ExportJob&, std::ostream&);
@@ -129,6 +115,19 @@ std::vector<double> drawn_angles(const std::vector<double>& psi_rad, std::size_t
     angles.push_back(std::max(kLeastRad, i + 1 == count ? to : from + part * (to - from)));
   }
   return angles;
+}
+
+std::vector<SheetLine> micro_cuts(const LineWork& dashed) {
+  std::vector<SheetLine> dashes;
+  for (const DrawnLine& line : dashed.lines) {
+    if (!is_fold(line.operation)) continue;
+    const EdgeRole role =
+        line.operation == Operation::FoldMountain ? EdgeRole::Mountain : EdgeRole::Valley;
+    const auto points = dashed.points_of(line);
+    for (std::size_t i = 1; i < points.size(); ++i)
+      dashes.push_back({points[i - 1].y, points[i - 1].x, points[i].y, points[i].x, role});
+  }
+  return dashes;
 }
 
 LineWork dashed_page(const Material& material, Design& made) {

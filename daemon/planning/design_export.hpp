@@ -62,6 +62,9 @@ struct ExportJob {
 /// report.
 [[nodiscard]] LineWork dashed_page(const Material& material, Design& made);
 
+/// The dashes of all folds of such a page (x = v, y = u), back on the sheet.
+[[nodiscard]] std::vector<SheetLine> micro_cuts(const LineWork& dashed);
+
 /// One file of a designed spec ("pattern.fold", "cut.svg", ...), with the usual options of
 /// `popcut design`.
 ///

@@ -14,6 +14,7 @@
 #include "core/formats/fold/crease_pattern.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/judge/sound_design.hpp"
+#include "core/judge/sound_layers.hpp"
 #include "core/layout/layout.hpp"
 #include "core/plan/plan.hpp"
 #include "core/text/file_kind.hpp"
@@ -32,6 +33,23 @@ void add_warnings(const PatchAssembly& made, LineWork& drawing) {
                             part.report.warnings.end());
 }
 
+/// The parts of a card of layers, each a piece of its own.
+Result<DrawingInput> from_layers(const DesignSpec& spec, const SurfaceAssets& assets,
+                                 const Progress& progress) {
+  const auto sound = judge::sound_layers(spec, assets, "popcut", progress);
+  if (!sound) return tl::unexpected(sound.error());
+  std::vector<LineWork> sheets;
+  for (const Pattern& part : part_drawings(sound->made.card)) {
+    sheets.push_back(linework_from_pattern(part));
+    sheets.back().name = part.name;
+  }
+  DrawingInput out = side_by_side(sheets);
+  out.drawing.name = spec.name;
+  out.drawing.warnings = sound->made.warnings;
+  out.material = spec.material, out.pens = spec.pens;
+  return out;
+}
+
 Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sources) {
   auto spec = parse_design_spec(text);
   if (!spec) return tl::unexpected(spec.error());
@@ -39,6 +57,7 @@ Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sourc
   if (const auto own = find_material(spec->material, sources.tables)) suit_material(*own, *spec);
   const auto assets = sources.assets(*spec);
   if (!assets) return tl::unexpected(assets.error());
+  if (spec->style == DesignStyle::Layers) return from_layers(*spec, *assets, sources.progress);
   auto made = judge::sound_design(*spec, *assets, sources.progress);
   if (!made) return tl::unexpected(made.error().error);
   const std::string& cut_from = sources.material.empty() ? spec->material : sources.material;
@@ -102,8 +121,10 @@ Result<DrawingInput> from_fold(const std::string& text, const SvgReadOptions& ho
     return only_drawing(
         linework_from_fold(*fold, FoldLimits{}.raised(factor), how.unit_mm, how.enlarged));
   }
-  return only_drawing(
-      linework_from_fold(text, FoldLimits{}.raised(factor), how.unit_mm, how.enlarged));
+  auto sheets = sheets_from_fold(text, FoldLimits{}.raised(factor), how.unit_mm, how.enlarged);
+  if (!sheets) return tl::unexpected(sheets.error());
+  if (sheets->size() == 1) return DrawingInput{std::move(sheets->front()), std::nullopt};
+  return side_by_side(*sheets);
 }
 
 Result<DrawingInput> from_pdf(const std::string& text, const SvgReadOptions& how) {
@@ -170,6 +191,30 @@ Result<DrawingInput> drawing_from_text(std::string text, InputKind kind, const S
       break;
   }
   return only_drawing(linework_from_svg(std::move(text), how));
+}
+
+DrawingInput side_by_side(std::span<const LineWork> sheets) {
+  constexpr double kApart_mm = 10.0;
+  DrawingInput out;
+  double end = 0.0;
+  std::vector<PagePoint> moved;
+  for (const LineWork& sheet : sheets) {
+    const Box box = bounds(sheet);
+    const bool is_first = out.parts.empty();
+    if (!is_first) out.seams_x.push_back(end + 0.5 * kApart_mm);
+    const double by = is_first ? -box.x0 : end + kApart_mm - box.x0;
+    for (const DrawnLine& line : sheet.lines) {
+      const auto points = sheet.points_of(line);
+      moved.assign(points.begin(), points.end());
+      for (PagePoint& p : moved) p.x += by;
+      out.drawing.append(line.operation, moved);
+    }
+    out.parts.push_back({sheet.name, {box.x0 + by, box.y0, box.x1 + by, box.y1}});
+    out.drawing.warnings.insert(out.drawing.warnings.end(), sheet.warnings.begin(),
+                                sheet.warnings.end());
+    end = box.x0 + by + box.width();
+  }
+  return out;
 }
 
 DrawingInput test_shape_input() { return {test_shape(), std::nullopt, {}, {}, PagePoint{5, 5}}; }

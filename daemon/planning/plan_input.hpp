@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,9 @@ struct DrawingInput {
   std::vector<DrawnPart> parts{};  ///< of a book: its cards
   std::size_t waste{};             ///< of a design: pieces that are taken out
 };
+
+/// Sheets that belong together in one row, in this order: each is a part, and a piece of its own.
+[[nodiscard]] DrawingInput side_by_side(std::span<const LineWork> sheets);
 
 enum class InputKind : std::uint8_t { Spec, Fold, Svg, Dxf, Pdf };
 

@@ -14,6 +14,7 @@
 #include "core/design/facets/label_card.hpp"
 #include "core/design/facets/strip_chain.hpp"
 #include "core/design/facets/strip_moves.hpp"
+#include "core/geometry/interval_medians.hpp"
 
 namespace popcut {
 namespace {
@@ -25,44 +26,6 @@ constexpr double kLeastPins = 0.5;     ///< a strut that saves less holds nothin
 constexpr int kEach = 2;               ///< of the strips and columns where struts are tried
 constexpr double kStrut_mm3 = 2000.0;  ///< what a strut costs beside the paper that it takes
 constexpr int kMostRounds = 200;
-
-/// The `count` values of a histogram, by steps, that lie nearest to all of it: the least sum of
-/// weights times distances (k-medians in one dimension, by dynamic programming over intervals).
-std::vector<int> medians(const std::map<int, double>& weight, int count) {
-  std::vector<int> value;
-  std::vector<double> sum{0.0}, moment{0.0};
-  for (const auto& [at, points] : weight) {
-    value.push_back(at);
-    sum.push_back(sum.back() + points), moment.push_back(moment.back() + points * at);
-  }
-  const std::size_t n = value.size();
-  const auto middle = [&](std::size_t a, std::size_t b) {
-    const double half = 0.5 * (sum[a] + sum[b]);
-    const auto above = std::lower_bound(sum.begin() + static_cast<std::ptrdiff_t>(a) + 1,
-                                        sum.begin() + static_cast<std::ptrdiff_t>(b), half);
-    return static_cast<std::size_t>(above - sum.begin()) - 1;
-  };
-  const auto cost = [&](std::size_t a, std::size_t b) {
-    const std::size_t m = middle(a, b);
-    return value[m] * (2.0 * sum[m] - sum[a] - sum[b]) + moment[a] + moment[b] - 2.0 * moment[m];
-  };
-  const std::size_t k = std::min(n, static_cast<std::size_t>(count));
-  std::vector<std::vector<double>> least(
-      k + 1, std::vector<double>(n + 1, std::numeric_limits<double>::infinity()));
-  std::vector<std::vector<std::size_t>> from(k + 1, std::vector<std::size_t>(n + 1, 0));
-  least[0][0] = 0.0;
-  for (std::size_t parts = 1; parts <= k; ++parts)
-    for (std::size_t b = parts; b <= n; ++b)
-      for (std::size_t a = parts - 1; a < b; ++a) {
-        if (!std::isfinite(least[parts - 1][a])) continue;
-        const double all = least[parts - 1][a] + cost(a, b);
-        if (all < least[parts][b]) least[parts][b] = all, from[parts][b] = a;
-      }
-  std::vector<int> out;
-  for (std::size_t parts = k, b = n; parts > 0; b = from[parts][b], --parts)
-    out.push_back(value[middle(from[parts][b], b)]);
-  return out;
-}
 
 /// The layer of each point of the sheet.
 class LayerLabels {
@@ -548,7 +511,7 @@ FacetPlanes silhouette_planes(const SeenTarget& target, const FacetGrid& grid, i
     }
   std::vector<int> levels;
   for (int at = 1; at <= std::min(high, most_z); ++at) levels.push_back(at);
-  return {medians(weight, layers), levels};
+  return {interval_medians(weight, layers), levels};
 }
 
 Silhouette make_silhouette(Labelling& labelling, const SeenTarget& target,

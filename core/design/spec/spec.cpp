@@ -28,6 +28,7 @@ class Design {
 
   bool complete() {
     set_min_panel();
+    if (spec_.style == DesignStyle::Layers) return check_layers();
     if (spec_.book && !set_book()) return false;
     if (is_of_facets(spec_.style)) return check_facet_surface() && set_facets();
     set_splay();
@@ -129,6 +130,27 @@ class Design {
     return wrong("surface", ErrorKind::Malformed,
                  fmt::format("contradicts {}, which all have a radius; leave one of them out",
                              fields_.pointer("regions")));
+  }
+
+  /// Layers stand on pages of their own, as the model's depth wants.
+  bool check_layers() {
+    for (const char* one :
+         {"book", "design_angle_deg", "card", "min_panel_mm", "translate_mm", "sheet"})
+      if (fields_.has(one))
+        return wrong(one, ErrorKind::Malformed,
+                     fmt::format("contradicts {}, which is \"layers\": they stand in the middle of "
+                                 "two pages that open flat; leave it out",
+                                 fields_.pointer("style")));
+    if (!spec_.surface)
+      return wrong("surface", ErrorKind::Malformed,
+                   "is missing; give a surface such as {\"type\": \"mesh\", \"file\": ...}");
+    spec_.fit = FitMode::Nearest;
+    spec_.facets.from_mm = spec_.given_from_mm.value_or(0.0);
+    if (solid_word(*spec_.surface) || spec_.facets.length_mm) return true;
+    return wrong("layers/length_mm", ErrorKind::Malformed,
+                 fmt::format("is missing; must be a number above 0 and at most {:g}, since a formula "
+                             "does not say where it ends",
+                             kMaxLength));
   }
 
   bool check_facet_surface() {
@@ -237,12 +259,12 @@ void check_regions(FieldReader& fields) {
                                        fields.pointer("regions")));
 }
 
-constexpr std::string_view kFacetStyles[] = {"facets", "silhouette"};
+constexpr std::string_view kOwnStyles[] = {"facets", "silhouette", "layers"};
 
-/// "facets" or "silhouette", where the style is one of them.
-std::string_view facet_style(FieldReader& fields) {
+/// "facets", "silhouette" or "layers", where the style is one of them: they have fields of their own.
+std::string_view own_style(FieldReader& fields) {
   const json* const style = fields.value("style");
-  for (const std::string_view name : kFacetStyles)
+  for (const std::string_view name : kOwnStyles)
     if (style != nullptr && style->is_string() && style->get_ref<const std::string&>() == name)
       return name;
   return "";
@@ -254,8 +276,8 @@ constexpr const char* kOfLattices[] = {
 
 /// What only one of the styles has.
 void check_style(FieldReader& fields) {
-  const std::string_view style = facet_style(fields);
-  for (const std::string_view other : kFacetStyles)
+  const std::string_view style = own_style(fields);
+  for (const std::string_view other : kOwnStyles)
     if (other != style && fields.has(std::string(other)))
       return fields.refuse(std::string(other), ErrorKind::Malformed,
                            fmt::format("is for another style; give \"style\": \"{}\" too, or "
@@ -294,7 +316,7 @@ bool read_design(FieldReader& fields, std::initializer_list<const FieldTable*> t
   check_regions(fields);
   check_style(fields);
   for (const FieldTable* table : tables) read_fields(*table, fields);
-  if (facet_style(fields).empty()) need_one_region(fields);
+  if (own_style(fields).empty()) need_one_region(fields);
   static_cast<void>(fields.finish());
   return fields.faults().size() == before && Design(fields, spec).complete() &&
          check_curvature(fields, "curvature", spec);
@@ -347,6 +369,11 @@ bool read_patch(FieldReader& fields, std::size_t k, const json& root, SpecFields
   const json patch = completed(given, root, tables.shared);
   FieldReader inner = fields.nested(patch, below);
   if (!read_design(inner, {&tables.name, &tables.shared, &tables.design}, spec)) return false;
+  if (spec.style == DesignStyle::Layers) {
+    fields.refuse(below + "/style", ErrorKind::OutOfRange,
+                  "is layers, which are a card of their own; design them by themselves");
+    return false;
+  }
   if (is_of_facets(spec.style)) {
     fields.refuse(below + "/style", ErrorKind::OutOfRange,
                   "is facets, which are a sheet of their own; design them by themselves");
@@ -403,25 +430,32 @@ void read_patches(FieldReader& fields, const json& root, SpecFields& whole) {
 // ---- the schema
 
 /// The forms of a spec, each with what it needs and what cannot stand beside it: a lattice of one
-/// region, one of several regions, patches, facets, a silhouette. A book goes with lattices or has
+/// region, one of several regions, patches, facets, a silhouette, layers. A book goes with lattices or has
 /// four cards.
 constexpr std::string_view kForms = R"({
   "one": {"required": ["surface", "units_per_slice", "slices", "widths_mm"],
           "properties": {"style": {"const": "lattice"}, "facets": false, "silhouette": false,
-                         "regions": false},
+                         "layers": false, "regions": false},
           "additionalProperties": true},
   "several": {"required": ["regions"],
               "properties": {"style": {"const": "lattice"}, "facets": false,
-                             "silhouette": false},
+                             "silhouette": false, "layers": false},
               "additionalProperties": true},
   "patches": {"required": ["patches"], "properties": {"book": false},
               "additionalProperties": true},
   "facets": {"required": ["style", "surface"],
-             "properties": {"style": {"const": "facets"}, "silhouette": false},
+             "properties": {"style": {"const": "facets"}, "silhouette": false,
+                            "layers": false},
              "additionalProperties": true},
   "silhouette": {"required": ["style", "surface"],
-                 "properties": {"style": {"const": "silhouette"}, "facets": false},
+                 "properties": {"style": {"const": "silhouette"}, "facets": false,
+                                "layers": false},
                  "additionalProperties": true},
+  "layers": {"required": ["style", "surface"],
+             "properties": {"style": {"const": "layers"}, "facets": false, "silhouette": false,
+                            "book": false, "design_angle_deg": false, "card": false,
+                            "min_panel_mm": false, "translate_mm": false, "sheet": false},
+             "additionalProperties": true},
   "books": [
     {"properties": {"book": false}, "additionalProperties": true},
     {"properties": {
@@ -478,22 +512,23 @@ std::string design_spec_schema() {
   const SpecTables tables = spec_tables(usual);
   json forms = *parse_json(kForms);
   json &one = forms["one"], &several = forms["several"], &patches = forms["patches"],
-       &facets = forms["facets"], &silhouette = forms["silhouette"], &patch = forms["patch"],
+       &facets = forms["facets"], &silhouette = forms["silhouette"], &layers = forms["layers"], &patch = forms["patch"],
        &schema = forms["spec"];
   forbid(several, kOneRegion);
-  for (json* form : {&facets, &silhouette}) forbid(*form, kOfLattices);
+  for (json* form : {&facets, &silhouette, &layers}) forbid(*form, kOfLattices);
   patch["oneOf"] = {one, several};
   for (const FieldTable* table : {&tables.name, &tables.shared, &tables.design})
     for (const Field& row : table->rows)
       patch["properties"][std::string(row.name)]["$ref"] = fmt::format("#/properties/{}", row.name);
-  for (json* form : {&one, &several, &facets, &silhouette}) forbid(*form, tables.patches);
+  for (json* form : {&one, &several, &facets, &silhouette, &layers})
+    forbid(*form, tables.patches);
   forbid(patches, tables.design);
   for (const FieldTable* table :
        {&tables.whole, &tables.name, &tables.shared, &tables.design, &tables.patches})
     describe_fields(*table, schema);
   schema["required"] = {"popcut"};
   schema["properties"]["patches"]["items"] = patch;
-  schema["oneOf"] = {one, several, patches, facets, silhouette};
+  schema["oneOf"] = {one, several, patches, facets, silhouette, layers};
   schema["anyOf"] = forms["books"];
   return json_file(schema);
 }

@@ -61,10 +61,11 @@ struct AugmentedSpec {
 enum class DesignStyle {
   Lattice,    ///< slices of falling staircases, paired level by level
   Facets,     ///< origamic architecture: each point of the sheet lies in a plane of its own choice
-  Silhouette  ///< facets in a few upright planes with the target's outline, on struts
+  Silhouette,  ///< facets in a few upright planes with the target's outline, on struts
+  Layers       ///< several parts: upright layers on a card that opens flat
 };
 [[nodiscard]] constexpr bool is_of_facets(DesignStyle style) {
-  return style != DesignStyle::Lattice;
+  return style == DesignStyle::Facets || style == DesignStyle::Silhouette;
 }
 
 /// How facets follow the curved parts of a target.
@@ -104,6 +105,14 @@ struct FacetSpec {
   bool rough{false};
 };
 
+/// How a target is made of layers (`"layers"` of a spec, docs/parts.md).
+struct LayersSpec {
+  int layers{5};
+  double opens_deg{180.0};
+  std::optional<double> page_mm{};   ///< from the spine outward; none: as the layers need
+  std::optional<double> spine_mm{};  ///< length of the spine; none: as the layers need
+};
+
 /// `Auto`: the one of the others that comes nearest to the target.
 enum class LatticeMethod { Branching, Slices, Conformal, Levels, Direct, Auto };
 inline constexpr std::array kLatticeNames{"branching", "slices", "conformal",
@@ -141,7 +150,7 @@ enum class PatchJoin {
   Seam    ///< patterns of their own that are glued
 };
 
-inline constexpr int kMostLayers = 9;
+inline constexpr int kMostLayers = 9, kLeastCardLayers = 3;
 inline constexpr int kLeastCards = 3, kMostCards = 12;
 
 /// A book (`"book"` of a spec): cards around one spine, glued back to back, that show the target
@@ -163,6 +172,7 @@ struct DesignSpec {
   FitMode fit{FitMode::Exact};
   DesignStyle style{DesignStyle::Lattice};
   FacetSpec facets;                 ///< of facets and silhouettes only
+  LayersSpec layers;                ///< of layers only
   std::vector<RegionSpec> regions;  ///< one where the spec has none: the whole; none of facets
   /// R1, R2 and R3 of a composite surface; `regions` have its formulas.
   std::optional<std::array<double, 3>> composite_radii;

@@ -520,6 +520,23 @@ FieldTable silhouette_table(FacetSpec& facets, std::optional<double>& given_from
   }};
 }
 
+FieldTable layers_table(LayersSpec& layers, FacetSpec& facets,
+                        std::optional<double>& given_from_mm) {
+  return {{
+      {"layers", whole(&layers.layers, kLeastCardLayers, kMostLayers),
+       "how many at most; a shape that is not deep enough has fewer"},
+      {"opens_deg", number(&layers.opens_deg, from(180.0, 180.0)),
+       "angle between the pages when the card is open"},
+      {"page_mm", length_mm(&layers.page_mm),
+       "width of each page, from the spine; if left out as the layers need"},
+      {"spine_mm", length_mm(&layers.spine_mm),
+       "length of the spine; if left out as the layers need"},
+      {"from_mm", number(&given_from_mm, from(-kMaxLength, kMaxLength), "mm"),
+       "where a shape given by a formula begins along y; if left out at 0"},
+      {"length_mm", length_mm(&facets.length_mm), "its length along y"},
+  }};
+}
+
 // ---- what is shared, and the patches
 
 FieldTable card_table(CardSpec& card) {
@@ -630,18 +647,21 @@ FieldTable design_table(SpecFields& spec) {
   TargetPlacement& placement = spec.placement;
   const auto facets = [&spec] { return facet_table(spec.facets, spec.given_from_mm); };
   const auto silhouette = [&spec] { return silhouette_table(spec.facets, spec.given_from_mm); };
+  const auto layers = [&spec] { return layers_table(spec.layers, spec.facets, spec.given_from_mm); };
   const auto splay = [&spec] { return splay_table(spec.splay.emplace(), spec.given_ligament_mm); };
   const auto curvature = [&spec] {
     return curvature_table(spec.curvature.emplace(), spec.weights);
   };
   return {{
-      {"style", word(&spec.style, {"lattice", "facets", "silhouette"}),
+      {"style", word(&spec.style, {"lattice", "facets", "silhouette", "layers"}),
        "what it is made of: lattice, slices of falling staircases; facets, origamic architecture: "
        "patches parallel to wall and ground, with cuts along contours; silhouette: a few upright "
-       "layers with the outline of the shape, and few folds"},
+       "layers with the outline of the shape, and few folds; layers: upright layers of several parts "
+       "on a card that opens flat, to glue"},
       {"facets", object(facets),
        "in place of units_per_slice, slices, widths_mm and regions, beside \"style\": \"facets\""},
       {"silhouette", object(silhouette), "the same, beside \"style\": \"silhouette\""},
+      {"layers", object(layers), "the same, beside \"style\": \"layers\""},
       {"surface", surface(spec), "the target"},
       {"scale_mm", length_mm(&placement.scale_mm), "length of one unit of the surface"},
       {"rotate_deg",

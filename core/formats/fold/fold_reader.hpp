@@ -64,4 +64,11 @@ struct FoldFile {
                                                   std::optional<double> unit_mm = {},
                                                   double enlarged = 1);
 
+/// The same of all sheets of a file: of a card of several parts (`lists_joints`) each frame with
+/// vertices, with its title as name; of any other file the one of `linework_from_fold`.
+[[nodiscard]] Result<std::vector<LineWork>> sheets_from_fold(std::string_view text,
+                                                             const FoldLimits& limits = {},
+                                                             std::optional<double> unit_mm = {},
+                                                             double enlarged = 1);
+
 }  // namespace popcut

@@ -257,39 +257,20 @@ bool seen_from_back(const FoldFrame& frame) {
   return area < 0.0;
 }
 
-}  // namespace
-
-const FoldFrame* flat_frame(const FoldFile& file) {
-  for (const bool folded : {false, true})
-    for (const FoldFrame& frame : file.frames)
-      if (frame.folded_form == folded && flat(frame)) return &frame;
-  return nullptr;
-}
-
-Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& limits,
-                                    std::optional<double> unit_mm, double enlarged) {
-  const auto file = read_fold(text, limits);
-  if (!file) return tl::unexpected(file.error());
-  std::optional<FoldFrame> frame = flat_anywhere(*file);
-  if (!frame)
-    return fail(
-        ErrorKind::Malformed, "/vertices_coords",
-        file->frames.size() == 1 && file->frames[0].edges.empty()
-            ? "has vertices, but the file has neither edges_vertices nor faces_vertices; add "
-              "the creases"
-            : "lie in no plane: this is a folded model; give its flat crease pattern, which "
-              "most programs export beside it");
-  fill_from_faces(*frame);
-  const double mm = unit_mm.value_or(fold_unit_mm(frame->unit));
+/// The lines of a flat frame; `place` is the JSON pointer of its frame.
+Result<LineWork> linework_of(FoldFrame frame, const std::string& place,
+                             std::optional<double> unit_mm, double enlarged) {
+  fill_from_faces(frame);
+  const double mm = unit_mm.value_or(fold_unit_mm(frame.unit));
   if (mm == 0.0)
     return fail(
-        ErrorKind::Malformed, "/frame_unit",
-        fmt::format("is {}; use mm, cm, m, in, pt, um, nm or unit", frame->unit.substr(0, 20)));
+        ErrorKind::Malformed, place + "/frame_unit",
+        fmt::format("is {}; use mm, cm, m, in, pt, um, nm or unit", frame.unit.substr(0, 20)));
   LineWork work;
-  work.name = frame->title;
-  if (!unit_mm && (frame->unit.empty() || frame->unit == "unit")) {
+  work.name = frame.title;
+  if (!unit_mm && (frame.unit.empty() || frame.unit == "unit")) {
     Box box;
-    for (const auto& v : frame->vertices) box.add({v[1], v[0]});
+    for (const auto& v : frame.vertices) box.add({v[1], v[0]});
     work.warnings.push_back(
         {.code = "no_unit",
          .message =
@@ -299,27 +280,27 @@ Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& lim
                          box.width(), box.height()),
          .spoils = true});
   }
-  if (seen_from_back(*frame))
+  if (seen_from_back(frame))
     work.warnings.push_back(
         {.code = "seen_from_back",
          .message = "faces run clockwise: the drawing shows the back of the sheet, where mountains "
                     "look like valleys"});
   std::vector<Segment> borders;
   UncutEdges uncut;
-  for (std::size_t e = 0; e < frame->edges.size(); ++e) {
+  for (std::size_t e = 0; e < frame.edges.size(); ++e) {
     const auto point = [&](std::uint32_t v) {
-      return PagePoint{mm * enlarged * frame->vertices[v][1],
-                       mm * enlarged * frame->vertices[v][0]};
+      return PagePoint{mm * enlarged * frame.vertices[v][1],
+                       mm * enlarged * frame.vertices[v][0]};
     };
-    const Segment s{point(frame->edges[e][0]), point(frame->edges[e][1])};
+    const Segment s{point(frame.edges[e][0]), point(frame.edges[e][1])};
     const double most = kMaxCoordinate * std::max(enlarged, 1.0);
     for (const PagePoint& p : {s.a, s.b})
       if (std::abs(p.x) > most || std::abs(p.y) > most)
-        return fail(ErrorKind::OutOfRange, fmt::format("/edges_vertices/{}", e),
+        return fail(ErrorKind::OutOfRange, fmt::format("{}/edges_vertices/{}", place, e),
                     "an end lies more than 100 m from the origin");
-    const double angle = frame->fold_angles_deg[e];
+    const double angle = frame.fold_angles_deg[e];
     const std::array ends{s.a, s.b};
-    switch (frame->assignments[e]) {
+    switch (frame.assignments[e]) {
       case 'M':
         work.append(Operation::FoldMountain, ends);
         break;
@@ -345,7 +326,7 @@ Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& lim
     }
   }
   if (!add_borders(std::move(borders), work))
-    return fail(ErrorKind::OutOfRange, "/edges_vertices",
+    return fail(ErrorKind::OutOfRange, place + "/edges_vertices",
                 "too many border edges lie on or beside each other; draw each side of a cut once");
   for (PagePoint& p : work.points) p = {p.x / enlarged, p.y / enlarged};
   uncut.add_warnings(work.warnings);
@@ -356,6 +337,59 @@ Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& lim
                              .message = "no edge is a border (B) or a cut (C): the sheet is folded "
                                         "but not cut out"});
   return work;
+}
+
+}  // namespace
+
+const FoldFrame* flat_frame(const FoldFile& file) {
+  for (const bool folded : {false, true})
+    for (const FoldFrame& frame : file.frames)
+      if (frame.folded_form == folded && flat(frame)) return &frame;
+  return nullptr;
+}
+
+Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& limits,
+                                    std::optional<double> unit_mm, double enlarged) {
+  const auto file = read_fold(text, limits);
+  if (!file) return tl::unexpected(file.error());
+  std::optional<FoldFrame> frame = flat_anywhere(*file);
+  if (!frame)
+    return fail(
+        ErrorKind::Malformed, "/vertices_coords",
+        file->frames.size() == 1 && file->frames[0].edges.empty()
+            ? "has vertices, but the file has neither edges_vertices nor faces_vertices; add "
+              "the creases"
+            : "lie in no plane: this is a folded model; give its flat crease pattern, which "
+              "most programs export beside it");
+  return linework_of(std::move(*frame), "", unit_mm, enlarged);
+}
+
+Result<std::vector<LineWork>> sheets_from_fold(std::string_view text, const FoldLimits& limits,
+                                               std::optional<double> unit_mm, double enlarged) {
+  std::vector<LineWork> out;
+  const auto add = [&](Result<LineWork> one) -> Result<void> {
+    if (!one) return tl::unexpected(one.error());
+    out.push_back(std::move(*one));
+    return {};
+  };
+  if (!lists_joints(text)) {
+    if (auto done = add(linework_from_fold(text, limits, unit_mm, enlarged)); !done)
+      return tl::unexpected(done.error());
+    return out;
+  }
+  auto file = read_fold(text, limits);
+  if (!file) return tl::unexpected(file.error());
+  for (std::size_t k = 0; k < file->frames.size(); ++k) {
+    FoldFrame& frame = file->frames[k];
+    if (frame.vertices.empty()) continue;
+    const std::string place = k == 0 ? "" : fmt::format("/file_frames/{}", k - 1);
+    if (!flat(frame))
+      return fail(ErrorKind::Malformed, place + "/vertices_coords",
+                  "are not flat; give the part as it is cut");
+    if (auto done = add(linework_of(std::move(frame), place, unit_mm, enlarged)); !done)
+      return tl::unexpected(done.error());
+  }
+  return out;
 }
 
 }  // namespace popcut

@@ -302,7 +302,56 @@ Result<void> choose_flat(const Frames& frames, std::vector<Pose> poses, FoldMode
   return {};
 }
 
+Result<FoldModel> read_sheet(const FrameText& frame) {
+  const auto needs = [&](const FoldColumn& column, const char* member, const char* what) {
+    return column.present && !column.number.empty()
+               ? Result<void>()
+               : fail(ErrorKind::Malformed, frame.place + "/" + member,
+                      fmt::format("is missing; a part needs {}", what));
+  };
+  if (auto had = needs(frame.edges_vertices, "edges_vertices", "edges"); !had)
+    return tl::unexpected(had.error());
+  if (auto had = needs(frame.edges_assignment, "edges_assignment", "folds and borders"); !had)
+    return tl::unexpected(had.error());
+  if (auto had = needs(frame.edges_fold_angle, "edges_foldAngle", "the angles of an opened pose");
+      !had)
+    return tl::unexpected(had.error());
+  if (auto had = needs(frame.faces_vertices, "faces_vertices", "faces"); !had)
+    return tl::unexpected(had.error());
+  const auto scale = millimetres(frame);
+  if (!scale) return tl::unexpected(scale.error());
+  const auto points = coordinates(frame, *scale);
+  if (!points) return tl::unexpected(points.error());
+  if (!is_flat(*points))
+    return fail(ErrorKind::OutOfRange, frame.place + "/vertices_coords",
+                "are not flat; give the part as it is cut");
+  FoldModel file;
+  for (const Vec3& p : *points) file.flat.push_back({p.x(), p.y()});
+  if (auto read = read_edges(frame, file); !read) return tl::unexpected(read.error());
+  if (auto read = read_assignments(frame, file); !read) return tl::unexpected(read.error());
+  auto angles = fold_angles(frame, file.edges.size());
+  if (!angles) return tl::unexpected(angles.error());
+  file.fold_angle_deg = std::move(*angles);
+  if (auto read = read_faces(frame, file); !read) return tl::unexpected(read.error());
+  return file;
+}
+
 }  // namespace
+
+Result<std::vector<FoldPart>> read_fold_parts(std::string_view text) {
+  const auto frames = read_fold_text(text);
+  if (!frames) return tl::unexpected(frames.error());
+  std::vector<FoldPart> parts;
+  for (const FrameText& frame : *frames) {
+    if (!frame.vertices_coords.present) continue;
+    auto sheet = read_sheet(frame);
+    if (!sheet) return tl::unexpected(sheet.error());
+    parts.push_back({frame.title, frame.place, std::move(*sheet)});
+  }
+  if (parts.empty())
+    return fail(ErrorKind::Malformed, "/file_frames", "no frame has vertices; each part is one");
+  return parts;
+}
 
 Result<FoldModel> read_fold_model(std::string_view text) {
   auto frame_texts = read_fold_text(text);

@@ -71,4 +71,18 @@ inline constexpr double kMaxCoordinate_mm = 1e7;
 /// @retval OutOfRange  an index or number that is not valid, or no frame is a flat sheet
 [[nodiscard]] Result<FoldModel> read_fold_model(std::string_view text);
 
+/// A sheet of a file that holds several.
+struct FoldPart {
+  std::string name;   ///< frame_title
+  std::string place;  ///< JSON pointer of its frame
+  FoldModel sheet;    ///< without poses
+};
+
+/// Reads a FOLD file in which each frame with vertices is a flat sheet of its own, with faces and
+/// fold angles. Checks as `read_fold_model`; what a frame inherits is not looked at.
+///
+/// @retval Malformed   as `read_fold_model`; no such frame; no faces or no fold angles
+/// @retval OutOfRange  as `read_fold_model`; a frame that is not flat
+[[nodiscard]] Result<std::vector<FoldPart>> read_fold_parts(std::string_view text);
+
 }  // namespace popcut::verify

@@ -25,7 +25,9 @@
 #include "core/formats/write/profile_svg.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "core/formats/write/segments_csv.hpp"
+#include "core/design/layers/layered_report.hpp"
 #include "core/judge/sound_design.hpp"
+#include "core/judge/sound_layers.hpp"
 #include "core/machines/machine.hpp"
 #include "core/picture/deployed_svg.hpp"
 #include "core/picture/sheet_picture.hpp"
@@ -38,6 +40,7 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/book_files.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
+#include "daemon/cli/commands/layer_files.hpp"
 #include "daemon/cli/input/drawn_pattern.hpp"
 #include "daemon/cli/input/model_file.hpp"
 #include "daemon/cli/input/spec_assets.hpp"
@@ -314,7 +317,9 @@ Result<void> list_examples(const Globals& globals) {
     for (const RegionSpec& region : spec->regions)
       sizes.push_back(fmt::format("{} x {}", region.slices, region.units_per_slice));
     std::string what =
-        is_of_facets(spec->style)
+        spec->style == DesignStyle::Layers
+            ? fmt::format("layers, {} on a card that opens flat, {}", spec->layers.layers, target)
+        : is_of_facets(spec->style)
             ? fmt::format("facets, strips of {:g} mm, {}", spec->facets.strip_mm, target)
             : fmt::format("{}, {} units", target, fmt::join(sizes, " + "));
     if (spec->book) what += fmt::format(", a book of {} cards", spec->book->cards);
@@ -442,6 +447,29 @@ Result<void> keep_spec(const Options& options, const GivenDesign& given) {
   return folder->commit("popcut auto " POPCUT_VERSION);
 }
 
+/// A card of layers: several parts, in files of its own.
+Result<void> layers_into(const Options& options, const Globals& globals, const DesignSpec& spec,
+                         const SurfaceAssets& assets, const Material& material,
+                         const std::function<bool(std::string_view)>& wants, OutputFolder& folder,
+                         std::optional<LongWork>& work) {
+  const auto begun = std::chrono::steady_clock::now();
+  const auto made =
+      judge::sound_layers(spec, assets, "popcut " POPCUT_VERSION, work->progress());
+  if (!made) return tl::unexpected(within(options.spec, made.error()));
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  work->now("drawing the pictures");
+  const auto files = add_layer_files(*made, material, seconds, wants, folder);
+  if (!files) return tl::unexpected(files.error());
+  if (auto done = folder.commit("popcut design " POPCUT_VERSION); !done) return done;
+  work.reset();
+  if (globals.json) fmt::print("{}", layered_report_json(made->made, seconds));
+  if (globals.quiet) return {};
+  say_layers(*made);
+  fmt::print(stderr, "  wrote   {} in {} ({:.2f} s)\n", *files, options.folder, seconds);
+  return {};
+}
+
 Result<void> design_into(const Options& options, const Globals& globals) {
   const auto formats = parse_formats(options.formats);
   if (!formats) return tl::unexpected(formats.error());
@@ -470,6 +498,12 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   if (!assets) return tl::unexpected(within(options.spec, assets.error()));
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
+  const auto wants = [&](std::string_view name) {
+    return std::any_of(formats->begin(), formats->end(),
+                       [&](const Format& format) { return format.name == name; });
+  };
+  if (spec->style == DesignStyle::Layers)
+    return layers_into(options, globals, *spec, *assets, *material, wants, *folder, work);
   auto made = timed_design(*spec, *assets, *hands, work->progress());
   if (!made) {
     judge::DesignFault& fault = made.error();
@@ -514,10 +548,6 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   folder->enter("");
   if (made->book) {
     work->now("drawing the book");
-    const auto wants = [&](std::string_view name) {
-      return std::any_of(formats->begin(), formats->end(),
-                         [&](const Format& format) { return format.name == name; });
-    };
     const BookFiles files{wants("glb"), has_pictures, *thickness};
     if (auto done = add_book_files(*made, files, *folder); !done) return done;
   } else if (!is_one) {

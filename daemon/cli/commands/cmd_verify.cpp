@@ -8,7 +8,9 @@
 
 #include <fmt/format.h>
 
+#include "core/text/fold_text.hpp"
 #include "core/verify/book.hpp"
+#include "core/verify/parts/parts.hpp"
 #include "core/verify/verify.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/input/book_input.hpp"
@@ -83,6 +85,31 @@ Result<void> verify_cards(const Options& options, const Globals& globals) {
                   report->failed()));
 }
 
+/// A card of several parts.
+Result<void> verify_joined(const Options& options, const std::string& text,
+                           std::optional<LongWork>& work, const Globals& globals) {
+  if (!options.target.empty())
+    return fail(ErrorKind::Usage, "--target",
+                "is for a pattern of one sheet, not for a card of "
+                "several parts; leave it out");
+  PartsVerifyOptions verify;
+  verify.degrees_of_freedom = options.degrees_of_freedom.value_or(1);
+  verify.progress = work->progress();
+  const auto report = verify_parts(text, verify);
+  work.reset();
+  if (!report) return tl::unexpected<Error>(within(options.pattern, report.error()));
+  if (globals.json) {
+    fmt::print("{}", verify_json(*report));
+  } else if (!globals.quiet) {
+    fmt::print("{}", verify_text(*report));
+  }
+  if (report->ok()) return {};
+  return fail(
+      ErrorKind::CheckFailed, options.pattern,
+      fmt::format("the card fails {} checks; the report on standard output lists the places",
+                  report->failed()));
+}
+
 Result<void> run_verify(const Options& options, const Globals& globals) {
   if (names_book(options.pattern)) return verify_cards(options, globals);
   if (auto valid = check_no_model(options.pattern, "verify"); !valid) return valid;
@@ -90,6 +117,7 @@ Result<void> run_verify(const Options& options, const Globals& globals) {
   std::optional<LongWork> work(std::in_place, !globals.quiet, "reading the pattern");
   auto text = read_file(options.pattern, kPatternLimitBytes);
   if (!text) return tl::unexpected<Error>(text.error());
+  if (lists_joints(*text)) return verify_joined(options, *text, work, globals);
   VerifyOptions verify{
       options.degrees_of_freedom, std::nullopt, is_drawing(*text, options.pattern), {}};
   std::vector<std::string> warnings;
@@ -142,6 +170,12 @@ constexpr const char* kHelp =
     "For a book, give its folder: then each card must have one movement, the glued pages must be\n"
     "the same, no two cards may cross at any opening, and the shut book must lie inside its "
     "pages.\n"
+    "A card of several parts is one FOLD file that lists its joints: then the parts must be sound, "
+    "all\n"
+    "tabs must lie on paper, and the glued card must move from shut to open and lie inside its "
+    "pages "
+    "when\n"
+    "it is shut.\n\n"
     "Exit code 0 if all checks pass, 3 if the file cannot be read, 6 if a check fails.";
 
 }  // namespace

@@ -61,29 +61,18 @@ Result<unsigned> raised_limits() {
 
 /// The cards of a book side by side, each a piece of its own.
 Result<DrawingInput> drawing_of_book(const std::string& file, const SvgReadOptions& how) {
-  constexpr double kApart_mm = 10.0;
   const auto book = read_book(file);
   if (!book) return tl::unexpected(book.error());
-  DrawingInput out;
-  out.drawing.name = book->name.empty() ? std::filesystem::path(file).stem().string() : book->name;
-  double end = 0.0;
-  std::vector<PagePoint> moved;
+  std::vector<LineWork> cards;
   for (std::size_t i = 0; i < book->cards.size(); ++i) {
-    const auto card = read_drawing(book->cards[i].file, how);
+    auto card = read_drawing(book->cards[i].file, how);
     if (!card) return tl::unexpected(card.error());
-    const Box box = bounds(card->drawing);
-    if (i > 0) out.seams_x.push_back(end + 0.5 * kApart_mm);
-    const double by = i == 0 ? -box.x0 : end + kApart_mm - box.x0;
-    for (const DrawnLine& line : card->drawing.lines) {
-      const auto points = card->drawing.points_of(line);
-      moved.assign(points.begin(), points.end());
-      for (PagePoint& p : moved) p.x += by;
-      out.drawing.append(line.operation, moved);
-    }
-    out.parts.push_back(
-        {fmt::format("card {}", i + 1), {box.x0 + by, box.y0, box.x1 + by, box.y1}});
-    end = box.x0 + by + box.width();
+    card->drawing.name = fmt::format("card {}", i + 1);
+    card->drawing.warnings.clear();
+    cards.push_back(std::move(card->drawing));
   }
+  DrawingInput out = planning::side_by_side(cards);
+  out.drawing.name = book->name.empty() ? std::filesystem::path(file).stem().string() : book->name;
   return out;
 }
 

@@ -22,4 +22,19 @@ struct BookScene {
 /// @retval Internal  the libraries cannot draw it
 [[nodiscard]] Result<std::string> book_picture(const BookScene& scene, const std::string& title);
 
+/// A card that opens flat, as it is seen by a person at a table: x points to that person, the second
+/// coordinate is the height, mm.
+struct OpenedCard {
+  std::string words;             ///< "open", "half open"
+  std::vector<float> triangles;  ///< pages and all that stands on them
+};
+
+/// A picture (SVG) of a card at some openings, and of the model, from in front, from both sides and
+/// from above.
+///
+/// @retval Internal  the libraries cannot draw it
+[[nodiscard]] Result<std::string> opened_picture(const std::vector<OpenedCard>& openings,
+                                                 const std::vector<float>& model,
+                                                 const std::string& title);
+
 }  // namespace popcut::cli

@@ -155,16 +155,65 @@ TEST_CASE("README's design and every example can be made as they are, in paper o
     const std::string name = line.substr(0, line.find(' '));
     specs.emplace_back(name, json::parse(text_of_file(kExamples + name + ".json")));
   }
-  REQUIRE(specs.size() == 18);
+  REQUIRE(specs.size() == 19);
   int heavier = 0;
   for (auto& [name, spec] : specs) {
     bench.write(name + ".json", spec);
+    if (spec.value("style", "") == "layers") continue;  // of several parts, see below
     check_makeable(bench, name + ".json", name);
     if (!spec.contains("material") || ++heavier % step_of(1, 3) != 0) continue;
     spec["material"] = "paper-220";
     bench.write(name + "-220.json", spec);
     check_makeable(bench, name + "-220.json", name + "-220");
   }
+}
+
+TEST_CASE("layers are designed, verified and planned as a card of several pieces",
+          "[cli][e2e][design]") {
+  const Bench bench;
+  json spec = json::parse(text_of_file(kExamples + "wood.json"));
+  bench.write("wood.json", spec);
+  const Ran made = bench.design({"wood.json", "-o", "wood"});
+  CAPTURE(made.err);
+  REQUIRE(made.exit == 0);
+  const json report = bench.read_json("wood/report.json");
+  CHECK(report["layers"].size() == 5);
+  CHECK(report["pieces"] == 6);
+  CHECK(report["tabs"] == 10);
+  for (const char* file : {"pattern.svg", "cut.svg", "pattern.dxf", "pattern.png", "deployed.png"})
+    CHECK(fs::exists(bench.temp / "wood" / file));
+  const Ran verified = bench.popcut({"verify", "wood/pattern.fold", "--json"});
+  CHECK(verified.exit == 0);
+  const json sound = json::parse(verified.out);
+  CHECK(sound["degrees_of_freedom"] == 1);
+  CHECK(sound["opening_deg"][1] == Approx(179.0));
+  CHECK(sound["wobble_mm"] < 1.0);
+  CHECK(bench.popcut({"verify", "wood/pattern.fold", "--dof", "2"}).exit == 6);
+
+  // The spec and the file of its card are planned alike: each part is a piece of its own.
+  for (const char* input : {"wood.json", "wood/pattern.fold"}) {
+    const Ran planned = bench.popcut({"plan", input, "-o", "sheets", "--machine", "cameo3"});
+    CAPTURE(input, planned.err);
+    REQUIRE(planned.exit == 0);
+    CHECK(planned.err.find("layer-3") != std::string::npos);
+    const json plan = bench.read_json("sheets/plan.json");
+    for (const json& sheet : plan["sheets"]) CHECK(sheet["tabs"].empty());
+  }
+
+  spec["layers"]["page_mm"] = 40;
+  bench.write("small.json", spec);
+  const Ran small = bench.design({"small.json", "-o", "small"});
+  CHECK(small.exit == 4);
+  CHECK(small.err.find("/layers/page_mm: is 40; the layers need pages of at least") !=
+        std::string::npos);
+  spec["layers"] = {{"layers", 2}};
+  bench.write("few.json", spec);
+  CHECK(bench.design({"few.json", "-o", "few"}).err.find("/layers/layers") != std::string::npos);
+  spec["layers"] = json::object();
+  spec["translate_mm"] = {1, 0, 0};
+  bench.write("moved.json", spec);
+  CHECK(bench.design({"moved.json", "-o", "moved"}).err.find("/translate_mm: contradicts") !=
+        std::string::npos);
 }
 
 TEST_CASE("panels are long enough to fold flat in the spec's material unless it says otherwise",

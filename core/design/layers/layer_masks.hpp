@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/fit/triangle_soup.hpp"
+
+namespace popcut {
+
+/// A picture of square cells that is seen from the front: columns from left to right, half of them
+/// on each side of the middle, rows from the page upward.
+struct LayerGrid {
+  double cell_mm{};
+  std::size_t columns{}, rows{};  ///< columns are even
+
+  [[nodiscard]] std::size_t cells() const { return columns * rows; }
+  [[nodiscard]] std::size_t at(std::size_t column, std::size_t row) const {
+    return row * columns + column;
+  }
+};
+
+/// Which cells of a grid are paper: 1, or 0.
+using LayerMask = std::vector<std::uint8_t>;
+
+/// What a target has behind each cell: the depths at which its surface is crossed, from the front
+/// on, mm behind its foremost point.
+struct DepthStacks {
+  LayerGrid grid;
+  std::vector<std::vector<float>> crossings;  ///< one a cell, ascending
+
+  /// Whether there is something of the target at a depth.
+  [[nodiscard]] bool is_inside(std::size_t cell, double depth_mm) const;
+};
+
+/// Looks through a target, whose x axis points to the front, y to the right and z up, from z = 0
+/// on.
+[[nodiscard]] DepthStacks depth_stacks(const TriangleSoup& target, double cell_mm);
+
+/// The depths of at most `count` layers that lie nearest to what is seen of a target from in front
+/// and above (k-medians), each at least `apart_mm` behind the last. Ascending.
+[[nodiscard]] std::vector<double> layer_depths(const TriangleSoup& target, int count,
+                                               double apart_mm);
+
+/// The target's section at each depth; what no section shows of the whole outline goes to the layer
+/// that is nearest to it.
+[[nodiscard]] std::vector<LayerMask> layer_masks(const DepthStacks& stacks,
+                                                 const std::vector<double>& depths_mm);
+
+/// How a layer becomes one piece of paper that stands on the page.
+struct LayerPaper {
+  double band_mm{6.0};     ///< height of the strip at its foot that holds all of it
+  double least_foot_mm{18.0};  ///< of that strip, on each side of the middle
+  double ridge_mm{16.0};   ///< least height of the fold in the middle
+  double bridge_mm{5.0};   ///< width of paper that joins parts
+  double least_mm2{20.0};  ///< smaller parts are left out
+};
+
+/// What was done to a layer.
+struct LayerChanges {
+  std::size_t dropped{};   ///< parts that were too small
+  std::size_t bridges{};   ///< strips of paper that join parts
+  double shown_mm2{};      ///< of strips, where no layer in front hides them
+  std::size_t filled{};    ///< holes
+};
+
+/// Makes each half of a layer one piece without holes, which stands on the page and meets the other
+/// half in the middle. Parts are joined where `hidden` (layers in front) hides the paper, if there is
+/// a way; else by the shortest.
+[[nodiscard]] LayerChanges make_one_piece(const LayerGrid& grid, const LayerMask& hidden,
+                                          const LayerPaper& paper, LayerMask& mask);
+
+}  // namespace popcut

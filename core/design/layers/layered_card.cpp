@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: MIT
+#include "core/design/layers/layered_card.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/design/facet_design.hpp"
+#include "core/design/layers/layer_outline.hpp"
+#include "core/design/target/surface.hpp"
+#include "core/geometry/angle.hpp"
+#include "core/geometry/triangulate.hpp"
+#include "core/parts/elements.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr double kCrease_rad = radians(75.0);  ///< of all V-folds; flatter ones wobble more
+constexpr double kMargin_mm = 8.0;             ///< beside what is shut or open
+constexpr double kTab_mm = 7.0;
+constexpr double kApart_mm = kTab_mm + 1.5;  ///< between creases, so that no tab lies on another
+constexpr double kLeastSize_mm = 15.0;
+constexpr double kMostCells = 6e5, kFinest_mm = 0.5;
+constexpr double kHalfOpen_rad = 1.9;
+
+/// The surface in millimetres, its middle at y = 0, its foot at z = 0, its front at x = 0.
+Result<TriangleSoup> standing_target(const DesignSpec& spec, const SurfaceAssets& assets) {
+  TriangleSoup soup;
+  if (solid_word(*spec.surface)) {
+    TargetPlacement placement = spec.placement;
+    placement.translate_mm = {1e4, 0.0, 1e4};  // away from wall and ground, which take triangles
+    const auto surface = Surface::make(*spec.surface, placement, FitMode::Nearest, assets);
+    if (!surface) return tl::unexpected(surface.error());
+    soup = surface->triangles({});
+  } else {
+    auto target = facet_target(spec, assets);
+    if (!target) return tl::unexpected(target.error());
+    soup = std::move(target->soup);
+  }
+  if (soup.size() == 0) return fail(ErrorKind::Infeasible, "/surface", "has no surface");
+  Vec3 low = soup.corner(0, 0), high = low;
+  for (std::size_t t = 0; t < soup.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      low = low.cwiseMin(soup.corner(t, k)), high = high.cwiseMax(soup.corner(t, k));
+  const Vec3 origin{high.x(), 0.5 * (low.y() + high.y()), low.z()};
+  for (std::size_t k = 0; k < soup.corners.size(); ++k)
+    soup.corners[k] -= origin[static_cast<Eigen::Index>(k % 3)];
+  if (high.y() - low.y() < kLeastSize_mm || high.z() - low.z() < kLeastSize_mm)
+    return fail(ErrorKind::Infeasible, "/scale_mm",
+                fmt::format("makes the shape {:.3g} mm wide and {:.3g} mm high; layers need at least "
+                            "{:g} mm: give a larger one",
+                            high.y() - low.y(), high.z() - low.z(), kLeastSize_mm));
+  return soup;
+}
+
+/// A layer before it stands on a card: its halves on the sheet of its V-fold.
+struct CutLayer {
+  double depth_mm{};
+  std::vector<Vec2> left, right;
+  double foot_left_mm{}, foot_right_mm{};  ///< of the border on the page, from the middle
+  LayerChanges changes;
+
+  [[nodiscard]] std::vector<Vec2> both() const {
+    std::vector<Vec2> out = left;
+    for (Vec2& p : out) p.x() = -p.x();
+    out.insert(out.end(), right.begin(), right.end());
+    return out;
+  }
+};
+
+/// How far the border on the page goes from the middle without a gap.
+double foot_of(const std::vector<Vec2>& outline) {
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    const Vec2 next = outline[(k + 1) % outline.size()];
+    if (norm(outline[k]) < 1e-9 && std::abs(next.y()) < 1e-9) return next.x();
+  }
+  return 0.0;
+}
+
+std::vector<CutLayer> cut_layers(const TriangleSoup& target, int count, const Progress& progress,
+                                 double cell_mm) {
+  tell(progress, "choosing the depths of the layers");
+  const std::vector<double> depths = layer_depths(target, count, kApart_mm);
+  const DepthStacks stacks = depth_stacks(target, cell_mm);
+  const std::vector<LayerMask> masks = layer_masks(stacks, depths);
+  LayerMask hidden(stacks.grid.cells(), 0);
+  std::vector<CutLayer> out;
+  for (std::size_t j = 0; j < masks.size(); ++j) {
+    tell(progress, "cutting the layers");
+    LayerMask mask = masks[j];
+    const LayerPaper paper;
+    const auto shown = static_cast<double>(std::count(mask.begin(), mask.end(), 1));
+    if (shown * cell_mm * cell_mm < 4.0 * paper.least_mm2) continue;
+    CutLayer layer;
+    layer.depth_mm = depths[j];
+    layer.changes = make_one_piece(stacks.grid, hidden, paper, mask);
+    layer.left = half_outline(stacks.grid, mask, false);
+    layer.right = half_outline(stacks.grid, mask, true);
+    // On the panel lengths along the crease are longer than seen from the front.
+    for (std::vector<Vec2>* half : {&layer.left, &layer.right})
+      for (Vec2& p : *half) p.x() /= std::sin(kCrease_rad);
+    layer.foot_left_mm = foot_of(layer.left), layer.foot_right_mm = foot_of(layer.right);
+    for (std::size_t k = 0; k < mask.size(); ++k) hidden[k] |= mask[k];
+    out.push_back(std::move(layer));
+  }
+  return out;
+}
+
+/// Where the layers stand along the spine, and the pages that hold them.
+struct Standing {
+  bool looks_along_spine{};
+  std::vector<double> at_mm;
+  double page_mm{}, length_mm{};
+};
+
+/// Layers fold towards the beginning of the spine. Their front is at its beginning, or at its end.
+Standing standing_of(const std::vector<CutLayer>& layers, bool looks_along_spine) {
+  Standing out{looks_along_spine, {}, 0.0, 0.0};
+  const double s = std::sin(kCrease_rad), c = std::cos(kCrease_rad);
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const CutLayer& layer : layers) {
+    const double at = looks_along_spine ? layer.depth_mm : -layer.depth_mm;
+    out.at_mm.push_back(at);
+    low = std::min(low, at - kTab_mm);
+    for (const Vec2& p : layer.both()) {
+      const double q = std::abs(p.x()), h = p.y();
+      low = std::min(low, at + q * c - h * s), high = std::max(high, at + q * c);
+      out.page_mm = std::max({out.page_mm, q * s, q * s + h * c});
+    }
+  }
+  for (double& at : out.at_mm) at += kMargin_mm - low;
+  out.page_mm += kMargin_mm;
+  out.length_mm = high - low + 2.0 * kMargin_mm;
+  return out;
+}
+
+/// The lengths that a card of the spec has, or those that are needed.
+Result<void> set_pages(const LayersSpec& asked, Standing& standing) {
+  const auto check = [](const std::optional<double>& given, double& needed, const char* field,
+                        const char* what) -> Result<void> {
+    if (!given) return {};
+    if (*given < needed)
+      return fail(ErrorKind::Infeasible, fmt::format("/layers/{}", field),
+                  fmt::format("is {:g}; the layers need {} of at least {:.4g} mm, or a smaller "
+                              "scale_mm",
+                              *given, what, needed));
+    needed = *given;
+    return {};
+  };
+  const double needed = standing.length_mm;
+  if (auto done = check(asked.page_mm, standing.page_mm, "page_mm", "pages"); !done) return done;
+  if (auto done = check(asked.spine_mm, standing.length_mm, "spine_mm", "a spine"); !done)
+    return done;
+  for (double& at : standing.at_mm) at += 0.5 * (standing.length_mm - needed);
+  return {};
+}
+
+std::vector<double> fold_lengths(const Structure& card) {
+  const PartPoses pose = posed(card, kHalfOpen_rad);
+  std::vector<double> out;
+  for (std::size_t p = 0; p < card.parts.size(); ++p)
+    for (const PartFold& fold : folds_of(card.parts[p], pose[p]))
+      if (!card.parts[p].is_slit(fold.from, fold.to))
+        out.push_back(norm(Vec2(card.parts[p].vertices[fold.from] - card.parts[p].vertices[fold.to])));
+  return out;
+}
+
+void warn(const std::vector<CutLayer>& layers, int asked, LayeredCard& out) {
+  std::size_t dropped = 0, filled = 0;
+  double shown = 0.0;
+  for (const CutLayer& layer : layers) {
+    dropped += layer.changes.dropped, filled += layer.changes.filled;
+    shown += layer.changes.shown_mm2;
+  }
+  if (layers.size() < static_cast<std::size_t>(asked))
+    out.warnings.push_back(
+        {.code = "fewer_layers",
+         .message = fmt::format("the card has {} layers, not {}: the shape is not deep enough for "
+                                "more, which must be {:g} mm apart for their tabs",
+                                layers.size(), asked, kApart_mm)});
+  if (filled > 0)
+    out.warnings.push_back({.code = "holes_filled",
+                            .message = fmt::format("{} holes in layers are filled with paper",
+                                                   filled)});
+  if (dropped > 0)
+    out.warnings.push_back(
+        {.code = "parts_dropped",
+         .message = fmt::format("{} parts of layers are too small to cut and are left out", dropped)});
+  if (shown > 25.0)
+    out.warnings.push_back(
+        {.code = "bridges_shown",
+         .message = fmt::format("{:.0f} mm2 of paper that joins parts of layers can be seen from the "
+                                "front; fewer layers may need less",
+                                shown)});
+}
+
+}  // namespace
+
+Result<LayeredCard> layered_card(const DesignSpec& spec, const SurfaceAssets& assets,
+                                 const Progress& progress) {
+  tell(progress, "reading the shape");
+  auto target = standing_target(spec, assets);
+  if (!target) return tl::unexpected(target.error());
+  double width = 0.0, height = 0.0;
+  for (std::size_t k = 0; k < target->corners.size(); k += 3) {
+    width = std::max(width, 2.0 * std::abs(target->corners[k + 1]));
+    height = std::max(height, target->corners[k + 2]);
+  }
+  const double cell_mm = std::max(kFinest_mm, std::sqrt(width * height / kMostCells));
+  const std::vector<CutLayer> layers = cut_layers(*target, spec.layers.layers, progress, cell_mm);
+  if (layers.empty())
+    return fail(ErrorKind::Infeasible, "/layers", "no layer is large enough to cut; use a larger "
+                                                  "scale_mm");
+  Standing standing = standing_of(layers, true);
+  if (Standing other = standing_of(layers, false); other.length_mm < standing.length_mm)
+    standing = std::move(other);
+  if (auto done = set_pages(spec.layers, standing); !done) return tl::unexpected(done.error());
+
+  LayeredCard out;
+  out.looks_along_spine = standing.looks_along_spine;
+  out.card = plain_card(standing.page_mm, standing.length_mm);
+  out.card.name = spec.name;
+  out.card.tab_mm = kTab_mm;
+  // Seen against the spine's direction, right is where u falls.
+  const bool is_mirrored = !standing.looks_along_spine;
+  for (std::size_t j = 0; j < layers.size(); ++j) {
+    const CutLayer& layer = layers[j];
+    VFoldElement fold;
+    fold.name = fmt::format("layer-{}", j + 1);
+    fold.at_mm = standing.at_mm[j];
+    fold.left_crease_rad = fold.right_crease_rad = kCrease_rad;
+    fold.left_panel_rad = fold.right_panel_rad = panel_of_tilt(kCrease_rad, 0.5 * std::numbers::pi);
+    fold.left_outline = is_mirrored ? layer.right : layer.left;
+    fold.right_outline = is_mirrored ? layer.left : layer.right;
+    for (Vec2& p : fold.left_outline) p.x() = -p.x();
+    constexpr double kClear_mm = 1.0;
+    const double left = is_mirrored ? layer.foot_right_mm : layer.foot_left_mm,
+                 right = is_mirrored ? layer.foot_left_mm : layer.foot_right_mm;
+    fold.left_tabs = {{kClear_mm, left - kClear_mm}};
+    fold.right_tabs = {{kClear_mm, right - kClear_mm}};
+    if (auto done = add(out.card, spine_of(out.card), fold); !done)
+      return tl::unexpected(within("/layers", done.error()));
+    double high = 0.0, wide = 0.0;
+    for (const Vec2& p : layer.both())
+      high = std::max(high, p.y()), wide = std::max(wide, 2.0 * std::abs(p.x()));
+    out.layers.push_back({layer.depth_mm, fold.at_mm, high, wide, layer.changes});
+  }
+  const double along = standing.looks_along_spine ? 1.0 : -1.0,
+               begin = standing.at_mm.front() - along * layers.front().depth_mm;
+  for (std::size_t k = 0; k < target->corners.size(); k += 3) {
+    double* const p = target->corners.data() + k;
+    const double depth = -p[0], right = p[1];
+    p[0] = along * right, p[1] = begin + along * depth;
+  }
+  out.target = std::move(*target);
+  const std::vector<double> folds = fold_lengths(out.card);
+  out.folds = folds.size();
+  out.tabs = out.card.joints.size();
+  out.handwork = hands::handwork(folds, 0, out.tabs);
+  warn(layers, spec.layers.layers, out);
+  return out;
+}
+
+std::vector<Pattern> part_drawings(const Structure& card) {
+  std::vector<Pattern> out;
+  const PartPoses pose = posed(card, kHalfOpen_rad);
+  for (std::size_t p = 0; p < card.parts.size(); ++p) {
+    const SheetPart& part = card.parts[p];
+    Pattern one;
+    one.name = part.name;
+    one.card = false;
+    Eigen::AlignedBox2d box;
+    for (const Vec2& at : part.vertices) box.extend(at);
+    one.wall_mm = box.sizes().y(), one.width_mm = box.sizes().x();
+    // Heights run up the page, so that a layer stands upright on it.
+    const auto add_line = [&](std::uint32_t a, std::uint32_t b, EdgeRole role) {
+      const Vec2 from = part.vertices[a], to = part.vertices[b];
+      one.lines.push_back({box.max().y() - from.y(), from.x() - box.min().x(),
+                           box.max().y() - to.y(), to.x() - box.min().x(), role});
+    };
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> inner;
+    for (const PartFold& fold : folds_of(part, pose[p])) {
+      inner.emplace_back(std::minmax(fold.from, fold.to));
+      add_line(fold.from, fold.to,
+               part.is_slit(fold.from, fold.to) ? EdgeRole::Slit
+               : fold.angle_rad > 0.0           ? EdgeRole::Valley
+                                                : EdgeRole::Mountain);
+    }
+    std::sort(inner.begin(), inner.end());
+    for (const auto& face : part.faces)
+      for (std::size_t k = 0; k < face.size(); ++k) {
+        const std::uint32_t a = face[k], b = face[(k + 1) % face.size()];
+        if (!std::binary_search(inner.begin(), inner.end(),
+                                std::pair<std::uint32_t, std::uint32_t>(std::minmax(a, b))))
+          add_line(a, b, EdgeRole::Outline);
+      }
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
+Pattern parts_drawing(const Structure& card) {
+  constexpr double kGap_mm = 10.0, kWidest_mm = 600.0;
+  Pattern out;
+  out.name = card.name;
+  out.card = false;
+  double u = 0.0, v = 0.0, row = 0.0;
+  for (const Pattern& part : part_drawings(card)) {
+    if (v > 0.0 && v + part.width_mm > kWidest_mm) u += row + kGap_mm, v = row = 0.0;
+    for (SheetLine line : part.lines) {
+      line.u0 += u, line.u1 += u, line.v0 += v, line.v1 += v;
+      out.lines.push_back(line);
+    }
+    out.width_mm = std::max(out.width_mm, v + part.width_mm);
+    row = std::max(row, part.wall_mm);
+    v += part.width_mm + kGap_mm;
+  }
+  out.wall_mm = u + row;
+  return out;
+}
+
+TriangleSoup parts_in_space(const Structure& card, double opening_rad, std::size_t first_part) {
+  const PartPoses pose = posed(card, opening_rad);
+  TriangleSoup out;
+  for (std::size_t p = first_part; p < card.parts.size(); ++p) {
+    const SheetPart& part = card.parts[p];
+    for (std::size_t f = 0; f < part.faces.size(); ++f) {
+      std::vector<Triangle> triangles;
+      if (!triangulate(part.vertices, part.faces[f], triangles)) continue;
+      const auto at = [&](std::uint32_t v) {
+        return Vec3(pose[p][f] * Vec3{part.vertices[v].x(), part.vertices[v].y(), 0.0});
+      };
+      for (const auto& [a, b, c] : triangles) out.add(at(a), at(b), at(c));
+    }
+  }
+  return out;
+}
+
+}  // namespace popcut

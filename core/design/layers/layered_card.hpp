@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/design/layers/layer_masks.hpp"
+#include "core/design/spec/spec.hpp"
+#include "core/fit/triangle_soup.hpp"
+#include "core/hands/folding.hpp"
+#include "core/parts/structure.hpp"
+#include "core/pattern/pattern.hpp"
+#include "core/progress.hpp"
+#include "core/result.hpp"
+#include "core/warning.hpp"
+
+namespace popcut {
+
+/// A layer of a card, the foremost first.
+struct CardLayer {
+  double depth_mm{};  ///< behind the foremost point of the target
+  double at_mm{};     ///< its apex on the spine
+  double height_mm{}, width_mm{};
+  LayerChanges changes;
+};
+
+/// A target as layers that stand up as a card opens flat (docs/parts.md).
+struct LayeredCard {
+  Structure card;
+  std::vector<CardLayer> layers;
+  bool looks_along_spine{};  ///< the front is at v = 0; else at the other end of the spine
+  TriangleSoup target;       ///< as it stands on the card: u across the pages, v along the spine, z up
+  std::size_t folds{}, tabs{};
+  hands::Handwork handwork;
+  std::vector<Warning> warnings;
+};
+
+/// Makes the layers of a target, whose x axis points to the front. It stands on the pages, its
+/// middle over the spine; each layer is a V-fold across the spine, all with the same angles, so that
+/// they never meet.
+///
+/// @retval Malformed, OutOfRange  the surface cannot be read
+/// @retval Infeasible  it is too small, or a page is given on which the layers do not shut; says the
+///                     least that holds them
+[[nodiscard]] Result<LayeredCard> layered_card(const DesignSpec& spec, const SurfaceAssets& assets,
+                                               const Progress& progress = {});
+
+/// The lines of each part, to draw and to cut: `Pattern`s of lines only. Mountains and valleys are
+/// those of a half-open card.
+[[nodiscard]] std::vector<Pattern> part_drawings(const Structure& card);
+/// The same of all parts side by side.
+[[nodiscard]] Pattern parts_drawing(const Structure& card);
+
+/// All faces of the parts from `first_part` on as triangles, at an opening; z up.
+[[nodiscard]] TriangleSoup parts_in_space(const Structure& card, double opening_rad,
+                                          std::size_t first_part);
+
+}  // namespace popcut

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#include "core/judge/sound_layers.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/parts/structure_fold.hpp"
+
+namespace popcut::judge {
+namespace {
+
+/// The first thing that fails, with its place.
+std::string first_fault(const PartsVerifyReport& report) {
+  const auto in = [](const std::vector<VerifyCheck>& checks) -> std::string {
+    for (const VerifyCheck& check : checks)
+      if (!check.failures.empty())
+        return fmt::format("{}: {}: {}", check.name, check.failures.front().place,
+                           check.failures.front().detail);
+    return {};
+  };
+  for (const VerifyReport& part : report.parts)
+    if (std::string fault = in(part.checks); !fault.empty()) return fault;
+  return in(report.checks);
+}
+
+}  // namespace
+
+Result<SoundLayers> sound_layers(const DesignSpec& spec, const SurfaceAssets& assets,
+                                 const std::string& creator, const Progress& progress) {
+  auto made = layered_card(spec, assets, progress);
+  if (!made) return tl::unexpected(made.error());
+  auto fold = structure_fold(made->card, creator);
+  if (!fold) return tl::unexpected(fold.error());
+  PartsVerifyOptions how;
+  how.progress = progress;
+  auto report = verify_parts(*fold, how);
+  if (!report) return tl::unexpected(report.error());
+  if (!report->ok())
+    return fail(ErrorKind::Internal, "",
+                fmt::format("the card that popcut made for it is not sound, so none is given: {}; "
+                            "this is a fault in popcut: report it with the design, and try other "
+                            "layers or another size",
+                            first_fault(*report)));
+  return SoundLayers{std::move(*made), std::move(*fold), std::move(*report)};
+}
+
+}  // namespace popcut::judge

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/parts/structure.hpp"
+#include "core/result.hpp"
+
+namespace popcut {
+
+// Elements of cards that open flat, with closed forms for every opening 0 < opening < pi of the
+// fold that they stand on (docs/parts.md). Each has conditions to open and to shut; `add` refuses
+// what does not meet them, and says what would have to change.
+
+/// Two panels that meet in a ridge. Their creases leave the fold at one point, the apex, at angles
+/// from the direction of the fold; the panels have the angles between crease and ridge.
+///
+/// It shuts flat if crease + panel is the same on both sides, S. It opens, and stays off the faces,
+/// if left crease + right crease < S < pi.
+struct VFoldElement {
+  std::string name{"v-fold"};
+  double at_mm{};  ///< the apex, along the fold
+  double left_crease_rad{}, right_crease_rad{};
+  double left_panel_rad{}, right_panel_rad{};
+  double crease_mm{}, ridge_mm{};  ///< of the panels, parallelograms where no outline is given
+  /// Outlines on the panels' sheet: the apex is (0, 0), the ridge runs up, the right panel has
+  /// u > 0. They lie between ridge and crease.
+  std::vector<Vec2> left_outline, right_outline;
+  /// Where tabs are, from and to along each crease; none: all of it but what is near the apex.
+  std::vector<std::pair<double, double>> left_tabs, right_tabs;
+  bool tabs_behind{true};  ///< they lie on the side towards the fold's beginning
+};
+
+/// The panel angles of a symmetric V-fold whose ridge is inclined by `tilt_rad` to the pages that
+/// lie flat: cos(panel) = cos(crease) cos(tilt).
+[[nodiscard]] double panel_of_tilt(double crease_rad, double tilt_rad);
+
+/// A roof over the fold: panels from a line on each face, parallel to the fold, to a ridge.
+///
+/// It shuts if foot + panel is the same on both sides, and opens if left foot + right foot < left
+/// panel + right panel.
+struct TentElement {
+  std::string name{"tent"};
+  double from_mm{}, to_mm{};  ///< along the fold
+  double left_foot_mm{}, right_foot_mm{}, left_panel_mm{}, right_panel_mm{};
+  std::vector<std::pair<double, double>> slits;  ///< in the ridge, along the fold
+};
+
+/// A panel parallel to the fold that stands on the right face, and a strut from the left face that
+/// holds it: a tent, one of whose panels goes on beyond the ridge.
+struct LayerElement {
+  std::string name{"layer"};
+  double from_mm{}, to_mm{};
+  double foot_mm{}, height_mm{};  ///< of the layer
+  double strut_at_mm{};           ///< on the layer, from its foot
+  double strut_foot_mm{}, strut_mm{};
+};
+
+/// The strut that makes a layer stand upright on pages that lie flat: its foot and its length.
+[[nodiscard]] std::pair<double, double> upright_strut(double foot_mm, double strut_at_mm);
+
+enum class BoxLid {
+  None,
+  Roof,     ///< level on pages that lie flat; it rises in the middle as they shut
+  Floating  ///< a copy of both faces, raised by the walls' height
+};
+
+/// Two walls parallel to the fold, joined by ends that are folded in the middle. The walls always
+/// stand in the direction between the faces.
+///
+/// Shut it reaches half + height from the fold, with a roof 2 half + height, a floating lid
+/// lid + height.
+struct BoxElement {
+  std::string name{"box"};
+  double from_mm{}, to_mm{};
+  double half_mm{}, height_mm{};
+  BoxLid lid{BoxLid::None};
+  double lid_mm{};      ///< of each half of a floating lid; at least `half_mm`
+  bool ends_out{true};  ///< the ends fold outward; else into the box
+};
+
+/// Two corners back to back: a panel that stands in the fold, with steps on both sides of it, each
+/// an upright panel and a level one. Without a lock it has two freedoms: tents at both ends,
+/// through whose ridges fingers of the panel slide, hold it in the middle.
+struct DoubleCornerElement {
+  struct Step {
+    bool is_right{};
+    double from_mm{}, to_mm{};
+    double out_mm{}, up_mm{};
+  };
+  std::string name{"corner"};
+  double from_mm{}, to_mm{};  ///< of the panel in the fold, without the locks
+  double height_mm{};
+  std::vector<Step> steps;
+  bool has_locks{true};
+  double lock_foot_mm{12.0}, lock_panel_mm{20.0}, lock_width_mm{18.0};
+};
+
+/// Whether an element opens and shuts, whatever the pages.
+///
+/// @retval OutOfRange  an angle or a length that is not valid
+/// @retval Infeasible  it does not shut or not open; says by how much
+[[nodiscard]] Result<void> can_move(const VFoldElement& element);
+[[nodiscard]] Result<void> can_move(const TentElement& element);
+[[nodiscard]] Result<void> can_move(const LayerElement& element);
+[[nodiscard]] Result<void> can_move(const BoxElement& element);
+[[nodiscard]] Result<void> can_move(const DoubleCornerElement& element);
+
+/// Adds the parts of an element to a card, whether it can move or not.
+void build(Structure& card, const Seat& seat, const VFoldElement& element);
+void build(Structure& card, const Seat& seat, const TentElement& element);
+void build(Structure& card, const Seat& seat, const LayerElement& element);
+void build(Structure& card, const Seat& seat, const BoxElement& element);
+void build(Structure& card, const Seat& seat, const DoubleCornerElement& element);
+
+/// Whether the parts from `first_part` on lie inside the pages when the card is shut.
+///
+/// @retval Infeasible  they stick out; says where, by how much, and the page that would hold them
+[[nodiscard]] Result<void> shuts_inside(const Structure& card, std::size_t first_part);
+
+/// Adds an element that can move and shuts inside the pages; the card is as it was if not.
+template <typename Kind>
+[[nodiscard]] Result<void> add(Structure& card, const Seat& seat, const Kind& element) {
+  if (auto moves = can_move(element); !moves) return moves;
+  Structure with = card;
+  build(with, seat, element);
+  if (auto inside = shuts_inside(with, card.parts.size()); !inside) return inside;
+  card = std::move(with);
+  return {};
+}
+
+/// The seat on the crease of a V-fold, or on the foot of another panel that a tab holds: the fold
+/// between the panel of `tab` and the face that it is glued to, on the side that the tab is not on.
+///
+/// @param joint  of the tab, in `Structure::joints`
+[[nodiscard]] Seat seat_beside(const Structure& card, std::size_t joint);
+
+}  // namespace popcut

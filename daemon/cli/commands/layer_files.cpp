@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/cli/commands/layer_files.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <sstream>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/design/layers/layered_report.hpp"
+#include "core/drawing/linework.hpp"
+#include "core/formats/write/pattern_files.hpp"
+#include "core/geometry/angle.hpp"
+#include "core/plan/knife/micro_cut.hpp"
+#include "core/text/utf8.hpp"
+#include "daemon/cli/view/book_picture.hpp"
+#include "daemon/pictures/png.hpp"
+#include "daemon/planning/design_export.hpp"
+
+namespace popcut::cli {
+namespace layer_files_parts {
+namespace {
+
+/// As a person sees it who looks at the front: x towards that person, then up.
+std::vector<float> as_seen(const TriangleSoup& soup, bool looks_along_spine) {
+  std::vector<float> out;
+  out.reserve(soup.corners.size());
+  const double along = looks_along_spine ? -1.0 : 1.0;
+  for (std::size_t k = 0; k < soup.corners.size(); k += 3) {
+    out.push_back(static_cast<float>(along * soup.corners[k + 1]));
+    out.push_back(static_cast<float>(soup.corners[k + 2]));
+    out.push_back(static_cast<float>(along * soup.corners[k]));
+  }
+  return out;
+}
+
+/// The card at an opening, both pages sloping alike.
+TriangleSoup level_card(const Structure& card, double opening_rad) {
+  TriangleSoup soup = parts_in_space(card, opening_rad, 0);
+  const double turn = 0.5 * (std::numbers::pi - opening_rad), c = std::cos(turn), s = std::sin(turn);
+  for (std::size_t k = 0; k < soup.corners.size(); k += 3) {
+    double &u = soup.corners[k], &z = soup.corners[k + 2];
+    std::tie(u, z) = std::pair(c * u - s * z, s * u + c * z);
+  }
+  return soup;
+}
+
+Result<std::string> picture_of(const LayeredCard& made) {
+  std::vector<OpenedCard> openings;
+  for (const double opening_deg : {180.0, 120.0, 50.0})
+    openings.push_back({fmt::format("{:g} degrees", opening_deg),
+                        as_seen(level_card(made.card, radians(opening_deg)), made.looks_along_spine)});
+  return opened_picture(openings, as_seen(made.target, made.looks_along_spine),
+                        fmt::format("{}: {} layers on pages of {:.0f} x {:.0f} mm", made.card.name,
+                                    made.layers.size(), made.card.page_mm, made.card.length_mm));
+}
+
+}  // namespace
+}  // namespace layer_files_parts
+
+Result<std::string> add_layer_files(const judge::SoundLayers& sound, const Material& material,
+                                    double seconds,
+                                    const std::function<bool(std::string_view)>& wants,
+                                    OutputFolder& folder) {
+  using namespace layer_files_parts;
+  constexpr int kLargestPx = 1600;
+  const Pattern drawing = parts_drawing(sound.made.card);
+  std::string names;
+  const auto add = [&](const char* name, const std::string& text) {
+    names += fmt::format(" {}", name);
+    return folder.add(name, text);
+  };
+  const auto drawn = [](const auto& write) {
+    std::ostringstream out;
+    write(out);
+    return std::move(out).str();
+  };
+  const std::string look = drawn([&](std::ostream& out) { write_pattern_svg(drawing, out); });
+  if (wants("fold"))
+    if (auto done = add("pattern.fold", sound.fold); !done) return tl::unexpected(done.error());
+  if (wants("svg"))
+    if (auto done = add("pattern.svg", look); !done) return tl::unexpected(done.error());
+  if (wants("cut")) {
+    const Dashed dashed = micro_cut(linework_from_pattern(drawing), material.dashes);
+    const std::string text = drawn([&](std::ostream& out) {
+      write_cut_svg(drawing, planning::micro_cuts(dashed.work), out);
+    });
+    if (auto done = add("cut.svg", text); !done) return tl::unexpected(done.error());
+  }
+  if (wants("dxf")) {
+    const std::string text = drawn([&](std::ostream& out) { write_pattern_dxf(drawing, out); });
+    if (auto done = add("pattern.dxf", text); !done) return tl::unexpected(done.error());
+  }
+  if (wants("png") || wants("picture")) {
+    const auto picture = picture_of(sound.made);
+    if (!picture) return tl::unexpected(picture.error());
+    if (wants("picture"))
+      if (auto done = add("deployed.svg", *picture); !done) return tl::unexpected(done.error());
+    for (const auto& [name, svg] :
+         {std::pair("pattern.png", &look), std::pair("deployed.png", &*picture)}) {
+      if (!wants("png")) break;
+      const auto png = png_of_svg(*svg, kLargestPx);
+      if (!png) return tl::unexpected(png.error());
+      if (auto done = add(name, *png); !done) return tl::unexpected(done.error());
+    }
+  }
+  if (wants("report"))
+    if (auto done = add("report.json", layered_report_json(sound.made, seconds)); !done)
+      return tl::unexpected(done.error());
+  return names;
+}
+
+void say_layers(const judge::SoundLayers& sound) {
+  const LayeredCard& made = sound.made;
+  fmt::print(stderr, "{}: {} layers on a card that opens flat, in one movement\n",
+             shown_text(made.card.name), made.layers.size());
+  fmt::print(stderr, "  pages    {:.1f} mm from the spine, {:.1f} mm along it; shut, the layers reach "
+                     "{:.1f} mm, and the stack is {:.1f} mm high\n",
+             made.card.page_mm, made.card.length_mm, sound.report.closed_mm, sound.report.stack_mm);
+  fmt::print(stderr, "  pieces   {}, with {} tabs to glue\n", made.card.parts.size(), made.tabs);
+  fmt::print(stderr, "  by hand  {}\n", hands::handwork_words(made.handwork));
+  if (sound.report.wobble_mm)
+    fmt::print(stderr, "  holds    panels move {:.2g} mm at most, when folds are 0.1 mm off\n",
+               *sound.report.wobble_mm);
+  for (const Warning& warning : made.warnings)
+    fmt::print(stderr, "  warning  {}\n", shown_text(warning.message));
+}
+
+}  // namespace popcut::cli

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: MIT
+// Elements of cards of several parts: their closed forms against motions that verify follows
+// itself.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "core/geometry/angle.hpp"
+#include "core/parts/elements.hpp"
+#include "core/parts/structure_fold.hpp"
+#include "core/verify/parts/followed.hpp"
+#include "core/verify/parts/parts.hpp"
+#include "tests/support/random_numbers.hpp"
+#include "tests/support/rounds.hpp"
+
+namespace parts_property_test {
+
+using namespace popcut;
+using testing::uniform;
+using testing::whole;
+
+namespace {
+
+constexpr double kPage_mm = 300.0, kLength_mm = 500.0;
+constexpr unsigned kSeed = 42;
+
+std::string text_of(const Structure& card) {
+  const auto text = structure_fold(card, "test");
+  if (!text) FAIL(message(text.error()));
+  return *text;
+}
+
+PartsVerifyReport judged(const Structure& card) {
+  auto report = verify_parts(text_of(card));
+  if (!report) FAIL(message(report.error()));
+  return std::move(*report);
+}
+
+template <typename Kind>
+Structure alone(const Kind& element, double page_mm = kPage_mm) {
+  Structure card = plain_card(page_mm, kLength_mm);
+  build(card, spine_of(card), element);
+  return card;
+}
+
+VFoldElement random_v_fold(std::mt19937& random, double at_mm) {
+  VFoldElement out;
+  out.at_mm = at_mm;
+  const auto angle = [&](double low, double high) { return radians(uniform(random, low, high)); };
+  out.left_crease_rad = angle(15, 80), out.right_crease_rad = angle(15, 80);
+  const double creases = out.left_crease_rad + out.right_crease_rad;
+  const double sum = uniform(random, creases + radians(4), radians(178));
+  out.left_panel_rad = sum - out.left_crease_rad, out.right_panel_rad = sum - out.right_crease_rad;
+  out.crease_mm = uniform(random, 30, 90), out.ridge_mm = uniform(random, 20, 90);
+  out.tabs_behind = whole(random, 0, 1) == 0;
+  return out;
+}
+
+TentElement random_tent(std::mt19937& random, double from_mm) {
+  TentElement out;
+  out.from_mm = from_mm, out.to_mm = from_mm + uniform(random, 15, 80);
+  out.left_foot_mm = uniform(random, 10, 50), out.right_foot_mm = uniform(random, 10, 50);
+  const double feet = out.left_foot_mm + out.right_foot_mm;
+  const double sum = uniform(random, 1.02 * feet, 2.0 * feet);
+  out.left_panel_mm = sum - out.left_foot_mm, out.right_panel_mm = sum - out.right_foot_mm;
+  return out;
+}
+
+LayerElement random_layer(std::mt19937& random, double from_mm) {
+  LayerElement out;
+  out.from_mm = from_mm, out.to_mm = from_mm + uniform(random, 15, 80);
+  out.foot_mm = uniform(random, 20, 50), out.strut_at_mm = uniform(random, 15, 60);
+  std::tie(out.strut_foot_mm, out.strut_mm) = upright_strut(out.foot_mm, out.strut_at_mm);
+  out.height_mm = out.strut_at_mm + uniform(random, 9, 60);
+  return out;
+}
+
+BoxElement random_box(std::mt19937& random, double from_mm) {
+  BoxElement out;
+  out.from_mm = from_mm, out.to_mm = from_mm + uniform(random, 30, 80);
+  out.half_mm = uniform(random, 12, 35), out.height_mm = uniform(random, 15, 70);
+  out.lid = static_cast<BoxLid>(whole(random, 0, 2));
+  out.lid_mm = out.half_mm * uniform(random, 1.0, 2.0);
+  out.ends_out = out.lid == BoxLid::Floating || 2.0 * out.half_mm > out.to_mm - out.from_mm ||
+                 whole(random, 0, 1) == 0;
+  return out;
+}
+
+DoubleCornerElement random_corner(std::mt19937& random, double from_mm) {
+  DoubleCornerElement out;
+  out.from_mm = from_mm, out.to_mm = from_mm + uniform(random, 50, 90);
+  out.height_mm = uniform(random, 45, 80);
+  out.lock_foot_mm = uniform(random, 10, 20);
+  out.lock_panel_mm = out.lock_foot_mm * uniform(random, 1.3, 2.0);
+  for (const bool right : {false, true})
+    out.steps.push_back({right, from_mm + uniform(random, 0, 10),
+                         out.to_mm - uniform(random, 0, 10), uniform(random, 15, 60),
+                         uniform(random, 12, 44)});
+  return out;
+}
+
+/// Adds one of the five elements, in the 200 mm from `begin_mm` on.
+Result<void> add_random(Structure& card, std::mt19937& random, int kind, double begin_mm) {
+  const Seat seat = spine_of(card);
+  switch (kind) {
+    case 0:
+      return add(card, seat, random_v_fold(random, begin_mm + 100));
+    case 1:
+      return add(card, seat, random_tent(random, begin_mm + 40));
+    case 2:
+      return add(card, seat, random_layer(random, begin_mm + 40));
+    case 3:
+      return add(card, seat, random_box(random, begin_mm + 50));
+    default:
+      return add(card, seat, random_corner(random, begin_mm + 50));
+  }
+}
+
+/// The largest distance of a corner between the closed form and the motion that verify follows,
+/// seen from the right page.
+double apart_mm(const Structure& card) {
+  const auto model = verify::read_joint_model(text_of(card));
+  if (!model) FAIL(message(model.error()));
+  std::vector<verify::Sheet> sheets;
+  VerifyCheck check;
+  for (const auto& part : model->parts) sheets.push_back(verify::make_sheet(part.sheet, check));
+  const auto whole_card = verify::assemble(*model, sheets, check);
+  REQUIRE(whole_card);
+  const auto motion = verify::follow(*whole_card, {0.05, 0.4, 1.1, 1.9, 2.6, 3.05});
+  INFO(motion.shut_stopped << motion.open_stopped);
+  REQUIRE(motion.states.size() == 6);
+  double most = 0.0;
+  for (std::size_t k = 0; k < motion.states.size(); ++k) {
+    const PartPoses closed = posed(card, motion.opening_rad[k]);
+    const auto placed = [&](std::size_t p, std::size_t f) {
+      const std::size_t panel = whole_card->panel_of(p, f);
+      return Eigen::Isometry3d(motion.states[k][whole_card->body[panel]] *
+                               whole_card->in_body[panel]);
+    };
+    const Eigen::Isometry3d page = closed[0][1] * placed(0, 1).inverse();
+    for (std::size_t p = 0; p < card.parts.size(); ++p)
+      for (std::size_t f = 0; f < card.parts[p].faces.size(); ++f)
+        for (const std::uint32_t v : card.parts[p].faces[f]) {
+          const Vec3 flat{card.parts[p].vertices[v].x(), card.parts[p].vertices[v].y(), 0.0};
+          most = std::max(most, norm(Vec3(page * (placed(p, f) * flat) - closed[p][f] * flat)));
+        }
+  }
+  return most;
+}
+
+}  // namespace
+
+TEST_CASE("random elements inside their conditions verify, and follow their closed forms",
+          "[property][parts][verify]") {
+  std::mt19937 random(kSeed);
+  const int count = testing::rounds(300, 15);
+  for (int k = 0; k < count; ++k) {
+    CAPTURE(kSeed, k);
+    Structure card = plain_card(kPage_mm, kLength_mm);
+    if (auto done = add_random(card, random, k % 5, 150); !done) FAIL(message(done.error()));
+    const PartsVerifyReport report = judged(card);
+    if (!report.ok()) FAIL_CHECK(verify_text(report));
+    CHECK(apart_mm(card) < 1e-9);
+  }
+}
+
+TEST_CASE("random combinations, and elements on the creases of others, verify",
+          "[property][parts][verify]") {
+  std::mt19937 random(kSeed + 1);
+  const int count = testing::rounds(100, 20);
+  for (int k = 0; k < count; ++k) {
+    CAPTURE(kSeed, k);
+    Structure card = plain_card(kPage_mm, 800.0);
+    for (int slot = 0; slot < 4; ++slot) {
+      const std::size_t joints = card.joints.size();
+      const int kind = whole(random, 0, 4);
+      if (auto done = add_random(card, random, kind, 200.0 * slot); !done)
+        FAIL(message(done.error()));
+      if (kind != 1 || whole(random, 0, 1) == 0) continue;
+      // On the outer side of a tent's right foot.
+      const Seat seat = seat_beside(card, joints + 1);
+      VFoldElement small;
+      small.at_mm = 8.0;
+      small.left_crease_rad = small.right_crease_rad = radians(40);
+      small.left_panel_rad = small.right_panel_rad = radians(50);
+      small.crease_mm = 7.0, small.ridge_mm = 5.0;
+      small.left_tabs = small.right_tabs = {{3.0, 7.0}};
+      small.tabs_behind = true;
+      build(card, seat, small);
+    }
+    const PartsVerifyReport report = judged(card);
+    if (!report.ok()) FAIL_CHECK(verify_text(report));
+    CHECK(apart_mm(card) < 1e-9);
+  }
+}
+
+TEST_CASE("elements 2 % outside their conditions are refused by the designer and by verify",
+          "[property][parts][verify]") {
+  std::mt19937 random(kSeed + 2);
+  const int count = testing::rounds(60, 20);
+  const auto refused = [](const auto& element, double page_mm = kPage_mm) {
+    Structure card = plain_card(page_mm, kLength_mm);
+    const auto done = add(card, spine_of(card), element);
+    CHECK_FALSE(done);
+    if (!done) CHECK(done.error().kind == ErrorKind::Infeasible);
+    const PartsVerifyReport report = judged(alone(element, page_mm));
+    INFO(verify_text(report));
+    CHECK_FALSE(report.ok());
+  };
+  for (int k = 0; k < count; ++k) {
+    CAPTURE(kSeed, k);
+    VFoldElement v_fold = random_v_fold(random, 250);
+    v_fold.right_panel_rad *= 1.02;
+    refused(v_fold);
+    v_fold = random_v_fold(random, 250);
+    const double sum = 0.98 * (v_fold.left_crease_rad + v_fold.right_crease_rad);
+    v_fold.left_panel_rad = sum - v_fold.left_crease_rad;
+    v_fold.right_panel_rad = sum - v_fold.right_crease_rad;
+    refused(v_fold);
+    TentElement tent = random_tent(random, 200);
+    tent.right_panel_mm *= k % 2 == 0 ? 1.02 : 0.98;
+    refused(tent);
+    tent = random_tent(random, 200);
+    const double feet = 0.98 * (tent.left_foot_mm + tent.right_foot_mm);
+    tent.left_panel_mm = feet - tent.left_foot_mm, tent.right_panel_mm = feet - tent.right_foot_mm;
+    if (tent.left_panel_mm > 5.0 && tent.right_panel_mm > 5.0) refused(tent);
+    LayerElement layer = random_layer(random, 200);
+    refused(layer, (layer.foot_mm + layer.height_mm) / 1.02);
+    layer.strut_mm *= 1.02;
+    refused(layer);
+    const BoxElement box = random_box(random, 200);
+    refused(box, (box.height_mm + (box.lid == BoxLid::Floating ? box.lid_mm
+                                   : box.lid == BoxLid::Roof   ? 2.0 * box.half_mm
+                                                               : box.half_mm)) /
+                     1.02);
+    BoxElement inward = random_box(random, 200);
+    inward.lid = BoxLid::None, inward.ends_out = false;
+    inward.half_mm = 0.51 * (inward.to_mm - inward.from_mm);
+    refused(inward);
+  }
+}
+
+}  // namespace parts_property_test
