@@ -221,6 +221,9 @@ void build(Structure& card, const Seat& seat, const VFoldElement& e) {
   };
   part.add_face(outline(e.left_outline, left));
   part.add_face(outline(e.right_outline, right));
+  // Halves of unlike outlines meet in the same stretches of the ridge.
+  for (const Vec2& at : std::vector<Vec2>(part.vertices))
+    if (std::abs(at.x()) < 1e-9) part.add_corner(at);
   const auto glue = [&](const std::vector<std::pair<double, double>>& given, Vec2 flat,
                         const SeatSide& side, double angle, std::uint32_t panel) {
     const double tabs = tab_depth_mm(card, e.crease_mm);

@@ -329,6 +329,7 @@ std::vector<double> layer_depths(const TriangleSoup& target, int count, double a
   for (int k = count; k > 0; --k) {
     out.clear();
     for (const int depth : interval_medians(seen, k)) out.push_back(depth);
+    std::reverse(out.begin(), out.end());
     bool fits = true;
     for (std::size_t i = 1; i < out.size(); ++i) fits = fits && out[i] - out[i - 1] >= apart_mm;
     if (fits) break;
