@@ -94,6 +94,7 @@ class HalfMaker {
         mask_(half_of(half_, whole)), hidden_(half_of(half_, hidden)) {}
 
   void run() {
+    smooth();
     open_thin();
     drop_small();
     add_foot();
@@ -111,6 +112,29 @@ class HalfMaker {
   }
   [[nodiscard]] double area_mm2(std::size_t count) const {
     return static_cast<double>(count) * half_.grid.cell_mm * half_.grid.cell_mm;
+  }
+
+  /// Takes the majority of what is around each cell: stairs and nicks go. Beyond the middle and the
+  /// page it is as beside them.
+  void smooth() {
+    constexpr std::ptrdiff_t kReach = 2;
+    const auto columns = static_cast<std::ptrdiff_t>(half_.columns()),
+               rows = static_cast<std::ptrdiff_t>(half_.grid.rows);
+    LayerMask out(mask_.size(), 0);
+    for (std::ptrdiff_t r = 0; r < rows; ++r)
+      for (std::ptrdiff_t c = 0; c < columns; ++c) {
+        int paper = 0;
+        for (std::ptrdiff_t dr = -kReach; dr <= kReach; ++dr)
+          for (std::ptrdiff_t dc = -kReach; dc <= kReach; ++dc) {
+            const std::ptrdiff_t y = std::max<std::ptrdiff_t>(0, r + dr),
+                                 x = std::max<std::ptrdiff_t>(0, c + dc);
+            if (y < rows && x < columns)
+              paper += mask_[static_cast<std::size_t>(y * columns + x)];
+          }
+        constexpr int kHalf = (2 * kReach + 1) * (2 * kReach + 1) / 2;
+        out[static_cast<std::size_t>(r * columns + c)] = paper > kHalf ? 1 : 0;
+      }
+    mask_ = std::move(out);
   }
 
   /// Takes out what is thinner than two cells; the middle and the page go on.
@@ -142,18 +166,29 @@ class HalfMaker {
   /// The strip at the foot, and paper on both sides of the fold in the middle.
   void add_foot() {
     const std::size_t low_rows = std::min(half_.grid.rows, cells(2.5 * paper_.band_mm));
-    std::size_t widest = 0, low = 0;
+    std::size_t widest = 0, low = 0, high = 0;
     for (std::size_t k = 0; k < mask_.size(); ++k) {
       if (mask_[k] == 0) continue;
       widest = std::max(widest, k % half_.columns() + 1);
+      high = std::max(high, k / half_.columns() + 1);
       if (k / half_.columns() < low_rows) low = std::max(low, k % half_.columns() + 1);
     }
-    const std::size_t foot = std::min(
-        half_.columns(), std::max({low, widest / 2, cells(paper_.least_foot_mm)}));
+    const auto share = [&](double of) {
+      return static_cast<std::size_t>(of * static_cast<double>(high));
+    };
+    const std::size_t foot =
+        std::min(half_.columns(), std::max({low, widest / 2, cells(paper_.least_foot_mm),
+                                            share(paper_.foot_share)}));
     fill(0, foot, 0, cells(paper_.band_mm));
-    const std::size_t ridge = cells(paper_.ridge_mm);
+    const std::size_t ridge = std::max(cells(paper_.ridge_mm), share(paper_.ridge_share));
     for (std::size_t r = 0; r < std::min(ridge, half_.grid.rows); ++r)
       fill(0, std::max<std::size_t>(2, foot * (ridge - r) / (2 * ridge)), r, r + 1);
+    const std::size_t beside = cells(paper_.bridge_mm);
+    for (std::size_t r = ridge; r < std::min(share(paper_.hidden_share), half_.grid.rows); ++r) {
+      for (std::size_t c = 0; c < beside; ++c)
+        if (hidden_[r * half_.columns() + c] == 0) return;
+      fill(0, beside, r, r + 1);
+    }
   }
   void fill(std::size_t from, std::size_t to, std::size_t row, std::size_t end) {
     for (std::size_t r = row; r < std::min(end, half_.grid.rows); ++r)
@@ -340,20 +375,16 @@ std::vector<double> layer_depths(const TriangleSoup& target, int count, double a
 std::vector<LayerMask> layer_masks(const DepthStacks& stacks,
                                    const std::vector<double>& depths_mm) {
   std::vector<LayerMask> out(depths_mm.size(), LayerMask(stacks.grid.cells(), 0));
+  const auto nearest = [&](double depth) {
+    std::size_t j = 0;
+    while (j + 1 < out.size() && depth > 0.5 * (depths_mm[j] + depths_mm[j + 1])) ++j;
+    return j;
+  };
   for (std::size_t cell = 0; cell < stacks.grid.cells(); ++cell) {
-    if (stacks.crossings[cell].empty()) continue;
-    bool any = false;
+    const std::vector<float>& at = stacks.crossings[cell];
+    for (std::size_t k = 0; k < at.size(); k += 2) out[nearest(at[k])][cell] = 1;
     for (std::size_t j = 0; j < out.size(); ++j)
-      if (stacks.is_inside(cell, depths_mm[j])) out[j][cell] = 1, any = true;
-    if (any) continue;
-    const double front = stacks.crossings[cell].front(), back = stacks.crossings[cell].back();
-    std::size_t nearest = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t j = 0; j < out.size(); ++j) {
-      const double off = std::max({front - depths_mm[j], depths_mm[j] - back, 0.0});
-      if (off < least) least = off, nearest = j;
-    }
-    out[nearest][cell] = 1;
+      if (stacks.is_inside(cell, depths_mm[j])) out[j][cell] = 1;
   }
   return out;
 }

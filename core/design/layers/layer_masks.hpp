@@ -43,18 +43,21 @@ struct DepthStacks {
 [[nodiscard]] std::vector<double> layer_depths(const TriangleSoup& target, int count,
                                                double apart_mm);
 
-/// The target's section at each depth; what no section shows of the whole outline goes to the layer
-/// that is nearest to it.
+/// The layers of a target: each has the target's section at its depth, and all fronts of the target
+/// that are nearer to it than to another layer, whether they are seen or not.
 [[nodiscard]] std::vector<LayerMask> layer_masks(const DepthStacks& stacks,
                                                  const std::vector<double>& depths_mm);
 
 /// How a layer becomes one piece of paper that stands on the page.
 struct LayerPaper {
-  double band_mm{6.0};     ///< height of the strip at its foot that holds all of it
-  double least_foot_mm{18.0};  ///< of that strip, on each side of the middle
-  double ridge_mm{16.0};   ///< least height of the fold in the middle
-  double bridge_mm{5.0};   ///< width of paper that joins parts
-  double least_mm2{20.0};  ///< smaller parts are left out
+  double band_mm{6.0};         ///< height of the strip at its foot that holds all of it
+  double least_foot_mm{22.0};  ///< of that strip, on each side of the middle
+  double foot_share{0.35};     ///< the same, of the layer's height
+  double ridge_mm{16.0};       ///< least height of the fold in the middle
+  double ridge_share{0.35};    ///< the same, of the layer's height
+  double hidden_share{0.8};    ///< the same where layers in front hide it
+  double bridge_mm{5.0};       ///< width of paper that joins parts
+  double least_mm2{20.0};      ///< smaller parts are left out
 };
 
 /// What was done to a layer.

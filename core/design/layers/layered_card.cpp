@@ -19,7 +19,7 @@
 namespace popcut {
 namespace {
 
-constexpr double kCrease_rad = radians(75.0);  ///< of all V-folds; flatter ones wobble more
+constexpr double kCrease_rad = radians(70.0);  ///< of all V-folds; flatter ones wobble more
 constexpr double kMargin_mm = 8.0;             ///< beside what is shut or open
 constexpr double kTab_mm = 7.0;
 constexpr double kApart_mm = kTab_mm + 1.5;  ///< between creases, so that no tab lies on another

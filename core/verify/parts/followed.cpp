@@ -359,7 +359,7 @@ JointRank rank_of(const Assembled& card, const BodyState& state) {
 }
 
 std::vector<double> play_mm(const Assembled& card, const BodyState& state,
-                            const std::vector<double>& reach_mm) {
+                            const std::vector<std::vector<Vec3>>& points) {
   const JointEquations equations(card, state, true);
   const Eigen::MatrixXd weighted =
       equations.weight().asDiagonal() * Eigen::MatrixXd(equations.jacobian());
@@ -370,18 +370,19 @@ std::vector<double> play_mm(const Assembled& card, const BodyState& state,
     return {};
   const Eigen::MatrixXd spread =
       factor.solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
-  std::vector<double> out;
+  std::vector<double> out(card.bodies, 0.0);
   for (std::uint32_t b = 0; b < card.bodies; ++b) {
     const int c = equations.column(b);
-    if (c < 0) {
-      out.push_back(0.0);
-      continue;
+    if (c < 0) continue;
+    for (const Vec3& point : points[b]) {
+      // A point moves by its body's velocity and by the turn times its lever.
+      const Vec3 lever = state[b].linear() * (point - card.middle[b]) / equations.size_mm();
+      Eigen::Matrix<double, 3, 6> moves;
+      for (int k = 0; k < 3; ++k) moves.col(k) = cross(Vec3(Vec3::Unit(k)), lever);
+      moves.rightCols<3>().setIdentity();
+      const double variance = (moves * spread.block<6, 6>(c, c) * moves.transpose()).trace();
+      out[b] = std::max(out[b], std::sqrt(std::max(0.0, variance)));
     }
-    // A turn moves the farthest point by at most the reach times its size.
-    const double turns =
-        spread.block<3, 3>(c, c).trace() / (equations.size_mm() * equations.size_mm());
-    out.push_back(
-        std::sqrt(spread.block<3, 3>(c + 3, c + 3).trace() + turns * reach_mm[b] * reach_mm[b]));
   }
   return out;
 }

@@ -45,13 +45,13 @@ struct JointRank {
 };
 [[nodiscard]] JointRank rank_of(const Assembled& card, const BodyState& state);
 
-/// The rms by which the farthest point of each body moves under the play of folds in paper, mm:
-/// lines that are `kLinePlay_mm` off, their ends `kEndPlay_mm`; both pages held. Weighted least
-/// squares over all joints; empty where a joint's equations do not hold all bodies.
+/// The rms by which the farthest point of each body moves under the play of folds in paper, mm: lines
+/// that are `kLinePlay_mm` off, their ends `kEndPlay_mm`; both pages held. Weighted least squares
+/// over all joints; empty where the joints do not hold all bodies.
 ///
-/// @param reach_mm  one a body: distance of its farthest point from its middle
+/// @param points  some of each body, in it
 [[nodiscard]] std::vector<double> play_mm(const Assembled& card, const BodyState& state,
-                                          const std::vector<double>& reach_mm);
+                                          const std::vector<std::vector<Vec3>>& points);
 
 inline constexpr double kLinePlay_mm = 0.1, kEndPlay_mm = 0.15;
 

@@ -387,20 +387,17 @@ class PartsJudge {
       report_.notes.push_back(fmt::format("wobble is not measured: {} panels", card_.bodies));
       return;
     }
-    std::vector<double> reach(card_.bodies, 0.0);
+    std::vector<std::vector<Vec3>> points(card_.bodies);
     for (std::size_t p = 0; p < model_.parts.size(); ++p) {
       const FoldModel& sheet = model_.parts[p].sheet;
       for (std::size_t f = 0; f < sheet.faces(); ++f) {
         const std::size_t panel = card_.panel_of(p, f);
-        const std::uint32_t body = card_.body[panel];
         for (const std::uint32_t v : face_of(sheet, f))
-          reach[body] = std::max(
-              reach[body],
-              norm(Vec3(card_.in_body[panel] * lifted(sheet.flat[v]) - card_.middle[body])));
+          points[card_.body[panel]].push_back(card_.in_body[panel] * lifted(sheet.flat[v]));
       }
     }
     const std::size_t k = nearest(radians(kWobbleAt_deg));
-    const std::vector<double> play = play_mm(card_, motion_.states[k], reach);
+    const std::vector<double> play = play_mm(card_, motion_.states[k], points);
     if (play.empty()) return;
     const auto most =
         static_cast<std::size_t>(std::max_element(play.begin(), play.end()) - play.begin());
