@@ -15,9 +15,9 @@
 namespace popcut {
 namespace {
 
-constexpr double kLookDown_rad = 0.6;   ///< from how far above what is seen counts for depths
+constexpr double kLookDown_rad = 0.6;  ///< from how far above what is seen counts for depths
 constexpr double kSample_mm2 = 2.0;
-constexpr double kShownCost = 8.0;      ///< of paper that is seen, for each of it that is hidden
+constexpr double kShownCost = 8.0;  ///< of paper that is seen, for each of it that is hidden
 constexpr std::size_t kMostSamples = 2000;
 
 struct Extent {
@@ -90,8 +90,12 @@ class HalfMaker {
  public:
   HalfMaker(const LayerGrid& grid, bool is_right, const LayerMask& hidden, const LayerPaper& paper,
             LayerMask& whole, LayerChanges& changes)
-      : half_{grid, is_right}, paper_(paper), whole_(whole), changes_(changes),
-        mask_(half_of(half_, whole)), hidden_(half_of(half_, hidden)) {}
+      : half_{grid, is_right},
+        paper_(paper),
+        whole_(whole),
+        changes_(changes),
+        mask_(half_of(half_, whole)),
+        hidden_(half_of(half_, hidden)) {}
 
   void run() {
     smooth();
@@ -128,8 +132,7 @@ class HalfMaker {
           for (std::ptrdiff_t dc = -kReach; dc <= kReach; ++dc) {
             const std::ptrdiff_t y = std::max<std::ptrdiff_t>(0, r + dr),
                                  x = std::max<std::ptrdiff_t>(0, c + dc);
-            if (y < rows && x < columns)
-              paper += mask_[static_cast<std::size_t>(y * columns + x)];
+            if (y < rows && x < columns) paper += mask_[static_cast<std::size_t>(y * columns + x)];
           }
         constexpr int kHalf = (2 * kReach + 1) * (2 * kReach + 1) / 2;
         out[static_cast<std::size_t>(r * columns + c)] = paper > kHalf ? 1 : 0;
@@ -158,9 +161,10 @@ class HalfMaker {
     const auto part = parts_of(half_, mask_, 1, sizes);
     for (std::size_t k = 0; k < mask_.size(); ++k)
       if (part[k] != 0 && area_mm2(sizes[part[k] - 1]) < paper_.least_mm2) mask_[k] = 0;
-    changes_.dropped += static_cast<std::size_t>(std::count_if(
-        sizes.begin(), sizes.end(),
-        [&](std::size_t size) { return area_mm2(size) < paper_.least_mm2; }));
+    changes_.dropped +=
+        static_cast<std::size_t>(std::count_if(sizes.begin(), sizes.end(), [&](std::size_t size) {
+          return area_mm2(size) < paper_.least_mm2;
+        }));
   }
 
   /// The strip at the foot, and paper on both sides of the fold in the middle.
@@ -176,19 +180,18 @@ class HalfMaker {
     const auto share = [&](double of) {
       return static_cast<std::size_t>(of * static_cast<double>(high));
     };
-    const std::size_t foot =
-        std::min(half_.columns(), std::max({low, widest / 2, cells(paper_.least_foot_mm),
-                                            share(paper_.foot_share)}));
+    const std::size_t foot = std::min(
+        half_.columns(),
+        std::max({low, widest / 2, cells(paper_.least_foot_mm), share(paper_.foot_share)}));
     fill(0, foot, 0, cells(paper_.band_mm));
-    const std::size_t ridge = std::max(cells(paper_.ridge_mm), share(paper_.ridge_share));
+    // Who looks from above sees a little over what hides the fold.
+    std::size_t hidden = 0;
+    while (hidden < half_.grid.rows && hidden_[hidden * half_.columns()] != 0) ++hidden;
+    hidden -= std::min(hidden, cells(2.0 * paper_.band_mm));
+    const std::size_t ridge = std::max({cells(paper_.ridge_mm), share(paper_.ridge_share),
+                                        std::min(hidden, share(paper_.hidden_share))});
     for (std::size_t r = 0; r < std::min(ridge, half_.grid.rows); ++r)
       fill(0, std::max<std::size_t>(2, foot * (ridge - r) / (2 * ridge)), r, r + 1);
-    const std::size_t beside = cells(paper_.bridge_mm);
-    for (std::size_t r = ridge; r < std::min(share(paper_.hidden_share), half_.grid.rows); ++r) {
-      for (std::size_t c = 0; c < beside; ++c)
-        if (hidden_[r * half_.columns() + c] == 0) return;
-      fill(0, beside, r, r + 1);
-    }
   }
   void fill(std::size_t from, std::size_t to, std::size_t row, std::size_t end) {
     for (std::size_t r = row; r < std::min(end, half_.grid.rows); ++r)
@@ -219,10 +222,9 @@ class HalfMaker {
         return true;
       }
       each_beside(half_, at, [&](std::size_t to) {
-        const float next =
-            so_far + (mask_[to] != 0     ? 0.0F
-                      : hidden_[to] != 0 ? 1.0F
-                                         : static_cast<float>(kShownCost));
+        const float next = so_far + (mask_[to] != 0     ? 0.0F
+                                     : hidden_[to] != 0 ? 1.0F
+                                                        : static_cast<float>(kShownCost));
         if (next < cost[to]) cost[to] = next, from[to] = at, open.emplace(next, to);
       });
     }
@@ -311,8 +313,8 @@ DepthStacks depth_stacks(const TriangleSoup& target, double cell_mm) {
   const double y0 = -0.5 * cell_mm * static_cast<double>(grid.columns) + kAside * cell_mm,
                z0 = kAside * 1.7 * cell_mm;
   const auto first = [&](double mm, double origin, std::size_t most) {
-    return static_cast<std::size_t>(std::clamp(std::ceil((mm - origin) / cell_mm - 0.5), 0.0,
-                                               static_cast<double>(most)));
+    return static_cast<std::size_t>(
+        std::clamp(std::ceil((mm - origin) / cell_mm - 0.5), 0.0, static_cast<double>(most)));
   };
   for (std::size_t t = 0; t < target.size(); ++t) {
     const Vec3 a = target.corner(t, 0), u = target.corner(t, 1) - a, w = target.corner(t, 2) - a;
@@ -389,8 +391,8 @@ std::vector<LayerMask> layer_masks(const DepthStacks& stacks,
   return out;
 }
 
-LayerChanges make_one_piece(const LayerGrid& grid, const LayerMask& hidden,
-                            const LayerPaper& paper, LayerMask& mask) {
+LayerChanges make_one_piece(const LayerGrid& grid, const LayerMask& hidden, const LayerPaper& paper,
+                            LayerMask& mask) {
   LayerChanges out;
   for (const bool is_right : {false, true})
     HalfMaker(grid, is_right, hidden, paper, mask, out).run();

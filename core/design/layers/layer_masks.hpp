@@ -55,22 +55,22 @@ struct LayerPaper {
   double foot_share{0.35};     ///< the same, of the layer's height
   double ridge_mm{16.0};       ///< least height of the fold in the middle
   double ridge_share{0.35};    ///< the same, of the layer's height
-  double hidden_share{0.8};    ///< the same where layers in front hide it
+  double hidden_share{0.5};    ///< the same, well below what hides it in front
   double bridge_mm{5.0};       ///< width of paper that joins parts
   double least_mm2{20.0};      ///< smaller parts are left out
 };
 
 /// What was done to a layer.
 struct LayerChanges {
-  std::size_t dropped{};   ///< parts that were too small
-  std::size_t bridges{};   ///< strips of paper that join parts
-  double shown_mm2{};      ///< of strips, where no layer in front hides them
-  std::size_t filled{};    ///< holes
+  std::size_t dropped{};  ///< parts that were too small
+  std::size_t bridges{};  ///< strips of paper that join parts
+  double shown_mm2{};     ///< of strips, where no layer in front hides them
+  std::size_t filled{};   ///< holes
 };
 
 /// Makes each half of a layer one piece without holes, which stands on the page and meets the other
-/// half in the middle. Parts are joined where `hidden` (layers in front) hides the paper, if there is
-/// a way; else by the shortest.
+/// half in the middle. Parts are joined where `hidden` (layers in front) hides the paper, if there
+/// is a way; else by the shortest.
 [[nodiscard]] LayerChanges make_one_piece(const LayerGrid& grid, const LayerMask& hidden,
                                           const LayerPaper& paper, LayerMask& mask);
 

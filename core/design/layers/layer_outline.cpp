@@ -40,7 +40,8 @@ std::vector<Corner> traced(std::size_t columns, std::size_t rows, const LayerMas
   int d = 0;
   do {
     out.push_back(at);
-    at = {at.x + kSteps[static_cast<std::size_t>(d)].x, at.y + kSteps[static_cast<std::size_t>(d)].y};
+    at = {at.x + kSteps[static_cast<std::size_t>(d)].x,
+          at.y + kSteps[static_cast<std::size_t>(d)].y};
     for (const int turn : {1, 0, 3}) {
       const int next = (d + turn) % 4;
       if (left(at, next) && !right(at, next)) {
@@ -79,7 +80,8 @@ bool is_simple(const std::vector<Vec2>& polygon) {
     for (std::size_t j = i + 2; j < n; ++j) {
       if (i == 0 && j == n - 1) continue;
       const Vec2 a = polygon[i], b = polygon[(i + 1) % n], c = polygon[j], d = polygon[(j + 1) % n];
-      if (side(a, b, c) * side(a, b, d) <= 0.0 && side(c, d, a) * side(c, d, b) <= 0.0) return false;
+      if (side(a, b, c) * side(a, b, d) <= 0.0 && side(c, d, a) * side(c, d, b) <= 0.0)
+        return false;
     }
   return true;
 }
@@ -105,7 +107,8 @@ std::vector<Vec2> half_outline(const LayerGrid& grid, const LayerMask& mask, boo
       points.push_back(place(static_cast<double>(a.x), static_cast<double>(a.y)));
     }
     if (!on_border(a) || !on_border(b) || (a.x != b.x && a.y != 0) || (a.y != b.y && a.x != 0))
-      points.push_back(place(0.5 * static_cast<double>(a.x + b.x), 0.5 * static_cast<double>(a.y + b.y)));
+      points.push_back(
+          place(0.5 * static_cast<double>(a.x + b.x), 0.5 * static_cast<double>(a.y + b.y)));
   }
   for (const double most : {0.75, 0.4, 0.0}) {
     std::vector<Vec2> out;

@@ -50,10 +50,11 @@ Result<TriangleSoup> standing_target(const DesignSpec& spec, const SurfaceAssets
   for (std::size_t k = 0; k < soup.corners.size(); ++k)
     soup.corners[k] -= origin[static_cast<Eigen::Index>(k % 3)];
   if (high.y() - low.y() < kLeastSize_mm || high.z() - low.z() < kLeastSize_mm)
-    return fail(ErrorKind::Infeasible, "/scale_mm",
-                fmt::format("makes the shape {:.3g} mm wide and {:.3g} mm high; layers need at least "
-                            "{:g} mm: give a larger one",
-                            high.y() - low.y(), high.z() - low.z(), kLeastSize_mm));
+    return fail(
+        ErrorKind::Infeasible, "/scale_mm",
+        fmt::format("makes the shape {:.3g} mm wide and {:.3g} mm high; layers need at least "
+                    "{:g} mm: give a larger one",
+                    high.y() - low.y(), high.z() - low.z(), kLeastSize_mm));
   return soup;
 }
 
@@ -165,7 +166,8 @@ std::vector<double> fold_lengths(const Structure& card) {
   for (std::size_t p = 0; p < card.parts.size(); ++p)
     for (const PartFold& fold : folds_of(card.parts[p], pose[p]))
       if (!card.parts[p].is_slit(fold.from, fold.to))
-        out.push_back(norm(Vec2(card.parts[p].vertices[fold.from] - card.parts[p].vertices[fold.to])));
+        out.push_back(
+            norm(Vec2(card.parts[p].vertices[fold.from] - card.parts[p].vertices[fold.to])));
   return out;
 }
 
@@ -183,19 +185,21 @@ void warn(const std::vector<CutLayer>& layers, int asked, LayeredCard& out) {
                                 "more, which must be {:g} mm apart for their tabs",
                                 layers.size(), asked, kApart_mm)});
   if (filled > 0)
-    out.warnings.push_back({.code = "holes_filled",
-                            .message = fmt::format("{} holes in layers are filled with paper",
-                                                   filled)});
+    out.warnings.push_back(
+        {.code = "holes_filled",
+         .message = fmt::format("{} holes in layers are filled with paper", filled)});
   if (dropped > 0)
     out.warnings.push_back(
         {.code = "parts_dropped",
-         .message = fmt::format("{} parts of layers are too small to cut and are left out", dropped)});
+         .message =
+             fmt::format("{} parts of layers are too small to cut and are left out", dropped)});
   if (shown > 25.0)
     out.warnings.push_back(
         {.code = "bridges_shown",
-         .message = fmt::format("{:.0f} mm2 of paper that joins parts of layers can be seen from the "
-                                "front; fewer layers may need less",
-                                shown)});
+         .message =
+             fmt::format("{:.0f} mm2 of paper that joins parts of layers can be seen from the "
+                         "front; fewer layers may need less",
+                         shown)});
 }
 
 }  // namespace
@@ -213,8 +217,9 @@ Result<LayeredCard> layered_card(const DesignSpec& spec, const SurfaceAssets& as
   const double cell_mm = std::max(kFinest_mm, std::sqrt(width * height / kMostCells));
   const std::vector<CutLayer> layers = cut_layers(*target, spec.layers.layers, progress, cell_mm);
   if (layers.empty())
-    return fail(ErrorKind::Infeasible, "/layers", "no layer is large enough to cut; use a larger "
-                                                  "scale_mm");
+    return fail(ErrorKind::Infeasible, "/layers",
+                "no layer is large enough to cut; use a larger "
+                "scale_mm");
   Standing standing = standing_of(layers, true);
   if (Standing other = standing_of(layers, false); other.length_mm < standing.length_mm)
     standing = std::move(other);

@@ -29,18 +29,19 @@ struct LayeredCard {
   Structure card;
   std::vector<CardLayer> layers;
   bool looks_along_spine{};  ///< the front is at v = 0; else at the other end of the spine
-  TriangleSoup target;       ///< as it stands on the card: u across the pages, v along the spine, z up
+  TriangleSoup target;  ///< as it stands on the card: u across the pages, v along the spine, z up
   std::size_t folds{}, tabs{};
   hands::Handwork handwork;
   std::vector<Warning> warnings;
 };
 
 /// Makes the layers of a target, whose x axis points to the front. It stands on the pages, its
-/// middle over the spine; each layer is a V-fold across the spine, all with the same angles, so that
-/// they never meet.
+/// middle over the spine; each layer is a V-fold across the spine, all with the same angles, so
+/// that they never meet.
 ///
 /// @retval Malformed, OutOfRange  the surface cannot be read
-/// @retval Infeasible  it is too small, or a page is given on which the layers do not shut; says the
+/// @retval Infeasible  it is too small, or a page is given on which the layers do not shut; says
+/// the
 ///                     least that holds them
 [[nodiscard]] Result<LayeredCard> layered_card(const DesignSpec& spec, const SurfaceAssets& assets,
                                                const Progress& progress = {});

@@ -147,10 +147,11 @@ class Design {
     spec_.fit = FitMode::Nearest;
     spec_.facets.from_mm = spec_.given_from_mm.value_or(0.0);
     if (solid_word(*spec_.surface) || spec_.facets.length_mm) return true;
-    return wrong("layers/length_mm", ErrorKind::Malformed,
-                 fmt::format("is missing; must be a number above 0 and at most {:g}, since a formula "
-                             "does not say where it ends",
-                             kMaxLength));
+    return wrong(
+        "layers/length_mm", ErrorKind::Malformed,
+        fmt::format("is missing; must be a number above 0 and at most {:g}, since a formula "
+                    "does not say where it ends",
+                    kMaxLength));
   }
 
   bool check_facet_surface() {
@@ -261,7 +262,8 @@ void check_regions(FieldReader& fields) {
 
 constexpr std::string_view kOwnStyles[] = {"facets", "silhouette", "layers"};
 
-/// "facets", "silhouette" or "layers", where the style is one of them: they have fields of their own.
+/// "facets", "silhouette" or "layers", where the style is one of them: they have fields of their
+/// own.
 std::string_view own_style(FieldReader& fields) {
   const json* const style = fields.value("style");
   for (const std::string_view name : kOwnStyles)
@@ -430,8 +432,8 @@ void read_patches(FieldReader& fields, const json& root, SpecFields& whole) {
 // ---- the schema
 
 /// The forms of a spec, each with what it needs and what cannot stand beside it: a lattice of one
-/// region, one of several regions, patches, facets, a silhouette, layers. A book goes with lattices or has
-/// four cards.
+/// region, one of several regions, patches, facets, a silhouette, layers. A book goes with lattices
+/// or has four cards.
 constexpr std::string_view kForms = R"({
   "one": {"required": ["surface", "units_per_slice", "slices", "widths_mm"],
           "properties": {"style": {"const": "lattice"}, "facets": false, "silhouette": false,
@@ -512,16 +514,15 @@ std::string design_spec_schema() {
   const SpecTables tables = spec_tables(usual);
   json forms = *parse_json(kForms);
   json &one = forms["one"], &several = forms["several"], &patches = forms["patches"],
-       &facets = forms["facets"], &silhouette = forms["silhouette"], &layers = forms["layers"], &patch = forms["patch"],
-       &schema = forms["spec"];
+       &facets = forms["facets"], &silhouette = forms["silhouette"], &layers = forms["layers"],
+       &patch = forms["patch"], &schema = forms["spec"];
   forbid(several, kOneRegion);
   for (json* form : {&facets, &silhouette, &layers}) forbid(*form, kOfLattices);
   patch["oneOf"] = {one, several};
   for (const FieldTable* table : {&tables.name, &tables.shared, &tables.design})
     for (const Field& row : table->rows)
       patch["properties"][std::string(row.name)]["$ref"] = fmt::format("#/properties/{}", row.name);
-  for (json* form : {&one, &several, &facets, &silhouette, &layers})
-    forbid(*form, tables.patches);
+  for (json* form : {&one, &several, &facets, &silhouette, &layers}) forbid(*form, tables.patches);
   forbid(patches, tables.design);
   for (const FieldTable* table :
        {&tables.whole, &tables.name, &tables.shared, &tables.design, &tables.patches})

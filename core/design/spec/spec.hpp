@@ -59,8 +59,8 @@ struct AugmentedSpec {
 
 /// What a structure is made of.
 enum class DesignStyle {
-  Lattice,    ///< slices of falling staircases, paired level by level
-  Facets,     ///< origamic architecture: each point of the sheet lies in a plane of its own choice
+  Lattice,     ///< slices of falling staircases, paired level by level
+  Facets,      ///< origamic architecture: each point of the sheet lies in a plane of its own choice
   Silhouette,  ///< facets in a few upright planes with the target's outline, on struts
   Layers       ///< several parts: upright layers on a card that opens flat
 };

@@ -647,7 +647,9 @@ FieldTable design_table(SpecFields& spec) {
   TargetPlacement& placement = spec.placement;
   const auto facets = [&spec] { return facet_table(spec.facets, spec.given_from_mm); };
   const auto silhouette = [&spec] { return silhouette_table(spec.facets, spec.given_from_mm); };
-  const auto layers = [&spec] { return layers_table(spec.layers, spec.facets, spec.given_from_mm); };
+  const auto layers = [&spec] {
+    return layers_table(spec.layers, spec.facets, spec.given_from_mm);
+  };
   const auto splay = [&spec] { return splay_table(spec.splay.emplace(), spec.given_ligament_mm); };
   const auto curvature = [&spec] {
     return curvature_table(spec.curvature.emplace(), spec.weights);
@@ -656,7 +658,8 @@ FieldTable design_table(SpecFields& spec) {
       {"style", word(&spec.style, {"lattice", "facets", "silhouette", "layers"}),
        "what it is made of: lattice, slices of falling staircases; facets, origamic architecture: "
        "patches parallel to wall and ground, with cuts along contours; silhouette: a few upright "
-       "layers with the outline of the shape, and few folds; layers: upright layers of several parts "
+       "layers with the outline of the shape, and few folds; layers: upright layers of several "
+       "parts "
        "on a card that opens flat, to glue"},
       {"facets", object(facets),
        "in place of units_per_slice, slices, widths_mm and regions, beside \"style\": \"facets\""},

@@ -289,8 +289,7 @@ Result<LineWork> linework_of(FoldFrame frame, const std::string& place,
   UncutEdges uncut;
   for (std::size_t e = 0; e < frame.edges.size(); ++e) {
     const auto point = [&](std::uint32_t v) {
-      return PagePoint{mm * enlarged * frame.vertices[v][1],
-                       mm * enlarged * frame.vertices[v][0]};
+      return PagePoint{mm * enlarged * frame.vertices[v][1], mm * enlarged * frame.vertices[v][0]};
     };
     const Segment s{point(frame.edges[e][0]), point(frame.edges[e][1])};
     const double most = kMaxCoordinate * std::max(enlarged, 1.0);

@@ -45,9 +45,9 @@ struct JointRank {
 };
 [[nodiscard]] JointRank rank_of(const Assembled& card, const BodyState& state);
 
-/// The rms by which the farthest point of each body moves under the play of folds in paper, mm: lines
-/// that are `kLinePlay_mm` off, their ends `kEndPlay_mm`; both pages held. Weighted least squares
-/// over all joints; empty where the joints do not hold all bodies.
+/// The rms by which the farthest point of each body moves under the play of folds in paper, mm:
+/// lines that are `kLinePlay_mm` off, their ends `kEndPlay_mm`; both pages held. Weighted least
+/// squares over all joints; empty where the joints do not hold all bodies.
 ///
 /// @param points  some of each body, in it
 [[nodiscard]] std::vector<double> play_mm(const Assembled& card, const BodyState& state,

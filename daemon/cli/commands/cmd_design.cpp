@@ -16,6 +16,7 @@
 
 #include "core/deploy/sheet_mesh.hpp"
 #include "core/design/book_fit.hpp"
+#include "core/design/layers/layered_report.hpp"
 #include "core/design/patches.hpp"
 #include "core/design/shape_fit.hpp"
 #include "core/drawing/clean.hpp"
@@ -25,7 +26,6 @@
 #include "core/formats/write/profile_svg.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "core/formats/write/segments_csv.hpp"
-#include "core/design/layers/layered_report.hpp"
 #include "core/judge/sound_design.hpp"
 #include "core/judge/sound_layers.hpp"
 #include "core/machines/machine.hpp"
@@ -453,8 +453,7 @@ Result<void> layers_into(const Options& options, const Globals& globals, const D
                          const std::function<bool(std::string_view)>& wants, OutputFolder& folder,
                          std::optional<LongWork>& work) {
   const auto begun = std::chrono::steady_clock::now();
-  const auto made =
-      judge::sound_layers(spec, assets, "popcut " POPCUT_VERSION, work->progress());
+  const auto made = judge::sound_layers(spec, assets, "popcut " POPCUT_VERSION, work->progress());
   if (!made) return tl::unexpected(within(options.spec, made.error()));
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();

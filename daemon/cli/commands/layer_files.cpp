@@ -41,7 +41,8 @@ std::vector<float> as_seen(const TriangleSoup& soup, bool looks_along_spine) {
 /// The card at an opening, both pages sloping alike.
 TriangleSoup level_card(const Structure& card, double opening_rad) {
   TriangleSoup soup = parts_in_space(card, opening_rad, 0);
-  const double turn = 0.5 * (std::numbers::pi - opening_rad), c = std::cos(turn), s = std::sin(turn);
+  const double turn = 0.5 * (std::numbers::pi - opening_rad), c = std::cos(turn),
+               s = std::sin(turn);
   for (std::size_t k = 0; k < soup.corners.size(); k += 3) {
     double &u = soup.corners[k], &z = soup.corners[k + 2];
     std::tie(u, z) = std::pair(c * u - s * z, s * u + c * z);
@@ -52,8 +53,9 @@ TriangleSoup level_card(const Structure& card, double opening_rad) {
 Result<std::string> picture_of(const LayeredCard& made) {
   std::vector<OpenedCard> openings;
   for (const double opening_deg : {180.0, 120.0, 50.0})
-    openings.push_back({fmt::format("{:g} degrees", opening_deg),
-                        as_seen(level_card(made.card, radians(opening_deg)), made.looks_along_spine)});
+    openings.push_back(
+        {fmt::format("{:g} degrees", opening_deg),
+         as_seen(level_card(made.card, radians(opening_deg)), made.looks_along_spine)});
   return opened_picture(openings, as_seen(made.target, made.looks_along_spine),
                         fmt::format("{}: {} layers on pages of {:.0f} x {:.0f} mm", made.card.name,
                                     made.layers.size(), made.card.page_mm, made.card.length_mm));
@@ -86,9 +88,8 @@ Result<std::string> add_layer_files(const judge::SoundLayers& sound, const Mater
     if (auto done = add("pattern.svg", look); !done) return tl::unexpected(done.error());
   if (wants("cut")) {
     const Dashed dashed = micro_cut(linework_from_pattern(drawing), material.dashes);
-    const std::string text = drawn([&](std::ostream& out) {
-      write_cut_svg(drawing, planning::micro_cuts(dashed.work), out);
-    });
+    const std::string text = drawn(
+        [&](std::ostream& out) { write_cut_svg(drawing, planning::micro_cuts(dashed.work), out); });
     if (auto done = add("cut.svg", text); !done) return tl::unexpected(done.error());
   }
   if (wants("dxf")) {
@@ -118,8 +119,9 @@ void say_layers(const judge::SoundLayers& sound) {
   const LayeredCard& made = sound.made;
   fmt::print(stderr, "{}: {} layers on a card that opens flat, in one movement\n",
              shown_text(made.card.name), made.layers.size());
-  fmt::print(stderr, "  pages    {:.1f} mm from the spine, {:.1f} mm along it; shut, the layers reach "
-                     "{:.1f} mm, and the stack is {:.1f} mm high\n",
+  fmt::print(stderr,
+             "  pages    {:.1f} mm from the spine, {:.1f} mm along it; shut, the layers reach "
+             "{:.1f} mm, and the stack is {:.1f} mm high\n",
              made.card.page_mm, made.card.length_mm, sound.report.closed_mm, sound.report.stack_mm);
   fmt::print(stderr, "  pieces   {}, with {} tabs to glue\n", made.card.parts.size(), made.tabs);
   fmt::print(stderr, "  by hand  {}\n", hands::handwork_words(made.handwork));

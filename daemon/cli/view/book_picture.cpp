@@ -81,7 +81,8 @@ Result<std::string> book_picture(const BookScene& scene, const std::string& titl
     rows.push_back({"the model", &scene.model, likeness::kModelColour, near});
   std::vector<likeness::View> views;
   for (int k = 0; k < kSides; ++k)
-    views.push_back(likeness::risen_view(2.0 * std::numbers::pi * (k + 0.5) / kSides, kFromAbove_rad));
+    views.push_back(
+        likeness::risen_view(2.0 * std::numbers::pi * (k + 0.5) / kSides, kFromAbove_rad));
   return picture_of(rows, views, kTile, title);
 }
 

@@ -22,8 +22,8 @@ struct BookScene {
 /// @retval Internal  the libraries cannot draw it
 [[nodiscard]] Result<std::string> book_picture(const BookScene& scene, const std::string& title);
 
-/// A card that opens flat, as it is seen by a person at a table: x points to that person, the second
-/// coordinate is the height, mm.
+/// A card that opens flat, as it is seen by a person at a table: x points to that person, the
+/// second coordinate is the height, mm.
 struct OpenedCard {
   std::string words;             ///< "open", "half open"
   std::vector<float> triangles;  ///< pages and all that stands on them

@@ -1,13 +1,21 @@
 // SPDX-License-Identifier: MIT
 // Cards of several parts, and the faults that verify must find in them.
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/design/layers/layer_masks.hpp"
+#include "core/design/layers/layer_outline.hpp"
+#include "core/design/layers/layered_report.hpp"
+#include "core/design/spec/spec.hpp"
 #include "core/geometry/angle.hpp"
+#include "core/judge/sound_layers.hpp"
 #include "core/parts/elements.hpp"
 #include "core/parts/structure_fold.hpp"
 #include "core/verify/parts/parts.hpp"
@@ -247,6 +255,88 @@ TEST_CASE("an element that cannot move says what would have to change, and by ho
   v_fold.left_panel_rad = v_fold.right_panel_rad = radians(121.0);
   says(can_move(v_fold), "less than 180");
   CHECK(panel_of_tilt(radians(60.0), radians(90.0)) == Approx(radians(90.0)));
+}
+
+TEST_CASE("a layer with a part in the air and a hole becomes one piece that stands",
+          "[core][parts][layers]") {
+  LayerGrid grid{1.0, 120, 60};
+  LayerMask mask(grid.cells(), 0);
+  const auto disc = [&](double x, double z, double from, double to) {
+    for (std::size_t r = 0; r < grid.rows; ++r)
+      for (std::size_t c = 0; c < grid.columns; ++c) {
+        const double off =
+            std::hypot(static_cast<double>(c) - 59.5 - x, static_cast<double>(r) - z);
+        if (off >= from && off <= to) mask[grid.at(c, r)] = 1;
+      }
+  };
+  disc(30.0, 40.0, 6.0, 12.0);   // a ring on the right, in the air
+  disc(-25.0, 20.0, 0.0, 12.0);  // a disc on the left
+  disc(-50.0, 50.0, 0.0, 1.0);   // a speck
+  const LayerMask hidden(grid.cells(), 0);
+  const LayerPaper paper;
+  const LayerChanges changes = make_one_piece(grid, hidden, paper, mask);
+  CHECK(changes.dropped == 1);
+  CHECK(changes.filled == 1);
+  CHECK(changes.bridges >= 1);
+  CHECK(changes.shown_mm2 > 20.0);
+  CHECK(mask[grid.at(90, 40)] == 1);
+  for (const bool is_right : {false, true}) {
+    const std::vector<Vec2> outline = half_outline(grid, mask, is_right);
+    REQUIRE(outline.size() > 8);
+    double twice = 0.0;
+    std::size_t on_page = 0, on_ridge = 0, paper_cells = 0;
+    for (std::size_t k = 0; k < outline.size(); ++k) {
+      twice += cross(outline[k], outline[(k + 1) % outline.size()]);
+      on_page += outline[k].y() == 0.0 ? 1 : 0, on_ridge += outline[k].x() == 0.0 ? 1 : 0;
+    }
+    for (std::size_t r = 0; r < grid.rows; ++r)
+      for (std::size_t c = 0; c < 60; ++c) paper_cells += mask[grid.at(is_right ? 60 + c : c, r)];
+    CHECK(0.5 * twice == Approx(static_cast<double>(paper_cells)).epsilon(0.03));
+    CHECK(on_page >= 2);
+    CHECK(on_ridge >= 2);
+  }
+}
+
+TEST_CASE("every front of a shape is in a layer, and the card of them is sound",
+          "[core][parts][layers]") {
+  const auto spec_of = [](const std::string& layers) {
+    auto spec = parse_design_spec(
+        R"({"popcut":1,"name":"two","style":"layers","surface":{"type":"implicit","f":)"
+        R"("min(sqrt((x-60)^2+(y-30)^2+(z-20)^2)-18, max(abs(x-25)-5,max(abs(y-45)-30,z-50)))"},)"
+        R"("layers":)" +
+        layers + "}");
+  if (!spec) FAIL(message(spec.error()));
+  return *spec;
+};
+const auto sound = judge::sound_layers(spec_of(R"({"layers":4,"length_mm":80})"), {}, "test");
+if (!sound) FAIL(message(sound.error()));
+CHECK(sound->made.layers.size() >= 3);
+CHECK(sound->report.degrees_of_freedom == 1U);
+CHECK(sound->made.tabs == 2 * sound->made.layers.size());
+// As it stands on the card: u across, v along the spine; the front is at x = 0 of the shape.
+TriangleSoup shape = sound->made.target;
+for (std::size_t k = 0; k < shape.corners.size(); k += 3) {
+  const double along = sound->made.looks_along_spine ? 1.0 : -1.0;
+  std::swap(shape.corners[k], shape.corners[k + 1]);
+  shape.corners[k] *= -along, shape.corners[k + 1] *= along;
+}
+std::vector<double> depths;
+for (const CardLayer& layer : sound->made.layers) depths.push_back(layer.depth_mm);
+const DepthStacks stacks = depth_stacks(shape, 1.0);
+const std::vector<LayerMask> masks = layer_masks(stacks, depths);
+for (std::size_t cell = 0; cell < stacks.grid.cells(); ++cell) {
+  if (stacks.crossings[cell].empty()) continue;
+  const bool any = std::any_of(masks.begin(), masks.end(),
+                               [&](const LayerMask& mask) { return mask[cell] != 0; });
+  if (!any) FAIL_CHECK("cell " << cell << " is in no layer");
+}
+const Json report = Json::parse(layered_report_json(sound->made, 0.0));
+CHECK(report["pieces"] == sound->made.layers.size() + 1);
+
+const auto narrow = judge::sound_layers(spec_of(R"({"length_mm":80,"spine_mm":50})"), {}, "test");
+REQUIRE_FALSE(narrow);
+CHECK(narrow.error().place == "/layers/spine_mm");
+CHECK(narrow.error().detail.find("at least") != std::string::npos);
 }
 
 }  // namespace verify_parts_test
