@@ -67,11 +67,10 @@ bool is_left_of(const SeatSide& side) { return cross(side.along, side.away) > 0.
 /// it, if there is room.
 ///
 /// @param taken_mm  of the face, from its fold on
-void add_foot(Structure& card, std::size_t part, std::uint32_t panel, const FlatLine& fold,
-              const SeatSide& side, double out_mm, double from_mm, double to_mm,
-              double taken_mm = 0.0) {
+void add_foot(Structure& card, std::size_t part, const FlatLine& fold, const SeatSide& side,
+              double out_mm, double from_mm, double to_mm, double taken_mm = 0.0) {
   const bool inward = out_mm - taken_mm > tab_depth_mm(card, to_mm - from_mm);
-  add_tab(card, part, panel, fold, side.part, side.face,
+  add_tab(card, part, fold, side.part, side.face,
           {side.at(out_mm, from_mm), side.at(out_mm, to_mm)}, inward != is_left_of(side));
 }
 
@@ -213,19 +212,19 @@ void build(Structure& card, const Seat& seat, const VFoldElement& e) {
     return Vec2{side * std::sin(panel_rad), std::cos(panel_rad)};
   };
   const Vec2 left = crease(e.left_panel_rad, -1.0), right = crease(e.right_panel_rad, 1.0);
-  const auto outline = [&](const std::vector<Vec2>& given, Vec2 along) {
-    if (!given.empty()) return given;
+  const auto add_panel = [&](const std::vector<std::vector<Vec2>>& given, Vec2 along) {
+    for (const std::vector<Vec2>& outline : given) part.add_face(outline);
     const Vec2 up{0.0, e.ridge_mm};
-    return std::vector<Vec2>{Vec2{0.0, 0.0}, Vec2(e.crease_mm * along),
-                             Vec2(e.crease_mm * along + up), up};
+    if (given.empty())
+      part.add_face(std::array{Vec2{0.0, 0.0}, Vec2(e.crease_mm * along),
+                               Vec2(e.crease_mm * along + up), up});
   };
-  part.add_face(outline(e.left_outline, left));
-  part.add_face(outline(e.right_outline, right));
-  // Halves of unlike outlines meet in the same stretches of the ridge.
-  for (const Vec2& at : std::vector<Vec2>(part.vertices))
-    if (std::abs(at.x()) < 1e-9) part.add_corner(at);
+  add_panel(e.left_outlines, left);
+  add_panel(e.right_outlines, right);
+  // Faces of unlike outlines meet in the same stretches.
+  for (const Vec2& at : std::vector<Vec2>(part.vertices)) part.add_corner(at);
   const auto glue = [&](const std::vector<std::pair<double, double>>& given, Vec2 flat,
-                        const SeatSide& side, double angle, std::uint32_t panel) {
+                        const SeatSide& side, double angle) {
     const double tabs = tab_depth_mm(card, e.crease_mm);
     const double apart = 2.0 * kPiRad - e.left_panel_rad - e.right_panel_rad;
     double from = std::max(1.0, clear_from_mm(tabs, 0.5 * apart));
@@ -239,12 +238,12 @@ void build(Structure& card, const Seat& seat, const VFoldElement& e) {
       const FlatLine on{place(begin), place(end)};
       const Vec2 line = on[1] - on[0];
       const bool begins_left = cross(line, Vec2(-side.along)) > 0.0;
-      add_tab(card, n, panel, {Vec2(begin * flat), Vec2(end * flat)}, side.part, side.face, on,
+      add_tab(card, n, {Vec2(begin * flat), Vec2(end * flat)}, side.part, side.face, on,
               begins_left == e.tabs_behind);
     }
   };
-  glue(e.left_tabs, left, seat.left, e.left_crease_rad, 0);
-  glue(e.right_tabs, right, seat.right, e.right_crease_rad, 1);
+  glue(e.left_tabs, left, seat.left, e.left_crease_rad);
+  glue(e.right_tabs, right, seat.right, e.right_crease_rad);
   const auto pose = [e, left, right](const SeatFrame& frame) {
     const Vec3 y{0.0, 1.0, 0.0}, apex = e.at_mm * y;
     const Vec3 l = std::cos(e.left_crease_rad) * y + std::sin(e.left_crease_rad) * frame.out(-1.0),
@@ -257,8 +256,14 @@ void build(Structure& card, const Seat& seat, const VFoldElement& e) {
     const double up = std::sqrt(std::max(0.0, 1.0 - dot(in_plane, in_plane)) / s2);
     const Vec3 ridge = in_plane + up * normal;
     const Vec2 o{0.0, 0.0}, u{0.0, 1.0};
-    return PartPoses{{laid({o, u, left}, {apex, apex + ridge, apex + l}),
-                      laid({o, u, right}, {apex, apex + ridge, apex + r})}};
+    const auto faces = [](const std::vector<std::vector<Vec2>>& outlines) {
+      return std::max<std::size_t>(1, outlines.size());
+    };
+    PartPoses out(1);
+    out[0].assign(faces(e.left_outlines), laid({o, u, left}, {apex, apex + ridge, apex + l}));
+    out[0].resize(out[0].size() + faces(e.right_outlines),
+                  laid({o, u, right}, {apex, apex + ridge, apex + r}));
+    return out;
   };
   card.elements.push_back({seat, n, 1, pose});
 }
@@ -273,9 +278,9 @@ void build(Structure& card, const Seat& seat, const TentElement& e) {
     part.add_corner({ridge, from});
     part.add_corner({ridge, to});
   }
-  add_foot(card, n, 0, {Vec2{0.0, e.from_mm}, Vec2{0.0, e.to_mm}}, seat.left, e.left_foot_mm,
+  add_foot(card, n, {Vec2{0.0, e.from_mm}, Vec2{0.0, e.to_mm}}, seat.left, e.left_foot_mm,
            e.from_mm, e.to_mm);
-  add_foot(card, n, 1, {Vec2{end, e.from_mm}, Vec2{end, e.to_mm}}, seat.right, e.right_foot_mm,
+  add_foot(card, n, {Vec2{end, e.from_mm}, Vec2{end, e.to_mm}}, seat.right, e.right_foot_mm,
            e.from_mm, e.to_mm);
   const auto pose = [e, ridge, end](const SeatFrame& frame) {
     const Vec3 l = e.left_foot_mm * frame.out(-1.0), r = e.right_foot_mm * frame.out(1.0);
@@ -290,10 +295,10 @@ void build(Structure& card, const Seat& seat, const LayerElement& e) {
   add_strip(new_part(card, e.name), {0.0, e.height_mm}, e.from_mm, e.to_mm);
   add_strip(new_part(card, e.name + "-strut"), {0.0, e.strut_mm}, e.from_mm, e.to_mm);
   const auto line = [&](double u) { return FlatLine{Vec2{u, e.from_mm}, Vec2{u, e.to_mm}}; };
-  add_foot(card, n, 0, line(0.0), seat.right, e.foot_mm, e.from_mm, e.to_mm);
-  add_foot(card, n + 1, 0, line(0.0), seat.left, e.strut_foot_mm, e.from_mm, e.to_mm);
+  add_foot(card, n, line(0.0), seat.right, e.foot_mm, e.from_mm, e.to_mm);
+  add_foot(card, n + 1, line(0.0), seat.left, e.strut_foot_mm, e.from_mm, e.to_mm);
   // Up the layer, which is on the right of the direction of y on its sheet.
-  add_tab(card, n + 1, 0, line(e.strut_mm), n, 0, line(e.strut_at_mm), false);
+  add_tab(card, n + 1, line(e.strut_mm), n, 0, line(e.strut_at_mm), false);
   const auto pose = [e](const SeatFrame& frame) {
     const Vec3 l = e.strut_foot_mm * frame.out(-1.0), r = e.foot_mm * frame.out(1.0);
     const Vec3 joint = meeting(l, e.strut_mm, r, e.strut_at_mm);
@@ -309,10 +314,9 @@ void build(Structure& card, const Seat& seat, const BoxElement& e) {
   const double left = length + 2.0 * a, end = 2.0 * length + 4.0 * a;
   add_strip(new_part(card, e.name),
             {0.0, length, length + a, left, left + length, left + length + a, end}, 0.0, h);
-  add_foot(card, n, 0, {Vec2{0.0, 0.0}, Vec2{length, 0.0}}, seat.right, a, e.from_mm, e.to_mm);
-  add_foot(card, n, 3, {Vec2{left + length, 0.0}, Vec2{left, 0.0}}, seat.left, a, e.from_mm,
-           e.to_mm);
-  add_tab(card, n, 5, {Vec2{end, 0.0}, Vec2{end, h}}, n, 0, {Vec2{0.0, 0.0}, Vec2{0.0, h}}, false);
+  add_foot(card, n, {Vec2{0.0, 0.0}, Vec2{length, 0.0}}, seat.right, a, e.from_mm, e.to_mm);
+  add_foot(card, n, {Vec2{left + length, 0.0}, Vec2{left, 0.0}}, seat.left, a, e.from_mm, e.to_mm);
+  add_tab(card, n, {Vec2{end, 0.0}, Vec2{end, h}}, n, 0, {Vec2{0.0, 0.0}, Vec2{0.0, h}}, false);
   if (e.lid != BoxLid::None) {
     const double wide = e.lid == BoxLid::Roof ? a : e.lid_mm;
     add_strip(new_part(card, e.name + "-lid"), {-wide, 0.0, wide}, e.from_mm, e.to_mm);
@@ -325,14 +329,14 @@ void build(Structure& card, const Seat& seat, const BoxElement& e) {
     const auto edge = [&](double u) {
       return FlatLine{Vec2{u, e.from_mm + from}, Vec2{u, e.from_mm + to}};
     };
-    add_tab(card, n + 1, 1, edge(a), n, 0, right_top, false);
-    add_tab(card, n + 1, 0, edge(-a), n, 3, left_top, true);
+    add_tab(card, n + 1, edge(a), n, 0, right_top, false);
+    add_tab(card, n + 1, edge(-a), n, 3, left_top, true);
   } else if (e.lid == BoxLid::Floating) {
     const auto on = [&](double u) {
       return FlatLine{Vec2{u, e.from_mm + from}, Vec2{u, e.from_mm + to}};
     };
-    add_tab(card, n, 0, right_top, n + 1, 1, on(a), true);
-    add_tab(card, n, 3, left_top, n + 1, 0, on(-a), false);
+    add_tab(card, n, right_top, n + 1, 1, on(a), true);
+    add_tab(card, n, left_top, n + 1, 0, on(-a), false);
   }
   const auto pose = [=](const SeatFrame& frame) {
     const double s = std::sin(0.5 * frame.opening_rad), c = std::cos(0.5 * frame.opening_rad);
@@ -392,7 +396,7 @@ void build(Structure& card, const Seat& seat, const DoubleCornerElement& e) {
   }
   SheetPart& middle = new_part(card, e.name);
   middle.add_face(outline);
-  add_foot(card, n, 0, {Vec2{e.from_mm, 0.0}, Vec2{e.to_mm, 0.0}}, seat.right, 0.0, e.from_mm,
+  add_foot(card, n, {Vec2{e.from_mm, 0.0}, Vec2{e.to_mm, 0.0}}, seat.right, 0.0, e.from_mm,
            e.to_mm);
   // 2. Steps.
   for (const auto& step : e.steps) {
@@ -403,9 +407,9 @@ void build(Structure& card, const Seat& seat, const DoubleCornerElement& e) {
     const auto line = [&](double u) {
       return FlatLine{Vec2{u, step.from_mm}, Vec2{u, step.to_mm}};
     };
-    add_foot(card, p, 0, line(0.0), step.is_right ? seat.right : seat.left, step.out_mm,
-             step.from_mm, step.to_mm, step.is_right ? card.tab_mm : 0.0);
-    add_tab(card, p, 1, line(end_u), n, 0,
+    add_foot(card, p, line(0.0), step.is_right ? seat.right : seat.left, step.out_mm, step.from_mm,
+             step.to_mm, step.is_right ? card.tab_mm : 0.0);
+    add_tab(card, p, line(end_u), n, 0,
             {Vec2{step.from_mm, step.up_mm}, Vec2{step.to_mm, step.up_mm}}, false);
   }
   const auto pose = [e](const SeatFrame& frame) {

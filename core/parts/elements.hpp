@@ -27,8 +27,8 @@ struct VFoldElement {
   double left_panel_rad{}, right_panel_rad{};
   double crease_mm{}, ridge_mm{};  ///< of the panels, parallelograms where no outline is given
   /// Outlines on the panels' sheet: the apex is (0, 0), the ridge runs up, the right panel has
-  /// u > 0. They lie between ridge and crease.
-  std::vector<Vec2> left_outline, right_outline;
+  /// u > 0. They lie between ridge and crease. A panel with holes is of several faces that touch.
+  std::vector<std::vector<Vec2>> left_outlines, right_outlines;
   /// Where tabs are, from and to along each crease; none: all of it but what is near the apex.
   std::vector<std::pair<double, double>> left_tabs, right_tabs;
   bool tabs_behind{true};  ///< they lie on the side towards the fold's beginning

@@ -151,30 +151,33 @@ double tab_depth_mm(const Structure& card, double fold_mm) {
   return std::min(card.tab_mm, 0.45 * fold_mm);
 }
 
-void add_tab(Structure& card, std::size_t part, std::uint32_t panel, const FlatLine& fold,
-             std::size_t on_part, std::uint32_t on_face, const FlatLine& to, bool on_left) {
+void add_tab(Structure& card, std::size_t part, const FlatLine& fold, std::size_t on_part,
+             std::uint32_t on_face, const FlatLine& to, bool on_left) {
   SheetPart& sheet = card.parts[part];
   for (const Vec2& end : fold) sheet.add_corner(end);
   const Vec2 along = fold[1] - fold[0];
   const double length = norm(along);
   const Vec2 d = along / length, left{-d.y(), d.x()};
+  const auto lies = [&](Vec2 a) { return std::abs(dot(Vec2(a - fold[0]), left)) <= kSame_mm; };
   // The tab is on the other side of the fold than the panel, whose border runs along it.
-  const auto corners = sheet.faces[panel];
   bool is_left = true;
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    const Vec2 p = sheet.vertices[corners[k]],
-               q = sheet.vertices[corners[(k + 1) % corners.size()]];
-    const auto lies = [&](Vec2 a) { return std::abs(dot(Vec2(a - fold[0]), left)) <= kSame_mm; };
-    if (!lies(p) || !lies(q)) continue;
-    const double from = dot(Vec2(p - fold[0]), d), end = dot(Vec2(q - fold[0]), d);
-    if (std::max(from, end) < 0.5 * length || std::min(from, end) > 0.5 * length) continue;
-    is_left = end < from;  // the panel is on the left of its own border
-  }
+  for (const auto& corners : sheet.faces)
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const Vec2 p = sheet.vertices[corners[k]],
+                 q = sheet.vertices[corners[(k + 1) % corners.size()]];
+      if (!lies(p) || !lies(q)) continue;
+      const double from = dot(Vec2(p - fold[0]), d), end = dot(Vec2(q - fold[0]), d);
+      if (std::max(from, end) < 0.5 * length || std::min(from, end) > 0.5 * length) continue;
+      is_left = end < from;  // a panel is on the left of its own border
+    }
   const double depth = tab_depth_mm(card, length), side = is_left ? 1.0 : -1.0;
   const std::uint32_t tab =
       sheet.add_face(std::array{fold[0], fold[1], Vec2(fold[1] - depth * d + side * depth * left),
                                 Vec2(fold[0] + depth * d + side * depth * left)});
   sheet.tabs.push_back(tab);
+  // Where the panel is of several faces, the fold has a corner at each border of them.
+  for (const Vec2& at : std::vector<Vec2>(sheet.vertices))
+    if (lies(at)) sheet.add_corner(at);
   card.joints.push_back(
       {PartJointKind::Glue, {part, tab, fold}, {on_part, on_face, to}, is_left != on_left});
 }

@@ -122,9 +122,9 @@ struct Structure {
 /// Adds a tab to a panel along `fold`, and glues it. It lies on the other face along `to`, on its
 /// left (`on_left`) going from `to[0]` to `to[1]`.
 ///
-/// @param part  with the panel; the card's parts and joints grow
-void add_tab(Structure& card, std::size_t part, std::uint32_t panel, const FlatLine& fold,
-             std::size_t on_part, std::uint32_t on_face, const FlatLine& to, bool on_left);
+/// @param part  with the panel, whose border runs along `fold`; the card's parts and joints grow
+void add_tab(Structure& card, std::size_t part, const FlatLine& fold, std::size_t on_part,
+             std::uint32_t on_face, const FlatLine& to, bool on_left);
 
 /// The places of all faces at an opening of the pages, 0 < opening < pi, by the elements' closed
 /// forms. The right page stays where its sheet is flat; z is up.

@@ -250,7 +250,7 @@ class HalfMaker {
     changes_.shown_mm2 += area_mm2(shown);
   }
 
-  /// Fills what is enclosed in this half. A gap at the middle is no hole: the fold stops there.
+  /// Fills small holes. A gap at the middle is no hole: the fold stops there.
   void fill_holes() {
     std::vector<std::size_t> sizes;
     const auto part = parts_of(half_, mask_, 0, sizes);
@@ -261,6 +261,8 @@ class HalfMaker {
           (c == 0 || c + 1 == half_.columns() || r == 0 || r + 1 == half_.grid.rows))
         is_open[part[k] - 1] = true;
     }
+    for (std::size_t n = 0; n < sizes.size(); ++n)
+      is_open[n] = is_open[n] || area_mm2(sizes[n]) >= paper_.least_mm2;
     for (std::size_t k = 0; k < mask_.size(); ++k)
       if (part[k] != 0 && !is_open[part[k] - 1]) mask_[k] = 1;
     changes_.filled += static_cast<std::size_t>(std::count(is_open.begin(), is_open.end(), false));
@@ -287,6 +289,32 @@ class HalfMaker {
   LayerChanges& changes_;
   LayerMask mask_, hidden_;
 };
+
+/// Moves ascending places as little as puts each `apart` behind the last, from 0 to `end`: without
+/// the distances they must not fall, and what falls becomes the mean of its run (pool adjacent
+/// violators).
+std::vector<double> spread(std::vector<double> places, double apart, double end) {
+  struct Run {
+    double sum{};
+    std::size_t count{};
+    [[nodiscard]] double mean() const { return sum / static_cast<double>(count); }
+  };
+  std::vector<Run> runs;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    runs.push_back({places[k] - apart * static_cast<double>(k), 1});
+    while (runs.size() > 1 && runs[runs.size() - 2].mean() > runs.back().mean()) {
+      const Run last = runs.back();
+      runs.pop_back();
+      runs.back().sum += last.sum, runs.back().count += last.count;
+    }
+  }
+  const double most = std::max(0.0, end - apart * static_cast<double>(places.size() - 1));
+  std::size_t k = 0;
+  for (const Run& run : runs)
+    for (std::size_t n = 0; n < run.count; ++n, ++k)
+      places[k] = std::clamp(run.mean(), 0.0, most) + apart * static_cast<double>(k);
+  return places;
+}
 
 }  // namespace
 
@@ -362,16 +390,12 @@ std::vector<double> layer_depths(const TriangleSoup& target, int count, double a
             area / static_cast<double>(each * each);
       }
   }
+  const double deep_mm = box.high.x() - box.low.x();
+  const int most = std::min(count, 1 + static_cast<int>(deep_mm / apart_mm));
   std::vector<double> out;
-  for (int k = count; k > 0; --k) {
-    out.clear();
-    for (const int depth : interval_medians(seen, k)) out.push_back(depth);
-    std::reverse(out.begin(), out.end());
-    bool fits = true;
-    for (std::size_t i = 1; i < out.size(); ++i) fits = fits && out[i] - out[i - 1] >= apart_mm;
-    if (fits) break;
-  }
-  return out;
+  for (const int depth : interval_medians(seen, most)) out.push_back(depth);
+  std::reverse(out.begin(), out.end());
+  return spread(std::move(out), apart_mm, deep_mm);
 }
 
 std::vector<LayerMask> layer_masks(const DepthStacks& stacks,

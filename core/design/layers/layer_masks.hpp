@@ -39,7 +39,8 @@ struct DepthStacks {
 [[nodiscard]] DepthStacks depth_stacks(const TriangleSoup& target, double cell_mm);
 
 /// The depths of at most `count` layers that lie nearest to what is seen of a target from in front
-/// and above (k-medians), each at least `apart_mm` behind the last. Ascending.
+/// and above (k-medians), moved as little as puts each at least `apart_mm` behind the last; fewer
+/// where the target is not deep enough. Ascending.
 [[nodiscard]] std::vector<double> layer_depths(const TriangleSoup& target, int count,
                                                double apart_mm);
 
@@ -52,12 +53,12 @@ struct DepthStacks {
 struct LayerPaper {
   double band_mm{6.0};         ///< height of the strip at its foot that holds all of it
   double least_foot_mm{22.0};  ///< of that strip, on each side of the middle
-  double foot_share{0.35};     ///< the same, of the layer's height
+  double foot_share{0.45};     ///< the same, of the layer's height
   double ridge_mm{16.0};       ///< least height of the fold in the middle
-  double ridge_share{0.35};    ///< the same, of the layer's height
+  double ridge_share{0.42};    ///< the same, of the layer's height
   double hidden_share{0.5};    ///< the same, well below what hides it in front
   double bridge_mm{5.0};       ///< width of paper that joins parts
-  double least_mm2{20.0};      ///< smaller parts are left out
+  double least_mm2{20.0};      ///< smaller parts are left out, smaller holes are filled
 };
 
 /// What was done to a layer.
@@ -68,7 +69,7 @@ struct LayerChanges {
   std::size_t filled{};   ///< holes
 };
 
-/// Makes each half of a layer one piece without holes, which stands on the page and meets the other
+/// Makes each half of a layer one piece, which stands on the page and meets the other
 /// half in the middle. Parts are joined where `hidden` (layers in front) hides the paper, if there
 /// is a way; else by the shortest.
 [[nodiscard]] LayerChanges make_one_piece(const LayerGrid& grid, const LayerMask& hidden,

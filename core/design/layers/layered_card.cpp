@@ -27,6 +27,38 @@ constexpr double kLeastSize_mm = 15.0;
 constexpr double kMostCells = 6e5, kFinest_mm = 0.5;
 constexpr double kHalfOpen_rad = 1.9;
 
+/// Where the outline seen from the front is most like its mirror image, near the middle: there the
+/// fold of the layers cuts no knob or gable in two. Places along y, mm.
+double mirror_of(const TriangleSoup& soup, double low, double high) {
+  constexpr double kStep_mm = 0.5, kMostCells = 4000.0, kNear = 0.2;
+  const double step = std::max(kStep_mm, (high - low) / kMostCells);
+  std::vector<double> top(static_cast<std::size_t>(std::ceil((high - low) / step)) + 1, 0.0);
+  const auto place = [&](double k) { return low + (k + 0.5) * step; };
+  for (std::size_t t = 0; t < soup.size(); ++t)
+    for (std::size_t e = 0; e < 3; ++e) {
+      Vec3 a = soup.corner(t, e), b = soup.corner(t, (e + 1) % 3);
+      if (a.y() > b.y()) std::swap(a, b);
+      for (double k = std::max(0.0, std::ceil((a.y() - low) / step - 0.5)); place(k) < b.y(); ++k) {
+        const double z = a.z() + (place(k) - a.y()) / (b.y() - a.y()) * (b.z() - a.z());
+        double& cell = top[static_cast<std::size_t>(k)];
+        cell = std::max(cell, z);
+      }
+    }
+  const auto cells = static_cast<std::ptrdiff_t>(top.size());
+  const auto near = static_cast<std::ptrdiff_t>(kNear * static_cast<double>(cells));
+  double most = -1.0, best = 0.5 * (low + high);
+  // Twice the place, so that the mirror may be a cell or between two; the middle first.
+  for (std::ptrdiff_t n = 0; n <= 2 * near; ++n) {
+    const std::ptrdiff_t twice = cells - 1 + (n % 2 == 0 ? n / 2 : -(n + 1) / 2);
+    double alike = 0.0;
+    for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(0, twice - cells + 1); 2 * k <= twice; ++k)
+      alike += std::min(top[static_cast<std::size_t>(k)], top[static_cast<std::size_t>(twice - k)]);
+    if (alike > most * (1.0 + 1e-9))
+      most = alike, best = low + 0.5 * step * static_cast<double>(twice + 1);
+  }
+  return best;
+}
+
 /// The surface in millimetres, its middle at y = 0, its foot at z = 0, its front at x = 0.
 Result<TriangleSoup> standing_target(const DesignSpec& spec, const SurfaceAssets& assets) {
   TriangleSoup soup;
@@ -46,9 +78,12 @@ Result<TriangleSoup> standing_target(const DesignSpec& spec, const SurfaceAssets
   for (std::size_t t = 0; t < soup.size(); ++t)
     for (std::size_t k = 0; k < 3; ++k)
       low = low.cwiseMin(soup.corner(t, k)), high = high.cwiseMax(soup.corner(t, k));
-  const Vec3 origin{high.x(), 0.5 * (low.y() + high.y()), low.z()};
-  for (std::size_t k = 0; k < soup.corners.size(); ++k)
-    soup.corners[k] -= origin[static_cast<Eigen::Index>(k % 3)];
+  const auto move = [&](const Vec3& origin) {
+    for (std::size_t k = 0; k < soup.corners.size(); ++k)
+      soup.corners[k] -= origin[static_cast<Eigen::Index>(k % 3)];
+  };
+  move({high.x(), 0.0, low.z()});
+  move({0.0, mirror_of(soup, low.y(), high.y()), 0.0});
   if (high.y() - low.y() < kLeastSize_mm || high.z() - low.z() < kLeastSize_mm)
     return fail(
         ErrorKind::Infeasible, "/scale_mm",
@@ -58,29 +93,23 @@ Result<TriangleSoup> standing_target(const DesignSpec& spec, const SurfaceAssets
   return soup;
 }
 
+using Outlines = std::vector<std::vector<Vec2>>;
+
 /// A layer before it stands on a card: its halves on the sheet of its V-fold.
 struct CutLayer {
   double depth_mm{};
-  std::vector<Vec2> left, right;
+  Outlines left, right;                    ///< as far from the middle, both positive
   double foot_left_mm{}, foot_right_mm{};  ///< of the border on the page, from the middle
   LayerChanges changes;
 
-  [[nodiscard]] std::vector<Vec2> both() const {
-    std::vector<Vec2> out = left;
-    for (Vec2& p : out) p.x() = -p.x();
-    out.insert(out.end(), right.begin(), right.end());
+  /// All corners, from the middle.
+  [[nodiscard]] std::vector<Vec2> corners() const {
+    std::vector<Vec2> out;
+    for (const Outlines* half : {&left, &right})
+      for (const std::vector<Vec2>& face : *half) out.insert(out.end(), face.begin(), face.end());
     return out;
   }
 };
-
-/// How far the border on the page goes from the middle without a gap.
-double foot_of(const std::vector<Vec2>& outline) {
-  for (std::size_t k = 0; k < outline.size(); ++k) {
-    const Vec2 next = outline[(k + 1) % outline.size()];
-    if (norm(outline[k]) < 1e-9 && std::abs(next.y()) < 1e-9) return next.x();
-  }
-  return 0.0;
-}
 
 std::vector<CutLayer> cut_layers(const TriangleSoup& target, int count, const Progress& progress,
                                  double cell_mm) {
@@ -99,12 +128,15 @@ std::vector<CutLayer> cut_layers(const TriangleSoup& target, int count, const Pr
     CutLayer layer;
     layer.depth_mm = depths[j];
     layer.changes = make_one_piece(stacks.grid, hidden, paper, mask);
-    layer.left = half_outline(stacks.grid, mask, false);
-    layer.right = half_outline(stacks.grid, mask, true);
+    layer.left = half_outlines(stacks.grid, mask, false);
+    layer.right = half_outlines(stacks.grid, mask, true);
     // On the panel lengths along the crease are longer than seen from the front.
-    for (std::vector<Vec2>* half : {&layer.left, &layer.right})
-      for (Vec2& p : *half) p.x() /= std::sin(kCrease_rad);
-    layer.foot_left_mm = foot_of(layer.left), layer.foot_right_mm = foot_of(layer.right);
+    const double longer = 1.0 / std::sin(kCrease_rad);
+    for (Outlines* half : {&layer.left, &layer.right})
+      for (std::vector<Vec2>& face : *half)
+        for (Vec2& p : face) p.x() *= longer;
+    layer.foot_left_mm = longer * foot_mm(stacks.grid, mask, false);
+    layer.foot_right_mm = longer * foot_mm(stacks.grid, mask, true);
     for (std::size_t k = 0; k < mask.size(); ++k) hidden[k] |= mask[k];
     out.push_back(std::move(layer));
   }
@@ -127,7 +159,7 @@ Standing standing_of(const std::vector<CutLayer>& layers, bool looks_along_spine
     const double at = looks_along_spine ? layer.depth_mm : -layer.depth_mm;
     out.at_mm.push_back(at);
     low = std::min(low, at - kTab_mm);
-    for (const Vec2& p : layer.both()) {
+    for (const Vec2& p : layer.corners()) {
       const double q = std::abs(p.x()), h = p.y();
       low = std::min(low, at + q * c - h * s), high = std::max(high, at + q * c);
       out.page_mm = std::max({out.page_mm, q * s, q * s + h * c});
@@ -160,14 +192,36 @@ Result<void> set_pages(const LayersSpec& asked, Standing& standing) {
   return {};
 }
 
+/// Whether faces meet in one plane: they are one panel, of several faces because of its holes.
+bool is_flat(const PartFold& fold) { return std::abs(fold.angle_rad) < 1e-9; }
+
+/// The folds of a card: stretches that touch in one line are one.
 std::vector<double> fold_lengths(const Structure& card) {
   const PartPoses pose = posed(card, kHalfOpen_rad);
   std::vector<double> out;
-  for (std::size_t p = 0; p < card.parts.size(); ++p)
-    for (const PartFold& fold : folds_of(card.parts[p], pose[p]))
-      if (!card.parts[p].is_slit(fold.from, fold.to))
-        out.push_back(
-            norm(Vec2(card.parts[p].vertices[fold.from] - card.parts[p].vertices[fold.to])));
+  for (std::size_t p = 0; p < card.parts.size(); ++p) {
+    const SheetPart& part = card.parts[p];
+    std::vector<FlatLine> lines;
+    for (const PartFold& fold : folds_of(part, pose[p])) {
+      if (is_flat(fold) || part.is_slit(fold.from, fold.to)) continue;
+      FlatLine line{part.vertices[fold.from], part.vertices[fold.to]};
+      for (bool grown = true; grown;) {
+        grown = false;
+        for (std::size_t k = 0; k < lines.size() && !grown; ++k)
+          for (const int mine : {0, 1})
+            for (const int other : {0, 1}) {
+              const Vec2 a = line[1 - mine], b = line[mine], c = lines[k][1 - other];
+              if (grown || norm(Vec2(b - lines[k][other])) > 1e-7 ||
+                  std::abs(cross(Vec2(b - a), Vec2(c - b))) > 1e-6)
+                continue;
+              line = {a, c}, grown = true;
+              lines.erase(lines.begin() + static_cast<std::ptrdiff_t>(k));
+            }
+      }
+      lines.push_back(line);
+    }
+    for (const FlatLine& line : lines) out.push_back(norm(Vec2(line[1] - line[0])));
+  }
   return out;
 }
 
@@ -187,7 +241,7 @@ void warn(const std::vector<CutLayer>& layers, int asked, LayeredCard& out) {
   if (filled > 0)
     out.warnings.push_back(
         {.code = "holes_filled",
-         .message = fmt::format("{} holes in layers are filled with paper", filled)});
+         .message = fmt::format("{} small holes in layers are filled with paper", filled)});
   if (dropped > 0)
     out.warnings.push_back(
         {.code = "parts_dropped",
@@ -239,9 +293,10 @@ Result<LayeredCard> layered_card(const DesignSpec& spec, const SurfaceAssets& as
     fold.at_mm = standing.at_mm[j];
     fold.left_crease_rad = fold.right_crease_rad = kCrease_rad;
     fold.left_panel_rad = fold.right_panel_rad = panel_of_tilt(kCrease_rad, 0.5 * std::numbers::pi);
-    fold.left_outline = is_mirrored ? layer.right : layer.left;
-    fold.right_outline = is_mirrored ? layer.left : layer.right;
-    for (Vec2& p : fold.left_outline) p.x() = -p.x();
+    fold.left_outlines = is_mirrored ? layer.right : layer.left;
+    fold.right_outlines = is_mirrored ? layer.left : layer.right;
+    for (std::vector<Vec2>& face : fold.left_outlines)
+      for (Vec2& p : face) p.x() = -p.x();
     constexpr double kClear_mm = 1.0;
     const double left = is_mirrored ? layer.foot_right_mm : layer.foot_left_mm,
                  right = is_mirrored ? layer.foot_left_mm : layer.foot_right_mm;
@@ -250,7 +305,7 @@ Result<LayeredCard> layered_card(const DesignSpec& spec, const SurfaceAssets& as
     if (auto done = add(out.card, spine_of(out.card), fold); !done)
       return tl::unexpected(within("/layers", done.error()));
     double high = 0.0, wide = 0.0;
-    for (const Vec2& p : layer.both())
+    for (const Vec2& p : layer.corners())
       high = std::max(high, p.y()), wide = std::max(wide, 2.0 * std::abs(p.x()));
     out.layers.push_back({layer.depth_mm, fold.at_mm, high, wide, layer.changes});
   }
@@ -290,6 +345,7 @@ std::vector<Pattern> part_drawings(const Structure& card) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> inner;
     for (const PartFold& fold : folds_of(part, pose[p])) {
       inner.emplace_back(std::minmax(fold.from, fold.to));
+      if (is_flat(fold)) continue;
       add_line(fold.from, fold.to,
                part.is_slit(fold.from, fold.to) ? EdgeRole::Slit
                : fold.angle_rad > 0.0           ? EdgeRole::Valley

@@ -328,6 +328,8 @@ Result<LineWork> linework_of(FoldFrame frame, const std::string& place,
     return fail(ErrorKind::OutOfRange, place + "/edges_vertices",
                 "too many border edges lie on or beside each other; draw each side of a cut once");
   for (PagePoint& p : work.points) p = {p.x / enlarged, p.y / enlarged};
+  // Faces of one panel of a card of parts are joined because of its holes.
+  if (!place.empty()) uncut.flat = uncut.joined = 0;
   uncut.add_warnings(work.warnings);
   const bool cuts = std::any_of(work.lines.begin(), work.lines.end(),
                                 [](const DrawnLine& line) { return is_cut(line.operation); });

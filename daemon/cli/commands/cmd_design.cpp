@@ -460,6 +460,9 @@ Result<void> layers_into(const Options& options, const Globals& globals, const D
   work->now("drawing the pictures");
   const auto files = add_layer_files(*made, material, seconds, wants, folder);
   if (!files) return tl::unexpected(files.error());
+  if (files->empty())
+    return fail(ErrorKind::Usage, "--formats",
+                "has nothing that layers have; give some of: fold svg cut dxf png picture report");
   if (auto done = folder.commit("popcut design " POPCUT_VERSION); !done) return done;
   work.reset();
   if (globals.json) fmt::print("{}", layered_report_json(made->made, seconds));
@@ -654,6 +657,11 @@ constexpr const char* kHelp =
     "its\n"
     "own folder card-01, card-02 and so on, and DIR gets book.json (sizes, distance from your\n"
     "shape, what is glued), book.glb (an animation) and book.svg (pictures from all sides).\n\n"
+    "A SPEC with the style layers makes a card of several pieces that opens flat. pattern.fold "
+    "has\n"
+    "all of them and their joints, the other drawings have them side by side; there is no csv, "
+    "glb\n"
+    "or poster.\n\n"
     "--formats also knows pdf (pattern.pdf, to print), cricut (cricut.svg, for Design Space),\n"
     "picture (deployed.svg) and stl (deploy/psi_NNN.stl, a 3D model of each pose).\n"
     "manifest.json lists the files of the last run; a new run removes those that it does not\n"

@@ -170,12 +170,11 @@ constexpr const char* kHelp =
     "For a book, give its folder: then each card must have one movement, the glued pages must be\n"
     "the same, no two cards may cross at any opening, and the shut book must lie inside its "
     "pages.\n"
-    "A card of several parts is one FOLD file that lists its joints: then the parts must be sound, "
-    "all\n"
-    "tabs must lie on paper, and the glued card must move from shut to open and lie inside its "
-    "pages "
-    "when\n"
-    "it is shut.\n\n"
+    "A card of several parts is one FOLD file that lists its joints. Then each part must be "
+    "sound,\n"
+    "tabs must lie on paper, and the glued card must move from shut to open in one movement and "
+    "lie\n"
+    "inside its pages when it is shut.\n\n"
     "Exit code 0 if all checks pass, 3 if the file cannot be read, 6 if a check fails.";
 
 }  // namespace
