@@ -88,10 +88,14 @@ std::vector<std::uint32_t> parts_of(const Half& half, const LayerMask& mask, std
 /// Makes one half one piece.
 class HalfMaker {
  public:
+  /// @param high    rows of the layer
+  /// @param covered  rows of its middle that layers in front hide
   HalfMaker(const LayerGrid& grid, bool is_right, const LayerMask& hidden, const LayerPaper& paper,
-            LayerMask& whole, LayerChanges& changes)
+            std::size_t high, std::size_t covered, LayerMask& whole, LayerChanges& changes)
       : half_{grid, is_right},
         paper_(paper),
+        high_(high),
+        covered_(covered),
         whole_(whole),
         changes_(changes),
         mask_(half_of(half_, whole)),
@@ -170,24 +174,21 @@ class HalfMaker {
   /// The strip at the foot, and paper on both sides of the fold in the middle.
   void add_foot() {
     const std::size_t low_rows = std::min(half_.grid.rows, cells(2.5 * paper_.band_mm));
-    std::size_t widest = 0, low = 0, high = 0;
+    std::size_t widest = 0, low = 0;
     for (std::size_t k = 0; k < mask_.size(); ++k) {
       if (mask_[k] == 0) continue;
       widest = std::max(widest, k % half_.columns() + 1);
-      high = std::max(high, k / half_.columns() + 1);
       if (k / half_.columns() < low_rows) low = std::max(low, k % half_.columns() + 1);
     }
     const auto share = [&](double of) {
-      return static_cast<std::size_t>(of * static_cast<double>(high));
+      return static_cast<std::size_t>(of * static_cast<double>(high_));
     };
     const std::size_t foot = std::min(
         half_.columns(),
         std::max({low, widest / 2, cells(paper_.least_foot_mm), share(paper_.foot_share)}));
     fill(0, foot, 0, cells(paper_.band_mm));
     // Who looks from above sees a little over what hides the fold.
-    std::size_t hidden = 0;
-    while (hidden < half_.grid.rows && hidden_[hidden * half_.columns()] != 0) ++hidden;
-    hidden -= std::min(hidden, cells(2.0 * paper_.band_mm));
+    const std::size_t hidden = covered_ - std::min(covered_, cells(2.0 * paper_.band_mm));
     const std::size_t ridge = std::max({cells(paper_.ridge_mm), share(paper_.ridge_share),
                                         std::min(hidden, share(paper_.hidden_share))});
     for (std::size_t r = 0; r < std::min(ridge, half_.grid.rows); ++r)
@@ -285,6 +286,7 @@ class HalfMaker {
 
   Half half_;
   const LayerPaper& paper_;
+  std::size_t high_, covered_;
   LayerMask& whole_;
   LayerChanges& changes_;
   LayerMask mask_, hidden_;
@@ -317,15 +319,6 @@ std::vector<double> spread(std::vector<double> places, double apart, double end)
 }
 
 }  // namespace
-
-bool DepthStacks::is_inside(std::size_t cell, double depth_mm) const {
-  const std::vector<float>& at = crossings[cell];
-  if (at.size() < 2) return false;
-  // What is not closed counts as solid between its first and its last surface.
-  if (at.size() % 2 != 0) return depth_mm >= at.front() && depth_mm <= at.back();
-  const auto before = std::upper_bound(at.begin(), at.end(), static_cast<float>(depth_mm));
-  return (before - at.begin()) % 2 != 0;
-}
 
 DepthStacks depth_stacks(const TriangleSoup& target, double cell_mm) {
   const Extent box = extent_of(target);
@@ -401,16 +394,17 @@ std::vector<double> layer_depths(const TriangleSoup& target, int count, double a
 std::vector<LayerMask> layer_masks(const DepthStacks& stacks,
                                    const std::vector<double>& depths_mm) {
   std::vector<LayerMask> out(depths_mm.size(), LayerMask(stacks.grid.cells(), 0));
-  const auto nearest = [&](double depth) {
-    std::size_t j = 0;
-    while (j + 1 < out.size() && depth > 0.5 * (depths_mm[j] + depths_mm[j + 1])) ++j;
-    return j;
-  };
-  for (std::size_t cell = 0; cell < stacks.grid.cells(); ++cell) {
-    const std::vector<float>& at = stacks.crossings[cell];
-    for (std::size_t k = 0; k < at.size(); k += 2) out[nearest(at[k])][cell] = 1;
-    for (std::size_t j = 0; j < out.size(); ++j)
-      if (stacks.is_inside(cell, depths_mm[j])) out[j][cell] = 1;
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  for (std::size_t j = 0; j < out.size(); ++j) {
+    const double from = j == 0 ? -kFar : 0.5 * (depths_mm[j - 1] + depths_mm[j]),
+                 to = j + 1 == out.size() ? kFar : 0.5 * (depths_mm[j] + depths_mm[j + 1]);
+    for (std::size_t cell = 0; cell < stacks.grid.cells(); ++cell) {
+      const std::vector<float>& at = stacks.crossings[cell];
+      // What is not closed counts as solid between its first and its last surface.
+      const std::size_t step = at.size() % 2 == 0 ? 2 : std::max<std::size_t>(at.size(), 1);
+      for (std::size_t k = 0; k < at.size(); k += step)
+        if (at[k] < to && at[std::min(k + step, at.size()) - 1] >= from) out[j][cell] = 1;
+    }
   }
   return out;
 }
@@ -418,8 +412,15 @@ std::vector<LayerMask> layer_masks(const DepthStacks& stacks,
 LayerChanges make_one_piece(const LayerGrid& grid, const LayerMask& hidden, const LayerPaper& paper,
                             LayerMask& mask) {
   LayerChanges out;
+  std::size_t high = 0, covered = 0;
+  for (std::size_t k = 0; k < mask.size(); ++k)
+    if (mask[k] != 0) high = std::max(high, k / grid.columns + 1);
+  const std::size_t middle = grid.columns / 2;
+  while (covered < grid.rows && hidden[grid.at(middle - 1, covered)] != 0 &&
+         hidden[grid.at(middle, covered)] != 0)
+    ++covered;
   for (const bool is_right : {false, true})
-    HalfMaker(grid, is_right, hidden, paper, mask, out).run();
+    HalfMaker(grid, is_right, hidden, paper, high, covered, mask, out).run();
   return out;
 }
 

@@ -29,9 +29,6 @@ using LayerMask = std::vector<std::uint8_t>;
 struct DepthStacks {
   LayerGrid grid;
   std::vector<std::vector<float>> crossings;  ///< one a cell, ascending
-
-  /// Whether there is something of the target at a depth.
-  [[nodiscard]] bool is_inside(std::size_t cell, double depth_mm) const;
 };
 
 /// Looks through a target, whose x axis points to the front, y to the right and z up, from z = 0
@@ -44,8 +41,8 @@ struct DepthStacks {
 [[nodiscard]] std::vector<double> layer_depths(const TriangleSoup& target, int count,
                                                double apart_mm);
 
-/// The layers of a target: each has the target's section at its depth, and all fronts of the target
-/// that are nearer to it than to another layer, whether they are seen or not.
+/// The layers of a target: each has all of the target that is nearer in depth to it than to another
+/// layer, whether it is seen or not.
 [[nodiscard]] std::vector<LayerMask> layer_masks(const DepthStacks& stacks,
                                                  const std::vector<double>& depths_mm);
 

@@ -128,7 +128,7 @@ class Assembler {
   /// @param lay  from the flat sheet of `left` to that of `right`, in the opened pose
   void add_hinge(std::size_t part, std::size_t right, std::size_t left,
                  const std::array<Vec2, 2>& right_line, const std::array<Vec2, 2>& left_line,
-                 double angle_rad, const Isometry3d& lay) {
+                 double angle_rad, const Isometry3d& lay, bool turned = false) {
     BodyHinge out;
     out.right = out_.body[right], out.left = out_.body[left];
     if (out.right == out.left) return;  // glue holds both
@@ -140,6 +140,9 @@ class Assembler {
     };
     place(right, right_line, out.right_at, out.right_along);
     place(left, left_line, out.left_at, out.left_along);
+    out.right_beside = cross(Vec3(out_.in_body[right].linear().col(2)), out.right_along);
+    out.left_beside = cross(Vec3(out_.in_body[left].linear().col(2)), out.left_along);
+    if (turned) out.left_beside = -out.left_beside;
     out.angle_rad = angle_rad;
     out.left_to_right = out_.in_body[right] * lay * out_.in_body[left].inverse();
     out.part = part;
@@ -165,7 +168,8 @@ class Assembler {
       const double angle = joint.angle_deg * std::numbers::pi / 180.0;
       add_hinge(joint.a.part, a, b, joint.a.line, joint.b.line, angle,
                 folded(joint.a.line[0], joint.a.line[1], angle) *
-                    laid_on(joint.b.line, joint.a.line, joint.turned));
+                    laid_on(joint.b.line, joint.a.line, joint.turned),
+                joint.turned);
     } else if (joint.kind == JointKind::Slot) {
       BodySlot slot;
       slot.slit = out_.body[a], slot.slides = out_.body[b], slot.joint = j;

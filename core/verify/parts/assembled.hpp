@@ -19,8 +19,9 @@ namespace popcut::verify {
 /// Two bodies that turn about one line: a fold, a hinge, or the line in which two slots cross.
 struct BodyHinge {
   std::uint32_t right{}, left{};
-  Vec3 right_at, left_at;        ///< the line's middle, in each body
-  Vec3 right_along, left_along;  ///< its direction, of length 1
+  Vec3 right_at, left_at;          ///< the line's middle, in each body
+  Vec3 right_along, left_along;    ///< its direction, of length 1
+  Vec3 right_beside, left_beside;  ///< square to it in each panel, from right to left on the sheet
   double length_mm{};
   double angle_rad{};  ///< by which left is turned in the opened pose
   Eigen::Isometry3d left_to_right{Eigen::Isometry3d::Identity()};  ///< in that pose

@@ -27,6 +27,7 @@ constexpr double kClosed = 1e-11;          ///< of the size: gaps that count as 
 constexpr double kMostTurn_rad = 0.35;     ///< of a body, away from where it was expected
 constexpr double kLongestStep_rad = 0.03;  ///< of the opening
 constexpr int kMostHalvings = 9;
+constexpr double kNoPlay = 0.02;  ///< of the play along the sheet, in directions that have none
 
 /// The equations of all joints in a state, and how they change with the twists of the bodies: for
 /// each body but the held one, its angular velocity times the card's size, and the velocity of its
@@ -107,13 +108,20 @@ class JointEquations {
     const Vec3 a = state_[hinge.right] * hinge.right_at, b = state_[hinge.left] * hinge.left_at;
     const Vec3 da = state_[hinge.right].linear() * hinge.right_along,
                db = state_[hinge.left].linear() * hinge.left_along;
-    const double turn_weight = 0.5 * hinge.length_mm / (kEndPlay_mm * size_);
-    for (int k = 0; k < 3; ++k) {
-      const Vec3 e = Vec3::Unit(k);
-      const int row = next(1, a[k] - b[k], 1.0 / kLinePlay_mm);
+    // A fold that is off its line by d leaves a gap of d (left - right), the directions beside it
+    // in both panels: none while it is flat. In other directions a hinge has no play.
+    const Vec3 off = state_[hinge.left].linear() * hinge.left_beside -
+                     state_[hinge.right].linear() * hinge.right_beside;
+    const double wide = norm(off);
+    const Vec3 plays = wide > kNoPlay ? Vec3(off / wide) : Vec3(da.unitOrthogonal());
+    for (const Vec3& e : {plays, da, cross(plays, da)}) {
+      const bool is_free = dot(e, plays) > 0.5;
+      const double share = is_free ? std::max(kNoPlay, wide) : kNoPlay;
+      const int row = next(1, dot(e, Vec3(a - b)), 1.0 / (kLinePlay_mm * share));
       move(row, hinge.right, e, a, 1.0);
       move(row, hinge.left, e, b, -1.0);
-      const int also = next(1, size_ * (da[k] - db[k]), turn_weight);
+      const int also = next(1, size_ * dot(e, Vec3(da - db)),
+                            0.5 * hinge.length_mm / (kEndPlay_mm * share * size_));
       turn(also, hinge.right, cross(da, e), 1.0);
       turn(also, hinge.left, cross(db, e), -1.0);
     }

@@ -271,7 +271,7 @@ TEST_CASE("a layer with a part in the air and a hole becomes one piece that stan
   };
   disc(30.0, 40.0, 6.0, 12.0);   // a ring on the right, in the air
   disc(-25.0, 20.0, 0.0, 12.0);  // a disc on the left
-  disc(-50.0, 50.0, 0.0, 1.0);   // a speck
+  disc(-50.0, 50.0, 0.0, 2.3);   // a speck
   const LayerMask hidden(grid.cells(), 0);
   const LayerPaper paper;
   const LayerChanges changes = make_one_piece(grid, hidden, paper, mask);
