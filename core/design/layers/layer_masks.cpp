@@ -400,10 +400,10 @@ std::vector<LayerMask> layer_masks(const DepthStacks& stacks,
                  to = j + 1 == out.size() ? kFar : 0.5 * (depths_mm[j] + depths_mm[j + 1]);
     for (std::size_t cell = 0; cell < stacks.grid.cells(); ++cell) {
       const std::vector<float>& at = stacks.crossings[cell];
-      // What is not closed counts as solid between its first and its last surface.
-      const std::size_t step = at.size() % 2 == 0 ? 2 : std::max<std::size_t>(at.size(), 1);
-      for (std::size_t k = 0; k < at.size(); k += step)
-        if (at[k] < to && at[std::min(k + step, at.size()) - 1] >= from) out[j][cell] = 1;
+      // What is not closed counts as solid from its first surface to the back.
+      const bool is_closed = at.size() % 2 == 0;
+      for (std::size_t k = 0; k < at.size(); k += is_closed ? 2 : at.size())
+        if (at[k] < to && (!is_closed || at[k + 1] >= from)) out[j][cell] = 1;
     }
   }
   return out;

@@ -170,7 +170,7 @@ TEST_CASE("README's design and every example can be made as they are, in paper o
 TEST_CASE("layers are designed, verified and planned as a card of several pieces",
           "[cli][e2e][design]") {
   const Bench bench;
-  json spec = json::parse(text_of_file(kExamples + "wood.json"));
+  json spec = json::parse(text_of_file(source_file("docs/parts/wood.json")));
   bench.write("wood.json", spec);
   const Ran made = bench.design({"wood.json", "-o", "wood"});
   CAPTURE(made.err);
