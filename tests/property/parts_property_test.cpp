@@ -37,7 +37,9 @@ std::string text_of(const Structure& card) {
 }
 
 PartsVerifyReport judged(const Structure& card) {
-  auto report = verify_parts(text_of(card));
+  PartsVerifyOptions options;
+  options.openings = testing::fewer_rounds() ? 15 : 60;
+  auto report = verify_parts(text_of(card), options);
   if (!report) FAIL(message(report.error()));
   return std::move(*report);
 }

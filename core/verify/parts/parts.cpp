@@ -32,6 +32,7 @@ constexpr double kShut_mm = 0.01;      ///< that a shut card may reach beyond it
 constexpr double kCountAt_rad = 1.1;   ///< a pose without flat and shut folds
 constexpr double kWobbleAt_deg = 170.0, kWobbleLimit_mm = 1.0;
 constexpr std::size_t kMostWobbling = 150;  ///< bodies, for a dense inverse
+constexpr std::size_t kMostCounted = 200;   ///< bodies, for a dense rank
 constexpr double kStackCell_mm = 2.0;
 
 /// A point of the shut card on the pages: from the spine outward, and along it.
@@ -158,6 +159,11 @@ class PartsJudge {
 
   void judge_rank() {
     VerifyCheck check = named("degrees_of_freedom");
+    if (card_.bodies > kMostCounted) {
+      check.not_judged(fmt::format("{} panels are more than the {} that are counted", card_.bodies,
+                                   kMostCounted));
+      return add(std::move(check));
+    }
     const JointRank rank = rank_of(card_, motion_.states[nearest(kCountAt_rad)]);
     report_.degrees_of_freedom = rank.degrees_of_freedom;
     report_.largest_zero = rank.largest_zero, report_.smallest_nonzero = rank.smallest_nonzero;

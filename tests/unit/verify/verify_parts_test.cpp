@@ -36,6 +36,7 @@ std::string text_of(const Structure& card) {
 PartsVerifyReport judged(const std::string& text, std::size_t freedoms = 1) {
   PartsVerifyOptions options;
   options.degrees_of_freedom = freedoms;
+  options.openings = 15;
   auto report = verify_parts(text, options);
   if (!report) FAIL(message(report.error()));
   return std::move(*report);
