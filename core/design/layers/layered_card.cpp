@@ -241,12 +241,16 @@ void warn(const std::vector<CutLayer>& layers, int asked, LayeredCard& out) {
   if (filled > 0)
     out.warnings.push_back(
         {.code = "holes_filled",
-         .message = fmt::format("{} small holes in layers are filled with paper", filled)});
+         .message = filled == 1
+                        ? "1 small hole in a layer is filled with paper"
+                        : fmt::format("{} small holes in layers are filled with paper", filled)});
   if (dropped > 0)
     out.warnings.push_back(
         {.code = "parts_dropped",
-         .message =
-             fmt::format("{} parts of layers are too small to cut and are left out", dropped)});
+         .message = dropped == 1
+                        ? "1 part of a layer is too small to cut and is left out"
+                        : fmt::format("{} parts of layers are too small to cut and are left out",
+                                      dropped)});
   if (shown > 25.0)
     out.warnings.push_back(
         {.code = "bridges_shown",

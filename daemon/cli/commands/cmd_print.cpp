@@ -341,8 +341,8 @@ Result<void> run_print(Options options, const Globals& globals) {
   if (!job) return tl::unexpected(job.error());
   if (design.parts.empty())
     return fail(ErrorKind::Malformed, options.plan.input,
-                "is a pattern without its design; artwork is laid on a design, so give its spec "
-                "(.json)");
+                "is a pattern without its design, or a card of several parts; artwork is laid on a "
+                "design of one sheet or a book, so give its spec (.json)");
   LongWork work(!globals.quiet, "drawing the artwork");
   const auto artwork = artwork_of(options, *mode, design, *job, *pages, work);
   if (!artwork) return tl::unexpected(artwork.error());
