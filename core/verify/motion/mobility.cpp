@@ -181,6 +181,14 @@ void split_sparse(const Sparse& jacobian, double noise, Mobility& result) {
   }
 }
 
+/// By the dense method, or by the sparse one.
+void count(const Sparse& jacobian, Mobility& result) {
+  result.sparse = jacobian.cols() > kDenseColumns;
+  if (result.sparse) return split_sparse(jacobian, result.noise, result);
+  const Eigen::JacobiSVD<Matrix> svd{Matrix(jacobian)};
+  split(ascending(svd.singularValues(), jacobian.cols()), result.noise, result);
+}
+
 /// The constraints on the speeds of the hinge lines: each loop of panels must close. Angular
 /// velocities around it sum to zero, and so do their moments about the loop's middle, which are
 /// scaled by the loop's size.
@@ -278,13 +286,21 @@ Mobility mobility(const FoldModel& file, const Sheet& sheet, const PoseMotion& p
     return result;
   }
   result.noise = std::max(1e-13, noise_mm / least_mm);
-  result.sparse = jacobian.cols() > kDenseColumns;
-  if (result.sparse) {
-    split_sparse(jacobian, result.noise, result);
-  } else {
-    const Eigen::JacobiSVD<Matrix> svd{Matrix(jacobian)};
-    split(ascending(svd.singularValues(), jacobian.cols()), result.noise, result);
-  }
+  count(jacobian, result);
+  return result;
+}
+
+Mobility free_speeds(std::span<const SpeedInEquation> entries, int equations, int speeds,
+                     double noise) {
+  std::vector<Eigen::Triplet<double>> all;
+  all.reserve(entries.size());
+  for (const auto& [equation, speed, factor] : entries) all.emplace_back(equation, speed, factor);
+  Sparse jacobian(equations, speeds);
+  jacobian.setFromTriplets(all.begin(), all.end());
+  Mobility result;
+  result.unknowns = static_cast<std::size_t>(speeds);
+  result.noise = noise;
+  count(jacobian, result);
   return result;
 }
 

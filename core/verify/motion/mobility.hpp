@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "core/verify/motion/motion.hpp"
@@ -49,5 +50,17 @@ enum class MobilityForm {
 /// @param noise_mm  how far the pose deviates from rigid panels on closed hinges
 [[nodiscard]] Mobility mobility(const FoldModel& file, const Sheet& sheet, const PoseMotion& pose,
                                 double noise_mm, MobilityForm form = MobilityForm::Loops);
+
+/// How a speed counts in an equation.
+struct SpeedInEquation {
+  int equation{}, speed{};
+  double factor{};
+};
+
+/// The same count for any linear equations between speeds.
+///
+/// @param noise  factors that rounding can cause
+[[nodiscard]] Mobility free_speeds(std::span<const SpeedInEquation> entries, int equations,
+                                   int speeds, double noise);
 
 }  // namespace popcut::verify

@@ -9,10 +9,10 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <Eigen/SVD>
 #include <Eigen/Sparse>
 
 #include "core/geometry/angle.hpp"
+#include "core/verify/motion/mobility.hpp"
 
 namespace popcut::verify {
 namespace {
@@ -69,6 +69,13 @@ class JointEquations {
     Sparse out(rows_, unknowns());
     out.setFromTriplets(entries_.begin(), entries_.end());
     return out;
+  }
+  [[nodiscard]] Mobility free_speeds() const {
+    constexpr double kNoise = 1e-11;
+    std::vector<SpeedInEquation> all;
+    all.reserve(entries_.size());
+    for (const Entry& one : entries_) all.push_back({one.row(), one.col(), one.value()});
+    return verify::free_speeds(all, rows_, unknowns(), kNoise);
   }
   [[nodiscard]] VectorXd residual() const {
     return Eigen::Map<const VectorXd>(residual_.data(), rows_);
@@ -347,48 +354,41 @@ Followed follow(const Assembled& card, const std::vector<double>& opening_rad) {
 }
 
 JointRank rank_of(const Assembled& card, const BodyState& state) {
-  constexpr double kZero = 1e-8, kWide = 1e3;
-  const Eigen::MatrixXd jacobian(JointEquations(card, state, false).jacobian());
-  JointRank out;
-  const auto unknowns = static_cast<std::size_t>(jacobian.cols());
-  const VectorXd values = Eigen::BDCSVD<Eigen::MatrixXd>(jacobian).singularValues();
-  const double zero = kZero * values.maxCoeff();
-  std::size_t rank = 0;
-  for (const double value : values) {
-    if (value > zero)
-      ++rank, out.smallest_nonzero = value;
-    else
-      out.largest_zero = std::max(out.largest_zero, value);
-  }
-  out.degrees_of_freedom = unknowns - rank;
-  out.is_clear =
-      out.smallest_nonzero > kWide * std::max(out.largest_zero, 1e-13 * values.maxCoeff());
-  return out;
+  const JointEquations equations(card, state, false);
+  const Mobility free = equations.free_speeds();
+  return {free.degrees_of_freedom, free.largest_zero, free.smallest_nonzero,
+          free.counted && free.clear};
 }
 
 std::vector<double> play_mm(const Assembled& card, const BodyState& state,
                             const std::vector<std::vector<Vec3>>& points) {
   const JointEquations equations(card, state, true);
-  const Eigen::MatrixXd weighted =
-      equations.weight().asDiagonal() * Eigen::MatrixXd(equations.jacobian());
-  const Eigen::MatrixXd normal = weighted.transpose() * weighted;
-  const Eigen::LDLT<Eigen::MatrixXd> factor(normal);
+  const VectorXd weight = equations.weight();
+  Sparse weighted = equations.jacobian();
+  for (int column = 0; column < weighted.outerSize(); ++column)
+    for (Sparse::InnerIterator at(weighted, column); at; ++at) at.valueRef() *= weight[at.row()];
+  const Sparse normal = weighted.transpose() * weighted;
+  const Eigen::SimplicialLDLT<Sparse> factor(normal);
+  if (factor.info() != Eigen::Success) return {};
   const VectorXd pivots = factor.vectorD();
-  if (factor.info() != Eigen::Success || !(pivots.minCoeff() > 1e-12 * pivots.maxCoeff()))
-    return {};
-  const Eigen::MatrixXd spread =
-      factor.solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
+  if (!(pivots.minCoeff() > 1e-12 * pivots.maxCoeff())) return {};
   std::vector<double> out(card.bodies, 0.0);
   for (std::uint32_t b = 0; b < card.bodies; ++b) {
     const int c = equations.column(b);
     if (c < 0) continue;
+    Eigen::Matrix<double, 6, 6> spread;  // of the body's own twist
+    for (int k = 0; k < 6; ++k) {
+      VectorXd one = VectorXd::Zero(normal.cols());
+      one[c + k] = 1.0;
+      spread.col(k) = factor.solve(one).segment<6>(c);
+    }
     for (const Vec3& point : points[b]) {
       // A point moves by its body's velocity and by the turn times its lever.
       const Vec3 lever = state[b].linear() * (point - card.middle[b]) / equations.size_mm();
       Eigen::Matrix<double, 3, 6> moves;
       for (int k = 0; k < 3; ++k) moves.col(k) = cross(Vec3(Vec3::Unit(k)), lever);
       moves.rightCols<3>().setIdentity();
-      const double variance = (moves * spread.block<6, 6>(c, c) * moves.transpose()).trace();
+      const double variance = (moves * spread * moves.transpose()).trace();
       out[b] = std::max(out[b], std::sqrt(std::max(0.0, variance)));
     }
   }

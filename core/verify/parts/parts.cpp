@@ -31,8 +31,8 @@ constexpr double kShutFrom_deg = 1.0;  ///< the first opening that is looked at;
 constexpr double kShut_mm = 0.01;      ///< that a shut card may reach beyond its pages
 constexpr double kCountAt_rad = 1.1;   ///< a pose without flat and shut folds
 constexpr double kWobbleAt_deg = 170.0, kWobbleLimit_mm = 1.0;
-constexpr std::size_t kMostWobbling = 150;  ///< bodies, for a dense inverse
-constexpr std::size_t kMostCounted = 200;   ///< bodies, for a dense rank
+constexpr std::size_t kMostWobbling = 1000;  ///< bodies
+constexpr std::size_t kMostCounted = 400;    ///< bodies
 constexpr double kStackCell_mm = 2.0;
 
 /// A point of the shut card on the pages: from the spine outward, and along it.
@@ -174,7 +174,7 @@ class PartsJudge {
       check.fail("",
                  "the singular values leave no clear gap, so the degrees of freedom cannot be "
                  "counted");
-    if (rank.degrees_of_freedom != options_.degrees_of_freedom)
+    else if (rank.degrees_of_freedom != options_.degrees_of_freedom)
       check.fail("", fmt::format("{} degrees of freedom, but {} {} required",
                                  rank.degrees_of_freedom, options_.degrees_of_freedom,
                                  options_.degrees_of_freedom == 1 ? "is" : "are"));
