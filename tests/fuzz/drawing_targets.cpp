@@ -14,6 +14,7 @@
 #include "core/formats/svg/syntax/svg_path.hpp"
 #include "core/formats/svg/syntax/svg_transform.hpp"
 #include "core/formats/svg/syntax/svg_units.hpp"
+#include "core/verify/parts/joint_model.hpp"
 #include "core/verify/sheet/fold_model.hpp"
 #include "tests/fuzz/targets.hpp"
 
@@ -124,6 +125,18 @@ void verify_fold(std::string_view text) {
     demand(file->face_first[face] <= file->face_first[face + 1]);
 }
 
+/// A card of several parts: every joint names a face that exists, on a line with a length.
+void verify_parts(std::string_view text) {
+  const auto card = verify::read_joint_model(text);
+  if (!accepted(card)) return;
+  demand(card->parts.size() <= verify::kMostParts && card->joints.size() <= verify::kMostJoints);
+  for (const verify::CardJoint& joint : card->joints)
+    for (const verify::JointSide& side : {joint.a, joint.b}) {
+      demand(side.part < card->parts.size());
+      demand(side.face < card->parts[side.part].sheet.faces());
+    }
+}
+
 constexpr Target kTargets[] = {{"svg_path", svg_path},
                                {"svg_transform", svg_transform},
                                {"svg_css", svg_css},
@@ -131,7 +144,8 @@ constexpr Target kTargets[] = {{"svg_path", svg_path},
                                {"dxf", dxf},
                                {"fold", fold},
                                {"crease_pattern", crease_pattern},
-                               {"verify_fold", verify_fold}};
+                               {"verify_fold", verify_fold},
+                               {"verify_parts", verify_parts}};
 
 }  // namespace
 
