@@ -40,9 +40,7 @@ struct LayeredCard {
 /// that they never meet.
 ///
 /// @retval Malformed, OutOfRange  the surface cannot be read
-/// @retval Infeasible  it is too small, or a page is given on which the layers do not shut; says
-/// the
-///                     least that holds them
+/// @retval Infeasible  it is too small, or a given page is: with the least that holds the layers
 [[nodiscard]] Result<LayeredCard> layered_card(const DesignSpec& spec, const SurfaceAssets& assets,
                                                const Progress& progress = {});
 

@@ -220,15 +220,20 @@ double close(const Assembled& card, BodyState& state, double opening_rad) {
   return least;
 }
 
+/// The hinges of each body.
+std::vector<std::vector<std::size_t>> hinges_of_bodies(const Assembled& card) {
+  std::vector<std::vector<std::size_t>> out(card.bodies);
+  for (std::size_t h = 0; h < card.hinges.size(); ++h)
+    for (const std::uint32_t body : {card.hinges[h].right, card.hinges[h].left})
+      out[body].push_back(h);
+  return out;
+}
+
 /// The pose that the file's fold angles give.
 BodyState first_state(const Assembled& card) {
   BodyState state(card.bodies, Isometry3d::Identity());
   std::vector<bool> placed(card.bodies, false);
-  std::vector<std::vector<std::size_t>> beside(card.bodies);
-  for (std::size_t h = 0; h < card.hinges.size(); ++h) {
-    beside[card.hinges[h].right].push_back(h);
-    beside[card.hinges[h].left].push_back(h);
-  }
+  const auto beside = hinges_of_bodies(card);
   std::deque<std::uint32_t> open{card.hinges[card.drive].right};
   placed[open.front()] = true;
   for (; !open.empty(); open.pop_front())
@@ -308,16 +313,16 @@ double opening_of(const Assembled& card, const BodyState& state) {
 }
 
 std::vector<std::uint32_t> loose_bodies(const Assembled& card) {
+  const auto beside = hinges_of_bodies(card);
   std::vector<bool> seen(card.bodies, false);
   std::vector<std::uint32_t> open{card.hinges[card.drive].right};
   seen[open.front()] = true;
   while (!open.empty()) {
     const std::uint32_t at = open.back();
     open.pop_back();
-    for (const BodyHinge& hinge : card.hinges)
-      for (const auto& [from, to] :
-           {std::pair(hinge.right, hinge.left), std::pair(hinge.left, hinge.right)})
-        if (from == at && !seen[to]) seen[to] = true, open.push_back(to);
+    for (const std::size_t h : beside[at])
+      for (const std::uint32_t to : {card.hinges[h].right, card.hinges[h].left})
+        if (!seen[to]) seen[to] = true, open.push_back(to);
   }
   std::vector<std::uint32_t> out;
   for (std::uint32_t b = 0; b < card.bodies; ++b)

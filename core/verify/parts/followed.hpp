@@ -21,7 +21,7 @@ struct Followed {
   double gap_mm{};                  ///< largest gap that is left in a joint
   double first_gap_mm{};            ///< the same of the file's own angles, before correction
   std::string shut_stopped;         ///< why it does not shut; empty if it does
-  std::string open_stopped;         ///< why it does not open to `to_rad`
+  std::string open_stopped;         ///< why it does not open flat
 };
 
 /// Bodies that nothing connects to the pages.

@@ -89,11 +89,12 @@ class PartsJudge {
   }
 
   void judge_joints(VerifyCheck check) {
+    std::vector<bool> is_loose(card_.bodies, false);
+    for (const std::uint32_t body : loose_bodies(card_)) is_loose[body] = true;
     std::set<std::size_t> loose;
-    for (const std::uint32_t body : loose_bodies(card_))
-      for (std::size_t p = 0; p < model_.parts.size(); ++p)
-        for (std::size_t k = 0; k < card_.sheets[p].panels; ++k)
-          if (card_.body[card_.first_panel[p] + k] == body) loose.insert(p);
+    for (std::size_t p = 0; p < model_.parts.size(); ++p)
+      for (std::size_t k = 0; k < card_.sheets[p].panels; ++k)
+        if (is_loose[card_.body[card_.first_panel[p] + k]]) loose.insert(p);
     for (const std::size_t p : loose)
       check.fail(model_.parts[p].place,
                  fmt::format("{:?} hangs on nothing that hangs on the pages of {:?}",
@@ -249,7 +250,10 @@ class PartsJudge {
       if (!found.ran) check.ran = false, check.detail = found.detail;
       for (const VerifyFailure& failure : found.failures) {
         std::uint32_t f = 0, g = 0;
-        if (std::sscanf(failure.detail.c_str(), "faces %u and %u", &f, &g) != 2) continue;
+        if (std::sscanf(failure.detail.c_str(), "faces %u and %u", &f, &g) != 2) {
+          check.fail(failure.place, failure.detail);  // never passed over
+          continue;
+        }
         if (!seen.emplace(f, g).second) continue;
         const bool cross = failure.detail.find(" cross ") != std::string::npos;
         check.fail(name_of(g), fmt::format("{} {} at {:.1f} degrees", name_of(f),

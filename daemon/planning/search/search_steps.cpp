@@ -19,11 +19,11 @@ using nlohmann::json;
 
 constexpr int kDepth = 8;
 
-/// All members of a struct, in order. One that is added later does not compile before it stands
-/// here: a search in steps would not know again what it has judged, and never end.
 template <typename Of, typename Struct>
 concept Is = std::same_as<std::remove_const_t<Of>, Struct>;
 
+/// All members of a struct, in order. One that is added later does not compile before it stands
+/// here: a search in steps would not know again what it has judged, and never end.
 template <Is<Candidate> Of>
 auto members(Of& of) {
   auto& [style, lattice, way, fill, cards, units, slices, strip_mm, pitch_mm, line_cost, hinge_mm3,
