@@ -69,20 +69,31 @@ bool is_known(std::string_view extension) {
          extension.starts_with("KHR_materials_");
 }
 
+tl::unexpected<Error> compressed(const std::string& place, std::string_view extension) {
+  return fail(ErrorKind::Malformed, place,
+              fmt::format("is compressed ({}); save the model without compression", extension));
+}
+
+/// Refuses files of the first version, whose meshes and nodes have names in place of numbers. A
+/// .glb has its version behind the first word.
+Result<void> check_version(const std::string& name, std::string_view version) {
+  if (version != "1" && !version.starts_with("1.")) return {};
+  return fail(ErrorKind::Malformed, name,
+              "is glTF 1.0, which popcut does not read; save the model as glTF 2.0 (.glb)");
+}
+
 /// Refuses a file that cannot be read without an extension that popcut does not know
 /// (glTF 2.0, 3.12).
 Result<void> check_extensions(const std::string& name, const tinygltf::Model& model) {
   for (std::size_t k = 0; k < model.extensionsRequired.size(); ++k) {
     const std::string& extension = model.extensionsRequired[k];
     if (is_known(extension)) continue;
-    const bool compressed = extension.find("compression") != std::string::npos;
+    const std::string place = fmt::format("{}: /extensionsRequired/{}", name, k);
+    if (extension.find("compression") != std::string::npos) return compressed(place, extension);
     return fail(
-        ErrorKind::Malformed, fmt::format("{}: /extensionsRequired/{}", name, k),
-        compressed
-            ? fmt::format("is compressed ({}); save the model without compression", extension)
-            : fmt::format(
-                  "needs the extension {}, which popcut does not know; save the model without it",
-                  extension));
+        ErrorKind::Malformed, place,
+        fmt::format("needs the extension {}, which popcut does not know; save the model without it",
+                    extension));
   }
   return {};
 }
@@ -133,7 +144,11 @@ Result<tinygltf::Model> parsed(const std::string& name, std::string_view bytes,
                                const ModelOptions& options) {
   if (bytes.size() > std::numeric_limits<unsigned>::max() / 2)
     return fail(ErrorKind::OutOfRange, name, "is larger than 2 GB; reduce the model");
-  if (auto fit = check_json(name, json_of(bytes)); !fit) return tl::unexpected(fit.error());
+  const std::string_view json = json_of(bytes);
+  if (bytes.starts_with("glTF") && bytes.size() > 4)
+    if (auto fit = check_version(name, std::to_string(static_cast<unsigned char>(bytes[4]))); !fit)
+      return tl::unexpected(fit.error());
+  if (auto fit = check_json(name, json); !fit) return tl::unexpected(fit.error());
   Beside beside{options, {}};
   tinygltf::TinyGLTF reader;
   reader.SetImageLoader(keep_picture, nullptr);
@@ -156,6 +171,10 @@ Result<tinygltf::Model> parsed(const std::string& name, std::string_view bytes,
     return fail(ErrorKind::Malformed, name,
                 fmt::format("keeps its mesh in {} beside it; save the model as one file (.glb)",
                             beside.missing));
+  // Some files leave out what the library needs, and do not say that they need the extension.
+  for (const std::string_view extension : {"KHR_draco_mesh_compression", "EXT_meshopt_compression"})
+    if (json.find(fmt::format("\"{}\"", extension)) != std::string_view::npos)
+      return compressed(name, extension);
   std::replace(error.begin(), error.end(), '\n', ' ');
   while (!error.empty() && std::string_view(" .;").find(error.back()) != std::string_view::npos)
     error.pop_back();
@@ -170,6 +189,8 @@ Result<Model> read_gltf(const std::string& name, std::string_view bytes,
                         const ModelOptions& options) {
   const auto file = parsed(name, bytes, options);
   if (!file) return tl::unexpected(file.error());
+  if (auto known = check_version(name, file->asset.version); !known)
+    return tl::unexpected(known.error());
   if (auto known = check_extensions(name, *file); !known) return tl::unexpected(known.error());
   return read_gltf_scene(name, *file, options);
 }

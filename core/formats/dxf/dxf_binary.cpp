@@ -58,12 +58,19 @@ class BinaryReader {
       const std::optional<int> code = read_code();
       if (!code) return cut_off();
       const std::optional<ValueType> type = type_of(*code);
+      if (!type && objects_at_) {  // the drawing itself is complete
+        text.resize(*objects_at_);
+        break;
+      }
       if (!type)
         return fail(ErrorKind::Malformed, place(),
                     fmt::format("the group code {} is none of DXF's; the file is damaged", *code));
+      const std::size_t group_at = text.size();
       fmt::format_to(std::back_inserter(text), "{}\n", *code);
       const bool ends = *code == 0 && bytes_.substr(0, 4) == std::string_view("EOF\0", 4);
+      const std::size_t value_at = text.size();
       if (!add_value(*type, text)) return cut_off();
+      note_section(*code, std::string_view(text).substr(value_at), group_at);
       if (text.size() > most_bytes)
         return fail(
             ErrorKind::OutOfRange, place(),
@@ -77,6 +84,17 @@ class BinaryReader {
   [[nodiscard]] std::string place() const { return fmt::format("group {}", group_); }
   [[nodiscard]] tl::unexpected<Error> cut_off() const {
     return fail(ErrorKind::Malformed, place(), "the file ends within it; is it complete?");
+  }
+
+  // Remembers where the section of objects begins. It holds nothing to cut, and programs write it
+  // wrongly.
+  void note_section(int code, std::string_view value, std::size_t group_at) {
+    if (code == 0 && value == "SECTION\n") {
+      section_at_ = group_at;
+    } else if (code == 2 && section_at_) {
+      objects_at_ = value == "OBJECTS\n" ? section_at_ : std::nullopt;
+      section_at_.reset();
+    }
   }
 
   /// `count` bytes as a little-endian number.
@@ -138,6 +156,7 @@ class BinaryReader {
   std::string_view bytes_;
   bool wide_{};
   std::size_t group_{};
+  std::optional<std::size_t> section_at_, objects_at_;  // in the text
 };
 
 }  // namespace

@@ -117,7 +117,7 @@ class TableReader {
     while (more_ && !ended) {
       const DxfGroup& group = cursor_.group();
       if (group.is(0, "SECTION") || group.is(0, "EOF")) break;
-      ended = group.is(0, "ENDSEC");
+      ended = group.is(0, "ENDSEC") && !(name == "HEADER" && goes_on());
       const bool named = group.is(0, "LAYER") || group.is(0, "LTYPE");
       if (name == "TABLES" && named) {
         if (!record(group.value == "LAYER")) return false;
@@ -131,6 +131,12 @@ class TableReader {
     return ended ||
            stop(fmt::format("the section {} does not end (0 ENDSEC); is the file complete?",
                             dxf_shown(name)));
+  }
+
+  /// Whether variables follow: dxflib 2.0 writes an ENDSEC into the midst of them.
+  [[nodiscard]] bool goes_on() const {
+    DxfCursor after = cursor_;
+    return after.next() && after.group().code == 9;
   }
 
   bool variable() {

@@ -377,6 +377,19 @@ TEST_CASE("a glTF that needs what popcut does not know is refused by name", "[co
              Catch::Contains("a.gltf: /extensionsRequired/0: needs the extension VENDOR_voxels"));
   CHECK_THAT(refused(needs("EXT_meshopt_compression")).detail,
              Catch::Contains("is compressed (EXT_meshopt_compression)"));
+  // Some programs do not say that they need it, and leave out the numbers.
+  const std::string draco =
+      R"({"asset": {"version": "2.0"}, "meshes": [{"primitives": [{"extensions": {"KHR_draco_mesh_compression": {}},
+    "attributes": {"POSITION": 0}, "indices": 0}]}], "accessors": [{"bufferView": 7, "componentType": 5126, "count": 4, "type": "VEC3"}]})";
+  CHECK_THAT(refused(read_mesh("a.gltf", draco)).detail,
+             Catch::Contains("is compressed (KHR_draco_mesh_compression)"));
+}
+
+TEST_CASE("the first version of glTF is refused by name", "[core][mesh]") {
+  for (const std::string& old :
+       {std::string(R"({"asset": {"version": "1.0"}, "meshes": {"box": {}}})"),
+        std::string("glTF\1\0\0\0\x18\0\0\0\4\0\0\0\0\0\0\0{}  ", 24)})
+    CHECK_THAT(refused(read_mesh("a.glb", old)).detail, Catch::Contains("is glTF 1.0"));
 }
 
 TEST_CASE("a few bytes of glTF take neither the stack nor minutes", "[core][mesh]") {

@@ -614,11 +614,29 @@ TEST_CASE("a binary DXF is read as the ASCII one of the same groups", "[core][fo
   wrong[22 + 2 + 8] = '\x51';  // 81, a code that DXF does not have
   CHECK_THAT(fault(wrong), Catch::Contains("group 2: the group code 81 is none of DXF's"));
   CHECK_THAT(fault(line.substr(0, 60)), Catch::Contains("the file ends within it"));
+  // What is damaged behind the drawing does not matter.
+  const std::string objects = binary(section("ENTITIES", line_on("CUT", 2)) +
+                                         section("OBJECTS", "0 DICTIONARY 81 1") + groups("0 EOF"),
+                                     true);
+  CHECK(read(objects).points.size() == 2);
+  CHECK_FALSE(fault(binary(section("OBJECTS", "0 DICTIONARY 81 1") +
+                               section("ENTITIES", line_on("CUT", 2)) + groups("0 EOF"),
+                           true))
+                  .empty());
   DxfOptions small;
   small.most_bytes = 100;
   CHECK_FALSE(fault(line, small).empty());
   CHECK_THAT(fault(binary(drawing("0 LINE 8 CUT 10 1e300 20 0 11 1 21 0"), true)),
              Catch::Contains("group "));
+}
+
+TEST_CASE("a header whose end is written into its midst is read whole", "[core][formats][dxf]") {
+  const std::string lines = section("ENTITIES", line_on("CUT", 2)) + groups("0 EOF");
+  const LineWork inch = read(
+      section("HEADER", "9 $ACADVER 1 AC1015 0 ENDSEC 9 $INSUNITS 70 1 9 $DIMEXE 40 2") + lines);
+  CHECK(inch.points == read(section("HEADER", "9 $INSUNITS 70 1") + lines).points);
+  CHECK_THAT(fault(section("ENTITIES", line_on("CUT", 2) + "0 ENDSEC 0 LINE") + groups("0 EOF")),
+             Catch::Contains("is outside of any section"));
 }
 
 TEST_CASE("a person's unit replaces that of a DXF and its warning", "[core][formats][dxf]") {

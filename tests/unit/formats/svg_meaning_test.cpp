@@ -219,11 +219,18 @@ TEST_CASE("a document type is never fetched and only plain entities are expanded
   CHECK(read("<!DOCTYPE svg PUBLIC \"-//W3C//DTD SVG 1.1//EN\" \"http://a/svg11.dtd\">" +
              svg("<path stroke='red' d='M0 0H1'/>"))
             .lines.size() == 1);
+  CHECK(read("<!DOCTYPE svg [<!ATTLIST svg xmlns:a CDATA #FIXED 'http://a' xmlns:b CDATA \"b\"> "
+             "<!ENTITY w '12'>]>" +
+             drawing)
+            .lines.size() == 1);
   for (const char* subset :
-       {"<!ENTITY a 'x'><!ENTITY w '&a;&a;'>", "<!ENTITY % w '1'>",
-        "<!ENTITY w SYSTEM 'file:///etc/passwd'>", "<!ENTITY w PUBLIC 'a' 'http://a'>",
-        "<!ELEMENT svg ANY>", "<!ATTLIST svg w CDATA '1'>", "%w;", "<!ENTITY w '<g/>'>",
-        "<!ENTITY w '1' NDATA x>", "<!NOTATION n SYSTEM 'x'>", "<?pi?>", "<!ENTITY w '1"}) {
+       {"<!ATTLIST svg xmlns:a CDATA 'a' w (1|2) '1'>",
+        "<!ATTLIST svg xmlns:a CDATA 'a' fill CDATA #FIXED 'red'>",
+        "<!ATTLIST svg xmlns:a CDATA 'a", "<!ENTITY a 'x'><!ENTITY w '&a;&a;'>",
+        "<!ENTITY % w '1'>", "<!ENTITY w SYSTEM 'file:///etc/passwd'>",
+        "<!ENTITY w PUBLIC 'a' 'http://a'>", "<!ELEMENT svg ANY>", "<!ATTLIST svg w CDATA '1'>",
+        "%w;", "<!ENTITY w '<g/>'>", "<!ENTITY w '1' NDATA x>", "<!NOTATION n SYSTEM 'x'>",
+        "<?pi?>", "<!ENTITY w '1"}) {
     CAPTURE(subset);
     const Error error = error_of(with(std::string("<!DOCTYPE svg [") + subset + "]>"));
     CHECK(error.kind == ErrorKind::Malformed);

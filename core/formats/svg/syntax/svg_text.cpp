@@ -156,11 +156,40 @@ class DoctypeReader {
                           kMostEntities),
               ErrorKind::OutOfRange);
         entities.push_back(std::move(*entity));
+      } else if (text_.substr(at_, 9) == "<!ATTLIST" && names_only()) {
+        continue;
       } else {
         return wrong(
             fmt::format("the DOCTYPE declares something other than an entity; {}", kEntityRule));
       }
     }
+  }
+
+  // Passes over a list of attributes that gives values to namespaces only: old drawings of Sodipodi
+  // and Illustrator have it, and write the namespaces into the drawing, too.
+  bool names_only() {
+    const std::size_t end = text_.find('>', at_);
+    if (end == std::string_view::npos) return false;
+    const std::string_view list = text_.substr(at_, end - at_);
+    for (std::size_t k = list.find_first_of("\"'"); k != std::string_view::npos;) {
+      const std::size_t close = list.find(list[k], k + 1);
+      // NAME CDATA #FIXED "VALUE", or without #FIXED
+      std::string_view before = list.substr(0, k);
+      for (const std::string_view word : {"#FIXED", "CDATA"}) {
+        before = before.substr(0, before.find_last_not_of(kXmlBlanks) + 1);
+        if (before.ends_with(word))
+          before.remove_suffix(word.size());
+        else if (word == "CDATA")
+          return false;
+      }
+      before = before.substr(0, before.find_last_not_of(kXmlBlanks) + 1);
+      if (close == std::string_view::npos ||
+          !before.substr(before.find_last_of(kXmlBlanks) + 1).starts_with("xmlns"))
+        return false;
+      k = list.find_first_of("\"'", close + 1);
+    }
+    at_ = end + 1;
+    return true;
   }
 
   Result<Entity> declaration() {
