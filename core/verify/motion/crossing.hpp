@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "core/verify/motion/motion.hpp"
 #include "core/verify/sheet/check.hpp"
@@ -27,9 +29,27 @@ namespace popcut::verify {
 [[nodiscard]] bool check_sections(const FoldModel& file, const Sheet& sheet, Vec2 axis,
                                   const PoseMotion& motion, double slack_mm, VerifyCheck& check);
 
-/// Checks that the faces of any sheet do not cross in one pose. Two faces fail if one passes
-/// through the other by more than `slack_mm`, or if both lie in one plane and overlap. In a shut
-/// pose, stacks of faces are valid and only faces that pass through others fail.
+/// Two faces that meet where they must not.
+struct MeetingFaces {
+  std::uint32_t f{}, g{};
+  bool crosses{};        ///< `f` passes through `g`; otherwise both lie in one plane and overlap
+  Vec3 where;            ///< a point of the crossing
+  double overlap_mm2{};  ///< what they share in one plane
+};
+
+struct Meetings {
+  std::vector<MeetingFaces> pairs;  ///< the first thousand or so
+  bool complete{true};              ///< false: too many faces lie in one place to compare them all
+};
+
+/// The faces of any sheet that meet in one pose: one passes through the other by more than
+/// `slack_mm`, or both lie in one plane and overlap. In a shut pose, stacks of faces are valid, and
+/// only faces that pass through others count.
+[[nodiscard]] Meetings meeting_faces(const FoldModel& file, const Sheet& sheet,
+                                     const Triangles& triangles, const Pose& pose,
+                                     const PoseMotion& motion, double slack_mm);
+
+/// Adds a failure for each of `meeting_faces`.
 void check_faces_apart(const FoldModel& file, const Sheet& sheet, const Triangles& triangles,
                        const Pose& pose, const PoseMotion& motion, double slack_mm,
                        VerifyCheck& check);

@@ -164,9 +164,8 @@ double shared_area(const Triangles& triangles, const Pose& pose, const PanelMoti
 
 }  // namespace
 
-void check_faces_apart(const FoldModel& file, const Sheet& sheet, const Triangles& triangles,
-                       const Pose& pose, const PoseMotion& motion, double slack_mm,
-                       VerifyCheck& check) {
+Meetings meeting_faces(const FoldModel& file, const Sheet& sheet, const Triangles& triangles,
+                       const Pose& pose, const PoseMotion& motion, double slack_mm) {
   const FacesInSpace space(file, sheet, pose, motion, slack_mm);
   Box all = space.box(0);
   for (std::size_t f = 1; f < file.faces(); ++f) all.extend(space.box(f));
@@ -181,26 +180,40 @@ void check_faces_apart(const FoldModel& file, const Sheet& sheet, const Triangle
     const Vec2 c = seen(space.box(f).max());
     return std::array<Vec2, 4>{a, Vec2{c.x(), a.y()}, c, Vec2{a.x(), c.y()}};
   };
-  std::set<std::pair<std::uint32_t, std::uint32_t>> reported;
+  Meetings met;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> seen_pairs;
   const CellGrid grid(file.faces(), slack_mm, corners);
-  const bool complete =
-      grid.each_pair(4 * pair_budget(file.faces()), [&](std::uint32_t f, std::uint32_t g) {
-        if (sheet.panel_of_face[f] == sheet.panel_of_face[g] || reported.size() > kMostReported)
-          return;
-        Vec3 where;
-        const auto relation = space.relation(f, g, where);
-        if (relation == FacesInSpace::Relation::Cross && reported.emplace(f, g).second)
-          check.fail(face_place(g),
-                     fmt::format("faces {} and {} cross near ({:.6g}, {:.6g}, {:.6g}) in {}", f, g,
-                                 where.x(), where.y(), where.z(), pose_name(pose)));
-        if (relation != FacesInSpace::Relation::SamePlane || motion.shut) return;
-        double reach = 0.0;
-        const double shared = shared_area(triangles, pose, space.motion(f), f, g, reach);
-        if (shared <= 4.0 * slack_mm * (reach + slack_mm) || !reported.emplace(f, g).second) return;
-        check.fail(face_place(g), fmt::format("faces {} and {} overlap by {:.6g} mm2 in {}", f, g,
-                                              shared, pose_name(pose)));
-      });
-  if (!complete) check.not_judged("too many faces lie in one place to compare them");
+  met.complete = grid.each_pair(4 * pair_budget(file.faces()), [&](std::uint32_t f,
+                                                                   std::uint32_t g) {
+    if (sheet.panel_of_face[f] == sheet.panel_of_face[g] || met.pairs.size() > kMostReported)
+      return;
+    MeetingFaces pair{.f = f, .g = g, .crosses = false, .where = Vec3::Zero(), .overlap_mm2 = 0.0};
+    const auto relation = space.relation(f, g, pair.where);
+    pair.crosses = relation == FacesInSpace::Relation::Cross;
+    if (relation == FacesInSpace::Relation::SamePlane && !motion.shut) {
+      double reach = 0.0;
+      const double shared = shared_area(triangles, pose, space.motion(f), f, g, reach);
+      if (shared > 4.0 * slack_mm * (reach + slack_mm)) pair.overlap_mm2 = shared;
+    }
+    if ((pair.crosses || pair.overlap_mm2 > 0.0) && seen_pairs.emplace(f, g).second)
+      met.pairs.push_back(pair);
+  });
+  return met;
+}
+
+void check_faces_apart(const FoldModel& file, const Sheet& sheet, const Triangles& triangles,
+                       const Pose& pose, const PoseMotion& motion, double slack_mm,
+                       VerifyCheck& check) {
+  const Meetings met = meeting_faces(file, sheet, triangles, pose, motion, slack_mm);
+  for (const MeetingFaces& pair : met.pairs)
+    check.fail(
+        face_place(pair.g),
+        pair.crosses
+            ? fmt::format("faces {} and {} cross near ({:.6g}, {:.6g}, {:.6g}) in {}", pair.f,
+                          pair.g, pair.where.x(), pair.where.y(), pair.where.z(), pose_name(pose))
+            : fmt::format("faces {} and {} overlap by {:.6g} mm2 in {}", pair.f, pair.g,
+                          pair.overlap_mm2, pose_name(pose)));
+  if (!met.complete) check.not_judged("too many faces lie in one place to compare them");
 }
 
 }  // namespace popcut::verify
