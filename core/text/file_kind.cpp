@@ -37,6 +37,9 @@ constexpr std::array kHeads{Head{"\x89PNG\r\n"sv, "a PNG picture"},
                             Head{"Rar!\x1A"sv, "a RAR archive"},
                             Head{"ply\n"sv, "a PLY model"},
                             Head{"ply\r\n"sv, "a PLY model"},
+                            Head{"OFF\n"sv, "an OFF model"},
+                            Head{"OFF\r\n"sv, "an OFF model"},
+                            Head{"#VRML"sv, "a VRML model"},
                             Head{"ISO-10303-21;"sv, "a STEP model"},
                             Head{"Kaydara FBX Binary"sv, "an FBX model"},
                             Head{"BLENDER"sv, "a Blender file"},
@@ -51,6 +54,8 @@ std::string_view marked_up(std::string_view text) {
   if (has("<html") || has("<HTML") || has("<!DOCTYPE html") || has("<!doctype html"))
     return "a web page (HTML)";
   if (has("<COLLADA")) return "a COLLADA model";
+  if (has("<amf")) return "an AMF model";
+  if (has("<X3D")) return "an X3D model";
   return "an XML text";
 }
 
@@ -99,6 +104,10 @@ constexpr std::array kAdvice{
     Advice{"an IGES model", " iges igs ", kModelAdvice},
     Advice{"a PLY model", " ply ", kModelAdvice},
     Advice{"an FBX model", " fbx ", kModelAdvice},
+    Advice{"an AMF model", " amf ", kModelAdvice},
+    Advice{"an OFF model", " off ", kModelAdvice},
+    Advice{"an X3D model", " x3d ", kModelAdvice},
+    Advice{"a VRML model", " wrl vrml ", kModelAdvice},
     Advice{"a Blender file", " blend ", kModelAdvice},
     Advice{"a program for a cutter", " plt hpgl hpg gpgl ",
            "'popcut send FILE' sends it, and 'popcut simulate FILE -o cut' shows what it cuts"},

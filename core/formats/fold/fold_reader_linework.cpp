@@ -155,6 +155,25 @@ std::optional<FoldFrame> flat_anywhere(const FoldFile& file) {
   return std::nullopt;
 }
 
+/// Whether a frame in one plane is a model folded flat: its faces show both sides, or without faces
+/// two of its corners lie in one place. A crease pattern shows one side; programs name it a folded
+/// form, too, so the name alone says little.
+bool is_folded_flat(const FoldFrame& frame) {
+  bool up = false, down = false;
+  for (const std::vector<std::uint32_t>& face : frame.faces) {
+    double twice_area = 0.0;
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const auto &a = frame.vertices[face[k]], &b = frame.vertices[face[(k + 1) % face.size()]];
+      twice_area += a[0] * b[1] - a[1] * b[0];
+    }
+    up = up || twice_area > 0.0, down = down || twice_area < 0.0;
+  }
+  if (!frame.faces.empty()) return up && down;
+  auto corners = frame.vertices;
+  std::sort(corners.begin(), corners.end());
+  return std::adjacent_find(corners.begin(), corners.end()) != corners.end();
+}
+
 /// The parts of 0..length that no interval of `taken` (sorted by start) covers.
 std::vector<std::pair<double, double>> free_parts(const std::vector<OverlapIndex::Covered>& taken,
                                                   double length) {
@@ -362,6 +381,10 @@ Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& lim
               "the creases"
             : "lie in no plane: this is a folded model; give its flat crease pattern, which "
               "most programs export beside it");
+  if (frame->folded_form && is_folded_flat(*frame))
+    return fail(ErrorKind::Malformed, "/vertices_coords",
+                "are those of a model that is folded flat; give its crease pattern, which most "
+                "programs export beside it");
   return linework_of(std::move(*frame), "", unit_mm, enlarged);
 }
 

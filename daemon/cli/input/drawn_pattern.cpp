@@ -91,7 +91,7 @@ Result<void> check_no_model(const std::string& file, const std::string& command)
 }
 
 bool is_pattern(const std::string& text) {
-  if (is_svg(text)) return true;
+  if (is_svg(text)) return foreign_advice(text, {}).empty();  // or a model in angle brackets
   const auto json = nlohmann::json::parse(text, nullptr, false);
   return json.is_object() && json.contains("vertices_coords");
 }

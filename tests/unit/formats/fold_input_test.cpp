@@ -86,6 +86,9 @@ TEST_CASE("files of other kinds are named with what to do", "[core][text]") {
   says("PK\x03\x04", "a.3mf", "is a 3MF model");
   says("PK\x03\x04", "a.zip", "unpack it");
   says("<?xml version='1.0'?><COLLADA>", "", "is a COLLADA model");
+  says("\xEF\xBB\xBF<?xml version='1.0'?><amf unit='mm'>", "", "is an AMF model");
+  says("OFF\n8 6 0\n", "", "is an OFF model");
+  says("#VRML V2.0", "a", "is a VRML model");
   says("\x89PNG\r\n", "a.svg", "is a PNG picture");
   says("IN;PU;", "a.plt", "popcut send FILE");
   CHECK(foreign_advice("<svg/>", "a.svg").empty());
@@ -361,6 +364,28 @@ TEST_CASE("faces of a FOLD file stand for edges and border where no list gives t
   REQUIRE(angled);
   CHECK(total_mm(*angled, Operation::FoldValley) == Approx(std::hypot(10, 10)));
   CHECK(total_mm(*angled, Operation::Outline) == Approx(40));
+}
+
+TEST_CASE("a model folded flat is refused, and a crease pattern under its name is read",
+          "[core][formats][fold][bad]") {
+  const auto file = [](const char* corners, const char* more) {
+    return fmt::format(
+        R"({{"file_spec":1.1,"frame_unit":"mm","frame_classes":["foldedForm"],"vertices_coords":{},
+            "edges_vertices":[[0,1],[1,2],[2,3],[3,0],[3,1]],"edges_assignment":["B","B","B","B","V"]{}}})",
+        corners, more);
+  };
+  const char *folded = "[[0,0],[20,0],[0,0],[0,20]]", *flat = "[[0,0],[20,0],[20,20],[0,20]]",
+             *faces = R"(,"faces_vertices":[[0,1,3],[1,2,3]])";
+  for (const char* more : {"", faces}) {
+    const auto read = linework_from_fold(file(folded, more));
+    REQUIRE_FALSE(read);
+    CHECK_THAT(read.error().detail, Catch::Contains("folded flat"));
+    CHECK(linework_from_fold(file(flat, more)));
+  }
+  // Its corners lie in places of their own, and one face looks down.
+  const auto aside = linework_from_fold(file("[[0,0],[20,0],[3,1],[0,20]]", faces));
+  REQUIRE_FALSE(aside);
+  CHECK(aside.error().place == "/vertices_coords");
 }
 
 TEST_CASE("a FOLD file without a flat pattern or a size says what to give",
