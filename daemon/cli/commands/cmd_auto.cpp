@@ -224,7 +224,7 @@ void add_search_options(const Command& command, ModelSearchOptions& search) {
       .value_text("N [1]");
   real_number(
       command.add_option("--effort", search.effort,
-                         "How many cards are tried: 0.1 is a first look, 3 takes three times "
+                         "How many cards are tried: 0.02 is a first look, 3 takes three times "
                          "as long; 1 takes up to a minute on two idle cores"),
       0.01, 100)
       .value_text("X [1]");

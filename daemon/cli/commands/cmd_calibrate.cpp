@@ -516,7 +516,8 @@ Result<void> keep_hands(const std::array<double, hands::kStrip.size()>& times_s)
   const auto table = own_table(kFile);
   if (!table) return tl::unexpected(table.error());
   if (const auto written = write_own_table(kFile, text); !written) return written;
-  fmt::print(stderr, "Written to {}; design, plan and auto count with it.\n", table->file);
+  fmt::print(stderr, "Written to {}; design, plan, auto and fold-guide count with it.\n",
+             table->file);
   return {};
 }
 
@@ -664,7 +665,8 @@ constexpr const char* kHelp =
     "How long you take to fold is measured without a cutter:\n\n"
     "  popcut calibrate --hands -o strip    # ten folds of four lengths, to print and cut\n"
     "  popcut calibrate --hands             # asks for your times, and keeps them\n\n"
-    "The result is ~/.config/popcut/hands.json, with which design, plan and auto count.";
+    "The result is ~/.config/popcut/hands.json, with which design, plan, auto and\n"
+    "fold-guide count.";
 
 }  // namespace
 }  // namespace calibrate_command

@@ -239,7 +239,8 @@ constexpr const char* kHelp =
     "  popcut compare teapot/pattern.fold teapot.obj --printed\n"
     "  popcut compare teapot-book teapot.obj --around\n\n"
     "PATTERN is a FOLD file or a drawing (SVG, DXF), from popcut or any other program, or a mesh\n"
-    "(STL, OBJ) of an opened card. TARGET is a mesh, heights (CSV) or a design (.json). popcut\n"
+    "(STL, OBJ, GLB) of an opened card. TARGET is a mesh, heights (CSV) or a design (.json). "
+    "popcut\n"
     "draws both from nine directions around the card's diagonal and compares depths, contours,\n"
     "the covered part and the volume; it also says what the card costs to cut. The last line is\n"
     "the error, a number to rank cards: 0 is the model itself. popcut looks at a book (its folder\n"
@@ -282,7 +283,7 @@ void register_compare(const Command& app, const Globals& globals, Run& run) {
       .required();
   command
       .add_option("TARGET", options->target,
-                  "The model: a mesh (.stl, .obj, .glb), heights (.csv) or a design (.json)")
+                  "The model: a mesh (.stl, .obj, .glb, .gltf), heights (.csv) or a design (.json)")
       .required();
   command.add_option("MORE", options->more,
                      "With more than two files, the last is the model, and all others are the "

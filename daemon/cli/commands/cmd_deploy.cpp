@@ -341,7 +341,8 @@ void register_deploy(const Command& app, const Globals& globals, Run& run) {
       .add_option("--svg-profile", options->svg_profile,
                   "What the strokes of an SVG mean: auto (by their names; several colours without "
                   "names as origami-sim), popcut (by their names; the others are cuts), "
-                  "origami-sim (by colour), lightburn, cricut, plain, or a profile of your own")
+                  "origami-sim (by colour), lightburn, cricut, plain, or another of "
+                  "docs/drawings.md, or your own")
       .value_text("NAME [auto]");
   command.add_flag("--glb", options->glb, "Also write deploy.glb: one animated 3D file (glTF)");
   command.add_flag("--poster", options->poster,

@@ -319,6 +319,9 @@ Result<void> list_examples(const Globals& globals) {
     std::string what =
         spec->style == DesignStyle::Layers
             ? fmt::format("layers, {} on a card that opens flat, {}", spec->layers.layers, target)
+        : spec->style == DesignStyle::Silhouette
+            ? fmt::format("silhouette, {} layer{}, {}", spec->facets.layers,
+                          spec->facets.layers == 1 ? "" : "s", target)
         : is_of_facets(spec->style)
             ? fmt::format("facets, strips of {:g} mm, {}", spec->facets.strip_mm, target)
             : fmt::format("{}, {} units", target, fmt::join(sizes, " + "));
@@ -676,7 +679,7 @@ void register_design(const Command& app, const Globals& globals, Run& run) {
   const Command command = app.add_command("design", kHelp);
   command.add_option("SPEC", options->spec,
                      "The design: a JSON file, or -; --schema prints its format. Or a 3D model "
-                     "(.stl, .obj, .glb)");
+                     "(.stl, .obj, .glb, .gltf)");
   command
       .add_option("-o,--output", options->folder,
                   "Folder for the files; created if it does not exist")

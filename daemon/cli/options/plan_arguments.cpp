@@ -95,8 +95,9 @@ Result<PlanOptions> options_of(const PlanArguments& arguments, const Progress& p
 
 void add_plan_arguments(const Command& command, PlanArguments& arguments) {
   command
-      .add_option("INPUT", arguments.input,
-                  "A design (.json), a drawing (.fold, .svg, .dxf), or the folder of a book")
+      .add_option(
+          "INPUT", arguments.input,
+          "A design (.json), a drawing (.fold, .svg, .dxf, .pdf, .cp ...), or the folder of a book")
       .required();
   for (const PlanOption& option : plan_option_table()) {
     const Option added = add_option(command, option, arguments);

@@ -197,7 +197,7 @@ TEST_CASE("a person's times for the strip are what design and plan count with",
   CHECK(folding("plan", "plan.json") == before);
   ran = bench.calibrate("--hands --times 200,200,300,300", "");
   CHECK(ran.exit == 0);
-  CHECK(says(ran.err, "hands.json; design, plan and auto count with it."));
+  CHECK(says(ran.err, "hands.json; design, plan, auto and fold-guide count with it."));
   const json after = folding("design", "report.json");
   CHECK(after["fold_s"] == 500);
   CHECK(folding("plan", "plan.json") == after);
