@@ -235,7 +235,11 @@ export class Sides {
 
   /** Throws where the browser has no WebGL. */
   constructor(model: Group, private readonly size_px: number) {
-    this.renderer = new WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
+    const how = { antialias: true, alpha: true, preserveDrawingBuffer: true };
+    // Where three finds none itself, it complains in the console.
+    const context = document.createElement('canvas').getContext('webgl2', how);
+    if (!context) throw new Error('no WebGL');
+    this.renderer = new WebGLRenderer({ ...how, canvas: context.canvas as HTMLCanvasElement, context });
     this.renderer.setSize(size_px, size_px, false);
     const light = new DirectionalLight(0xffffff, 1.7);
     light.position.set(-0.5, 0.8, 1);

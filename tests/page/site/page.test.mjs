@@ -6,6 +6,7 @@ import { join, resolve } from 'node:path';
 import { after, before, test } from 'node:test';
 import { serve } from '../../../daemon/web/serve.mjs';
 import { bytesOf, closeBrowser, openBrowser, openModel, picture, screens, Server, until, visit } from '../harness.mjs';
+import { begin, exact, house, keptWhole, open as openAt, start } from './visit.mjs';
 
 const folder = process.env.POPCUT_SITE ?? 'build/site/page';
 let server;
@@ -21,38 +22,12 @@ after(async () => {
   server.close();
 });
 
-/** A page of the site in a browser profile of its own. `complaints`: what its console said, and requests elsewhere. */
-async function open({ hash = '#/design', screen = 'desktop', context: given, base = address } = {}) {
-  const { width, height, touch } = screens[screen];
-  const context = given ?? await (await openBrowser()).newContext({ viewport: { width, height }, hasTouch: touch, locale: 'en-GB', reducedMotion: 'reduce' });
-  context.setDefaultTimeout(60_000);
-  const page = await context.newPage();
-  const complaints = [];
-  page.on('console', (message) => { if (!/GL Driver Message/.test(message.text())) complaints.push(`console: ${message.text()} ${message.location().url}`); });
-  page.on('pageerror', (error) => complaints.push(`error: ${error.stack ?? error.message}`));
-  page.on('request', (request) => { if (!/^(blob|data):/.test(request.url()) && !request.url().startsWith(base)) complaints.push(`request: ${request.url()}`); });
-  await page.addInitScript(() => document.addEventListener('securitypolicyviolation', (event) => console.error(`policy: ${event.violatedDirective} ${event.blockedURI} ${event.sample}`)));
-  await page.goto(base + hash);
-  return { page, context, complaints, close: () => context.close() };
-}
-
-const start = (page) => page.locator('.start-card:not(:disabled)').first().waitFor();
-const exact = (page) => page.locator('.badge-exact', { hasText: 'exact' }).waitFor();
-const begin = async (page, name) => {
-  await start(page);
-  await page.locator('.start-card', { hasText: new RegExp(`^${name}$`) }).click();
-  await exact(page);
-};
+const open = ({ base = address, ...how } = {}) => openAt(base, how);
 
 async function saved(page, press) {
   const [download] = await Promise.all([page.waitForEvent('download'), press()]);
   return { name: download.suggestedFilename(), bytes: await bytesOf(download) };
 }
-
-const house = Buffer.from([
-  ...[[0, 0], [60, 0], [60, 30], [30, 50], [0, 30]].flatMap(([x, z]) => [`v ${x} 0 ${z}`, `v ${x} 25 ${z}`]),
-  'f 1 3 5 7 9', 'f 2 10 8 6 4', 'f 1 2 4 3', 'f 3 4 6 5', 'f 5 6 8 7', 'f 7 8 10 9', 'f 9 10 2 1', '',
-].join('\n'));
 
 test('an example is designed, made in every way, planned and folded', async () => {
   const { page, complaints, close } = await open();
@@ -170,8 +145,7 @@ test('what was made is kept over a restart, carried elsewhere as one file, and d
 test('after the first load it works without a network', async () => {
   const { page, context, complaints, close } = await open();
   await start(page);
-  await page.evaluate(() => navigator.serviceWorker.ready);
-  await until(() => page.evaluate(async () => (await caches.keys()).length === 1 && (await (await caches.open((await caches.keys())[0])).keys()).length > 20), 'the page is kept');
+  await keptWhole(page);
   await page.reload();
   await context.setOffline(true);
   await page.reload();
@@ -211,6 +185,20 @@ test('a model that is too large for this computer is refused with what fits', as
   await page.locator('.design-drop > input[type=file]').setInputFiles({ name: 'large.stl', mimeType: 'model/stl', buffer: Buffer.alloc(5 << 20) });
   await page.locator('.note-bad', { hasText: '"large.stl" is larger than 4 MiB, which is what fits here' }).waitFor();
   assert.equal(await page.locator('.design-name').inputValue(), 'unit');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('without WebGL a model is asked about in words, and the card is painted', async () => {
+  const context = await (await openBrowser()).newContext({ viewport: screens.desktop, reducedMotion: 'reduce' });
+  await context.addInitScript(() => {
+    const usual = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function none(kind, ...how) { return /webgl/.test(kind) ? null : usual.call(this, kind, ...how); };
+  });
+  const { page, complaints, close } = await open({ context });
+  await start(page);
+  await openModel(page, { name: 'house.obj', mimeType: 'application/octet-stream', buffer: house }, 'x');
+  await exact(page);
   assert.deepEqual(complaints, []);
   await close();
 });
