@@ -140,7 +140,9 @@ class Repairer {
       if (k < kMostDrops && !is_worn(loose[k].cells.front().strip))
         add(Move::Kind::Drop, without_patch(card_, loose[k], how_.jumps), out);
     }
-    std::sort(out.begin(), out.end(), [](const Move& a, const Move& b) { return a.cost < b.cost; });
+    // Stable, so that every standard library makes the same card.
+    std::stable_sort(out.begin(), out.end(),
+                     [](const Move& a, const Move& b) { return a.cost < b.cost; });
     return out;
   }
 

@@ -1,6 +1,7 @@
 // The engine of the site in node, and popcutd's worker beside it: both do the same task.
+import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
-import { readFileSync } from 'node:fs';
+import { readFileSync, readdirSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join, resolve } from 'node:path';
 
@@ -76,4 +77,22 @@ export function native(task) {
     at = begin + size;
   }
   return outcomeOf(frames);
+}
+
+export const root = new URL('../../../', import.meta.url);
+export const contentOf = (path) => readFileSync(new URL(path, root));
+export const examples = readdirSync(new URL('examples/', root)).filter((name) => name.endsWith('.json')).map((name) => name.slice(0, -5));
+export const specOf = (name) => contentOf(`examples/${name}.json`);
+/** The row of the material of a spec. */
+export const materialOf = (rows, spec) => JSON.stringify(rows.materials[JSON.parse(spec).material ?? 'paper-220']);
+
+/** Both are the same but for numbers, which differ by no more than `most`. */
+export function assertNear(a, b, most, what) {
+  const number = /-?\d+(?:\.\d+)?(?:e[-+]?\d+)?/g;
+  assert.equal(a.replace(number, '#'), b.replace(number, '#'), what);
+  const [first, second] = [a, b].map((text) => text.match(number) ?? []);
+  first.forEach((text, k) => {
+    const [x, y] = [Number(text), Number(second[k])];
+    assert.ok(Math.abs(x - y) <= most * Math.max(1, Math.abs(x)), `${what}: ${x} and ${y}`);
+  });
 }
