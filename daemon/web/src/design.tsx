@@ -22,6 +22,7 @@ import { fromShare, isPlain, nameOf, scaled, shareText, SpecError, withField } f
 import { FirstDraft, SearchCards } from './search_cards';
 import { Questions } from './standing';
 import { can, may, stale } from './store';
+import { tabStore } from './tab_store';
 import { size } from './words';
 import { designWords as words } from './words_design';
 import { makeWords } from './words_make';
@@ -92,7 +93,7 @@ function ShareDialog({ onClose }: { onClose: () => void }) {
     const spec = desk.spec.peek();
     if (!spec) return;
     shareText(spec).then(async (data) => {
-      link.value = `${location.origin}/#/design/d=${data}`;
+      link.value = new URL(`#/design/d=${data}`, document.baseURI).href;
       desk.saved();
       try {
         await navigator.clipboard.writeText(link.value);
@@ -253,7 +254,7 @@ function CutDialog({ onClose, print = false }: { onClose: () => void; print?: bo
       options: { ...(desk.foreign.peek() ? optionsOf(id) : {}), ...(wishes.options as Record<string, unknown>) },
     };
     const made = await send<{ id: string }>('POST', `/v1/designs/${id}/plan`, { body });
-    sessionStorage.setItem(`popcut.cut.${made.id}`, JSON.stringify({ copies: copies.value, device: body.device ?? null }));
+    tabStore.setItem(`popcut.cut.${made.id}`, JSON.stringify({ copies: copies.value, device: body.device ?? null }));
     if (!open.current) return;
     onClose();
     go(sheetsOf(made.id));

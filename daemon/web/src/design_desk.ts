@@ -10,6 +10,7 @@ import { Previews, type Quality } from './preview';
 import type { Colouring } from './ramps';
 import { isProblem, newKey, read, readAnswer, request, send, ServerProblem, waitsUntil } from './server';
 import { nameOf, scaled, Undo, type Spec } from './spec';
+import { tabSession } from './tab_store';
 import { noteUnsaved } from './unsaved';
 import { length } from './words';
 import { designWords } from './words_design';
@@ -67,7 +68,7 @@ export const refused = computed(() => new Map((problem.value?.errors ?? []).map(
   one.pointer.replace(/^\/spec(?=\/|$)/, ''), one.detail,
 ])));
 
-const undo = new Undo(sessionStorage, kUndoKey);
+const undo = new Undo(tabSession, kUndoKey);
 const previewKey = newKey();
 /** When each spec came in, by the clock of performance.now(). */
 const cameIn = new WeakMap<Spec, number>();

@@ -61,8 +61,10 @@ export function said(error: unknown): Said {
   return { text, chooses: true };
 }
 
+const limitsNow = (): Record<string, number> | undefined => meta.value?.limits as Record<string, number> | undefined;
+
 function tooLarge(file: File): Said {
-  const limits = meta.value?.limits as Record<string, number> | undefined;
+  const limits = limitsNow();
   const most = kModels[endingOf(file.name)] ? limits?.asset_bytes : limits?.design_bytes;
   return most !== undefined && file.size > most ? { text: words.open.tooLarge(file.name, `${Math.round(most / 1048576)} MiB`), chooses: true } : null;
 }
@@ -126,6 +128,8 @@ export async function openModel(given: Given, beside: readonly Given[]): Promise
     const scenes = may('submitter') ? await import('./model_scene') : null;
     const read = await scenes?.readModel(given, beside) ?? null;
     if (!wanted()) return null;
+    const [has, most] = [scenes !== null && read !== null ? scenes.trianglesOf(read) : 0, limitsNow()?.triangles];
+    if (most !== undefined && has > most) return { text: words.open.tooManyTriangles(given.file.name, has, most), chooses: true };
     if (scenes === null || read === null) return await place(given.file, given.file.name, kModels[endingOf(given.path)] as string, null, wanted);
     const pictures = new Map<string, string>();
     let guess: Axis | null = null;

@@ -226,6 +226,9 @@ export async function packed(of: Read, given: Given, clay: boolean): Promise<{ b
   return { bytes: new Blob([bytes as ArrayBuffer]), name: name.replace(/\.[^.]*$/, '.glb'), type: types.glb as string };
 }
 
+export const trianglesOf = ({ scene }: Read): number => meshesOf(scene).reduce((sum, { geometry }) =>
+  sum + (geometry.index ?? geometry.getAttribute('position')).count / 3, 0);
+
 /** Draws models from many sides. */
 export class Sides {
   private readonly renderer: WebGLRenderer;
@@ -237,7 +240,7 @@ export class Sides {
   constructor(model: Group, private readonly size_px: number) {
     const how = { antialias: true, alpha: true, preserveDrawingBuffer: true };
     // Where three finds none itself, it complains in the console.
-    const context = document.createElement('canvas').getContext('webgl2', how);
+    const context = document.createElement('canvas').getContext('webgl2', how) as WebGL2RenderingContext | null;
     if (!context) throw new Error('no WebGL');
     this.renderer = new WebGLRenderer({ ...how, canvas: context.canvas as HTMLCanvasElement, context });
     this.renderer.setSize(size_px, size_px, false);

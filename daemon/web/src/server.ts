@@ -2,11 +2,12 @@
 import { signal } from '@preact/signals';
 import { answer as answerOf, signsIn } from './backend';
 import type { ProblemEntry, Warning, Way } from './model';
+import { tabStore } from './tab_store';
 
 const kToken = 'popcut.token';
 
 /** none: never signed in here; in: has a token; over: popcutd no longer takes the token. */
-export const session = signal<'none' | 'in' | 'over'>(!signsIn || sessionStorage.getItem(kToken) ? 'in' : 'none');
+export const session = signal<'none' | 'in' | 'over'>(!signsIn || tabStore.getItem(kToken) ? 'in' : 'none');
 
 /** popcutd asked to wait until then (ms since 1970), or 0. */
 export const waitsUntil = signal(0);
@@ -71,14 +72,14 @@ export function newKey(): string {
 
 /** Keeps the token of a session; every later request carries it. */
 export function signInWith(token: string): void {
-  sessionStorage.setItem(kToken, token);
+  tabStore.setItem(kToken, token);
   session.value = 'in';
 }
 
 /** Forgets the token, whether or not popcutd could be told. */
 export async function signOut(): Promise<void> {
   await send('DELETE', '/v1/session').catch(() => undefined);
-  sessionStorage.removeItem(kToken);
+  tabStore.removeItem(kToken);
   session.value = 'none';
 }
 
@@ -102,7 +103,7 @@ export async function openAsk<T>(path: string, body: unknown, signal?: AbortSign
  */
 export async function request(method: string, path: string, ask: Ask = {}): Promise<Response> {
   const headers: Record<string, string> = { Accept: ask.accept ?? 'application/json', ...ask.headers };
-  const token = sessionStorage.getItem(kToken);
+  const token = tabStore.getItem(kToken);
   if (session.peek() === 'over' && !ask.stops) throw new ServerProblem(401, { type: 'unauthenticated' });
   if (token) headers.Authorization = `Bearer ${token}`;
   if (ask.key) headers['Idempotency-Key'] = ask.key;
@@ -115,7 +116,7 @@ export async function request(method: string, path: string, ask: Ask = {}): Prom
       signal: ask.signal, cache: method === 'GET' ? 'default' : 'no-store',
     });
   } catch (error) {
-    if (isProblem(error) && error.status === 401 && token === sessionStorage.getItem(kToken)) session.value = 'over';
+    if (isProblem(error) && error.status === 401 && token === tabStore.getItem(kToken)) session.value = 'over';
     throw error;
   }
 }

@@ -10,6 +10,7 @@ import { foldOf } from './route';
 import { act, isProblem, read, readBlob, saveAs, type ServerProblem } from './server';
 import { endOf, SheetView, strokesAt, strokeWords, timeColour, type Strokes } from './sheet_view';
 import { can, devices, may, stale } from './store';
+import { tabStore } from './tab_store';
 import { clockTime, integer, metres, size, timeRange, withoutTicks, words as everyWords } from './words';
 import { designWords } from './words_design';
 
@@ -173,7 +174,7 @@ interface Wanted { copies: number; device: string | null }
 /** What was asked for with "Cut this" for this plan. */
 function wantedFor(plan: string): Wanted {
   try {
-    const kept: unknown = JSON.parse(sessionStorage.getItem(`popcut.cut.${plan}`) ?? 'null');
+    const kept: unknown = JSON.parse(tabStore.getItem(`popcut.cut.${plan}`) ?? 'null');
     if (typeof kept === 'object' && kept !== null) {
       const { copies, device } = kept as Partial<Wanted>;
       return { copies: typeof copies === 'number' ? copies : 1, device: typeof device === 'string' ? device : null };

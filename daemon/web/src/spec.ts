@@ -33,8 +33,8 @@ export function parseSpec(text: string): Spec {
   } catch {
     throw new SpecError('not-json');
   }
-  if (!isSpec(value)) throw new SpecError('not-a-spec');
-  return value;
+  if (isSpec(value)) return value;
+  throw new SpecError(isRecord(value) && typeof value['popcut'] === 'number' && value['popcut'] > 1 ? 'newer' : 'not-a-spec');
 }
 
 export const nameOf = (spec: Spec): string => (typeof spec['name'] === 'string' ? spec['name'] : '');

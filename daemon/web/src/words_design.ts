@@ -253,6 +253,7 @@ export const designWords = localized({
     'too-large': 'This link holds more than a design may have. It was not opened.',
     'has-files': 'This link names a file of somebody else\'s computer. It was not opened.',
     'not-json': 'This is not a design: it cannot be read as JSON.',
+    newer: 'This design is of a newer popcut than this page. Reload the page, or ask whoever runs it for the newer one.',
     'not-a-spec': 'This is not a spec of popcut: it has no "popcut": 1.',
   } as Record<string, string>,
   open: {
@@ -267,6 +268,7 @@ export const designWords = localized({
     zipBroken: (name: string): string => `"${name}" cannot be unpacked: it is cut short, or no zip.`,
     looking: 'Reading the model…',
     tooLarge: (name: string, most: string): string => `"${name}" is larger than ${most}, which is what fits here: make it smaller or simpler.`,
+    tooManyTriangles: (name: string, has: number, most: number): string => `"${name}" has ${integer(has)} triangles, and ${integer(most)} fit here: make it simpler.`,
     placing: 'Sending the model…',
     uploading: 'Sending the file…',
   },

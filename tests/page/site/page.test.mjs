@@ -1,9 +1,10 @@
 // The page of static files in a browser: the maker's whole way, from a plain server and without one.
 import assert from 'node:assert/strict';
-import { mkdtempSync, rmSync, symlinkSync } from 'node:fs';
+import { cpSync, mkdtempSync, readdirSync, readFileSync, renameSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import { after, before, test } from 'node:test';
+import { deflateSync } from 'node:zlib';
 import { serve } from '../../../daemon/web/serve.mjs';
 import { bytesOf, closeBrowser, openBrowser, openModel, picture, screens, Server, until, visit } from '../harness.mjs';
 import { begin, exact, house, keptWhole, open as openAt, start } from './visit.mjs';
@@ -23,6 +24,12 @@ after(async () => {
 });
 
 const open = ({ base = address, ...how } = {}) => openAt(base, how);
+
+function ended(of, around) {
+  of.closeAllConnections();
+  of.close();
+  rmSync(around, { recursive: true });
+}
 
 async function saved(page, press) {
   const [download] = await Promise.all([page.waitForEvent('download'), press()]);
@@ -162,6 +169,10 @@ test('after the first load it works without a network', async () => {
 test('a browser that keeps nothing, or is full, is said, and what is open stays', async () => {
   for (const [spoil, words] of [
     [() => { IDBFactory.prototype.open = () => { throw new DOMException('no', 'SecurityError'); }; }, 'keeps nothing'],
+    [() => {   // all data of sites are blocked
+      for (const name of ['indexedDB', 'sessionStorage', 'localStorage', 'caches']) Object.defineProperty(window, name, { get() { throw new DOMException('no', 'SecurityError'); } });
+      Object.defineProperty(Navigator.prototype, 'serviceWorker', { get() { throw new DOMException('no', 'SecurityError'); } });
+    }, 'keeps nothing'],
     [() => { IDBObjectStore.prototype.put = () => { throw new DOMException('full', 'QuotaExceededError'); }; }, 'no room left'],
   ]) {
     const context = await (await openBrowser()).newContext({ viewport: screens.desktop, reducedMotion: 'reduce' });
@@ -184,6 +195,9 @@ test('a model that is too large for this computer is refused with what fits', as
   await begin(page, 'unit');
   await page.locator('.design-drop > input[type=file]').setInputFiles({ name: 'large.stl', mimeType: 'model/stl', buffer: Buffer.alloc(5 << 20) });
   await page.locator('.note-bad', { hasText: '"large.stl" is larger than 4 MiB, which is what fits here' }).waitFor();
+  const dense = Buffer.from(`v 0 0 0\nv 9 0 0\nv 0 9 9\n${'f 1 2 3\n'.repeat(90_000)}`);
+  await page.locator('.design-drop > input[type=file]').setInputFiles({ name: 'dense.obj', mimeType: 'model/obj', buffer: dense });
+  await page.locator('.note-bad', { hasText: /"dense.obj" has 90.000 triangles, and 83.886 fit here: make it simpler/ }).waitFor();
   assert.equal(await page.locator('.design-name').inputValue(), 'unit');
   assert.deepEqual(complaints, []);
   await close();
@@ -216,27 +230,63 @@ test('an engine that breaks costs the one design, in a sentence', async () => {
   await close();
 });
 
-test('a link of a newer popcut, and one that was cut off, are refused in a sentence', async () => {
-  for (const link of ['#/design/d=9AAAA', '#/design/d=1']) {
-    const { page, close } = await open({ hash: link });
-    await page.locator('.note-bad').waitFor();
-    await start(page);
-    await close();
+test('a link of a newer popcut, and one that was cut off, are refused in a sentence, and what is open stays', async () => {
+  const newer = deflateSync(JSON.stringify({ popcut: 2, name: 'tomorrow' })).toString('base64url');
+  const { page, complaints, close } = await open();
+  await begin(page, 'unit');
+  for (const [link, words] of [[newer, 'is of a newer popcut than this page'], ['9AAAA', 'cut short or changed'], ['1', 'cut short or changed']]) {
+    await page.evaluate((to) => { location.hash = to; }, `#/design/d=${link}`);
+    await page.locator('.note-bad', { hasText: words }).waitFor();
+    assert.equal(await page.locator('.design-name').inputValue(), 'unit');
   }
+  assert.deepEqual(complaints, []);
+  await close();
 });
 
-test('below another path of a server that sends no headers', async () => {
+test('an open page goes on with its own engine where the folder was replaced, and says that a newer page is ready', async (t) => {
+  const around = mkdtempSync(join(tmpdir(), 'popcut-site-'));
+  cpSync(folder, around, { recursive: true, filter: (path) => !/\.(br|gz)$/.test(path) });
+  const other = await serve(around);
+  t.after(() => ended(other, around));
+  const { page, complaints, close } = await open({ base: `http://127.0.0.1:${other.address().port}/` });
+  await begin(page, 'unit');
+  await keptWhole(page);
+  await page.reload();   // the worker of the page answers from now on
+  // The newer folder has another engine, and the old one no more.
+  const engine = readdirSync(join(around, 'page')).find((name) => /^engine-[0-9A-Z]+\.wasm$/.test(name));
+  renameSync(join(around, 'page', engine), join(around, 'page/engine-NEWER000.wasm'));
+  for (const name of ['index.html', 'service_worker.js']) {
+    const file = join(around, name);
+    writeFileSync(file, readFileSync(file, 'utf8').replaceAll(engine, 'engine-NEWER000.wasm').replace(/popcut-[0-9a-f]{12}/, 'popcut-newer'));
+  }
+  await page.evaluate(async () => { await (await navigator.serviceWorker.ready).update(); });
+  await page.locator('.band', { hasText: 'A newer version of this page is ready' }).waitFor();
+  const engineOf = () => page.locator('meta[name=engine]').getAttribute('content');
+  await page.getByRole('button', { name: 'Go on with your last design' }).click();
+  await exact(page);
+  assert.match(await engineOf(), new RegExp(engine));
+  await page.getByRole('button', { name: 'Reload the page' }).click();
+  await until(async () => /NEWER000/.test(await engineOf()), 'the newer page is there');
+  await page.getByRole('button', { name: 'Go on with your last design' }).click();
+  await exact(page);
+  assert.equal(await page.locator('.design-name').inputValue(), 'unit');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('below another path of a server that sends no headers', async (t) => {
   const around = mkdtempSync(join(tmpdir(), 'popcut-site-'));
   symlinkSync(resolve(folder), join(around, 'cards'));
   const plain = await serve(around, 0, { plain: true });
+  t.after(() => ended(plain, around));
   const base = `http://127.0.0.1:${plain.address().port}/cards/`;
   const { page, complaints, close } = await open({ base, hash: '#/design' });
   await begin(page, 'unit');
+  await page.getByRole('button', { name: 'Share' }).click();
+  const link = await page.getByRole('dialog').locator('input').first().inputValue();
+  assert.ok(link.startsWith(`${base}#/design/d=`), link);
   assert.deepEqual(complaints, []);
   await close();
-  plain.closeAllConnections();
-  plain.close();
-  rmSync(around, { recursive: true });
 });
 
 for (const screen of ['phone', 'tablet']) {

@@ -50,9 +50,9 @@ function listen(page, complaints) {
 
 /**
  * The page at `base` in a browser profile of its own, or in `context`. `complaints`: what its console said, and requests
- * elsewhere; `saved(press)`: name and bytes of the file that `press` has saved.
+ * elsewhere; `saved(press)`: the bytes of the file that `press` has saved. `beforehand` runs in the page before its scripts.
  */
-export async function open(base, { hash = '#/design', screen = 'desktop', context: given, inFirefox = false } = {}) {
+export async function open(base, { hash = '#/design', screen = 'desktop', context: given, inFirefox = false, beforehand } = {}) {
   const { width, height, touch } = screens[screen];
   const browser = await (inFirefox ? openFirefox() : openBrowser());
   const context = given ?? await browser.newContext({ viewport: { width, height }, hasTouch: touch, locale: 'en-GB', reducedMotion: 'reduce' });
@@ -65,6 +65,7 @@ export async function open(base, { hash = '#/design', screen = 'desktop', contex
   }
   page.on('request', (request) => { if (!/^(blob|data):/.test(request.url()) && !request.url().startsWith(base)) complaints.push(`request: ${request.url()}`); });
   await page.addInitScript(() => document.addEventListener('securitypolicyviolation', (event) => console.error(`policy: ${event.violatedDirective} ${event.blockedURI} ${event.sample}`)));
+  if (beforehand) await page.addInitScript(beforehand);
   const nextFile = inFirefox ? listen(page, complaints) : async (waits) => bytesOf(await waits);
   const saved = async (press) => {
     const named = page.waitForEvent('download');

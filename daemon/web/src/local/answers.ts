@@ -5,7 +5,7 @@ import type { Example, Machine, Meta, Plan, ProblemEntry, SheetPlan, Warning } f
 import { EngineBroken, Lane, placeOf } from './engine';
 import { Kind, type Bytes, type Frame, type Task } from './frames';
 import { clear, exported, get, idsOf, imported, put, putFile, remove, sha256, type KeptDesign, type KeptFile } from './keep';
-import { beginSearch, endSearch, findSearch, readyCard } from './searches';
+import { beginSearch, endSearch, findSearch, memory_GB, readyCard } from './searches';
 
 declare const LOCAL_BUILD: string;
 
@@ -147,17 +147,19 @@ const kLattice = 'application/vnd.popcut.lattice';
 const kUsualMachine = 'cameo3';
 const kUsualMaterial = 'paper-220';
 
-/** Of a file, for each GB of this computer: a model of so many bytes takes about twenty times as much to design. */
+/** Of a file, for each GB of this computer: a model of so many bytes takes up to twenty times as much to design. */
 const kMost_bytes = 16 << 20;
+/** Of an STL file, whose triangles take the most; those of a GLB share their corners. */
+const kTriangle_bytes = 50;
 
 function meta(): Meta {
-  const memory_GB = (navigator as Navigator & { deviceMemory?: number }).deviceMemory ?? 4;
   const most = Math.round(memory_GB * kMost_bytes);
   return {
     api: 'v1', build: LOCAL_BUILD, page: '', page_url: null, schema_sha256: '', now: new Date().toISOString(),
     can: ['design', 'plan', 'search', 'print', 'keep'], principal: { name: 'you', title: '', role: 'submitter' },
     session: false, tablet: null, last_event: 0, workers: { confined_by: [], not_confined_by: [] },
-    limits: { json_bytes: 1 << 20, json_depth: 64, design_bytes: most, asset_bytes: most, rate_per_s: 0, rate_burst: 0, connections: 0, streams: 0 },
+    limits: { json_bytes: 1 << 20, json_depth: 64, design_bytes: most, asset_bytes: most, rate_per_s: 0, rate_burst: 0, connections: 0, streams: 0,
+      ...{ triangles: Math.round(most / kTriangle_bytes) } },
   };
 }
 

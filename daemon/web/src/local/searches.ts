@@ -8,8 +8,11 @@ import { get, put, remove, sha256, type KeptFile } from './keep';
 
 interface Kept { body: Search; files: Map<string, Bytes> }
 
-/** As many as there is room for: each worker holds the model and its designs. */
-const kWorkers = Math.max(1, Math.min(8, navigator.hardwareConcurrency || 1, ((navigator as Navigator & { deviceMemory?: number }).deviceMemory ?? 4) / 0.5));
+/** Of this computer; browsers that do not tell have that much mostly. */
+export const memory_GB = (navigator as Navigator & { deviceMemory?: number }).deviceMemory ?? 4;
+const kWorkers = Math.max(1, Math.min(8, navigator.hardwareConcurrency || 1, memory_GB / 0.5));
+/** What a worker takes for each byte of its model. */
+const kHeld = 20;
 const lanes = Array.from({ length: Math.floor(kWorkers) }, () => new Lane());
 const running = new Map<string, { body: Search; stop: AbortController }>();
 const plain = new TextDecoder();
@@ -86,8 +89,11 @@ async function searched(how: How, signal: AbortSignal, tell: (doing: string, sha
     const { doing, done } = phase(text);
     tell(doing, done >= 0 ? done : null);
   };
+  // As many as there is room for in half of the memory: each holds the model and its designs.
+  const room = Math.floor((memory_GB * (512 << 20)) / (kHeld * how.design.length));
+  const working = lanes.slice(0, Math.max(1, room));
   const first = lanes[0]!;
-  if (lanes.length === 1) return (await perform(first, { kind: 'search', ...how }, signal, shown)).files;
+  if (working.length === 1) return (await perform(first, { kind: 'search', ...how }, signal, shown)).files;
   const memory: { ways: unknown; cards: unknown[] } = { ways: null, cards: [] };
   for (;;) {
     const { files } = await perform(first, { kind: 'search', ...how, assets: named('memory.json', memory) }, signal, shown);
@@ -96,12 +102,12 @@ async function searched(how: How, signal: AbortSignal, tell: (doing: string, sha
     const { candidates, part: [from, to], doing, ...of } = JSON.parse(plain.decode(text)) as Wanted;
     memory.ways = of.ways;
     // Some take longer than others, so nobody takes too many at once.
-    const each = Math.ceil(candidates.length / (3 * lanes.length));
+    const each = Math.ceil(candidates.length / (3 * working.length));
     const judged: unknown[][] = [];
     let next = 0;
     const done = new Map<number, number>();
     const told = (): void => tell(doing, from + ((to - from) * [...done.values()].reduce((sum, one) => sum + one, 0)) / candidates.length);
-    await Promise.all(lanes.map(async (lane) => {
+    await Promise.all(working.map(async (lane) => {
       while (next * each < candidates.length) {
         const k = next++;
         const some = candidates.slice(k * each, (k + 1) * each);
