@@ -2,68 +2,9 @@
 // its budget if it has one; a figure over its budget is marked, and the exit code is still 0: times are looked at by people.
 import { readFileSync } from 'node:fs';
 import { closeBrowser, ladder, machineHash, openBrowser, Server, until, visit, wait } from './harness.mjs';
+import { dragging, median, p95, revolution, say } from './dragging.mjs';
 import { staircaseBlob } from './fixtures/staircase.mjs';
 import { bundled } from './sources.mjs';
-
-const sorted = (values) => values.slice().sort((a, b) => a - b);
-const at = (values, share) => sorted(values)[Math.min(values.length - 1, Math.floor(values.length * share))];
-const median = (values) => at(values, 0.5);
-const p95 = (values) => at(values, 0.95);
-
-function say(what, value, unit, budget, more = false) {
-  const figure = `${what.padEnd(52)} ${value.toFixed(value < 10 ? 2 : 0).padStart(8)} ${unit.padEnd(4)}`;
-  const over = more ? value < budget : value > budget;
-  console.log(budget === null ? figure : `${figure} budget ${String(budget).padStart(4)}${over ? '  OVER' : ''}`);
-}
-
-const revolution = (units, slices, width) => ({
-  popcut: 1, name: 'bench', surface: { type: 'revolution', radius: { points: [[-10, 60], [25, 75], [50, 80], [75, 75], [110, 60]] } },
-  units_per_slice: units, slices, widths_mm: width, min_panel_mm: 0.1,
-});
-
-/** Times from an input event to the picture of its draft, and from the last input to the exact one, ms. */
-async function dragging(server, spec) {
-  const { page, close } = await visit(server, {});
-  await page.evaluate((text) => sessionStorage.setItem('popcut.design.steps', JSON.stringify({ steps: [text], at: 0 })), JSON.stringify(spec));
-  await page.evaluate(() => { location.hash = '#/design'; });
-  await page.getByRole('button', { name: 'Go on with your last design' }).click();
-  await page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 60_000 });
-  await wait(3000);
-  const result = await page.evaluate(async () => {
-    const input = document.querySelector('.slider input[type=range]:not([disabled])[step="0.1"]');
-    const set = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, 'value').set;
-    const drawn = { 'popcut.draft': [], 'popcut.exact': [] };
-    const tasks = [];
-    const gl = document.querySelector('.stage-canvas').getContext('webgl2');
-    // The time counts until the GPU has drawn it. Reading pixels would wait in the page's own thread.
-    const finished = async (sync) => {
-      while (gl.getSyncParameter(sync, gl.SYNC_STATUS) !== gl.SIGNALED) await new Promise((done) => setTimeout(done, 0));
-      gl.deleteSync(sync);
-    };
-    new PerformanceObserver((list) => {
-      for (const mark of list.getEntries()) {
-        const sync = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
-        gl.flush();
-        finished(sync).then(() => drawn[mark.name]?.push({ input: mark.detail, time: performance.now() }));
-      }
-    }).observe({ entryTypes: ['mark'] });
-    new PerformanceObserver((list) => { for (const one of list.getEntries()) tasks.push(one.duration); }).observe({ entryTypes: ['longtask'] });
-    let last = 0;
-    for (let i = 0; i < 60; i++) {
-      set.call(input, String(0.5 + (i % 10) / 10));
-      last = performance.now();
-      input.dispatchEvent(new Event('input', { bubbles: true }));
-      await new Promise((done) => setTimeout(done, 33));
-    }
-    input.dispatchEvent(new Event('change', { bubbles: true }));
-    const end = performance.now() + 20_000;
-    const exact = () => drawn['popcut.exact'].find(({ time, input: from }) => time > last && from >= last - 5);
-    while (!exact() && performance.now() < end) await new Promise((done) => setTimeout(done, 10));
-    return { times: drawn['popcut.draft'].map(({ input: from, time }) => time - from), exact: (exact()?.time ?? Infinity) - last, tasks };
-  });
-  await close();
-  return result;
-}
 
 async function deploying(page, strips, steps) {
   return page.evaluate(async ({ base64 }) => {
@@ -127,7 +68,7 @@ try {
     const times = [];
     const tasks = [];
     for (let round = 0; round < 3; round++) {
-      const one = await dragging(server, revolution(units, slices, width));
+      const one = await dragging(await visit(server, {}), revolution(units, slices, width));
       exacts.push(one.exact);
       times.push(...one.times);
       tasks.push(...one.tasks);
