@@ -297,6 +297,10 @@ for (const screen of ['phone', 'tablet']) {
     await begin(page, 'house');
     await picture(page, `site-${screen}-design`);
     assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'nothing is wider than the screen');
+    await page.getByRole('button', { name: 'Make it…' }).click();
+    await page.locator('.make-choice', { hasText: 'Cricut' }).click();
+    const over = await page.locator('dialog select').evaluateAll((all) => all.filter((one) => one.getBoundingClientRect().right > one.closest('.field').getBoundingClientRect().right + 0.5).length);
+    assert.equal(over, 0, 'choices stay in their boxes');
     assert.deepEqual(complaints, []);
     await close();
   });
