@@ -128,7 +128,10 @@ class LayerHolder {
         how_(how),
         out_(out),
         width_(std::max(
-            1, static_cast<int>(std::ceil(how.min_fold_mm / card.grid().strip_mm - 1e-9)))) {}
+            1, static_cast<int>(std::ceil(how.min_fold_mm / card.grid().strip_mm - 1e-9)))) {
+    for (std::size_t l = 0; l < planes().size(); ++l)
+      if (planes()[static_cast<Label>(l)].upright) uprights_.push_back(static_cast<Label>(l));
+  }
 
   void run(const Progress& progress) {
     drop_all_small();
@@ -323,7 +326,10 @@ class LayerHolder {
     /// Of a strip, from a column up to the line.
     [[nodiscard]] double from(int strip, int begin) {
       std::vector<double>& sums = from_[static_cast<std::size_t>(strip)];
-      if (sums.empty()) sums.push_back(0.0);
+      if (sums.empty()) {
+        sums.reserve(static_cast<std::size_t>(line) + 1);
+        sums.push_back(0.0);
+      }
       while (static_cast<int>(sums.size()) <= line - begin)
         sums.push_back(sums.back() + extra(strip, line - static_cast<int>(sums.size()), level));
       return sums[static_cast<std::size_t>(line - begin)];
@@ -347,11 +353,9 @@ class LayerHolder {
   /// Level paper from a layer, at a line of it, back to the wall or to a layer behind it.
   void add_backs(int s, Label label, LevelCosts& costs, Cheapest& cheapest) const {
     const int c = planes()[label].offset, line = costs.line, height = c - grid().across(line);
-    for (std::size_t l = 0; l < planes().size(); ++l) {
-      const auto back = static_cast<Label>(l);
-      const FacetPlane& plane = planes()[back];
-      if (!plane.upright || plane.offset >= c) continue;
-      const int begin = grid().wall + plane.offset - height;
+    for (const Label back : uprights_) {
+      if (planes()[back].offset >= c) continue;
+      const int begin = grid().wall + planes()[back].offset - height;
       if (begin - least() < 0 || line - begin < least()) continue;
       Strut strut{{}, 0.0, height, s, line};
       bool is_there = true;
@@ -491,8 +495,9 @@ class LayerHolder {
   LabelCard& card_;
   const SilhouetteOptions& how_;
   Silhouette& out_;
-  std::vector<double> costs_;  ///< of the cells as they are
-  int width_;                  ///< strips of a strut
+  std::vector<double> costs_;    ///< of the cells as they are
+  std::vector<Label> uprights_;  ///< few, while there are many levels
+  int width_;                    ///< strips of a strut
 };
 
 }  // namespace
