@@ -100,4 +100,38 @@ std::vector<std::size_t> pareto_front(std::span<const Judged> candidates, double
   return out;
 }
 
+std::vector<std::size_t> shown_front(std::span<const Judged> candidates,
+                                     std::span<const std::size_t> shorter) {
+  constexpr double kAboutTheSame = 1.1;
+  constexpr std::size_t kMost = 8;
+  const std::vector<std::size_t> front = pareto_front(candidates);
+  std::vector<std::size_t> needed;  // the least error that costs no more than each of `shorter`
+  for (const std::size_t before : shorter)
+    for (auto k = front.rbegin(); k != front.rend(); ++k)
+      if (candidates[*k].cost <= candidates[before].cost) {
+        needed.push_back(*k);
+        break;
+      }
+  const auto is_needed = [&](std::size_t k) {
+    return std::find(needed.begin(), needed.end(), k) != needed.end();
+  };
+  std::vector<std::size_t> out;
+  for (auto k = front.rbegin(); k != front.rend(); ++k)
+    if (out.empty() || is_needed(*k) ||
+        kAboutTheSame * candidates[*k].cost < candidates[out.back()].cost)
+      out.push_back(*k);
+  std::reverse(out.begin(), out.end());
+  while (out.size() > kMost) {
+    const auto gain = [&](std::size_t n) {
+      return candidates[out[n - 1]].error - candidates[out[n]].error;
+    };
+    std::size_t least = 0;  // none
+    for (std::size_t n = 1; n + 1 < out.size(); ++n)
+      if (!is_needed(out[n]) && (least == 0 || gain(n) < gain(least))) least = n;
+    if (least == 0) break;
+    out.erase(out.begin() + static_cast<std::ptrdiff_t>(least));
+  }
+  return out;
+}
+
 }  // namespace popcut

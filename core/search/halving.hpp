@@ -41,4 +41,13 @@ struct Halving {
 [[nodiscard]] std::vector<std::size_t> pareto_front(
     std::span<const Judged> candidates, double most_cost = std::numeric_limits<double>::infinity());
 
+/// Of the Pareto front those that are shown, about eight. The least error stays. Nobody takes one
+/// beside which a better one costs about the same; of the others those stay that take off most
+/// error. For each of `shorter` one stays that is no worse in error and cost, so that more
+/// candidates never show less. O(n log n).
+///
+/// @param shorter  what was shown of the first of these candidates, before the others were known
+[[nodiscard]] std::vector<std::size_t> shown_front(std::span<const Judged> candidates,
+                                                   std::span<const std::size_t> shorter);
+
 }  // namespace popcut

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <utility>
 
@@ -42,7 +43,6 @@ constexpr std::size_t kDrawn = 100, kChanged = 70, kParents = 16, kFine = 28, kF
 constexpr std::array kShortSearches{0.02, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0};
 constexpr double kMuchMore = 3.0;  ///< times the effort of a shorter search
 constexpr std::size_t kWays = 6, kStraightWays = 2, kWaysTurnedOn = 5;
-constexpr std::size_t kMostOfFront = 8;
 constexpr double kNearFactor = 1.25, kNear = 0.02;  ///< an error that is as good as the least one
 constexpr double kBroad_mm = 5.0;
 constexpr double kLeastForBroad = 0.1;  ///< effort for each card
@@ -690,6 +690,7 @@ class CardSearch {
     halve(count(kFinal, 4), 2, false);
     for (Trial& trial : trials_)
       if (!is_among(finals_, trial.candidate)) finals_.push_back(std::move(trial));
+    known_.push_back(finals_.size());
   }
 
   /// A trial as what is written, verified and compared as `popcut verify` and `popcut compare` do.
@@ -817,7 +818,9 @@ class CardSearch {
                                   ? finished[k].why
                                   : not_offered(last[k].cost),
                               judged[k].error, last[k].cost.seconds});
-    const std::vector<std::size_t> front = thinned(pareto_front(judged), judged);
+    std::vector<std::size_t> front;
+    for (const std::size_t known : known_)
+      front = shown_front(std::span(judged).first(known), front);
     if (front.empty()) return no_card(refusal_);
     for (const std::size_t k : front) out_.front.push_back(std::move(*finished[k].card));
     const double near_least = kNearFactor * out_.front.back().error() + kNear;
@@ -837,29 +840,6 @@ class CardSearch {
         std::distance(out_.front.begin(), best == out_.front.end() ? best - 1 : best));
     out_.seen_share = seen_share_of(ways_[out_.front.back().candidate.way]);
     return std::move(out_);
-  }
-
-  /// No more than a page of cards. Nobody takes one beside which a better one costs about the same.
-  /// Of what is left the ends stay, and of the others those that matter most, by how much error
-  /// they take off.
-  [[nodiscard]] static std::vector<std::size_t> thinned(std::vector<std::size_t> front,
-                                                        const std::vector<Judged>& judged) {
-    constexpr double kAboutTheSame = 1.1;
-    std::vector<std::size_t> kept;
-    for (auto k = front.rbegin(); k != front.rend(); ++k)
-      if (kept.empty() || kAboutTheSame * judged[*k].cost < judged[kept.back()].cost)
-        kept.push_back(*k);
-    front.assign(kept.rbegin(), kept.rend());
-    while (front.size() > kMostOfFront) {
-      std::size_t least = 1;
-      const auto gain = [&](std::size_t n) {
-        return judged[front[n - 1]].error - judged[front[n]].error;
-      };
-      for (std::size_t n = 1; n + 1 < front.size(); ++n)
-        if (gain(n) < gain(least)) least = n;
-      front.erase(front.begin() + static_cast<std::ptrdiff_t>(least));
-    }
-    return front;
   }
 
   /// Of the model's area, along the diagonal of a way, or those of all cards.
@@ -967,6 +947,7 @@ class CardSearch {
   std::vector<Trial> trials_;
   std::array<std::vector<Trial>, 2> judged_;  ///< coarsely, and carefully; without their designs
   std::vector<Trial> finals_;
+  std::vector<std::size_t> known_;  ///< of `finals_`, after each part of the search
   bool is_whole_mesh_{};
   bool waits_{};         ///< for candidates that others judge
   std::string refusal_;  ///< why the first one failed

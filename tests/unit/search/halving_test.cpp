@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <span>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -135,6 +136,32 @@ TEST_CASE("a search by halving finds the best of a noisy race", "[search]") {
   }
   CHECK(who.size() == 12);
   CHECK(*std::min_element(who.begin(), who.end()) <= 3);
+}
+
+TEST_CASE("what is shown is a page of the front, and more candidates never show less", "[search]") {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    std::vector<Judged> all = random_candidates(600, seed);
+    // Many cards of a front as long as it can be.
+    for (Judged& one : all) one.error = 200.0 / (20.0 + one.cost) + 0.02 * one.error;
+    const std::span<const Judged> known(all);
+    Indices shorter;
+    for (const std::size_t count : {20U, 60U, 200U, 600U}) {
+      const Indices shown = shown_front(known.first(count), shorter);
+      const Indices front = pareto_front(known.first(count));
+      CHECK(shown.size() <= 9 + shorter.size());
+      CHECK(std::is_sorted(shown.begin(), shown.end(), [&](std::size_t a, std::size_t b) {
+        return all[a].cost < all[b].cost;
+      }));
+      CHECK(shown.back() == front.back());
+      for (const std::size_t k : shown) CHECK(has(front, k));
+      for (const std::size_t before : shorter)
+        CHECK(std::any_of(shown.begin(), shown.end(), [&](std::size_t now) {
+          return all[now].error <= all[before].error && all[now].cost <= all[before].cost;
+        }));
+      shorter = shown;
+    }
+  }
+  CHECK(shown_front({}, {}).empty());
 }
 
 }  // namespace halving_test
