@@ -142,12 +142,14 @@ std::vector<Candidate> kite_candidates(const StyleChoice& styles, int cards,
   std::vector<Candidate> out;
   if (!styles.facets || cards != 1) return out;
   for (std::size_t way = 0; way < ways.size(); ++way)
-    for (const auto& [strip_mm, pitch_mm, line_cost] :
-         {std::array{8.0, 10.0, 4.0}, std::array{5.0, 10.0, 4.0}, std::array{2.0, 10.0, 4.0}}) {
+    for (const auto& [strip_mm, pitch_mm, line_cost, hinge_mm3] :
+         {std::array{8.0, 10.0, 4.0, 0.0}, std::array{4.0, 8.0, 1.0, 800.0},
+          std::array{3.0, 8.0, 1.0, 200.0}, std::array{2.0, 10.0, 4.0, 0.0}}) {
       if (!ways[way].roof_off) continue;
       Candidate one;
       one.kites = true, one.way = way;
-      one.strip_mm = strip_mm, one.pitch_mm = pitch_mm, one.line_cost = line_cost;
+      one.strip_mm = strip_mm, one.pitch_mm = pitch_mm;
+      one.line_cost = line_cost, one.hinge_mm3 = hinge_mm3;
       out.push_back(one);
     }
   return out;

@@ -122,6 +122,7 @@ class FacetMaker {
   Result<void> lay_kites(const SeenTarget& image, int most_x, int most_z) {
     KiteLimits within;
     within.least_run = least_run(), within.most_x = most_x, within.most_z = most_z;
+    within.dormer_mm = options_.widen_to_mm;
     const double reach = limits().most_reach_mm / step_mm_;
     if (reach < within.most_reach) within.most_reach = static_cast<int>(reach);
     roofs_ = plan_kites(target_, image, grid_, within);

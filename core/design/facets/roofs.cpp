@@ -220,7 +220,9 @@ KitePlan plan_kites(const TriangleSoup& target, const SeenTarget& seen, const Fa
                     const KiteLimits& limits) {
   KitePlan out;
   std::vector<std::uint8_t> taken(static_cast<std::size_t>(grid.strips), 0);
-  const int dormer = std::max(1, static_cast<int>(std::llround(kDormer_mm / grid.strip_mm)));
+  const int dormer =
+      std::max({1, static_cast<int>(std::llround(kDormer_mm / grid.strip_mm)),
+                static_cast<int>(std::ceil(limits.dormer_mm / grid.strip_mm - 1e-9))});
   for (RoofPlane roof : roofs_of(target, kMostRoofs)) {
     const auto found = stretches(seen, grid, roof, taken);
     if (found.empty()) continue;
@@ -247,8 +249,8 @@ KitePlan plan_kites(const TriangleSoup& target, const SeenTarget& seen, const Fa
         for (std::size_t k = 0; k < ways.size(); ++k) far[k] += distance_of(seen, grid, ways[k], s);
     const auto best = std::min_element(far.begin(), far.end()) - far.begin();
     for (const auto& [first, end] : found) {
-      if (end - first < 2 * dormer) continue;
-      out.runs.push_back({out.kites.size(), first, end, dormer});
+      if (end - first < 2) continue;
+      out.runs.push_back({out.kites.size(), first, end, std::min(dormer, (end - first) / 2)});
       std::fill(taken.begin() + first, taken.begin() + end, std::uint8_t{1});
     }
     out.kites.push_back(ways[static_cast<std::size_t>(best)]);

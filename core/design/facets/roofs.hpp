@@ -31,6 +31,7 @@ struct KiteLimits {
   int least_run{1};  ///< of the two panels, and of those that they hang on
   int most_x{std::numeric_limits<int>::max()}, most_z{std::numeric_limits<int>::max()};
   int most_reach{std::numeric_limits<int>::max()};  ///< x + z, shut
+  double dormer_mm{};  ///< what holds a kite is this wide, where the roof leaves room for it
 };
 
 /// Why a roof is no kite.

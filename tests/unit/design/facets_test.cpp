@@ -1150,6 +1150,22 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("sloped panels hang on folds as long as is asked, where the roof is wide enough",
+          "[facets][kites]") {
+  std::mt19937 random(14);
+  const TriangleSoup house = random_house(random, false, 0.9).triangles(20);
+  for (const auto& [asked_mm, dormer_mm] : {std::pair{0.0, 2.0}, {7.0, 8.0}, {30.0, 10.0}}) {
+    FacetOptions options = broad_with_kites();
+    options.strip_mm = 2, options.to_mm = 20, options.widen_to_mm = asked_mm;
+    const auto card = facet_card(house, options);
+    REQUIRE(card);
+    const Pattern& pattern = card->pattern.built.pattern;
+    REQUIRE(pattern.kites.size() == 1);
+    CHECK(card->pattern.motion.degrees_of_freedom == 1);
+    CHECK(hands::handwork(pattern).shortest_mm == Approx(dormer_mm).margin(1e-6));
+  }
+}
+
 TEST_CASE("streets of houses, boxes and balls with sloped panels verify", "[facets][kites]") {
   std::mt19937 random(15);
   const std::array poses{2.9, 2.2, 1.5, 0.8, 0.3, 0.05};

@@ -250,7 +250,7 @@ TEST_CASE("a house has cards with sloped panels, off the wall as its roof asks; 
   CHECK((*way.roof_off > 0.0) == (slope > 0.55));
   const std::vector<Way> ways{way};
   const auto all = kite_candidates(style_choice("any"), 1, ways);
-  REQUIRE(all.size() == 3);
+  REQUIRE(all.size() == 4);
   CHECK(kite_candidates(style_choice("silhouette"), 1, ways).empty());
   CHECK(kite_candidates(style_choice("facets"), 4, ways).empty());
   for (const Candidate& one : all) {
