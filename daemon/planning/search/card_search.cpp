@@ -73,14 +73,9 @@ bool is_behind(likeness::Triangles structure) {
 }
 
 /// A candidate on its way.
-struct Trial {
-  Candidate candidate;
-  double shrunk{1.0};  ///< so that it fits on the mat
-  Judged judged;
-  std::string why;  ///< where nothing came of it
-  std::string spec;
+struct Trial : JudgedCard {
   PatchAssembly made;
-  CuttingCost cost;
+  bool sized{};  ///< `shrunk` is known
 };
 
 /// From where cards or books are compared with a model that stands in their corner or about the
@@ -164,8 +159,7 @@ class CardSearch {
   Result<FoundCards> run() {
     if (auto done = look_at_mesh(); !done) return tl::unexpected(done.error());
     if (auto done = look_at_machine(); !done) return tl::unexpected(done.error());
-    for (const JudgedCard& one : request_.memory.cards)
-      judged_[one.rough ? 0 : 1].push_back(trial_of(one));
+    for (const JudgedCard& one : request_.memory.cards) judged_[one.rough ? 0 : 1].push_back(one);
     recall_ways();
     if (is_stopped()) return stopped();
     if (ways_.empty())
@@ -201,8 +195,8 @@ class CardSearch {
       trial.candidate = candidate;
       trial.judged.stays = candidate.usual;
       judge(trial, model, care, buffers);
-      out.push_back(
-          {wanted.rough, candidate, trial.shrunk, trial.judged, trial.why, trial.spec, trial.cost});
+      out.push_back(static_cast<JudgedCard&&>(trial));
+      out.back().rough = wanted.rough;
       tell(request_.progress, wanted.doing,
            static_cast<double>(out.size()) / static_cast<double>(wanted.candidates.size()));
     }
@@ -214,12 +208,6 @@ class CardSearch {
 
   [[nodiscard]] bool is_stopped() const {
     return waits_ || (request_.stopped && request_.stopped());
-  }
-  [[nodiscard]] static Trial trial_of(const JudgedCard& of) {
-    Trial out;
-    out.candidate = of.candidate, out.shrunk = of.shrunk, out.judged = of.judged;
-    out.why = of.why, out.spec = of.spec, out.cost = of.cost;
-    return out;
   }
   [[nodiscard]] static tl::unexpected<Error> stopped() {
     return fail(ErrorKind::Refused, "", "the search was stopped; nothing is written");
@@ -403,6 +391,19 @@ class CardSearch {
 
   /// Designs a candidate, as large as it is wanted and fits; returns whether something came of it.
   [[nodiscard]] bool design_trial(Trial& trial, const Model& model, bool rough) const {
+    // Its size is found in rough designs, where these are quicker.
+    if (!rough && !trial.sized && is_quicker_rough(trial.candidate) &&
+        !design_to_fit(trial, model, true))
+      trial.shrunk = 1.0;
+    return design_to_fit(trial, model, rough);
+  }
+
+  /// Broad strips are quick, and rough ones say little of what their cards become.
+  [[nodiscard]] bool is_quicker_rough(const Candidate& candidate) const {
+    return candidate.style == DesignStyle::Facets && (is_book() || candidate.strip_mm < kBroad_mm);
+  }
+
+  [[nodiscard]] bool design_to_fit(Trial& trial, const Model& model, bool rough) const {
     const Way way =
         trial.candidate.kites ? off_wall(ways_[trial.candidate.way]) : ways_[trial.candidate.way];
     trial.judged.made = false;
@@ -420,8 +421,7 @@ class CardSearch {
       }
       suit_material(request_.material, *spec);
       spec->surface = MeshSpec{kAsset};
-      // Broad strips are quick, and rough ones say little of what their cards become.
-      spec->facets.rough = rough && (is_book() || trial.candidate.strip_mm < kBroad_mm);
+      spec->facets.rough = rough && is_quicker_rough(trial.candidate);
       auto made = design_assembly(*spec, model.assets);
       if (!made) {
         trial.why = message(made.error());
@@ -429,7 +429,10 @@ class CardSearch {
       }
       trial.made = std::move(*made);
       const double shrink = shrink_for(trial.made);
-      if (shrink == 1.0) return true;
+      if (shrink == 1.0) {
+        trial.sized = true;
+        return true;
+      }
       trial.shrunk *= shrink;
     }
     trial.why = "its sheet does not fit on the mat";
@@ -527,7 +530,7 @@ class CardSearch {
   void judge_all(std::size_t from, Model& model, const Care& care, std::string_view what, Part part,
                  bool keep_designs) {
     std::vector<likeness::Buffers> buffers(std::max(1U, request_.threads));
-    std::vector<Trial>& known = judged_[care.rough ? 0 : 1];
+    std::vector<JudgedCard>& known = judged_[care.rough ? 0 : 1];
     if (request_.wanted) {
       WantedCards wanted{
           found_ways(), care.rough, {}, std::string(what), {part.first, part.second}};
@@ -539,30 +542,27 @@ class CardSearch {
     }
     for_each(trials_.size() - from, what, part, [&](std::size_t thread, std::size_t k) {
       Trial& trial = trials_[from + k];
-      const auto before = std::find_if(known.begin(), known.end(), [&](const Trial& other) {
+      const auto before = std::find_if(known.begin(), known.end(), [&](const JudgedCard& other) {
         return other.candidate == trial.candidate;
       });
       if (before != known.end()) {  // by a shorter search
-        trial = *before;
+        trial = {*before, {}, true};
         return;
       }
       judge(trial, model, care, buffers[thread]);
       if (!keep_designs) trial.made = {};
     });
     for (std::size_t k = from; k < trials_.size(); ++k)
-      if (!is_among(known, trials_[k].candidate)) known.push_back(without_design(trials_[k]));
+      if (!is_among(known, trials_[k].candidate)) {
+        known.push_back(static_cast<const JudgedCard&>(trials_[k]));
+        known.back().rough = care.rough;
+      }
   }
-  [[nodiscard]] static bool is_among(const std::vector<Trial>& trials, const Candidate& candidate) {
-    return std::any_of(trials.begin(), trials.end(),
-                       [&](const Trial& trial) { return trial.candidate == candidate; });
+  template <typename Cards>
+  [[nodiscard]] static bool is_among(const Cards& cards, const Candidate& candidate) {
+    return std::any_of(cards.begin(), cards.end(),
+                       [&](const JudgedCard& card) { return card.candidate == candidate; });
   }
-  [[nodiscard]] static Trial without_design(const Trial& of) {
-    Trial out;
-    out.candidate = of.candidate, out.shrunk = of.shrunk, out.judged = of.judged;
-    out.why = of.why, out.spec = of.spec, out.cost = of.cost;
-    return out;
-  }
-
   [[nodiscard]] static std::vector<Judged> judged_of(const std::vector<Trial>& trials) {
     std::vector<Judged> out;
     for (const Trial& trial : trials) out.push_back(trial.judged);
@@ -630,7 +630,9 @@ class CardSearch {
   }
 
   void add_trial(const Candidate& candidate) {
-    if (is_among(trials_, candidate)) return;
+    Candidate usual = candidate;
+    usual.usual = true;
+    if (is_among(trials_, candidate) || is_among(trials_, usual)) return;
     Trial trial;
     trial.candidate = candidate;
     trial.judged.stays = candidate.usual;
@@ -945,7 +947,7 @@ class CardSearch {
   double effort_{};                                ///< of this part of the search
   Part share_{};                                   ///< of all parts of the search
   std::vector<Trial> trials_;
-  std::array<std::vector<Trial>, 2> judged_;  ///< coarsely, and carefully; without their designs
+  std::array<std::vector<JudgedCard>, 2> judged_;  ///< coarsely, and carefully
   std::vector<Trial> finals_;
   std::vector<std::size_t> known_;  ///< of `finals_`, after each part of the search
   bool is_whole_mesh_{};
