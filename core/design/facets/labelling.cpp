@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 namespace popcut {
 namespace {
 
 constexpr std::size_t kMostKept = 40'000'000;  ///< costs that are kept, of four bytes
+constexpr std::size_t kMostSolved = 6;         ///< solutions that are kept of each strip
 
 }  // namespace
 
@@ -24,6 +27,7 @@ Labelling::Labelling(const SeenTarget& target, const FacetPlanes& planes, const 
   image_.label.assign(columns * static_cast<std::size_t>(grid.strips), kGroundLabel);
   for (int s = 0; s < grid.strips; ++s) std::fill_n(image_.strip(s).begin(), grid.wall, kWallLabel);
   fixed_.assign(static_cast<std::size_t>(grid.strips), 0);
+  known_.resize(static_cast<std::size_t>(grid.strips));
   cost_.resize(columns * planes.size());
   if (image_.label.size() * planes.size() <= kMostKept)
     kept_.resize(static_cast<std::size_t>(grid.strips));
@@ -123,34 +127,53 @@ void Labelling::load_costs(int strip, std::vector<double>& into) {
   }
 }
 
+/// A repair asks for the same strips round after round, while it changes few of them.
 std::vector<Label> Labelling::solve(int strip, bool jumps, double coupling) {
   if (is_fixed(strip)) return {image_.strip(strip).begin(), image_.strip(strip).end()};
-  const std::size_t labels = planes_->size();
-  load_costs(strip, next_);
+  SolvedStrip what{jumps, coupling, {}, {}, {}};
   for (const int other : {strip - 1, strip + 1})
-    for (int i = 0; i < grid_.columns; ++i)
-      next_[static_cast<std::size_t>(i) * labels +
-            static_cast<std::size_t>(label_beside(other, i))] -=
-          coupling * weights_.cut_mm2 * grid_.step_mm;
-  const double hinge = coupling * weights_.hinge_mm3;
+    for (int i = 0; i < grid_.columns; ++i) what.beside.push_back(label_beside(other, i));
+  std::copy_if(bans_.begin(), bans_.end(), std::back_inserter(what.bans),
+               [&](const LabelBan& ban) { return ban.strip == strip; });
+  auto& known = known_[static_cast<std::size_t>(strip)];
+  auto at = std::find_if(known.begin(), known.end(), [&](const SolvedStrip& one) {
+    return one.jumps == jumps && one.coupling == coupling && one.beside == what.beside &&
+           one.bans == what.bans;
+  });
+  if (at == known.end()) {
+    what.labels = solve_anew(what, strip);
+    if (known.size() == kMostSolved) known.pop_back();
+    at = known.insert(known.end(), std::move(what));
+  }
+  std::rotate(known.begin(), at, at + 1);
+  return known.front().labels;
+}
+
+std::vector<Label> Labelling::solve_anew(const SolvedStrip& what, int strip) {
+  const std::size_t labels = planes_->size(), columns = static_cast<std::size_t>(grid_.columns);
+  load_costs(strip, next_);
+  for (std::size_t k = 0; k < what.beside.size(); ++k)
+    next_[(k % columns) * labels + static_cast<std::size_t>(what.beside[k])] -=
+        what.coupling * weights_.cut_mm2 * grid_.step_mm;
+  const double hinge = what.coupling * weights_.hinge_mm3;
   if (hinge > 0.0) find_folds_beside(strip, hinge);
-  for (const LabelBan& ban : bans_)
-    if (ban.strip == strip)
-      for (int i = ban.begin; i < ban.end; ++i)
-        next_[static_cast<std::size_t>(i) * labels + static_cast<std::size_t>(ban.label)] +=
-            kForbidden;
+  for (const LabelBan& ban : what.bans)
+    for (int i = ban.begin; i < ban.end; ++i)
+      next_[static_cast<std::size_t>(i) * labels + static_cast<std::size_t>(ban.label)] +=
+          kForbidden;
   const double width = grid_.strip_mm, fold = weights_.fold_mm2 * width + hinge;
   // Strips of a flat front are often one and the same problem.
-  if (!solved_.empty() && jumps == solved_jumps_ && fold == solved_fold_ && next_ == problem_ &&
-      beside_ == solved_beside_)
+  if (!solved_.empty() && what.jumps == solved_jumps_ && fold == solved_fold_ &&
+      next_ == problem_ && beside_ == solved_beside_)
     return solved_;
   problem_.swap(next_);
-  solved_jumps_ = jumps, solved_fold_ = fold, solved_beside_ = beside_;
-  solved_ = solver_
-                .solve({problem_, limits_.least_run, fold,
-                        jumps ? std::max(weights_.jump_mm2, weights_.fold_mm2) * width : kForbidden,
-                        beside_})
-                .label;
+  solved_jumps_ = what.jumps, solved_fold_ = fold, solved_beside_ = beside_;
+  solved_ =
+      solver_
+          .solve({problem_, limits_.least_run, fold,
+                  what.jumps ? std::max(weights_.jump_mm2, weights_.fold_mm2) * width : kForbidden,
+                  beside_})
+          .label;
   return solved_;
 }
 

@@ -33,6 +33,8 @@ struct LabelBan {
   int strip{};
   int begin{}, end{};
   Label label{};
+
+  friend bool operator==(const LabelBan&, const LabelBan&) = default;
 };
 
 /// The labels of a sheet as a choice between the distance from the target and the length of its
@@ -96,7 +98,16 @@ class Labelling {
   [[nodiscard]] int shared_folds(std::span<const Label> labels, int other) const;
   /// The folds of the strips beside a strip, each worth `gain` to it, into `beside_`.
   void find_folds_beside(int strip, double gain);
+  /// What the best labels of a strip follow from beside its costs, and these labels.
+  struct SolvedStrip {
+    bool jumps{};
+    double coupling{};
+    std::vector<Label> beside;   ///< of the strips before and after it
+    std::vector<LabelBan> bans;  ///< in it
+    std::vector<Label> labels;
+  };
   [[nodiscard]] std::vector<Label> solve(int strip, bool jumps, double coupling);
+  [[nodiscard]] std::vector<Label> solve_anew(const SolvedStrip& what, int strip);
 
   const SeenTarget* target_;
   const FacetPlanes* planes_;
@@ -113,6 +124,7 @@ class Labelling {
   double solved_fold_{};
   int computed_{-1};  ///< the strip whose costs are in `cost_`, where none are kept
   FacetChainSolver solver_;
+  std::vector<std::vector<SolvedStrip>> known_;  ///< the last ones of each strip, the newest first
   bool solved_jumps_{};
   std::vector<Label> solved_;  ///< of `problem_`; empty: none yet
 };
