@@ -45,6 +45,9 @@ constexpr double kMuchMore = 3.0;  ///< times the effort of a shorter search
 constexpr std::size_t kWays = 6, kStraightWays = 2, kWaysTurnedOn = 5;
 constexpr double kNearFactor = 1.25, kNear = 0.02;  ///< an error that is as good as the least one
 constexpr double kBroad_mm = 5.0;
+/// Cards that take longer to fold go on after all others: nobody makes them, and designing one
+/// takes as long as ten of few folds. The usual ones go on in any case.
+constexpr double kMostFolding_s = 3600.0;
 constexpr double kLeastForBroad = 0.1;  ///< effort for each card
 
 /// How carefully candidates are judged.
@@ -398,9 +401,11 @@ class CardSearch {
     return design_to_fit(trial, model, rough);
   }
 
-  /// Broad strips are quick, and rough ones say little of what their cards become.
+  /// Broad strips, and folds with a price, are quick, and rough ones say little of what their cards
+  /// become.
   [[nodiscard]] bool is_quicker_rough(const Candidate& candidate) const {
-    return candidate.style == DesignStyle::Facets && (is_book() || candidate.strip_mm < kBroad_mm);
+    return candidate.style == DesignStyle::Facets &&
+           (is_book() || (candidate.strip_mm < kBroad_mm && !(candidate.hinge_mm3 > 0.0)));
   }
 
   [[nodiscard]] bool design_to_fit(Trial& trial, const Model& model, bool rough) const {
@@ -574,6 +579,7 @@ class CardSearch {
   [[nodiscard]] std::vector<std::size_t> best_of(const std::vector<Judged>& judged, Halving halving,
                                                  bool by_kind) const {
     halving.seed = request_.seed;
+    if (!is_book()) halving.most_cost = kMostFolding_s;
     if (!by_kind) return survivors(judged, halving);
     std::array<std::vector<std::size_t>, 2> kinds;
     for (std::size_t k = 0; k < judged.size(); ++k)
