@@ -68,16 +68,16 @@ const char* name_of(Looks looks) {
 }
 
 PrintedTarget::PrintedTarget(Triangles triangles, std::span<const Rgb> colours, const Scene& scene)
-    : scene_(scene), box_(box_of(triangles)), diagonal_mm_(box_.diagonal()) {
+    : triangles_(triangles), scene_(scene), box_(box_of(triangles)), diagonal_mm_(box_.diagonal()) {
   scene_.pixels = std::clamp(scene_.pixels, kLeastPixels, kMostPixels);
   if (box_.empty() || !(diagonal_mm_ > 0.0) || !std::isfinite(diagonal_mm_)) return;
-  std::vector<Lab> lit(triangles.size() / 9);
-  for (std::size_t t = 0; t < lit.size(); ++t)
-    lit[t] = lab_of(colours.empty() ? kClay : colours[t], light_on(&triangles[9 * t]));
+  lit_.resize(triangles.size() / 9);
+  for (std::size_t t = 0; t < lit_.size(); ++t)
+    lit_[t] = lab_of(colours.empty() ? kClay : colours[t], light_on(&triangles[9 * t]));
   const int finer = std::min(kMostPixels, static_cast<int>(kFinerPrint * scene_.pixels));
-  print_ = seen_from(view_from(Vec3(1, 0, 1)), finer, triangles, lit);
+  print_ = seen_from(view_from(Vec3(1, 0, 1)), finer, triangles, lit_);
   for (const View& view : scene_.views)
-    seen_.push_back(seen_from(view, scene_.pixels, triangles, lit));
+    seen_.push_back(seen_from(view, scene_.pixels, triangles, lit_));
   for (Seen& seen : seen_) {
     for (const float depth : seen.image.depth) pixels_ += depth != kNothing ? 1 : 0;
     find_outline(seen.image, seen.outline);
@@ -112,8 +112,42 @@ PrintedTarget::Seen PrintedTarget::seen_from(const View& view, int pixels, Trian
   return out;
 }
 
-const PrintedTarget::Lab* PrintedTarget::printed_at(const Vec3& place) const {
-  const Frame& frame = print_.frame;
+PrintedTarget::Seen PrintedTarget::print_of(const PrintedLayer& layer) const {
+  Seen out;
+  const int pixels = std::min(kMostPixels, static_cast<int>(kFinerPrint * scene_.pixels));
+  out.frame = {view_from(Vec3(1, 0, 0)), box_.centre(), kSide * diagonal_mm_, pixels};
+  const auto width = static_cast<std::size_t>(pixels);
+  out.image.pixels = pixels;
+  out.image.depth.assign(width * width, kNothing);
+  out.colour.assign(width * width, Lab{});
+  const auto from = static_cast<float>(layer.far_mm - box_.centre().x()),
+             to = static_cast<float>(layer.near_mm - box_.centre().x());
+  // Of two places on a ray, the one with the larger rank is shown, then the larger `at`.
+  const auto rank = [&](float depth) { return depth < from ? 0 : depth >= to ? 1 : 2; };
+  const auto is_better = [&](float here, float before) {
+    if (before == kNothing || rank(here) != rank(before))
+      return before == kNothing || rank(here) > rank(before);
+    return rank(here) == 1 ? here < before : here > before;
+  };
+  const Raster raster(out.frame);
+  for (std::size_t t = 0; t < lit_.size(); ++t)
+    raster.each_span(
+        triangles_.subspan(9 * t, 9), [&](std::size_t row, std::size_t first, std::size_t last,
+                                          float at, float slope, float low, float high, int) {
+          for (std::size_t x = first; x <= last; ++x) {
+            const float here =
+                std::clamp(at + slope * static_cast<float>(static_cast<int>(x - first)), low, high);
+            float& depth = out.image.depth[row * width + x];
+            if (!is_better(here, depth)) continue;
+            depth = here;
+            out.colour[row * width + x] = lit_[t];
+          }
+        });
+  return out;
+}
+
+const PrintedTarget::Lab* PrintedTarget::printed_at(const Seen& print, const Vec3& place) {
+  const Frame& frame = print.frame;
   const Vec3 from = place - frame.centre;
   const auto at = [&](double mm) {
     return static_cast<std::int64_t>(std::floor((mm + 0.5 * frame.side_mm) / frame.pitch_mm()));
@@ -121,7 +155,7 @@ const PrintedTarget::Lab* PrintedTarget::printed_at(const Vec3& place) const {
   const std::int64_t column = at(dot(from, frame.view.right)), row = at(dot(from, frame.view.up));
   if (column < 0 || row < 0 || column >= frame.pixels || row >= frame.pixels) return nullptr;
   const auto k = static_cast<std::size_t>(row * frame.pixels + column);
-  return print_.image.depth[k] == kNothing ? nullptr : &print_.colour[k];
+  return print.image.depth[k] == kNothing ? nullptr : &print.colour[k];
 }
 
 void PrintedTarget::draw_card(const Seen& seen, Triangles structure, DepthImage& image,
@@ -140,21 +174,63 @@ void PrintedTarget::draw_card(const Seen& seen, Triangles structure, DepthImage&
                           : seen.backdrop.depth.empty() ? kNothing
                                                         : seen.backdrop.depth[p];
       if (depth == kNothing) continue;
-      const Lab* const print = printed_at(
-          frame.centre + (first + pitch * column) * frame.view.right +
-          (first + pitch * row) * frame.view.up + static_cast<double>(depth) * frame.view.toward);
+      const Lab* const print =
+          printed_at(print_, frame.centre + (first + pitch * column) * frame.view.right +
+                                 (first + pitch * row) * frame.view.up +
+                                 static_cast<double>(depth) * frame.view.toward);
       if (print != nullptr) image.depth[p] = depth;
       own[p] = print != nullptr ? *print : bare;
     }
 }
 
+void PrintedTarget::draw_layers(const Seen& seen, std::span<const PrintedLayer> layers,
+                                std::span<const Seen> prints, DepthImage& image,
+                                std::vector<Lab>& own) {
+  static const Lab bare = lab_of(kBare, 1.0);
+  draw(seen.frame, Triangles{}, image);
+  own.resize(image.depth.size());
+  const Frame& frame = seen.frame;
+  const double pitch = frame.pitch_mm(), first = 0.5 * pitch - 0.5 * frame.side_mm;
+  DepthImage one;
+  for (std::size_t k = 0; k < layers.size(); ++k) {
+    draw(frame, layers[k].triangles, one);
+    std::size_t p = 0;
+    for (int row = 0; row < frame.pixels; ++row)
+      for (int column = 0; column < frame.pixels; ++column, ++p) {
+        if (!(one.depth[p] > image.depth[p])) continue;
+        image.depth[p] = one.depth[p];
+        const Lab* const print =
+            printed_at(prints[k], frame.centre + (first + pitch * column) * frame.view.right +
+                                      (first + pitch * row) * frame.view.up +
+                                      static_cast<double>(one.depth[p]) * frame.view.toward);
+        own[p] = print != nullptr ? *print : bare;
+      }
+  }
+}
+
 PrintedFigures PrintedTarget::measure(Triangles structure, Buffers& buffers) const {
+  return compared(buffers, [&](const Seen& seen, DepthImage& image, std::vector<Lab>& own) {
+    draw_card(seen, structure, image, own);
+  });
+}
+
+PrintedFigures PrintedTarget::measure_layers(std::span<const PrintedLayer> layers) const {
+  std::vector<Seen> prints;
+  for (const PrintedLayer& layer : layers) prints.push_back(print_of(layer));
+  Buffers buffers;
+  return compared(buffers, [&](const Seen& seen, DepthImage& image, std::vector<Lab>& own) {
+    draw_layers(seen, layers, prints, image, own);
+  });
+}
+
+template <typename Draw>
+PrintedFigures PrintedTarget::compared(Buffers& buffers, const Draw& draw_own) const {
   PrintedFigures out;
   double difference = 0.0;
   std::size_t common = 0;
   std::vector<Lab> own;
   for (const Seen& seen : seen_) {
-    draw_card(seen, structure, buffers.image, own);
+    draw_own(seen, buffers.image, own);
     for (std::size_t p = 0; p < own.size(); ++p) {
       if (buffers.image.depth[p] == kNothing || seen.image.depth[p] == kNothing) continue;
       ++common;

@@ -26,6 +26,13 @@ enum class Looks : std::uint8_t { Good, Fair, Poor };
 [[nodiscard]] Looks looks(const PrintedFigures& figures);
 [[nodiscard]] const char* name_of(Looks looks);
 
+/// A layer of a card that lies open flat, printed with the target as it is seen along x. It shows
+/// what lies between the two depths first; else what is nearest in front of them; else behind.
+struct PrintedLayer {
+  Triangles triangles;
+  double far_mm{}, near_mm{};  ///< x of the target
+};
+
 /// A target in its colours, that printed structures are compared with. What is printed on a
 /// structure is the target as it is seen along (1, 0, 1): a place of the structure has the colour
 /// of the target's nearest point on the ray through it, or of bare paper where there is none
@@ -34,7 +41,8 @@ enum class Looks : std::uint8_t { Good, Fair, Poor };
 /// Values in, values out, const: one target serves many threads, each with its own `Buffers`.
 class PrintedTarget {
  public:
-  /// @param colours  of the triangles, one each; empty: clay
+  /// @param triangles  must outlive this to be compared with layers
+  /// @param colours    of the triangles, one each; empty: clay
   PrintedTarget(Triangles triangles, std::span<const Rgb> colours, const Scene& scene);
 
   [[nodiscard]] bool is_unseen() const { return pixels_ == 0; }
@@ -44,6 +52,8 @@ class PrintedTarget {
     Buffers buffers;
     return measure(structure, buffers);
   }
+  /// The same of layers. The pages below them are bare, and no part of the card.
+  [[nodiscard]] PrintedFigures measure_layers(std::span<const PrintedLayer> layers) const;
 
  private:
   using Lab = std::array<float, 3>;
@@ -57,12 +67,23 @@ class PrintedTarget {
   };
   [[nodiscard]] Seen seen_from(const View& view, int pixels, Triangles triangles,
                                std::span<const Lab> colours) const;
+  /// The target along x with the depths of a layer first.
+  [[nodiscard]] Seen print_of(const PrintedLayer& layer) const;
   /// The colour at a place of the card; null: bare paper.
-  [[nodiscard]] const Lab* printed_at(const Vec3& place) const;
+  [[nodiscard]] static const Lab* printed_at(const Seen& print, const Vec3& place);
   /// Draws a structure, and the print on wall and ground, as seen from a side; `own`: its colours.
   void draw_card(const Seen& seen, Triangles structure, DepthImage& image,
                  std::vector<Lab>& own) const;
 
+  /// Draws layers as `draw_card` a structure; `prints`: one a layer.
+  static void draw_layers(const Seen& seen, std::span<const PrintedLayer> layers,
+                          std::span<const Seen> prints, DepthImage& image, std::vector<Lab>& own);
+  /// Compares what `draw_own` draws with the target, from all sides.
+  template <typename Draw>
+  [[nodiscard]] PrintedFigures compared(Buffers& buffers, const Draw& draw_own) const;
+
+  Triangles triangles_;  ///< the caller's, for `print_of`
+  std::vector<Lab> lit_;
   Scene scene_;
   Box box_;
   double diagonal_mm_{};

@@ -33,6 +33,18 @@ std::vector<View> cone_views(double opening_rad) {
   return views;
 }
 
+std::vector<View> page_views() {
+  std::vector<View> views;
+  for (const double rise_deg : {20.0, 40.0, 60.0})
+    for (const double turn_deg : {-40.0, 0.0, 40.0}) {
+      const double rise = rise_deg * std::numbers::pi / 180.0,
+                   turn = turn_deg * std::numbers::pi / 180.0;
+      views.push_back(view_from(
+          Vec3(std::cos(rise) * std::cos(turn), std::cos(rise) * std::sin(turn), std::sin(rise))));
+    }
+  return views;
+}
+
 std::vector<View> round_views(std::size_t count) {
   std::vector<View> views;
   for (std::size_t k = 0; k < count; ++k) {

@@ -29,6 +29,10 @@ struct View {
 /// thirds of half the opening where that is less, so that each view lies in front of the wall.
 [[nodiscard]] std::vector<View> cone_views(double opening_rad = std::numbers::pi / 2);
 
+/// Nine views of a card that lies open flat, whose front looks along x: 20, 40 and 60 degrees above
+/// the page, each from in front and from 40 degrees to either side.
+[[nodiscard]] std::vector<View> page_views();
+
 /// `count` views square to the spine, evenly all around it, from the ground (x) to the height.
 [[nodiscard]] std::vector<View> round_views(std::size_t count = 36);
 

@@ -37,8 +37,8 @@ std::vector<GuideFold> whole_folds(const Pattern& pattern) {
   // Of each place, the ends there: an index into `edges` and a vertex. A cut parts vertices, and a
   // crease goes on behind it.
   std::map<std::pair<double, double>, std::vector<std::pair<std::uint32_t, std::uint32_t>>> at;
+  const auto rounded = [](double x) { return std::round(x * 1e6) + 0.0; };
   const auto place_of = [&](std::uint32_t vertex) {
-    const auto rounded = [](double x) { return std::round(x * 1e6) + 0.0; };
     const PatternVertex& p = pattern.vertices[vertex];
     return std::pair(rounded(pattern.u(p)), rounded(p.v));
   };
@@ -69,7 +69,7 @@ std::vector<GuideFold> whole_folds(const Pattern& pattern) {
   std::vector<std::uint32_t> number;
   std::vector<GuideFold> folds(lines.number(number));
   const auto before = [&](const PatternVertex& a, const PatternVertex& b) {
-    return std::pair(a.v, pattern.u(a)) < std::pair(b.v, pattern.u(b));
+    return std::pair(rounded(a.v), pattern.u(a)) < std::pair(rounded(b.v), pattern.u(b));
   };
   std::vector<bool> has_begun(folds.size(), false);
   for (std::size_t k = 0; k < edges.size(); ++k) {

@@ -182,6 +182,30 @@ void add_tab(Structure& card, std::size_t part, const FlatLine& fold, std::size_
       {PartJointKind::Glue, {part, tab, fold}, {on_part, on_face, to}, is_left != on_left});
 }
 
+void turn_over(Structure& card, std::size_t part) {
+  const auto turn = [](Vec2& p) { p.x() = -p.x(); };
+  SheetPart& sheet = card.parts[part];
+  for (Vec2& p : sheet.vertices) turn(p);
+  for (auto& face : sheet.faces) std::reverse(face.begin(), face.end());
+  for (FlatLine& slit : sheet.slits)
+    for (Vec2& p : slit) turn(p);
+  for (PartJoint& joint : card.joints)
+    for (PartSide* side : {&joint.a, &joint.b}) {
+      if (side->part != part) continue;
+      for (Vec2& p : side->line) turn(p);
+      joint.turned = !joint.turned;
+    }
+  for (Element& element : card.elements) {
+    if (part < element.first_part || part >= element.first_part + element.parts) continue;
+    element.pose = [own = part - element.first_part, before = element.pose](const SeatFrame& at) {
+      PartPoses out = before(at);
+      for (Isometry3d& face : out[own])
+        face = face * Eigen::AngleAxisd(std::acos(-1.0), Vec3{0.0, 1.0, 0.0});
+      return out;
+    };
+  }
+}
+
 PartPoses posed(const Structure& card, double opening_rad) {
   PartPoses pose;
   std::vector<std::vector<bool>> known;

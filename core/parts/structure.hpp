@@ -126,6 +126,10 @@ struct Structure {
 void add_tab(Structure& card, std::size_t part, const FlatLine& fold, std::size_t on_part,
              std::uint32_t on_face, const FlatLine& to, bool on_left);
 
+/// Turns a part that nothing else stands on over on its sheet: what was its back is printed, and
+/// mountains are valleys. The card stays as it is.
+void turn_over(Structure& card, std::size_t part);
+
 /// The places of all faces at an opening of the pages, 0 < opening < pi, by the elements' closed
 /// forms. The right page stays where its sheet is flat; z is up.
 [[nodiscard]] PartPoses posed(const Structure& card, double opening_rad);

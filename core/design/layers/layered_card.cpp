@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -60,12 +61,15 @@ double mirror_of(const TriangleSoup& soup, double low, double high) {
 }
 
 /// The surface in millimetres, its middle at y = 0, its foot at z = 0, its front at x = 0.
-Result<TriangleSoup> standing_target(const DesignSpec& spec, const SurfaceAssets& assets) {
+/// `out` gets how it came there.
+Result<TriangleSoup> standing_target(const DesignSpec& spec, const SurfaceAssets& assets,
+                                     LayeredCard& out) {
   TriangleSoup soup;
+  out.placement = spec.placement;
   if (solid_word(*spec.surface)) {
-    TargetPlacement placement = spec.placement;
-    placement.translate_mm = {1e4, 0.0, 1e4};  // away from wall and ground, which take triangles
-    const auto surface = Surface::make(*spec.surface, placement, FitMode::Nearest, assets);
+    // Away from wall and ground, which take triangles.
+    out.placement.translate_mm = {1e4, 0.0, 1e4};
+    const auto surface = Surface::make(*spec.surface, out.placement, FitMode::Nearest, assets);
     if (!surface) return tl::unexpected(surface.error());
     soup = surface->triangles({});
   } else {
@@ -79,6 +83,7 @@ Result<TriangleSoup> standing_target(const DesignSpec& spec, const SurfaceAssets
     for (std::size_t k = 0; k < 3; ++k)
       low = low.cwiseMin(soup.corner(t, k)), high = high.cwiseMax(soup.corner(t, k));
   const auto move = [&](const Vec3& origin) {
+    out.origin += origin;
     for (std::size_t k = 0; k < soup.corners.size(); ++k)
       soup.corners[k] -= origin[static_cast<Eigen::Index>(k % 3)];
   };
@@ -225,6 +230,19 @@ std::vector<double> fold_lengths(const Structure& card) {
   return out;
 }
 
+/// How many pieces fall out of a part: of paper in one piece, corners less sides and faces are one
+/// less its holes.
+std::size_t holes_of(const SheetPart& part) {
+  std::set<std::uint32_t> corners;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> sides;
+  for (const auto& face : part.faces)
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      corners.insert(face[k]);
+      sides.insert(std::minmax(face[k], face[(k + 1) % face.size()]));
+    }
+  return 1 + sides.size() - corners.size() - part.faces.size();
+}
+
 void warn(const std::vector<CutLayer>& layers, int asked, LayeredCard& out) {
   std::size_t dropped = 0, filled = 0;
   double shown = 0.0;
@@ -265,7 +283,8 @@ void warn(const std::vector<CutLayer>& layers, int asked, LayeredCard& out) {
 Result<LayeredCard> layered_card(const DesignSpec& spec, const SurfaceAssets& assets,
                                  const Progress& progress) {
   tell(progress, "reading the shape");
-  auto target = standing_target(spec, assets);
+  LayeredCard out;
+  auto target = standing_target(spec, assets, out);
   if (!target) return tl::unexpected(target.error());
   double width = 0.0, height = 0.0;
   for (std::size_t k = 0; k < target->corners.size(); k += 3) {
@@ -283,7 +302,6 @@ Result<LayeredCard> layered_card(const DesignSpec& spec, const SurfaceAssets& as
     standing = std::move(other);
   if (auto done = set_pages(spec.layers, standing); !done) return tl::unexpected(done.error());
 
-  LayeredCard out;
   out.looks_along_spine = standing.looks_along_spine;
   out.card = plain_card(standing.page_mm, standing.length_mm);
   out.card.name = spec.name;
@@ -308,25 +326,32 @@ Result<LayeredCard> layered_card(const DesignSpec& spec, const SurfaceAssets& as
     fold.right_tabs = {{kClear_mm, right - kClear_mm}};
     if (auto done = add(out.card, spine_of(out.card), fold); !done)
       return tl::unexpected(within("/layers", done.error()));
+    if (is_mirrored) turn_over(out.card, out.card.parts.size() - 1);  // its front is printed
     double high = 0.0, wide = 0.0;
     for (const Vec2& p : layer.corners())
       high = std::max(high, p.y()), wide = std::max(wide, 2.0 * std::abs(p.x()));
     out.layers.push_back({layer.depth_mm, fold.at_mm, high, wide, layer.changes});
   }
-  const double along = standing.looks_along_spine ? 1.0 : -1.0,
-               begin = standing.at_mm.front() - along * layers.front().depth_mm;
-  for (std::size_t k = 0; k < target->corners.size(); k += 3) {
-    double* const p = target->corners.data() + k;
-    const double depth = -p[0], right = p[1];
-    p[0] = along * right, p[1] = begin + along * depth;
-  }
+  const double along = standing.looks_along_spine ? 1.0 : -1.0;
+  out.begin_mm = standing.at_mm.front() - along * layers.front().depth_mm;
+  move_to_card(out, target->corners);
   out.target = std::move(*target);
   const std::vector<double> folds = fold_lengths(out.card);
   out.folds = folds.size();
   out.tabs = out.card.joints.size();
-  out.handwork = hands::handwork(folds, 0, out.tabs);
+  std::size_t waste = 0;
+  for (const SheetPart& part : out.card.parts) waste += holes_of(part);
+  out.handwork = hands::handwork(folds, waste, out.tabs);
   warn(layers, spec.layers.layers, out);
   return out;
+}
+
+void move_to_card(const LayeredCard& made, std::vector<double>& corners) {
+  const double along = made.looks_along_spine ? 1.0 : -1.0;
+  for (std::size_t k = 0; k + 2 < corners.size(); k += 3) {
+    const double depth = -corners[k], right = corners[k + 1];
+    corners[k] = along * right, corners[k + 1] = made.begin_mm + along * depth;
+  }
 }
 
 std::vector<Pattern> part_drawings(const Structure& card) {

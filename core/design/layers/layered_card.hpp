@@ -6,7 +6,9 @@
 
 #include "core/design/layers/layer_masks.hpp"
 #include "core/design/spec/spec.hpp"
+#include "core/design/target/surface_spec.hpp"
 #include "core/fit/triangle_soup.hpp"
+#include "core/geometry/vec.hpp"
 #include "core/hands/folding.hpp"
 #include "core/parts/structure.hpp"
 #include "core/pattern/pattern.hpp"
@@ -30,6 +32,12 @@ struct LayeredCard {
   std::vector<CardLayer> layers;
   bool looks_along_spine{};  ///< the front is at v = 0; else at the other end of the spine
   TriangleSoup target;  ///< as it stands on the card: u across the pages, v along the spine, z up
+  /// How a point of the surface comes there: placed in the corner, moved by -`origin`, and turned
+  /// so that its x axis lies against the way into the picture, which begins at `begin_mm` of the
+  /// spine.
+  TargetPlacement placement;
+  Vec3 origin{0.0, 0.0, 0.0};
+  double begin_mm{};
   std::size_t folds{}, tabs{};
   hands::Handwork handwork;
   std::vector<Warning> warnings;
@@ -43,6 +51,10 @@ struct LayeredCard {
 /// @retval Infeasible  it is too small, or a given page is: with the least that holds the layers
 [[nodiscard]] Result<LayeredCard> layered_card(const DesignSpec& spec, const SurfaceAssets& assets,
                                                const Progress& progress = {});
+
+/// Moves points of a target (x, y, z one after the other, x to the front, mm, already less the
+/// card's `origin`) to their places on the card.
+void move_to_card(const LayeredCard& made, std::vector<double>& corners);
 
 /// The lines of each part, to draw and to cut: `Pattern`s of lines only. Mountains and valleys are
 /// those of a half-open card.

@@ -6,7 +6,8 @@
 
 namespace popcut {
 
-std::string layered_report_json(const LayeredCard& made, double seconds) {
+std::string layered_report_json(const LayeredCard& made, const likeness::PrintedFigures& printed,
+                                double seconds) {
   using Json = nlohmann::ordered_json;
   const Structure& card = made.card;
   return json_file(Json{
@@ -28,6 +29,12 @@ std::string layered_report_json(const LayeredCard& made, double seconds) {
                                          {"holes_filled", layer.changes.filled},
                                          {"parts_dropped", layer.changes.dropped}};
                            })},
+      {"printed",
+       {{"looks", likeness::name_of(likeness::looks(printed))},
+        {"error", printed.error()},
+        {"colour", printed.colour},
+        {"contour", printed.contour},
+        {"cover", printed.cover}}},
       {"handwork", hands::handwork_json(made.handwork)},
       {"warnings", json_list(made.warnings,
                              [](const Warning& warning) {

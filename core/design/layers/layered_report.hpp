@@ -3,11 +3,16 @@
 
 #include <string>
 
+#include "core/compare/printed.hpp"
 #include "core/design/layers/layered_card.hpp"
 
 namespace popcut {
 
 /// The `report.json` of a card of layers.
-[[nodiscard]] std::string layered_report_json(const LayeredCard& made, double seconds);
+///
+/// @param printed  how it looks printed
+[[nodiscard]] std::string layered_report_json(const LayeredCard& made,
+                                              const likeness::PrintedFigures& printed,
+                                              double seconds);
 
 }  // namespace popcut

@@ -93,6 +93,8 @@ Result<JointModel> read_joint_model(std::string_view text) {
   auto parts = read_fold_parts(text);
   if (!parts) return tl::unexpected(parts.error());
   JointModel model;
+  if (const auto title = json->find("file_title"); title != json->end() && title->is_string())
+    model.title = title->get<std::string>();
   if (parts->size() > kMostParts)
     return fail(ErrorKind::OutOfRange, "/file_frames",
                 fmt::format("{} parts; at most {}", parts->size(), kMostParts));

@@ -46,6 +46,7 @@ struct CardJoint {
 
 /// A card of several parts, as its FOLD file gives it.
 struct JointModel {
+  std::string title;  ///< file_title
   std::vector<CardPart> parts;
   std::vector<CardJoint> joints;
   double thickness_mm{0.3};  ///< `popcut:thickness_mm`

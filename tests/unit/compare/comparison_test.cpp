@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <random>
@@ -247,6 +248,31 @@ TEST_CASE("parallax shows where colours meet", "[core][compare]") {
                two = PrintedTarget(model, both, scene).measure(board(60)).colour;
   INFO(one << " in one colour, " << two << " in two");
   CHECK(two > 1.2 * one);
+}
+
+TEST_CASE("each layer is printed with what lies in its own depths", "[core][compare]") {
+  const auto plate = [](float x, float high) {
+    return std::vector<float>{x, -20, 0, x, 20, 0,    x, 20,  high,
+                              x, -20, 0, x, 20, high, x, -20, high};
+  };
+  const std::vector<float> front = plate(0, 15), back = plate(-25, 40);
+  std::vector<float> model = front;
+  append(model, back);
+  const std::vector<Rgb> colours{{255, 0, 0}, {255, 0, 0}, {0, 160, 0}, {0, 160, 0}};
+  Scene scene;
+  scene.views = page_views(), scene.pixels = 128;
+  const PrintedTarget target(model, colours, scene);
+  const double inf = std::numeric_limits<double>::infinity();
+  const std::vector<PrintedLayer> layers{{front, -12.0, inf}, {back, -inf, -12.0}};
+  const PrintedFigures right = target.measure_layers(layers);
+  CHECK(right.cover == Approx(1.0));
+  CHECK(right.contour == Approx(0.0));
+  CHECK(right.colour < 0.02);
+  // Both printed as the nearest of all: what shows above the front plate is right, the rest is not.
+  const std::vector<PrintedLayer> alike{{front, -12.0, inf}, {back, -12.0, inf}};
+  CHECK(target.measure_layers(alike).colour > right.colour + 0.05);
+  CHECK(target.measure_layers(std::span(layers).first(1)).cover < 0.7);
+  CHECK(page_views().size() == 9);
 }
 
 TEST_CASE("words for looks follow the error", "[core][compare]") {

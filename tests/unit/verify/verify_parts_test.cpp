@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +16,9 @@
 #include "core/design/layers/layered_report.hpp"
 #include "core/design/spec/spec.hpp"
 #include "core/geometry/angle.hpp"
+#include "core/judge/glue_guide.hpp"
+#include "core/judge/glue_order.hpp"
+#include "core/judge/layers_likeness.hpp"
 #include "core/judge/sound_layers.hpp"
 #include "core/parts/elements.hpp"
 #include "core/parts/structure_fold.hpp"
@@ -300,6 +304,120 @@ TEST_CASE("a layer with a part in the air and a hole becomes one piece that stan
   }
 }
 
+namespace {
+
+/// Whether a way of 25 mm from a point goes through a face of a part, by its plane and its polygon.
+bool is_in_the_way(const SheetPart& part, const std::vector<Eigen::Isometry3d>& pose,
+                   const Vec3& from, const Vec3& way) {
+  for (std::size_t f = 0; f < part.faces.size(); ++f) {
+    const Eigen::Isometry3d to_sheet = pose[f].inverse();
+    const Vec3 at = to_sheet * from, d = to_sheet.linear() * way;
+    if (std::abs(d.z()) < 1e-9) continue;
+    const double far = -at.z() / d.z();
+    if (far < 0.3 || far > 25.0) continue;
+    const Vec3 hit = at + far * d;
+    bool inside = false;
+    const auto& corners = part.faces[f];
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const Vec2 p = part.vertices[corners[k]],
+                 q = part.vertices[corners[(k + 1) % corners.size()]];
+      if ((p.y() > hit.y()) != (q.y() > hit.y()) &&
+          hit.x() < p.x() + (hit.y() - p.y()) / (q.y() - p.y()) * (q.x() - p.x()))
+        inside = !inside;
+    }
+    if (inside) return true;
+  }
+  return false;
+}
+
+/// Follows the steps of a guide as a person does who has nothing but the parts.
+///
+/// @param reaches  whether a finger must come to each tab on the pages, on a slant from beyond it
+void check_guide(const Structure& card, bool reaches) {
+  const auto guide = judge::glue_guide(text_of(card));
+  if (!guide) FAIL(message(guide.error()));
+  std::string words;
+  for (const judge::GlueStep& step : guide->steps) words += step.words + "\n";
+  CAPTURE(words);
+  const PartPoses half = posed(card, radians(100.0)), open = posed(card, radians(165.0));
+  std::vector<bool> is_there(card.parts.size(), false), is_glued(card.joints.size(), false);
+  std::vector<std::vector<bool>> is_creased;
+  for (const judge::GluePart& part : guide->parts)
+    is_creased.emplace_back(part.folds.folds.size(), false);
+  is_there[0] = true;
+  std::string letters;
+  for (const judge::GlueStep& step : guide->steps) {
+    if (step.kind == judge::GlueStepKind::Fold) {
+      CHECK(letters.empty());
+      for (const std::uint32_t k : step.folds) {
+        CHECK_FALSE(is_creased[step.part][k]);
+        is_creased[step.part][k] = true;
+      }
+      continue;
+    }
+    if (step.part != 0) CHECK_FALSE(is_there[step.part]);
+    is_there[step.part] = true;
+    for (const std::size_t t : step.tabs) {
+      const judge::GlueTab& tab = guide->tabs[t];
+      letters += tab.letter;
+      const PartJoint& joint = card.joints[tab.joint];
+      REQUIRE(joint.kind == PartJointKind::Glue);
+      CHECK_FALSE(is_glued[tab.joint]);
+      is_glued[tab.joint] = true;
+      CHECK((tab.part == step.part || tab.on_part == step.part));
+      CHECK((is_there[tab.part] && is_there[tab.on_part]));
+      // What is printed on both is in one place once it is glued.
+      Vec2 middle{0.0, 0.0};
+      for (std::size_t k = 0; k < tab.outline.size(); ++k) {
+        const auto at = [](const Eigen::Isometry3d& pose, Vec2 p) {
+          return Vec3(pose * Vec3{p.x(), p.y(), 0.0});
+        };
+        CHECK(norm(Vec3(at(open[tab.part][tab.face], tab.outline[k]) -
+                        at(open[tab.on_part][tab.on_face], tab.place[k]))) < 1e-6);
+        middle += tab.place[k] / static_cast<double>(tab.place.size());
+      }
+      if (!reaches || tab.on_part != 0) continue;
+      const Eigen::Isometry3d& page = open[0][tab.on_face];
+      const Vec2 outward = middle - 0.5 * (joint.b.line[0] + joint.b.line[1]);
+      const Vec3 way =
+          unit(Vec3(page.linear() * unit(Vec3{outward.x(), outward.y(), norm(outward)})));
+      for (std::size_t q = 1; q < card.parts.size(); ++q)
+        if (is_there[q] && q != step.part)
+          CHECK_FALSE(
+              is_in_the_way(card.parts[q], open[q], page * Vec3{middle.x(), middle.y(), 0.0}, way));
+    }
+  }
+  CHECK(std::count(is_there.begin(), is_there.end(), false) == 0);
+  std::size_t tabs = 0;
+  for (std::size_t j = 0; j < card.joints.size(); ++j)
+    if (card.joints[j].kind == PartJointKind::Glue) {
+      CHECK(is_glued[j]);
+      ++tabs;
+    }
+  CHECK(guide->tabs.size() == tabs);
+  CHECK(std::is_sorted(letters.begin(),
+                       letters.begin() + std::min<std::ptrdiff_t>(26, std::ssize(letters))));
+  // Every fold once, in its sense: lengths of mountains and valleys are those of the closed form.
+  for (std::size_t p = 0; p < card.parts.size(); ++p) {
+    CHECK(std::count(is_creased[p].begin(), is_creased[p].end(), false) == 0);
+    double mountains = 0.0, valleys = 0.0, guided_mountains = 0.0, guided_valleys = 0.0;
+    for (const PartFold& fold : folds_of(card.parts[p], half[p])) {
+      if (std::abs(fold.angle_rad) < 1e-9 || card.parts[p].is_slit(fold.from, fold.to)) continue;
+      (fold.angle_rad < 0.0 ? mountains : valleys) +=
+          norm(Vec2(card.parts[p].vertices[fold.to] - card.parts[p].vertices[fold.from]));
+    }
+    for (const hands::GuideFold& fold : guide->parts[p].folds.folds)
+      (fold.is_mountain() ? guided_mountains : guided_valleys) += fold.length_mm();
+    CHECK(guided_mountains == Approx(mountains).margin(1e-6));
+    CHECK(guided_valleys == Approx(valleys).margin(1e-6));
+  }
+  const hands::Handwork work = judge::handwork(*guide);
+  CHECK(work.tabs == tabs);
+  CHECK(Json::parse(judge::glue_guide_json(*guide))["steps"].size() == guide->steps.size());
+}
+
+}  // namespace
+
 TEST_CASE("every front of a shape is in a layer, and the card of them is sound",
           "[core][parts][layers]") {
   const auto spec_of = [](const std::string& layers) {
@@ -333,13 +451,91 @@ TEST_CASE("every front of a shape is in a layer, and the card of them is sound",
                                  [&](const LayerMask& mask) { return mask[cell] != 0; });
     if (!any) FAIL_CHECK("cell " << cell << " is in no layer");
   }
-  const Json report = Json::parse(layered_report_json(sound->made, 0.0));
+  check_guide(sound->made.card, true);
+  const likeness::PrintedFigures printed = judge::layers_likeness(sound->made, {}, 96);
+  CHECK(printed.cover > 0.5);
+  CHECK(printed.error() < 0.5);
+  LayeredCard bare = sound->made;  // with a layer fewer less of the shape is there
+  bare.layers.pop_back(), bare.card.parts.pop_back(), bare.card.elements.pop_back();
+  CHECK(judge::layers_likeness(bare, {}, 96).cover < printed.cover);
+  const Json report = Json::parse(layered_report_json(sound->made, printed, 0.0));
+  CHECK(report["printed"]["error"] == Approx(printed.error()));
   CHECK(report["pieces"] == sound->made.layers.size() + 1);
 
   const auto narrow = judge::sound_layers(spec_of(R"({"length_mm":80,"spine_mm":50})"), {}, "test");
   REQUIRE_FALSE(narrow);
   CHECK(narrow.error().place == "/layers/spine_mm");
   CHECK(narrow.error().detail.find("at least") != std::string::npos);
+}
+
+TEST_CASE("a guide folds every fold once and glues every tab once, on what is there and in reach",
+          "[core][parts][guide]") {
+  check_guide(two_v_folds(), true);
+  Structure turned = two_v_folds();
+  const PartPoses before = posed(turned, 2.0);
+  const Vec2 corner = turned.parts[1].vertices[3];
+  turn_over(turned, 1);
+  const Vec2 back = turned.parts[1].vertices[3];
+  CHECK(norm(Vec3(before[1][0] * Vec3{corner.x(), corner.y(), 0.0} -
+                  posed(turned, 2.0)[1][0] * Vec3{back.x(), back.y(), 0.0})) < 1e-9);
+  CHECK(judged(text_of(turned)).ok());
+  check_guide(turned, true);
+  check_guide(double_corner(true), false);
+  Structure house = plain_card(120.0, 200.0);
+  BoxElement box;
+  box.from_mm = 60.0, box.to_mm = 130.0, box.half_mm = 25.0, box.height_mm = 30.0;
+  box.lid = BoxLid::Floating, box.lid_mm = 35.0;
+  REQUIRE(add(house, spine_of(house), box));
+  check_guide(house, false);
+}
+
+TEST_CASE("a guide of joints that hold too little says to verify them", "[core][parts][guide]") {
+  const auto guide = judge::glue_guide(changed(text_of(two_v_folds()), [](Json& json) {
+    json["popcut:joints"].erase(0);
+    json["popcut:joints"].erase(0);
+  }));
+  REQUIRE_FALSE(guide);
+  CHECK(guide.error().place == "/popcut:joints");
+  CHECK(guide.error().detail.find("popcut verify") != std::string::npos);
+}
+
+TEST_CASE("an order of gluing leaves no place hidden where any order does",
+          "[core][parts][guide]") {
+  std::mt19937 random(42);
+  std::size_t open_orders = 0;
+  for (int round = 0; round < 200; ++round) {
+    constexpr std::size_t kParts = 5;
+    std::vector<judge::GlueContact> contacts;
+    for (std::size_t p = 1; p < kParts; ++p) {
+      judge::GlueContact contact{p, random() % p, 4, std::vector<std::uint32_t>(kParts, 0)};
+      for (std::size_t q = 1; q < kParts; ++q)
+        if (q != p && q != contact.other && random() % 4 == 0) contact.hides[q] = random() % 16;
+      contacts.push_back(std::move(contact));
+    }
+    // By brute force: parts in an order, each on what is there, with no place hidden by it.
+    const auto is_open = [&](const std::vector<std::size_t>& order) {
+      std::vector<bool> there(kParts, false);
+      there[0] = true;
+      for (const std::size_t p : order) {
+        const judge::GlueContact& contact = contacts[p - 1];
+        if (!there[contact.other]) return false;
+        for (std::size_t q = 0; q < kParts; ++q)
+          if (there[q] && contact.hides[q] != 0) return false;
+        there[p] = true;
+      }
+      return true;
+    };
+    std::vector<std::size_t> order{1, 2, 3, 4};
+    bool any = false;
+    do any = any || is_open(order);
+    while (std::next_permutation(order.begin(), order.end()));
+    const std::vector<std::size_t> found = judge::glue_order(kParts, contacts);
+    REQUIRE(found.size() == kParts - 1);
+    open_orders += any ? 1 : 0;
+    if (any) CHECK(is_open(found));
+  }
+  CHECK(open_orders > 50);
+  CHECK(open_orders < 200);
 }
 
 }  // namespace verify_parts_test

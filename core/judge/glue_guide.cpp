@@ -1,0 +1,456 @@
+// SPDX-License-Identifier: MIT
+#include "core/judge/glue_guide.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/geometry/angle.hpp"
+#include "core/geometry/triangulate.hpp"
+#include "core/judge/glue_order.hpp"
+#include "core/text/utf8.hpp"
+#include "core/verify/parts/assembled.hpp"
+#include "core/verify/parts/followed.hpp"
+#include "core/verify/parts/joint_model.hpp"
+
+namespace popcut::judge {
+namespace {
+
+using Eigen::Isometry3d;
+using verify::Assignment;
+using verify::CardJoint;
+using verify::JointKind;
+
+constexpr double kHalfOpen_rad = radians(100.0), kOpen_rad = radians(165.0);
+constexpr double kFinger_mm = 25.0;  ///< so much room a finger needs, on a slant
+constexpr double kTouching_mm = 0.3;
+
+std::string listed(const std::vector<std::string>& words) {
+  if (words.size() < 2) return words.empty() ? std::string() : words.front();
+  return fmt::format("{} and {}", fmt::join(words.begin(), words.end() - 1, ", "), words.back());
+}
+
+/// A, B, ... Z, AA, AB, ...
+std::string letter_of(std::size_t number) {
+  std::string out(1, static_cast<char>('A' + number % 26));
+  return number < 26 ? out : letter_of(number / 26 - 1) + out;
+}
+
+/// A flat sheet as a pattern without a card. Faces that lie in one plane have no line between them.
+Pattern pattern_of(const std::string& name, const verify::FoldModel& sheet) {
+  Pattern out;
+  out.name = name;
+  out.card = false;
+  for (const Vec2& p : sheet.flat) out.vertices.push_back({p.x(), 0.0, p.y()});
+  out.face_first = sheet.face_first;
+  out.face_vertices = sheet.face_vertices;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::int32_t> left_of;
+  for (std::size_t f = 0; f < sheet.faces(); ++f) {
+    const auto corners = verify::face_of(sheet, f);
+    for (std::size_t k = 0; k < corners.size(); ++k)
+      left_of[{corners[k], corners[(k + 1) % corners.size()]}] = static_cast<std::int32_t>(f);
+  }
+  const auto face_at = [&](std::uint32_t from, std::uint32_t to) {
+    const auto found = left_of.find({from, to});
+    return found == left_of.end() ? -1 : found->second;
+  };
+  for (std::size_t e = 0; e < sheet.edges.size(); ++e) {
+    const Assignment what = sheet.assignment[e];
+    if (verify::joins(what) || what == Assignment::Unassigned) continue;
+    const auto [from, to] = sheet.edges[e];
+    out.edges.push_back({from, to, face_at(from, to), face_at(to, from),
+                         what == Assignment::Mountain ? EdgeRole::Mountain
+                         : what == Assignment::Valley ? EdgeRole::Valley
+                         : what == Assignment::Cut    ? EdgeRole::Slit
+                                                      : EdgeRole::Outline});
+  }
+  return out;
+}
+
+class CardGuide {
+ public:
+  CardGuide(verify::JointModel model, const Progress& progress)
+      : model_(std::move(model)), progress_(progress) {}
+
+  Result<GlueGuide> run() {
+    if (auto done = open_card(); !done) return tl::unexpected(done.error());
+    if (auto done = add_parts(); !done) return tl::unexpected(done.error());
+    name_pages();
+    find_tabs();
+    const std::vector<std::size_t> order = glue_order(model_.parts.size(), contacts());
+    for (std::size_t p = 0; p < model_.parts.size(); ++p) add_fold_steps(p);
+    std::vector<std::size_t> standing{0};
+    add_glue_steps(0, {});
+    for (const std::size_t p : order) {
+      add_glue_steps(p, standing);
+      standing.push_back(p);
+    }
+    if (out_.steps.empty() || out_.steps.back().kind == GlueStepKind::Fold) return std::move(out_);
+    out_.steps.back().words += " The card is done.";
+    return std::move(out_);
+  }
+
+ private:
+  // 1. The card in space.
+
+  Result<void> open_card() {
+    std::vector<verify::Sheet> sheets;
+    VerifyCheck check;
+    for (const verify::CardPart& part : model_.parts)
+      sheets.push_back(verify::make_sheet(part.sheet, check));
+    auto card = verify::assemble(model_, std::move(sheets), check);
+    if (!card) return tl::unexpected(card.error());
+    card_ = std::move(*card);
+    if (check.failed > 0 || !verify::loose_bodies(card_).empty())
+      return fail(ErrorKind::Infeasible, "/popcut:joints",
+                  "do not hold all parts together, so they cannot be glued; 'popcut verify' says "
+                  "what is wrong");
+    tell(progress_, "opening the card");
+    verify::Followed motion = verify::follow(card_, {kHalfOpen_rad, kOpen_rad});
+    for (verify::BodyState& state : motion.states) level(state);
+    for (std::size_t k = 0; k < motion.states.size(); ++k)
+      (motion.opening_rad[k] < 0.5 * (kHalfOpen_rad + kOpen_rad) ? half_open_ : open_) =
+          &states_.emplace_back(motion.states[k]);
+    if (half_open_ == nullptr || open_ == nullptr)
+      return fail(ErrorKind::Infeasible, "/popcut:joints",
+                  "do not let the card open, so nobody can glue it; 'popcut verify' says where it "
+                  "stops");
+    return {};
+  }
+
+  /// Turns the card so that both pages slope alike.
+  void level(verify::BodyState& state) const {
+    const verify::BodyHinge& spine = card_.hinges[card_.drive];
+    const Vec3 up = place(state, 0, 0).linear().col(2) +
+                    place(state, 0, model_.parts.front().sheet.faces() - 1).linear().col(2);
+    const Vec3 along = state[spine.right].linear() * spine.right_along;
+    const Vec3 level_up = unit(Vec3(up - dot(up, along) * along));
+    const Isometry3d turn(Eigen::Quaterniond::FromTwoVectors(level_up, Vec3(0.0, 0.0, 1.0)));
+    for (Isometry3d& body : state) body = turn * body;
+  }
+
+  [[nodiscard]] Isometry3d place(const verify::BodyState& state, std::size_t part,
+                                 std::size_t face) const {
+    const std::size_t panel = card_.panel_of(part, face);
+    return state[card_.body[panel]] * card_.in_body[panel];
+  }
+
+  Result<void> add_parts() {
+    out_.name = model_.title.empty() ? "card" : model_.title;
+    for (std::size_t p = 0; p < model_.parts.size(); ++p) {
+      const verify::CardPart& part = model_.parts[p];
+      GluePart one{part.name, pattern_of(part.name, part.sheet), {}, {}, {}};
+      auto folds = hands::fold_guide(one.sheet);
+      if (!folds) return tl::unexpected(within(part.place, folds.error()));
+      one.folds = std::move(*folds);
+      for (std::size_t f = 0; f < part.sheet.faces(); ++f) {
+        one.half_open.push_back(place(*half_open_, p, f));
+        one.open.push_back(place(*open_, p, f));
+      }
+      out_.parts.push_back(std::move(one));
+    }
+    return {};
+  }
+
+  /// The panels of the card are the left and the right page for who looks along its spine.
+  void name_pages() {
+    page_name_.assign(card_.sheets.front().panels, "the card");
+    if (page_name_.size() != 2) return;
+    const verify::FoldModel& sheet = model_.parts.front().sheet;
+    std::array<double, 2> middle{}, corners{};
+    for (std::size_t f = 0; f < sheet.faces(); ++f)
+      for (const std::uint32_t v : verify::face_of(sheet, f)) {
+        const std::size_t panel = card_.sheets.front().panel_of_face[f];
+        middle[panel] += sheet.flat[v].x(), corners[panel] += 1.0;
+      }
+    const bool first_is_left = middle[0] / corners[0] < middle[1] / corners[1];
+    page_name_ = {first_is_left ? "the left page" : "the right page",
+                  first_is_left ? "the right page" : "the left page"};
+  }
+
+  // 2. Tabs, and what a finger reaches.
+
+  void find_tabs() {
+    for (std::size_t j = 0; j < model_.joints.size(); ++j) {
+      const CardJoint& joint = model_.joints[j];
+      if (joint.kind != JointKind::Glue) continue;
+      GlueTab tab;
+      tab.joint = j;
+      tab.part = joint.a.part, tab.on_part = joint.b.part;
+      tab.face = static_cast<std::uint32_t>(joint.a.face);
+      tab.on_face = static_cast<std::uint32_t>(joint.b.face);
+      const Isometry3d lay = verify::laid_on(joint.a.line, joint.b.line, joint.turned);
+      const verify::FoldModel& sheet = model_.parts[tab.part].sheet;
+      for (const std::uint32_t v : verify::face_of(sheet, tab.face)) {
+        tab.outline.push_back(sheet.flat[v]);
+        tab.place.push_back(Vec3(lay * verify::lifted(sheet.flat[v])).head<2>());
+      }
+      tab.on_front = lies_on_front(tab);
+      tabs_.push_back(std::move(tab));
+    }
+  }
+
+  /// Whether the panels that a tab is folded from are on the printed side of what it is glued on.
+  [[nodiscard]] bool lies_on_front(const GlueTab& tab) const {
+    const Isometry3d under = place(*half_open_, tab.on_part, tab.on_face);
+    double above = 0.0;
+    for (const verify::Hinge& hinge : card_.sheets[tab.part].hinges) {
+      if (hinge.left != tab.face && hinge.right != tab.face) continue;
+      const std::uint32_t beside = hinge.left == tab.face ? hinge.right : hinge.left;
+      const Isometry3d lay = place(*half_open_, tab.part, beside);
+      for (const std::uint32_t v : verify::face_of(model_.parts[tab.part].sheet, beside))
+        above += dot(
+            Vec3(under.linear().col(2)),
+            Vec3(lay * verify::lifted(model_.parts[tab.part].sheet.flat[v]) - under.translation()));
+    }
+    return above > 0.0;
+  }
+
+  using Triangle3 = std::array<Vec3, 3>;
+
+  [[nodiscard]] std::vector<Triangle3> triangles_of(std::size_t part) const {
+    const verify::FoldModel& sheet = model_.parts[part].sheet;
+    std::vector<Triangle3> out;
+    for (std::size_t f = 0; f < sheet.faces(); ++f) {
+      std::vector<Triangle> cut;
+      if (!triangulate(sheet.flat, verify::face_of(sheet, f), cut)) continue;
+      const Isometry3d lay = place(*open_, part, f);
+      for (const Triangle& t : cut)
+        out.push_back({lay * verify::lifted(sheet.flat[t[0]]),
+                       lay * verify::lifted(sheet.flat[t[1]]),
+                       lay * verify::lifted(sheet.flat[t[2]])});
+    }
+    return out;
+  }
+
+  /// Whether a way of `kFinger_mm` from a point goes through a triangle.
+  static bool is_hit(const Vec3& from, const Vec3& way, const Triangle3& triangle) {
+    const Vec3 e1 = triangle[1] - triangle[0], e2 = triangle[2] - triangle[0];
+    const Vec3 p = cross(way, e2);
+    const double turn = dot(e1, p);
+    if (std::abs(turn) < 1e-12) return false;
+    const Vec3 t = from - triangle[0];
+    const double a = dot(t, p) / turn;
+    if (a < 0.0 || a > 1.0) return false;
+    const Vec3 q = cross(t, e1);
+    const double b = dot(way, q) / turn;
+    if (b < 0.0 || a + b > 1.0) return false;
+    const double far = dot(e2, q) / turn;
+    return far > kTouching_mm && far < kFinger_mm;
+  }
+
+  /// A finger presses a tab from above and from beyond its outer edge, since its panel stands at
+  /// the other one; and a part that is put on a tab from its other side.
+  [[nodiscard]] std::vector<GlueContact> contacts() const {
+    std::vector<std::vector<Triangle3>> triangles;
+    for (std::size_t p = 0; p < model_.parts.size(); ++p) triangles.push_back(triangles_of(p));
+    std::vector<GlueContact> out;
+    for (const GlueTab& tab : tabs_) {
+      if (tab.part == tab.on_part) continue;
+      const bool is_put_on = tab.on_part != 0 && hangs_deeper(tab.on_part, tab.part);
+      const CardJoint& joint = model_.joints[tab.joint];
+      const Isometry3d lay = place(*open_, tab.on_part, tab.on_face);
+      Vec2 middle{0.0, 0.0};
+      for (const Vec2& p : tab.place) middle += p / static_cast<double>(tab.place.size());
+      const Vec2 fold_middle = 0.5 * (joint.b.line[0] + joint.b.line[1]);
+      const Vec3 up = (tab.on_front != is_put_on ? 1.0 : -1.0) * Vec3(lay.linear().col(2));
+      const Vec3 outward = unit(Vec3(lay.linear() * verify::lifted(middle - fold_middle)));
+      const Vec3 way = is_put_on ? up : unit(Vec3(up + outward));
+      GlueContact contact{tab.part, tab.on_part, 0, {}};
+      contact.hides.assign(model_.parts.size(), 0);
+      constexpr double kInward = 0.3;
+      for (std::size_t k = 0; k < tab.place.size() && contact.places < 31; ++k) {
+        const Vec3 from =
+            lay * verify::lifted(Vec2(tab.place[k] + kInward * (middle - tab.place[k])));
+        for (std::size_t q = 1; q < model_.parts.size(); ++q)
+          if (q != tab.part && q != tab.on_part &&
+              std::any_of(triangles[q].begin(), triangles[q].end(),
+                          [&](const Triangle3& t) { return is_hit(from, way, t); }))
+            contact.hides[q] |= 1U << contact.places;
+        ++contact.places;
+      }
+      out.push_back(std::move(contact));
+    }
+    for (const CardJoint& joint : model_.joints)  // what no tab holds
+      if (joint.kind != JointKind::Glue && joint.a.part != joint.b.part)
+        out.push_back(
+            {joint.a.part, joint.b.part, 0, std::vector<std::uint32_t>(model_.parts.size(), 0)});
+    return out;
+  }
+
+  /// How many joints a part is away from the card.
+  [[nodiscard]] std::vector<std::size_t> depths() const {
+    std::vector<std::size_t> depth(model_.parts.size(), model_.parts.size());
+    depth[0] = 0;
+    for (bool any = true; any;) {
+      any = false;
+      for (const CardJoint& joint : model_.joints)
+        for (const auto& [p, q] :
+             {std::pair(joint.a.part, joint.b.part), std::pair(joint.b.part, joint.a.part)})
+          if (depth[p] + 1 < depth[q]) depth[q] = depth[p] + 1, any = true;
+    }
+    return depth;
+  }
+  [[nodiscard]] bool hangs_deeper(std::size_t part, std::size_t other) const {
+    const std::vector<std::size_t> depth = depths();
+    return depth[part] > depth[other];
+  }
+
+  // 3. Steps.
+
+  void add_fold_steps(std::size_t p) {
+    const GluePart& part = out_.parts[p];
+    const std::size_t folds = part.folds.folds.size(), waste = part.folds.waste.size();
+    for (std::size_t first = 0; first < folds || (first == 0 && waste > 0);
+         first += hands::kMostFoldsAStep) {
+      GlueStep step{.kind = GlueStepKind::Fold, .part = p};
+      std::size_t mountains = 0;
+      for (std::size_t k = first; k < std::min(folds, first + hands::kMostFoldsAStep); ++k) {
+        step.folds.push_back(static_cast<std::uint32_t>(k));
+        mountains += part.folds.folds[k].is_mountain() ? 1 : 0;
+      }
+      const std::size_t valleys = step.folds.size() - mountains;
+      std::vector<std::string> what;
+      if (mountains > 0)
+        what.push_back(mountains == 1
+                           ? "1 mountain fold (red, its ridge toward you)"
+                           : fmt::format("{} mountain folds (red, ridges toward you)", mountains));
+      if (valleys > 0)
+        what.push_back(fmt::format("{} valley fold{} (blue, away from you)", valleys,
+                                   valleys == 1 ? "" : "s"));
+      step.words = shown_text(part.name) + ":";
+      if (first == 0 && waste > 0)
+        step.words += fmt::format(" take out {} piece{} of waste{}", waste, waste == 1 ? "" : "s",
+                                  what.empty() ? "." : ", then");
+      if (!what.empty()) step.words += fmt::format(" crease {}.", listed(what));
+      out_.steps.push_back(std::move(step));
+      if (folds == 0) break;
+    }
+  }
+
+  [[nodiscard]] std::string target_name(const GlueTab& tab, std::size_t part) const {
+    const std::size_t on = tab.part == part ? tab.on_part : tab.part;
+    if (on == part) return "itself";
+    if (on != 0) return shown_text(model_.parts[on].name);
+    return page_name_[card_.sheets.front()
+                          .panel_of_face[on == tab.on_part ? tab.on_face : tab.face]];
+  }
+
+  /// A part is glued tab by tab; those on one target together.
+  void add_glue_steps(std::size_t part, const std::vector<std::size_t>& standing) {
+    const auto is_there = [&](std::size_t p) {
+      return p == part || std::find(standing.begin(), standing.end(), p) != standing.end();
+    };
+    struct Group {
+      std::string target;
+      bool is_itself{}, is_page{};
+      std::vector<std::string> own, others;  ///< letters: its own tabs, and tabs of the target
+    };
+    GlueStep step{.kind = GlueStepKind::Glue, .part = part, .standing = standing};
+    std::vector<Group> groups;
+    for (const bool itself : {true, false})
+      for (const GlueTab& found : tabs_) {
+        if (itself != (found.part == found.on_part)) continue;
+        if ((found.part != part && found.on_part != part) || !is_there(found.part) ||
+            !is_there(found.on_part))
+          continue;
+        GlueTab tab = found;
+        tab.letter = letter_of(out_.tabs.size());
+        step.tabs.push_back(out_.tabs.size());
+        const std::string target = target_name(tab, part);
+        auto group = std::find_if(groups.begin(), groups.end(),
+                                  [&](const Group& one) { return one.target == target; });
+        if (group == groups.end())
+          group = groups.insert(groups.end(),
+                                {target, itself, tab.on_part == 0 || tab.part == 0, {}, {}});
+        (tab.part == part ? group->own : group->others).push_back(tab.letter);
+        out_.tabs.push_back(std::move(tab));
+      }
+    const std::vector<std::string> slides = slides_into(part, is_there);
+    if (groups.empty() && slides.empty()) return;
+    step.words = shown_text(model_.parts[part].name) + ":";
+    for (const std::string& words : slides) step.words += fmt::format(" {}.", words);
+    std::size_t pages = 0;
+    for (std::size_t k = 0; k < groups.size(); ++k) {
+      const Group& group = groups[k];
+      const auto tabs = [](const std::vector<std::string>& letters) {
+        return fmt::format("tab{} {}", letters.size() == 1 ? "" : "s", listed(letters));
+      };
+      const auto outlines = [](const std::vector<std::string>& letters) {
+        return fmt::format("outline{} {}", letters.size() == 1 ? "" : "s", listed(letters));
+      };
+      pages += group.is_page ? 1 : 0;
+      if (!group.own.empty() && pages == 2 && group.is_page)
+        step.words += fmt::format(
+            " Put glue on {}, shut the card so that {} takes it on {}, press, and open it.",
+            tabs(group.own), group.target, outlines(group.own));
+      else if (!group.own.empty())
+        step.words +=
+            fmt::format(" {}lue {} on {}, on {}.", group.is_page ? "Fold it flat, and g" : "G",
+                        tabs(group.own), group.target, outlines(group.own));
+      if (!group.others.empty())
+        step.words += fmt::format(" Glue it on {} of {}, with {} of its own there.",
+                                  tabs(group.others), group.target, outlines(group.others));
+    }
+    out_.steps.push_back(std::move(step));
+  }
+
+  /// What of a part is pushed through slits, or joined without a tab.
+  template <typename IsThere>
+  [[nodiscard]] std::vector<std::string> slides_into(std::size_t part,
+                                                     const IsThere& is_there) const {
+    std::vector<std::string> out;
+    for (const CardJoint& joint : model_.joints) {
+      if (joint.kind == JointKind::Glue || joint.a.part == joint.b.part ||
+          (joint.a.part != part && joint.b.part != part) || !is_there(joint.a.part) ||
+          !is_there(joint.b.part))
+        continue;
+      const std::string a = shown_text(model_.parts[joint.a.part].name),
+                        b = shown_text(model_.parts[joint.b.part].name);
+      std::string words = joint.kind == JointKind::Slot
+                              ? fmt::format("Push {} through the slit of {}", b, a)
+                          : joint.kind == JointKind::Cross
+                              ? fmt::format("Push {} and {} into each other's slots", a, b)
+                              : fmt::format("Join {} and {} with tape where they meet", a, b);
+      if (std::find(out.begin(), out.end(), words) == out.end()) out.push_back(std::move(words));
+    }
+    return out;
+  }
+
+  verify::JointModel model_;
+  const Progress& progress_;
+  verify::Assembled card_;
+  std::deque<verify::BodyState> states_;
+  const verify::BodyState *half_open_{}, *open_{};
+  std::vector<std::string> page_name_;
+  std::vector<GlueTab> tabs_;  ///< without letters, as in the file
+  GlueGuide out_;
+};
+
+}  // namespace
+
+Result<GlueGuide> glue_guide(std::string_view fold_text, const Progress& progress) {
+  auto model = verify::read_joint_model(fold_text);
+  if (!model) return tl::unexpected(model.error());
+  return CardGuide(std::move(*model), progress).run();
+}
+
+hands::Handwork handwork(const GlueGuide& guide, const hands::Hands& hands) {
+  std::vector<double> lengths_mm;
+  std::size_t waste = 0;
+  for (const GluePart& part : guide.parts) {
+    waste += part.folds.waste.size();
+    for (const hands::GuideFold& fold : part.folds.folds) lengths_mm.push_back(fold.length_mm());
+  }
+  return hands::handwork(lengths_mm, waste, guide.tabs.size(), hands);
+}
+
+std::string_view name_of(GlueStepKind kind) { return kind == GlueStepKind::Fold ? "fold" : "glue"; }
+
+}  // namespace popcut::judge
