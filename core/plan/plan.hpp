@@ -74,7 +74,10 @@ struct Plan {
   std::vector<PagePoint> copies{};  ///< where `per-sheet` put them; empty: one
   std::optional<Layout> layout{};   ///< set if the drawing was split
   std::vector<DrawnPart> parts{};   ///< what has a name; the caller sets it
-  LineWork whole{};                 ///< set if the drawing was split: the cleaned drawing
+  /// What is printed on the parts of a card so that a person can glue them: outlines where tabs go,
+  /// and letters; on the drawing's page, before `drawing_transform`. The caller sets it.
+  Polylines glue_marks{};
+  LineWork whole{};  ///< set if the drawing was split: the cleaned drawing
   /// Of each fold on all sheets, once the lines are cleaned; none where folds are dashes already.
   std::vector<double> fold_lengths_mm{};
   std::optional<hands::Handwork> handwork{};  ///< of all sheets; the caller sets it

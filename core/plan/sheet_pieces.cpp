@@ -164,4 +164,26 @@ std::string part_labels_svg(std::span<const PartOnSheet> parts, const Box& room,
          svg + "</g>\n";
 }
 
+std::string glue_marks_svg(const Plan& plan, std::size_t sheet) {
+  std::string path;
+  if (plan.glue_marks.size() == 0) return path;
+  for (const PieceMap& piece : pieces_on_sheet(plan, sheet))
+    for (std::size_t k = 0; k < plan.glue_marks.size(); ++k) {
+      const auto line = plan.glue_marks[k];
+      if (!piece.polygons.empty()) {
+        const Box share = bounds(piece.polygons.front());
+        const PagePoint p = piece.to_sheet(line.front());
+        if (p.x < share.x0 || p.x > share.x1 || p.y < share.y0 || p.y > share.y1) continue;
+      }
+      for (std::size_t n = 0; n < line.size(); ++n) {
+        const PagePoint p = piece.to_sheet(line[n]);
+        path += fmt::format("{}{:.2f} {:.2f}", n == 0 ? 'M' : 'L', p.x, p.y);
+      }
+    }
+  if (path.empty()) return path;
+  return "<path id=\"glue\" fill=\"none\" stroke=\"#707070\" stroke-width=\"0.2\" "
+         "stroke-linecap=\"round\" d=\"" +
+         path + "\"/>\n";
+}
+
 }  // namespace popcut

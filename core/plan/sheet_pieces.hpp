@@ -39,4 +39,7 @@ struct PartOnSheet {
                                           std::vector<Box> taken,
                                           std::vector<std::string>* without = nullptr);
 
+/// The plan's `glue_marks` on a sheet, SVG paths in sheet mm; empty if there are none.
+[[nodiscard]] std::string glue_marks_svg(const Plan& plan, std::size_t sheet);
+
 }  // namespace popcut

@@ -13,9 +13,7 @@
 
 #include "core/picture/deployed_svg.hpp"
 #include "core/print/footer.hpp"
-#include "core/text/svg_document.hpp"
-#include "core/text/text_width.hpp"
-#include "core/text/utf8.hpp"
+#include "core/print/step_pages.hpp"
 
 namespace popcut {
 namespace {
@@ -26,15 +24,8 @@ using hands::GuideStep;
 using hands::LookFrom;
 using hands::StepKind;
 
-constexpr double kEdgeMm = 10, kHeadMm = 9, kBetweenMm = 3;
-constexpr double kWordsMm = 2.8, kWordsRowMm = 3.5;
-constexpr std::array<double, 2> kLeastPageMm{105, 148};
 constexpr std::size_t kMostScenePanels = 4000;
 constexpr double kPicturePx = 600;
-
-struct Rectangle {
-  double x{}, y{}, width{}, height{};
-};
 
 /// A pattern as a mirror shows it, so that pictures can look from the left.
 Pattern mirrored(Pattern pattern) {
@@ -64,34 +55,21 @@ class Drawer {
   Drawer(const Drawer&) = delete;
   Drawer& operator=(const Drawer&) = delete;
 
-  /// A step within a rectangle of its page: words above, the two pictures side by side below.
-  [[nodiscard]] std::string step_svg(std::size_t k, const Rectangle& cell) {
+  /// A step within a cell of its page: words above, the two pictures side by side below.
+  [[nodiscard]] std::string step_svg(std::size_t k, const PageCell& cell) {
     const GuideStep& step = guide_.steps[k];
-    std::string svg = fmt::format(
-        "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"none\" "
-        "stroke=\"#c8c2b8\" stroke-width=\"0.2\" rx=\"1.5\"/>\n",
-        cell.x, cell.y, cell.width, cell.height);
-    double y = cell.y + 1.4 + kWordsMm;
-    fmt::format_to(
-        std::back_inserter(svg),
-        "<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"4\" font-weight=\"bold\">{}</text>\n",
-        cell.x + 1.5, y + 0.4, k + 1);
-    constexpr double kIndentMm = 9;
-    for (const std::string& row :
-         text_rows(step.panels.empty() || !guide_.stands
-                       ? step.words
-                       : fmt::format("{} Seen from the {}.", step.words, name_of(step.look_from)),
-                   kWordsMm, cell.width - kIndentMm - 1)) {
-      fmt::format_to(std::back_inserter(svg), "<text x=\"{:.2f}\" y=\"{:.2f}\">{}</text>\n",
-                     cell.x + kIndentMm, y, xml_escaped(row));
-      y += kWordsRowMm;
-    }
-    y -= 2.2;
-    const double half = (cell.width - 3 * 1.5) / 2, height = cell.y + cell.height - 1.5 - y;
-    if (height <= 5) return svg;
-    if (!guide_.stands) return svg + sheet_svg(step, {cell.x + 1.5, y, cell.width - 3, height});
-    svg += standing_svg(step, {cell.x + 1.5, y, half, height});
-    return svg + sheet_svg(step, {cell.x + 3 + half, y, half, height});
+    PageCell rest;
+    std::string svg = step_words_svg(
+        k + 1,
+        step.panels.empty() || !guide_.stands
+            ? step.words
+            : fmt::format("{} Seen from the {}.", step.words, name_of(step.look_from)),
+        cell, rest);
+    if (rest.height <= 5) return svg;
+    if (!guide_.stands) return svg + sheet_svg(step, rest);
+    const double half = (rest.width - 1.5) / 2;
+    svg += standing_svg(step, {rest.x, rest.y, half, rest.height});
+    return svg + sheet_svg(step, {rest.x + half + 1.5, rest.y, half, rest.height});
   }
 
  private:
@@ -108,7 +86,7 @@ class Drawer {
     return nullptr;
   }
 
-  [[nodiscard]] std::string standing_svg(const GuideStep& step, const Rectangle& place) {
+  [[nodiscard]] std::string standing_svg(const GuideStep& step, const PageCell& place) {
     const bool is_left = step.look_from == LookFrom::Left;
     CardScene& scene = is_left ? left_ : right_;
     scene.tones.assign(pattern_.faces(), PanelTone::Pale);
@@ -178,7 +156,7 @@ class Drawer {
     svg += 'Z';
   }
 
-  [[nodiscard]] std::string sheet_svg(const GuideStep& step, const Rectangle& place) const {
+  [[nodiscard]] std::string sheet_svg(const GuideStep& step, const PageCell& place) const {
     const Box window = window_of(step);
     if (!(window.width() > 0 && window.height() > 0)) return {};
     const double scale = std::min(place.width / window.width(), place.height / window.height());
@@ -231,7 +209,7 @@ class Drawer {
   }
 
   /// Where on the sheet a window lies.
-  [[nodiscard]] std::string map_svg(const Box& window, const Rectangle& place) const {
+  [[nodiscard]] std::string map_svg(const Box& window, const PageCell& place) const {
     const double scale = std::min(place.width / sheet_.width(), place.height / sheet_.height());
     const auto box = [&](const Box& b, std::string_view look) {
       return fmt::format(
@@ -250,66 +228,18 @@ class Drawer {
   Box sheet_;  ///< x = v, y = u
 };
 
-/// How the steps of a page are laid out: cells are not higher than wide.
-struct GuideGrid {
-  std::size_t columns{}, rows{};
-  double width_mm{}, height_mm{};
-
-  GuideGrid(std::size_t steps, std::array<double, 2> area_mm) {
-    constexpr double kLeastWideMm = 85;
-    columns = std::max<std::size_t>(1, static_cast<std::size_t>(area_mm[0] / kLeastWideMm));
-    columns = std::min(columns, std::max<std::size_t>(1, steps));
-    rows = (steps + columns - 1) / columns;
-    const auto c = static_cast<double>(columns), r = static_cast<double>(rows);
-    width_mm = (area_mm[0] - (c - 1) * kBetweenMm) / c;
-    height_mm = std::min(width_mm, (area_mm[1] - (r - 1) * kBetweenMm) / r);
-  }
-};
-
 }  // namespace
 
 Result<std::vector<PrintedPage>> fold_guide_pages(const Pattern& pattern, const FoldGuide& guide,
                                                   std::array<double, 2> page_mm) {
-  if (std::min(page_mm[0], page_mm[1]) < kLeastPageMm[0] ||
-      std::max(page_mm[0], page_mm[1]) < kLeastPageMm[1] ||
-      std::max(page_mm[0], page_mm[1]) > kLargestPageMm)
-    return fail(
-        ErrorKind::OutOfRange, "page",
-        fmt::format("{:g} x {:g} mm has no room for a fold guide; give a paper from A6 "
-                    "({:g} x {:g} mm) to {:g} mm",
-                    page_mm[0], page_mm[1], kLeastPageMm[0], kLeastPageMm[1], kLargestPageMm));
   const std::size_t pages =
       std::max<std::size_t>(1, (guide.folds.size() + kFoldsAPage - 1) / kFoldsAPage);
   const std::size_t steps_a_page = (guide.steps.size() + pages - 1) / pages;
-  const std::string name = page_name(pattern.name);
   Drawer drawer(pattern, guide);
-  std::vector<PrintedPage> out;
-  for (std::size_t first = 0; first < guide.steps.size() || out.empty(); first += steps_a_page) {
-    const std::size_t last = std::min(guide.steps.size(), first + steps_a_page);
-    std::string svg = svg_head(
-        fmt::format("width=\"{0:.3f}mm\" height=\"{1:.3f}mm\" viewBox=\"0 0 {0:.3f} {1:.3f}\"",
-                    page_mm[0], page_mm[1]),
-        name);
-    fmt::format_to(std::back_inserter(svg),
-                   "<g font-family=\"sans-serif\" font-size=\"{}\" fill=\"#202020\">\n"
-                   "<text x=\"{}\" y=\"{}\" font-size=\"5\" font-weight=\"bold\">{}</text>\n"
-                   "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">page {} of {}</text>\n",
-                   kWordsMm, kEdgeMm, kEdgeMm + 4,
-                   xml_escaped(shortened("How to fold " + name, 5, page_mm[0] - 60)),
-                   page_mm[0] - kEdgeMm, kEdgeMm + 4, out.size() + 1, pages);
-    const GuideGrid grid(steps_a_page,
-                         {page_mm[0] - 2 * kEdgeMm, page_mm[1] - 2 * kEdgeMm - kHeadMm});
-    for (std::size_t k = first; k < last; ++k) {
-      const std::size_t column = (k - first) % grid.columns, row = (k - first) / grid.columns;
-      svg += drawer.step_svg(
-          k, {kEdgeMm + static_cast<double>(column) * (grid.width_mm + kBetweenMm),
-              kEdgeMm + kHeadMm + static_cast<double>(row) * (grid.height_mm + kBetweenMm),
-              grid.width_mm, grid.height_mm});
-    }
-    out.push_back({svg + "</g>\n</svg>\n", page_mm[0], page_mm[1], 0.0});
-    if (steps_a_page == 0) break;
-  }
-  return out;
+  return step_pages("How to fold " + page_name(pattern.name), page_mm, guide.steps.size(),
+                    steps_a_page, [&](std::size_t k, const PageCell& cell) -> Result<std::string> {
+                      return drawer.step_svg(k, cell);
+                    });
 }
 
 }  // namespace popcut

@@ -269,6 +269,7 @@ Result<std::vector<PrintedPage>> sheet_pages(const Plan& plan, PageGround ground
     *drawing += part_labels_svg(
         parts, {-kPrinted, -kPrinted, sheet.area_mm[0] + kPrinted, sheet.area_mm[1]},
         tab_boxes(plan, i));
+    *drawing += glue_marks_svg(plan, i);
     pages.push_back(printed(page, *drawing, legend_page));
   }
   if (plan.layout) {

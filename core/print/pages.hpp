@@ -45,7 +45,7 @@ enum class PageGround {
 /// machine of the language "hand" is as large as its paper.
 ///
 /// Parts that have names (`Plan::parts`) are named below the drawing, and beside them where there
-/// is room.
+/// is room. `Plan::glue_marks` are drawn thin and grey.
 ///
 /// @param plan  its sheets have `lines`
 /// @retval Infeasible  a page is larger than PDF allows

@@ -139,6 +139,7 @@ Result<std::string> artwork_sheet_pdf(const Artwork& artwork, const std::string&
     std::string over = part_labels_svg(parts_on_sheet(plan, sheet),
                                        {kEdge_mm, kEdge_mm, area[0] - kEdge_mm, area[1] - kEdge_mm},
                                        std::move(taken));
+    over += glue_marks_svg(plan, sheet);
     if (options.cut_lines) {
       const auto drawn = sheet_lines_svg(plan, sheet, PageGround::Artwork);
       if (!drawn) return tl::unexpected(drawn.error());
@@ -186,6 +187,7 @@ Result<std::string> artwork_sheet_svg(const Artwork& artwork, const std::string&
     for (const Box& mark : mark_boxes(*planned.registration))
       print += fmt::format("<rect x=\"{:.4f}\" y=\"{:.4f}\" width=\"{:.4f}\" height=\"{:.4f}\"/>\n",
                            mark.x0, mark.y0, mark.width(), mark.height());
+  print += glue_marks_svg(plan, sheet);
   return sheet_svg(planned, page_name(fmt::format("{}: sheet {}", plan.name, sheet + 1)), print);
 }
 

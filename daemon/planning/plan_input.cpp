@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/planning/plan_input.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <utility>
@@ -13,9 +15,11 @@
 #include "core/formats/dxf/dxf_reader.hpp"
 #include "core/formats/fold/crease_pattern.hpp"
 #include "core/formats/fold/fold_reader.hpp"
+#include "core/judge/glue_guide.hpp"
 #include "core/judge/sound_design.hpp"
 #include "core/judge/sound_layers.hpp"
 #include "core/layout/layout.hpp"
+#include "core/layout/marks.hpp"
 #include "core/plan/plan.hpp"
 #include "core/text/file_kind.hpp"
 #include "core/text/gzip.hpp"
@@ -33,31 +37,113 @@ void add_warnings(const PatchAssembly& made, LineWork& drawing) {
                             part.report.warnings.end());
 }
 
-/// The parts of a card of layers, each a piece of its own.
-Result<DrawingInput> from_layers(const DesignSpec& spec, const SurfaceAssets& assets,
-                                 const Progress& progress) {
-  const auto sound = judge::sound_layers(spec, assets, "popcut", progress);
-  if (!sound) return tl::unexpected(sound.error());
-  std::vector<LineWork> sheets;
-  for (const Pattern& part : part_drawings(sound->made.card)) {
-    sheets.push_back(linework_from_pattern(part));
-    sheets.back().name = part.name;
+/// The outline of a tab or of its place, a little within it, so that the glued tab hides it.
+std::vector<Vec2> within_outline(const std::vector<Vec2>& outline) {
+  constexpr double kWithin_mm = 0.5;
+  std::vector<Vec2> out;
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    const Vec2 p = outline[k];
+    const Vec2 before = unit(Vec2(p - outline[(k + outline.size() - 1) % outline.size()])),
+               after = unit(Vec2(outline[(k + 1) % outline.size()] - p));
+    const double turn = cross(before, after);
+    // Square to the sides where it is straight on; else where both moved sides meet.
+    out.push_back(std::abs(turn) < 1e-6 ? Vec2(p + kWithin_mm * Vec2(-after.y(), after.x()))
+                                        : Vec2(p + kWithin_mm / turn * (after - before)));
   }
-  DrawingInput out = side_by_side(sheets);
-  out.drawing.name = spec.name;
-  out.drawing.warnings = sound->made.warnings;
-  out.material = spec.material, out.pens = spec.pens;
   return out;
 }
 
-Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sources) {
+/// Draws the letter of a tab in the middle of an outline, u to the right and v up.
+void add_letter(const std::string& letter, const std::vector<Vec2>& outline,
+                std::vector<std::vector<Vec2>>& lines) {
+  constexpr double kMost_mm = 3.0, kOfDepth = 0.45;
+  Vec2 middle{0.0, 0.0};
+  double twice = 0.0, longest = 1e-9;
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    const Vec2 &p = outline[k], &q = outline[(k + 1) % outline.size()];
+    middle += p / static_cast<double>(outline.size());
+    twice += cross(p, q), longest = std::max(longest, norm(Vec2(q - p)));
+  }
+  const double high = std::min(kMost_mm, kOfDepth * 0.5 * std::abs(twice) / longest);
+  const PagePoint size = single_stroke_size(letter, high);
+  for (const auto& stroke : single_stroke(letter, high)) {
+    auto& line = lines.emplace_back();
+    for (const PagePoint& p : stroke)
+      line.push_back(middle + Vec2{p.x - 0.5 * size.x, 0.5 * size.y - high - p.y});
+  }
+}
+
+/// What is printed on the parts for who glues them. On a part's page x is v and y is u.
+void add_glue_marks(const judge::GlueGuide& guide, std::span<const LineWork> sheets,
+                    DrawingInput& out) {
+  const auto add = [&](std::size_t part, const std::vector<std::vector<Vec2>>& lines) {
+    const double by = out.parts[part].box.x0 - bounds(sheets[part]).x0;
+    for (const auto& line : lines) {
+      for (const Vec2& p : line) out.glue_marks.points.push_back({p.y() + by, p.x()});
+      out.glue_marks.ends.push_back(static_cast<std::uint32_t>(out.glue_marks.points.size()));
+    }
+  };
+  for (const judge::GlueTab& tab : guide.tabs) {
+    std::vector<std::vector<Vec2>> on_tab, on_place;
+    add_letter(tab.letter, tab.outline, on_tab);
+    add(tab.part, on_tab);
+    // Corners of a tab that is turned over run the other way round.
+    std::vector<Vec2> place = tab.place;
+    if (cross(Vec2(place[1] - place[0]), Vec2(place[2] - place[1])) < 0.0)
+      std::reverse(place.begin(), place.end());
+    on_place.push_back(within_outline(place));
+    on_place.back().push_back(on_place.back().front());
+    add_letter(tab.letter, tab.place, on_place);
+    add(tab.on_part, on_place);
+  }
+}
+
+/// The parts of a card of several parts, each a piece of its own, with its letters.
+Result<DrawingInput> from_parts(const std::string& text, const FoldLimits& limits,
+                                const SvgReadOptions& how) {
+  auto sheets = sheets_from_fold(text, limits, how.unit_mm, how.enlarged);
+  if (!sheets) return tl::unexpected(sheets.error());
+  DrawingInput out = side_by_side(*sheets);
+  const auto guide = judge::glue_guide(text);
+  if (!guide) {
+    out.drawing.warnings.push_back(
+        {.code = "no_glue_guide",
+         .message = fmt::format("nothing says where the parts are glued: {}",
+                                popcut::message(guide.error()))});
+    return out;
+  }
+  out.drawing.name = guide->name;
+  out.tabs = guide->tabs.size();
+  for (const judge::GluePart& part : guide->parts) out.waste += part.folds.waste.size();
+  if (!how.unit_mm) add_glue_marks(*guide, *sheets, out);
+  return out;
+}
+
+/// The parts of a card of layers.
+Result<DrawingInput> from_layers(const DesignSpec& spec, const SpecSources& sources,
+                                 const SurfaceAssets& assets, const SvgReadOptions& how) {
+  auto sound = judge::sound_layers(spec, assets, "popcut", sources.progress);
+  if (!sound) return tl::unexpected(sound.error());
+  auto out = from_parts(sound->fold, FoldLimits{}, how);
+  if (!out) return out;
+  std::vector<Warning>& warnings = out->drawing.warnings;
+  warnings.insert(warnings.end(), sound->made.warnings.begin(), sound->made.warnings.end());
+  out->material = spec.material, out->pens = spec.pens;
+  if (sources.layered)
+    if (const auto kept = sources.layered(spec, sound->made); !kept)
+      return tl::unexpected(kept.error());
+  return out;
+}
+
+Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sources,
+                               const SvgReadOptions& how) {
   auto spec = parse_design_spec(text);
   if (!spec) return tl::unexpected(spec.error());
   // An unknown material is an error of the plan, which may name another one.
   if (const auto own = find_material(spec->material, sources.tables)) suit_material(*own, *spec);
   const auto assets = sources.assets(*spec);
   if (!assets) return tl::unexpected(assets.error());
-  if (spec->style == DesignStyle::Layers) return from_layers(*spec, *assets, sources.progress);
+  if (spec->style == DesignStyle::Layers) return from_layers(*spec, sources, *assets, how);
   auto made = judge::sound_design(*spec, *assets, sources.progress);
   if (!made) return tl::unexpected(made.error().error);
   const std::string& cut_from = sources.material.empty() ? spec->material : sources.material;
@@ -121,10 +207,9 @@ Result<DrawingInput> from_fold(const std::string& text, const SvgReadOptions& ho
     return only_drawing(
         linework_from_fold(*fold, FoldLimits{}.raised(factor), how.unit_mm, how.enlarged));
   }
-  auto sheets = sheets_from_fold(text, FoldLimits{}.raised(factor), how.unit_mm, how.enlarged);
-  if (!sheets) return tl::unexpected(sheets.error());
-  if (sheets->size() == 1) return DrawingInput{std::move(sheets->front()), std::nullopt};
-  return side_by_side(*sheets);
+  const FoldLimits limits = FoldLimits{}.raised(factor);
+  if (lists_joints(text)) return from_parts(text, limits, how);
+  return only_drawing(linework_from_fold(text, limits, how.unit_mm, how.enlarged));
 }
 
 Result<DrawingInput> from_pdf(const std::string& text, const SvgReadOptions& how) {
@@ -180,7 +265,7 @@ Result<DrawingInput> drawing_from_text(std::string text, InputKind kind, const S
                     : "is for DXF and FOLD files; for an SVG use `svg-dpi`, `scale` or `width`");
   switch (kind) {
     case InputKind::Spec:
-      return from_spec(text, sources);
+      return from_spec(text, sources, how);
     case InputKind::Fold:
       return from_fold(text, how, factor);
     case InputKind::Dxf:

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/design/layers/layered_card.hpp"
 #include "core/design/patches.hpp"
 #include "core/drawing/linework.hpp"
 #include "core/formats/svg/svg_reader.hpp"
@@ -27,6 +28,8 @@ struct DrawingInput {
   std::optional<PagePoint> at{};   ///< where it goes on a sheet unless the options say
   std::vector<DrawnPart> parts{};  ///< of a book: its cards
   std::size_t waste{};             ///< of a design: pieces that are taken out
+  std::size_t tabs{};              ///< of a card of several parts: what is glued
+  Polylines glue_marks{};          ///< see `Plan`
 };
 
 /// Sheets that belong together in one row, in this order: each is a part, and a piece of its own.
@@ -42,6 +45,8 @@ struct SpecSources {
   std::vector<std::string> tables{};  ///< users' tables of materials
   std::string material{};             ///< that it will be cut from; empty: the spec's
   Progress progress{};                ///< told while a spec is designed
+  /// Optional: receives a card of layers.
+  std::function<Result<void>(const DesignSpec&, const LayeredCard&)> layered{};
 };
 
 /// Reads a drawing, or designs a spec. `factor` raises the limits of FOLD and DXF files; those of

@@ -313,10 +313,12 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
   planned->unit_mm = reading->unit_mm;
   planned->curve_tolerance_mm = reading->tolerance_mm;
   planned->parts = std::move(input->parts);
+  planned->glue_marks = std::move(input->glue_marks);
   if (!planned->fold_lengths_mm.empty()) {
     const std::size_t copies = std::max<std::size_t>(1, planned->copies.size());
+    const std::size_t of_layout = planned->layout ? planned->layout->tabs.size() : 0;
     planned->handwork = hands::handwork(planned->fold_lengths_mm, input->waste * copies,
-                                        planned->layout ? planned->layout->tabs.size() : 0, *hands);
+                                        input->tabs * copies + of_layout, *hands);
   }
   PlanJob job{std::move(*planned), {}, {}};
   if (!machine->driven()) return job;

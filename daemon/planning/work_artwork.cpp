@@ -86,7 +86,7 @@ Result<PlanningOutcome> draw_artwork(WorkerTask& task, const FileSink& add,
   };
   const auto job = planned(task, outcome, designed, progress);
   if (!job) return tl::unexpected(job.error());
-  if (design.parts.empty())
+  if (design.empty())
     return fail(ErrorKind::OutOfRange, "", "is a drawing, and artwork is laid on a spec's design");
   if (wanted.sheet >= job->plan.sheets.size() ||
       daemon::sha256_hex(job->programs[wanted.sheet].bytes) != wanted.sha256)

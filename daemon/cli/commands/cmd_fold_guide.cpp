@@ -16,9 +16,12 @@
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/hands/fold_guide.hpp"
 #include "core/hands/folding.hpp"
+#include "core/judge/glue_guide.hpp"
 #include "core/judge/sheet_motion.hpp"
+#include "core/judge/sound_layers.hpp"
 #include "core/layout/sheet.hpp"
 #include "core/print/fold_guide_pages.hpp"
+#include "core/text/fold_text.hpp"
 #include "core/text/utf8.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/deploy_book.hpp"
@@ -28,6 +31,7 @@
 #include "daemon/cli/view/long_work.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
+#include "daemon/pictures/glue_guide_pages.hpp"
 #include "daemon/pictures/pdf.hpp"
 
 namespace popcut::cli {
@@ -88,6 +92,22 @@ Result<Cards> read_cards(const Options& options, std::vector<std::string>& notes
   return sheet_cards(options.file, *fold, progress);
 }
 
+Result<void> write_folder(const Options& options, std::span<const PrintedPage> pages,
+                          const std::string& title, const std::string& json) {
+  const auto pdf = pdf_of_pages(pages, title);
+  if (!pdf) return tl::unexpected(pdf.error());
+  auto folder = OutputFolder::open(options.folder);
+  if (!folder) return tl::unexpected(folder.error());
+  if (auto done = folder->add("fold-guide.pdf", *pdf); !done) return done;
+  if (auto done = folder->add("fold-guide.json", json); !done) return done;
+  return folder->commit("popcut fold-guide " POPCUT_VERSION);
+}
+
+void say_written(const Options& options) {
+  if (!options.folder.empty())
+    fmt::print(stderr, "  wrote    fold-guide.pdf fold-guide.json in {}\n", options.folder);
+}
+
 Result<void> write_files(const Options& options, const Cards& cards,
                          const std::vector<hands::FoldGuide>& guides,
                          std::array<double, 2> page_mm) {
@@ -98,14 +118,8 @@ Result<void> write_files(const Options& options, const Cards& cards,
     pages.insert(pages.end(), std::make_move_iterator(more->begin()),
                  std::make_move_iterator(more->end()));
   }
-  const auto pdf = pdf_of_pages(pages, "How to fold " + cards.front().name);
-  if (!pdf) return tl::unexpected(pdf.error());
-  auto folder = OutputFolder::open(options.folder);
-  if (!folder) return tl::unexpected(folder.error());
-  if (auto done = folder->add("fold-guide.pdf", *pdf); !done) return done;
-  if (auto done = folder->add("fold-guide.json", hands::fold_guide_json(guides, cards)); !done)
-    return done;
-  return folder->commit("popcut fold-guide " POPCUT_VERSION);
+  return write_folder(options, pages, "How to fold " + cards.front().name,
+                      hands::fold_guide_json(guides, cards));
 }
 
 void say(const Pattern& card, const hands::FoldGuide& guide, const hands::Hands& own) {
@@ -122,12 +136,63 @@ void say(const Pattern& card, const hands::FoldGuide& guide, const hands::Hands&
   }
 }
 
+/// The file of a card of several parts, if the input is or makes one.
+Result<std::optional<std::string>> parts_file(const Options& options, const Progress& progress) {
+  constexpr std::uintmax_t kLimitBytes = 1u << 29;
+  std::optional<std::string> none;
+  if (names_book(options.file)) return none;
+  auto text = read_file(options.file, kLimitBytes);
+  if (!text) return none;  // who reads it says why
+  if (lists_joints(*text)) return std::optional(std::move(*text));
+  if (!is_design_spec(*text)) return none;
+  const auto spec = parse_design_spec(*text);
+  if (!spec || spec->style != DesignStyle::Layers) return none;
+  const auto assets = load_assets(*spec, options.file);
+  if (!assets) return tl::unexpected(within(options.file, assets.error()));
+  auto sound = judge::sound_layers(*spec, *assets, "popcut " POPCUT_VERSION, progress);
+  if (!sound) return tl::unexpected(within(options.file, sound.error()));
+  return std::optional(std::move(sound->fold));
+}
+
+Result<void> write_parts(const Options& options, const judge::GlueGuide& guide,
+                         std::array<double, 2> page_mm) {
+  const auto pages = glue_guide_pages(guide, page_mm);
+  if (!pages && pages.error().place == "page")
+    return fail(ErrorKind::Usage, "--page", pages.error().detail);
+  if (!pages) return tl::unexpected(pages.error());
+  return write_folder(options, *pages, "How to make " + guide.name, judge::glue_guide_json(guide));
+}
+
+/// The guide of a card of several parts: folds and glue in one order.
+Result<void> run_parts(const Options& options, const Globals& globals, const std::string& fold,
+                       std::array<double, 2> page_mm, const hands::Hands& own,
+                       std::optional<LongWork>& work) {
+  const auto guide = judge::glue_guide(fold, work->progress());
+  if (!guide) return tl::unexpected(within(options.file, guide.error()));
+  if (!options.folder.empty()) {
+    work->now("drawing the steps");
+    if (auto done = write_parts(options, *guide, page_mm); !done) return done;
+  }
+  work.reset();
+  if (globals.json) fmt::print("{}", judge::glue_guide_json(*guide));
+  if (!globals.quiet) say_written(options);
+  if (globals.json || globals.quiet) return {};
+  fmt::print("{}: {} pieces, {} tabs; {}\n", shown_text(guide->name), guide->parts.size(),
+             guide->tabs.size(), hands::handwork_words(judge::handwork(*guide, own)));
+  for (std::size_t k = 0; k < guide->steps.size(); ++k)
+    fmt::print("{:3}  {}\n", k + 1, guide->steps[k].words);
+  return {};
+}
+
 Result<void> run_fold_guide(const Options& options, const Globals& globals) {
   const auto page_mm = parse_size_mm(options.page);
   if (!page_mm) return fail(ErrorKind::Usage, "--page", page_mm.error().detail);
   const auto own = own_hands();
   if (!own) return tl::unexpected(own.error());
   std::optional<LongWork> work(std::in_place, !globals.quiet, "reading the card");
+  const auto parts = parts_file(options, work->progress());
+  if (!parts) return tl::unexpected(parts.error());
+  if (*parts) return run_parts(options, globals, **parts, *page_mm, *own, work);
   std::vector<std::string> notes;
   const auto cards = read_cards(options, notes, work->progress());
   if (!cards) return tl::unexpected(cards.error());
@@ -145,8 +210,7 @@ Result<void> run_fold_guide(const Options& options, const Globals& globals) {
   if (globals.json) fmt::print("{}", hands::fold_guide_json(guides, *cards));
   if (!globals.quiet) {
     for (const std::string& note : notes) fmt::print(stderr, "  note     {}\n", note);
-    if (!options.folder.empty())
-      fmt::print(stderr, "  wrote    fold-guide.pdf fold-guide.json in {}\n", options.folder);
+    say_written(options);
   }
   if (globals.json || globals.quiet) return {};
   for (std::size_t k = 0; k < cards->size(); ++k) say((*cards)[k], guides[k], *own);
@@ -160,7 +224,11 @@ constexpr const char* kHelp =
     "CARD is a design (.json), a pattern (FOLD, SVG, DXF) or the folder of a book. First you take\n"
     "out the waste; then you crease, at most eight folds a step, from wall and ground inward; "
     "then\n"
-    "you push panels while the card shuts. popcut prints the steps, and writes into DIR:\n\n"
+    "you push panels while the card shuts. Of a card of several parts you fold each part, and "
+    "then\n"
+    "glue them tab by tab, in an order that leaves room for your fingers. popcut prints the "
+    "steps,\n"
+    "and writes into DIR:\n\n"
     "  fold-guide.pdf   a page for each 40 folds: for each step its panels lit on the standing\n"
     "                   card, and its folds on the sheet (red: mountain, blue: valley)\n"
     "  fold-guide.json  the same for programs";

@@ -92,6 +92,19 @@ Result<void> keep_design(const Options& options, PrintMode mode, const DesignSpe
   return {};
 }
 
+Result<void> keep_layers(const Options& options, PrintMode mode, const DesignSpec& spec,
+                         const SurfaceAssets& assets, const LayeredCard& made,
+                         PrintedDesign& design) {
+  if (mode == PrintMode::Flat || mode == PrintMode::Lines)
+    return fail(ErrorKind::Usage, "--mode",
+                "must be view for a card of layers: they are printed with the model as it is seen "
+                "from the front");
+  const auto model = model_of(options, spec, assets);
+  if (!model) return tl::unexpected(model.error());
+  design = planning::printed_layers(made, *model);
+  return {};
+}
+
 Result<PrintMode> mode_of(const Options& options) {
   constexpr std::array<std::pair<const char*, PrintMode>, 4> kModes{
       {{"view", PrintMode::View},
@@ -243,9 +256,10 @@ void say_next(const Options& options, const PlanJob& job) {
 }
 
 /// What the printed design will look like: a picture, and each part as it opens.
-Result<void> add_preview(const PrintedDesign& design, const Artwork& artwork,
+Result<void> add_preview(const PrintedDesign& design, const Plan& plan, const Artwork& artwork,
                          OutputFolder& folder) {
-  const auto picture = print_picture(design, artwork);
+  const auto picture = design.layers ? print_picture(*design.layers, plan.parts, artwork)
+                                     : print_picture(design, artwork);
   if (!picture) return tl::unexpected(picture.error());
   if (auto done = folder.add("preview.png", *picture); !done) return done;
   for (std::size_t k = 0; k < design.parts.size(); ++k)
@@ -332,17 +346,20 @@ Result<void> run_print(Options options, const Globals& globals) {
   PrintedDesign design;
   auto job = plan_input(
       options.plan, !globals.quiet,
-      [&](const DesignSpec& spec, const SurfaceAssets& assets, const PatchAssembly& made) {
-        return keep_design(options, *mode, spec, assets, made, design);
-      });
+      {[&](const DesignSpec& spec, const SurfaceAssets& assets, const PatchAssembly& made) {
+         return keep_design(options, *mode, spec, assets, made, design);
+       },
+       [&](const DesignSpec& spec, const SurfaceAssets& assets, const LayeredCard& made) {
+         return keep_layers(options, *mode, spec, assets, made, design);
+       }});
   if (!job && !asked_for_marks && job.error().place == "--marks")
     return fail(job.error().kind, "--marks",
                 job.error().detail + "; or print without marks (--no-marks)");
   if (!job) return tl::unexpected(job.error());
-  if (design.parts.empty())
+  if (design.empty())
     return fail(ErrorKind::Malformed, options.plan.input,
-                "is a pattern without its design, or a card of several parts; artwork is laid on a "
-                "design of one sheet or a book, so give its spec (.json)");
+                "is a pattern without its design, and artwork is laid on a design; give its spec "
+                "(.json)");
   LongWork work(!globals.quiet, "drawing the artwork");
   const auto artwork = artwork_of(options, *mode, design, *job, *pages, work);
   if (!artwork) return tl::unexpected(artwork.error());
@@ -360,7 +377,7 @@ Result<void> run_print(Options options, const Globals& globals) {
   if (!scale) return tl::unexpected(scale.error());
   if (auto done = folder->add("scale.pdf", *scale); !done) return done;
   if (options.preview)
-    if (auto done = add_preview(design, *artwork, *folder); !done) return done;
+    if (auto done = add_preview(design, job->plan, *artwork, *folder); !done) return done;
   const std::string json = plan_json(job->plan);
   if (auto done = folder->add("plan.json", json); !done) return done;
   if (auto done = folder->commit("popcut print " POPCUT_VERSION); !done) return done;
@@ -386,8 +403,11 @@ constexpr const char* kHelp =
     "  assembly.pdf            to cut by hand: how to glue the pieces, if there are several\n"
     "  plan.json               lengths, time and warnings\n"
     "  scale.pdf               two bars of 100 mm, to measure the scale of your printer\n"
-    "  preview.glb             with --preview: the card as it opens, with its artwork\n"
+    "  preview.glb             with --preview: the card as it opens, with its artwork (one sheet)\n"
     "  preview.png             with --preview: the model, and the printed card from two sides\n\n"
+    "On a card of layers each layer has the model as it is seen from the front. Outlines and "
+    "letters\n"
+    "say where tabs are glued; 'popcut fold-guide' gives the order.\n\n"
     "Print at actual size. Load the sheet with the printed side up and the black square at the\n"
     "upper left. popcut prints the command that cuts it: 'popcut cut' with the same options and\n"
     "--marks. Marks need a cutter that looks for them (Silhouette, Graphtec); name yours with\n"
@@ -462,7 +482,7 @@ void register_print(const Command& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   const Command command = app.add_command("print", kHelp);
   add_plan_arguments(command, options->plan);
-  command.option("INPUT").help("The design (.json) of a card or of a book");
+  command.option("INPUT").help("The design (.json) of a card, of layers or of a book");
   add_options(command, *options);
   when_chosen(command, run, [options, &globals] { return run_print(*options, globals); });
 }

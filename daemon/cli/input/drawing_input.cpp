@@ -128,14 +128,20 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
   const planning::SpecSources beside{
       [&](const DesignSpec& spec) {
         auto loaded = load_assets(spec, file);
-        if (loaded && designed) assets = *loaded;
+        if (loaded) assets = *loaded;
         return loaded;
       },
       [&](const DesignSpec& spec, const PatchAssembly& made) -> Result<void> {
-        if (!designed) return {};
-        return designed(spec, assets, made);
+        if (!designed.designed) return {};
+        return designed.designed(spec, assets, made);
       },
-      tables, material, progress};
+      tables,
+      material,
+      progress,
+      [&](const DesignSpec& spec, const LayeredCard& made) -> Result<void> {
+        if (!designed.layered) return {};
+        return designed.layered(spec, assets, made);
+      }};
   auto input = planning::drawing_from_text(std::move(*text), *kind, how, *factor, beside);
   if (!input && input.error().reason == ErrorReason::TooMuch && *factor < 100)
     input.error().detail +=

@@ -13,15 +13,19 @@ namespace popcut::cli {
 
 using planning::DrawingInput;
 
-/// What is called with the design of a spec, and the contents of the files that it names.
-using DesignVisitor =
-    std::function<Result<void>(const DesignSpec&, const SurfaceAssets&, const PatchAssembly&)>;
+/// What is called with the design of a spec, or a card of layers, and the contents of the files
+/// that it names; each may be empty.
+struct DesignVisitor {
+  std::function<Result<void>(const DesignSpec&, const SurfaceAssets&, const PatchAssembly&)>
+      designed;
+  std::function<Result<void>(const DesignSpec&, const SurfaceAssets&, const LayeredCard&)> layered;
+};
 
 /// Reads a design spec (and designs it), a FOLD, SVG or DXF file, by its ending or else its first
 /// character. A drawing without a name gets that of its file. `how` is for drawings with curves and
 /// strokes; its limits are raised by POPCUT_RAISE_LIMITS, a factor from 1 to 100. A book
-/// (`names_book`) is its cards side by side, parted by seams. `designed` may be empty; its errors
-/// are returned.
+/// (`names_book`) is its cards side by side, parted by seams. Errors of `designed` are
+/// returned.
 ///
 /// @retval Malformed, OutOfRange, Infeasible  with the file's name before the place
 /// @retval Usage  POPCUT_RAISE_LIMITS is no such factor

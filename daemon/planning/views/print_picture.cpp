@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/artwork/layers_artwork.hpp"
 #include "core/artwork/lit_picture.hpp"
 #include "core/artwork/standing_print.hpp"
 #include "core/geometry/angle.hpp"
@@ -87,6 +88,27 @@ Result<std::string> print_picture(const PrintedDesign& design, const Artwork& ar
   for (PictureLook* look : {&eyes.front, &eyes.aside}) {
     look->back = kBack;
     strip.add(lit_picture(*card, *look));
+  }
+  return strip.png();
+}
+
+Result<std::string> print_picture(const PrintedLayers& layers, std::span<const DrawnPart> places,
+                                  const Artwork& artwork, int tile_px) {
+  using namespace print_picture_parts;
+  const auto side = static_cast<std::size_t>(tile_px);
+  PictureLook look;
+  look.width_px = look.height_px = side;
+  const auto toward = [](double turn_deg) {
+    return Vec3{std::cos(radians(turn_deg)), std::sin(radians(turn_deg)), std::tan(radians(30))};
+  };
+  look.toward = toward(0);
+  Strip strip(4, side);
+  strip.add(lit_picture(as_seen_in_front(layers.card, layers.model), look));
+  const ColourMesh card = standing_layers(layers.card, places, artwork);
+  look.back = kBack;
+  for (const double turn_deg : {0.0, -35.0, 35.0}) {
+    look.toward = toward(turn_deg);
+    strip.add(lit_picture(card, look));
   }
   return strip.png();
 }

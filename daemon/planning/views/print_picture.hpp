@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "core/artwork/artwork.hpp"
@@ -20,5 +21,13 @@ namespace popcut::planning {
 /// @retval Internal    libpng failed
 [[nodiscard]] Result<std::string> print_picture(const PrintedDesign& design, const Artwork& artwork,
                                                 bool with_model = true, int tile_px = 480);
+
+/// The same of a card of layers: the model from the front and a little from above, the card from
+/// there and from both sides.
+///
+/// @param places  of its parts (`Plan::parts`)
+[[nodiscard]] Result<std::string> print_picture(const PrintedLayers& layers,
+                                                std::span<const DrawnPart> places,
+                                                const Artwork& artwork, int tile_px = 480);
 
 }  // namespace popcut::planning

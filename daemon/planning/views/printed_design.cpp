@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/artwork/colour_mesh_reader.hpp"
+#include "core/artwork/layers_artwork.hpp"
 #include "core/design/book.hpp"
 #include "daemon/pictures/image_reader.hpp"
 
@@ -53,8 +54,10 @@ Result<ColourMesh> asset_colours(const std::string& id, const std::string& bytes
 }
 
 double usual_shade(const PrintedDesign& design) {
-  constexpr double kOfClay = 0.6;
-  return design.coloured ? 0 : kOfClay;
+  // Layers stand as the model's fronts do, so the light of the room shades them too.
+  constexpr double kOfClay = 0.6, kOfClayLayers = 0.35;
+  if (design.coloured) return 0;
+  return design.layers ? kOfClayLayers : kOfClay;
 }
 
 Result<PrintedDesign> printed_design(const DesignSpec& spec, const SurfaceAssets& assets,
@@ -81,12 +84,21 @@ Result<PrintedDesign> printed_design(const DesignSpec& spec, const SurfaceAssets
   return out;
 }
 
+PrintedDesign printed_layers(const LayeredCard& made, const std::optional<ColourMesh>& model) {
+  PrintedDesign out;
+  out.coloured = model && model->coloured;
+  out.layers = PrintedLayers{made, model ? model_on_card(made, *model) : clay_on_card(made)};
+  return out;
+}
+
 Result<Artwork> planned_artwork(const PrintedDesign& design, const Plan& plan, const Texture* image,
                                 ArtworkOptions how) {
   const Placement& map = plan.drawing_transform;
   const double scale = std::sqrt(std::abs(map.xx * map.yy - map.xy * map.yx));
   how.pixel_mm /= scale;
   how.trapping = {how.trapping.trap_mm / scale, how.trapping.bleed_mm / scale};
+  if (design.layers)
+    return layers_artwork(design.layers->card, design.layers->model, plan.parts, how);
   std::vector<const Pattern*> parts;
   for (const Pattern& part : design.parts) parts.push_back(&part);
   return design_artwork(parts, design.models, image, how);

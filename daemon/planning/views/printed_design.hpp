@@ -7,19 +7,33 @@
 
 #include "core/artwork/colour_mesh.hpp"
 #include "core/artwork/design_artwork.hpp"
+#include "core/design/layers/layered_card.hpp"
 #include "core/design/patches.hpp"
 #include "core/plan/plan.hpp"
 #include "core/result.hpp"
 
 namespace popcut::planning {
 
+/// A card of layers, and the model whose colours are printed on it (`model_on_card`).
+struct PrintedLayers {
+  LayeredCard card;
+  ColourMesh model;
+};
+
 /// A design, and the models whose colours are printed on its parts.
 struct PrintedDesign {
   std::vector<Pattern> parts;
-  std::vector<ColourMesh> models;  ///< one a part
-  bool coloured{false};            ///< they have colours of their own
-  bool around{false};              ///< the parts are the cards of a book
+  std::vector<ColourMesh> models;         ///< one a part
+  bool coloured{false};                   ///< they have colours of their own
+  bool around{false};                     ///< the parts are the cards of a book
+  std::optional<PrintedLayers> layers{};  ///< in place of parts and models
+
+  [[nodiscard]] bool empty() const { return parts.empty() && !layers; }
 };
+
+/// @param model  in units and axes of the spec's surface; none: the shape itself, as clay
+[[nodiscard]] PrintedDesign printed_layers(const LayeredCard& made,
+                                           const std::optional<ColourMesh>& model);
 
 /// How much of a model's colour depends on the light, unless somebody says so: colours that were
 /// painted on have their shades already.

@@ -11,9 +11,11 @@
 
 #include "core/artwork/colour_mesh_reader.hpp"
 #include "core/artwork/design_artwork.hpp"
+#include "core/artwork/layers_artwork.hpp"
 #include "core/artwork/printed_sheet.hpp"
 #include "core/deploy/glb.hpp"
 #include "core/deploy/pose_table.hpp"
+#include "core/design/layers/layered_card.hpp"
 #include "core/design/patches.hpp"
 #include "core/machines/machine.hpp"
 #include "core/plan/plan.hpp"
@@ -571,6 +573,85 @@ TEST_CASE("artwork that comes too near to a registration mark is refused with th
   CHECK(refused.error().kind == ErrorKind::Infeasible);
   CHECK_THAT(refused.error().detail, Catch::Contains("comes within 0.4"));
   CHECK_THAT(refused.error().detail, Catch::Contains("move the drawing"));
+}
+
+/// Two boxes and a ball, the small ones in front; or behind.
+LayeredCard layers_of(bool small_in_front) {
+  const std::string x = small_in_front ? "x" : "(95-x)";
+  const std::string f = "min(sqrt((" + x + "-78)^2+(y-20)^2+(z-14)^2)-14,max(abs(" + x +
+                        "-20)-6,max(abs(y-45)-36,z-52)))";
+  const auto spec = parse_design_spec(
+      R"({"popcut":1,"name":"two","style":"layers","surface":{"type":"implicit","f":")" + f +
+      R"("},"layers":{"layers":3,"length_mm":80}})");
+  if (!spec) FAIL(message(spec.error()));
+  auto made = layered_card(*spec, {});
+  if (!made) FAIL(message(made.error()));
+  return std::move(*made);
+}
+
+TEST_CASE("layers are printed with what of the model stands there, and pages and tabs are bare",
+          "[artwork][layers]") {
+  std::array<bool, 2> looks{};
+  for (const bool small_in_front : {true, false}) {
+    const LayeredCard made = layers_of(small_in_front);
+    looks[small_in_front ? 1 : 0] = made.looks_along_spine;
+    ColourMesh model = clay_on_card(made);
+    // Left of the middle it is red, for who looks at its front; right of it green.
+    const ColourMesh seen = as_seen_in_front(made, model);
+    model.surfacings = {{{255, 0, 0, 255}}, {{0, 255, 0, 255}}};
+    for (std::uint32_t t = 0; t < model.size(); ++t) {
+      const double right =
+          seen.soup.corner(t, 0).y() + seen.soup.corner(t, 1).y() + seen.soup.corner(t, 2).y();
+      model.surfacing_of[t] = right < 0.0 ? 0 : 1;
+    }
+    std::vector<DrawnPart> places;
+    double x = 0.0;
+    for (const SheetPart& part : made.card.parts) {
+      Eigen::AlignedBox2d box;
+      for (const Vec2& p : part.vertices) box.extend(p);
+      places.push_back({part.name, {x, 0.0, x + box.sizes().y(), box.sizes().x()}});
+      x += box.sizes().y() + 10.0;
+    }
+    ArtworkOptions how;
+    how.pixel_mm = 0.25;
+    const auto artwork = layers_artwork(made, model, places, how);
+    if (!artwork) FAIL(message(artwork.error()));
+    const PixelFrame& frame = artwork->frame;
+    for (std::size_t p = 0; p < places.size(); ++p) {
+      CAPTURE(small_in_front, p);
+      const SheetPart& part = made.card.parts[p];
+      double low = 1e9, left = 1e9;
+      for (const Vec2& at : part.vertices)
+        low = std::min(low, at.y()), left = std::min(left, at.x());
+      std::size_t red = 0, green = 0, wrong = 0, on_tabs = 0;
+      for (std::size_t j = 0; j < frame.height; ++j)
+        for (std::size_t i = 0; i < frame.width; ++i) {
+          const PagePoint at = frame.middle(i, j);
+          const Vec2 on_sheet{at.y - places[p].box.y0 + left, at.x - places[p].box.x0 + low};
+          const Box& box = places[p].box;
+          if (at.x < box.x0 || at.x > box.x1 || at.y < box.y0 || at.y > box.y1) continue;
+          const Colour colour = artwork->image.colour(i, j);
+          if (colour.a < 128) continue;
+          const bool is_paper = artwork->on_paper[j * frame.width + i] != 0;
+          if (p == 0 || (is_paper && on_sheet.y() < -1.0)) ++on_tabs;
+          // u runs to the right on the printed side, which looks to the front.
+          if (std::abs(on_sheet.x()) < 2.0) continue;
+          const bool is_red = colour.r > colour.g;
+          ++(is_red ? red : green);
+          wrong += is_red == (on_sheet.x() < 0.0) ? 0 : 1;
+        }
+      CHECK(on_tabs == 0);
+      CHECK(wrong == 0);
+      if (p == 0) continue;
+      CHECK(red + green > 1000);
+    }
+    const ColourMesh card = standing_layers(made, places, *artwork);
+    CHECK(card.size() > 50);
+    CHECK(card.st.size() == 3 * card.size());
+    how.mode = PrintMode::Lines;
+    CHECK_FALSE(layers_artwork(made, model, places, how));
+  }
+  CHECK(looks[0] != looks[1]);  // the front is at either end of the spine
 }
 
 }  // namespace
