@@ -15,6 +15,7 @@
 #include "core/plan/plan_options.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/book_files.hpp"
+#include "daemon/cli/commands/layer_files.hpp"
 #include "daemon/cli/cutter/stop_signals.hpp"
 #include "daemon/cli/input/model_file.hpp"
 #include "daemon/cli/options/option_value.hpp"
@@ -71,6 +72,18 @@ Result<void> add_card(SearchedModel& model, std::size_t k, OutputFolder& folder)
   return {};
 }
 
+/// The files of a card of layers.
+Result<void> add_layers(SearchedModel& model, OutputFolder& folder) {
+  if (!model.layers) return {};
+  folder.enter("layers");
+  if (auto done = folder.add("spec.json", model.layers->spec); !done) return done;
+  const auto files = add_layer_files(
+      model.layers->sound, model.layers->printed, model.material, 0.0,
+      [](std::string_view name) { return name != "picture"; }, folder);
+  if (!files) return tl::unexpected(files.error());
+  return {};
+}
+
 /// The model in its colours; clay where they cannot be read. None: cards are to be shown bare.
 std::optional<ColourMesh> colours_of(const Options& options, const SearchedModel& model) {
   if (options.search.plain || options.search.cards > 1) return std::nullopt;
@@ -86,6 +99,7 @@ Result<void> write_files(const Options& options, SearchedModel& model, OutputFol
   LongWork work(!globals.quiet, "writing the cards");
   for (std::size_t k = 0; k < model.found.front.size(); ++k)
     if (auto done = add_card(model, k, folder); !done) return done;
+  if (auto done = add_layers(model, folder); !done) return done;
   folder.enter("");
   const auto picture = front_picture(
       model.found,
@@ -151,7 +165,9 @@ constexpr const char* kHelp =
     "  front.json     figures of each card, and which one popcut recommends\n"
     "  card-NN/       one card: spec.json, from which 'popcut design' makes it again, the\n"
     "                 pattern (FOLD, SVG, DXF), cut.svg, and thumbnail.png beside the model;\n"
-    "                 for books: book-NN/, with a folder for each card\n\n"
+    "                 for books: book-NN/, with a folder for each card\n"
+    "  layers/        beside them a card of several parts that opens flat ('popcut fold-guide\n"
+    "                 layers/spec.json' says how to glue it)\n\n"
     "card-01 is the quickest to fold; the last card looks most like the model. The same seed "
     "gives\n"
     "the same cards on every computer.";

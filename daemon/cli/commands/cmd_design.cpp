@@ -26,6 +26,7 @@
 #include "core/formats/write/profile_svg.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "core/formats/write/segments_csv.hpp"
+#include "core/judge/layers_likeness.hpp"
 #include "core/judge/sound_design.hpp"
 #include "core/judge/sound_layers.hpp"
 #include "core/machines/machine.hpp"
@@ -461,16 +462,17 @@ Result<void> layers_into(const Options& options, const Globals& globals, const D
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   work->now("drawing the pictures");
-  const auto files = add_layer_files(*made, material, seconds, wants, folder);
+  const likeness::PrintedFigures printed = judge::layers_likeness(made->made, {});
+  const auto files = add_layer_files(*made, printed, material, seconds, wants, folder);
   if (!files) return tl::unexpected(files.error());
   if (files->empty())
     return fail(ErrorKind::Usage, "--formats",
                 "has nothing that layers have; give some of: fold svg cut dxf png picture report");
   if (auto done = folder.commit("popcut design " POPCUT_VERSION); !done) return done;
   work.reset();
-  if (globals.json) fmt::print("{}", layered_report_json(made->made, seconds));
+  if (globals.json) fmt::print("{}", layered_report_json(made->made, printed, seconds));
   if (globals.quiet) return {};
-  say_layers(*made);
+  say_layers(*made, printed);
   fmt::print(stderr, "  wrote   {} in {} ({:.2f} s)\n", *files, options.folder, seconds);
   return {};
 }

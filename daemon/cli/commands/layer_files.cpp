@@ -64,8 +64,9 @@ Result<std::string> picture_of(const LayeredCard& made) {
 }  // namespace
 }  // namespace layer_files_parts
 
-Result<std::string> add_layer_files(const judge::SoundLayers& sound, const Material& material,
-                                    double seconds,
+Result<std::string> add_layer_files(const judge::SoundLayers& sound,
+                                    const likeness::PrintedFigures& printed,
+                                    const Material& material, double seconds,
                                     const std::function<bool(std::string_view)>& wants,
                                     OutputFolder& folder) {
   using namespace layer_files_parts;
@@ -110,12 +111,12 @@ Result<std::string> add_layer_files(const judge::SoundLayers& sound, const Mater
     }
   }
   if (wants("report"))
-    if (auto done = add("report.json", layered_report_json(sound.made, seconds)); !done)
+    if (auto done = add("report.json", layered_report_json(sound.made, printed, seconds)); !done)
       return tl::unexpected(done.error());
   return names;
 }
 
-void say_layers(const judge::SoundLayers& sound) {
+void say_layers(const judge::SoundLayers& sound, const likeness::PrintedFigures& printed) {
   const LayeredCard& made = sound.made;
   fmt::print(stderr, "{}: {} layers on a card that opens flat, in one movement\n",
              shown_text(made.card.name), made.layers.size());
@@ -128,6 +129,9 @@ void say_layers(const judge::SoundLayers& sound) {
   if (sound.report.wobble_mm)
     fmt::print(stderr, "  holds    panels move {:.2g} mm at most, when folds are 0.1 mm off\n",
                *sound.report.wobble_mm);
+  fmt::print(stderr,
+             "  looks    {} when printed, from 20 to 60 degrees above the page: error {:.4f}\n",
+             likeness::name_of(likeness::looks(printed)), printed.error());
   for (const Warning& warning : made.warnings)
     fmt::print(stderr, "  warning  {}\n", shown_text(warning.message));
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/compare/printed.hpp"
 #include "core/judge/sound_layers.hpp"
 #include "core/machines/machine.hpp"
 #include "core/result.hpp"
@@ -18,10 +19,11 @@ namespace popcut::cli {
 /// @return their names, each after a blank
 /// @retval Internal  the libraries cannot draw it
 [[nodiscard]] Result<std::string> add_layer_files(
-    const judge::SoundLayers& sound, const Material& material, double seconds,
-    const std::function<bool(std::string_view)>& wants, OutputFolder& folder);
+    const judge::SoundLayers& sound, const likeness::PrintedFigures& printed,
+    const Material& material, double seconds, const std::function<bool(std::string_view)>& wants,
+    OutputFolder& folder);
 
 /// What a person wants to know of it first, to standard error.
-void say_layers(const judge::SoundLayers& sound);
+void say_layers(const judge::SoundLayers& sound, const likeness::PrintedFigures& printed);
 
 }  // namespace popcut::cli

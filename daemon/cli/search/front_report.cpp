@@ -31,6 +31,13 @@ ordered_json settings_json(const Candidate& candidate) {
   return out;
 }
 
+ordered_json printed_json(const likeness::PrintedFigures& printed) {
+  return {{"colour", printed.colour},
+          {"contour", printed.contour},
+          {"cover", printed.cover},
+          {"looks", likeness::name_of(likeness::looks(printed))}};
+}
+
 ordered_json card_json(const planning::FoundCard& card, std::size_t k) {
   const likeness::Figures& f = card.figures;
   ordered_json out{
@@ -54,16 +61,27 @@ ordered_json card_json(const planning::FoundCard& card, std::size_t k) {
       {"settings", settings_json(card.candidate)}};
   if (card.made.book)
     out["page_mm"] = card.made.book->page_mm, out["width_mm"] = card.made.book->width_mm;
-  if (card.printed)
-    out["printed"] = {{"colour", card.printed->colour},
-                      {"contour", card.printed->contour},
-                      {"cover", card.printed->cover},
-                      {"looks", likeness::name_of(likeness::looks(*card.printed))}};
+  if (card.printed) out["printed"] = printed_json(*card.printed);
   auto warnings = ordered_json::array();
   for (const Design& part : card.made.parts)
     for (const Warning& warning : part.report.warnings) warnings.push_back(warning.message);
   out["warnings"] = std::move(warnings);
   return out;
+}
+
+/// The card of layers, with the figures that cards of one sheet have.
+ordered_json layers_json(const planning::FoundLayers& found) {
+  return {{"folder", "layers"},
+          {"seconds", found.seconds},
+          {"error", found.printed.error()},
+          {"pieces", found.sound.made.card.parts.size()},
+          {"folds", found.hands.folds},
+          {"tabs", found.hands.tabs},
+          {"shortest_fold_mm", found.hands.shortest_mm},
+          {"hand_seconds", found.hands.time_s},
+          {"label", found.hands.label},
+          {"wobble_mm", found.sound.report.wobble_mm.value_or(0.0)},
+          {"printed", printed_json(found.printed)}};
 }
 
 ordered_json usual_json(const planning::UsualCard& usual) {
@@ -117,6 +135,7 @@ std::string front_json(const ModelSearchOptions& options, const SearchedModel& m
     cards.push_back(card_json(found.front[k], k));
   for (const planning::UsualCard& one : found.usual) usual.push_back(usual_json(one));
   out["cards"] = std::move(cards), out["usual"] = std::move(usual);
+  if (model.layers) out["layers"] = layers_json(*model.layers);
   out["notes"] = found.notes;
   return json_file(out);
 }
@@ -143,6 +162,16 @@ std::string front_text(const ModelSearchOptions& options, const SearchedModel& m
         card.printed ? fmt::format("looks {}; ", likeness::name_of(likeness::looks(*card.printed)))
                      : std::string(),
         card.error(), planning::settings_words(card.candidate));
+  }
+  if (model.layers) {
+    const planning::FoundLayers& one = *model.layers;
+    out += fmt::format(
+        "  layers   {} folds and {} tabs ({}), about {:.0f} min by hand, {:.1f} min to cut; looks "
+        "{}; "
+        "error {:.4f}; {} layers, opens flat\n",
+        one.hands.folds, one.hands.tabs, one.hands.label, std::max(1.0, one.hands.time_s / 60.0),
+        one.seconds / 60.0, likeness::name_of(likeness::looks(one.printed)), one.printed.error(),
+        one.sound.made.layers.size());
   }
   for (const std::string& note : found.notes) out += fmt::format("  note     {}\n", note);
   const double seen = 100.0 * found.seen_share;

@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/result.hpp"
 #include "core/search/standing.hpp"
 #include "daemon/planning/search/card_search.hpp"
+#include "daemon/planning/search/layers_card.hpp"
 
 namespace popcut::cli {
 
@@ -38,6 +40,8 @@ struct SearchedModel {
   std::string up;     ///< one of `up_words`: what was asked for, or what such files usually have
   Material material;
   planning::FoundCards found;
+  /// A card of layers beside them; none: they are not asked for, or a note says why.
+  std::optional<planning::FoundLayers> layers{};
 };
 
 /// Reads a mesh and searches its best cards (`planning::search_cards`).

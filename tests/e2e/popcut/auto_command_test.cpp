@@ -105,6 +105,17 @@ TEST_CASE("a model alone becomes a front of cards that are verified, made again 
     for (const char* file : {"pattern.svg", "pattern.dxf", "cut.svg", "thumbnail.png"})
       CHECK(fs::file_size(bench.temp / folder / file) > 100);
   }
+  // Beside them a card of several parts that opens flat, judged by the same measure.
+  const json& layers = front["layers"];
+  CHECK(layers["tabs"] == 2 * (layers["pieces"].get<int>() - 1));
+  CHECK(layers["hand_seconds"] >= 45 * layers["tabs"].get<int>());
+  CHECK(layers["wobble_mm"] < 1.05);
+  CHECK(layers["error"] > 0.0);
+  CHECK(layers["error"] < 0.6);
+  CHECK(bench.popcut({"verify", "out/layers/pattern.fold", "--dof", "1", "-q"}).exit == 0);
+  const json spec = bench.read_json("out/layers/spec.json");
+  CHECK(spec["style"] == "layers");
+  CHECK(bench.read_json("out/layers/report.json")["printed"]["error"] == layers["error"]);
   // No style with its usual settings is better than the best.
   CHECK(front["usual"].size() >= 7);
   for (const json& usual : front["usual"])

@@ -197,7 +197,35 @@ TEST_CASE("layers are designed, verified and planned as a card of several pieces
     CHECK(planned.err.find("layer-3") != std::string::npos);
     const json plan = bench.read_json("sheets/plan.json");
     for (const json& sheet : plan["sheets"]) CHECK(sheet["tabs"].empty());
+    CHECK(plan["handwork"] == report["handwork"]);  // with 45 s for each glued tab
+    CHECK(plan["handwork"]["tabs"] == 10);
   }
+
+  const Ran guided = bench.popcut({"fold-guide", "wood/pattern.fold", "-o", "guide"});
+  CAPTURE(guided.err);
+  REQUIRE(guided.exit == 0);
+  CHECK(guided.out.find("wood: 6 pieces, 10 tabs; 16 folds") == 0);
+  CHECK(guided.out.find("layer-5: Fold it flat, and glue tab A on the left page, on outline A.") !=
+        std::string::npos);
+  const json guide = bench.read_json("guide/fold-guide.json");
+  CHECK(guide["steps"].size() == 11);
+  CHECK(guide["steps"][6]["tabs"] == json{"A", "B"});
+  CHECK(fs::file_size(bench.temp / "guide" / "fold-guide.pdf") > 20'000);
+
+  // The print's program is that of the plan with marks.
+  REQUIRE(
+      bench.popcut({"plan", "wood/pattern.fold", "-o", "marked", "--machine", "cameo3", "--marks"})
+          .exit == 0);
+  const Ran printed = bench.popcut(
+      {"print", "wood.json", "-o", "pages", "--machine", "cameo3", "--dpi", "60", "--preview"});
+  CAPTURE(printed.err);
+  REQUIRE(printed.exit == 0);
+  CHECK(text_of_file(bench.temp / "pages" / "sheet-01.gpgl") ==
+        text_of_file(bench.temp / "marked" / "sheet-01.gpgl"));
+  CHECK(fs::exists(bench.temp / "pages" / "preview.png"));
+  const Ran flat = bench.popcut({"print", "wood.json", "-o", "flat", "--mode", "lines"});
+  CHECK(flat.exit == 2);
+  CHECK(flat.err.find("--mode: must be view for a card of layers") != std::string::npos);
 
   spec["layers"]["page_mm"] = 40;
   bench.write("small.json", spec);
