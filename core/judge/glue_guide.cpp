@@ -249,11 +249,19 @@ class CardGuide {
   /// the other one; and a part that is put on a tab from its other side.
   [[nodiscard]] std::vector<GlueContact> contacts() const {
     std::vector<std::vector<Triangle3>> triangles;
-    for (std::size_t p = 0; p < model_.parts.size(); ++p) triangles.push_back(triangles_of(p));
+    std::vector<Eigen::AlignedBox3d> near;  // of each part, and what a finger's way may begin in
+    for (std::size_t p = 0; p < model_.parts.size(); ++p) {
+      triangles.push_back(triangles_of(p));
+      Eigen::AlignedBox3d& box = near.emplace_back();
+      for (const Triangle3& t : triangles.back())
+        for (const Vec3& at : t) box.extend(at);
+      box.min().array() -= kFinger_mm, box.max().array() += kFinger_mm;
+    }
+    const std::vector<std::size_t> depth = depths();
     std::vector<GlueContact> out;
     for (const GlueTab& tab : tabs_) {
       if (tab.part == tab.on_part) continue;
-      const bool is_put_on = tab.on_part != 0 && hangs_deeper(tab.on_part, tab.part);
+      const bool is_put_on = tab.on_part != 0 && depth[tab.on_part] > depth[tab.part];
       const CardJoint& joint = model_.joints[tab.joint];
       const Isometry3d lay = place(*open_, tab.on_part, tab.on_face);
       Vec2 middle{0.0, 0.0};
@@ -269,7 +277,7 @@ class CardGuide {
         const Vec3 from =
             lay * verify::lifted(Vec2(tab.place[k] + kInward * (middle - tab.place[k])));
         for (std::size_t q = 1; q < model_.parts.size(); ++q)
-          if (q != tab.part && q != tab.on_part &&
+          if (q != tab.part && q != tab.on_part && near[q].contains(from) &&
               std::any_of(triangles[q].begin(), triangles[q].end(),
                           [&](const Triangle3& t) { return is_hit(from, way, t); }))
             contact.hides[q] |= 1U << contact.places;
@@ -296,10 +304,6 @@ class CardGuide {
           if (depth[p] + 1 < depth[q]) depth[q] = depth[p] + 1, any = true;
     }
     return depth;
-  }
-  [[nodiscard]] bool hangs_deeper(std::size_t part, std::size_t other) const {
-    const std::vector<std::size_t> depth = depths();
-    return depth[part] > depth[other];
   }
 
   // 3. Steps.

@@ -363,7 +363,8 @@ Result<FoldModel> read_fold_model(std::string_view text) {
   if (!key.vertices_coords.present || key.vertices_coords.rows() == 0) {
     if (lists_joints(text))
       return fail(ErrorKind::Malformed, "/popcut:joints",
-                  "is a card of several parts; only 'popcut verify' and 'popcut plan' read those");
+                  "is a card of several parts; 'popcut verify', 'popcut plan' and 'popcut "
+                  "fold-guide' read those");
     return fail(ErrorKind::Malformed, "/vertices_coords", "missing; a pattern needs vertices");
   }
   if (!key.edges_vertices.present || key.edges_vertices.rows() == 0) {
