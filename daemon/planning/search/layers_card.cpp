@@ -10,6 +10,7 @@
 
 #include "core/hands/wobble.hpp"
 #include "core/judge/layers_likeness.hpp"
+#include "core/plan/marks.hpp"
 #include "core/search/coarse_mesh.hpp"
 #include "core/text/json_text.hpp"
 #include "daemon/planning/plan_input.hpp"
@@ -69,7 +70,9 @@ Result<FoundLayers> layers_card(const LayersRequest& request) {
   for (std::size_t k = 0; k < 3; ++k) size = std::max(size, box.high[k] - box.low[k]);
   if (!(size > 0.0)) return fail(ErrorKind::Infeasible, "", "the model has no size");
   constexpr double kFirstShare = 0.4, kSlack = 0.99;
-  double scale_mm = kFirstShare * std::min(request.area_mm[0], request.area_mm[1]) / size;
+  const std::array<double, 2> area_mm =
+      request.plan.marks ? room_within_marks_mm(request.area_mm) : request.area_mm;
+  double scale_mm = kFirstShare * std::min(area_mm[0], area_mm[1]) / size;
   Result<FoundLayers> out = fail(ErrorKind::Infeasible, "", "it does not fit on the mat");
   for (int k = 0; k < kMostLayersSizes; ++k) {
     // As they are written, so that `design` makes the same.
@@ -80,7 +83,7 @@ Result<FoundLayers> layers_card(const LayersRequest& request) {
     spec->surface = MeshSpec{kLayersAsset};
     const auto sized = layered_card(*spec, assets);
     if (!sized) return tl::unexpected(sized.error());
-    const double room = room_for(sized->card, request.area_mm);
+    const double room = room_for(sized->card, area_mm);
     constexpr double kFull = 0.9;  // of the area: larger is not worth another try
     if (room < 1.0 || (room > 1.0 / kFull && k + 1 < kMostLayersSizes)) {
       scale_mm *= kSlack * room;
