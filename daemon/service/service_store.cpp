@@ -36,21 +36,22 @@ void ServiceStore::forget_after(const Marks& marks) {
   events_.resize(marks.events);
 }
 
+void ServiceStore::try_to(const std::function<void()>& work) const {
+  try {
+    work();
+  } catch (const std::exception& fault) {
+    try {
+      log(fmt::format("after a commit: {}", fault.what()));
+    } catch (const std::exception&) {  // not even memory to say so
+    }
+  }
+}
+
 void ServiceStore::follow_up() {
   // The effects may change something again, with events and effects of their own.
   const std::vector<Event> events = std::exchange(events_, {});
   const std::vector<std::function<void()>> after = std::exchange(after_, {});
-  // This is committed, so a listener that fails must not prevent the other effects.
-  const auto try_to = [this](const auto& work) {
-    try {
-      work();
-    } catch (const std::exception& fault) {
-      try {
-        log(fmt::format("after a commit: {}", fault.what()));
-      } catch (const std::exception&) {  // not even memory to say so
-      }
-    }
-  };
+  // This is committed, so an effect that fails must not prevent the others.
   if (!events.empty()) try_to([&] { store_.bear_witness(events.back().seq); });
   if (in_fleet())
     try_to([&] {
@@ -58,7 +59,7 @@ void ServiceStore::follow_up() {
       deliver_new_events();
     });
   else
-    for (const Event& event : events) try_to([&] { publish(event); });
+    for (const Event& event : events) publish(event);
   for (const auto& work : after) try_to(work);
 }
 
@@ -138,14 +139,15 @@ void ServiceStore::deliver_new_events() {
     count = static_cast<int>(news.size());
     for (const Event& event : news) {
       last_delivered_ = event.seq;
-      publish(event);
       const auto own = own_.find(event.data.substr(event.data.find(',') + 1));
-      if (own != own_.end())
+      if (own != own_.end()) {
         own_.erase(own);
-      else if (on_remote_event) {
-        on_remote_event(event);
+      } else if (on_remote_event) {
+        // First, because it may concern a knife.
+        try_to([&] { on_remote_event(event); });
         from_others = true;
       }
+      publish(event);
     }
   }
   if (from_others && after_remote_events) after_remote_events();
@@ -157,7 +159,7 @@ bool ServiceStore::was_overtaken(const StoreFault& fault) const {
 }
 
 void ServiceStore::publish(const Event& event) {
-  for (const auto& listener : listeners_) listener(event);
+  for (const auto& listener : listeners_) try_to([&] { listener(event); });
 }
 
 void ServiceStore::audit(const std::string& principal, std::string_view action,

@@ -105,7 +105,7 @@ class ServiceStore {
 
   /// Stores an event, in a transaction. `members` come after those that all events have.
   void emit(const std::string& kind, const std::string& job, const JsonObject& members);
-  /// Calls the listeners now, without storing the event.
+  /// Calls the listeners now, without storing the event. What a listener throws is logged.
   void publish(const Event& event);
   /// In a fleet: publishes the stored events of all nodes that were not published here yet.
   void deliver_new_events();
@@ -167,6 +167,8 @@ class ServiceStore {
   [[nodiscard]] bool was_overtaken(const StoreFault& fault) const;
   void store_events();
   void number_events();
+  /// Logs what `work` throws.
+  void try_to(const std::function<void()>& work) const;
   void follow_up();
   void degrade(const std::string& why);
   [[nodiscard]] Problem degraded_problem() const;

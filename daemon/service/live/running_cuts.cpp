@@ -450,6 +450,7 @@ void RunningCuts::cancel(const std::string& job, const std::string& device) {
   parts_.cutters.cancel(device);
 }
 
+// What this look misses is seen by the one of the next tick.
 void RunningCuts::apply_remote_request(const std::string& job) {
   Running* const running = find_running_of(job);
   if (running == nullptr) return;
@@ -512,6 +513,11 @@ void RunningCuts::tick() {
     if (Running* const one = find_running(attempt); one->is_pause_unrecorded && one->is_held())
       progressed(*one, SessionProgress(one->progress));
   for (const std::string& attempt : all_in<Refused>()) record_refusal(attempt);
+  // The event of a request at another node may have come when the database was away.
+  if (parts_.store.in_fleet())
+    for (const std::string& attempt : all_in<Running>())
+      if (const Running* const one = find_running(attempt))
+        apply_remote_request(std::string(one->cut->attempt.job));
   // A cut that is held has no progress with which its marks would be stored.
   for (const std::string& attempt : all_in<Running>())
     if (Cut& cut = *find_running(attempt)->cut; cut.is_unmarked)

@@ -617,4 +617,26 @@ TEST_CASE("a node that has left in order does not begin again while its process 
   CHECK(fleet.sql("SELECT ended, lease_until FROM node WHERE name='b'") == "1|-infinity");
 }
 
+TEST_CASE("a cancel reaches the knife also if its event is lost on the way", "[fleet]") {
+  NEEDS_POSTGRES();
+  Fleet fleet;
+  const std::string job = fleet.ready();
+  fleet.start(fleet.b, job, 1);
+  SECTION("one who listens fails") {
+    fleet.b.bench.on([](LiveService& s) {
+      s.operations.listen([](const Event& event) {
+        if (event.data.find("\"state\":\"cutting\"") != std::string::npos)
+          throw std::runtime_error("no room");
+      });
+    });
+    REQUIRE(fleet.a.bench.act(job, JobAction::Cancel));
+  }
+  SECTION("the node was told of it when it could not look") {
+    fleet.sql("UPDATE job SET asked='cancel', rev=rev+1 WHERE id='" + job + "'");
+  }
+  CHECK(fleet.until([&] { return fleet.b.bench.cutters.cancels() == 1; }));
+  fleet.b.bench.cutters.finish(fleet.b.device(), {.cancelled = true, .certain = 1});
+  CHECK(fleet.until([&] { return fleet.is(fleet.a, job, JobState::Cancelled); }));
+}
+
 }  // namespace two_nodes_test
