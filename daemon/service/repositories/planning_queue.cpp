@@ -422,10 +422,11 @@ void PlanningQueue::take_up_unrecorded() {
 void PlanningQueue::pump() {
   if (stopped_ || parts_.store.degraded() || parts_.store.full()) return;
   take_up_unrecorded();
+  for (const auto& [id, made] : std::exchange(unstored_, {})) keep(id, made, 0);
   try {
     while (running_.size() < static_cast<std::size_t>(parts_.options.plans_at_once)) {
       const std::string id = next();
-      if (id.empty() || !start(id)) return;
+      if (id.empty() || start(id) == Begun::Later) return;
     }
   } catch (const StoreFault& fault) {
     parts_.store.note(fault);
@@ -439,24 +440,25 @@ PlanningTask PlanningQueue::task_of(const PlanRow& plan, const Design& design,
   return task;
 }
 
-bool PlanningQueue::start(const std::string& id) {
+Begun PlanningQueue::start(const std::string& id) {
   const auto plan = plans_.find(id);
-  if (!plan) return false;
+  if (!plan) return Begun::Later;
+  // A plan whose failure cannot be stored would be the next one again.
+  const auto failed = [&](const std::string& why) {
+    return fail_plan(id, why) ? Begun::Not : Begun::Later;
+  };
   const int most = parts_.store.in_fleet() ? kMostBegunInFleet : kMostBegun;
-  if (plan->begun >= most) {
-    fail_plan(id, fmt::format("popcutd ended {} times while it was made; please report the design",
+  if (plan->begun >= most)
+    return failed(fmt::format("popcutd ended {} times while it was made; please report the design",
                               plan->begun));
-    return true;
-  }
   PlanningTask task;
   if (plan->kind == "test") {
     task.kind = PlanningTask::Kind::TestCut;
   } else {
     const Answer<Design> design = parts_.designs.here(plan->design);
     if (!design) {
-      if (design.error().kind != ProblemKind::NotFound) return false;
-      fail_plan(id, "its design was deleted");
-      return true;
+      if (design.error().kind != ProblemKind::NotFound) return Begun::Later;
+      return failed("its design was deleted");
     }
     task = parts_.designs.task_for(*design, PlanningTask::Kind::Plan);
   }
@@ -468,8 +470,8 @@ bool PlanningQueue::start(const std::string& id) {
     is_mine = plans_.claim(id, parts_.store.node());
     return {};
   });
-  if (!noted) return false;
-  if (!is_mine) return true;
+  if (!noted) return Begun::Later;
+  if (!is_mine) return Begun::Not;
   running_[id] = 0;
   task.progress = [this, id, post = parts_.post](const PlanningPhase& phase) {
     post([this, id, phase] {
@@ -477,16 +479,23 @@ bool PlanningQueue::start(const std::string& id) {
       if (is_at && running_.contains(id)) is_at(id, phase);
     });
   };
-  // It may be over before its number is known, but what is posted runs only after this.
-  running_[id] = parts_.planner.start(
-      std::move(task), [this, id, folder = folder_of(id), files = &parts_.store.files(),
-                        post = parts_.post](Result<PlanningOutcome> made) {
-        auto kept = std::make_shared<Result<PlanningOutcome>>(
-            with_files_kept(std::move(made), folder, *files, id));
-        post([this, id, kept] { over(id, std::move(*kept)); });
-      });
+  // The task may end before `start` returns. That is safe: its callback is posted and runs after
+  // this turn.
+  try {
+    running_[id] = parts_.planner.start(
+        std::move(task), [this, id, folder = folder_of(id), files = &parts_.store.files(),
+                          post = parts_.post](Result<PlanningOutcome> made) {
+          auto kept = std::make_shared<Result<PlanningOutcome>>(
+              with_files_kept(std::move(made), folder, *files, id));
+          post([this, id, kept] { over(id, std::move(*kept)); });
+        });
+  } catch (...) {  // no memory; it is given back and made later
+    running_.erase(id);
+    unrecorded_.insert(id);
+    throw;
+  }
   if (begun) begun(id);
-  return true;
+  return Begun::Yes;
 }
 
 void PlanningQueue::over(const std::string& id, Result<PlanningOutcome> outcome) {
@@ -508,16 +517,16 @@ void PlanningQueue::over(const std::string& id, Result<PlanningOutcome> outcome)
     running_.erase(id);
     const bool unwanted = outcome.error().kind == ErrorKind::Refused;
     // It was cancelled because nobody waited. If somebody waits again by now, it is made again.
-    if (!unwanted || !awaited(id))
-      fail_plan(id, unwanted ? "it was no longer needed" : message(outcome.error()));
-    else
+    if (unwanted && awaited(id))
       ended_in_order(id);
     return pump();
+    else if (!fail_plan(id, unwanted ? "it was no longer needed" : message(outcome.error())))
+      unrecorded_.insert(id);
   }
   if (const std::string fault = fault_of(*outcome, parts_.options.sheets_per_job); !fault.empty()) {
     running_.erase(id);
     parts_.aside.remove(folder_of(id));
-    fail_plan(id, fault);
+    if (!fail_plan(id, fault)) unrecorded_.insert(id);
     return pump();
   }
   keep(id, std::make_shared<PlanningOutcome>(std::move(*outcome)), 0);
@@ -531,7 +540,8 @@ void PlanningQueue::ended_in_order(const std::string& id) {
   if (!stored) unrecorded_.insert(id);
 }
 
-// Stores a part of the sheets in each turn. The last part makes the plan complete.
+// Stores a part of the sheets in each turn. The last part makes the plan complete. What cannot be
+// stored now is kept for the next `pump`, because it took long to make.
 void PlanningQueue::keep(const std::string& id, const std::shared_ptr<PlanningOutcome>& made,
                          std::size_t from) {
   name_turn("plan ended");
@@ -556,17 +566,20 @@ void PlanningQueue::keep(const std::string& id, const std::shared_ptr<PlanningOu
     parts_.store.emit("notice", "", JsonObject().text("plan", id).text("state", "planned"));
     return {};
   });
-  if (stored && !is_gone && !is_last)
+  if (!stored) {
+    unstored_[id] = made;
+    return;
+  }
+  if (!is_gone && !is_last)
     return parts_.post([this, id, made, next = from + count] { keep(id, made, next); });
   running_.erase(id);
   asked_.erase(id);
-  if (!stored) unrecorded_.insert(id);
   if (is_gone && is_removed(id)) parts_.aside.remove(folder_of(id));
-  if (stored && !is_gone && ended) ended(id);
+  if (!is_gone && ended) ended(id);
   pump();
 }
 
-void PlanningQueue::fail_plan(const std::string& id, const std::string& why) {
+bool PlanningQueue::fail_plan(const std::string& id, const std::string& why) {
   asked_.erase(id);
   const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {
     auto plan = plans_.find(id);
@@ -579,9 +592,9 @@ void PlanningQueue::fail_plan(const std::string& id, const std::string& why) {
                       JsonObject().text("plan", id).text("state", "failed").text("error", why));
     return {};
   });
-  if (!stored) unrecorded_.insert(id);
   if (stored && ended) ended(id);
 }
+  return stored.has_value();
 
 void PlanningQueue::abandon(const std::string& plan) {
   const auto found = running_.find(plan);

@@ -16,6 +16,13 @@
 
 namespace popcut::daemon {
 
+/// What became of a plan or a search that was to be made now.
+enum class Begun : std::uint8_t {
+  Yes,
+  Not,    ///< another may begin
+  Later,  ///< none may now: a file is on its way, or nothing can be stored
+};
+
 /// Plans. The same design and options are planned once. A few plans are made at a time; those who
 /// wait take turns, and each gets plans in the order of the queue. Waiting plans are in the store
 /// only, and those that the planner makes also in memory.
@@ -122,7 +129,7 @@ class PlanningQueue : public Plans {
   [[nodiscard]] Answer<PlanRow> find_or_add(const Principal& who, PlanRow row);
   [[nodiscard]] std::string next();
   [[nodiscard]] std::string next_of(const std::string& owner);
-  bool start(const std::string& id);
+  [[nodiscard]] Begun start(const std::string& id);
   void over(const std::string& id, Result<PlanningOutcome> outcome);
   void keep(const std::string& id, const std::shared_ptr<PlanningOutcome>& made, std::size_t from);
   void ended_in_order(const std::string& id);
@@ -132,7 +139,8 @@ class PlanningQueue : public Plans {
   void read_on(const std::shared_ptr<PlanRecord>& record,
                const std::function<void(Answer<PlanRecord>)>& done);
   [[nodiscard]] bool awaited(const std::string& plan);
-  void fail_plan(const std::string& id, const std::string& why);
+  /// False if that could not be stored.
+  [[nodiscard]] bool fail_plan(const std::string& id, const std::string& why);
   [[nodiscard]] bool is_owned(const PlanRow& plan, const std::string& owner);
   [[nodiscard]] bool is_owned(const std::string& plan);
   /// The job of `owner`, or of anybody if that is empty, that keeps a plan from being removed.
@@ -147,6 +155,8 @@ class PlanningQueue : public Plans {
   std::string turn_of_{};             ///< the owner who had the last turn
   std::set<std::string> asked_;       ///< plans that a person requested, not a job
   std::set<std::string> unrecorded_;  ///< plans that are over, but could not be stored
+  /// What was made of plans that could not be stored yet.
+  std::map<std::string, std::shared_ptr<PlanningOutcome>> unstored_{};
   bool stopped_{false};
 };
 

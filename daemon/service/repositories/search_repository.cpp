@@ -404,11 +404,14 @@ std::string SearchRepository::next() {
 }
 
 void SearchRepository::pump() {
-  if (running_ || stopped_ || parts_.store.degraded() || parts_.store.full()) return;
+  if (stopped_ || parts_.store.degraded() || parts_.store.full()) return;
+  if (const auto found = std::exchange(unstored_, std::nullopt))
+    return over(std::string(running_->id), *found);
+  if (running_) return;
   try {
     for (;;) {
       const std::string id = next();
-      if (id.empty() || start(id)) return;
+      if (id.empty() || start(id) != Begun::Not) return;
     }
   } catch (const StoreFault& fault) {
     parts_.store.note(fault);
@@ -428,18 +431,17 @@ Answer<PlanningTask> SearchRepository::task_of(const Row& row) {
   return task;
 }
 
-// Whether the planner has one now, or must wait; else another may begin.
-bool SearchRepository::start(const std::string& id) {
+Begun SearchRepository::start(const std::string& id) {
   const auto waiting = row(id);
-  if (!waiting) return false;
+  if (!waiting) return Begun::Not;
   if (waiting->begun >= (parts_.store.in_fleet() ? kMostBegunAmongNodes : kMostBegunAlone)) {
-    finish(id, SearchState::Failed, "",
-           fmt::format("popcutd ended {} times while it was made; please report the model",
-                       waiting->begun));
-    return false;
+    const std::string why = fmt::format(
+        "popcutd ended {} times while it was made; please report the model", waiting->begun);
+    // A search whose failure cannot be stored would be the next one again.
+    return finish(id, SearchState::Failed, "", why) ? Begun::Not : Begun::Later;
   }
   Answer<PlanningTask> task = task_of(*waiting);
-  if (!task) return true;  // its model is on its way; the next tick asks again
+  if (!task) return Begun::Later;  // its model is on its way; the next tick asks again
   bool is_mine = false;
   // Before it begins: if popcutd dies of it, the next start knows; and no other node begins it.
   const Answer<void> noted = parts_.store.change([&]() -> Answer<void> {
@@ -450,8 +452,8 @@ bool SearchRepository::start(const std::string& id) {
             parts_.store.node().name, parts_.store.node().epoch, id, parts_.store.node().name) == 1;
     return {};
   });
-  if (!noted) return true;
-  if (!is_mine) return false;
+  if (!noted) return Begun::Later;
+  if (!is_mine) return Begun::Not;
   running_ = Running{.id = id};
   task->progress = [this, id, post = parts_.post](const PlanningPhase& phase) {
     post([this, id, phase] {
@@ -459,18 +461,29 @@ bool SearchRepository::start(const std::string& id) {
       if (running_ && running_->id == id) running_->phase = phase;
     });
   };
-  // It may be over before its number is known, but what is posted runs only after this.
-  running_->task = parts_.planner.start(
-      std::move(*task), [this, id, folder = folder_of(id), files = &parts_.store.files(),
-                         post = parts_.post](Result<PlanningOutcome> made) {
-        post([this, id, found = with_pictures_kept(std::move(made), folder, *files, id)] {
-          over(id, found);
+  // The task may end before `start` returns. That is safe: its callback is posted and runs after
+  // this turn.
+  try {
+    running_->task = parts_.planner.start(
+        std::move(*task), [this, id, folder = folder_of(id), files = &parts_.store.files(),
+                           post = parts_.post](Result<PlanningOutcome> made) {
+          post([this, id, found = with_pictures_kept(std::move(made), folder, *files, id)] {
+            over(id, found);
+          });
         });
-      });
-  return true;
+  } catch (...) {  // no memory; `next` gives it again
+    running_.reset();
+    throw;
+  }
+  return Begun::Yes;
 }
 
 void SearchRepository::over(const std::string& id, const Result<SearchFront>& found) {
+  // What cannot be stored now is kept for the next `pump`, because it took long to find.
+  if (found && !finish(id, SearchState::Found, planning::front_text(*found), "")) {
+    unstored_ = *found;
+    return;
+  }
   name_turn("search ended");
   running_.reset();
   const bool waits_for_room = !found && found.error().kind == ErrorKind::Unwritable;
@@ -487,9 +500,7 @@ void SearchRepository::over(const std::string& id, const Result<SearchFront>& fo
           parts_.store.node().name);
       return {};
     });
-  else if (found)
-    finish(id, SearchState::Found, planning::front_text(*found), "");
-  else
+  else if (!found)
     finish(id, SearchState::Failed, "", message(found.error()));
   // If the search was deleted meanwhile, remove its pictures, too.
   const Answer<bool> is_there =
@@ -505,9 +516,9 @@ void SearchRepository::over(const std::string& id, const Result<SearchFront>& fo
 }
 
 // In a fleet another node may have got the search, because this one did not answer.
-void SearchRepository::finish(const std::string& id, SearchState state, const std::string& front,
+bool SearchRepository::finish(const std::string& id, SearchState state, const std::string& front,
                               const std::string& error) {
-  (void)parts_.store.change([&]() -> Answer<void> {
+  const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {
     const int changed = parts_.store.db().run(
         "UPDATE search SET state=?, front=?, error=?, begun=0, planner='', planner_epoch=0 WHERE "
         "id=? AND state='pending' AND planner IN ('', ?)",
@@ -518,6 +529,7 @@ void SearchRepository::finish(const std::string& id, SearchState state, const st
     if (!error.empty()) members.text("error", error);
     parts_.store.emit("notice", "", members);
     return {};
+  return stored.has_value();
   });
 }
 

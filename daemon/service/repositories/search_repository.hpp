@@ -78,10 +78,11 @@ class SearchRepository : public Searches {
   [[nodiscard]] Answer<std::string> file_of(const std::string& id, int card,
                                             const std::string& name, std::string_view what);
   [[nodiscard]] std::string next();
-  [[nodiscard]] bool start(const std::string& id);
+  [[nodiscard]] Begun start(const std::string& id);
   [[nodiscard]] Answer<PlanningTask> task_of(const Row& row);
   void over(const std::string& id, const Result<SearchFront>& found);
-  void finish(const std::string& id, SearchState state, const std::string& front,
+  /// False if that could not be stored.
+  bool finish(const std::string& id, SearchState state, const std::string& front,
               const std::string& error);
   bool pass_on(const std::string& id);
   void forget(const std::string& id);
@@ -89,7 +90,8 @@ class SearchRepository : public Searches {
 
   Parts parts_;
   std::optional<Running> running_{};
-  std::string turn_of_{};  ///< whose search began last
+  std::optional<SearchFront> unstored_{};  ///< what was found of it, and could not be stored yet
+  std::string turn_of_{};                  ///< whose search began last
   bool stopped_{false};
 };
 

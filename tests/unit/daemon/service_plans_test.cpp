@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <set>
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -281,6 +282,51 @@ TEST_CASE("the jobs of a plan say what it is at while it is made", "[daemon][ser
   progress({.phase = "writing", .doing = "writing the programs"});  // too late
   bench.on([](LiveService&) {});
   CHECK(told().size() == 2);
+}
+
+TEST_CASE("a plan whose failure cannot be stored yet holds up nobody", "[alone][daemon][service]") {
+  ServiceBench bench(false);
+  bench.options.plans_at_once = 1;
+  REQUIRE(bench.start() == "");
+  const std::string design = bench.add_design("{\"card\":2}").value().id;
+  const Job first = bench.create(bench.add_design("slow").value().id).value();
+  REQUIRE(bench.wait_for(first.id, JobState::Planning).state == JobState::Planning);
+  const Job second = bench.create(design).value();
+  const auto sql = [&](const char* text) {
+    bench.on([&](LiveService&) { bench.store().database().script(text); });
+  };
+  sql("UPDATE plan SET begun=10 WHERE begun=0; CREATE TRIGGER no_failure BEFORE UPDATE ON plan "
+      "WHEN new.state='failed' BEGIN SELECT raise(ABORT, 'not now'); END");
+  bench.planner.release();
+  CHECK(bench.wait_for(first.id, JobState::Ready).state == JobState::Ready);
+  CHECK(bench.job(second.id).state == JobState::Queued);
+  sql("DROP TRIGGER no_failure");
+  bench.on([](LiveService& s) { s.tick(); });
+  const Job failed = bench.wait_for(second.id, JobState::Failed);
+  CHECK(failed.reason.find("ended 10 times") != std::string::npos);
+}
+
+TEST_CASE("a plan that cannot be stored at once is stored later and not made again",
+          "[alone][daemon][service]") {
+  ServiceBench bench;
+  const Job job = bench.create(bench.add_design("slow").value().id).value();
+  REQUIRE(bench.wait_for(job.id, JobState::Planning).state == JobState::Planning);
+  const auto sql = [&](const char* text) {
+    bench.on([&](LiveService&) { bench.store().database().script(text); });
+  };
+  sql("CREATE TRIGGER none_planned BEFORE UPDATE ON plan WHEN new.state='planned' BEGIN "
+      "SELECT raise(ABORT, 'not now'); END");
+  const int begun = bench.planner.started;
+  bench.planner.release();
+  REQUIRE(bench.wait([&] {
+    return bench.thread().turns(ServiceThread::Lane::Asking).longest().contains("plan ended");
+  }));
+  bench.on([](LiveService& s) { s.tick(); });
+  CHECK(bench.job(job.id).state == JobState::Planning);
+  sql("DROP TRIGGER none_planned");
+  bench.on([](LiveService& s) { s.tick(); });
+  CHECK(bench.wait_for(job.id, JobState::Ready).state == JobState::Ready);
+  CHECK(bench.planner.started == begun);
 }
 
 }  // namespace service_plans_test

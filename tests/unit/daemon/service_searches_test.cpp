@@ -258,4 +258,45 @@ TEST_CASE("removing a model removes its searches", "[daemon][service]") {
   CHECK(bench.wait([&] { return fs::is_empty(bench.folder() + "/searches"); }));
 }
 
+TEST_CASE("a search whose failure cannot be stored yet holds up nobody",
+          "[alone][daemon][service]") {
+  ServiceBench bench;
+  const std::string first = ask(bench, {.model = add_model(bench, "slow")})->id;
+  REQUIRE(bench.wait([&] { return bench.planner.started == 1; }));
+  const std::string second = ask(bench, {.model = add_model(bench, "vase")})->id;
+  const auto sql = [&](const char* text) {
+    bench.on([&](LiveService&) { bench.store().database().script(text); });
+  };
+  sql("UPDATE search SET begun=10 WHERE begun=0; CREATE TRIGGER no_failure BEFORE UPDATE ON search "
+      "WHEN new.state='failed' BEGIN SELECT raise(ABORT, 'not now'); END");
+  bench.planner.release();
+  CHECK(comes_to(bench, first, SearchState::Found));
+  CHECK(find(bench, second)->state == SearchState::Pending);
+  sql("DROP TRIGGER no_failure");
+  bench.on([](LiveService& s) { s.tick(); });
+  CHECK(comes_to(bench, second, SearchState::Failed));
+}
+
+TEST_CASE("a search that cannot be stored at once is stored later and not made again",
+          "[alone][daemon][service]") {
+  ServiceBench bench;
+  const std::string id = ask(bench, {.model = add_model(bench, "slow")})->id;
+  REQUIRE(bench.wait([&] { return bench.planner.started == 1; }));
+  const auto sql = [&](const char* text) {
+    bench.on([&](LiveService&) { bench.store().database().script(text); });
+  };
+  sql("CREATE TRIGGER none_found BEFORE UPDATE ON search WHEN new.state='found' BEGIN "
+      "SELECT raise(ABORT, 'not now'); END");
+  bench.planner.release();
+  REQUIRE(bench.wait([&] {
+    return bench.thread().turns(ServiceThread::Lane::Asking).longest().contains("search ended");
+  }));
+  bench.on([](LiveService& s) { s.tick(); });
+  CHECK(find(bench, id)->state == SearchState::Pending);
+  sql("DROP TRIGGER none_found");
+  bench.on([](LiveService& s) { s.tick(); });
+  CHECK(comes_to(bench, id, SearchState::Found));
+  CHECK(bench.planner.started == 1);
+}
+
 }  // namespace service_searches_test
