@@ -74,7 +74,7 @@ void keep_preview(Result<PlanningOutcome>& outcome, const std::string& place) {
 
 // The text at "/material" of a spec. The spec is not kept while it is read, because a hostile one
 // may hold a million values.
-std::string material_in(const std::string& path, std::uint64_t most) {
+std::string material_in(const std::string& text) {
   using Json = nlohmann::json;
   std::optional<std::string> found;
   bool is_next = false;
@@ -86,7 +86,7 @@ std::string material_in(const std::string& path, std::uint64_t most) {
       found = value.get<std::string>();
     return event == Json::parse_event_t::object_start && depth == 0;
   };
-  if (const auto text = read_whole(path, most)) (void)Json::parse(*text, take, false);
+  (void)Json::parse(text, take, false);
   return found.value_or("");
 }
 
@@ -183,7 +183,8 @@ void DesignRepository::add(const Principal& who, Upload upload, std::string medi
   task.media_type = media_type;
   task.assets_folder = store_.folder().at("assets");
   if (media_type.find("json") != std::string::npos && upload.bytes <= kNewSpecBytes)
-    task.material_json = row_of_material(material_in(upload.path, kNewSpecBytes));
+    task.material_json =
+        row_of_material(material_in(read_whole(upload.path, kNewSpecBytes).value_or("")));
   const std::string preview = store_.folder().at("previews/sha256-" + upload.sha256 + ".svg");
   planner_.start(
       std::move(task), [this, post = post_, files = &store_.files(), who, upload, media_type, name,
@@ -399,8 +400,9 @@ std::string DesignRepository::own_material(const Design& design) {
   if (const auto known = materials_.find(design.id); known != materials_.end())
     return known->second;
   if (materials_.size() >= kMostKept) materials_.clear();
-  return materials_[design.id] =
-             material_in(store_.folder().at("designs/" + design.id), kSpecBytes);
+  const auto text = read_whole(store_.folder().at("designs/" + design.id), kSpecBytes);
+  if (!text) return {};  // it may be readable the next time
+  return materials_[design.id] = material_in(*text);
 }
 
 std::string DesignRepository::row_of_material(const std::string& name) const {

@@ -213,7 +213,8 @@ Answer<PlanRecord> PlanningQueue::request(const Principal& who, const PlanReques
 }
 
 Answer<PlanRow> PlanningQueue::plan_for(const Principal& who, const PlanRequest& request) {
-  const Answer<Design> design = parts_.designs.find(request.design);
+  // Here, because the file says which material the design is for.
+  const Answer<Design> design = parts_.designs.here(request.design);
   if (!design) {
     if (design.error().kind != ProblemKind::NotFound) return tl::unexpected(design.error());
     return refuse_value("/design", "unknown", "must be the id of an uploaded design",

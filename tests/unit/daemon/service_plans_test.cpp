@@ -306,6 +306,28 @@ TEST_CASE("a plan whose failure cannot be stored yet holds up nobody", "[alone][
   CHECK(failed.reason.find("ended 10 times") != std::string::npos);
 }
 
+TEST_CASE("a plan has the material of its design also if the file comes late",
+          "[alone][daemon][service]") {
+  ServiceBench bench(false);
+  LateFiles* files = nullptr;
+  bench.opened_store = [&](Store& store) {
+    auto made = std::make_unique<LateFiles>();
+    files = made.get();
+    store.share_files(std::move(made));
+  };
+  REQUIRE(bench.start() == "");
+  const std::string design = bench.add_design(R"({"material":"paper-160"})").value().id;
+  const std::string place = bench.folder() + "/designs/" + design;
+  std::filesystem::rename(place, place + "-away");
+  bench.on([&](LiveService&) { files->coming = {"designs/" + design}; });
+  const Answer<Job> early = bench.create(design);
+  REQUIRE_FALSE(early);
+  CHECK(early.error().kind == ProblemKind::Unavailable);
+  std::filesystem::rename(place + "-away", place);
+  bench.on([&](LiveService&) { files->coming.clear(); });
+  CHECK(bench.create(design).value().material == "paper-160");
+}
+
 TEST_CASE("a plan that cannot be stored at once is stored later and not made again",
           "[alone][daemon][service]") {
   ServiceBench bench;
