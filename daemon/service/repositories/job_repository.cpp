@@ -233,7 +233,7 @@ void JobRepository::plan_ended_some(const std::string& id) {
   else
     left_over_.insert(id);
   // The rest in another turn, so that a running cut does not wait long for its record.
-  if (more) parts_.post([this, id] { plan_ended_some(id); });
+  if (stored && more) parts_.post([this, id] { plan_ended_some(id); });
 }
 
 void JobRepository::catch_up() {

@@ -306,6 +306,56 @@ TEST_CASE("a plan whose failure cannot be stored yet holds up nobody", "[alone][
   CHECK(failed.reason.find("ended 10 times") != std::string::npos);
 }
 
+TEST_CASE("jobs whose plan cannot be stored with them are tried again by the tick only",
+          "[alone][daemon][service]") {
+  ServiceBench bench(false);
+  bench.options.jobs_each = 1000;
+  REQUIRE(bench.start() == "");
+  const std::string design = bench.add_design("slow").value().id;
+  const std::string first = bench.create(design).value().id;
+  REQUIRE(bench.wait_for(first, JobState::Planning).state == JobState::Planning);
+  std::string last;
+  for (int k = 0; k < 200; ++k) last = bench.create(design).value().id;
+  const auto sql = [&](const char* text) {
+    bench.on([&](LiveService&) { bench.store().database().script(text); });
+  };
+  sql("CREATE TRIGGER none_ready BEFORE UPDATE ON job WHEN new.state='ready' BEGIN "
+      "SELECT raise(ABORT, 'not now'); END");
+  int tries = 0;
+  bench.on([&](LiveService& s) {
+    s.operations.listen([&](const Event& event) {
+      if (event.data.find("\"state\":\"planned\"") != std::string::npos) ++tries;
+    });
+  });
+  bench.planner.release();
+  const auto planned = [&] { return bench.on([&](LiveService&) { return tries; }) > 0; };
+  REQUIRE(bench.wait(planned));
+  // What repeats itself has a turn between any two of these.
+  for (int k = 0; k < 3; ++k) bench.on([](LiveService&) {});
+  CHECK(bench.thread().waiting() == 0);
+  sql("DROP TRIGGER none_ready");
+  bench.on([](LiveService& s) { s.tick(); });
+  CHECK(bench.wait_for(last, JobState::Ready).state == JobState::Ready);
+}
+
+namespace {
+
+/// Files of a fleet of which some are still on their way.
+struct LateFiles final : SharedFiles {
+  std::set<std::string> coming{};
+  Result<void> keep(const std::string& /*name*/, const std::string& /*place*/) override {
+    return {};
+  }
+  bool keep_small(const std::string& /*name*/) override { return true; }
+  Found fetch(const std::string& name) override {
+    return coming.contains(name) ? Found::Coming : Found::Here;
+  }
+  std::vector<std::string> names(const std::string& /*beginning*/) override { return {}; }
+  void forget(const std::string& /*name*/) override {}
+};
+
+}  // namespace
+
 TEST_CASE("a plan has the material of its design also if the file comes late",
           "[alone][daemon][service]") {
   ServiceBench bench(false);
