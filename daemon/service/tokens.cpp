@@ -180,17 +180,14 @@ std::optional<Principal> Tokens::known(std::string_view id, std::string_view sec
   return found->second.principal;
 }
 
-void Tokens::changed_elsewhere() {
+void Tokens::forget_known() {
   known_.clear();
   for (const auto& listener : listeners_) listener();
 }
 
 void Tokens::notify_access_change() {
   if (store_.in_fleet()) (void)store_.db().number("SELECT pg_notify('popcut', ?)", kAccessChanged);
-  store_.after_commit([this] {
-    known_.clear();
-    for (const auto& listener : listeners_) listener();
-  });
+  store_.after_commit([this] { forget_known(); });
 }
 
 Answer<NewToken> Tokens::create_token(const Principal& who, const std::string& name, Role role,
@@ -321,10 +318,10 @@ void Tokens::users_changed() {
     }
     return {};
   });
-  for (const auto& listener : listeners_) listener();
+  forget_known();
 }
 
-// A new session of `who` with its root and its end; nothing if the root has ended.
+// Fills in a new session for `who`. Nothing if the root has ended.
 std::optional<Tokens::Session> Tokens::beginning(const Principal& who) {
   const TimeMs now = store_.now();
   Session fresh{
@@ -378,15 +375,23 @@ Answer<std::string> Tokens::create_one_shot(const Principal& who) {
   return word;
 }
 
-void Tokens::make_room_for_session(const std::string& principal) {
-  const std::int64_t held =
-      store_.db().number("SELECT count(*) FROM session WHERE principal=?", principal);
-  if (held < kSessionsOfOne) return;
-  store_.db().run(
-      "DELETE FROM session WHERE id IN (SELECT id FROM session WHERE principal=? "
-      "ORDER BY expires LIMIT ?)",
-      principal, held - kSessionsOfOne + 1);
+// Keeps `via` and the sessions from which that one came: with any of them the new one would go,
+// too.
+Answer<void> Tokens::make_room_for_session(const std::string& principal, const std::string& via) {
+  Database& db = store_.db();
+  const std::int64_t held = db.number("SELECT count(*) FROM session WHERE principal=?", principal);
+  if (held < kSessionsOfOne) return {};
+  const int gone = db.run(
+      "WITH RECURSIVE kept(id) AS (SELECT id FROM session WHERE id=?1 UNION SELECT session.via "
+      "FROM session JOIN kept ON kept.id=session.id WHERE session.via IS NOT NULL) DELETE FROM "
+      "session WHERE id IN (SELECT id FROM session WHERE principal=?2 AND id NOT IN (SELECT id "
+      "FROM kept) ORDER BY expires LIMIT ?3)",
+      via, principal, held - kSessionsOfOne + 1);
+  if (gone == 0)
+    return refuse(ProblemKind::QueueFull,
+                  fmt::format("{} sessions came from one another; end one of them first", held));
   notify_access_change();
+  return {};
 }
 
 Answer<NewToken> Tokens::open_session(const std::string& one_shot) {
@@ -396,17 +401,17 @@ Answer<NewToken> Tokens::open_session(const std::string& one_shot) {
         ProblemKind::Unauthenticated,
         "this address was used already or is older than a minute; run 'popcut open' for a new one");
   const Principal who = found->second.principal;
-  one_shots_.erase(found);
-  return store_.change([&]() -> Answer<NewToken> {
-    std::optional<NewToken> made = begin_session(who, "", std::nullopt);
-    if (made) return std::move(*made);
-    return refuse(ProblemKind::Unauthenticated,
-                  "the user, token or session that this address came from has ended");
-  });
+  Answer<std::optional<NewToken>> made =
+      store_.change([&] { return begin_session(who, "", std::nullopt); });
+  if (!made) return tl::unexpected(made.error());  // the page can try again
+  one_shots_.erase(sha256_hex(one_shot));
+  if (*made) return std::move(**made);
+  return refuse(ProblemKind::Unauthenticated,
+                "the user, token or session that this address came from has ended");
 }
 
-std::optional<NewToken> Tokens::begin_session(const Principal& who, const std::string& name,
-                                              std::optional<Role> most) {
+Answer<std::optional<NewToken>> Tokens::begin_session(const Principal& who, const std::string& name,
+                                                      std::optional<Role> most) {
   std::optional<Session> fresh = beginning(who);
   if (!fresh) return std::nullopt;
   fresh->id = store_.new_id();
@@ -414,7 +419,8 @@ std::optional<NewToken> Tokens::begin_session(const Principal& who, const std::s
   if (most) fresh->most = fresh->most ? std::min(*fresh->most, *most) : *most;
   const std::optional<Principal> owner = root_of(*fresh);
   if (!owner) return std::nullopt;
-  make_room_for_session(who.name);
+  if (auto room = make_room_for_session(who.name, fresh->via); !room)
+    return tl::unexpected(std::move(room.error()));
   const Secret secret = new_secret(fresh->id);
   const auto text_or_null = [](const std::string& text) {
     return text.empty() ? Bound(nullptr) : Bound(text);

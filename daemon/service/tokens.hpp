@@ -47,8 +47,9 @@ class Tokens : public Access {
   /// Ends the sessions of users who no longer have a role. Call this at the start and when the
   /// users have changed.
   void users_changed();
-  /// In a fleet: another node ended credentials, or changed their roles.
-  void changed_elsewhere();
+  /// Forgets who was authenticated, and tells the listeners: credentials have ended here or at
+  /// another node of a fleet, or have another role.
+  void forget_known();
 
  private:
   struct OneShot {
@@ -79,15 +80,19 @@ class Tokens : public Access {
                                                       std::string_view secret);
   [[nodiscard]] std::optional<Session> beginning(const Principal& who);
   /// Stores a session that begins, in a transaction; nothing if its root has ended.
-  [[nodiscard]] std::optional<NewToken> begin_session(const Principal& who, const std::string& name,
-                                                      std::optional<Role> most);
+  ///
+  /// @retval QueueFull  there are too many sessions, and this one came from all of them
+  [[nodiscard]] Answer<std::optional<NewToken>> begin_session(const Principal& who,
+                                                              const std::string& name,
+                                                              std::optional<Role> most);
   [[nodiscard]] std::optional<SessionRecord> record_of(const Session& session);
   [[nodiscard]] std::string new_code() const;
   void forget_late_pairings();
   /// @return false  twenty tablets wait, no two of them at one place
   [[nodiscard]] bool make_room_for_pairing(const std::string& place);
   void make_room_for_one_shot(const std::string& principal);
-  void make_room_for_session(const std::string& principal);
+  [[nodiscard]] Answer<void> make_room_for_session(const std::string& principal,
+                                                   const std::string& via);
   void notify_access_change();
   ServiceStore& store_;
   PrincipalTitles& titles_;

@@ -127,9 +127,8 @@ Answer<std::optional<NewToken>> Tokens::collect_pairing(const std::string& secre
   if (found == pairings_.end()) return gone();
   if (!found->allowed_by) return std::optional<NewToken>();
   const Pairing one = *found;
-  Answer<std::optional<NewToken>> made = store_.change([&]() -> Answer<std::optional<NewToken>> {
-    return begin_session(*one.allowed_by, one.name, one.role);
-  });
+  Answer<std::optional<NewToken>> made =
+      store_.change([&] { return begin_session(*one.allowed_by, one.name, one.role); });
   if (!made) return made;  // for example the disk is full; the tablet can try again
   std::erase_if(pairings_, [&](const Pairing& other) { return other.id == one.id; });
   if (!*made) return gone();

@@ -298,7 +298,7 @@ void AssembledService::after_remote_events() {
 void AssembledService::on_fleet_notice(const std::string& notice) {
   name_turn("news of the fleet");
   if (!parts_.fleet) return;
-  if (notice == kAccessChanged) return parts_.tokens.changed_elsewhere();
+  if (notice == kAccessChanged) return parts_.tokens.forget_known();
   try {
     parts_.store.deliver_new_events();
   } catch (const StoreFault& fault) {

@@ -398,4 +398,46 @@ TEST_CASE("a service in a year beyond 2262 keeps right times", "[daemon][service
   CHECK(bench.add_design("late")->created == 10'000'000'000'000);
 }
 
+TEST_CASE("a session that opens one more than there may be is not the one that goes",
+          "[daemon][service]") {
+  Pages bench;
+  const NewToken parent = bench.page(Pages::local());
+  bench.skew_ms = 1000;
+  // The parent is the first of these to expire.
+  std::vector<NewToken> others;
+  for (int k = 1; k < 32; ++k) others.push_back(bench.page(Pages::local()));
+  const Answer<NewToken> child = bench.open(bench.word(bench.who(parent.text).value()));
+  REQUIRE(child);
+  CHECK(bench.who(child->text));
+  CHECK(bench.who(parent.text));
+  CHECK_FALSE(bench.who(others.front().text));
+  CHECK(bench.sessions(Pages::local()).size() == 32);
+}
+
+TEST_CASE("sessions that come from one another are limited and none of them goes",
+          "[daemon][service]") {
+  Pages bench;
+  std::vector<NewToken> chain{bench.page(Pages::local())};
+  for (int k = 1; k < 32; ++k) chain.push_back(bench.page(chain.back()));
+  const Answer<NewToken> more = bench.open(bench.word(bench.who(chain.back().text).value()));
+  REQUIRE_FALSE(more);
+  CHECK(more.error().kind == ProblemKind::QueueFull);
+  CHECK(bench.who(chain.front().text));
+  CHECK(bench.who(chain.back().text));
+}
+
+TEST_CASE("a one-time code is used up only when its session is stored",
+          "[alone][daemon][service]") {
+  Pages bench;
+  const std::string word = bench.word(Pages::local());
+  const auto sql = [&](const char* text) {
+    bench.on([&](LiveService&) { bench.store().database().script(text); });
+  };
+  sql("CREATE TRIGGER no_session BEFORE INSERT ON session BEGIN SELECT raise(ABORT, 'no'); END");
+  CHECK_FALSE(bench.open(word));
+  sql("DROP TRIGGER no_session");
+  CHECK(bench.open(word));
+  CHECK_FALSE(bench.open(word));
+}
+
 }  // namespace service_access_test

@@ -639,4 +639,26 @@ TEST_CASE("a cancel reaches the knife also if its event is lost on the way", "[f
   CHECK(fleet.until([&] { return fleet.is(fleet.a, job, JobState::Cancelled); }));
 }
 
+TEST_CASE("a user whose role was taken away has none while the database is away", "[fleet]") {
+  NEEDS_POSTGRES();
+  Fleet fleet;
+  constexpr gid_t kGroup = 4343;
+  ServiceBench& bench = fleet.a.bench;
+  LocalUsers users;
+  users.groups[kGroup] = Role::Operator;
+  bench.on([&](LiveService& s) { s.retune({.users = users}); });
+  const Principal local{
+      .name = "uid:4242@a", .role = Role::Operator, .user = LocalUser{4242, {kGroup}}};
+  const std::string page = bench.on([&](LiveService& s) {
+    return s.access.open_session(s.access.create_one_shot(local).value()).value().text;
+  });
+  const auto who = [&] {
+    return bench.on([&](LiveService& s) { return s.access.authenticate(page); });
+  };
+  REQUIRE(who());
+  bench.on([](LiveService& s) { s.retune({}); });
+  fleet.a.partition();
+  CHECK_THROWS_AS(who(), StoreFault);
+}
+
 }  // namespace two_nodes_test
