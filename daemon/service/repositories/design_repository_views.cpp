@@ -126,12 +126,15 @@ void DesignRepository::picture(const Principal& who, const std::string& id, cons
   if (const auto bytes = std::filesystem::file_size(place, ignored); !ignored && bytes > 0)
     return read_aside(place, std::move(done));
   if (!previewer_) return done(no_previewer());
-  std::vector<PictureWanted>& waiting = drawing_[id];
-  waiting.push_back({name, std::move(done)});
-  if (waiting.size() > 1) return;
-  PreviewTask task{task_for(*design, PlanningTask::Kind::Picture), who.name};
-  previewer_->start(std::move(task), [this, id, post = post_,
-                                      folder = &store_.folder()](Answer<PlanningOutcome> outcome) {
+  const auto drawn = drawing_.find(id);
+  if (drawn != drawing_.end()) return drawn->second.push_back({name, std::move(done)});
+  // Later requests wait behind this one, so it waits only when its task has begun.
+  Answer<PreviewTask> task = store_.look([&]() -> Answer<PreviewTask> {
+    return PreviewTask{task_for(*design, PlanningTask::Kind::Picture), who.name};
+  });
+  if (!task) return done(tl::unexpected(task.error()));
+  previewer_->start(std::move(*task), [this, id, post = post_,
+                                       folder = &store_.folder()](Answer<PlanningOutcome> outcome) {
     // A design without a picture must not be tried again and again.
     if (!outcome && outcome.error().kind == ProblemKind::Validation) {
       outcome = PlanningOutcome{};
@@ -143,6 +146,7 @@ void DesignRepository::picture(const Principal& who, const std::string& id, cons
         (void)write_file(folder->at("previews/" + id + "." + file.name), file.bytes);
     post([this, id, made = std::move(outcome)] { pictures_made(id, made); });
   });
+  drawing_[id].push_back({name, std::move(done)});
 }
 
 void DesignRepository::pictures_made(const std::string& id,
