@@ -70,6 +70,10 @@ Answer<Job> CutDispatcher::act(const Principal& who, const std::string& id, std:
                                const ActionRequest& request) {
   const bool stops_knife =
       request.action == JobAction::Pause || request.action == JobAction::Cancel;
+  const struct Placed {
+    std::optional<Placing>& placing;
+    ~Placed() { placing.reset(); }
+  } placed{placing_};
   try {
     // Not const: it is moved out, since a copy of an Answer ends the program without memory.
     Answer<Job> done = parts_.store.change([&]() -> Answer<Job> {
@@ -257,10 +261,8 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
 }
 
 Answer<void> CutDispatcher::disarm(JobRow& row) {
-  parts_.jobs.attempts().disarm(row.id);
-  parts_.programs.forget(row.id);
+  parts_.jobs.disarm(row.id);
   parts_.jobs.take(row, Step::ToReady, "disarmed");
-  parts_.store.after_commit([this, id = row.id] { forget_arm(id); });
   return {};
 }
 
@@ -284,9 +286,17 @@ Answer<void> CutDispatcher::accept_warnings(JobRow& row, const ActionRequest& re
 
 bool CutDispatcher::knows_place(const JobRow& row, const std::string& device) const {
   if (row.segment == 1) return true;
+  const std::string session = parts_.devices.session_of(device);
+  if (placing_ && placing_->job == row.id) return placing_->session == session;
   const auto known = next_.find(row.id);
-  return known != next_.end() &&
-         waiting_of(known->second).placed_in == parts_.devices.session_of(device);
+  return known != next_.end() && waiting_of(known->second).placed_in == session;
+}
+
+std::optional<std::int64_t> CutDispatcher::arm_left_ms(const std::string& job) const {
+  const auto next = next_.find(job);
+  const auto* const armed = next == next_.end() ? nullptr : std::get_if<Armed>(&next->second);
+  if (armed == nullptr) return std::nullopt;
+  return armed->until_ms - parts_.store.monotonic();
 }
 
 Answer<void> CutDispatcher::check_place(const JobRow& row, const std::string& device) const {
@@ -452,10 +462,12 @@ Answer<void> CutDispatcher::cancel(const Principal& who, JobRow& row,
     parts_.jobs.save(row);
     return {};
   }
-  if (row.state == JobState::Armed) parts_.jobs.attempts().disarm(row.id);
-  parts_.programs.forget(row.id);
+  if (row.state == JobState::Armed) parts_.jobs.disarm(row.id);
   parts_.jobs.take(row, Step::ToCancelled, reason);
-  parts_.store.after_commit([this, plan = row.plan] { parts_.plans.abandon(plan); });
+  parts_.store.after_commit([this, id = row.id, plan = row.plan] {
+    next_.erase(id);
+    parts_.plans.abandon(plan);
+  });
   return {};
 }
 
@@ -489,7 +501,7 @@ Answer<void> CutDispatcher::retry(JobRow& row) {
   row.first_stroke = 0;
   row.paths_certain = row.paths_sent = 0;
   parts_.jobs.take(row, Step::ToReady, "retry");
-  next_.erase(row.id);
+  parts_.store.after_commit([this, id = row.id] { next_.erase(id); });
   return {};
 }
 
@@ -512,9 +524,8 @@ Answer<void> CutDispatcher::resume_from(JobRow& row, const ActionRequest& reques
   row.segment = last->segment + 1;
   row.first_stroke = *request.from_path;
   row.requested_device = last->device;
-  // At once, because the answer to this request says whether the place is known.
   const std::string session = parts_.devices.session_of(last->device);
-  waiting_of(next_[row.id]).placed_in = session;
+  placing_ = Placing{row.id, session};
   parts_.store.after_commit(
       [this, id = row.id, session, at = CutStart{row.segment, row.first_stroke}] {
         next_[id] = Waiting{.placed_in = session, .resume_at = at};
@@ -530,17 +541,16 @@ void CutDispatcher::lapse(const std::string& job, const std::string& reason) {
     // In a fleet it may be armed elsewhere by now.
     const auto arm = parts_.jobs.attempts().armed(job);
     if (arm && arm->node != parts_.store.node().name) return {};
-    parts_.jobs.attempts().disarm(job);
+    parts_.jobs.disarm(job);
     parts_.jobs.take(*row, step_of(row->state, JobEvent::ArmLapses), reason);
     return {};
   });
   // What could not be written is tried again. Until then `valid_arm` looks at the time itself.
-  if (!done) return;
-  forget_arm(job);
-  parts_.programs.forget(job);
+  if (done) forget_arm(job);
 }
 
 void CutDispatcher::forget_arm(const std::string& job) {
+  parts_.programs.forget(job);
   const auto found = next_.find(job);
   if (found == next_.end() || !std::holds_alternative<Armed>(found->second)) return;
   Waiting waiting = std::move(std::get<Armed>(found->second).waiting);
@@ -574,11 +584,8 @@ Answer<void> CutDispatcher::check_node(const std::string& device) const {
 }
 
 void CutDispatcher::forget_arms() {
-  for (auto& [job, next] : next_) {
-    if (!std::holds_alternative<Armed>(next)) continue;
-    parts_.programs.forget(job);
-    forget_arm(job);
-  }
+  for (auto& [job, next] : next_)
+    if (std::holds_alternative<Armed>(next)) forget_arm(job);
 }
 
 }  // namespace popcut::daemon

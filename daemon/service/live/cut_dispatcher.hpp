@@ -45,6 +45,8 @@ class CutDispatcher : public Cutting {
   /// Whether the sheet is still where it was registered. This knowledge ends with the session of
   /// its device, and with popcutd.
   [[nodiscard]] bool knows_place(const JobRow& row, const std::string& device) const;
+  /// For how long START is possible; nothing if the job was not armed here.
+  [[nodiscard]] std::optional<std::int64_t> arm_left_ms(const std::string& job) const;
   /// Complete requests that are possible now, those nearest to `wanted` (or nullptr) first.
   [[nodiscard]] std::vector<NextAction> next_actions(const JobRow& stored,
                                                      const ActionRequest* wanted = nullptr);
@@ -52,6 +54,8 @@ class CutDispatcher : public Cutting {
   void tick();
   /// Disarms the sheets that were armed in these devices.
   void devices_gone(const std::vector<std::string>& devices);
+  /// Forgets that the sheet of a job was armed here.
+  void forget_arm(const std::string& job);
   /// In a fleet, when the node begins again: nothing is armed any more.
   void forget_arms();
 
@@ -100,8 +104,12 @@ class CutDispatcher : public Cutting {
   [[nodiscard]] static NextAction arm_action(const JobRow& row, const std::string& device);
   /// Disarms a job for another reason than a request. What could not be written is tried again.
   void lapse(const std::string& job, const std::string& reason);
-  /// Forgets that the sheet of a job was armed here.
-  void forget_arm(const std::string& job);
+  /// The session of a device in which a sheet is registered by the request that is answered now:
+  /// its answer says whether the place is known. `next_` has it after the commit.
+  struct Placing {
+    std::string job, session;
+  };
+  std::optional<Placing> placing_{};
 
   Parts parts_;
   std::map<std::string, NextCut> next_{};  ///< by job

@@ -105,6 +105,8 @@ struct Parts {
       return cut == nullptr ? nullptr : &cut->live;
     };
     jobs.next_actions = [this](const JobRow& row) { return dispatcher.next_actions(row); };
+    jobs.disarmed = [this](const std::string& job) { dispatcher.forget_arm(job); };
+    jobs.arm_left_ms = [this](const std::string& job) { return dispatcher.arm_left_ms(job); };
     jobs.knows_place = [this](const JobRow& row) {
       return dispatcher.knows_place(row, row.requested_device);
     };

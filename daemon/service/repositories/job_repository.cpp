@@ -319,6 +319,13 @@ void JobRepository::take(JobRow& row, Step step, const std::string& reason) {
       break;
   }
   save(row);
+void JobRepository::disarm(const std::string& job) {
+  attempts_.disarm(job);
+  parts_.store.after_commit([this, job] {
+    if (disarmed) disarmed(job);
+  });
+}
+
 }
 
 void JobRepository::take_left(JobRow& row, Step step, const std::string& reason) {
@@ -520,7 +527,7 @@ Answer<Job> JobRepository::hold(const Principal& who, const std::string& id, boo
     if (row->held == held) return shown(*row);
     row->held = held;
     if (held && row->state == JobState::Armed) {
-      attempts_.disarm(id);
+      disarm(id);
       take(*row, Step::ToReady, "held");
     } else {
       save(*row);

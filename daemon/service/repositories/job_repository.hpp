@@ -83,6 +83,8 @@ class JobRepository : public Jobs {
   void take(JobRow& row, Step step, const std::string& reason);
   /// The same after a cut ended by itself. In a fleet, a job that a person cancelled meanwhile is
   /// cancelled.
+  /// Deletes the arm of a job. The row still needs its step.
+  void disarm(const std::string& job);
   void take_left(JobRow& row, Step step, const std::string& reason);
   /// Writes the row without a step, with its event.
   void save(JobRow& row);
@@ -124,6 +126,10 @@ class JobRepository : public Jobs {
   std::function<std::vector<NextAction>(const JobRow&)> next_actions{};
   /// The same, each with the id of the job, for a problem about another job.
   [[nodiscard]] std::vector<NextAction> next_actions_of(const JobRow& row) const;
+  /// Called after a commit that disarmed a job.
+  std::function<void(const std::string& job)> disarmed{};
+  /// For how long the arm of a job still holds; nothing if it was not armed at this node.
+  std::function<std::optional<std::int64_t>(const std::string& job)> arm_left_ms{};
   /// Whether the sheet with which a job continues is still where it was registered.
   std::function<bool(const JobRow&)> knows_place{};
 

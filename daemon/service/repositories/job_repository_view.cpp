@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 
 #include <fmt/format.h>
@@ -8,6 +9,8 @@
 
 namespace popcut::daemon {
 namespace {
+
+constexpr std::int64_t kClocksDiffer_ms = 1000;
 
 Problem bad_cursor() {
   return invalid_value("?cursor", "format", "must be the next_cursor of the previous page",
@@ -92,7 +95,12 @@ std::optional<TimeMs> JobRepository::armed_until(const JobRow& row) const {
   if (row.state != JobState::Armed) return std::nullopt;
   const auto arm = const_cast<JobRepository*>(this)->attempts_.armed(row.id);
   if (!arm) return std::nullopt;
-  return arm->armed + parts_.options.arm_s * 1000;
+  const TimeMs until = arm->armed + parts_.options.arm_s * 1000;
+  // The arm lapses by the monotonic clock. Only a wall clock that was put right differs from it.
+  const bool is_here = arm_left_ms && arm->node == parts_.store.node().name;
+  const auto left_ms = is_here ? arm_left_ms(row.id) : std::nullopt;
+  const TimeMs here = parts_.store.now() + left_ms.value_or(0);
+  return left_ms && std::abs(here - until) > kClocksDiffer_ms ? here : until;
 }
 
 // The stored warnings, and those that depend on the present devices.

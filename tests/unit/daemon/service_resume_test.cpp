@@ -239,4 +239,30 @@ TEST_CASE("a refused action names complete requests and each of them passes", "[
   }
 }
 
+TEST_CASE("an action that could not be stored changes nothing of what is known of the sheet",
+          "[alone][daemon][service]") {
+  ServiceBench bench;
+  const Job lost = broken(bench);
+  REQUIRE(bench.act(lost.id, from_path_2("kept")));
+  const auto unstored = [&](const ActionRequest& request) {
+    const auto sql = [&](const char* text) {
+      bench.on([&](LiveService&) { bench.store().database().script(text); });
+    };
+    sql("CREATE TRIGGER no_audit BEFORE INSERT ON audit BEGIN SELECT raise(ABORT, 'no'); END");
+    CHECK_FALSE(bench.act(lost.id, request));
+    sql("DROP TRIGGER no_audit");
+  };
+  SECTION("a retry that was not stored leaves the sheet in its place") {
+    unstored({.action = JobAction::RetrySheet});
+    CHECK(bench.act(lost.id, JobAction::Arm));
+  }
+  SECTION("a sheet that was not registered again has no place") {
+    replug(bench);
+    unstored(from_path_2("re-registered"));
+    const auto refused = bench.act(lost.id, JobAction::Arm);
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().detail.find("align the sheet again") != std::string::npos);
+  }
+}
+
 }  // namespace service_resume_test

@@ -188,4 +188,16 @@ TEST_CASE("the machines that sheets can be planned for include those of users' t
   CHECK(has("none"));
 }
 
+TEST_CASE("until when a job is armed follows a clock that was put right",
+          "[daemon][service][view]") {
+  Heard bench;
+  const Job ready = bench.ready_job();
+  REQUIRE(bench.act(ready.id, JobAction::Arm));
+  bench.skew_ms += 3'600'000;
+  const Job armed = shown(bench, ready);
+  REQUIRE(armed.armed_until);
+  CHECK(*armed.armed_until > bench.options.wall_ms());
+  CHECK(*armed.armed_until <= bench.options.wall_ms() + bench.options.arm_s * 1000);
+}
+
 }  // namespace service_view_test
