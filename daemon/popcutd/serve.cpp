@@ -396,7 +396,8 @@ std::string reached_at(const Config& config) {
 }
 
 std::optional<StartFailure> Daemon::open_service() {
-  thread_ = std::make_unique<ServiceThread>();
+  thread_ =
+      std::make_unique<ServiceThread>([log = log_](const std::string& line) { log->error(line); });
   ServiceOptions options;
   options.queue_jobs = config_.queue_jobs;
   options.jobs_each = config_.jobs_each;

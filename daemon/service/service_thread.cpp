@@ -9,7 +9,8 @@
 #include <new>
 #include <thread>
 #include <utility>
-#include <vector>
+
+#include <fmt/format.h>
 
 namespace popcut::daemon {
 
@@ -19,29 +20,61 @@ struct ServiceThread::State {
   struct Periodic {
     Clock::time_point next;
     std::chrono::milliseconds period;
-    std::shared_ptr<std::function<void()>> work;
+    std::function<void()> work;
+    bool is_queued{false};
   };
 
   mutable std::mutex mutex;
   std::condition_variable wake;
   std::deque<std::function<void()>> cutting, urgent, asking;
-  std::vector<Periodic> periodic;
+  std::deque<Periodic> periodic;  // a deque, because queued work refers to its elements
+  std::function<void(const std::string&)> log;
   Turns of_cutting, of_asking;
   bool ending{false};
   std::thread thread;
 
-  // Queues the periodic work whose time has come, and returns the time of the next.
+  // Queues the periodic work whose time has come, and returns the time of the next. Work that still
+  // waits is not queued again.
   Clock::time_point queue_due() {
     const Clock::time_point now = Clock::now();
     Clock::time_point next = now + std::chrono::hours(1);
     for (Periodic& one : periodic) {
       if (one.next <= now && !ending) {
-        asking.emplace_back([work = one.work] { (*work)(); });
         one.next = now + one.period;
+        if (!one.is_queued) try_to([&] { queue(one); });
       }
       next = std::min(next, one.next);
     }
     return next;
+  }
+
+  void queue(Periodic& one) {
+    asking.emplace_back([this, &one] {
+      {
+        const std::lock_guard lock(mutex);
+        one.is_queued = false;
+      }
+      one.work();
+    });
+    one.is_queued = true;
+  }
+
+  // Nobody waits for this work (`run` passes faults to its caller), and cuts must continue.
+  template <typename Work>
+  void try_to(const Work& work) const {
+    try {
+      work();
+    } catch (const std::exception& fault) {
+      try {
+        if (log) log(fmt::format("work of the service failed: {}", fault.what()));
+      } catch (...) {  // not even memory to say so
+      }
+    } catch (...) {
+      try {
+        if (log) log("work of the service failed");
+      } catch (...) {
+      }
+    }
   }
 
   // Takes the lock again.
@@ -71,18 +104,16 @@ struct ServiceThread::State {
       lane.pop_front();
       lock.unlock();
       const TurnClock clock;
-      try {
-        work();
-        work = {};  // destroys what it holds in this turn, too
-      } catch (...) {
-        // Nobody waits for this work (`run` passes faults to its caller), and cuts must continue.
-      }
+      try_to(work);
+      work = {};  // destroys what it holds in this turn, too
       note(is_asking ? of_asking : of_cutting, clock, lock);
     }
   }
 };
 
-ServiceThread::ServiceThread() : state_(std::make_unique<State>()) {
+ServiceThread::ServiceThread(std::function<void(const std::string&)> log)
+    : state_(std::make_unique<State>()) {
+  state_->log = std::move(log);
   state_->thread = std::thread([this] { state_->loop(); });
 }
 
@@ -147,8 +178,7 @@ void ServiceThread::every(int period_ms, std::function<void()> work) {
   const std::chrono::milliseconds period(period_ms);
   {
     const std::lock_guard lock(state_->mutex);
-    state_->periodic.push_back(
-        {Clock::now() + period, period, std::make_shared<std::function<void()>>(std::move(work))});
+    state_->periodic.push_back({Clock::now() + period, period, std::move(work)});
   }
   state_->wake.notify_one();
 }

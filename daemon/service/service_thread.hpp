@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "daemon/model/turns.hpp"
@@ -16,7 +17,8 @@ class ServiceThread {
  public:
   enum class Lane { Cutting, Urgent, Asking };
 
-  ServiceThread();
+  /// @param log  gets a line for each exception that posted work throws; from the thread
+  explicit ServiceThread(std::function<void(const std::string&)> log = {});
   /// Runs what is queued, then ends.
   ~ServiceThread();
   ServiceThread(const ServiceThread&) = delete;
@@ -27,11 +29,11 @@ class ServiceThread {
   /// @return false  the thread is ending and will not run it
   bool post(Lane lane, std::function<void()> work);
   /// Runs `work` there and waits for it; what it throws is thrown here. From the thread itself it
-  /// runs at once. (What is thrown by posted work is dropped.)
+  /// runs at once. (What is thrown by posted work is logged.)
   bool run(Lane lane, const std::function<void()>& work);
   /// How much work waits in all lanes.
   [[nodiscard]] std::size_t waiting() const;
-  /// Runs `work` every `period_ms` in the lane Asking.
+  /// Runs `work` every `period_ms` in the lane Asking. It never waits there twice.
   void every(int period_ms, std::function<void()> work);
   void stop();
   /// How long the turns of each lane took so far (Urgent counts as Asking). Everything else waits

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "daemon/service/aside.hpp"
 #include "tests/support/service_bench.hpp"
 
 namespace service_upkeep_test {
@@ -296,6 +297,33 @@ TEST_CASE("requests of a running cut precede those of people", "[daemon][service
   CHECK(ticks > 2);
   CHECK_FALSE(thread.post(ServiceThread::Lane::Cutting, [] {}));
   CHECK_FALSE(thread.run(ServiceThread::Lane::Cutting, [] {}));
+}
+
+TEST_CASE("periodic work waits once however long the thread is busy", "[daemon][service]") {
+  ServiceThread thread;
+  std::mutex gate;
+  gate.lock();
+  thread.post(ServiceThread::Lane::Asking, [&] { const std::lock_guard wait(gate); });
+  for (int i = 0; i < 20; ++i)
+    thread.post(ServiceThread::Lane::Asking,
+                [] { std::this_thread::sleep_for(std::chrono::milliseconds(2)); });
+  std::size_t waiting = 100;
+  thread.post(ServiceThread::Lane::Asking, [&] { waiting = thread.waiting(); });
+  thread.every(1, [] {});
+  gate.unlock();
+  thread.run(ServiceThread::Lane::Asking, [] {});
+  thread.stop();
+  CHECK(waiting <= 2);  // the periodic work, and the work that was waited for
+}
+
+TEST_CASE("work of the service that fails is logged and the next runs", "[daemon][service]") {
+  std::vector<std::string> lines;
+  ServiceThread thread([&](const std::string& line) { lines.push_back(line); });
+  thread.post(ServiceThread::Lane::Asking, [] { throw std::runtime_error("no room for it"); });
+  CHECK(thread.run(ServiceThread::Lane::Asking, [] {}));
+  thread.stop();
+  REQUIRE(lines.size() == 1);
+  CHECK(lines.front().find("no room for it") != std::string::npos);
 }
 
 }  // namespace service_upkeep_test
