@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/service/aside.hpp"
 
+#include <cerrno>
 #include <condition_variable>
 #include <cstdint>
 #include <cstdio>
@@ -8,6 +9,7 @@
 #include <exception>
 #include <filesystem>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -53,7 +55,8 @@ struct Aside::State {
   std::thread own;
 };
 
-Aside::Aside(ServiceThread& thread) : state_(std::make_unique<State>(thread)) {
+Aside::Aside(ServiceThread& thread, std::function<void(const std::string&)> log)
+    : state_(std::make_unique<State>(thread)), log_(std::move(log)) {
   state_->own = std::thread([state = state_.get()] { state->loop(); });
 }
 
@@ -79,7 +82,11 @@ void Aside::remove(const std::string& path) {
   const std::string gone = (place.parent_path() / fmt::format(".new-gone-{}-{}", ++state_->removed,
                                                               place.filename().string()))
                                .string();
-  if (std::rename(path.c_str(), gone.c_str()) != 0) return;  // it is not there
+  if (std::rename(path.c_str(), gone.c_str()) != 0) {
+    if (errno != ENOENT && log_)
+      log_(fmt::format("{} cannot be removed: {}", path, std::generic_category().message(errno)));
+    return;
+  }
   run([gone] { remove_tree(gone); });
 }
 

@@ -13,7 +13,8 @@ namespace popcut::daemon {
 /// remove files, or to check a copy of the database. One task after another.
 class Aside {
  public:
-  explicit Aside(ServiceThread& thread);
+  /// @param log  gets a line for what cannot be removed
+  explicit Aside(ServiceThread& thread, std::function<void(const std::string&)> log = {});
   /// Waits for the task that runs, and drops the rest.
   ~Aside();
   Aside(const Aside&) = delete;
@@ -29,6 +30,7 @@ class Aside {
  private:
   struct State;
   std::unique_ptr<State> state_;
+  std::function<void(const std::string&)> log_;
 };
 
 }  // namespace popcut::daemon

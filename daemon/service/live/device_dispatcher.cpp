@@ -107,7 +107,6 @@ Answer<void> DeviceDispatcher::take(const Principal& who, const DeviceRecord& de
 // A reset waits for the device, so it has its own thread.
 void DeviceDispatcher::reset(const std::string& id) {
   if (reset_thread_.joinable()) reset_thread_.join();
-  resetting_ = true;
   reset_thread_ = std::thread([this, id, post = parts_.post, cutters = &parts_.cutters] {
     const Result<void> done = cutters->reset(id);
     post([this, id, done] {
@@ -124,5 +123,6 @@ void DeviceDispatcher::reset(const std::string& id) {
     });
   });
 }
+  resetting_ = true;  // now that there is a thread that ends it
 
 }  // namespace popcut::daemon

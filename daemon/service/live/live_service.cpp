@@ -68,7 +68,7 @@ struct Parts {
         tokens(store, titles, options),
         registry(store, cutters, options),
         materials(store, options),
-        chores(thread),
+        chores(thread, [this](const std::string& line) { store.log(line); }),
         reading(thread),
         designs(store, post, planner, options.previewer, chores),
         plans({store, post, planner, chores, designs, materials, registry, options}),
@@ -217,6 +217,7 @@ class AssembledService final : private PartsHolder, public Operations, public Li
   void after_remote_events();
   void prune();
   [[nodiscard]] Answer<void> may_copy(const Principal& who) const;
+  [[nodiscard]] Answer<void> check_idle() const;
   void in_slices(const char* name, const std::function<Answer<bool>()>& step,
                  const std::function<void(const Answer<bool>&)>& done);
   void copy(const std::string& path, std::function<Answer<std::string>()> finish,
@@ -439,13 +440,16 @@ Answer<void> AssembledService::may_copy(const Principal& who) const {
     return refuse(ProblemKind::StateConflict,
                   "the database is a PostgreSQL that all nodes share; back it up with PostgreSQL's "
                   "own tools: docs/fleet.md says how");
-  // The copy takes disk space that the journal of a cut may need.
-  if (parts_.cuts.any())
-    return refuse(ProblemKind::StateConflict,
-                  "a sheet is being cut; try again when it is finished");
+  if (const auto free = check_idle(); !free) return free;
   if (copying_)
     return refuse(ProblemKind::StateConflict, "another backup or check is running; try again");
   return {};
+}
+
+// A copy takes disk space that the journal of a cut may need.
+Answer<void> AssembledService::check_idle() const {
+  if (!parts_.cuts.any()) return {};
+  return refuse(ProblemKind::StateConflict, "a sheet is being cut; try again when it is finished");
 }
 
 // Copies the database to `path` in slices, then runs `finish` on another thread; `done` gets its
@@ -462,13 +466,16 @@ void AssembledService::copy(const std::string& path, std::function<Answer<std::s
   copying_ = true;
   in_slices(
       "pages of a copy",
-      [this, copy] {
+      [this, copy]() -> Answer<bool> {
+        if (const auto free = check_idle(); !free) return tl::unexpected(free.error());
         // A fault of the disk of the copy is not a fault of the database.
         try {
-          return Answer<bool>((*copy)->step(kPagesAtOnce));
+          return (*copy)->step(kPagesAtOnce);
         } catch (const StoreFault& fault) {
           if (fault.kind() == FaultKind::Corrupt) parts_.store.note(fault);
-          return Answer<bool>(tl::unexpected(parts_.store.problem_of(fault)));
+          return tl::unexpected(parts_.store.problem_of(fault));
+        } catch (const std::bad_alloc&) {
+          return refuse(ProblemKind::Unavailable, "out of memory");
         }
       },
       [this, copy, path, finish = std::move(finish),

@@ -316,6 +316,27 @@ TEST_CASE("periodic work waits once however long the thread is busy", "[daemon][
   CHECK(waiting <= 2);  // the periodic work, and the work that was waited for
 }
 
+TEST_CASE("a backup ends when a sheet begins to be cut", "[alone][daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  REQUIRE(bench.act(ready.id, JobAction::Arm));
+  bench.on([&](LiveService&) {
+    bench.store().database().script(
+        "INSERT INTO audit(time, principal, action, subject, detail) "
+        "VALUES(0, '', 'large', '', hex(zeroblob(3000000)))");
+  });
+  const Answer<std::string> made = bench.told<std::string>([&](LiveService& s, auto done) {
+    s.operations.backup(bench.admin, done);
+    const Job armed = s.jobs.find(ready.id).value();
+    REQUIRE(s.cutting.act(bench.tutor, ready.id, armed.rev, {.action = JobAction::Start}));
+  });
+  REQUIRE_FALSE(made);
+  CHECK(made.error().kind == ProblemKind::StateConflict);
+  CHECK(std::filesystem::is_empty(bench.folder() + "/backups"));
+  bench.cutters.complete(bench.device);
+  CHECK(bench.backup(bench.admin));
+}
+
 TEST_CASE("work of the service that fails is logged and the next runs", "[daemon][service]") {
   std::vector<std::string> lines;
   ServiceThread thread([&](const std::string& line) { lines.push_back(line); });
@@ -324,6 +345,19 @@ TEST_CASE("work of the service that fails is logged and the next runs", "[daemon
   thread.stop();
   REQUIRE(lines.size() == 1);
   CHECK(lines.front().find("no room for it") != std::string::npos);
+}
+
+TEST_CASE("what cannot be removed is logged and what is not there is not", "[daemon][service]") {
+  testing::TempFolder folder;
+  write_text((folder / "file").string(), "");
+  ServiceThread thread;
+  std::vector<std::string> lines;
+  Aside aside(thread, [&](const std::string& line) { lines.push_back(line); });
+  aside.remove((folder / "absent").string());
+  CHECK(lines.empty());
+  aside.remove((folder / "file" / "inside").string());
+  REQUIRE(lines.size() == 1);
+  CHECK(lines.front().find("inside cannot be removed: Not a directory") != std::string::npos);
 }
 
 }  // namespace service_upkeep_test
