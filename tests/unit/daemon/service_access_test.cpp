@@ -440,4 +440,35 @@ TEST_CASE("a one-time code is used up only when its session is stored",
   CHECK_FALSE(bench.open(word));
 }
 
+TEST_CASE("keys of requests move with the clock or not at all", "[alone][daemon][service][clock]") {
+  Pages bench;
+  bench.on([&](LiveService& s) {
+    REQUIRE(s.operations.once(bench.tutor, {"key-0123456789abcdef", "same"},
+                              [] { return Rendered{.status = 201, .body = "made"}; }));
+  });
+  bench.tick();
+  const auto expires = [&] {
+    return bench.on([&](LiveService&) {
+      return bench.store().database().number("SELECT max(expires) FROM idem");
+    });
+  };
+  const auto sql = [&](const char* text) {
+    bench.on([&](LiveService&) { bench.store().database().script(text); });
+  };
+  const std::int64_t before = expires();
+  sql("CREATE TRIGGER no_clock BEFORE INSERT ON calendar BEGIN SELECT raise(ABORT, 'no'); END");
+  bench.skew_ms = kYear_ms;
+  for (int hour = 0; hour < 26; ++hour) {
+    bench.monotonic_skew_ms += kHour_ms;
+    bench.skew_ms += kHour_ms;
+    bench.tick();
+  }
+  CHECK(expires() == before);
+  sql("DROP TRIGGER no_clock");
+  bench.tick();
+  const std::int64_t moved = expires() - before;
+  CHECK(moved > kYear_ms - kHour_ms);
+  CHECK(moved < kYear_ms + kHour_ms);
+}
+
 }  // namespace service_access_test
