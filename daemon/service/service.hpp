@@ -71,15 +71,15 @@ class Designs {
   virtual void add(const Principal&, Upload, std::string media_type, std::string name,
                    std::function<void(Answer<Design>)> done) = 0;
   [[nodiscard]] virtual Answer<Asset> add_asset(const Principal&, const Upload&) = 0;
-  /// As with `find`, what belongs to several shows to each of them their own name.
+  /// If an asset has several owners, each owner sees the name they gave it.
   [[nodiscard]] virtual Page<Asset> assets(const Principal&, const PageRequest&) = 0;
-  /// An owner lets it go; it is removed when nobody owns it any more. An operator who owns none of
-  /// it removes it for all.
+  /// If you own the asset, this ends your ownership. The asset is deleted with its last owner. If
+  /// you are an operator and not an owner, this deletes it for everyone.
   ///
   /// @retval StateConflict  designs of theirs refer to it, and are named
   [[nodiscard]] virtual Answer<void> remove_asset(const Principal&, const std::string& id) = 0;
   [[nodiscard]] virtual Page<Design> list(const Principal&, const PageRequest&) = 0;
-  /// Its name, owner and time are those of this principal if they own it, else of its first owner.
+  /// An owner sees their own name and time for it. Everyone else sees those of the first owner.
   [[nodiscard]] virtual Answer<Design> find(const Principal&, const std::string& id) = 0;
   /// Path of the stored bytes.
   [[nodiscard]] virtual Answer<std::string> content(const std::string& id) = 0;
@@ -91,10 +91,10 @@ class Designs {
   virtual void preview(const Principal&, const std::string& id,
                        std::function<void(Answer<std::string>)> done) = 0;
 
-  // What somebody waits for at a screen. It is not stored. `done` is called once, on any thread,
-  // and with Unavailable if it is cancelled.
+  // Views for a waiting client. They are not stored. `done` is called once, on any thread. It gets
+  // Unavailable if the view is cancelled.
 
-  /// Cancels what nobody waits for any more. From any thread, at any time.
+  /// Cancels a view. Call it from any thread, at any time.
   using CallOff = std::function<void()>;
   using Shown = std::function<void(Answer<std::string>)>;
   /// The lattice blob of a spec (core/formats/lattice).
@@ -121,8 +121,8 @@ class Designs {
   ///                 unit
   virtual CallOff lattice(const Principal&, const std::string& id,
                           const std::map<std::string, std::string>& reading, Shown done) = 0;
-  /// A part for ETags that changes with the material that a stored spec names: "-" and a few
-  /// digits; empty for other designs.
+  /// A suffix for ETags. It changes when the row of the spec's material changes. Empty for other
+  /// designs.
   [[nodiscard]] virtual std::string material_mark(const std::string& id) = 0;
 };
 
@@ -138,8 +138,9 @@ class Plans {
   [[nodiscard]] virtual Answer<PlanRecord> find(const std::string& id) = 0;
   /// With all its sheets, read in several turns; `done` is called on the service's thread.
   virtual void whole(const std::string& id, std::function<void(Answer<PlanRecord>)> done) = 0;
-  /// Cancels a plan that is not made yet; removes one that is made, with its files: for all who
-  /// asked for it if an operator who did not, else when the last of them lets it go.
+  /// If you own the plan, this ends your ownership. With its last owner the plan is deleted, or
+  /// cancelled if it is not made yet. If you are an operator and not an owner, this happens for
+  /// everyone.
   ///
   /// @retval StateConflict  a job of theirs uses this plan
   /// @retval Forbidden      only others asked for it
@@ -159,8 +160,9 @@ class Plans {
   /// @retval Validation     the model cannot be read; artwork is too near to a mark
   virtual Designs::CallOff artwork(const Principal&, const std::string& id, int sheet,
                                    const ArtworkRequest&, Designs::Shown done) = 0;
-  /// The sheets of a design for a way of making it (`planning::make_ways`), or what a drawing asks
-  /// ("drawing"), as the JSON of `planning::make_sheets`. Nothing is stored (see `Designs`).
+  /// Makes the sheets of a design in one way (`planning::make_ways`), without storing them. If
+  /// `way` is "drawing", returns the questions about the drawing instead. The answer is the JSON of
+  /// `planning::make_sheets`.
   ///
   /// @retval NotFound    there is no such design
   /// @retval Validation  as for `request`; the drawing has to be explained first (`Problem::asks`)
@@ -187,8 +189,8 @@ class Searches {
   ///
   /// @retval Forbidden  it is someone else's
   [[nodiscard]] virtual Answer<void> remove(const Principal&, const std::string& id) = 0;
-  /// Path of the picture of a card (PNG): printed, from in front and from aside; of a book or of
-  /// bare paper, beside the model.
+  /// Path of a card's PNG. A printed card is shown from the front and from the side. A book or a
+  /// bare card is shown beside the model.
   ///
   /// @param card  from 1
   /// @retval NotFound, StateConflict

@@ -35,7 +35,7 @@ class ServiceStore {
   [[nodiscard]] const std::string& invocation() const { return options_.invocation; }
   /// Whether other popcutd share the database.
   [[nodiscard]] bool in_fleet() const { return store_.file() == nullptr; }
-  /// The files that all of them need. Without a fleet nothing is shared, and every file is here.
+  /// The files that all nodes share. Without a fleet, every file is already here.
   [[nodiscard]] SharedFiles& files();
   /// Fetches a file that another node has into the state folder.
   ///
@@ -44,7 +44,7 @@ class ServiceStore {
   /// Which node of the fleet this is; changed by `NodeLease`.
   [[nodiscard]] const NodeMark& node() const { return node_; }
   [[nodiscard]] NodeMark& node() { return node_; }
-  /// Takes note of the fence of a START.
+  /// Keeps the largest fence seen. A fence is a number that grows with each START in a fleet.
   void fenced(std::int64_t fence) { node_.fence = std::max(node_.fence, fence); }
   [[nodiscard]] std::string new_id() { return new_id(now()); }
   /// For a row that was made at `created`: lists look for it by the time in its id.
@@ -54,7 +54,8 @@ class ServiceStore {
   /// rolls it back. On a full disk this frees the reserve and runs `effect` once more. If another
   /// node of a fleet changed the same rows, it runs `effect` a few times more.
   ///
-  /// Inside another transaction it is a part of that one, which also gets the faults.
+  /// Inside an outer transaction, `effect` joins it. A StoreFault is then thrown to the outer
+  /// caller.
   template <typename Effect>
   auto change(const Effect& effect) -> decltype(effect()) {
     const bool nested = db().in_transaction();
@@ -111,12 +112,12 @@ class ServiceStore {
   void deliver_new_events();
   /// Called also for each event of another node.
   std::function<void(const Event&)> on_remote_event{};
-  /// Called once after a number of these.
+  /// Called once after each batch of remote events.
   std::function<void()> after_remote_events{};
   /// The last event that was published here.
   [[nodiscard]] std::int64_t last_delivered() const { return last_delivered_; }
-  /// Begins to publish with the next event that is stored. When called again, it goes on after the
-  /// last published event, unless the database went back to an earlier one.
+  /// The first call starts after the newest stored event. Later calls continue after the last
+  /// published event. If the database lost that event, they start after the newest one.
   void begin_delivery();
   void listen(std::function<void(const Event&)> listener) {
     listeners_.push_back(std::move(listener));
@@ -166,9 +167,9 @@ class ServiceStore {
   static constexpr std::int64_t kMostTrying_ms = 1000;
   [[nodiscard]] bool was_overtaken(const StoreFault& fault) const;
   void store_events();
-  void number_events();
   /// Logs what `work` throws.
   void try_to(const std::function<void()>& work) const;
+  void number_events();
   void follow_up();
   void degrade(const std::string& why);
   [[nodiscard]] Problem degraded_problem() const;
@@ -190,7 +191,5 @@ class ServiceStore {
   bool full_{false};
   Figures figures_;
 };
-
-/// `text` as a JSON string with its quotes.
 
 }  // namespace popcut::daemon

@@ -86,7 +86,8 @@ Answer<void> DeviceDispatcher::take(const Principal& who, const DeviceRecord& de
       return tl::unexpected(std::move(busy));
     }
     if (resetting_)
-      return refuse(ProblemKind::StateConflict, "another reset is running; send it again then");
+      return refuse(ProblemKind::StateConflict,
+                    "another reset is running; try again when it has ended");
     parts_.store.after_commit([this, id] { reset(id); });
   } else if (request.action == "test-cut") {
     if (const auto there = parts_.devices.usable(id); !there) {
@@ -122,7 +123,7 @@ void DeviceDispatcher::reset(const std::string& id) {
       look();
     });
   });
-}
   resetting_ = true;  // now that there is a thread that ends it
+}
 
 }  // namespace popcut::daemon

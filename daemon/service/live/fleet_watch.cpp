@@ -33,7 +33,7 @@ Answer<void> FleetWatch::begin() {
   return {};
 }
 
-// Whether the lease that is in the way is one of this node's own. Then it only waits for its end.
+// Whether the blocking lease is from an earlier run of this node. If so, wait until it expires.
 bool FleetWatch::has_own_life() const {
   try {
     return lease_.is_own_life();

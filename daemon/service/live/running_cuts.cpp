@@ -593,8 +593,8 @@ Answer<void> RunningCuts::record_end(const Ended& ended) {
   return {};
 }
 
-// The record of its strokes is true all the same. A database that went back so far that it does not
-// know the job has no place for it; the journal stays.
+// Stores the strokes even though the job has moved on. If the restored database lacks the attempt,
+// only the journal keeps them.
 void RunningCuts::record_superseded(const Ended& ended) {
   const AttemptRow& attempt = ended.cut->attempt;
   const SessionEnd& end = ended.end;

@@ -61,12 +61,12 @@ class RunningCuts {
 
   /// Why nothing may be armed or started now; set by `FleetWatch`.
   std::function<Answer<void>()> may_cut = [] { return Answer<void>(); };
-  /// Resumes the record of cuts that another node called lost, and stops those of which a person
-  /// has decided otherwise meanwhile.
+  /// Takes back cuts that another node called lost. Stops a cut if a person has since changed its
+  /// job.
   void reclaim();
   /// Revokes a START of this run that the database has and did not confirm. The knife never moved.
   ///
-  /// @return false  this is no such START; its journal says what was sent
+  /// @return false  the START was not revoked, because its journal decides
   [[nodiscard]] bool revoke_start(const AttemptRow& attempt);
   /// Does what the database says another node was asked: pause or cancel.
   void apply_remote_request(const std::string& job);

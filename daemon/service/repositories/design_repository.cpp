@@ -14,7 +14,7 @@
 namespace popcut::daemon {
 namespace {
 
-// As the owner sees it whose name is the first parameter, if they are one.
+// ?1 is a principal. If they own the row, it shows their name and time.
 constexpr std::string_view kSelectDesign =
     "SELECT design.id, coalesce(own.name, design.name), design.kind, coalesce(own.owner, "
     "design.owner), bytes, coalesce(own.created, design.created), assets, media_type FROM design "

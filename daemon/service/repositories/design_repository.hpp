@@ -41,7 +41,7 @@ class DesignRepository : public Designs {
   Answer<void> remove_asset(const Principal& who, const std::string& id) override;
   Page<Design> list(const Principal& who, const PageRequest& request) override;
   Answer<Design> find(const Principal& who, const std::string& id) override;
-  /// As it is for those who do not own it.
+  /// The design as a non-owner sees it.
   [[nodiscard]] Answer<Design> find(const std::string& id);
   Answer<std::string> content(const std::string& id) override;
   /// As `find`; also fetches its file and its assets into the state folder if another node has
@@ -71,7 +71,8 @@ class DesignRepository : public Designs {
   [[nodiscard]] Answer<std::string> asset_place(const std::string& id);
   /// The planner's task for a stored design: its bytes, kind and assets.
   [[nodiscard]] PlanningTask task_for(const Design& design, PlanningTask::Kind kind);
-  /// Makes `who` an owner of a design and of its assets, in a transaction. True: they were not.
+  /// Makes `who` an owner of a design and of its assets, in a transaction. Returns true if `who`
+  /// was not an owner before.
   bool own(const Principal& who, const Design& design, const std::string& name);
   /// The same of an asset.
   bool own_asset(const Principal& who, const std::string& id, const std::string& name);
@@ -92,7 +93,7 @@ class DesignRepository : public Designs {
   [[nodiscard]] Answer<Design> store(const Principal& who, const Upload& upload,
                                      const std::string& media_type, const std::string& name,
                                      const PlanningOutcome& outcome);
-  /// As it is for `owner`, if they own it.
+  /// The row with `owner`'s own name and time, if they are an owner.
   [[nodiscard]] std::optional<Design> row(const std::string& id, std::string* media_type = nullptr,
                                           const std::string& owner = {});
   /// The design of these bytes if it needs no check, with `who` as an owner.

@@ -8,7 +8,7 @@ namespace popcut::daemon {
 namespace {
 
 constexpr int kNamedDesigns = 5;
-// As the owner sees it whose name is the first parameter, if they are one.
+// ?1 is a principal. If they own the row, it shows their name and time.
 constexpr std::string_view kSelectAsset =
     "SELECT asset.id, coalesce(own.name, asset.name), coalesce(own.owner, asset.owner), bytes, "
     "coalesce(own.created, asset.created) FROM asset LEFT JOIN ownership AS own ON "

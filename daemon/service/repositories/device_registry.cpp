@@ -11,7 +11,7 @@
 namespace popcut::daemon {
 namespace {
 
-// What a plan may be larger than its device, for rounding.
+// A plan may exceed the device's area by this much. This absorbs rounding.
 constexpr double kAreaSlackMm = 0.05;
 
 bool is_away(const std::string& state) { return state == "absent" || state == "offline"; }

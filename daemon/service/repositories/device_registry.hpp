@@ -25,7 +25,7 @@ class DeviceRegistry {
   void load_others();
   /// Whether the device is at another node.
   [[nodiscard]] bool is_elsewhere(const std::string& id) const;
-  /// Refuses what is possible only at the node of a device; names this node.
+  /// The problem for an action that only the device's own node may do. It names that node.
   [[nodiscard]] Problem elsewhere(const std::string& id) const;
   /// Reads the cutters again; returns the ids of those that went away.
   std::vector<std::string> refresh();
@@ -54,7 +54,7 @@ class DeviceRegistry {
   /// An id that changes whenever the device was away, because its sheet may have moved then.
   [[nodiscard]] std::string session_of(const std::string& id) const;
 
-  /// Whether a new plan for this device can be cut on it, unlike this one.
+  /// Whether this plan cannot be cut here but a new plan could.
   [[nodiscard]] bool wants_own_plan(const std::string& id, const PlanRow& plan) const;
   /// Why a plan cannot be cut on a device, for a job of that site (empty: any site); empty: it can.
   [[nodiscard]] std::string misfit(const std::string& id, const PlanRow& plan,

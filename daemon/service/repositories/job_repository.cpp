@@ -309,9 +309,7 @@ void JobRepository::take(JobRow& row, Step step, const std::string& reason) {
     case JobState::Done:
     case JobState::Failed:
     case JobState::Cancelled:
-      set_attention(row, "", "");
-      row.finished = parts_.store.now();
-      if (row.outcome.empty()) row.outcome = name_of(row.state);
+      end_job(row);
       if (before == JobState::Cutting || before == JobState::Paused) put_sheet(row, "interrupted");
       if (before == JobState::Armed) put_sheet(row, "ready");
       break;
@@ -319,13 +317,13 @@ void JobRepository::take(JobRow& row, Step step, const std::string& reason) {
       break;
   }
   save(row);
+}
+
 void JobRepository::disarm(const std::string& job) {
   attempts_.disarm(job);
   parts_.store.after_commit([this, job] {
     if (disarmed) disarmed(job);
   });
-}
-
 }
 
 void JobRepository::take_left(JobRow& row, Step step, const std::string& reason) {
@@ -350,8 +348,7 @@ void JobRepository::save(JobRow& row) {
 void JobRepository::finish_sheet(JobRow& row, const std::string& sheet_state,
                                  const std::string& reason) {
   const auto plan = current_sheet(row);
-  const TimeMs now = parts_.store.now();
-  put_sheet(row, sheet_state, now);
+  put_sheet(row, sheet_state, parts_.store.now());
   parts_.store.emit("sheet", row.id,
                     JsonObject()
                         .number("sheet", row.sheet)
@@ -388,10 +385,14 @@ void JobRepository::finish_sheet(JobRow& row, const std::string& sheet_state,
   row.state = JobState::Done;
   row.reason = reason;
   row.asked.clear();
-  set_attention(row, "", "");
-  row.finished = now;
-  if (row.outcome.empty()) row.outcome = "done";
+  end_job(row);
   save(row);
+}
+
+void JobRepository::end_job(JobRow& row) const {
+  set_attention(row, "", "");
+  row.finished = parts_.store.now();
+  if (row.outcome.empty()) row.outcome = name_of(row.state);
 }
 
 void JobRepository::count_paths(JobRow& row, int sheet, int blank, std::int64_t strokes) {
@@ -558,7 +559,7 @@ Answer<Job> JobRepository::move(const Principal& who, const std::string& id,
       const auto place = jobs_.make_room(*next, id);
       if (!place)
         return refuse_state(*row,
-                            "too many jobs were moved to this place; move it before another job");
+                            "too many jobs were moved here; choose another place for this job");
       row->position = *place;
     }
     save(*row);

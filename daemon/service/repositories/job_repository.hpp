@@ -64,13 +64,13 @@ class JobRepository : public Jobs {
   Answer<Job> hold(const Principal& who, const std::string& id, bool held) override;
   Answer<Job> move(const Principal& who, const std::string& id, const std::string& before) override;
 
-  /// Updates the jobs of a plan when the plan begins and ends; many of them in several turns.
+  /// Shows some of the jobs of a plan, at most 200, as being planned.
   void plan_begun(const std::string& plan);
   /// Publishes the progress of a plan for each of its jobs; nothing is stored.
   void plan_is_at(const std::string& plan, const PlanningPhase& phase);
+  /// Updates all jobs of a plan that is over; many of them in several turns.
   void plan_ended(const std::string& plan);
-  /// The same for all plans whose jobs were not updated, because popcutd, or the node that made
-  /// them, ended before that.
+  /// Updates queued jobs whose plan is over. The popcutd that made it ended before it could do so.
   void plans_ended_before();
   /// Repeats updates that could not be stored.
   void catch_up();
@@ -79,13 +79,12 @@ class JobRepository : public Jobs {
   [[nodiscard]] JobTable& table() { return jobs_; }
   [[nodiscard]] AttemptTable& attempts() { return attempts_; }
   [[nodiscard]] Answer<JobRow> row(const std::string& id);
-  /// Takes a step: state, reason, attention, the sheet's row, the event. Writes the row.
+  /// Moves the job by one step. Writes the row, the sheet's row and an event.
   void take(JobRow& row, Step step, const std::string& reason);
-  /// The same after a cut ended by itself. In a fleet, a job that a person cancelled meanwhile is
-  /// cancelled.
+  /// Like `take`. In a fleet, if a person asked to cancel, the job becomes cancelled instead.
+  void take_left(JobRow& row, Step step, const std::string& reason);
   /// Deletes the arm of a job. The row still needs its step.
   void disarm(const std::string& job);
-  void take_left(JobRow& row, Step step, const std::string& reason);
   /// Writes the row without a step, with its event.
   void save(JobRow& row);
   /// The current sheet is over ("done" or "skipped"): the next one, or the end.
@@ -112,7 +111,8 @@ class JobRepository : public Jobs {
   /// Warnings about the device that popcutd chose for a job without one.
   [[nodiscard]] std::vector<Warning> choice_warnings(const std::string& material,
                                                      const std::string& site) const;
-  /// `PlanningQueue::changed_since` of a job whose sheet is not armed, without what was accepted.
+  /// New warnings about changed tables. Empty unless the job is ready. Accepted warnings are left
+  /// out.
   [[nodiscard]] std::vector<Warning> changed_since_planned(const JobRow& row) const;
   /// Whether nothing of the job was cut.
   [[nodiscard]] bool may_plan_again(const JobRow& row);
@@ -148,6 +148,7 @@ class JobRepository : public Jobs {
   void apply_plan(JobRow& row, const PlanRow& plan);
   void plan_ended_some(const std::string& plan);
   std::set<std::string> left_over_{};  ///< plans whose jobs could not be updated
+  void end_job(JobRow& row) const;
   void put_sheet(const JobRow& row, std::string_view state, std::optional<TimeMs> finished = {});
   [[nodiscard]] std::optional<Attention> attention_of(const JobRow& row) const;
   [[nodiscard]] std::optional<TimeMs> armed_until(const JobRow& row) const;

@@ -406,8 +406,8 @@ std::string PlanningQueue::next() {
   return {};
 }
 
-// What this node has and does not make is one whose end could not be recorded, as when the database
-// of a fleet was away just then: nobody else would take it up.
+// Releases plans that this node claimed and no longer makes. Their end could not be stored. Other
+// nodes cannot take them until then.
 void PlanningQueue::take_up_unrecorded() {
   for (const std::string& id : std::exchange(unrecorded_, {})) {
     const Answer<void> given = parts_.store.change([&]() -> Answer<void> {
@@ -422,8 +422,8 @@ void PlanningQueue::take_up_unrecorded() {
 
 void PlanningQueue::pump() {
   if (stopped_ || parts_.store.degraded() || parts_.store.full()) return;
-  take_up_unrecorded();
   for (const auto& [id, made] : std::exchange(unstored_, {})) keep(id, made, 0);
+  take_up_unrecorded();
   try {
     while (running_.size() < static_cast<std::size_t>(parts_.options.plans_at_once)) {
       const std::string id = next();
@@ -520,9 +520,9 @@ void PlanningQueue::over(const std::string& id, Result<PlanningOutcome> outcome)
     // It was cancelled because nobody waited. If somebody waits again by now, it is made again.
     if (unwanted && awaited(id))
       ended_in_order(id);
-    return pump();
     else if (!fail_plan(id, unwanted ? "it was no longer needed" : message(outcome.error())))
       unrecorded_.insert(id);
+    return pump();
   }
   if (const std::string fault = fault_of(*outcome, parts_.options.sheets_per_job); !fault.empty()) {
     running_.erase(id);
@@ -594,8 +594,8 @@ bool PlanningQueue::fail_plan(const std::string& id, const std::string& why) {
     return {};
   });
   if (stored && ended) ended(id);
-}
   return stored.has_value();
+}
 
 void PlanningQueue::abandon(const std::string& plan) {
   const auto found = running_.find(plan);
@@ -668,7 +668,7 @@ void PlanningQueue::remove_unowned(const std::string& design) {
 
 // Removes a few plans with few sheets in all. True: there are no more.
 bool PlanningQueue::remove_some_of(const std::string& design) {
-  constexpr int kAtOnce = 50, kSheetsAtOnce = 2000;
+  constexpr int kPlansRemoved = 50, kSheetsRemoved = 2000;  // in one transaction
   std::vector<std::string> ids;
   std::int64_t sheets = 0;
   Rows rows = parts_.store.db().rows(
@@ -677,10 +677,11 @@ bool PlanningQueue::remove_some_of(const std::string& design) {
       "AND NOT EXISTS (SELECT 1 FROM ownership AS own WHERE own.kind='plan' AND own.id=plan.id "
       "AND (plan.design='' OR EXISTS (SELECT 1 FROM ownership AS too WHERE too.kind='design' "
       "AND too.id=plan.design AND too.owner=own.owner))) LIMIT ?",
-      design, kAtOnce + 1);
+      design, kPlansRemoved + 1);
   bool more = false;
   while (rows.next()) {
-    more = !ids.empty() && (ids.size() == kAtOnce || sheets + rows.integer(1) > kSheetsAtOnce);
+    more =
+        !ids.empty() && (ids.size() == kPlansRemoved || sheets + rows.integer(1) > kSheetsRemoved);
     if (more) break;
     sheets += rows.integer(1);
     ids.push_back(rows.text(0));

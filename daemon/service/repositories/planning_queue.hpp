@@ -71,11 +71,11 @@ class PlanningQueue : public Plans {
   ///
   /// @retval QueueFull  `who` waits for too many plans
   [[nodiscard]] Answer<void> await(const Principal& who, const PlanRow& plan);
-  /// Makes this plan before those that only jobs of `owner` wait for.
+  /// Moves the plan ahead of all plans that only `owner`'s jobs need.
   void hurry(const std::string& plan, const std::string& owner);
   /// Gives the planner as many plans as it accepts.
   void pump();
-  /// Warnings, which spoil a cut, if the machine or the material has changed since a plan was made.
+  /// Warnings for a machine or material that changed after planning. Such a change can spoil a cut.
   [[nodiscard]] std::vector<Warning> changed_since(const PlanRow& plan);
   /// Cancels a plan that no job waits for, unless a person requested the plan itself.
   void abandon(const std::string& plan);

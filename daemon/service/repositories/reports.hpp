@@ -12,8 +12,8 @@
 
 namespace popcut::daemon {
 
-/// Seconds, millimetres and sheets of attempts that ended from `from` up to before `to`, by
-/// "owner", "device" or "material"; of those that had ended when it was made.
+/// Sums finished attempts by "owner", "device" or "material". `from` is included, `to` is not.
+/// Attempts that end after construction are not counted.
 class UsageSum {
  public:
   UsageSum(Database& database, std::optional<TimeMs> from, std::optional<TimeMs> to,

@@ -349,7 +349,7 @@ Answer<void> SearchRepository::remove(const Principal& who, const std::string& i
   });
 }
 
-// Gives a search to the one who owns it since the longest time. False: nobody does.
+// Makes the longest-standing owner the main owner. Returns false if nobody owns it.
 bool SearchRepository::pass_on(const std::string& id) {
   Database& db = parts_.store.db();
   const auto other = first_of(
@@ -382,8 +382,7 @@ void SearchRepository::forget(const std::string& id) {
   });
 }
 
-// All who wait get their turn, one after another. One that is this node's, which makes none now, is
-// one whose end could not be recorded: the database was away just then.
+// Owners take turns. A pending search claimed by this node has an unrecorded end, so it runs again.
 std::string SearchRepository::next() {
   struct Waiting {
     std::string id, owner;
@@ -479,12 +478,12 @@ Begun SearchRepository::start(const std::string& id) {
 }
 
 void SearchRepository::over(const std::string& id, const Result<SearchFront>& found) {
+  name_turn("search ended");
   // What cannot be stored now is kept for the next `pump`, because it took long to find.
   if (found && !finish(id, SearchState::Found, planning::front_text(*found), "")) {
     unstored_ = *found;
     return;
   }
-  name_turn("search ended");
   running_.reset();
   const bool waits_for_room = !found && found.error().kind == ErrorKind::Unwritable;
   const bool is_stopping = !found && found.error().kind == ErrorKind::Refused;
@@ -529,8 +528,8 @@ bool SearchRepository::finish(const std::string& id, SearchState state, const st
     if (!error.empty()) members.text("error", error);
     parts_.store.emit("notice", "", members);
     return {};
-  return stored.has_value();
   });
+  return stored.has_value();
 }
 
 }  // namespace popcut::daemon
