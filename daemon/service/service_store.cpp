@@ -41,7 +41,7 @@ void ServiceStore::try_to(const std::function<void()>& work) const {
     work();
   } catch (const std::exception& fault) {
     try {
-      log(fmt::format("after a commit: {}", fault.what()));
+      log(fmt::format("an event or an effect of a change failed: {}", fault.what()));
     } catch (const std::exception&) {  // not even memory to say so
     }
   }
