@@ -111,6 +111,8 @@ class DxfReader {
       if (!looks_.any()) return tl::unexpected(clear.error());
       work_.asks = "layers";
     }
+    if (cut_is_said_ && first_colour_ && !second_colour_)
+      second_colour_ = unclear_colours(first_layer_);
     if (second_colour_) {
       if (!looks_.any()) return tl::unexpected(*second_colour_);
       if (work_.asks.empty()) work_.asks = "colors";
@@ -319,6 +321,7 @@ class DxfReader {
     }
     if (const auto said = said_of(own)) {
       if (*said == LayerMeaning::Ignore) return std::nullopt;
+      cut_is_said_ = cut_is_said_ || is_cut(operation_of(*said));
       return operation_of(*said);
     }
     if (options_.colours == DxfColours::Ignored) return Operation::Cut;
@@ -377,8 +380,12 @@ class DxfReader {
     const std::pair<int, int> colour = colour_of(own);
     if (!first_colour_) first_colour_ = colour, first_layer_ = use.layer.name;
     if (*first_colour_ == colour || second_colour_) return;
-    second_colour_ = Error{
-        ErrorKind::Malformed, fmt::format("layer \"{}\"", use.layer.name),
+    second_colour_ = unclear_colours(use.layer.name);
+  }
+
+  [[nodiscard]] static Error unclear_colours(const std::string& layer) {
+    return {
+        ErrorKind::Malformed, fmt::format("layer \"{}\"", layer),
         "lines on layers whose names say neither cut nor fold have several colours, and popcut "
         "does not guess which of them are folds; say it with `colors` such as "
         "\"red=fold-mountain\", "
@@ -522,6 +529,7 @@ class DxfReader {
   std::string first_layer_;                          // where it is first used
   std::set<std::pair<int, int>> cut_colours_;        // on layers whose names mean cuts
   std::optional<Error> second_colour_;
+  bool cut_is_said_{false};           // of a colour
   std::vector<std::string> unknown_;  // names of layers, in the order of their first lines
   bool fold_letters_{false};          // lines lie on a layer M or V
   bool any_known_{false};             // any line's layer or block has a known name

@@ -76,8 +76,10 @@ std::optional<SvgPurpose> SvgPurposes::meaning(const SvgElement& e, const SvgSty
   }
   const std::uint32_t rgb = stroke_rgb(style);
   if (style.stroke.kind == SvgPaint::Kind::Server) notes_.add(SvgNote::PaintServer, here);
-  if (const auto ruled = use_of_stroke(profile_, rgb, line_style(dashes), e.classes))
+  if (const auto ruled = use_of_stroke(profile_, rgb, line_style(dashes), e.classes)) {
+    cut_is_said_ = cut_is_said_ || (*ruled && is_cut(**ruled));
     return SvgPurpose{*ruled, false};
+  }
   // The dashes of a stroke say what to do with it: cut them.
   const bool said = profile_.asks && line_style(dashes) != LineStyle::Solid;
   if (!said) names_.draw(style.unknown);
@@ -85,7 +87,8 @@ std::optional<SvgPurpose> SvgPurposes::meaning(const SvgElement& e, const SvgSty
     if (colours_.size() == 1) first_colour_ = here();
     if (colours_.size() == 2) second_colour_ = here();
   }
-  if (said || !looks_.any()) return SvgPurpose{profile_.otherwise, false};
+  // A person who is asked about colours may say what dashed ones mean, too.
+  if (!looks_.any()) return SvgPurpose{profile_.otherwise, false};
   return SvgPurpose{profile_.otherwise, false, looks_.of_colour(names_.name(style.unknown), rgb)};
 }
 
@@ -102,8 +105,12 @@ void SvgPurposes::tell_looks(LineWork& work) {
   work.unsaid = std::move(looks_.seen());
   if (!names_.asked(has_names_).empty())
     work.asks = "layers";
-  else if (colours_.size() > 1)
+  else if (is_open())
     work.asks = "colors";
+}
+
+bool SvgPurposes::is_open() const {
+  return colours_.size() > (profile_.asks && cut_is_said_ ? 0u : 1u);
 }
 
 Result<void> SvgPurposes::clear() const {
@@ -112,7 +119,15 @@ Result<void> SvgPurposes::clear() const {
     return tl::unexpected(Error{ErrorKind::Malformed,
                                 svg_where(text_, names_.first_asked(has_names_)),
                                 unknown_names(names), ErrorReason::Unclear});
-  if (colours_.size() < 2) return {};
+  if (!is_open()) return {};
+  if (colours_.size() == 1)
+    return tl::unexpected(
+        Error{ErrorKind::Malformed, first_colour_,
+              fmt::format(
+                  "you said which colours are cut, and solid strokes also have the colour {}; say "
+                  "with `colors` what it means, too, such as \"{}=fold-mountain\"",
+                  colour_text(colours_.front()), colour_text(colours_.front())),
+              ErrorReason::Unclear});
   return tl::unexpected(Error{
       ErrorKind::Malformed, second_colour_,
       fmt::format("solid strokes without a name have {}, and popcut does not guess which of them "

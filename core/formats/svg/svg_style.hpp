@@ -213,6 +213,8 @@ class SvgPurposes {
   PenFinder& pens_;
   LookFinder looks_;
   [[nodiscard]] std::string colour_list() const;
+  /// Whether strokes have colours that somebody must explain: two, or one if cuts have another.
+  [[nodiscard]] bool is_open() const;
   [[nodiscard]] std::optional<SvgPurpose> meaning(const SvgElement& e, const SvgStyle& style,
                                                   const SvgDashes& dashes, bool stroked);
 
@@ -221,6 +223,7 @@ class SvgPurposes {
   std::vector<std::uint32_t> cut_colours_;    ///< of strokes with names: those that are cut
   std::vector<std::uint32_t> other_colours_;  ///< and the others
   bool has_names_{false};
+  bool cut_is_said_{false};  ///< a rule about colours cuts some strokes
 };
 
 }  // namespace popcut

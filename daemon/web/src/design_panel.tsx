@@ -18,10 +18,9 @@ import { designWords as words, plainNumber } from './words_design';
 const kLineKinds = ['outline', 'mountain', 'valley', 'slit'];
 const kMostMargin_mm = 30;
 
-/** What the pattern takes of the page, mm: its card, or all its lines where there is none. x, y, width, height. */
+/** What the pattern takes of the page, mm: its card, or all its lines where they reach beyond it. x, y, width, height. */
 export function sheetBox(of: Lattice): [number, number, number, number] {
   const [w, h] = [of.card.width_mm, of.card.wall_mm + of.card.ground_mm];
-  if (w > 0 && h > 0) return [0, 0, w, h];
   let [left, right, top, bottom] = [Infinity, -Infinity, Infinity, -Infinity];
   for (let i = 0; i < of.lines.length; i += 2) {
     top = Math.min(top, of.lines[i] as number);
@@ -29,6 +28,8 @@ export function sheetBox(of: Lattice): [number, number, number, number] {
     left = Math.min(left, of.lines[i + 1] as number);
     right = Math.max(right, of.lines[i + 1] as number);
   }
+  // The net of a box has a wall and a ground that are only parts of it.
+  if (w > 0 && h > 0 && !(right - left > w + 1 || bottom - top > h + 1)) return [0, 0, w, h];
   return left <= right ? [left, top, right - left, bottom - top] : [0, 0, 0, 0];
 }
 

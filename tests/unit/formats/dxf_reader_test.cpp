@@ -527,6 +527,11 @@ TEST_CASE("several colours on layers without a meaning are asked about", "[core]
   REQUIRE(said);
   REQUIRE(said->lines.size() == 1);
   CHECK(said->lines[0].operation == Operation::FoldMountain);
+  // Where cuts were said, a colour of which nothing was said is not cut.
+  says.said = *parse_colour_uses("red=cut");
+  CHECK(linework_from_dxf(red_and_blue, says).error().reason == ErrorReason::Unclear);
+  looks.said = says.said;
+  CHECK(linework_from_dxf(red_and_blue, looks)->asks == "colors");
   // One colour, black beside white, one colour spelled twice, and colours of layers with a name.
   for (const std::string& clear :
        {coloured("A", "62 1") + coloured("B", "62 1"),

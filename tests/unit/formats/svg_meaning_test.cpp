@@ -752,6 +752,28 @@ TEST_CASE("a person says what colours and names are for, and what is left to say
   CHECK(read->lines.size() == 2);
   CHECK(total_mm(*read, Operation::FoldMountain) == Approx(2));
   CHECK(total_mm(*read, Operation::Cut) == Approx(1));
+  // Where cuts were said, a colour of which nothing was said is not cut.
+  for (const bool looks : {false, true}) {
+    how.looks = looks;
+    how.profile.colours = *parse_colour_uses("black=cut; red=fold-mountain");
+    const auto half = linework_from_svg(text, how);
+    REQUIRE(half.has_value() == looks);
+    if (looks)
+      CHECK((half->asks == "colors" && half->unsaid == std::vector<DrawnLook>{{"", "#0000ff"}}));
+    else
+      CHECK((half.error().reason == ErrorReason::Unclear &&
+             half.error().detail.find("#0000ff=") != std::string::npos));
+  }
+  // Dashed lines are cut as dashes, and may be explained with the others.
+  how.profile.colours.clear();
+  const auto dashed = linework_from_svg(
+      svg(R"x(<g fill="none"><path d="M0 0H1" stroke="#000"/><path d="M0 2H4" stroke="blue"/>
+      <path d="M0 1H20" stroke="red" stroke-dasharray="3 2"/></g>)x"),
+      how);
+  REQUIRE(dashed);
+  CHECK(dashed->asks == "colors");
+  CHECK(dashed->unsaid ==
+        std::vector<DrawnLook>{{"", "#000000"}, {"", "#0000ff"}, {"", "#ff0000"}});
   // Names come before colours, and are asked about before them.
   const std::string named = svg(
       R"x(<g fill="none" stroke="#f00"><g id="Cut"><path d="M0 0H1"/></g>
