@@ -5,7 +5,7 @@ import { closeBrowser, ladder, picture, Server, until, visit } from './harness.m
 
 let server;
 
-before(async () => { server = await Server.start({ devices: [{ id: 'sim:cameo3', time_scale: 20 }, { id: 'sim:cameo4', time_scale: 20 }] }); });
+before(async () => { server = await Server.start({ devices: [{ id: 'sim:cameo3', time_scale: 2 }, { id: 'sim:cameo4', time_scale: 20 }] }); });
 after(async () => { await closeBrowser(); await server.remove(); });
 
 test('a job that nothing is cut of is planned for another cutter, and starts nowhere', async () => {

@@ -111,7 +111,8 @@ class DxfReader {
       if (!looks_.any()) return tl::unexpected(clear.error());
       work_.asks = "layers";
     }
-    if (cut_is_said_ && first_colour_ && !second_colour_)
+    // Black beside explained colours is the outline, as programs draw it.
+    if (cut_is_said_ && first_colour_ && *first_colour_ != std::pair(7, -1) && !second_colour_)
       second_colour_ = unclear_colours(first_layer_);
     if (second_colour_) {
       if (!looks_.any()) return tl::unexpected(*second_colour_);

@@ -110,7 +110,9 @@ void SvgPurposes::tell_looks(LineWork& work) {
 }
 
 bool SvgPurposes::is_open() const {
-  return colours_.size() > (profile_.asks && cut_is_said_ ? 0u : 1u);
+  // Black beside explained colours is the outline, as programs draw it.
+  const bool other_than_black = !colours_.empty() && colours_.front() != 0;
+  return colours_.size() > 1 || (profile_.asks && cut_is_said_ && other_than_black);
 }
 
 Result<void> SvgPurposes::clear() const {

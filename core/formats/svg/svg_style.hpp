@@ -213,7 +213,8 @@ class SvgPurposes {
   PenFinder& pens_;
   LookFinder looks_;
   [[nodiscard]] std::string colour_list() const;
-  /// Whether strokes have colours that somebody must explain: two, or one if cuts have another.
+  /// Whether strokes have colours that somebody must explain: two, or one that is not
+  /// black if cuts have another.
   [[nodiscard]] bool is_open() const;
   [[nodiscard]] std::optional<SvgPurpose> meaning(const SvgElement& e, const SvgStyle& style,
                                                   const SvgDashes& dashes, bool stroked);
