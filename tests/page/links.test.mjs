@@ -60,7 +60,8 @@ test('a link that is no design says so, and sends nothing', async () => {
     [packed('not json'), /cannot be read/],
     [packed('{"popcut": 1'), /cannot be read/],
     [packed('['.repeat(100_000)), /cannot be read/],
-    ...['null', '1', '"popcut"', '[]', '{}', '{"popcut": 2}', '{"popcut": "1"}', '[{"popcut": 1}]'].map((text) => [packed(text), /not a spec/]),
+    ...['null', '1', '"popcut"', '[]', '{}', '{"popcut": "1"}', '[{"popcut": 1}]'].map((text) => [packed(text), /not a spec/]),
+    [packed('{"popcut": 2}'), /newer popcut/],
     [link({ ...unitSpec, surface: { type: 'grid', file: 'sha256-00' } }), /names a file/],
   ];
   const { page, sent, complaints, close } = await desk();
