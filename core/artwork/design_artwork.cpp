@@ -128,6 +128,20 @@ ColourMesh clay_on_sheet(const Design& design) {
   return mesh;
 }
 
+double artwork_margin_mm(const ArtworkOptions& options) {
+  return std::max(options.trapping.bleed_mm, options.trapping.trap_mm) + 2 * options.pixel_mm;
+}
+
+Result<PixelFrame> artwork_frame(const Box& page, const ArtworkOptions& options) {
+  const PixelFrame frame = frame_around(page, artwork_margin_mm(options), options.pixel_mm);
+  if (frame.pixels() > kMaxPixels)
+    return fail(ErrorKind::OutOfRange, "",
+                fmt::format("the artwork would have {} x {} pixels; at most {} million are "
+                            "printed: use fewer dots an inch",
+                            frame.width, frame.height, kMaxPixels / 1'000'000));
+  return frame;
+}
+
 Result<Artwork> design_artwork(std::span<const Pattern* const> parts,
                                std::span<const ColourMesh> models, const Texture* image,
                                const ArtworkOptions& options) {
@@ -136,14 +150,10 @@ Result<Artwork> design_artwork(std::span<const Pattern* const> parts,
     const Box box = page_box(*part);
     whole.add({box.x0, box.y0}), whole.add({box.x1, box.y1});
   }
-  const double around = std::max(options.trapping.bleed_mm, options.trapping.trap_mm);
   Artwork out;
-  out.frame = frame_around(whole, around + 2 * options.pixel_mm, options.pixel_mm);
-  if (out.frame.pixels() > kMaxPixels)
-    return fail(ErrorKind::OutOfRange, "",
-                fmt::format("the artwork would have {} x {} pixels; at most {} million are "
-                            "printed: use fewer dots an inch",
-                            out.frame.width, out.frame.height, kMaxPixels / 1'000'000));
+  const auto frame = artwork_frame(whole, options);
+  if (!frame) return tl::unexpected(frame.error());
+  out.frame = *frame;
   out.image = ColourImage(out.frame.width, out.frame.height);
   out.on_paper.assign(out.frame.pixels(), 0);
   for (std::size_t k = 0; k < parts.size(); ++k) {

@@ -41,6 +41,15 @@ struct ArtworkOptions {
 /// The target of a design as a model of clay, in the same way.
 [[nodiscard]] ColourMesh clay_on_sheet(const Design& design);
 
+/// How far artwork reaches beyond what is cut, mm: paper that is cut a little off its line is
+/// printed.
+[[nodiscard]] double artwork_margin_mm(const ArtworkOptions& options);
+
+/// The frame of pixels of artwork for a page of paper, in mm.
+///
+/// @retval OutOfRange  more than `kMaxPixels`
+[[nodiscard]] Result<PixelFrame> artwork_frame(const Box& page, const ArtworkOptions& options);
+
 /// What is printed on a design, all of its parts on one page (`Pattern::place`).
 ///
 /// @param models  one a part, see `model_on_sheet`; not looked at for `Flat`

@@ -192,14 +192,10 @@ Result<Artwork> layers_artwork(const LayeredCard& made, const ColourMesh& model,
     whole.add({place.box.x0, place.box.y0}), whole.add({place.box.x1, place.box.y1});
   for (std::size_t k = 0; k + 2 < model.soup.corners.size(); k += 3)
     seen.add({model.soup.corners[k], -model.soup.corners[k + 2]});
-  const double around = std::max(options.trapping.bleed_mm, options.trapping.trap_mm);
   Artwork out;
-  out.frame = frame_around(whole, around + 2 * options.pixel_mm, options.pixel_mm);
-  if (out.frame.pixels() > kMaxPixels)
-    return fail(ErrorKind::OutOfRange, "",
-                fmt::format("the artwork would have {} x {} pixels; at most {} million are "
-                            "printed: use fewer dots an inch",
-                            out.frame.width, out.frame.height, kMaxPixels / 1'000'000));
+  const auto frame = artwork_frame(whole, options);
+  if (!frame) return tl::unexpected(frame.error());
+  out.frame = *frame;
   // A model that is far off the card is seen nowhere; its picture is not larger than the card's.
   Box card;
   for (const CardLayer& layer : made.layers)
@@ -217,7 +213,7 @@ Result<Artwork> layers_artwork(const LayeredCard& made, const ColourMesh& model,
   for (std::size_t p = 0; p < made.card.parts.size(); ++p) {
     tell(options.progress, "drawing the artwork");
     // The part alone, with what flows around it.
-    const double room = around + 2 * options.pixel_mm;
+    const double room = artwork_margin_mm(options);
     const auto first = out.frame.in_pixels({places[p].box.x0 - room, places[p].box.y0 - room}),
                last = out.frame.in_pixels({places[p].box.x1 + room, places[p].box.y1 + room});
     const auto index = [](double at, std::size_t most) {

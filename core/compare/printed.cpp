@@ -85,8 +85,10 @@ PrintedTarget::PrintedTarget(Triangles triangles, std::span<const Rgb> colours, 
   }
 }
 
-PrintedTarget::Seen PrintedTarget::seen_from(const View& view, int pixels, Triangles triangles,
-                                             std::span<const Lab> colours) const {
+template <typename IsBetter>
+PrintedTarget::Seen PrintedTarget::painted(const View& view, int pixels, Triangles triangles,
+                                           std::span<const Lab> colours,
+                                           const IsBetter& is_better) const {
   Seen out;
   out.frame = {view, box_.centre(), kSide * diagonal_mm_, pixels};
   const auto width = static_cast<std::size_t>(pixels);
@@ -102,24 +104,25 @@ PrintedTarget::Seen PrintedTarget::seen_from(const View& view, int pixels, Trian
             const float here =
                 std::clamp(at + slope * static_cast<float>(static_cast<int>(x - first)), low, high);
             float& depth = out.image.depth[row * width + x];
-            if (!(here > depth)) continue;
+            if (!is_better(here, depth)) continue;
             depth = here;
             out.colour[row * width + x] = colours[t];
           }
         });
+  return out;
+}
+
+PrintedTarget::Seen PrintedTarget::seen_from(const View& view, int pixels, Triangles triangles,
+                                             std::span<const Lab> colours) const {
+  Seen out = painted(view, pixels, triangles, colours,
+                     [](float here, float before) { return here > before; });
   if (scene_.corner) draw(out.frame, *scene_.corner, out.backdrop);
   hide_behind(out.backdrop, kTouch * diagonal_mm_, out.image);
   return out;
 }
 
 PrintedTarget::Seen PrintedTarget::print_of(const PrintedLayer& layer) const {
-  Seen out;
   const int pixels = std::min(kMostPixels, static_cast<int>(kFinerPrint * scene_.pixels));
-  out.frame = {view_from(Vec3(1, 0, 0)), box_.centre(), kSide * diagonal_mm_, pixels};
-  const auto width = static_cast<std::size_t>(pixels);
-  out.image.pixels = pixels;
-  out.image.depth.assign(width * width, kNothing);
-  out.colour.assign(width * width, Lab{});
   const auto from = static_cast<float>(layer.far_mm - box_.centre().x()),
              to = static_cast<float>(layer.near_mm - box_.centre().x());
   // Of two places on a ray, the one with the larger rank is shown, then the larger `at`.
@@ -129,21 +132,7 @@ PrintedTarget::Seen PrintedTarget::print_of(const PrintedLayer& layer) const {
       return before == kNothing || rank(here) > rank(before);
     return rank(here) == 1 ? here < before : here > before;
   };
-  const Raster raster(out.frame);
-  for (std::size_t t = 0; t < lit_.size(); ++t)
-    raster.each_span(
-        triangles_.subspan(9 * t, 9), [&](std::size_t row, std::size_t first, std::size_t last,
-                                          float at, float slope, float low, float high, int) {
-          for (std::size_t x = first; x <= last; ++x) {
-            const float here =
-                std::clamp(at + slope * static_cast<float>(static_cast<int>(x - first)), low, high);
-            float& depth = out.image.depth[row * width + x];
-            if (!is_better(here, depth)) continue;
-            depth = here;
-            out.colour[row * width + x] = lit_[t];
-          }
-        });
-  return out;
+  return painted(view_from(Vec3(1, 0, 0)), pixels, triangles_, lit_, is_better);
 }
 
 const PrintedTarget::Lab* PrintedTarget::printed_at(const Seen& print, const Vec3& place) {

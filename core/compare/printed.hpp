@@ -65,6 +65,11 @@ class PrintedTarget {
     ContourPixels outline;
     DistanceImage distances;
   };
+  /// Triangles with their colours from one side; `is_better(here, before)`: which of two depths is
+  /// shown.
+  template <typename IsBetter>
+  [[nodiscard]] Seen painted(const View& view, int pixels, Triangles triangles,
+                             std::span<const Lab> colours, const IsBetter& is_better) const;
   [[nodiscard]] Seen seen_from(const View& view, int pixels, Triangles triangles,
                                std::span<const Lab> colours) const;
   /// The target along x with the depths of a layer first.

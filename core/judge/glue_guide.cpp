@@ -30,6 +30,7 @@ using verify::JointKind;
 constexpr double kHalfOpen_rad = radians(100.0), kOpen_rad = radians(165.0);
 constexpr double kFinger_mm = 25.0;  ///< so much room a finger needs, on a slant
 constexpr double kTouching_mm = 0.3;
+constexpr std::size_t kMostGlued = 300;
 
 std::string listed(const std::vector<std::string>& words) {
   if (words.size() < 2) return words.empty() ? std::string() : words.front();
@@ -79,6 +80,11 @@ class CardGuide {
       : model_(std::move(model)), progress_(progress) {}
 
   Result<GlueGuide> run() {
+    // An order looks at all pairs of parts, and who has more of them does not glue by hand.
+    if (model_.parts.size() > kMostGlued)
+      return fail(ErrorKind::OutOfRange, "/file_frames",
+                  fmt::format("has {} parts; a guide is made for at most {}", model_.parts.size(),
+                              kMostGlued));
     if (auto done = open_card(); !done) return tl::unexpected(done.error());
     if (auto done = add_parts(); !done) return tl::unexpected(done.error());
     name_pages();

@@ -61,7 +61,7 @@ struct GlueGuide {
 /// are folded; then each is glued on what is there. The order is that of `glue_order`: backwards,
 /// each part can be taken off with room for a finger at its tabs, as far as there is one.
 ///
-/// @retval Malformed, OutOfRange  as `verify::read_joint_model`, or too many folds
+/// @retval Malformed, OutOfRange  as `verify::read_joint_model`, or too many folds or parts
 /// @retval Infeasible  the joints do not hold all parts, or the card does not open
 [[nodiscard]] Result<GlueGuide> glue_guide(std::string_view fold_text,
                                            const Progress& progress = {});
