@@ -12,9 +12,7 @@
 namespace popcut {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kFoldCrossed = 8.0, kCutCrossed = 4.0;  // cost in mm of glue: a crossing,
-constexpr double kPiece = 300.0;                         // one more piece,
 constexpr double kUneven = 20.0;                         // a nearly empty piece
 
 // Positions where a seam over `from`..`to` may run: every cut along it, and a grid between the
@@ -40,19 +38,19 @@ double part(const std::vector<double>& at, const std::vector<double>& costs, dou
             double high, double most, double depth, double tabs_low, double tabs_high, bool full,
             std::vector<double>& chosen) {
   const std::size_t n = at.size();
-  std::vector<double> best(n + 1, kNever);
+  std::vector<double> best(n + 1, kNoSeam);
   std::vector<std::ptrdiff_t> from(n + 1, -1);
   const auto position = [&](std::size_t i) { return i == n ? high : at[i]; };
   for (std::size_t i = 0; i <= n; ++i) {
     const double cost = i == n ? 0.0 : costs[i];
-    if (cost == kNever) continue;
+    if (cost == kNoSeam) continue;
     const double end_tab = i == n ? tabs_high : depth;
     const auto consider = [&](double start, double start_tab, double before, std::ptrdiff_t j) {
       const double length = position(i) - start + start_tab + end_tab;
       if (length > most + kOn) return false;
       const double empty = 1.0 - length / most;
       const double uneven = full ? empty * (1.0 - empty) : empty * empty;
-      const double sum = before + cost + kPiece + kUneven * uneven;
+      const double sum = before + cost + kOnePieceMore + kUneven * uneven;
       if (sum < best[i]) {
         best[i] = sum;
         from[i] = j;
@@ -61,11 +59,11 @@ double part(const std::vector<double>& at, const std::vector<double>& costs, dou
     };
     for (std::size_t j = i; j-- > 0;) {
       if (position(i) - at[j] > most) break;
-      if (best[j] < kNever) (void)consider(at[j], depth, best[j], static_cast<std::ptrdiff_t>(j));
+      if (best[j] < kNoSeam) (void)consider(at[j], depth, best[j], static_cast<std::ptrdiff_t>(j));
     }
     (void)consider(low, tabs_low, 0.0, -1);
   }
-  if (best[n] == kNever) return kNever;
+  if (best[n] == kNoSeam) return kNoSeam;
   const auto before = static_cast<std::ptrdiff_t>(chosen.size());
   for (std::ptrdiff_t i = from[n]; i >= 0; i = from[static_cast<std::size_t>(i)])
     chosen.push_back(at[static_cast<std::size_t>(i)]);
@@ -77,8 +75,8 @@ Error invalid_seam(const char* name, double asked, double nearest) {
   return {
       ErrorKind::Infeasible, fmt::format("/options/seam-{}", name),
       fmt::format("{0} = {1:g} mm runs along a fold or leaves no room for a tab; {2}", name, asked,
-                  nearest < kNever ? fmt::format("the nearest valid place is {:.3f}", nearest)
-                                   : std::string("no other place is valid either"))};
+                  nearest < kNoSeam ? fmt::format("the nearest valid place is {:.3f}", nearest)
+                                    : std::string("no other place is valid either"))};
 }
 
 // Splits the stretches at `ys`.
@@ -110,10 +108,10 @@ bool ColumnEnds::allows(bool right_side, double y) const {
 double seam_cost(LineIndex& lines, const SearchLimits& limits, const AxisLine& line, double from,
                  double to) {
   for (const BannedSeam& ban : limits.banned)
-    if (ban.bans(line, from, to)) return kNever;
+    if (ban.bans(line, from, to)) return kNoSeam;
   SeamScan scan;
   lines.scan(line, from, to, limits.min_panel_mm, scan);
-  if (scan.fold_mm > 0.0 || scan.sliver_mm > 0.0) return kNever;
+  if (scan.fold_mm > 0.0 || scan.sliver_mm > 0.0) return kNoSeam;
   std::vector<SeamStretch> stretches;
   uncut_stretches(lines, line, from, to, scan, stretches);
   TabFitter fitter(lines, limits.tabs);
@@ -123,7 +121,7 @@ double seam_cost(LineIndex& lines, const SearchLimits& limits, const AxisLine& l
     tabs.clear();
     double depth = fitter.fit(line, stretch, 1, tabs);
     if (depth < limits.tabs.depth_mm) depth = std::max(depth, fitter.fit(line, stretch, -1, tabs));
-    if (depth == 0.0) return kNever;
+    if (depth == 0.0) return kNoSeam;
     cost += (stretch.to - stretch.from) * (1.3 - 0.3 * depth / limits.tabs.depth_mm);
   }
   return cost;
@@ -139,7 +137,7 @@ SeamSearch::Lines SeamSearch::priced(bool vertical, double from, double to,
   for (const double at : out.at) {
     const bool valid = !ends || (ends->allows(false, at) && ends->allows(true, at));
     out.costs.push_back(needed && valid ? seam_cost(*lines_, limits_, {vertical, at}, from, to)
-                                        : kNever);
+                                        : kNoSeam);
   }
   return out;
 }
@@ -170,11 +168,11 @@ Result<SeamSearch::Chosen> SeamSearch::straight(bool vertical, const Lines& line
   for (double a : asked) {
     a += low;  // requested seams count from the drawing's edge
     const double cost = seam_cost(*lines_, limits_, {vertical, a}, from, to);
-    if (cost == kNever) {
-      double nearest = kNever;
+    if (cost == kNoSeam) {
+      double nearest = kNoSeam;
       for (const double other : lines.at)
         if (std::abs(other - a) < std::abs(nearest - a) &&
-            seam_cost(*lines_, limits_, {vertical, other}, from, to) < kNever)
+            seam_cost(*lines_, limits_, {vertical, other}, from, to) < kNoSeam)
           nearest = other;
       return tl::unexpected(
           invalid_seam(vertical != limits_.swapped ? "x" : "y", a - low, nearest - low));
@@ -223,7 +221,7 @@ void SeamSearch::ban(const std::vector<BannedSeam>& seams) {
   for (const BannedSeam& ban : seams) {
     if (ban.vertical && columns_)
       for (std::size_t i = 0; i < columns_->at.size(); ++i)
-        if (ban.bans({true, columns_->at[i]}, -1e300, 1e300)) columns_->costs[i] = kNever;
+        if (ban.bans({true, columns_->at[i]}, -1e300, 1e300)) columns_->costs[i] = kNoSeam;
     if (!ban.vertical)
       std::erase_if(known_, [&](const Column& column) {
         return ban.from < column.right && ban.to > column.left;
@@ -239,7 +237,7 @@ Result<FoundSeams> SeamSearch::find() {
   if (!columns_) columns_ = priced(true, box.y0, box.y1, nullptr);
   const auto columns = straight(true, *columns_, box.y0, box.y1);
   if (!columns) return tl::unexpected(columns.error());
-  if (columns->cost == kNever)
+  if (columns->cost == kNoSeam)
     return fail(
         ErrorKind::Infeasible, "",
         "no valid seams give pieces that are narrow enough; use a larger mat or smaller tabs");
@@ -259,7 +257,7 @@ Result<FoundSeams> SeamSearch::find() {
       known_.push_back(std::move(*column));
       known = known_.end() - 1;
     }
-    if (known->cost == kNever)
+    if (known->cost == kNoSeam)
       return fail(
           ErrorKind::Infeasible, "",
           "no valid seams give pieces that are short enough; use a larger mat or smaller tabs");

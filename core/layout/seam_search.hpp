@@ -32,6 +32,11 @@ struct SearchLimits {
   bool full{false};     ///< true: full pieces and a rest; false: pieces of equal size
 };
 
+/// The cost of a seam that cannot be.
+inline constexpr double kNoSeam = std::numeric_limits<double>::infinity();
+/// What one more piece costs, in mm of glue.
+inline constexpr double kOnePieceMore = 300.0;
+
 /// The cheapest seams and their cost.
 struct FoundSeams {
   Partition partition;

@@ -9,9 +9,7 @@
 namespace popcut {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kPiece = 300.0;  // cost in mm of glue: one more piece,
-constexpr double kStep = 6.0;     // a step
+constexpr double kStep = 6.0;  // cost in mm of glue: a step
 constexpr std::size_t kMostStrips = 20'000;
 
 // A strip between two neighbouring lines along y, and what lies in it.
@@ -99,14 +97,14 @@ class Steps {
       for (std::size_t j = 0; j < count; ++j)
         if ((i == 0 && !ends_.allows(false, ys_[j])) ||
             (i + 1 == strips_.size() && !ends_.allows(true, ys_[j])))
-          next[j] = next[count + j] = kNever;
+          next[j] = next[count + j] = kNoSeam;
       for (std::size_t j = 0; j < best.size(); ++j) best[j] += next[j];
     }
     end_stretches(strips_.back(), true, best);
     const auto end = std::min_element(best.begin(), best.end());
     cost = *end;
     StepSeam seam;
-    if (cost == kNever) return seam;
+    if (cost == kNoSeam) return seam;
     seam.y.resize(strips_.size());
     auto j = static_cast<std::uint32_t>(end - best.begin());
     for (std::size_t i = strips_.size(); i-- > 0;) {
@@ -135,13 +133,13 @@ class Steps {
       const double below = next < strip.across.size() ? strip.across[next].from - y : 1e300;
       paper_[j] = lines_.is_paper({(strip.left + strip.right) / 2, y});
       if (!paper_[j]) {
-        out[j] = out[count + j] = above > kOn && below > kOn ? 0.0 : kNever;
+        out[j] = out[count + j] = above > kOn && below > kOn ? 0.0 : kNoSeam;
         continue;
       }
       const bool valid = above >= limits_.min_panel_mm && below >= limits_.min_panel_mm &&
                          std::max(above, below) >= need && !banned(strip, y);
       const auto with = [&](double room) {
-        return valid && room >= need ? width * (1.3 - 0.3 * std::min(1.0, room / full)) : kNever;
+        return valid && room >= need ? width * (1.3 - 0.3 * std::min(1.0, room / full)) : kNoSeam;
       };
       out[j] = with(below);
       out[count + j] = with(above);
@@ -160,7 +158,7 @@ class Steps {
           last || (next < strip.beside.size() && strip.beside[next].from <= ys_[j] + kOn);
       if (!ends) continue;
       if (paper_[j] && strip.right - since_[j] < limits_.tabs.min_stretch_mm())
-        best[j] = best[count + j] = kNever;
+        best[j] = best[count + j] = kNoSeam;
       since_[j] = strip.right;
     }
   }
@@ -229,17 +227,17 @@ SteppedRows find_stepped(LineIndex& lines, const SearchLimits& limits, const Col
     const double shift = limits.full ? half : 0.0;
     if (half < 0.0 || share * static_cast<double>(count) < height - 2 * half) continue;
     SteppedRows rows;
-    rows.cost = kPiece * static_cast<double>(count);
-    for (std::size_t k = 1; k < count && rows.cost < kNever; ++k) {
+    rows.cost = kOnePieceMore * static_cast<double>(count);
+    for (std::size_t k = 1; k < count && rows.cost < kNoSeam; ++k) {
       const double middle = box.y0 + share * static_cast<double>(k) + shift;
       const double low = std::max(middle - half, box.y0 + depth);
       const double high = std::min(middle + half, box.y1 - depth);
-      double cost = kNever;
+      double cost = kNoSeam;
       if (low <= high) rows.seams.push_back(steps.across(low, high, cost));
       rows.cost += cost;
     }
     if (rows.cost < found.cost) found = std::move(rows);
-    if (found.cost < kNever) break;
+    if (found.cost < kNoSeam) break;
   }
   return found;
 }

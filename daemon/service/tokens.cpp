@@ -23,15 +23,15 @@ constexpr std::int64_t kExtendMs = 10 * 60'000;
 constexpr std::size_t kMostKnown = 1000;
 constexpr std::int64_t kKnown_ms = 3'600'000;  // longer than a cut, and than people wait
 
-struct Parts {
+struct TokenParts {
   std::string_view id, secret;
 };
 
 // "pc_<26>_<43>"
-std::optional<Parts> parts_of(std::string_view bearer) {
+std::optional<TokenParts> parts_of(std::string_view bearer) {
   if (bearer.size() != 3 + 26 + 1 + 43 || !bearer.starts_with("pc_") || bearer[29] != '_')
     return std::nullopt;
-  return Parts{bearer.substr(3, 26), bearer.substr(30)};
+  return TokenParts{bearer.substr(3, 26), bearer.substr(30)};
 }
 
 std::string text_of(const std::vector<gid_t>& groups) {
@@ -150,7 +150,7 @@ std::optional<Principal> Tokens::with_session(const std::string& id, std::string
 }
 
 std::optional<Principal> Tokens::authenticate(std::string_view bearer) {
-  const std::optional<Parts> parts = parts_of(bearer);
+  const std::optional<TokenParts> parts = parts_of(bearer);
   if (!parts || !is_ulid(parts->id)) return std::nullopt;
   try {
     std::optional<Principal> owner = with_token(parts->id, parts->secret);

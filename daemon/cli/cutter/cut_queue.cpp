@@ -31,7 +31,7 @@ namespace popcut::cli {
 namespace {
 
 using client::Api;
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::uintmax_t kMostDesignBytes = std::uintmax_t{1} << 30;
 
@@ -39,14 +39,14 @@ struct Upload {
   std::string bytes, media_type;
 };
 
-bool is_asset(const Json& object) {
+bool is_asset(const OrderedJson& object) {
   const auto type = object.find("type"), file = object.find("file");
   return type != object.end() && file != object.end() && file->is_string() &&
          (*type == "mesh" || *type == "grid");
 }
 
 /// Puts the id of the uploaded file in place of each name, relative to the spec's folder.
-Result<void> upload_assets(Api& api, Json& value, const std::string& pointer,
+Result<void> upload_assets(Api& api, OrderedJson& value, const std::string& pointer,
                            const std::string& spec_file, const Globals& globals, bool& changed) {
   if (value.is_object() && is_asset(value)) {
     const auto name = value["file"].get<std::string>();
@@ -78,7 +78,7 @@ Result<Upload> from_json(Api& api, std::string text, const std::string& file,
     return Upload{std::move(text), "application/json"};
   if (const auto spec = parse_design_spec(text); !spec)
     return tl::unexpected(within(file, spec.error()));
-  Json json = Json::parse(text);
+  OrderedJson json = OrderedJson::parse(text);
   bool changed = false;
   if (auto done = upload_assets(api, json, "", file, globals, changed); !done)
     return tl::unexpected(done.error());

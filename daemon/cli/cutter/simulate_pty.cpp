@@ -16,9 +16,9 @@
 namespace popcut::cli {
 namespace {
 
-std::atomic<bool> end_asked{false};
+std::atomic<bool> pty_end_asked{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler");
-extern "C" void ask_to_end(int) { end_asked = true; }
+extern "C" void ask_pty_to_end(int) { pty_end_asked = true; }
 
 Result<SimTransport> make_cable(const PtyOptions& options) {
   const auto tables = read_user_tables();
@@ -68,9 +68,9 @@ Result<void> serve_pty(const PtyOptions& options, const Globals& globals) {
   auto pty = SimPty::open(std::move(*cable), options.speedup);
   if (!pty) return tl::unexpected(pty.error());
   // Before anyone reads how to end it.
-  end_asked = false;
-  auto* const interrupt = std::signal(SIGINT, ask_to_end);
-  auto* const terminate = std::signal(SIGTERM, ask_to_end);
+  pty_end_asked = false;
+  auto* const interrupt = std::signal(SIGINT, ask_pty_to_end);
+  auto* const terminate = std::signal(SIGTERM, ask_pty_to_end);
   fmt::print("{}\n", pty->path());
   std::fflush(stdout);
   if (!globals.quiet)
@@ -81,7 +81,7 @@ Result<void> serve_pty(const PtyOptions& options, const Globals& globals) {
         pty->cable().cutter().trace().machine, pty->path());
   std::fflush(stderr);
   bool input = true;
-  while (!end_asked && pty->serve(std::chrono::milliseconds(50)))
+  while (!pty_end_asked && pty->serve(std::chrono::milliseconds(50)))
     press(pty->cable().cutter(), input);
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, terminate);

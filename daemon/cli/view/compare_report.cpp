@@ -15,7 +15,7 @@ namespace popcut::cli {
 namespace compare_report {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 std::string placed_in_words(const CompareReport& report) {
   if (report.placed_by == "file") return "as the files have it";
@@ -48,7 +48,7 @@ std::string cost_in_words(const CutCost& cost) {
                      cost.travel_mm / 1e3, cost.sheets, cost.sheets == 1 ? "" : "s");
 }
 
-Json volume_json(const CompareReport& report) {
+OrderedJson volume_json(const CompareReport& report) {
   const auto error = report.volume_error();
   if (!error)
     return {{"ran", false}, {"why", report.model.ran ? report.card.why : report.model.why}};
@@ -58,11 +58,11 @@ Json volume_json(const CompareReport& report) {
           {"card_mm3", report.card.mm3}};
 }
 
-Json cost_json(const CutCost& cost) {
+OrderedJson cost_json(const CutCost& cost) {
   if (!cost.ran) return {{"ran", false}, {"why", cost.why}};
-  Json out{{"ran", true}, {"machine", cost.machine}, {"material", cost.material}};
-  out["seconds"] = cost.seconds ? Json(*cost.seconds) : Json();
-  out["seconds_range"] = cost.seconds ? Json(cost.seconds_range) : Json();
+  OrderedJson out{{"ran", true}, {"machine", cost.machine}, {"material", cost.material}};
+  out["seconds"] = cost.seconds ? OrderedJson(*cost.seconds) : OrderedJson();
+  out["seconds_range"] = cost.seconds ? OrderedJson(cost.seconds_range) : OrderedJson();
   out["cut_m"] = cost.cut_mm / 1e3;
   out["fold_m"] = cost.fold_mm / 1e3;
   out["travel_m"] = cost.travel_mm / 1e3;
@@ -70,7 +70,7 @@ Json cost_json(const CutCost& cost) {
   return out;
 }
 
-Json view_json(const likeness::ViewFigures& view) {
+OrderedJson view_json(const likeness::ViewFigures& view) {
   return {{"toward", {view.toward.x(), view.toward.y(), view.toward.z()}},
           {"surface_mm", view.mean_mm},
           {"surface_p95_mm", view.p95_mm},
@@ -139,8 +139,8 @@ std::string compare_text(const CompareReport& report) {
 std::string compare_json(const CompareReport& report) {
   using namespace compare_report;
   const likeness::Figures& f = report.figures;
-  Json out{{"pattern", report.pattern}, {"target", report.target}};
-  out["psi_rad"] = report.psi_rad ? Json(*report.psi_rad) : Json();
+  OrderedJson out{{"pattern", report.pattern}, {"target", report.target}};
+  out["psi_rad"] = report.psi_rad ? OrderedJson(*report.psi_rad) : OrderedJson();
   const Vec3& shift = report.placement.shift_mm;
   out["placement"] = {{"from", report.placed_by},
                       {"scale_mm", report.placement.scale_mm},

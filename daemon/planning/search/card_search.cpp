@@ -134,17 +134,17 @@ struct Model {
 };
 
 /// Where the model begins along the spine of its card or book, as `structure_of` has it.
-struct Stand {
+struct PartStand {
   double scale_mm{}, begin_mm{};
 };
-std::optional<Stand> stand_of(const PatchAssembly& made, const Way& way) {
+std::optional<PartStand> stand_of(const PatchAssembly& made, const Way& way) {
   const auto card = std::find_if(made.parts.begin(), made.parts.end(), [](const Design& part) {
     return part.pattern.model_placement.has_value();
   });
   if (card == made.parts.end()) return std::nullopt;
   const auto& at = *card->pattern.model_placement;
   const double shift = made.book ? made.book->shift_mm : 0.0;
-  return Stand{at[0], at[5] - shift + at[0] * way.box.low[1]};
+  return PartStand{at[0], at[5] - shift + at[0] * way.box.low[1]};
 }
 
 /// The opened card with wall and ground, or the opened cards of a book without their pages.

@@ -15,7 +15,7 @@ namespace popcut::planning {
 namespace {
 
 constexpr std::size_t kPictureBytes = 60'000;
-constexpr std::size_t kMostPanels = 800, kFewestPanels = 12;
+constexpr std::size_t kMostSmallPanels = 800, kFewestSmallPanels = 12;
 constexpr double kWidth_px = 480;
 
 /// The parts side by side, each with so many panels at most, larger ones thinned.
@@ -48,9 +48,9 @@ std::string deployed_with(const std::vector<const Pattern*>& parts, std::size_t 
 }  // namespace
 
 std::string small_card_svg(const std::vector<const Pattern*>& parts) {
-  for (std::size_t panels = kMostPanels;; panels /= 2) {
+  for (std::size_t panels = kMostSmallPanels;; panels /= 2) {
     std::string svg = deployed_with(parts, std::max(panels, parts.size()));
-    if (svg.size() <= kPictureBytes || panels <= kFewestPanels) return svg;
+    if (svg.size() <= kPictureBytes || panels <= kFewestSmallPanels) return svg;
   }
 }
 
