@@ -137,7 +137,10 @@ class CardGuide {
                     place(state, 0, model_.parts.front().sheet.faces() - 1).linear().col(2);
     const Vec3 along = state[spine.right].linear() * spine.right_along;
     const Vec3 level_up = unit(Vec3(up - dot(up, along) * along));
-    const Isometry3d turn(Eigen::Quaterniond::FromTwoVectors(level_up, Vec3(0.0, 0.0, 1.0)));
+    // Both are at right angles to the spine, so the turn between them is one about it.
+    const Vec3 top(0.0, 0.0, 1.0);
+    const double turn_rad = std::atan2(dot(level_up.cross(top), along), dot(level_up, top));
+    const Isometry3d turn(Eigen::AngleAxisd(turn_rad, along));
     for (Isometry3d& body : state) body = turn * body;
   }
 

@@ -113,6 +113,18 @@ Matrix orthonormal(const Matrix& x) {
   return qr.householderQ() * Matrix::Identity(x.rows(), x.cols());
 }
 
+/// The upper triangle of a QR factorisation of `x`, with as many rows as columns: rows that `x`
+/// lacks are zero. It has the singular values and the right singular vectors of `x`.
+Matrix triangle(const Matrix& x) {
+  const Eigen::Index rows = std::min(x.rows(), x.cols());
+  Matrix result = Matrix::Zero(x.cols(), x.cols());
+  const Eigen::HouseholderQR<Matrix> qr(x);
+  result.topRows(rows) = qr.matrixQR().topRows(rows).triangularView<Eigen::Upper>();
+  return result;
+}
+
+using SquareSvd = Eigen::JacobiSVD<Matrix, Eigen::NoQRPreconditioner>;
+
 /// Inverse iteration on J^T J, factored once.
 class SmallestSingularValues {
  public:
@@ -135,12 +147,7 @@ class SmallestSingularValues {
     std::size_t steady = 0;
     for (int step = 0; step < 60 && steady < 3; ++step) {
       x = orthonormal(factor_.solve(x));
-      const Matrix image = jacobian_ * x;
-      const Matrix triangle = Eigen::HouseholderQR<Matrix>(image)
-                                  .matrixQR()
-                                  .topRows(std::min(count, image.rows()))
-                                  .triangularView<Eigen::Upper>();
-      const Eigen::JacobiSVD<Matrix> svd(triangle, Eigen::ComputeFullV);
+      const SquareSvd svd(triangle(jacobian_ * x), Eigen::ComputeFullV);
       x = x * svd.matrixV();
       std::vector<double> now = ascending(svd.singularValues(), count);
       Mobility before;
@@ -185,7 +192,7 @@ void split_sparse(const Sparse& jacobian, double noise, Mobility& result) {
 void count(const Sparse& jacobian, Mobility& result) {
   result.sparse = jacobian.cols() > kDenseColumns;
   if (result.sparse) return split_sparse(jacobian, result.noise, result);
-  const Eigen::JacobiSVD<Matrix> svd{Matrix(jacobian)};
+  const SquareSvd svd(triangle(Matrix(jacobian)));
   split(ascending(svd.singularValues(), jacobian.cols()), result.noise, result);
 }
 
