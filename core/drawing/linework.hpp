@@ -21,9 +21,9 @@ struct DrawnLine {
   std::uint32_t count{};
 };
 
-/// How lines look of which nobody said what they are for.
+/// How lines look of which nobody said what they are for, or folds to which side.
 struct DrawnLook {
-  std::string layer;   ///< its name, which popcut does not know; empty: none
+  std::string layer;   ///< its name, which says no more; empty: none
   std::string colour;  ///< as `parse_colour_uses` reads it
   friend bool operator==(const DrawnLook&, const DrawnLook&) = default;
 };

@@ -315,6 +315,10 @@ class DxfReader {
     if (meaning == LayerMeaning::Fold) ++sideless_;
     if (is_known(meaning)) {
       any_known_ = true;
+      // A person who is asked may say the side, or that a scored line is a fold.
+      const bool has_no_side = meaning == LayerMeaning::Fold || meaning == LayerMeaning::Score;
+      if (has_no_side && looks_.any() && use.meaning == meaning)
+        look_ = looks_.of_index(use.layer.name, own.colour);
       fold_letters_ = fold_letters_ || is_letter_of_fold(use.layer.name);
       const Operation meant = operation_of(meaning);
       if (is_cut(meant)) cut_colours_.insert(colour_of(own));

@@ -24,6 +24,14 @@ std::uint32_t SvgNames::add(const pugi::xml_node& node, std::uint32_t outer,
   return found->second;
 }
 
+std::uint32_t SvgNames::add_sideless(std::string_view name) {
+  const std::string shown = shown_text(trimmed(name).substr(0, kMostShown));
+  const auto found = std::find(sideless_.begin(), sideless_.end(), shown);
+  const auto at = static_cast<std::uint32_t>(found - sideless_.begin());
+  if (found == sideless_.end()) sideless_.push_back(shown);
+  return at + 1;
+}
+
 void SvgNames::see_known(std::string_view name) {
   has_fold_letters_ = has_fold_letters_ || is_letter_of_fold(name);
 }

@@ -31,6 +31,12 @@ class SvgNames {
   [[nodiscard]] std::string name(std::uint32_t number) const {
     return number == 0 ? std::string() : unknown_[number - 1].name;
   }
+  /// Adds the name of folds whose side it does not say. Returns its number, from 1.
+  std::uint32_t add_sideless(std::string_view name);
+  /// The name with this number of `add_sideless`.
+  [[nodiscard]] const std::string& sideless(std::uint32_t number) const {
+    return sideless_[number - 1];
+  }
   /// The element of the first of `asked`.
   [[nodiscard]] pugi::xml_node first_asked(bool any_known) const;
 
@@ -46,6 +52,7 @@ class SvgNames {
   [[nodiscard]] std::vector<const Unknown*> drawn_beside_known(bool any_known) const;
 
   std::vector<Unknown> unknown_;
+  std::vector<std::string> sideless_;  ///< each once
   bool has_fold_letters_{};
   std::map<std::pair<std::size_t, std::uint32_t>, std::uint32_t> numbers_;  ///< by node and `outer`
 };

@@ -65,7 +65,11 @@ std::optional<SvgPurpose> SvgPurposes::meaning(const SvgElement& e, const SvgSty
     has_names_ = true;
     const StrokeUse use = style.has_assignment ? style.assignment : style.layer;
     if (stroked && use) add_colour(is_cut(*use) ? cut_colours_ : other_colours_, stroke_rgb(style));
-    return SvgPurpose{use, !stroked};
+    // A person who is asked may say the side, or that a scored line is a fold.
+    if (!looks_.any() || style.has_assignment || style.sideless == 0)
+      return SvgPurpose{use, !stroked};
+    return SvgPurpose{use, !stroked,
+                      looks_.of_colour(names_.sideless(style.sideless), stroke_rgb(style))};
   }
   if (!stroked) {
     const bool white = style.fill.kind == SvgPaint::Kind::Colour && is_white(style.fill.rgb);

@@ -418,12 +418,13 @@ void SvgStyleReader::read_names(SvgElement& element, SvgStyle& style) {
 // What the names of an element say. A label that a person wrote counts first; then an id and the
 // classes together, of which what does not cut counts; then a title, which shapes have of their
 // own.
-LayerMeaning SvgStyleReader::meaning_of_names(const SvgElement& e, std::string& unknown) {
+LayerMeaning SvgStyleReader::meaning_of_names(const SvgElement& e, std::string& known,
+                                              std::string& unknown) {
   LayerMeaning all = LayerMeaning::Wordless;
   const auto look_at = [&](std::string_view name) {
     const LayerMeaning meaning = meaning_of_label(profile_, name);
     if (is_known(meaning)) names_.see_known(name);
-    if (is_known(meaning) && (!is_known(all) || cuts(all))) all = meaning;
+    if (is_known(meaning) && (!is_known(all) || cuts(all))) all = meaning, known = name;
     if (meaning == LayerMeaning::Unknown && !is_known(all)) {
       if (unknown.empty()) unknown = name;
       all = meaning;
@@ -437,7 +438,7 @@ LayerMeaning SvgStyleReader::meaning_of_names(const SvgElement& e, std::string& 
   if (!e.classes.empty()) {
     if (const LayerMeaning meaning = meaning_of_label(profile_, e.classes);
         is_known(meaning) && (!is_known(all) || cuts(all)))
-      all = meaning;
+      all = meaning, known = e.classes;
     else if (!is_known(all))
       for (std::string_view rest = e.classes, one; !(one = take_word(rest, kBlanks)).empty();)
         if (!is_made_up(one)) look_at(one);
@@ -448,8 +449,8 @@ LayerMeaning SvgStyleReader::meaning_of_names(const SvgElement& e, std::string& 
 
 // Layers, groups and shapes mean what their names say.
 void SvgStyleReader::read_name(const SvgElement& element, SvgStyle& style) {
-  std::string unknown;
-  const LayerMeaning meaning = meaning_of_names(element, unknown);
+  std::string known, unknown;
+  const LayerMeaning meaning = meaning_of_names(element, known, unknown);
   if (meaning == LayerMeaning::Unknown)
     style.unknown = names_.add(element.node, style.unknown, unknown);
   if (!is_known(meaning)) return;
@@ -457,8 +458,10 @@ void SvgStyleReader::read_name(const SvgElement& element, SvgStyle& style) {
   // No line of a fold is cut because of its own id.
   if (is_shape && cuts(meaning) && style.has_layer && (!style.layer || !is_cut(*style.layer)))
     return;
+  const bool has_no_side = meaning == LayerMeaning::Fold || meaning == LayerMeaning::Score;
   style.layer = use_of(meaning);
   style.has_layer = true;
+  style.sideless = has_no_side ? names_.add_sideless(known) : 0;
   if (!by_illustrator_ && !element.is_layer && element.assignment.empty())
     notes_.add(is_shape ? SvgNote::NamedShape : SvgNote::NamedGroup,
                [&] { return svg_where(text_, element.node); });

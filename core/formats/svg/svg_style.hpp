@@ -60,6 +60,7 @@ struct SvgStyle {
   StrokeUse assignment;      ///< `data-assignment` of the element or its nearest ancestor with one
   StrokeUse layer;           ///< meaning of the nearest element whose name is known
   std::uint32_t unknown{};   ///< nearest element whose name is not known, see `SvgNames`; 0: none
+  std::uint32_t sideless{};  ///< `layer` is a fold of unknown side or a score, see `SvgNames`
   std::uint8_t layer_pen{};  ///< pen of the nearest element whose name a person gave; 0: none
 
   // Not inherited.
@@ -126,7 +127,8 @@ class SvgStyleReader {
   void read_names(SvgElement& element, SvgStyle& style);
   void read_pen(const SvgElement& element, SvgStyle& style);
   void read_name(const SvgElement& element, SvgStyle& style);
-  [[nodiscard]] LayerMeaning meaning_of_names(const SvgElement& element, std::string& unknown);
+  [[nodiscard]] LayerMeaning meaning_of_names(const SvgElement& element, std::string& known,
+                                              std::string& unknown);
 
   const SvgText& text_;
   const StrokeProfile& profile_;

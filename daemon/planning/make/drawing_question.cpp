@@ -46,6 +46,17 @@ AskedLines* asked_of(const DrawnLook& look, bool of_layers, std::vector<AskedLin
       AskedLines{name, of_layers ? "layers" : "colors", look.colour, 0.0, 0, {}});
 }
 
+Json listed(const std::vector<AskedLines>& lines) {
+  Json list = Json::array();
+  for (const AskedLines& one : lines)
+    list.push_back({{"name", one.name},
+                    {"option", one.option},
+                    {"colour", one.colour},
+                    {"length_mm", one.length_mm},
+                    {"path", one.path}});
+  return list;
+}
+
 }  // namespace
 
 Result<std::string> drawing_question(std::string text, InputKind kind, SvgReadOptions how) {
@@ -57,11 +68,16 @@ Result<std::string> drawing_question(std::string text, InputKind kind, SvgReadOp
   const bool of_layers = work.asks == "layers";
   std::vector<AskedLines> asked;
   asked.reserve(kMostPens);
+  std::vector<AskedLines> folds;
+  folds.reserve(kMostPens);
   AskedLines others;
   for (const DrawnLine& line : work.lines) {
     const std::size_t look = line.operation.pen;
     const bool is_known = look == 0 || look > work.unsaid.size();
-    AskedLines* const of = is_known ? nullptr : asked_of(work.unsaid[look - 1], of_layers, asked);
+    const bool has_no_side = is_fold(line.operation) || line.operation == Operation::Score;
+    AskedLines* const of = is_known      ? nullptr
+                           : has_no_side ? asked_of(work.unsaid[look - 1], true, folds)
+                                         : asked_of(work.unsaid[look - 1], of_layers, asked);
     (of != nullptr ? *of : others).add(work.points_of(line), box);
   }
   const bool no_unit = kind != InputKind::Svg &&
@@ -71,14 +87,9 @@ Result<std::string> drawing_question(std::string text, InputKind kind, SvgReadOp
             {"size_mm", {box.empty() ? 0 : box.width(), box.empty() ? 0 : box.height()}},
             {"unit", no_unit ? "guessed" : "said"},
             {"asks", work.asks.empty() ? Json() : Json(work.asks)},
-            {"looks", Json::array()},
+            {"looks", listed(asked)},
+            {"folds", listed(folds)},
             {"path", others.path}};
-  for (const AskedLines& one : asked)
-    json["looks"].push_back({{"name", one.name},
-                             {"option", one.option},
-                             {"colour", one.colour},
-                             {"length_mm", one.length_mm},
-                             {"path", one.path}});
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

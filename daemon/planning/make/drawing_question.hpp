@@ -13,7 +13,8 @@ namespace popcut::planning {
 /// that must say what lines are for before it can be planned) and `looks`, one for each layer or
 /// colour that `asks` is about, else for each colour that has no meaning: `name` (as the option
 /// takes it), `option`, `colour`, `length_mm` and `path` (SVG path data in mm, from the upper left
-/// corner of the lines); `path` of the document has the other lines.
+/// corner of the lines). `folds` has the same for layers whose names say a fold and not to which
+/// side, or a score. `path` of the document has the other lines.
 ///
 /// @param how  how it is read; `looks` is set here
 /// @retval Malformed, OutOfRange  see `drawing_from_text`

@@ -542,6 +542,7 @@ TEST_CASE("sheets are made for people without a cutter, and a drawing is asked a
   CHECK(question["looks"][1]["name"] == "#ff0000");
   CHECK(question["looks"][1]["length_mm"] == Approx(90));
   CHECK(question["looks"][1]["path"] == "M0 35L90 35");
+  CHECK(question["folds"].empty());
   const std::string colours = "red=fold-valley; black=cut";
   const auto hand = made({{"make-way", "hand"}, {"colors", colours}, {"mat", "letter"}}, paper);
   REQUIRE(hand["files"].size() == 1);
@@ -554,6 +555,49 @@ TEST_CASE("sheets are made for people without a cutter, and a drawing is asked a
                            R"({"name": "ours", "like": "cameo3"})");
   CHECK(studio["files"][0]["name"] == "sheet-01.dxf");
   CHECK(studio["files"][1]["name"] == "sheet-01.svg");
+}
+
+TEST_CASE("folds whose side a drawing does not say can be told apart by their layers",
+          "[daemon][planning][make]") {
+  const auto asked = [](std::string kind, std::string design,
+                        std::map<std::string, std::string> options) {
+    planning::WorkerTask task{.kind = Kind::Make, .design_kind = std::move(kind)};
+    task.design = std::move(design);
+    task.options = std::move(options);
+    task.options["make-way"] = "drawing";
+    std::string document;
+    const auto outcome =
+        planning::perform(std::move(task), [&](const std::string&, const std::string& bytes) {
+          document = bytes;
+          return Result<void>{};
+        });
+    if (!outcome) FAIL(message(outcome.error()));
+    return nlohmann::json::parse(document);
+  };
+  const std::string svg =
+      "<svg xmlns='http://www.w3.org/2000/svg' width='100mm' height='80mm' viewBox='0 0 100 80' "
+      "fill='none' stroke='#000'><g id='CUT'><path d='M5 5H95V75H5Z'/></g>"
+      "<g id='Folds'><path d='M5 40H95'/></g><g id='Score'><path d='M5 20H95'/></g></svg>";
+  auto question = asked("svg", svg, {});
+  CHECK(question["asks"].is_null());
+  REQUIRE(question["folds"].size() == 2);
+  CHECK(question["folds"][0]["name"] == "Folds");
+  CHECK(question["folds"][0]["option"] == "layers");
+  CHECK(question["folds"][0]["length_mm"] == Approx(90));
+  CHECK(question["folds"][1]["name"] == "Score");
+  CHECK(asked("svg", svg, {{"layers", "Folds=fold-mountain; Score=fold-valley"}})["folds"].empty());
+
+  const auto line = [](std::string layer, int y) {
+    return "0\nLINE\n8\n" + layer + "\n10\n0\n20\n" + std::to_string(y) + "\n11\n90\n21\n" +
+           std::to_string(y) + "\n";
+  };
+  const std::string dxf = "0\nSECTION\n2\nENTITIES\n" + line("CUT", 0) + line("FOLD", 30) +
+                          line("MOUNTAIN", 40) + line("CUT", 60) + "0\nENDSEC\n0\nEOF\n";
+  question = asked("dxf", dxf, {});
+  CHECK(question["unit"] == "guessed");
+  REQUIRE(question["folds"].size() == 1);
+  CHECK(question["folds"][0]["name"] == "FOLD");
+  CHECK(asked("dxf", dxf, {{"layers", "FOLD=fold-mountain"}})["folds"].empty());
 }
 
 }  // namespace planner_test
