@@ -79,9 +79,13 @@ Problem invalid_value(const std::string& pointer, std::string code, std::string 
 
 Problem problem_from(const Error& error) {
   Problem problem{kind_of(error.kind), message(error)};
-  if (problem.kind == ProblemKind::Validation)
-    problem.errors.push_back(
-        {error.place, error.kind == ErrorKind::OutOfRange ? "range" : "content", error.detail});
+  if (problem.kind != ProblemKind::Validation) return problem;
+  const bool is_late = error.kind == ErrorKind::Infeasible && error.reason == ErrorReason::TooMuch;
+  problem.errors.push_back({error.place,
+                            is_late                               ? "too-long"
+                            : error.kind == ErrorKind::OutOfRange ? "range"
+                                                                  : "content",
+                            error.detail});
   return problem;
 }
 

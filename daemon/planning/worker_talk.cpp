@@ -152,6 +152,11 @@ class PipeSignalBlocked {
 
 Error infeasible(std::string detail) { return {ErrorKind::Infeasible, "", std::move(detail)}; }
 
+/// It is over a limit of time: with another limit, or on an idle computer, it may be made.
+Error too_long(std::string detail) {
+  return {ErrorKind::Infeasible, "", std::move(detail), ErrorReason::TooMuch};
+}
+
 /// The last line that a worker said on standard error, printable.
 std::string last_words(const std::string& errors) {
   std::string line = errors.substr(0, errors.find_last_not_of(" \n") + 1);
@@ -223,8 +228,8 @@ class Talk {
       const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until_ - now);
       if (left.count() <= 0)
         return tl::unexpected(
-            infeasible(fmt::format("took longer than the {:g} s that {}", limits_.wall_s,
-                                   advice("may take", "planner.wall_s"))));
+            too_long(fmt::format("took longer than the {:g} s that {}", limits_.wall_s,
+                                 advice("may take", "planner.wall_s"))));
       teller_.tell_if_due(now);
       auto most = std::min<std::int64_t>(left.count() + 1, limits_.together ? 100 : 1000);
       // One that does a task after another has a limit of the kernel for all of them only.
@@ -354,7 +359,7 @@ class Talk {
   }
 
   [[nodiscard]] Error out_of_time() const {
-    return infeasible(
+    return too_long(
         fmt::format("took more than the {:g} s of processor time that {}", limits_.cpu_s,
                     advice("may take", limits_.is_check ? "planner.check_s" : "planner.cpu_s")));
   }
