@@ -77,28 +77,59 @@ Pattern lines_alone(const LineWork& work) {
   return pattern;
 }
 
+std::size_t folds_of(const LineWork& lines) {
+  return static_cast<std::size_t>(
+      std::count_if(lines.lines.begin(), lines.lines.end(),
+                    [](const DrawnLine& line) { return is_fold(line.operation); }));
+}
+
+/// An error for who looks at a picture: without the place in a file that nobody wrote, and without
+/// options of a command.
+std::string plain_words(const Error& error) {
+  std::string text = error.detail.substr(0, error.detail.find("; give --"));
+  if (const std::size_t at = text.find("psi = "); at != std::string::npos) text.erase(at, 6);
+  return text.substr(0, text.find("; 'popcut "));
+}
+
 /// What the verifier says of it goes into `how`.
-void judge(const std::string& fold, LatticeBlobOptions& how) {
+void judge(const Foreign& foreign, LatticeBlobOptions& how) {
+  constexpr std::size_t kFewFolds = 300;  // freedoms of more take long to count
   VerifyOptions options;
   options.quick = true;
-  const auto report = verify_fold(fold, options);
-  if (!report) return how.not_judged.push_back(message(report.error()));
+  if (folds_of(foreign.lines) <= kFewFolds) options.degrees_of_freedom = 1;
+  const auto report = verify_fold(foreign.fold, options);
+  if (!report) return how.not_judged.push_back(plain_words(report.error()));
+  const std::size_t ways = report->degrees_of_freedom.value_or(1);
   for (const VerifyCheck& check : report->checks) {
+    // A net is folded up by hand: the one way in which the solver opens it says nothing.
+    if (ways > 1 && (check.name == "opening" || check.name == "crossing")) continue;
     if (!check.ran) {
       how.not_judged.push_back(fmt::format("{}: {}", check.name, check.detail));
       continue;
     }
     how.judged.push_back(check.name);
     if (check.ok() || check.failures.empty()) continue;
+    if (check.name == "degrees_of_freedom" && ways > 1) {
+      how.warnings.push_back(
+          {.code = "many_ways",
+           .message = fmt::format("{}: moves in {} ways, as the net of a box does; a card opens "
+                                  "in one movement",
+                                  check.name, ways)});
+      continue;
+    }
     const VerifyFailure& first = check.failures.front();
     how.warnings.push_back(
         {.code = "unsound",
-         .message = fmt::format("{}: {} ({})", check.name, first.detail, first.place)});
+         .message = fmt::format("{}: {}{}", check.name, first.detail,
+                                first.place.empty() ? "" : fmt::format(" ({})", first.place))});
   }
 }
 
 /// Opens the flat sheet as far as it goes.
 Result<judge::SheetMotion> open_as_far(const std::string& fold, std::vector<Warning>& warnings) {
+  const bool is_said = std::any_of(warnings.begin(), warnings.end(), [](const Warning& one) {
+    return one.code == "unsound" || one.code == "many_ways";
+  });
   using std::numbers::pi;
   const struct {
     double to_rad;
@@ -110,12 +141,12 @@ Result<judge::SheetMotion> open_as_far(const std::string& fold, std::vector<Warn
     if (!angles) return tl::unexpected(angles.error());
     auto opened = judge::open_flat_sheet(fold, *angles);
     if (opened) {
-      if (!why.empty()) warnings.push_back({.code = "opens_partly", .message = why});
+      if (!why.empty() && !is_said) warnings.push_back({.code = "opens_partly", .message = why});
       return opened;
     }
-    if (why.empty()) why = message(opened.error());
+    if (why.empty()) why = plain_words(opened.error());
   }
-  warnings.push_back({.code = "does_not_open", .message = why});
+  if (!is_said) warnings.push_back({.code = "does_not_open", .message = why});
   const std::vector<double> flat{pi};
   return judge::open_flat_sheet(fold, flat);
 }
@@ -147,8 +178,12 @@ Result<std::string> foreign_blob(std::string text, InputKind kind, const SvgRead
   how.kind = name_of(kind);
   how.error = false;
   how.warnings = foreign->warnings;
-  judge(foreign->fold, how);
-  if (auto blob = opened_blob(*foreign, how)) return blob;
+  // Without a fold nothing opens, and there is no movement to judge.
+  const bool has_folds = kind == InputKind::Fold || folds_of(foreign->lines) > 0;
+  if (has_folds) {
+    judge(*foreign, how);
+    if (auto blob = opened_blob(*foreign, how)) return blob;
+  }
   return lattice_blob(lines_alone(foreign->lines), LatticeFrames{}, how);
 }
 

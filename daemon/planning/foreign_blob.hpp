@@ -15,7 +15,8 @@ namespace popcut::planning {
 ///
 /// It opens as `popcut deploy` opens it (`pattern_from_fold`, `open_flat_sheet`), as far as it
 /// does; a warning says if that is not all the way. Where nothing opens there are only its lines.
-/// What `popcut verify` judges of it, and what not, is listed.
+/// What `popcut verify` judges of it, and what not, is listed; nothing where there is no fold. What
+/// moves in more ways than one, as the net of a box does, gets the warning "many_ways".
 ///
 /// @param how  how it is read; what is unclear then is read as Origami Simulator does
 /// @retval Malformed, OutOfRange  it cannot be read

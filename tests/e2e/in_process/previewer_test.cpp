@@ -266,6 +266,8 @@ TEST_CASE("each limit of a preview ends it alone and says so", "[daemon][preview
     const auto late = bench.run(probe("spins", "ana", "", true));
     REQUIRE_FALSE(late);
     CHECK(late.error().kind == ProblemKind::Validation);
+    REQUIRE(late.error().errors.size() == 1);
+    CHECK(late.error().errors.front().code == "too-long");
     CHECK(late.error().detail.find("0.2 s of processor time that a preview may take") !=
           std::string::npos);
     // Somebody at rest waits longer.
@@ -460,6 +462,36 @@ TEST_CASE("patterns from elsewhere open as far as they do, or lie flat", "[daemo
     CHECK(card["faces"] == 2);
     CHECK(card["kind"] == "svg");
     CHECK(card["judged"].size() > 3);
+  }
+  SECTION("of cuts alone nothing is said to open, and nothing is wrong") {
+    const json cuts = lattice(
+        head + line("black", "M10,10H90V50H10Z") + line("black", "M20,20H80") + "</svg>", "svg");
+    CHECK(cuts["motion"] == "flat");
+    CHECK(cuts["judged"].empty());
+    CHECK(cuts["not_judged"].empty());
+    CHECK(cuts["warnings"].empty());
+  }
+  SECTION("the net of a box is no card that opens in one movement") {
+    const json net =
+        lattice(head + line("black", "M10 40H30V20H50V40H90V60H50V80H30V60H10Z") +
+                    line("blue", "M30 40V60M50 40V60M70 40V60M30 40H50M30 60H50") + "</svg>",
+                "svg");
+    REQUIRE(net["warnings"].size() == 1);
+    CHECK(net["warnings"][0]["code"] == "many_ways");
+    CHECK_THAT(net["warnings"][0]["message"].get<std::string>(),
+               Catch::Contains("moves in 5 ways, as the net of a box does"));
+  }
+  SECTION("what does not open is said without options of a command") {
+    const json half = lattice(head + line("black", "M10,10H90V50H10ZM30,30H70") +
+                                  line("red", "M10,30H30M70,30H90M40,20H60") + "</svg>",
+                              "svg");
+    for (const json& one : half["warnings"]) {
+      CAPTURE(one.dump());
+      const auto text = one["message"].get<std::string>();
+      CHECK(text.find("psi") == std::string::npos);
+      CHECK(text.find("--") == std::string::npos);
+      CHECK(text.find("edges_") == std::string::npos);
+    }
   }
   SECTION("lines without a sheet are shown as lines") {
     const json lines =
