@@ -366,7 +366,9 @@ class Guide {
     if (mountains > 0 && valleys > 0) what += " and ";
     if (valleys > 0) what += counted(valleys, "valley fold") + " (blue, away from you)";
     std::string where = is_spine ? "the main fold" : "";
-    if (last != kNone) {
+    if (last != kNone && is_net()) {
+      if (figures_ > 1) where = figure_words(first, last);
+    } else if (last != kNone) {
       const std::string figure = figure_words(first, last);
       if (is_spine) where += ", and ";
       if (deep == 0)
@@ -378,7 +380,8 @@ class Guide {
         where += fmt::format("{}, {} in from wall or ground", figure,
                              counted(static_cast<std::size_t>(shallow), "panel"));
     }
-    step.words = fmt::format("Crease {}: {}.", what, where);
+    step.words = where.empty() ? fmt::format("Crease {}.", what)
+                               : fmt::format("Crease {}: {}.", what, where);
     out_.steps.push_back(std::move(step));
   }
 
@@ -413,7 +416,17 @@ class Guide {
     return out;
   }
 
+  /// It has neither wall and ground nor a pose: nothing shuts, and it is folded up by hand.
+  [[nodiscard]] bool is_net() const { return !pattern_.card && !out_.stands; }
+
   void add_pushes() {
+    if (is_net()) {
+      if (out_.folds.empty()) return;
+      out_.steps.push_back({.kind = StepKind::Push,
+                            .words = "Fold it up along its creases, until its edges meet. "
+                                     "Glue or tape the edges that belong together."});
+      return;
+    }
     constexpr std::array<std::pair<PushFrom, bool>, 3> kStages{
         {{PushFrom::Behind, false}, {PushFrom::Behind, true}, {PushFrom::Front, false}}};
     // As many figures in one push as keep the pages few.

@@ -55,7 +55,8 @@ inline constexpr std::size_t kMostFoldsAStep = 8;
 inline constexpr std::size_t kMostGuideFolds = 2000;
 
 /// Orders the folds of a pattern (docs/hands.md, section 3): the waste first; then the creases,
-/// from wall and ground inward, figure by figure; then what to push while the card shuts.
+/// from wall and ground inward, figure by figure; then what to push while the card shuts. A flat
+/// sheet without wall and ground is a net: its last step folds it up.
 ///
 /// A figure is all that stands in one stretch along the spine. A fold comes after those that lead
 /// to it from wall and ground by the fewest panels: these push it. Folds equally far in that lie

@@ -23,6 +23,7 @@
 #include "core/print/fold_guide_pages.hpp"
 #include "core/text/fold_text.hpp"
 #include "core/text/utf8.hpp"
+#include "core/verify/verify.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/deploy_book.hpp"
 #include "daemon/cli/input/book_input.hpp"
@@ -58,6 +59,15 @@ Result<Cards> designed_cards(const std::string& file, const std::string& text,
   return cards;
 }
 
+/// Whether a sheet opens in one movement, as a card does. The net of a box folds up in many.
+bool is_card(const std::string& fold) {
+  VerifyOptions options;
+  options.quick = true;
+  options.degrees_of_freedom = 1;
+  const auto report = verify_fold(fold, options);
+  return !report || report->degrees_of_freedom.value_or(1) == 1;
+}
+
 /// A card of which the flat sheet is known, or also how it stands.
 Result<Cards> sheet_cards(const std::string& file, const std::string& fold,
                           const Progress& progress) {
@@ -67,7 +77,7 @@ Result<Cards> sheet_cards(const std::string& file, const std::string& fold,
   auto opened = judge::open_flat_sheet(fold, kOpen, progress);
   if (!opened) return tl::unexpected(within(file, opened.error()));
   // Sloped panels have no law of motion here: they are shown on the sheet alone.
-  if (opened->motion) opened->pattern.card = true;
+  if (opened->motion) opened->pattern.card = is_card(fold);
   if (opened->pattern.name.empty())
     opened->pattern.name = std::filesystem::path(file).stem().string();
   return Cards{std::move(opened->pattern)};

@@ -261,6 +261,16 @@ TEST_CASE("fold-guide shows how to fold a card, as text, JSON and pages", "[cli]
     CHECK(bench.poppler({"pdftotext", "guide/fold-guide.pdf", "-"}).find("How to fold card") !=
           std::string::npos);
   }
+  write_file(bench.temp / "net.svg",  // of a box
+             "<svg xmlns='http://www.w3.org/2000/svg' width='140mm' height='110mm' viewBox='0 0 "
+             "140 110' fill='none'><g id='cut' stroke='#000'><path d='M10 "
+             "40H40V10H70V40H130V70H70V100H40V70H10Z'/></g><g id='valley' stroke='#00f'><path "
+             "d='M40 40V70M70 40V70M100 40V70M40 40H70M40 70H70'/></g></svg>");
+  const Ran net = bench.popcut({"fold-guide", "net.svg"});
+  CAPTURE(net.out, net.err);
+  CHECK(net.exit == 0);
+  CHECK(net.out.find("Fold it up along its creases") != std::string::npos);
+  CHECK(net.out.find("card") == std::string::npos);
   check_refused(bench.popcut({"fold-guide", "card.svg", "--page", "50x50", "-o", "guide"}), 2,
                 "--page");
   check_refused(bench.popcut({"fold-guide", "card.stl", "-o", "guide"}), 3, "card.stl");

@@ -606,6 +606,24 @@ TEST_CASE("a pattern of which only the flat sheet is known is guided by the shee
   CHECK(pages->front().svg.find("Seen from") == std::string::npos);
 }
 
+TEST_CASE(
+    "the guide of a net ends with folding it up: it has no wall and ground, and nothing shuts",
+    "[hands]") {
+  const Pattern card = testing::box_card_pattern();
+  Pattern net = card;
+  for (PatternVertex& p : net.vertices) p = {card.u(p) - card.wall_mm, 0.0, p.v};
+  net.wall_mm = 0.0, net.ground_mm = card.wall_mm + card.ground_mm, net.card = false;
+  const auto guide = hands::fold_guide(net);
+  REQUIRE(guide);
+  REQUIRE(guide->steps.size() == 2);
+  CHECK(guide->steps[0].words ==
+        "Crease 1 mountain fold (red, its ridge toward you) and 4 valley folds (blue, away from "
+        "you).");
+  CHECK(guide->steps[1].words ==
+        "Fold it up along its creases, until its edges meet. Glue or tape the edges that belong "
+        "together.");
+}
+
 TEST_CASE("a fold guide goes from wall and ground inward, and ends with shutting the card",
           "[hands]") {
   const auto guide = hands::fold_guide(testing::box_card_pattern());
