@@ -1,7 +1,7 @@
 // The best cards of a model: searched, shown as pictures, picked, printed and cut.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { axeSource, bytesOf, closeBrowser, expectComplaints, openModel, picture, refused, Server, until, visit } from './harness.mjs';
+import { axeSource, bytesOf, closeBrowser, drawn, expectComplaints, openModel, picture, refused, Server, until, visit } from './harness.mjs';
 
 let server;
 
@@ -46,7 +46,7 @@ const specOf = (page) => page.evaluate(() => {
 test('a model gives cards as pictures, and the one that is picked by key is the design until Undo', async () => {
   const { page, sent, asked, complaints, close } = await desk();
   await give(page, 'house.obj', house());
-  await exact(page);
+  await drawn(page);
   const placed = await specOf(page);
   await found(page);
   const { path } = sent.find((one) => one.path.endsWith('/search'));
@@ -99,7 +99,7 @@ test('a model gives cards as pictures, and the one that is picked by key is the 
   await page.getByRole('button', { name: 'Standing with z up' }).click();
   await page.getByRole('button', { name: 'Facing you: -x' }).click();
   await until(() => asked.length === 2, 'it searches again');
-  const wishes = { max_minutes: 15, cards: 1, effort: 0.25 };
+  const wishes = { max_minutes: 15, cards: 1, effort: 0.1 };
   assert.deepEqual(asked[0], { ...wishes, up: 'y', front: 'x', label: 'any', mat: 'A4', marks: false });
   assert.deepEqual(asked[1], { ...wishes, up: 'z', front: '-x', label: 'easy', mat: 'letter', marks: true });
   await found(page);
@@ -110,6 +110,15 @@ test('a model gives cards as pictures, and the one that is picked by key is the 
   const dialog = page.getByRole('dialog');
   assert.equal(await dialog.getByLabel('Paper or mat').inputValue(), 'letter');
   assert.equal(await dialog.getByLabel('Print a picture on the card').isChecked(), true);
+  assert.equal(await dialog.getByLabel('Cutter').locator('option').count(), 2, 'the one cutter, and by hand');
+  // That picture is of this model: the next design is not printed because this one was.
+  await dialog.getByRole('button', { name: 'Cancel' }).click();
+  await page.getByRole('button', { name: 'Examples' }).click();
+  await page.locator('.start-card:enabled', { hasText: 'unit' }).click();
+  await exact(page);
+  await page.getByRole('button', { name: 'Cut this…' }).click();
+  assert.equal(await dialog.getByLabel('Paper or mat').inputValue(), 'letter');
+  assert.equal(await dialog.getByLabel('Print a picture on the card').isChecked(), false);
   assert.deepEqual(complaints, []);
   await close();
 });
@@ -122,7 +131,7 @@ test('a book of cards is searched, picked and planned', async () => {
   await page.getByLabel('One card or a book').selectOption('4');
   await page.getByRole('button', { name: 'Search again' }).click();
   await until(() => asked.length === 2, 'it searches again');
-  assert.deepEqual(asked[1], { max_minutes: 15, cards: 4, up: 'y', effort: 0.25, label: 'any', mat: 'A4', marks: false, material: 'paper-220' });
+  assert.deepEqual(asked[1], { max_minutes: 15, cards: 4, up: 'y', effort: 0.1, label: 'any', mat: 'A4', marks: false, material: 'paper-220' });
   await page.getByRole('progressbar', { name: 'Searching for the best cards' }).waitFor({ state: 'detached', timeout: 120_000 });
   await found(page);
   await page.locator('.found-card').last().click();
@@ -139,7 +148,9 @@ test('a book of cards is searched, picked and planned', async () => {
 test('a search that runs can be cancelled, and is begun again', async () => {
   const { page, sent, complaints, close } = await desk({ effort: 4 });
   await give(page, 'tall house.obj', house(60));
-  await exact(page);
+  // What is drawn meanwhile is not taken for the result.
+  await page.locator('.badge', { hasText: 'first draft' }).waitFor({ timeout: 60_000 });
+  assert.match(await page.locator('.stage-first').innerText(), /^First draft: better cards are being searched/);
   await page.getByText('Searching for the best cards', { exact: false }).waitFor();
   await page.getByRole('progressbar', { name: 'Searching for the best cards' }).waitFor();
   await picture(page, 'cards-searching');
@@ -148,6 +159,8 @@ test('a search that runs can be cancelled, and is begun again', async () => {
   assert.match(gone.path, /^\/v1\/searches\/[0-9A-Z]{26}$/);
   await until(async () => (await server.ask('GET', gone.path)).status === 404, 'popcutd has none any more');
   assert.equal(await page.getByRole('progressbar').count(), 0);
+  await exact(page);
+  assert.equal(await page.locator('.stage-first').count(), 0);
   // Cancelled while popcutd still begins it.
   const begun = page.waitForResponse((answer) => answer.request().method() === 'POST' && answer.url().endsWith('/search'));
   await page.getByRole('button', { name: 'Find the best cards' }).click();

@@ -555,13 +555,18 @@ test('a drawing asks in place what its colours are for; the answer is kept, and 
   await page.getByRole('button', { name: 'Cut this…' }).click();
   assert.equal(await page.getByRole('button', { name: 'Show the sheets' }).isDisabled(), true, 'nothing is planned before the answer');
   await page.locator('dialog').getByRole('button', { name: 'Cancel' }).click();
-  for (const [at, use] of ['cut', 'fold-valley', 'fold-mountain'].entries()) await page.locator('.look select').nth(at).selectOption(use);
-  await page.getByText('What these lines are for').waitFor();
-  await page.getByText('--colors "#000000=cut; #ff0000=fold-valley; #0000ff=fold-mountain"').waitFor();
+  // What is shown is the guess; one press takes it.
+  assert.deepEqual(await page.locator('.look select').evaluateAll((all) => all.map((one) => one.value)), ['cut', 'fold-mountain', 'fold-valley']);
+  await picture(page, 'design-drawing-asks');
+  for (const [at, use] of [[1, 'fold-valley'], [2, 'fold-mountain']]) await page.locator('.look select').nth(at).selectOption(use);
+  await page.getByRole('button', { name: 'Yes, use these' }).click();
+  await page.getByText('Size and lines of the drawing').waitFor();
+  await page.getByText('On the command line').click();
+  await page.getByText('--colors "#ff0000=fold-valley; #0000ff=fold-mountain; #000000=cut"').waitFor();
   await page.reload();
   await page.getByRole('button', { name: 'Open a file' }).waitFor();
   await openIt();
-  await page.getByText('What these lines are for').waitFor();
+  await page.getByText('Size and lines of the drawing').waitFor();
   await page.getByRole('button', { name: 'Make it…' }).click();
   await page.getByRole('button', { name: /^By hand/ }).click();
   await page.getByText('The pages are 210 × 297 mm.').waitFor();
@@ -605,14 +610,31 @@ test('examples are in two groups, each with its picture, in one order everywhere
 });
 
 test('a file without a unit asks how large it is, and the view follows the file that is open', async () => {
-  const { page, complaints, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
+  const { page, sent, complaints, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
   await page.locator('.start-card').first().waitFor();
   const line = (...at) => `0\nLINE\n8\n0\n${[10, 20, 11, 21].map((code, i) => `${code}\n${at[i]}\n`).join('')}`;
   const dxf = `0\nSECTION\n2\nENTITIES\n${line(0, 0, 4, 0)}${line(4, 0, 4, 3)}${line(4, 3, 0, 3)}${line(0, 3, 0, 0)}0\nENDSEC\n0\nEOF\n`;
   await page.locator('input[type=file]').setInputFiles({ name: 'box.dxf', mimeType: 'image/vnd.dxf', buffer: Buffer.from(dxf) });
   for (const size of ['in mm: 4 × 3 mm', 'in cm: 40 × 30 mm', 'in inches: 101.6 × 76.2 mm']) await page.getByText(size).waitFor();
+  // Nothing is planned or made before somebody has said it.
+  await page.getByRole('button', { name: 'Cut this…' }).click();
+  assert.equal(await page.getByRole('button', { name: 'Show the sheets' }).isDisabled(), true);
+  await page.locator('dialog').getByRole('button', { name: 'Cancel' }).click();
+  await page.getByRole('button', { name: 'Make it…' }).click();
+  await page.getByRole('button', { name: /^By hand/ }).click();
+  await page.locator('dialog').getByText('in cm: 40 × 30 mm').waitFor();
+  assert.equal(await page.locator('.made-files').count(), 0);
+  await page.getByRole('button', { name: 'Close' }).click();
+  await picture(page, 'design-unit');
   await page.getByText('in inches').click();
+  await page.getByText('On the command line').click();
   await page.getByText('--units "in"').waitFor();
+  assert.deepEqual(sent.filter((one) => one.path.endsWith('/plan')), []);
+  await page.getByRole('button', { name: 'Cut this…' }).click();
+  await page.getByRole('button', { name: 'Show the sheets' }).click();
+  await page.locator('.sheets .facts').getByText('101.6 × 76.2 mm').waitFor();
+  await page.evaluate(() => { location.hash = '#/design'; });
+  await page.locator('.design-bar').waitFor();
   await page.locator('.flat-sheet', { hasText: 'card 101.6 × 76.2 mm' }).waitFor();
   // A flat pattern leaves no flat view behind.
   await page.locator('input[type=file]').setInputFiles(new URL('../../docs/making/heart.svg', import.meta.url).pathname);
@@ -621,6 +643,74 @@ test('a file without a unit asks how large it is, and the view follows the file 
   await handle.waitFor();
   const [stage, box] = [await page.locator('.stage-canvas').boundingBox(), await handle.boundingBox()];
   assert.ok(box.y >= stage.y && box.x >= stage.x && box.x + box.width <= stage.x + stage.width, 'the free edge is in the picture: the card is open');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('folds whose side the drawing does not say can be set to mountain or valley', async () => {
+  const { page, complaints, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
+  await page.locator('.start-card').first().waitFor();
+  const svg = `<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="80mm" viewBox="0 0 100 80" fill="none" stroke="#000"><g id="Cut"><path d="M5 5H95V75H5Z"/><path d="M30 30V50M70 30V50"/></g><g id="Spine fold"><path d="M5 40H30M70 40H95"/></g><g id="Box fold"><path d="M30 30H70M30 50H70"/></g></svg>`;
+  await page.locator('input[type=file]').setInputFiles({ name: 'sides.svg', mimeType: 'image/svg+xml', buffer: Buffer.from(svg) });
+  await page.getByText('does not say to which side').waitFor();
+  assert.deepEqual(await page.locator('.look-name').allTextContents(), ['Spine fold, 50 mm', 'Box fold, 80 mm']);
+  assert.equal(await page.getByRole('button', { name: 'Yes, use these' }).count(), 0, 'nobody must answer');
+  await page.locator('.look select').nth(1).selectOption('fold-mountain');
+  await page.getByText('On the command line').click();
+  await page.getByText('--layers "Box fold=fold-mountain"').waitFor();
+  await picture(page, 'design-sides');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('a file that is dropped anywhere is opened, also beside the column and from another view', async () => {
+  const { page, complaints, close } = await visit(server, { hash: '', motion: 'reduce', screen: { width: 2200, height: 900, touch: false } });
+  const drop = (text) => page.evaluate((content) => {
+    const data = new DataTransfer();
+    data.items.add(new File([content], 'dropped.svg', { type: 'image/svg+xml' }));
+    const at = document.elementFromPoint(5, innerHeight - 5);   // in the margin
+    for (const type of ['dragover', 'drop']) at.dispatchEvent(new DragEvent(type, { dataTransfer: data, bubbles: true, cancelable: true }));
+  }, text);
+  await page.locator('.now').waitFor();
+  await drop(ladder(6));
+  await page.getByText('This is a pattern from a file.', { exact: false }).waitFor();
+  await page.getByRole('button', { name: 'Examples' }).click();
+  await page.locator('.start-card:enabled').first().waitFor();
+  await drop(ladder(7));
+  await page.getByText('This is a pattern from a file.', { exact: false }).waitFor();
+  assert.equal(await page.locator('.drop-over').count(), 0);
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('on a phone a file can be opened from the first screen', async () => {
+  for (const hash of ['', '#/design']) {
+    const { page, complaints, close } = await visit(server, { hash, screen: 'phone', motion: 'reduce' });
+    const button = page.getByRole('button', { name: 'Open a file' });
+    await button.waitFor();
+    const { y, height } = await button.boundingBox();
+    assert.ok(y + height < 700, `it is ${y} px down`);
+    await picture(page, `first-screen-${hash === '' ? 'now' : 'design'}`);
+    assert.deepEqual(complaints, []);
+    await close();
+  }
+});
+
+test('a card that is not drawn in time is not called impossible, and can be tried again', async () => {
+  const { page, complaints, close } = await designing();
+  expectComplaints(page, refused(422));
+  const late = JSON.stringify({ type: '/problems/validation', status: 422, detail: 'took more than the 10 s', errors: [{ pointer: '', code: 'too-long', detail: 'took more than the 10 s' }] });
+  await page.route('**/v1/preview', (route) => route.fulfill({ status: 422, contentType: 'application/problem+json', body: late }));
+  await page.getByLabel('Designed opening angle').fill('80');
+  await page.getByLabel('Designed opening angle').press('Enter');
+  await page.getByText('This card takes long to draw.').waitFor();
+  await picture(page, 'design-late');
+  assert.equal(await page.getByText('This cannot be made.').count(), 0);
+  assert.notEqual(await page.locator('.badge').textContent(), 'not possible');
+  await page.unroute('**/v1/preview');
+  await page.getByRole('button', { name: 'Try again' }).click();
+  await exact(page);
+  assert.equal(await page.locator('.impossible').count(), 0);
   assert.deepEqual(complaints, []);
   await close();
 });

@@ -301,6 +301,8 @@ test('the steps of gluing: both sides of a seam, and the tab where it comes to l
   // The tab's corner (14, 28) is (10, 20) on the pattern, and (-20 + 90, 10 + 5) on the second sheet.
   assert.deepEqual(two.shadows[0][0], [70, 15]);
   assert.deepEqual(glue.glueSteps({ sheets: [{}] }, { mountains: 0, valleys: 0 }), [{ kind: 'waste', sheets: 1 }]);
+  // Nothing shuts that is no card: the net of a box is folded up.
+  assert.deepEqual(glue.glueSteps({ sheets: [{}] }, { mountains: 0, valleys: 5 }, false).map((step) => step.kind), ['waste', 'valleys', 'shape']);
   assert.equal(glue.inverse([[1, 2, 0], [2, 4, 0]]), null);
   assert.equal(glue.bands([[[0, 0], [10, 0]]], 2).length, 12);
   assert.equal(glue.fans([[[0, 0], [1, 0], [1, 1], [0, 1]]]).length, 12);

@@ -286,6 +286,9 @@ export async function openModel(page, files, front) {
   await page.locator(front ? `.side[aria-label^="Facing you: ${front}"]` : '.side-guess').click({ timeout: 60_000 });
 }
 
+/** Waits until a model is drawn: its first draft, or a card that was found in place of it. */
+export const drawn = (page) => page.locator('.badge-first, .badge-exact').waitFor({ timeout: 60_000 });
+
 const expected = new WeakMap();
 const expectedOf = (page) => expected.get(page) ?? [];
 

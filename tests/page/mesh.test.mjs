@@ -1,7 +1,7 @@
 // Models (STL, OBJ): opened, placed, drawn and cut; and those that are broken or mean harm.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { armHere, closeBrowser, expectComplaints, hold, machineHash, openModel, picture, refused, Server, until, visit } from './harness.mjs';
+import { armHere, closeBrowser, drawn, expectComplaints, hold, machineHash, openModel, picture, refused, Server, until, visit } from './harness.mjs';
 
 let server;
 
@@ -64,7 +64,7 @@ for (const [name, bytes] of [['ball.stl', binaryStl(ball())], ['ball in words.st
   test(`${name} is placed in the corner of a card, drawn and exact`, async () => {
     const { page, sent, complaints, close } = await desk();
     await openModel(page, file(name, bytes));
-    await page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 60_000 });
+    await drawn(page);
     const spec = await specOf(page);
     assert.equal(spec.surface.type, 'mesh');
     assert.equal(spec.name, name.replace(/\.[^.]*$/, ''));
@@ -84,7 +84,7 @@ for (const [name, bytes] of [['ball.stl', binaryStl(ball())], ['ball in words.st
 test('a model goes the whole way to a cut; it cannot be shared by a link', async () => {
   const { page, complaints, close } = await desk();
   await openModel(page, file('dome.stl', binaryStl(ball(25))));
-  await page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 60_000 });
+  await drawn(page);
   await page.getByRole('button', { name: 'Share' }).click();
   await page.getByText('This design uses a file of its own', { exact: false }).waitFor();
   assert.equal(await page.locator('.share-link').count(), 0);

@@ -8,8 +8,9 @@ import { marginOf, Panel, sheetBox } from './design_panel';
 import { shownModel, Stage } from './design_stage';
 import { Start } from './design_start';
 import { DrawingQuestion, mustAnswer, optionsOf } from './drawing';
+import { handed } from './handed';
 import { MakeDialog } from './make';
-import { filesOfDrop, type Given } from './model_files';
+import { filesOf, type Given } from './model_files';
 import * as opening from './model_open';
 import { openInSimulator } from './origami_simulator';
 import * as outfit from './outfit';
@@ -17,9 +18,9 @@ import { OutfitChoice } from './outfit_choice';
 import { Button, Dialog, Trouble, useAsking } from './parts';
 import { prints } from './preferences';
 import { go, parseRoute, route, sheetsOf } from './route';
-import { isProblem, read, readBlob, saveAs, send, ServerProblem } from './server';
+import { read, readBlob, saveAs, send, ServerProblem } from './server';
 import { fromShare, isPlain, nameOf, scaled, shareText, SpecError, withField } from './spec';
-import { FirstDraft, SearchCards } from './search_cards';
+import { SearchCards } from './search_cards';
 import { Questions } from './standing';
 import { can, may, stale } from './store';
 import { tabStore } from './tab_store';
@@ -151,7 +152,7 @@ const designName = (): string => (desk.foreign.value?.name ?? nameOf(desk.spec.v
 
 /** All other formats, as files of the design. */
 function OtherFormats() {
-  const problem = useSignal<ServerProblem | null>(null);
+  const { problem, run: ask } = useAsking();
   const busy = useSignal<string | null>(null);
   const name = designName();
   const closed = useRef(new AbortController());
@@ -160,17 +161,9 @@ function OtherFormats() {
     const blob = await film(of, desk.lattice.peek()?.design_psi_rad ?? Math.PI / 2, closed.current.signal);
     if (blob) saveAs(blob, `${name}.webm`);
   };
-  const run = async (what: string, act: () => Promise<void>): Promise<void> => {
+  const run = (what: string, act: () => Promise<void>): Promise<void> => {
     busy.value = what;
-    problem.value = null;
-    try {
-      await act();
-    } catch (error) {
-      if (!isProblem(error)) throw error;
-      problem.value = error;
-    } finally {
-      busy.value = null;
-    }
+    return ask(act).finally(() => { busy.value = null; });
   };
   const get = (file: string): Promise<void> => run(file, async () => {
     const id = await desk.storedId();
@@ -336,10 +329,12 @@ function Impossible() {
   if (problem.status !== 422) return <Trouble problem={problem} onClose={() => { desk.problem.value = null; }} />;
   const first = problem.errors[0];
   const text = first ? `${fieldAt(first.pointer)}${first.detail}` : problem.detail;
+  const late = desk.isLate.value;
   return (
     <div class="note note-amber impossible" role="alert">
-      <p><strong>{words.problem.title}</strong> <span class="server-words">{text}</span></p>
-      <p class="small">{desk.lattice.value ? words.problem.shownOld : ''}</p>
+      <p><strong>{late ? words.problem.late : words.problem.title}</strong> <span class="server-words">{late ? words.problem.lateWhat : text}</span></p>
+      <p class="small">{desk.lattice.value ? late ? words.problem.shownLate : words.problem.shownOld : ''}</p>
+      {late && <Button kind="primary" onClick={desk.tryAgain}>{words.problem.again}</Button>}
       {desk.steps.value.undo && <Button kind="quiet" onClick={desk.stepBack}>{words.problem.back}</Button>}
     </div>
   );
@@ -365,13 +360,13 @@ function Desk({ onOpen }: { onOpen: () => void }) {
     <div class="design">
       <Bar onOpen={onOpen} />
       <SearchCards />
+      {desk.foreign.value && <DrawingQuestion design={desk.foreign.value.id} onAnswer={desk.readAgain} />}
       <div class="design-main">
         <div class="design-left">
           <div class="stage-wrap">
             <Stage />
             <div class="stage-notes">
               <Impossible />
-              <FirstDraft />
               {desk.note.value && <div class="note design-note" role="status"><p>{desk.note.value}</p>
                 <Button kind="quiet" onClick={() => { desk.note.value = null; }}>{words.close}</Button></div>}
             </div>
@@ -388,7 +383,6 @@ function Desk({ onOpen }: { onOpen: () => void }) {
 export default function Design({ rest }: { rest: string }) {
   const file = useRef<HTMLInputElement>(null);
   const trouble = useSignal<opening.Said>(null);
-  const over = useSignal(false);
   useEffect(() => { void outfit.readMachines(); }, []);
 
   useEffect(() => {
@@ -424,6 +418,12 @@ export default function Design({ rest }: { rest: string }) {
     trouble.value = null;
     void opening.open(from).then((said) => { if (said !== null) onSaid(said); });
   };
+  const given = handed.value;
+  useEffect(() => {
+    if (given === null) return;
+    handed.value = null;
+    take(() => filesOf(given));
+  }, [given]);
   const onOpen = (): void => file.current?.click();
   const problem = trouble.value;
   const messages = (
@@ -438,15 +438,13 @@ export default function Design({ rest }: { rest: string }) {
   const empty = desk.spec.value === null && desk.foreign.value === null;
   useEffect(() => { if (!empty) trouble.value = null; }, [empty]);
   return (
-    <div class={over.value ? 'design-drop design-over' : 'design-drop'}
-      onDragOver={(event) => { event.preventDefault(); over.value = true; }} onDragLeave={() => { over.value = false; }}
-      onDrop={(event) => { event.preventDefault(); over.value = false; if (event.dataTransfer) take(() => filesOfDrop(event.dataTransfer!)); }}>
+    <div class="design-drop">
       <input ref={file} type="file" class="visually-hidden" tabIndex={-1} aria-hidden="true" multiple
         accept=".json,.fold,.svg,.dxf,.stl,.obj,.glb,.mtl,.zip,image/*"
         onChange={(event) => {
-          const files = [...event.currentTarget.files ?? []].map((one) => ({ path: one.name, file: one }));
+          const files = [...event.currentTarget.files ?? []];
           event.currentTarget.value = '';
-          take(() => files);
+          take(() => filesOf({ entries: [], files }));
         }} />
       <Questions onSaid={onSaid} />
       {empty ? <Start onOpen={onOpen}>{messages}</Start> : <>{messages}<Desk onOpen={onOpen} /></>}

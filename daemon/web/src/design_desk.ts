@@ -8,8 +8,9 @@ import { FaceKind, LatticeError, readLattice } from './lattice';
 import type { Design, Example as Listed } from './model';
 import { Previews, type Quality } from './preview';
 import type { Colouring } from './ramps';
+import { prints } from './preferences';
 import { isProblem, newKey, read, readAnswer, request, send, ServerProblem, waitsUntil } from './server';
-import { nameOf, scaled, Undo, type Spec } from './spec';
+import { modelOf, nameOf, scaled, Undo, type Spec } from './spec';
 import { tabSession } from './tab_store';
 import { noteUnsaved } from './unsaved';
 import { length } from './words';
@@ -50,6 +51,8 @@ export const problem = signal<ServerProblem | null>(null);
 export const psi = signal(Math.PI / 2);
 export const colouring = signal<Colouring>('paper');
 export const targetShown = signal(false);
+/** Whether somebody looks at the figures of the engine. */
+export const engine = signal(false);
 export const hovered = signal<Lit | null>(null);
 export const pinned = signal<Lit | null>(null);
 export const note = signal<string | null>(null);
@@ -62,6 +65,11 @@ export const exactSpec = signal<Spec | null>(null);
 export const lit = computed<Lit | null>(() => hovered.value ?? pinned.value);
 export const canCut = computed(() => foreign.value !== null
   || (spec.value !== null && quality.value === 'exact' && exactSpec.value === spec.value && problem.value === null));
+
+/** The card was not drawn in the time that a preview may take: it can be tried again. */
+export const isLate = computed(() => problem.value?.errors[0]?.code === 'too-long');
+/** What is on the desk cannot be made. */
+export const isImpossible = computed(() => problem.value?.status === 422 && !isLate.value);
 
 /** The pointers of the spec's fields that popcutd refused, without the leading /spec. */
 export const refused = computed(() => new Map((problem.value?.errors ?? []).map((one) => [
@@ -121,8 +129,8 @@ const previews = new Previews<Spec, Lattice>({
       return;
     }
     const told = isProblem(error) ? error : new ServerProblem(500, { type: 'other', detail: error instanceof Error ? error.message : '' });
-    if (told.status === 422 && lastChange) setWall(lastChange.field, lastChange.value);
     problem.value = told;
+    if (isImpossible.value && lastChange) setWall(lastChange.field, lastChange.value);
   },
   onBusy: (now) => { busy.value = now; },
 });
@@ -213,6 +221,12 @@ function ask(of: Spec, settled = false): void {
   previews.input(of, settled);
 }
 
+/** Draws the design again that was not drawn in time. */
+export function tryAgain(): void {
+  problem.value = null;
+  if (spec.value) ask(spec.value, true);
+}
+
 function setWall(field: string, value: number): void {
   const known = good.get(field);
   if (known === undefined || known === value) return;
@@ -274,6 +288,7 @@ interface Begin {
 /** A new design on the desk. */
 export function begin(next: Spec, { step = true, made = false, lattice: known }: Begin = {}): void {
   turn++;
+  if (step && modelOf(next) === null) prints.value = 'no';   // what was said of a model is not meant for this
   fresh = true;
   good.clear();
   lastChange = null;
@@ -396,6 +411,7 @@ export async function openStored(id: string, wanted: () => boolean): Promise<voi
   const made = readLattice(await answer.arrayBuffer());
   if (!wanted()) return;
   turn++;
+  prints.value = 'no';
   batch(() => {
     spec.value = null;
     foreign.value = { id, name: design.name, kind: design.kind };

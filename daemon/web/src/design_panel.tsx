@@ -4,7 +4,6 @@ import { effect, useSignal } from '@preact/signals';
 import type { ComponentChildren } from 'preact';
 import { useEffect, useId, useLayoutEffect, useMemo, useRef } from 'preact/hooks';
 import * as desk from './design_desk';
-import { DrawingQuestion } from './drawing';
 import { FaceKind, onSheet, type Lattice } from './lattice';
 import * as outfit from './outfit';
 import { SheetView, type Strokes } from './sheet_view';
@@ -442,8 +441,6 @@ export function Figures({ of }: { of: Lattice }) {
             {of.error_mm.at && <button type="button" class="link-button" onClick={() => { desk.pinned.value = desk.litAt(of, of.error_mm?.at); }}>{words.warnings.show}</button>}
           </Row>
         )}
-        {report.inner_error_mm?.max !== undefined && <Row name={words.figures.inner} means={words.figures.means.inner}>{length(report.inner_error_mm.max)}</Row>}
-        {report.end_error_mm?.max !== undefined && <Row name={words.figures.ends} means={words.figures.means.ends}>{length(report.end_error_mm.max)}</Row>}
         {freedom !== undefined && <Row name={words.figures.freedom} means={words.figures.means.freedom}>{freedom === 1 ? words.figures.freedomOne : words.figures.freedomMany(freedom)}</Row>}
         {report.pieces !== undefined && <Row name={words.figures.pieces}>{integer(report.pieces)}</Row>}
         <Row name={words.figures.panels}>{integer(desk.panelsOf(of))}</Row>
@@ -451,6 +448,14 @@ export function Figures({ of }: { of: Lattice }) {
         {report.cuts !== undefined && <Row name={words.figures.cuts}>{integer(report.cuts)}{report.cut_length_mm !== undefined && <small>{length(report.cut_length_mm)}</small>}</Row>}
         <Row name={words.figures.sheet}>{size(sheetBox(of)[2], sheetBox(of)[3])}</Row>
       </dl>
+      <details onToggle={(event) => { desk.engine.value = event.currentTarget.open; }}>
+        <summary>{words.figures.engine}</summary>
+        <dl class="facts">
+          {report.inner_error_mm?.max !== undefined && <Row name={words.figures.inner} means={words.figures.means.inner}>{length(report.inner_error_mm.max)}</Row>}
+          {report.end_error_mm?.max !== undefined && <Row name={words.figures.ends} means={words.figures.means.ends}>{length(report.end_error_mm.max)}</Row>}
+        </dl>
+        <p class="muted small">{words.figures.engineWhat}</p>
+      </details>
     </section>
   );
 }
@@ -512,7 +517,7 @@ export function Warnings({ of }: { of: Lattice }) {
           return (
             <li key={i}>
               {warning.spoils && <strong>{words.warnings.spoils} </strong>}
-              <span class="server-words">{withoutTicks(warning.message)}</span>{' '}
+              <span class="server-words">{withoutTicks(warning.message).replace(/^([a-z_]+): /, (all, name: string) => (words.judged.checks[name] ? '' : all))}</span>{' '}
               {place && <button type="button" class="link-button" onClick={() => { desk.pinned.value = place; }}>{words.warnings.show}</button>}
             </li>
           );
@@ -525,16 +530,22 @@ export function Warnings({ of }: { of: Lattice }) {
 /** "tiling: why not" with the name of the check in words. */
 const withCheckWords = (text: string): string => text.replace(/^[a-z_]+/, (name) => words.judged.checks[name] ?? name);
 
+/** Checks that say nothing of what lies flat. */
+const kOfMovement = ['isometry', 'fold_angles', 'closed', 'degrees_of_freedom', 'crossing', 'opening', 'around', 'apart', 'book'];
+
 /** What popcut judged of a pattern from elsewhere, and what not. */
 export function Judged({ of }: { of: Lattice }) {
+  const flat = of.motion === 'flat';
+  const counts = (text: string): boolean => !flat || !kOfMovement.includes(text.split(':')[0]!);
+  const isBad = (check: string): boolean => of.warnings.some(({ message }) => message.startsWith(`${check}:`));
   return (
     <section aria-labelledby="judged">
-      <h2 id="judged">{words.judged.title}</h2>
+      <h2 id="judged">{flat ? words.judged.titleFlat : words.judged.title}</h2>
       <p class="note">{words.judged.stored}</p>
-      <p class="muted">{of.motion === 'flat' ? words.judged.flat : of.motion === 'frames' ? words.judged.frames : ''}</p>
+      <p class="muted">{flat ? of.judged.length > 0 ? words.judged.flat : words.judged.cuts : of.motion === 'frames' ? words.judged.frames : ''}</p>
       <dl class="facts">
-        {of.judged.map((one) => <Row key={one} name={words.judged.checks[one] ?? one}>{words.judged.yes}</Row>)}
-        {of.not_judged.map((one) => <Row key={one} name={withCheckWords(one)}>{words.judged.no}</Row>)}
+        {of.judged.filter(counts).map((one) => <Row key={one} name={words.judged.checks[one] ?? one}>{isBad(one) ? words.judged.bad : words.judged.yes}</Row>)}
+        {of.not_judged.filter(counts).map((one) => <Row key={one} name={withCheckWords(one)}>{words.judged.no}</Row>)}
         <Row name={words.figures.sheet}>{size(sheetBox(of)[2], sheetBox(of)[3])}</Row>
       </dl>
     </section>
@@ -548,7 +559,6 @@ export function Panel() {
     <aside class="design-panel">
       <FlatSheet />
       {spec && <Fields spec={spec} of={of} />}
-      {desk.foreign.value && <DrawingQuestion design={desk.foreign.value.id} onAnswer={desk.readAgain} />}
       {of && desk.foreign.value && <Judged of={of} />}
       {of && <Warnings of={of} />}
       {of && !desk.foreign.value && <ByHand of={of} />}

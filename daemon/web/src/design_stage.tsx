@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The three-dimensional side of Design: the model, its handles, its legend.
-import { effect, signal, useSignal } from '@preact/signals';
+import { computed, effect, signal, useSignal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import * as desk from './design_desk';
 import { FaceKind, posedPoints, type Lattice } from './lattice';
 import { paintModel } from './model_paper';
 import type { ModelView } from './model_view';
 import { css, curvatures, scaleOf, stopsOf, type Colouring, type Scale } from './ramps';
+import * as searching from './search_desk';
 import {
   isRevolution, radiusPoints, reachOf, sampledRadii, sheetOffset, stretched, withoutPoint, withPointAt, withRadius,
   withRadiusPoints, withSliceWidth, widthsOf, type RadiusPoint, type Spec,
@@ -469,7 +470,8 @@ function nextPin(of: Lattice, face: number | null): desk.Lit | null {
   return { kind: 'face', face };
 }
 
-const kColourings: readonly Colouring[] = ['paper', 'error', 'k', 'h', 'panel'];
+const kColourings: readonly Colouring[] = ['paper', 'error', 'panel', 'k', 'h'];
+const kEngine: readonly Colouring[] = ['k', 'h'];   // with the engine's figures only
 
 export function ColourChoice() {
   const of = desk.lattice.value;
@@ -484,7 +486,7 @@ export function ColourChoice() {
   };
   return (
     <div class="segments" role="radiogroup" aria-label={words.stage.colour}>
-      {kColourings.map((colouring) => (
+      {kColourings.filter((colouring) => desk.engine.value || !kEngine.includes(colouring) || desk.colouring.value === colouring).map((colouring) => (
         <label key={colouring} class={desk.colouring.value === colouring ? 'segment segment-on' : 'segment'}
           title={has(colouring) ? undefined : words.stage.notThere(words.stage[colouring], desk.quality.value === 'draft')}>
           <input type="radio" name="colouring" class="visually-hidden" checked={desk.colouring.value === colouring}
@@ -546,6 +548,9 @@ function markDrawn(): void {
   performance.mark(name, { detail: desk.shownInput_ms });
 }
 
+/** What is on the desk only holds the place of cards that are searched still. */
+const isFirst = computed(() => searching.busy.value && searching.draft.value !== null && searching.draft.value === desk.spec.value);
+
 export function Stage() {
   const canvas = useRef<HTMLCanvasElement>(null);
   const model = useSignal<ModelView | null>(null);
@@ -606,7 +611,7 @@ export function Stage() {
         effect(() => view.setPsi(desk.psi.value)),
         effect(() => view.setColouring(desk.colouring.value)),
         effect(() => view.setGhost(desk.targetShown.value)),
-        effect(() => view.setDim(desk.problem.value !== null && desk.problem.value.status === 422)),
+        effect(() => view.setDim(desk.isImpossible.value)),
         effect(() => {
           const which = desk.lit.value;
           view.light(which === null ? null : which.kind === 'face' ? { face: which.face } : which.kind === 'slice' ? { slice: which.slice } : { level: which.level });
@@ -643,11 +648,12 @@ export function Stage() {
   const paper = state.value === 'none' || state.value === 'lost';
   return (
     <section class="stage" aria-label={words.stage.label}>
-      <div class={`stage-frame${paper ? ' stage-behind' : ''}`}>
+      <div class={`stage-frame${paper ? ' stage-behind' : ''}${isFirst.value ? ' stage-is-first' : ''}`}>
         <canvas ref={canvas} class="stage-canvas" role="img" tabIndex={0} onKeyDown={onKey}
           aria-label={of ? sentenceOf(of, nameShown(), desk.psi.value) : words.stage.label} aria-description={words.stage.keys} />
         {view && state.value === 'ready' && <Handles view={view} />}
         {view && state.value === 'ready' && <Worst view={view} />}
+        {isFirst.value && <p class="stage-first" role="status">{words.search.draft}</p>}
         {of && of.triangle_face.length === 0 && <p class="stage-nothing">{words.stage.nothing}</p>}
         {paper && <PaperStage why={state.value === 'none' ? words.stage.noWebgl : words.stage.lost} />}
       </div>
@@ -675,8 +681,8 @@ export function Stage() {
 /** How true the picture is. */
 export function Badge() {
   const { quality } = words;
-  const impossible = desk.problem.value !== null && desk.problem.value.status === 422;
-  const text = impossible ? quality.impossible : desk.quality.value === null ? quality.working : quality[desk.quality.value];
-  const kind = impossible ? 'bad' : desk.quality.value === 'draft' || desk.quality.value === null ? 'draft' : 'exact';
+  const made = desk.quality.value;
+  const [text, kind] = desk.isImpossible.value ? [quality.impossible, 'bad'] : made === null ? [quality.working, 'draft']
+    : isFirst.value && made === 'exact' ? [quality.first, 'first'] : [quality[made], made === 'exact' ? 'exact' : 'draft'];
   return <span class={`badge badge-${kind}`} role="status">{text}</span>;
 }

@@ -283,6 +283,13 @@ export function Start({ onOpen, children }: { onOpen: () => void; children?: pre
       </div>
       {children}
       {problem.value && <Trouble problem={problem.value} onClose={() => { problem.value = null; }} />}
+      <div class="start-first">
+        <section aria-label={words.start.open}>
+          <Button kind="primary" big onClick={onOpen}>{words.start.open}</Button>
+          <p class="muted small">{words.start.openWhat}</p>
+        </section>
+        <WordPad />
+      </div>
       <section aria-labelledby="begin">
         <h2 id="begin">{words.start.begin}</h2>
         <p class="muted">{words.start.beginWhat}</p>
@@ -305,15 +312,7 @@ export function Start({ onOpen, children }: { onOpen: () => void; children?: pre
       <section aria-labelledby="draw">
         <h2 id="draw">{words.start.draw}</h2>
         <p class="muted">{words.start.drawWhat}</p>
-        <WordPad />
         <div class="pads"><PlanPad /><ProfilePad /><HeightPad onProblem={problem} /></div>
-      </section>
-      <section aria-labelledby="file" class="start-file">
-        <div>
-          <h2 id="file">{words.start.open}</h2>
-          <p class="muted">{words.start.openWhat}</p>
-        </div>
-        <Button onClick={onOpen}>{words.start.open}</Button>
       </section>
     </div>
   );

@@ -3,6 +3,7 @@
 // that drawing, and go along with every plan of it.
 import { signal } from '@preact/signals';
 import { useEffect, useId } from 'preact/hooks';
+import { Button } from './parts';
 import { keptText, keepText } from './preferences';
 import { isProblem, send } from './server';
 import { may } from './store';
@@ -11,13 +12,14 @@ import { makeWords } from './words_make';
 
 const words = makeWords.drawing;
 
-export interface Look { name: string; option: 'layers' | 'colors'; colour: string; length_mm: number; path: string }
+export interface Look { name: string; option: 'layers' | 'colors'; colour: string; length_mm: number; path: string; fold?: boolean }
 export interface Question {
   kind: string;
   size_mm: [number, number];
   unit: 'said' | 'guessed';
   asks: 'layers' | 'colors' | null;
   looks: Look[];
+  folds: Look[];   // whose side the drawing does not say
   path: string;
 }
 
@@ -65,7 +67,8 @@ export async function ask(design: string): Promise<void> {
   try {
     const question = await send<Question>('POST', `/v1/designs/${design}/make`, { body: { way: 'drawing', options: optionsOf(design) } });
     const before = drawing.peek()?.design === design ? drawing.peek()!.looks : [];
-    const fresh = question.looks.filter((look) => question.asks !== null && !before.some((one) => one.name === look.name && one.option === look.option));
+    const fresh = [...question.asks === null ? [] : question.looks, ...(question.folds ?? []).map((look) => ({ ...look, fold: true }))]
+      .filter((look) => !before.some((one) => one.name === look.name && one.option === look.option));
     drawing.value = { design, question, looks: [...before, ...fresh] };
   } catch (error) {
     if (!isProblem(error)) throw error;
@@ -73,7 +76,10 @@ export async function ask(design: string): Promise<void> {
 }
 
 /** Whether the drawing on the desk must be explained before it can be planned. */
-export const mustAnswer = (): boolean => drawing.value !== null && drawing.value.question.asks !== null;
+export const mustAnswer = (): boolean => drawing.value !== null && (drawing.value.question.asks !== null || drawing.value.question.unit === 'guessed');
+
+/** What lines of a colour mostly are, as the view shows them; '' where nobody knows. */
+const kUsual: Record<string, string> = { '#000000': 'cut', '#ffffff': 'cut', '#ff0000': 'fold-mountain', '#0000ff': 'fold-valley' };
 
 const shownName = ({ name, option }: Look): string => (option === 'colors' && words.colours[name.toLowerCase()]) || name;
 
@@ -105,39 +111,18 @@ export function DrawingQuestion({ design, onAnswer }: { design: string; onAnswer
     keep(design, next);
     void ask(design).then(onAnswer);
   };
+  const useOf = (look: Look): string => answers.uses[look.option][look.name] ?? (question.asks === null || look.fold ? '' : kUsual[look.colour.toLowerCase()] ?? '');
+  const isOpen = (fold: boolean): boolean => rows.some((look) => !look.fold !== fold && useOf(look) === '');
   const guessed = question.unit === 'guessed' || answers.units !== '';
   const unit_mm: Record<string, number> = { mm: 1, cm: 10, in: 25.4 };
   const one = unit_mm[answers.units] ?? 1;
   const options = optionsOf(design);
   return (
-    <section class="drawing-question" aria-labelledby={id}>
-      {rows.length > 0 && <>
-        <h2 id={id}>{question.asks ? words.title : words.done}</h2>
-        {question.asks && <p class="note note-amber" role="status">{words.what}</p>}
-        <ul class="plain-list looks">
-          {rows.map((look) => (
-            <li key={`${look.option} ${look.name}`}>
-              <label class="look">
-                {look.path ? <Thumbnail of={question} look={look} /> : <span class="look-picture" />}
-                <span class="look-name">{look.length_mm > 0 ? words.of(shownName(look), look.length_mm) : shownName(look)}</span>
-                <select value={answers.uses[look.option][look.name] ?? ''} onChange={(event) => {
-                  const use = event.currentTarget.value;
-                  answer((next) => {
-                    if (use === '') delete next.uses[look.option][look.name];
-                    else next.uses[look.option][look.name] = use;
-                  });
-                }}>
-                  <option value="">{words.choose}</option>
-                  {Object.entries(words.uses).map(([use, text]) => <option key={use} value={use} selected={answers.uses[look.option][look.name] === use}>{text}</option>)}
-                </select>
-              </label>
-            </li>
-          ))}
-        </ul>
-      </>}
+    <section class={mustAnswer() ? 'drawing-question drawing-asks' : 'drawing-question'} aria-labelledby={id}>
+      <h2 id={id}>{question.asks ? words.title : question.unit === 'guessed' ? words.unit : words.done}</h2>
       {guessed ? (
         <fieldset class="units">
-          <legend>{words.unit}</legend>
+          <legend class={question.unit === 'guessed' && !question.asks ? 'visually-hidden' : ''}>{words.unit}</legend>
           <p class="muted small">{words.unitWhat}</p>
           {Object.entries(words.units).map(([name, text]) => (
             <label key={name} class="tick">
@@ -147,7 +132,33 @@ export function DrawingQuestion({ design, onAnswer }: { design: string; onAnswer
           ))}
         </fieldset>
       ) : <p class="muted">{words.size(...question.size_mm)}</p>}
-      {Object.keys(options).length > 0 && <p class="small muted">{words.option('')}<code>{Object.entries(options).map(([name, text]) => `--${name} "${text}"`).join(' ')}</code></p>}
+      {rows.length > 0 && <>
+        {question.asks && <p role="status">{words.what}</p>}
+        {isOpen(true) && <p class="muted small">{words.sides}</p>}
+        <ul class="plain-list looks">
+          {rows.map((look) => (
+            <li key={`${look.option} ${look.name}`}>
+              <label class="look">
+                {look.path ? <Thumbnail of={question} look={look} /> : <span class="look-picture" />}
+                <span class="look-name">{look.length_mm > 0 ? words.of(shownName(look), look.length_mm) : shownName(look)}</span>
+                <select value={useOf(look)} onChange={(event) => {
+                  const use = event.currentTarget.value;
+                  answer((next) => {
+                    if (use === '') delete next.uses[look.option][look.name];
+                    else next.uses[look.option][look.name] = use;
+                  });
+                }}>
+                  <option value="">{look.fold ? words.anySide : words.choose}</option>
+                  {Object.entries(words.uses).map(([use, text]) => <option key={use} value={use} selected={useOf(look) === use}>{text}</option>)}
+                </select>
+              </label>
+            </li>
+          ))}
+        </ul>
+        {question.asks && <p><Button kind="primary" disabled={isOpen(false)}
+          onClick={() => answer((next) => { for (const look of rows) if (!look.fold) next.uses[look.option][look.name] = useOf(look); })}>{words.yes}</Button></p>}
+      </>}
+      {Object.keys(options).length > 0 && <details class="small muted"><summary>{words.option}</summary><code>{Object.entries(options).map(([name, text]) => `--${name} "${text}"`).join(' ')}</code></details>}
     </section>
   );
 }

@@ -44,6 +44,7 @@ export function stepTitle(step: GlueStep): string {
     case 'seam': return words.seam(step.letter);
     case 'weight': return words.weight;
     case 'open': return words.open;
+    case 'shape': return words.shape;
   }
 }
 
@@ -54,6 +55,7 @@ function stepText(step: GlueStep, psi_deg: number): string {
     case 'valleys': return words.valleysWhat(step.folds);
     case 'seam': return words.seamWhat(step.letter, step.sides[0]?.piece ?? 1, step.sides[1]?.piece ?? 2);
     case 'weight': return words.weightWhat;
+    case 'shape': return words.shapeWhat;
     case 'open': return words.openWhat(designWords.psi.text(psi_deg).replace(/^open /, ''));
   }
 }
@@ -185,7 +187,10 @@ export default function Glue({ rest: id }: { rest: string }) {
         else folds.value = { mountains: 0, valleys: 0 };
       });
   }, [ready, id, useAgain(trouble.value)]);
-  const steps = file.value && folds.value ? glueSteps(file.value, folds.value) : [];
+  // Only a card is pressed shut: the net of a box, say, moves in more than one way.
+  const of = lattice.value;
+  const shuts = !of || of.card.card || (of.motion === 'frames' && !of.warnings.some(({ code }) => code === 'many_ways'));
+  const steps = file.value && folds.value ? glueSteps(file.value, folds.value, shuts) : [];
   const count = steps.length;
   const move = (by: number): void => {
     step.value = Math.max(0, Math.min(count - 1, step.value + by));

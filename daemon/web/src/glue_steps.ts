@@ -31,7 +31,8 @@ export type GlueStep =
   | { kind: 'mountains' | 'valleys'; folds: number }
   | { kind: 'seam'; letter: string; sides: SeamSide[] }
   | { kind: 'weight' }
-  | { kind: 'open' };
+  | { kind: 'open' }
+  | { kind: 'shape' };
 
 const kMostSteps = 400;
 
@@ -81,15 +82,15 @@ export function seamSides(plan: PlanFile, letter: string): SeamSide[] {
   return sides;
 }
 
-/** All steps: free the waste, crease, glue seam by seam in the plan's order, press, open. */
-export function glueSteps(plan: PlanFile, folds: { mountains: number; valleys: number }): GlueStep[] {
+/** All steps: free the waste, crease, glue seam by seam in the plan's order; press and open what `shuts`, fold up anything else. */
+export function glueSteps(plan: PlanFile, folds: { mountains: number; valleys: number }, shuts = true): GlueStep[] {
   const steps: GlueStep[] = [{ kind: 'waste', sheets: plan.sheets.length }];
   if (folds.mountains > 0) steps.push({ kind: 'mountains', folds: folds.mountains });
   if (folds.valleys > 0) steps.push({ kind: 'valleys', folds: folds.valleys });
   const told = (plan.layout?.steps ?? []).flat();
   const all = [...new Set([...told, ...plan.sheets.flatMap((sheet) => (sheet.seams ?? []).map((seam) => seam.seam))])];
   for (const letter of all.slice(0, kMostSteps)) steps.push({ kind: 'seam', letter, sides: seamSides(plan, letter) });
-  if (folds.mountains + folds.valleys > 0) steps.push({ kind: 'weight' }, { kind: 'open' });
+  if (folds.mountains + folds.valleys > 0) steps.push(...(shuts ? [{ kind: 'weight' } as const, { kind: 'open' } as const] : [{ kind: 'shape' } as const]));
   return steps;
 }
 

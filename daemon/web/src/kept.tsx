@@ -3,7 +3,7 @@
 import { useSignal } from '@preact/signals';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import type { Design } from './model';
-import { Button, Dialog, Trouble, useAct } from './parts';
+import { Button, Dialog, Picture, Trouble, useAct } from './parts';
 import { read, readBlob, saveAs, send, type ServerProblem } from './server';
 import { dateTime } from './words';
 import { keptWords as say } from './words_kept';
@@ -31,7 +31,8 @@ export function Kept() {
         <ul class="plain-list">
           {designs.value.map((one) => (
             <li key={one.id} class="row row-between">
-              <span><a href={`#/design/${one.id}`}>{one.name || say.unnamed}</a> <span class="muted">{dateTime(Date.parse(one.created))}</span></span>
+              <Picture path={`/v1/designs/${one.id}/deployed.svg`} alt="" class="picture-small" />
+              <span class="kept-name"><a href={`#/design/${one.id}`}>{one.name || say.unnamed}</a> <span class="muted">{dateTime(Date.parse(one.created))}</span></span>
               <Button kind="quiet" disabled={busy} label={`${say.forget}: ${one.name || say.unnamed}`}
                 onClick={() => change(() => send('DELETE', `/v1/designs/${one.id}`))}>{say.forget}</Button>
             </li>

@@ -4,6 +4,7 @@ import { render, type ComponentType } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { useAgain } from './again';
 import { Done } from './done';
+import { takeDrops } from './handed';
 import { Machine } from './machine';
 import { Now } from './now';
 import { Button, Dialog, Loading, Note } from './parts';
@@ -20,13 +21,7 @@ import { hourMinuteSecond, words } from './words';
 /** How long nothing may have been at stake before the page of another popcutd is loaded, ms. */
 const kReload_ms = 1000;
 
-const later: Record<string, () => Promise<{ default: ComponentType<{ rest: string }> }>> = {
-  design: () => import('./design'),
-  sheets: () => import('./sheets'),
-  glue: () => import('./glue'),
-  fold: () => import('./fold'),
-  settings: () => import('./settings'),
-};
+const later = ['design', 'sheets', 'glue', 'fold', 'settings'];
 
 let laterStyle: Promise<unknown> | null = null;
 
@@ -51,8 +46,8 @@ function Later({ view, rest }: { view: string; rest: string }) {
   const failed = useSignal<ServerProblem | null>(null);
   useEffect(() => {
     View.value = null;
-    Promise.all([later[view]!(), withLaterStyle()]).then(([module]) => {
-      View.value = module.default;
+    Promise.all([import('./later'), withLaterStyle()]).then(([{ views }]) => {
+      View.value = views[view as keyof typeof views];
       failed.value = null;
     }, () => { failed.value = new ServerProblem(0, { type: 'unreachable' }); });
   }, [view, useAgain(failed.value)]);
@@ -76,7 +71,7 @@ function View() {
   if (view === 'now') return <Now />;
   if (view === 'at' && can('devices')) return <Machine device={rest} key={rest} />;
   if (view === 'done' && can('queue')) return <Done />;
-  if (Object.hasOwn(later, view)) return <Later view={view} rest={rest} key={view} />;
+  if (later.includes(view)) return <Later view={view} rest={rest} key={view} />;
   return <Note><p>{words.notFound}</p><p><a href="#/">{words.toNow}</a></p></Note>;
 }
 
@@ -297,6 +292,7 @@ async function begin(word: string | null): Promise<void> {
 
 beginBackend();
 swallowWaking();
+takeDrops();
 document.documentElement.lang = 'en';
 addEventListener('hashchange', () => {
   const word = takeOneShot();

@@ -4,7 +4,7 @@ import { useSignal } from '@preact/signals';
 import type { ComponentChildren } from 'preact';
 import { useEffect, useMemo } from 'preact/hooks';
 import * as desk from './design_desk';
-import { drawing, DrawingQuestion, optionsOf } from './drawing';
+import { drawing, DrawingQuestion, mustAnswer, optionsOf } from './drawing';
 import { Button, Dialog, Trouble } from './parts';
 import { keepText, keptText, paper as ownPaper } from './preferences';
 import { isProblem, saveAs, send, type ServerProblem } from './server';
@@ -68,10 +68,10 @@ function Way({ way, name }: { way: string; name: string }) {
         problem.value = error;
       }
     };
-    void make();
+    if (!desk.foreign.peek() || !mustAnswer()) void make();
     return () => stop.abort();
   }, [way, paper.value, machine.value, answered]);
-  const asked = problem.value?.errors.some((one) => one.code === 'unclear') && desk.foreign.value;
+  const asked = desk.foreign.value && (mustAnswer() || problem.value?.errors.some((one) => one.code === 'unclear'));
   const page = made.value?.files.find((file) => file.page_mm)?.page_mm;
   return (
     <div class="make-way">
@@ -99,7 +99,7 @@ function Way({ way, name }: { way: string; name: string }) {
       </div>
       {asked && <DrawingQuestion design={desk.foreign.value!.id} onAnswer={desk.readAgain} />}
       {problem.value && !asked && <Trouble problem={problem.value} />}
-      {!made.value && !problem.value && <p class="muted" role="status">{words.making}</p>}
+      {!made.value && !problem.value && !asked && <p class="muted" role="status">{words.making}</p>}
       {made.value && <>
         <div class="made-files">
           {made.value.files.map((file) => (

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Files that a person gave, sorted out: folders walked, zips unpacked, the models and drawings among them.
 import { unzipSync } from 'fflate';
+import type { Handed } from './handed';
 
 /** A file, and where it lay in its folder or zip. */
 export interface Given {
@@ -33,10 +34,9 @@ export const endingOf = (path: string): string => /\.([^./\\]+)$/.exec(path)?.[1
 export const nameOf = (path: string): string => path.slice(Math.max(path.lastIndexOf('/'), path.lastIndexOf('\\')) + 1);
 const isOutside = (path: string): boolean => /^([/\\]|[A-Za-z]:)/.test(path) || path.split(/[/\\]/).includes('..');
 
-/** Files and folders of a drop. Must be called while the event is handled. Throws GivenTrouble. */
-export async function filesOfDrop(transfer: DataTransfer): Promise<Given[]> {
-  const entries = [...transfer.items].map((item) => item.webkitGetAsEntry()).filter((entry) => entry !== null);
-  if (entries.length === 0) return [...transfer.files].map((file) => ({ path: file.name, file }));
+/** Files and folders that were given. Throws GivenTrouble. */
+export async function filesOf({ entries, files }: Handed): Promise<Given[]> {
+  if (entries.length === 0) return files.map((file) => ({ path: file.name, file }));
   const out: Given[] = [];
   const walk = async (entry: FileSystemEntry): Promise<void> => {
     if (out.length >= kMostFiles) throw new GivenTrouble('too-many', entry.name);

@@ -7,7 +7,7 @@ import type { Read } from './model_scene';
 import { prints } from './preferences';
 import { isProblem, send, type ServerProblem } from './server';
 import * as searching from './search_desk';
-import { isSpec, parseSpec, SpecError, type Spec } from './spec';
+import { isSpec, modelOf, parseSpec, SpecError, type Spec } from './spec';
 import { LatticeError } from './lattice';
 import { may, meta } from './store';
 import { designWords as words } from './words_design';
@@ -117,6 +117,9 @@ async function openDrawing({ file, path }: Given, wanted: () => boolean): Promis
   return null;
 }
 
+/** The model that was asked about last. */
+let printed: { name: string; coloured: boolean } | null = null;
+
 /** Reads a model and asks how it is to stand; what cannot be read goes to popcutd, which says why. */
 export async function openModel(given: Given, beside: readonly Given[]): Promise<Said> {
   several.value = null;
@@ -149,7 +152,10 @@ export async function openModel(given: Given, beside: readonly Given[]): Promise
       // without WebGL the sides have names
     }
     if (!wanted()) return null;
-    if (prints.peek() === 'unset' && read.coloured) prints.value = 'yes';   // its colours are to be seen
+    // Its colours are to be seen; what was said of another model is not meant for this one.
+    const before = printed;
+    printed = { name: given.path, coloured: read.coloured };
+    if (before?.name !== given.path || before.coloured !== read.coloured) prints.value = read.coloured ? 'yes' : 'no';
     ask({ given, beside: [...beside], read, up: read.up, guess, pictures });
     return null;
   } catch (error) {
@@ -225,7 +231,7 @@ export async function answer(front: Axis | null, clay: boolean): Promise<Said> {
     ask(null);
     const large = tooLarge(new File([file.bytes], file.name));
     const what = large ?? await place(file.bytes, file.name, file.type, { up: of.up, front: front ?? 'any' }, wanted);
-    const asset = searching.modelOf(desk.spec.peek());
+    const asset = modelOf(desk.spec.peek());
     if (what === null && asset !== null && desk.spec.peek() === searching.draft.peek()) last.value = { question: of, asset };
     return what;
   } catch (error) {
@@ -265,7 +271,7 @@ async function place(bytes: Blob, name: string, type: string, stand: Stand | nul
   const placed = await placedSpec(bytes, name, type, stand);
   if (!wanted()) return null;
   desk.begin(placed);
-  const model = searching.modelOf(placed);
+  const model = modelOf(placed);
   if (model === null || !may('submitter')) return null;
   searching.draft.value = placed;
   searching.asked.value = { ...searching.asked.peek(), ...(stand ?? { up: 'usual', front: 'any' }) };

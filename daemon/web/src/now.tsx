@@ -1,6 +1,7 @@
 // Now: what waits for a person, what is cut, what comes next.
-import { useState } from 'preact/hooks';
+import { useRef, useState } from 'preact/hooks';
 import type { ComponentChildren } from 'preact';
+import { hand } from './handed';
 import type { Device, Job } from './model';
 import { Button, Dialog, LinkButton, Loading, Meter, Picture, Trouble, useAct } from './parts';
 import { atDevice, sheetsOf } from './route';
@@ -323,6 +324,18 @@ export function Examples() {
   );
 }
 
+/** Goes to Design with a file. */
+function OpenFile() {
+  const input = useRef<HTMLInputElement>(null);
+  return (
+    <p>
+      <Button kind="primary" big onClick={() => input.current?.click()}>{words.now.open}</Button>
+      <input ref={input} type="file" multiple class="visually-hidden" tabIndex={-1} aria-hidden="true"
+        onChange={(event) => hand({ entries: [], files: [...event.currentTarget.files ?? []] })} />
+    </p>
+  );
+}
+
 const kShown = 60;
 
 function JobList({ list, children }: { list: Job[]; children: (job: Job) => ComponentChildren }) {
@@ -361,6 +374,7 @@ export function Now() {
         <section class="empty">
           <h2>{words.now.empty}</h2>
           <p>{words.now.what}</p>
+          {may('submitter') && <OpenFile />}
           <p>{words.now.emptyWhat}</p>
           <Examples />
         </section>

@@ -41,10 +41,11 @@ export async function readMachines(): Promise<void> {
 export const chosenCutter = computed(() => (cutter.value === kByHand || devices.value.has(cutter.value) ? cutter.value : ''));
 
 /** The cutter that is meant where nobody chose one. */
-const firstCutter = computed(() => [...devices.value.values()].find((one) => one.state !== 'absent') ?? [...devices.value.values()][0]);
+export const firstCutter = computed(() => [...devices.value.values()].find((one) => one.state !== 'absent') ?? [...devices.value.values()][0]);
 
-/** What the choice of no cutter is called. */
-export const anyCutter = computed(() => (firstCutter.value ? designWords.outfit.first(firstCutter.value.title) : can('devices') ? designWords.outfit.none : designWords.outfit.usual));
+/** What there is to choose from: each cutter once, or in place of one what is planned for. */
+export const cutters = computed((): [string, string][] => (firstCutter.value ? [...devices.value.values()].map((one) => [one.id, one.title])
+  : [['', can('devices') ? designWords.outfit.none : designWords.outfit.usual]]));
 
 /** The machine that is meant; null: not known yet. */
 export const machine = computed<Machine | null>(() => {

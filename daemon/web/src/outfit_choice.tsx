@@ -3,19 +3,17 @@
 import * as outfit from './outfit';
 import { Choice, Tick } from './parts';
 import { cutter, kByHand, paper, prints } from './preferences';
-import { devices } from './store';
 import { designWords } from './words_design';
 
 const words = designWords.outfit;
 
 export function OutfitChoice({ canPrint = true }: { canPrint?: boolean }) {
-  const all = [...devices.value.values()];
-  const cutters: [string, string][] = [['', outfit.anyCutter.value], ...all.map((one): [string, string] => [one.id, one.title]), [kByHand, words.byHand]];
+  const cutters: [string, string][] = [...outfit.cutters.value, [kByHand, words.byHand]];
   const papers = outfit.papers.value.map((one): [string, string] => [one.name, one.title]);
   const byHand = outfit.chosenCutter.value === kByHand;
   return (
     <div class="outfit">
-      <Choice label={words.cutter} value={outfit.chosenCutter.value} options={cutters} onChange={(value) => { cutter.value = value; }} />
+      <Choice label={words.cutter} value={outfit.chosenCutter.value || (outfit.firstCutter.value?.id ?? '')} options={cutters} onChange={(value) => { cutter.value = value; }} />
       <Choice label={words.paper} value={outfit.chosenPaper.value?.name ?? ''} options={papers} onChange={(value) => { paper.value = value; }} />
       {canPrint && !byHand && outfit.canFindMarks.value && (
         <Tick checked={prints.value === 'yes'} onChange={(on) => { prints.value = on ? 'yes' : 'no'; }}>{words.prints}</Tick>

@@ -51,8 +51,8 @@ export const beside = keptSignal('beside');
 export const cutter = keptSignal('cutter');
 export const paper = keptSignal('paper');
 export const kByHand = 'by-hand';
-/** Whether cards are printed before they are cut; 'unset': nobody said so. */
-export const prints = kept<'yes' | 'no' | 'unset'>('prints', ['yes', 'no', 'unset'], 'unset');
+/** Whether what is on the desk is printed before it is cut. */
+export const prints = kept<'yes' | 'no'>('prints', ['yes', 'no'], 'no');
 
 effect(() => {
   if (theme.value === 'system') delete document.documentElement.dataset.theme;

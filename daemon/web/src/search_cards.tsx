@@ -10,7 +10,7 @@ import { OutfitChoice } from './outfit_choice';
 import { Button, Choice, Meter, Picture, Trouble } from './parts';
 import { kByHand } from './preferences';
 import * as searching from './search_desk';
-import type { Spec } from './spec';
+import { modelOf, type Spec } from './spec';
 import { may, stale } from './store';
 import { percent } from './words';
 import { designWords, small } from './words_design';
@@ -102,16 +102,10 @@ function Running({ of }: { of: Search | null }) {
   );
 }
 
-/** Over the picture of a model of which cards are still searched. */
-export function FirstDraft() {
-  const isDraft = searching.draft.value !== null && searching.draft.value === desk.spec.value;
-  return isDraft && searching.busy.value ? <p class="note" role="status">{words.draft}</p> : null;
-}
-
 /** Above a design that shows a model. */
 export function SearchCards() {
   const other = useSignal(false);
-  const of = searching.modelOf(desk.spec.value);
+  const of = modelOf(desk.spec.value);
   const mine = of !== null && searching.model.value === of;
   const search = mine ? searching.search.value : null;
   const runs = mine && searching.busy.value;

@@ -16,7 +16,7 @@ export interface Asked {
   label: string;   // how hard to fold, at most
 }
 
-export const kQuick = 0.25;
+export const kQuick = 0.1;
 export const kThorough = 1;
 export const kCards = [1, 3, 4, 5, 6, 8, 12];
 const kLook_ms = [300, 500, 1000];
@@ -38,12 +38,6 @@ function inLine<T>(what: () => Promise<T>): Promise<T> {
   const mine = line.then(what);
   line = mine.catch(() => undefined);
   return mine;
-}
-
-/** The model that a design shows, the id of an asset; null: none. */
-export function modelOf(spec: Spec | null): string | null {
-  const surface = spec?.surface as { type?: unknown; file?: unknown } | undefined;
-  return surface?.type === 'mesh' && typeof surface.file === 'string' && surface.file.startsWith('sha256-') ? surface.file : null;
 }
 
 const pause = (ms: number): Promise<void> => new Promise((done) => setTimeout(done, ms));

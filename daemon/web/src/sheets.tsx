@@ -4,9 +4,9 @@ import { effect, useSignal, type Signal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import { useAgain } from './again';
 import type { Plan } from './model';
-import { anyCutter, kNone, paperTitle } from './outfit';
-import { Button, LinkButton, Loading, Note, Trouble, useAsking } from './parts';
-import { foldOf } from './route';
+import { cutters, kNone, paperTitle } from './outfit';
+import { Button, Choice, LinkButton, Loading, Note, Trouble, useAsking } from './parts';
+import { atDevice, foldOf } from './route';
 import { act, isProblem, read, readBlob, saveAs, type ServerProblem } from './server';
 import { endOf, SheetView, strokesAt, strokeWords, timeColour, type Strokes } from './sheet_view';
 import { can, devices, may, stale } from './store';
@@ -228,38 +228,28 @@ function QueueIt({ plan, name }: { plan: WholePlan; name: string }) {
   const wanted = useRef(wantedFor(plan.id));
   const copies = useSignal(wanted.current.copies);
   const device = useSignal(wanted.current.device ?? '');
-  const busy = useSignal(false);
   const done = useSignal(false);
-  const problem = useSignal<ServerProblem | null>(null);
-  const queue = async (): Promise<void> => {
-    if (busy.peek()) return;
-    busy.value = true;
-    problem.value = null;
-    try {
-      const body: Record<string, unknown> = { plan: plan.id, copies: copies.value };
-      if (name) body.name = name;
-      if (device.value) body.device = device.value;
-      await act('/v1/jobs', undefined, body);
-      done.value = true;
-    } catch (error) {
-      if (!isProblem(error)) throw error;
-      problem.value = error;
-    } finally {
-      busy.value = false;
-    }
-  };
+  const { busy, problem, run } = useAsking();
+  const queue = (): Promise<void> => run(async () => {
+    const body: Record<string, unknown> = { plan: plan.id, copies: copies.value };
+    if (name) body.name = name;
+    if (device.value) body.device = device.value;
+    await act('/v1/jobs', undefined, body);
+    done.value = true;
+  });
   if (done.value) {
-    return <Note kind="good"><p role="status">{words.queued}</p><LinkButton href="#/" kind="primary">{words.toNow}</LinkButton></Note>;
+    const at = device.value || (devices.value.size === 1 ? cutters.value[0]![0] : '');
+    return (
+      <Note kind="good"><p role="status">{words.queued}</p>
+        {at && may('operator') && <LinkButton href={atDevice(at)} kind="primary">{words.toMachine}</LinkButton>}
+        <LinkButton href="#/">{words.toNow}</LinkButton></Note>
+    );
   }
   return (
     <section aria-label={words.queue}>
       {problem.value && <Trouble problem={problem.value} />}
-      <label class="field"><span>{designWords.cut.cutter}</span>
-        <select value={device.value} onChange={(event) => { device.value = event.currentTarget.value; }}>
-          <option value="" selected={device.value === ''}>{anyCutter.value}</option>
-          {[...devices.value.values()].map((one) => <option key={one.id} value={one.id} selected={one.id === device.value}>{one.title}</option>)}
-        </select>
-      </label>
+      <Choice label={designWords.cut.cutter} value={devices.value.size === 1 ? cutters.value[0]![0] : device.value}
+        options={devices.value.size > 1 ? [['', words.anyCutter], ...cutters.value] : cutters.value} onChange={(value) => { device.value = value; }} />
       <label class="field"><span>{words.copies}</span>
         <input type="number" min="1" max="1000" value={copies.value}
           onChange={(event) => { copies.value = Math.max(1, Math.min(1000, Math.round(Number(event.currentTarget.value)) || 1)); }} />

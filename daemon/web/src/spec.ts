@@ -469,3 +469,9 @@ export async function fromShare(text: string): Promise<Spec> {
   if (/"file"\s*:/.test(json)) throw new SpecError('has-files');
   return spec;
 }
+
+/** The model that a design shows, the id of an asset; null: none. */
+export function modelOf(spec: Spec | null): string | null {
+  const surface = spec?.surface as { type?: unknown; file?: unknown } | undefined;
+  return surface?.type === 'mesh' && typeof surface.file === 'string' && surface.file.startsWith('sha256-') ? surface.file : null;
+}

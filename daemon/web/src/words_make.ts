@@ -58,8 +58,11 @@ export const makeWords = localized({
 
   drawing: {
     title: 'What are these lines for?',
-    what: 'The drawing does not say it. Choose for each; popcut keeps the answer for this drawing.',
-    done: 'What these lines are for',
+    what: 'The drawing does not say it. Look at our guess and change what is wrong; popcut keeps the answer for this drawing.',
+    yes: 'Yes, use these',
+    done: 'Size and lines of the drawing',
+    sides: 'The drawing has folds and does not say to which side. Choose where that matters.',
+    anySide: 'either side',
     of: (name: string, mm: number): string => `${name}, ${length(mm)}`,
     colours: {
       '#000000': 'black', '#ff0000': 'red', '#0000ff': 'blue', '#00ff00': 'light green', '#008000': 'green', '#ffff00': 'yellow', '#ff00ff': 'magenta',
@@ -70,10 +73,9 @@ export const makeWords = localized({
       cut: 'cut', 'fold-mountain': 'mountain fold', 'fold-valley': 'valley fold', score: 'score', draw: 'draw', ignore: 'leave out',
     } as Record<string, string>,
     unit: 'How large is it?',
-    unitWhat: 'The file does not say its unit.',
+    unitWhat: 'The file does not say its unit. Choose the right size; nothing is planned before.',
     units: { mm: 'in mm', cm: 'in cm', in: 'in inches' } as Record<string, string>,
     size: (w: number, h: number): string => `The drawing is ${size(w, h)}.`,
-    option: (text: string): string => `On the command line: ${text}`,
-    first: 'Say first what the lines of this drawing are for.',
+    option: 'On the command line',
   },
 });

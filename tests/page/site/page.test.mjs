@@ -6,7 +6,7 @@ import { join, resolve } from 'node:path';
 import { after, before, test } from 'node:test';
 import { deflateSync } from 'node:zlib';
 import { serve } from '../../../daemon/web/serve.mjs';
-import { bytesOf, closeBrowser, openBrowser, openModel, picture, screens, Server, until, visit } from '../harness.mjs';
+import { bytesOf, closeBrowser, drawn, openBrowser, openModel, picture, screens, Server, until, visit } from '../harness.mjs';
 import { begin, exact, house, keptWhole, open as openAt, start } from './visit.mjs';
 
 const folder = process.env.POPCUT_SITE ?? 'build/site/page';
@@ -212,7 +212,7 @@ test('without WebGL a model is asked about in words, and the card is painted', a
   const { page, complaints, close } = await open({ context });
   await start(page);
   await openModel(page, { name: 'house.obj', mimeType: 'application/octet-stream', buffer: house }, 'x');
-  await exact(page);
+  await drawn(page);
   assert.deepEqual(complaints, []);
   await close();
 });
