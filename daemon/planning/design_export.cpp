@@ -81,9 +81,11 @@ Result<void> write_csv_file(const ExportJob& job, std::ostream& out) {
 
 Result<void> write_deployed_file(const ExportJob& job, std::ostream& out) {
   CardScene scene = card_scene(job.made.pattern, job.scenery.scene(kMostPanels));
-  if (const auto wobble = hands::wobble_of(job.made.pattern); wobble && wobble->loose > 0)
-    for (const double moves_mm : wobble->face_mm)
-      scene.tones.push_back(moves_mm > hands::kFirm_mm ? PanelTone::Loose : PanelTone::Paper);
+  const auto& known = job.made.report.wobble;
+  if (!known || known->loose > 0)
+    if (const auto wobble = hands::wobble_of(job.made.pattern); wobble && wobble->loose > 0)
+      for (const double moves_mm : wobble->face_mm)
+        scene.tones.push_back(moves_mm > hands::kFirm_mm ? PanelTone::Loose : PanelTone::Paper);
   write_deployed_svg(scene, job.made.pattern.design_psi_rad, {.labels = Labels::All}, out);
   return {};
 }
