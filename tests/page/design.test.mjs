@@ -715,6 +715,30 @@ test('a card that is not drawn in time is not called impossible, and can be trie
   await close();
 });
 
+test('curvatures and figures of the engine are shown only where somebody opens them', async () => {
+  const { page, complaints, close } = await designing();
+  assert.deepEqual(await page.locator('.segments label').allTextContents(), ['paper', 'error', 'panel']);
+  assert.equal(await page.getByText('fold vertices off').isVisible(), false);
+  await page.getByText('Engine figures').click();
+  assert.ok(await page.getByText('fold vertices off').isVisible());
+  await page.locator('.segment', { hasText: 'domes and saddles' }).click();
+  await page.getByText('Gaussian curvature', { exact: false }).waitFor();
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('of cuts alone nothing is said to be checked that was not, and nothing is wrong with them', async () => {
+  const { page, complaints, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
+  await page.locator('.start-card').first().waitFor();
+  await page.locator('input[type=file]').setInputFiles({ name: 'cuts.svg', mimeType: 'image/svg+xml', buffer: Buffer.from(ladder(6)) });
+  await page.getByRole('heading', { name: 'Checked as a flat sheet' }).waitFor();
+  await page.getByText('There are no folds here, so nothing opens.', { exact: false }).waitFor();
+  assert.deepEqual(await page.locator('[aria-labelledby=judged] dt').allTextContents(), ['sheet']);
+  assert.equal(await page.locator('.warnings').count(), 0);
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
 test('pictures of the design in both themes and on a phone; nothing shifts', async () => {
   for (const [name, options] of [['light', {}], ['dark', { theme: 'dark' }], ['phone', { screen: 'phone' }]]) {
     const { page, complaints, close } = await designing('sphere', options);

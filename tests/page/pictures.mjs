@@ -1,7 +1,7 @@
 // The pictures of docs/page.md and README.md: `node pictures.mjs FOLDER`, with POPCUTD set (./run pictures does it).
 import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
-import { closeBrowser, ladder, machineHash, Server, until, visit, wait } from './harness.mjs';
+import { closeBrowser, ladder, machineHash, openModel, Server, until, visit, wait } from './harness.mjs';
 
 const folder = process.argv[2];
 if (!folder) throw new Error('usage: node pictures.mjs FOLDER');
@@ -43,7 +43,7 @@ try {
   await draw('cards', '#/design', async (page) => {
     await page.locator('.start-card:not(:disabled)').first().waitFor();
     await page.route('**/search', (route) => route.continue({ postData: JSON.stringify({ up: 'y', effort: 0.1 }) }));
-    await page.locator('input[type=file]').setInputFiles({ name: 'church.obj', mimeType: 'model/obj', buffer: church() });
+    await openModel(page, { name: 'church.obj', mimeType: 'model/obj', buffer: church() });
     await page.locator('.found-card').last().click({ timeout: 300_000 });
     await page.locator('.badge', { hasText: 'exact' }).waitFor();
   });

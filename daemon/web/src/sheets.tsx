@@ -242,7 +242,7 @@ function QueueIt({ plan, name }: { plan: WholePlan; name: string }) {
     return (
       <Note kind="good"><p role="status">{words.queued}</p>
         {at && may('operator') && <LinkButton href={atDevice(at)} kind="primary">{words.toMachine}</LinkButton>}
-        <LinkButton href="#/">{words.toNow}</LinkButton></Note>
+        <LinkButton href="#/" kind={at ? 'plain' : 'primary'}>{words.toNow}</LinkButton></Note>
     );
   }
   return (
