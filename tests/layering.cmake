@@ -69,7 +69,7 @@ set(libraries
   "fontconfig/.* : daemon/pictures"
   "png[.]h : daemon/pictures"
   "(ft2build|hb)[.]h : core/design/outline"
-  "clipper[.]hpp : core/design/outline"
+  "clipper[.]hpp : core/design/(outline|slices)"
   "jpeglib[.]h : daemon/pictures"
   "zlib[.]h : core/text|daemon/(http|site)"
   "toml.* : daemon/config")

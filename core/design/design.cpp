@@ -676,9 +676,12 @@ class Designer {
 
 Result<Design> design(const DesignSpec& spec, const SurfaceAssets& assets,
                       const Progress& progress) {
-  if (spec.style == DesignStyle::Layers)
-    return fail(ErrorKind::Infeasible, "/style",
-                "is layers, a card of several parts; 'popcut design' and 'popcut plan' make it");
+  if (is_of_parts(spec.style))
+    return fail(
+        ErrorKind::Infeasible, "/style",
+        fmt::format("is {}, a card of several parts; 'popcut design' and 'popcut plan' make "
+                    "it",
+                    spec.style == DesignStyle::Layers ? "layers" : "slices"));
   if (is_of_facets(spec.style)) return facet_design(spec, assets, progress);
   return Designer(spec, assets, progress).run();
 }

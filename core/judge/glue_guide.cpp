@@ -85,6 +85,11 @@ class CardGuide {
       return fail(ErrorKind::OutOfRange, "/file_frames",
                   fmt::format("has {} parts; a guide is made for at most {}", model_.parts.size(),
                               kMostGlued));
+    for (const CardJoint& joint : model_.joints)
+      if (joint.kind == JointKind::Cross)
+        return fail(ErrorKind::Infeasible, joint.place,
+                    "crosses in slots, and a guide orders only what is glued; for slices "
+                    "'popcut design' writes the order of assembly into report.json");
     if (auto done = open_card(); !done) return tl::unexpected(done.error());
     if (auto done = add_parts(); !done) return tl::unexpected(done.error());
     name_pages();
@@ -428,8 +433,6 @@ class CardGuide {
                         b = shown_text(model_.parts[joint.b.part].name);
       std::string words = joint.kind == JointKind::Slot
                               ? fmt::format("Push {} through the slit of {}", b, a)
-                          : joint.kind == JointKind::Cross
-                              ? fmt::format("Push {} and {} into each other's slots", a, b)
                               : fmt::format("Join {} and {} with tape where they meet", a, b);
       if (std::find(out.begin(), out.end(), words) == out.end()) out.push_back(std::move(words));
     }

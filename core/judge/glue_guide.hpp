@@ -62,7 +62,8 @@ struct GlueGuide {
 /// each part can be taken off with room for a finger at its tabs, as far as there is one.
 ///
 /// @retval Malformed, OutOfRange  as `verify::read_joint_model`, or too many folds or parts
-/// @retval Infeasible  the joints do not hold all parts, or the card does not open
+/// @retval Infeasible  the joints do not hold all parts, or the card does not open, or parts cross
+///                     in slots
 [[nodiscard]] Result<GlueGuide> glue_guide(std::string_view fold_text,
                                            const Progress& progress = {});
 

@@ -26,22 +26,27 @@ std::string first_fault(const PartsVerifyReport& report) {
 
 }  // namespace
 
+Result<PartsVerifyReport> sound_report(const std::string& fold, const char* try_instead,
+                                       const Progress& progress) {
+  PartsVerifyOptions how;
+  how.progress = progress;
+  auto report = verify_parts(fold, how);
+  if (report && !report->ok())
+    return fail(ErrorKind::Internal, "",
+                fmt::format("the card that popcut made for it is not sound, so none is given: {}; "
+                            "this is a fault in popcut: report it with the design, and {}",
+                            first_fault(*report), try_instead));
+  return report;
+}
+
 Result<SoundLayers> sound_layers(const DesignSpec& spec, const SurfaceAssets& assets,
                                  const std::string& creator, const Progress& progress) {
   auto made = layered_card(spec, assets, progress);
   if (!made) return tl::unexpected(made.error());
   auto fold = structure_fold(made->card, creator);
   if (!fold) return tl::unexpected(fold.error());
-  PartsVerifyOptions how;
-  how.progress = progress;
-  auto report = verify_parts(*fold, how);
+  auto report = sound_report(*fold, "try other layers or another size", progress);
   if (!report) return tl::unexpected(report.error());
-  if (!report->ok())
-    return fail(ErrorKind::Internal, "",
-                fmt::format("the card that popcut made for it is not sound, so none is given: {}; "
-                            "this is a fault in popcut: report it with the design, and try other "
-                            "layers or another size",
-                            first_fault(*report)));
   return SoundLayers{std::move(*made), std::move(*fold), std::move(*report)};
 }
 

@@ -17,6 +17,14 @@ struct SoundLayers {
   PartsVerifyReport report;
 };
 
+/// What verify says of the FOLD file of a card that popcut made.
+///
+/// @param try_instead  "try other layers or another size"
+/// @retval Internal  it finds faults
+[[nodiscard]] Result<PartsVerifyReport> sound_report(const std::string& fold,
+                                                     const char* try_instead,
+                                                     const Progress& progress);
+
 /// Designs a card of layers (`layered_card`), and judges it by its FOLD file.
 ///
 /// @retval Internal  verify finds faults; else as `layered_card`

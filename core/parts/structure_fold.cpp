@@ -27,6 +27,18 @@ Json side_json(const Structure& card, const PartSide& side, bool has_line) {
   return json;
 }
 
+/// By how much the second face of a hinge or crossing is turned, as a valley fold turns what is
+/// left of its line.
+double turn_of(const PartJoint& joint, const PartPoses& pose) {
+  const Eigen::Isometry3d turn = pose[joint.a.part][joint.a.face].inverse() *
+                                 pose[joint.b.part][joint.b.face] *
+                                 glued(joint.b.line, joint.a.line, joint.turned).inverse();
+  const Vec2 along = unit(Vec2(joint.a.line[1] - joint.a.line[0]));
+  const Eigen::Matrix3d& r = turn.linear();
+  const Vec3 twice_sine{r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1)};
+  return std::atan2(dot(Vec3{along.x(), along.y(), 0.0}, twice_sine), r.trace() - 1.0);
+}
+
 Result<Json> frame_json(const SheetPart& part, std::span<const Eigen::Isometry3d> pose) {
   for (const auto& one : pose)
     if (!one.matrix().allFinite())
@@ -78,6 +90,8 @@ Result<std::string> structure_fold(const Structure& card, const std::string& cre
               {"a", side_json(card, joint.a, true)},
               {"b", side_json(card, joint.b, joint.kind != PartJointKind::Slot)}};
     if (joint.turned) json["turned"] = true;
+    if (joint.kind == PartJointKind::Hinge || joint.kind == PartJointKind::Cross)
+      json["angle_deg"] = degrees(turn_of(joint, pose));
     joints.push_back(std::move(json));
   }
   for (std::size_t p = 0; p < card.parts.size(); ++p) {

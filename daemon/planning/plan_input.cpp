@@ -18,6 +18,7 @@
 #include "core/judge/glue_guide.hpp"
 #include "core/judge/sound_design.hpp"
 #include "core/judge/sound_layers.hpp"
+#include "core/judge/sound_slices.hpp"
 #include "core/layout/layout.hpp"
 #include "core/layout/marks.hpp"
 #include "core/plan/plan.hpp"
@@ -135,6 +136,24 @@ Result<DrawingInput> from_layers(const DesignSpec& spec, const SpecSources& sour
   return out;
 }
 
+/// The pieces of a card of slices.
+Result<DrawingInput> from_slices(const DesignSpec& spec, const SpecSources& sources,
+                                 const SurfaceAssets& assets, const SvgReadOptions& how) {
+  if (sources.sliced)
+    if (const auto wanted = sources.sliced(); !wanted) return tl::unexpected(wanted.error());
+  auto sound = judge::sound_slices(spec, assets, "popcut", sources.progress);
+  if (!sound) return tl::unexpected(sound.error());
+  auto sheets = sheets_from_fold(sound->fold, FoldLimits{}, how.unit_mm, how.enlarged);
+  if (!sheets) return tl::unexpected(sheets.error());
+  DrawingInput out = side_by_side(*sheets);
+  out.drawing.name = spec.name;
+  out.drawing.warnings.insert(out.drawing.warnings.end(), sound->made.warnings.begin(),
+                              sound->made.warnings.end());
+  out.tabs = sound->made.tabs;
+  out.material = spec.material, out.pens = spec.pens;
+  return out;
+}
+
 Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sources,
                                const SvgReadOptions& how) {
   auto spec = parse_design_spec(text);
@@ -144,6 +163,7 @@ Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sourc
   const auto assets = sources.assets(*spec);
   if (!assets) return tl::unexpected(assets.error());
   if (spec->style == DesignStyle::Layers) return from_layers(*spec, sources, *assets, how);
+  if (spec->style == DesignStyle::Slices) return from_slices(*spec, sources, *assets, how);
   auto made = judge::sound_design(*spec, *assets, sources.progress);
   if (!made) return tl::unexpected(made.error().error);
   const std::string& cut_from = sources.material.empty() ? spec->material : sources.material;

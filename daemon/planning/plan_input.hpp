@@ -47,6 +47,8 @@ struct SpecSources {
   Progress progress{};                ///< told while a spec is designed
   /// Optional: receives a card of layers.
   std::function<Result<void>(const DesignSpec&, const LayeredCard&)> layered{};
+  /// Optional: told of a card of slices before it is designed, and may refuse it.
+  std::function<Result<void>()> sliced{};
 };
 
 /// Reads a drawing, or designs a spec. `factor` raises the limits of FOLD and DXF files; those of

@@ -29,6 +29,7 @@ class Design {
   bool complete() {
     set_min_panel();
     if (spec_.style == DesignStyle::Layers) return check_layers();
+    if (spec_.style == DesignStyle::Slices) return check_slices();
     if (spec_.book && !set_book()) return false;
     if (is_of_facets(spec_.style)) return check_facet_surface() && set_facets();
     set_splay();
@@ -132,19 +133,35 @@ class Design {
                              fields_.pointer("regions")));
   }
 
-  /// Layers stand on pages of their own, as the model's depth wants.
-  bool check_layers() {
+  /// What stands on two pages of its own, which open flat.
+  bool check_standing(const char* style) {
     for (const char* one :
          {"book", "design_angle_deg", "card", "min_panel_mm", "translate_mm", "sheet"})
       if (fields_.has(one))
         return wrong(one, ErrorKind::Malformed,
-                     fmt::format("contradicts {}, which is \"layers\": they stand in the middle of "
+                     fmt::format("contradicts {}, which is \"{}\": they stand in the middle of "
                                  "two pages that open flat; leave it out",
-                                 fields_.pointer("style")));
+                                 fields_.pointer("style"), style));
     if (!spec_.surface)
       return wrong("surface", ErrorKind::Malformed,
                    "is missing; give a surface such as {\"type\": \"mesh\", \"file\": ...}");
     spec_.fit = FitMode::Nearest;
+    return true;
+  }
+
+  /// Slices are cut from what has an inside.
+  bool check_slices() {
+    if (!check_standing("slices")) return false;
+    const char* const word = solid_word(*spec_.surface);
+    if (word != nullptr && std::string_view(word) != "grid") return true;
+    return wrong("surface/type", ErrorKind::Malformed,
+                 "must be mesh, text or drawing; slices need a solid, and a formula or a grid has "
+                 "no inside");
+  }
+
+  /// Layers stand on pages of their own, as the model's depth wants.
+  bool check_layers() {
+    if (!check_standing("layers")) return false;
     spec_.facets.from_mm = spec_.given_from_mm.value_or(0.0);
     if (solid_word(*spec_.surface) || spec_.facets.length_mm) return true;
     return wrong(
@@ -260,15 +277,21 @@ void check_regions(FieldReader& fields) {
                                        fields.pointer("regions")));
 }
 
-constexpr std::string_view kOwnStyles[] = {"facets", "silhouette", "layers"};
+/// Styles that have fields of their own, and the name of these.
+struct OwnStyle {
+  std::string_view name, field;
+};
+constexpr OwnStyle kOwnStyles[] = {{"facets", "facets"},
+                                   {"silhouette", "silhouette"},
+                                   {"layers", "layers"},
+                                   {"slices", "sliceform"}};
 
-/// "facets", "silhouette" or "layers", where the style is one of them: they have fields of their
-/// own.
+/// The style where it is one of `kOwnStyles`, else "".
 std::string_view own_style(FieldReader& fields) {
   const json* const style = fields.value("style");
-  for (const std::string_view name : kOwnStyles)
-    if (style != nullptr && style->is_string() && style->get_ref<const std::string&>() == name)
-      return name;
+  for (const OwnStyle& own : kOwnStyles)
+    if (style != nullptr && style->is_string() && style->get_ref<const std::string&>() == own.name)
+      return own.name;
   return "";
 }
 
@@ -279,12 +302,12 @@ constexpr const char* kOfLattices[] = {
 /// What only one of the styles has.
 void check_style(FieldReader& fields) {
   const std::string_view style = own_style(fields);
-  for (const std::string_view other : kOwnStyles)
-    if (other != style && fields.has(std::string(other)))
-      return fields.refuse(std::string(other), ErrorKind::Malformed,
+  for (const OwnStyle& other : kOwnStyles)
+    if (other.name != style && fields.has(std::string(other.field)))
+      return fields.refuse(std::string(other.field), ErrorKind::Malformed,
                            fmt::format("is for another style; give \"style\": \"{}\" too, or "
                                        "leave it out",
-                                       other));
+                                       other.name));
   if (style.empty()) return;
   for (const char* one : kOfLattices)
     if (fields.has(one))
@@ -371,9 +394,10 @@ bool read_patch(FieldReader& fields, std::size_t k, const json& root, SpecFields
   const json patch = completed(given, root, tables.shared);
   FieldReader inner = fields.nested(patch, below);
   if (!read_design(inner, {&tables.name, &tables.shared, &tables.design}, spec)) return false;
-  if (spec.style == DesignStyle::Layers) {
+  if (is_of_parts(spec.style)) {
     fields.refuse(below + "/style", ErrorKind::OutOfRange,
-                  "is layers, which are a card of their own; design them by themselves");
+                  fmt::format("is {}, which are a card of their own; design them by themselves",
+                              spec.style == DesignStyle::Layers ? "layers" : "slices"));
     return false;
   }
   if (is_of_facets(spec.style)) {
@@ -432,29 +456,36 @@ void read_patches(FieldReader& fields, const json& root, SpecFields& whole) {
 // ---- the schema
 
 /// The forms of a spec, each with what it needs and what cannot stand beside it: a lattice of one
-/// region, one of several regions, patches, facets, a silhouette, layers. A book goes with lattices
-/// or has four cards.
+/// region, one of several regions, patches, facets, a silhouette, layers, slices. A book goes with
+/// lattices or has four cards.
 constexpr std::string_view kForms = R"({
   "one": {"required": ["surface", "units_per_slice", "slices", "widths_mm"],
           "properties": {"style": {"const": "lattice"}, "facets": false, "silhouette": false,
-                         "layers": false, "regions": false},
+                         "layers": false, "sliceform": false, "regions": false},
           "additionalProperties": true},
   "several": {"required": ["regions"],
               "properties": {"style": {"const": "lattice"}, "facets": false,
-                             "silhouette": false, "layers": false},
+                             "silhouette": false, "layers": false, "sliceform": false},
               "additionalProperties": true},
   "patches": {"required": ["patches"], "properties": {"book": false},
               "additionalProperties": true},
   "facets": {"required": ["style", "surface"],
              "properties": {"style": {"const": "facets"}, "silhouette": false,
-                            "layers": false},
+                            "layers": false, "sliceform": false},
              "additionalProperties": true},
   "silhouette": {"required": ["style", "surface"],
                  "properties": {"style": {"const": "silhouette"}, "facets": false,
-                                "layers": false},
+                                "layers": false, "sliceform": false},
                  "additionalProperties": true},
   "layers": {"required": ["style", "surface"],
              "properties": {"style": {"const": "layers"}, "facets": false, "silhouette": false,
+                            "sliceform": false,
+                            "book": false, "design_angle_deg": false, "card": false,
+                            "min_panel_mm": false, "translate_mm": false, "sheet": false},
+             "additionalProperties": true},
+  "slices": {"required": ["style", "surface"],
+             "properties": {"style": {"const": "slices"}, "facets": false, "silhouette": false,
+                            "layers": false,
                             "book": false, "design_angle_deg": false, "card": false,
                             "min_panel_mm": false, "translate_mm": false, "sheet": false},
              "additionalProperties": true},
@@ -515,21 +546,22 @@ std::string design_spec_schema() {
   json forms = *parse_json(kForms);
   json &one = forms["one"], &several = forms["several"], &patches = forms["patches"],
        &facets = forms["facets"], &silhouette = forms["silhouette"], &layers = forms["layers"],
-       &patch = forms["patch"], &schema = forms["spec"];
+       &slices = forms["slices"], &patch = forms["patch"], &schema = forms["spec"];
   forbid(several, kOneRegion);
-  for (json* form : {&facets, &silhouette, &layers}) forbid(*form, kOfLattices);
+  for (json* form : {&facets, &silhouette, &layers, &slices}) forbid(*form, kOfLattices);
   patch["oneOf"] = {one, several};
   for (const FieldTable* table : {&tables.name, &tables.shared, &tables.design})
     for (const Field& row : table->rows)
       patch["properties"][std::string(row.name)]["$ref"] = fmt::format("#/properties/{}", row.name);
-  for (json* form : {&one, &several, &facets, &silhouette, &layers}) forbid(*form, tables.patches);
+  for (json* form : {&one, &several, &facets, &silhouette, &layers, &slices})
+    forbid(*form, tables.patches);
   forbid(patches, tables.design);
   for (const FieldTable* table :
        {&tables.whole, &tables.name, &tables.shared, &tables.design, &tables.patches})
     describe_fields(*table, schema);
   schema["required"] = {"popcut"};
   schema["properties"]["patches"]["items"] = patch;
-  schema["oneOf"] = {one, several, patches, facets, silhouette, layers};
+  schema["oneOf"] = {one, several, patches, facets, silhouette, layers, slices};
   schema["anyOf"] = forms["books"];
   return json_file(schema);
 }

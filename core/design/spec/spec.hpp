@@ -62,10 +62,16 @@ enum class DesignStyle {
   Lattice,     ///< slices of falling staircases, paired level by level
   Facets,      ///< origamic architecture: each point of the sheet lies in a plane of its own choice
   Silhouette,  ///< facets in a few upright planes with the target's outline, on struts
-  Layers       ///< several parts: upright layers on a card that opens flat
+  Layers,      ///< several parts: upright layers on a card that opens flat
+  Slices       ///< several parts: two families of crossing slices on a card that opens flat
 };
 [[nodiscard]] constexpr bool is_of_facets(DesignStyle style) {
   return style == DesignStyle::Facets || style == DesignStyle::Silhouette;
+}
+
+/// Whether it is a card of several parts that opens flat.
+[[nodiscard]] constexpr bool is_of_parts(DesignStyle style) {
+  return style == DesignStyle::Layers || style == DesignStyle::Slices;
 }
 
 /// How facets follow the curved parts of a target.
@@ -113,6 +119,17 @@ struct LayersSpec {
   std::optional<double> spine_mm{};  ///< length of the spine; none: as the layers need
 };
 
+/// How a target is made of crossing slices (`"sliceform"` of a spec, docs/parts.md).
+struct SlicesSpec {
+  int x_slices{7}, y_slices{7};      ///< across the target's x axis and its y axis
+  double frame_deg{45.0};            ///< between the spine and both families, on open pages
+  double paper_mm{0.3};              ///< thickness
+  double looseness{1.5};             ///< of slots: their width over what paper needs on open pages
+  double base_mm{12.0};              ///< height of the strips that the target stands on
+  std::optional<double> page_mm{};   ///< from the spine outward; none: as the slices need
+  std::optional<double> spine_mm{};  ///< length of the spine; none: as the slices need
+};
+
 /// `Auto`: the one of the others that comes nearest to the target.
 enum class LatticeMethod { Branching, Slices, Conformal, Levels, Direct, Auto };
 inline constexpr std::array kLatticeNames{"branching", "slices", "conformal",
@@ -151,6 +168,7 @@ enum class PatchJoin {
 };
 
 inline constexpr int kMostLayers = 9, kLeastCardLayers = 3;
+inline constexpr int kLeastSlices = 2, kMostCrossedSlices = 60;
 inline constexpr int kLeastCards = 3, kMostCards = 12;
 
 /// A book (`"book"` of a spec): cards around one spine, glued back to back, that show the target
@@ -173,6 +191,7 @@ struct DesignSpec {
   DesignStyle style{DesignStyle::Lattice};
   FacetSpec facets;                 ///< of facets and silhouettes only
   LayersSpec layers;                ///< of layers only
+  SlicesSpec sliced;                ///< of crossing slices only
   std::vector<RegionSpec> regions;  ///< one where the spec has none: the whole; none of facets
   /// R1, R2 and R3 of a composite surface; `regions` have its formulas.
   std::optional<std::array<double, 3>> composite_radii;

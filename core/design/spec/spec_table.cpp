@@ -537,6 +537,27 @@ FieldTable layers_table(LayersSpec& layers, FacetSpec& facets,
   }};
 }
 
+FieldTable slices_table(SlicesSpec& sliced) {
+  return {{
+      {"x_slices", whole(&sliced.x_slices, kLeastSlices, kMostCrossedSlices),
+       "how many slices across the x axis, beside the one that is glued to a page"},
+      {"y_slices", whole(&sliced.y_slices, kLeastSlices, kMostCrossedSlices),
+       "how many across the y axis, beside the one that is glued to a page"},
+      {"frame_deg", number(&sliced.frame_deg, from(30.0, 60.0)),
+       "angle between the spine and all slices, on open pages; at 45 both families are square"},
+      {"paper_mm", number(&sliced.paper_mm, from(0.05, 2.0), "mm"),
+       "thickness of the paper; slots are as wide as it needs, times looseness"},
+      {"looseness", number(&sliced.looseness, from(1.0, 5.0)),
+       "width of slots over what the paper needs on open pages"},
+      {"base_mm", number(&sliced.base_mm, from(8.0, 60.0), "mm"),
+       "height of the strips of paper that the shape stands on"},
+      {"page_mm", length_mm(&sliced.page_mm),
+       "width of each page, from the spine; if left out as the slices need"},
+      {"spine_mm", length_mm(&sliced.spine_mm),
+       "length of the spine; if left out as the slices need"},
+  }};
+}
+
 // ---- what is shared, and the patches
 
 FieldTable card_table(CardSpec& card) {
@@ -650,21 +671,23 @@ FieldTable design_table(SpecFields& spec) {
   const auto layers = [&spec] {
     return layers_table(spec.layers, spec.facets, spec.given_from_mm);
   };
+  const auto sliceform = [&spec] { return slices_table(spec.sliced); };
   const auto splay = [&spec] { return splay_table(spec.splay.emplace(), spec.given_ligament_mm); };
   const auto curvature = [&spec] {
     return curvature_table(spec.curvature.emplace(), spec.weights);
   };
   return {{
-      {"style", word(&spec.style, {"lattice", "facets", "silhouette", "layers"}),
+      {"style", word(&spec.style, {"lattice", "facets", "silhouette", "layers", "slices"}),
        "what it is made of: lattice, slices of falling staircases; facets, origamic architecture: "
        "patches parallel to wall and ground, with cuts along contours; silhouette: a few upright "
        "layers with the outline of the shape, and few folds; layers: upright layers of several "
-       "parts "
-       "on a card that opens flat, to glue"},
+       "parts on a card that opens flat, to glue; slices: crossing slices of a solid, pushed "
+       "together, on a card that opens flat"},
       {"facets", object(facets),
        "in place of units_per_slice, slices, widths_mm and regions, beside \"style\": \"facets\""},
       {"silhouette", object(silhouette), "the same, beside \"style\": \"silhouette\""},
       {"layers", object(layers), "the same, beside \"style\": \"layers\""},
+      {"sliceform", object(sliceform), "the same, beside \"style\": \"slices\""},
       {"surface", surface(spec), "the target"},
       {"scale_mm", length_mm(&placement.scale_mm), "length of one unit of the surface"},
       {"rotate_deg",

@@ -114,6 +114,51 @@ bool lies_on_face(const JointModel& model, const Assembled& card, const CardJoin
   return above > 0.0;
 }
 
+/// What holds two faces that cross: on their line each has paper, and beside it room for the
+/// other's paper when the card is open.
+void check_crossing(const JointModel& model, const Assembled& card, const CardJoint& joint,
+                    const std::vector<Span>& on_a, const std::vector<Span>& on_b,
+                    const Followed& motion, VerifyCheck& check) {
+  const std::vector<Span> whole{{0.0, norm(Vec2(joint.a.line[1] - joint.a.line[0]))}};
+  for (const auto& [side, own] : {std::pair(&joint.a, &on_a), std::pair(&joint.b, &on_b)})
+    if (shared_length(*own, whole) <= kSlack_mm)
+      check.fail(joint.place,
+                 fmt::format("{:?} has no paper on the line in which both faces cross, "
+                             "so nothing holds it there",
+                             model.parts[side->part].name));
+  if (motion.states.empty()) return;
+  const auto normal = [&](const JointSide& side) {
+    const std::size_t panel = card.panel_of(side.part, side.face);
+    return Vec3((motion.states.back()[card.body[panel]] * card.in_body[panel]).linear().col(2));
+  };
+  constexpr double kLeastSine = 0.05, kRounding = 1.0 - 1e-6;
+  const double sine = norm(cross(normal(joint.a), normal(joint.b)));
+  if (sine < kLeastSine) return;
+  const double needs = model.thickness_mm / sine;
+  for (const auto& [side, other] : {std::pair(&joint.a, &on_b), std::pair(&joint.b, &on_a)}) {
+    const Vec2 along = unit(Vec2(side->line[1] - side->line[0])), across{-along.y(), along.x()};
+    double tight = 0.0;
+    for (const double by : {-0.5 * kRounding * needs, 0.5 * kRounding * needs}) {
+      std::array<Vec2, 2> line = side->line;
+      for (Vec2& p : line) p += by * across;
+      std::vector<Span> held;  // of the other's paper, within the stretch of the joint
+      for (const Span& s : *other)
+        held.push_back({std::max(s.from, 0.0), std::min(s.to, whole.front().to)});
+      tight = std::max(
+          tight,
+          shared_length(paper_on_line(model.parts[side->part].sheet, card.sheets[side->part],
+                                      card.sheets[side->part].panel_of_face[side->face], line),
+                        held));
+    }
+    if (tight > kSlack_mm)
+      check.fail(
+          joint.place,
+          fmt::format("the slot of {:?} is narrower than {:.3g} mm over {:.3g} mm, and paper "
+                      "of {:g} mm does not go through it on open pages",
+                      model.parts[side->part].name, needs, tight, model.thickness_mm));
+  }
+}
+
 }  // namespace
 
 void check_tabs(const JointModel& model, const Assembled& card,
@@ -197,10 +242,12 @@ void check_slots(const JointModel& model, const Assembled& card, const Followed&
       return paper_on_line(model.parts[side.part].sheet, card.sheets[side.part],
                            card.sheets[side.part].panel_of_face[side.face], side.line);
     };
-    if (const double both = shared_length(paper(joint.a), paper(joint.b)); both > kSlack_mm)
+    const std::vector<Span> on_a = paper(joint.a), on_b = paper(joint.b);
+    if (const double both = shared_length(on_a, on_b); both > kSlack_mm)
       check.fail(joint.place, fmt::format("both faces have paper on {:.3g} mm of the line in which "
                                           "they cross; cut one of them there",
                                           both));
+    check_crossing(model, card, joint, on_a, on_b, motion, check);
   }
   check.detail = fmt::format("{} slots that slide, {} that cross", slots, crossings);
 }

@@ -23,7 +23,8 @@ void check_tabs(const JointModel& model, const Assembled& card,
 
 /// Checks that what slides through a slit stays in it: at every opening the paper of the second
 /// face that lies on the slit's line is in the slit, and there is some. Of two faces that cross,
-/// no place on the line has paper of both.
+/// no place on the line has paper of both, each has some, and slots are as wide as the other's
+/// paper needs when the card is open.
 void check_slots(const JointModel& model, const Assembled& card, const Followed& motion,
                  VerifyCheck& check);
 

@@ -199,9 +199,10 @@ Result<Target> target_of_patches(const std::vector<DesignSpec>& patches, const T
 }  // namespace
 
 Result<Target> read_target(const DesignSpec& spec, const TargetFiles& files) {
-  if (spec.style == DesignStyle::Layers)
-    return fail(ErrorKind::Malformed, "/style",
-                "is layers, which have no fold vertices on the shape; leave --target out");
+  if (is_of_parts(spec.style))
+    return fail(
+        ErrorKind::Malformed, "/style",
+        "is layers or slices, which have no fold vertices on the shape; leave --target out");
   if (is_of_facets(spec.style))
     return fail(ErrorKind::Malformed, "/style",
                 "is facets or a silhouette, which have no fold vertices on the shape; leave "

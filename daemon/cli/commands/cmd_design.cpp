@@ -19,6 +19,7 @@
 #include "core/design/layers/layered_report.hpp"
 #include "core/design/patches.hpp"
 #include "core/design/shape_fit.hpp"
+#include "core/design/slices/sliced_report.hpp"
 #include "core/drawing/clean.hpp"
 #include "core/drawing/linework.hpp"
 #include "core/formats/fold/fold_writer.hpp"
@@ -29,6 +30,7 @@
 #include "core/judge/layers_likeness.hpp"
 #include "core/judge/sound_design.hpp"
 #include "core/judge/sound_layers.hpp"
+#include "core/judge/sound_slices.hpp"
 #include "core/machines/machine.hpp"
 #include "core/picture/deployed_svg.hpp"
 #include "core/picture/sheet_picture.hpp"
@@ -320,6 +322,9 @@ Result<void> list_examples(const Globals& globals) {
     std::string what =
         spec->style == DesignStyle::Layers
             ? fmt::format("layers, {} on a card that opens flat, {}", spec->layers.layers, target)
+        : spec->style == DesignStyle::Slices
+            ? fmt::format("slices, {} x {} on a card that opens flat, {}", spec->sliced.x_slices,
+                          spec->sliced.y_slices, target)
         : spec->style == DesignStyle::Silhouette
             ? fmt::format("silhouette, {} layer{}, {}", spec->facets.layers,
                           spec->facets.layers == 1 ? "" : "s", target)
@@ -477,6 +482,31 @@ Result<void> layers_into(const Options& options, const Globals& globals, const D
   return {};
 }
 
+/// A card of slices: several parts, in files of its own.
+Result<void> slices_into(const Options& options, const Globals& globals, const DesignSpec& spec,
+                         const SurfaceAssets& assets, const Material& material,
+                         const std::function<bool(std::string_view)>& wants, OutputFolder& folder,
+                         std::optional<LongWork>& work) {
+  const auto begun = std::chrono::steady_clock::now();
+  const auto made = judge::sound_slices(spec, assets, "popcut " POPCUT_VERSION, work->progress());
+  if (!made) return tl::unexpected(within(options.spec, made.error()));
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  work->now("drawing the pictures");
+  const auto files = add_slice_files(*made, material, seconds, wants, folder);
+  if (!files) return tl::unexpected(files.error());
+  if (files->empty())
+    return fail(ErrorKind::Usage, "--formats",
+                "has nothing that slices have; give some of: fold svg cut dxf png picture report");
+  if (auto done = folder.commit("popcut design " POPCUT_VERSION); !done) return done;
+  work.reset();
+  if (globals.json) fmt::print("{}", sliced_report_json(made->made, seconds));
+  if (globals.quiet) return {};
+  say_slices(*made);
+  fmt::print(stderr, "  wrote   {} in {} ({:.2f} s)\n", *files, options.folder, seconds);
+  return {};
+}
+
 Result<void> design_into(const Options& options, const Globals& globals) {
   const auto formats = parse_formats(options.formats);
   if (!formats) return tl::unexpected(formats.error());
@@ -511,6 +541,8 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   };
   if (spec->style == DesignStyle::Layers)
     return layers_into(options, globals, *spec, *assets, *material, wants, *folder, work);
+  if (spec->style == DesignStyle::Slices)
+    return slices_into(options, globals, *spec, *assets, *material, wants, *folder, work);
   auto made = timed_design(*spec, *assets, *hands, work->progress());
   if (!made) {
     judge::DesignFault& fault = made.error();
@@ -662,8 +694,8 @@ constexpr const char* kHelp =
     "its\n"
     "own folder card-01, card-02 and so on, and DIR gets book.json (sizes, distance from your\n"
     "shape, what is glued), book.glb (an animation) and book.svg (pictures from all sides).\n\n"
-    "A SPEC with the style layers makes a card of several pieces that opens flat. pattern.fold "
-    "has\n"
+    "A SPEC with the style layers or slices makes a card of several pieces that opens flat. "
+    "pattern.fold has\n"
     "all of them and their joints, the other drawings have them side by side; there is no csv, "
     "glb\n"
     "or poster.\n\n"

@@ -156,6 +156,11 @@ Result<std::optional<std::string>> parts_file(const Options& options, const Prog
   if (lists_joints(*text)) return std::optional(std::move(*text));
   if (!is_design_spec(*text)) return none;
   const auto spec = parse_design_spec(*text);
+  if (spec && spec->style == DesignStyle::Slices)
+    return tl::unexpected(
+        within(options.file, {ErrorKind::Infeasible, "/style",
+                              "is slices, which are pushed together, not folded; 'popcut design' "
+                              "writes the order of assembly into report.json"}));
   if (!spec || spec->style != DesignStyle::Layers) return none;
   const auto assets = load_assets(*spec, options.file);
   if (!assets) return tl::unexpected(within(options.file, assets.error()));

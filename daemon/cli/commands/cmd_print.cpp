@@ -351,6 +351,11 @@ Result<void> run_print(Options options, const Globals& globals) {
        },
        [&](const DesignSpec& spec, const SurfaceAssets& assets, const LayeredCard& made) {
          return keep_layers(options, *mode, spec, assets, made, design);
+       },
+       [] {
+         return Result<void>(fail(ErrorKind::Infeasible, "/style",
+                                  "is slices, which show the shape by their outlines and carry no "
+                                  "print; cut them with 'popcut plan'"));
        }});
   if (!job && !asked_for_marks && job.error().place == "--marks")
     return fail(job.error().kind, "--marks",

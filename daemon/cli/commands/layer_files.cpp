@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "core/design/layers/layered_report.hpp"
+#include "core/design/slices/sliced_report.hpp"
 #include "core/drawing/linework.hpp"
 #include "core/formats/write/pattern_files.hpp"
 #include "core/geometry/angle.hpp"
@@ -50,28 +51,33 @@ TriangleSoup level_card(const Structure& card, double opening_rad) {
   return soup;
 }
 
-Result<std::string> picture_of(const LayeredCard& made) {
+/// A card of several parts, as its files show it.
+struct PartsToWrite {
+  const Structure& card;
+  const std::string& fold;
+  const TriangleSoup& target;
+  bool looks_along_spine{};
+  const char* what{};  ///< "layers"
+  std::size_t count{};
+  std::string report;
+};
+
+Result<std::string> picture_of(const PartsToWrite& made) {
   std::vector<OpenedCard> openings;
   for (const double opening_deg : {180.0, 120.0, 50.0})
     openings.push_back(
         {fmt::format("{:g} degrees", opening_deg),
          as_seen(level_card(made.card, radians(opening_deg)), made.looks_along_spine)});
   return opened_picture(openings, as_seen(made.target, made.looks_along_spine),
-                        fmt::format("{}: {} layers on pages of {:.0f} x {:.0f} mm", made.card.name,
-                                    made.layers.size(), made.card.page_mm, made.card.length_mm));
+                        fmt::format("{}: {} {} on pages of {:.0f} x {:.0f} mm", made.card.name,
+                                    made.count, made.what, made.card.page_mm, made.card.length_mm));
 }
 
-}  // namespace
-}  // namespace layer_files_parts
-
-Result<std::string> add_layer_files(const judge::SoundLayers& sound,
-                                    const likeness::PrintedFigures& printed,
-                                    const Material& material, double seconds,
-                                    const std::function<bool(std::string_view)>& wants,
-                                    OutputFolder& folder) {
-  using namespace layer_files_parts;
+Result<std::string> add_files(const PartsToWrite& made, const Material& material,
+                              const std::function<bool(std::string_view)>& wants,
+                              OutputFolder& folder) {
   constexpr int kLargestPx = 1600;
-  const Pattern drawing = parts_drawing(sound.made.card);
+  const Pattern drawing = parts_drawing(made.card);
   std::string names;
   const auto add = [&](const char* name, const std::string& text) {
     names += fmt::format(" {}", name);
@@ -84,7 +90,7 @@ Result<std::string> add_layer_files(const judge::SoundLayers& sound,
   };
   const std::string look = drawn([&](std::ostream& out) { write_pattern_svg(drawing, out); });
   if (wants("fold"))
-    if (auto done = add("pattern.fold", sound.fold); !done) return tl::unexpected(done.error());
+    if (auto done = add("pattern.fold", made.fold); !done) return tl::unexpected(done.error());
   if (wants("svg"))
     if (auto done = add("pattern.svg", look); !done) return tl::unexpected(done.error());
   if (wants("cut")) {
@@ -98,7 +104,7 @@ Result<std::string> add_layer_files(const judge::SoundLayers& sound,
     if (auto done = add("pattern.dxf", text); !done) return tl::unexpected(done.error());
   }
   if (wants("png") || wants("picture")) {
-    const auto picture = picture_of(sound.made);
+    const auto picture = picture_of(made);
     if (!picture) return tl::unexpected(picture.error());
     if (wants("picture"))
       if (auto done = add("deployed.svg", *picture); !done) return tl::unexpected(done.error());
@@ -111,9 +117,52 @@ Result<std::string> add_layer_files(const judge::SoundLayers& sound,
     }
   }
   if (wants("report"))
-    if (auto done = add("report.json", layered_report_json(sound.made, printed, seconds)); !done)
-      return tl::unexpected(done.error());
+    if (auto done = add("report.json", made.report); !done) return tl::unexpected(done.error());
   return names;
+}
+
+}  // namespace
+}  // namespace layer_files_parts
+
+Result<std::string> add_layer_files(const judge::SoundLayers& sound,
+                                    const likeness::PrintedFigures& printed,
+                                    const Material& material, double seconds,
+                                    const std::function<bool(std::string_view)>& wants,
+                                    OutputFolder& folder) {
+  const LayeredCard& made = sound.made;
+  return layer_files_parts::add_files(
+      {made.card, sound.fold, made.target, made.looks_along_spine, "layers", made.layers.size(),
+       layered_report_json(made, printed, seconds)},
+      material, wants, folder);
+}
+
+Result<std::string> add_slice_files(const judge::SoundSlices& sound, const Material& material,
+                                    double seconds,
+                                    const std::function<bool(std::string_view)>& wants,
+                                    OutputFolder& folder) {
+  const SlicedCard& made = sound.made;
+  return layer_files_parts::add_files(
+      {made.card, sound.fold, made.target, false, "slices", made.lattice.pieces.size(),
+       sliced_report_json(made, seconds)},
+      material, wants, folder);
+}
+
+void say_slices(const judge::SoundSlices& sound) {
+  const SlicedCard& made = sound.made;
+  fmt::print(stderr, "{}: {} slices on a card that opens flat, in one movement\n",
+             shown_text(made.card.name), made.lattice.pieces.size());
+  fmt::print(stderr,
+             "  pages    {:.1f} mm from the spine, {:.1f} mm along it; shut, the slices reach "
+             "{:.1f} mm, and the stack is {:.1f} mm high\n",
+             made.card.page_mm, made.card.length_mm, sound.report.closed_mm, sound.report.stack_mm);
+  fmt::print(stderr, "  slots    {} crossings, slots {:.2f} mm wide; {} tabs to glue\n",
+             made.lattice.crossings.size(), made.slot_mm, made.tabs);
+  const auto steps = assembly_steps(made);
+  for (std::size_t k = 0; k < steps.size(); ++k)
+    fmt::print(stderr, "  {:<8} {} {}\n", k == 0 ? "assembly" : "",
+               k == 0 ? "stand up" : "then, from above,", fmt::join(steps[k], " "));
+  for (const Warning& warning : made.warnings)
+    fmt::print(stderr, "  warning  {}\n", shown_text(warning.message));
 }
 
 void say_layers(const judge::SoundLayers& sound, const likeness::PrintedFigures& printed) {

@@ -7,6 +7,7 @@
 
 #include "core/compare/printed.hpp"
 #include "core/judge/sound_layers.hpp"
+#include "core/judge/sound_slices.hpp"
 #include "core/machines/machine.hpp"
 #include "core/result.hpp"
 #include "daemon/files/output_folder.hpp"
@@ -23,7 +24,13 @@ namespace popcut::cli {
     const Material& material, double seconds, const std::function<bool(std::string_view)>& wants,
     OutputFolder& folder);
 
+/// The same of a card of slices.
+[[nodiscard]] Result<std::string> add_slice_files(
+    const judge::SoundSlices& sound, const Material& material, double seconds,
+    const std::function<bool(std::string_view)>& wants, OutputFolder& folder);
+
 /// What a person wants to know of it first, to standard error.
+void say_slices(const judge::SoundSlices& sound);
 void say_layers(const judge::SoundLayers& sound, const likeness::PrintedFigures& printed);
 
 }  // namespace popcut::cli

@@ -141,7 +141,8 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
       [&](const DesignSpec& spec, const LayeredCard& made) -> Result<void> {
         if (!designed.layered) return {};
         return designed.layered(spec, assets, made);
-      }};
+      },
+      designed.sliced};
   auto input = planning::drawing_from_text(std::move(*text), *kind, how, *factor, beside);
   if (!input && input.error().reason == ErrorReason::TooMuch && *factor < 100)
     input.error().detail +=

@@ -19,6 +19,7 @@ struct DesignVisitor {
   std::function<Result<void>(const DesignSpec&, const SurfaceAssets&, const PatchAssembly&)>
       designed;
   std::function<Result<void>(const DesignSpec&, const SurfaceAssets&, const LayeredCard&)> layered;
+  std::function<Result<void>()> sliced{};  ///< told of a card of slices, and may refuse it
 };
 
 /// Reads a design spec (and designs it), a FOLD, SVG or DXF file, by its ending or else its first

@@ -14,12 +14,14 @@
 #include "core/design/layers/layer_masks.hpp"
 #include "core/design/layers/layer_outline.hpp"
 #include "core/design/layers/layered_report.hpp"
+#include "core/design/slices/sliced_report.hpp"
 #include "core/design/spec/spec.hpp"
 #include "core/geometry/angle.hpp"
 #include "core/judge/glue_guide.hpp"
 #include "core/judge/glue_order.hpp"
 #include "core/judge/layers_likeness.hpp"
 #include "core/judge/sound_layers.hpp"
+#include "core/judge/sound_slices.hpp"
 #include "core/parts/elements.hpp"
 #include "core/parts/structure_fold.hpp"
 #include "core/verify/parts/parts.hpp"
@@ -536,6 +538,334 @@ TEST_CASE("an order of gluing leaves no place hidden where any order does",
   }
   CHECK(open_orders > 50);
   CHECK(open_orders < 200);
+}
+
+// Slices of a solid.
+
+namespace {
+
+/// A mesh as an OBJ file.
+struct ObjText {
+  std::string text;
+  std::size_t corners{};
+
+  void corner(double x, double y, double z) {
+    text += "v " + std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(z) + "\n";
+    ++corners;
+  }
+  void face(const std::vector<std::size_t>& of) {
+    text += "f";
+    for (const std::size_t v : of) text += " " + std::to_string(v + 1);
+    text += "\n";
+  }
+};
+
+/// Rings of corners, (radius, height) one a ring, around the z axis; the ends are closed.
+std::string turned_obj(const std::vector<std::pair<double, double>>& profile, std::size_t around,
+                       std::size_t left_out = 0) {
+  ObjText out;
+  for (const auto& [r, z] : profile)
+    for (std::size_t k = 0; k < around; ++k) {
+      const double turn = 6.283185307179586 * static_cast<double>(k) / static_cast<double>(around);
+      out.corner(r * std::cos(turn), r * std::sin(turn), z);
+    }
+  for (std::size_t n = 0; n + 1 < profile.size(); ++n)
+    for (std::size_t k = 0; k < around; ++k) {
+      const std::size_t l = (k + 1) % around, a = n * around, b = a + around;
+      if (k >= left_out) out.face({a + k, a + l, b + l, b + k});
+    }
+  std::vector<std::size_t> bottom, top;
+  for (std::size_t k = 0; k < around; ++k)
+    bottom.push_back(around - 1 - k), top.push_back((profile.size() - 1) * around + k);
+  out.face(bottom), out.face(top);
+  return out.text;
+}
+
+std::string torus_obj(double large, double small, bool stands) {
+  constexpr std::size_t kAround = 40, kAcross = 20;
+  constexpr double kTurn = 6.283185307179586;
+  ObjText out;
+  for (std::size_t i = 0; i < kAround; ++i)
+    for (std::size_t j = 0; j < kAcross; ++j) {
+      const double a = kTurn * static_cast<double>(i) / kAround,
+                   b = kTurn * static_cast<double>(j) / kAcross;
+      const double r = large + small * std::cos(b), x = r * std::cos(a), y = r * std::sin(a),
+                   z = small * std::sin(b);
+      stands ? out.corner(z, x, y) : out.corner(x, y, z);
+    }
+  for (std::size_t i = 0; i < kAround; ++i)
+    for (std::size_t j = 0; j < kAcross; ++j) {
+      const std::size_t a = i * kAcross, b = (i + 1) % kAround * kAcross, n = (j + 1) % kAcross;
+      out.face({a + j, b + j, b + n, a + n});
+    }
+  return out.text;
+}
+
+const std::string kTorus = torus_obj(32.0, 12.0, false), kRing = torus_obj(32.0, 9.0, true),
+                  kTree = turned_obj(
+                      {{9, 0}, {7, 10}, {6, 28}, {26, 30}, {22, 44}, {12, 58}, {4, 70}}, 32);
+
+DesignSpec slices_spec(const std::string& sliceform) {
+  auto spec = parse_design_spec(
+      R"({"popcut":1,"name":"solid","style":"slices","surface":{"type":"mesh","file":"solid.obj"},)"
+      R"("sliceform":)" +
+      sliceform + "}");
+  if (!spec) FAIL(message(spec.error()));
+  return *spec;
+}
+
+judge::SoundSlices sound_of(const std::string& obj, const std::string& sliceform) {
+  auto sound = judge::sound_slices(slices_spec(sliceform), {{"solid.obj", obj}}, "test");
+  if (!sound) FAIL(message(sound.error()));
+  return std::move(*sound);
+}
+
+/// The distance of a point from a line of two ends.
+double off_line(Vec2 p, const FlatLine& line) {
+  const Vec2 way = line[1] - line[0], to = p - line[0];
+  const double t = std::clamp(dot(to, way) / std::max(dot(way, way), 1e-12), 0.0, 1.0);
+  return norm(Vec2(to - t * way));
+}
+
+double off_lines(Vec2 p, const std::vector<FlatLine>& lines) {
+  double least = 1e9;
+  for (const FlatLine& line : lines) least = std::min(least, off_line(p, line));
+  return least;
+}
+
+/// Where a plane across an axis meets a mesh, side by side of its triangles.
+std::vector<FlatLine> sides_of_section(const TriangleSoup& mesh, int axis, double at) {
+  std::vector<FlatLine> out;
+  const auto flat = [&](const Vec3& p) { return Vec2{p[axis == 0 ? 1 : 0], p.z()}; };
+  for (std::size_t t = 0; t < mesh.size(); ++t) {
+    std::vector<Vec2> ends;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 a = mesh.corner(t, k), b = mesh.corner(t, (k + 1) % 3);
+      if ((a[axis] < at) == (b[axis] < at)) continue;
+      ends.push_back(flat(Vec3(a + (at - a[axis]) / (b[axis] - a[axis]) * (b - a))));
+    }
+    if (ends.size() == 2) out.push_back({ends[0], ends[1]});
+  }
+  return out;
+}
+
+/// The outlines of slices are the mesh's sections, but for strips below and slots.
+void check_outlines(const SlicedCard& made) {
+  constexpr double kOff_mm = 0.05, kStep_mm = 0.4;
+  std::size_t looked_at = 0;
+  for (std::size_t s = 0; s < made.slices.size(); ++s) {
+    const Slice& slice = made.slices[s];
+    if (slice.is_foot) continue;
+    const bool is_x = slice.family == SliceFamily::X;
+    const std::vector<FlatLine> section =
+        sides_of_section(made.frame_target, is_x ? 0 : 1, slice.at_mm);
+    std::vector<FlatLine> cut, whole;  // with slots, and without
+    const auto add = [](const FlatRings& rings, std::vector<FlatLine>& to) {
+      for (const auto& ring : rings)
+        for (std::size_t k = 0; k < ring.size(); ++k)
+          to.push_back({ring[k], ring[(k + 1) % ring.size()]});
+    };
+    add(slice.ground, whole), add(slice.islands, whole);
+    for (const SlicePiece& piece : made.lattice.pieces)
+      if (piece.slice == s) add(piece.paper, cut);
+    const auto is_in_slot = [&](Vec2 p) {
+      return std::any_of(made.slices.begin(), made.slices.end(), [&](const Slice& other) {
+        return other.family != slice.family &&
+               std::abs(p.x() - other.at_mm) < 0.5 * made.slot_mm + 2.0 * kOff_mm;
+      });
+    };
+    const auto compare = [&](const std::vector<FlatLine>& of, const std::vector<FlatLine>& with,
+                             bool has_slots) {
+      double most = 0.0;
+      for (const FlatLine& line : of) {
+        const double length = norm(Vec2(line[1] - line[0]));
+        for (double at = 0.0; at <= length; at += kStep_mm) {
+          const Vec2 p = line[0] + at / std::max(length, 1e-9) * (line[1] - line[0]);
+          if (p.y() < made.base_mm + 2.0 * kOff_mm || (has_slots && is_in_slot(p))) continue;
+          most = std::max(most, off_lines(p, with)), ++looked_at;
+        }
+      }
+      return most;
+    };
+    INFO((is_x ? "x = " : "y = ") << slice.at_mm);
+    CHECK(compare(cut, section, true) < kOff_mm);
+    CHECK(compare(section, whole, false) < kOff_mm);
+  }
+  CHECK(looked_at > 1000);
+}
+
+/// Stretches of an upright line with paper of a part's panel, its tabs left out.
+std::vector<std::pair<double, double>> stretches(const SheetPart& part, double u) {
+  std::vector<std::pair<double, double>> out;
+  for (std::uint32_t f = 0; f < part.faces.size(); ++f) {
+    if (std::find(part.tabs.begin(), part.tabs.end(), f) != part.tabs.end()) continue;
+    std::vector<double> at;
+    for (std::size_t k = 0; k < part.faces[f].size(); ++k) {
+      const Vec2 a = part.vertices[part.faces[f][k]],
+                 b = part.vertices[part.faces[f][(k + 1) % part.faces[f].size()]];
+      if ((a.x() < u) != (b.x() < u))
+        at.push_back(a.y() + (u - a.x()) / (b.x() - a.x()) * (b.y() - a.y()));
+    }
+    std::sort(at.begin(), at.end());
+    for (std::size_t k = 0; k + 1 < at.size(); k += 2) out.emplace_back(at[k], at[k + 1]);
+  }
+  return out;
+}
+
+double overlap(const std::vector<std::pair<double, double>>& a,
+               const std::vector<std::pair<double, double>>& b, double raised) {
+  double most = 0.0;
+  for (const auto& [from, to] : a)
+    for (const auto& [low, high] : b)
+      most = std::max(most, std::min(to, high + raised) - std::max(from, low + raised));
+  return most;
+}
+
+/// How often a piece that comes straight down on those before it is stopped, by trying heights.
+std::size_t stopped(const SlicedCard& made, const std::vector<std::size_t>& order) {
+  constexpr double kHighest_mm = 150.0, kStep_mm = 0.5, kTouch_mm = 2e-3;
+  std::size_t out = 0;
+  for (std::size_t n = 0; n < order.size(); ++n)
+    for (std::size_t m = 0; m < n; ++m) {
+      const SlicePiece &later = made.lattice.pieces[order[n]],
+                       &there = made.lattice.pieces[order[m]];
+      const Slice &a = made.slices[later.slice], &b = made.slices[there.slice];
+      const SheetPart &comes = made.card.parts[1 + order[n]],
+                      &stands = made.card.parts[1 + order[m]];
+      std::vector<std::pair<double, double>> lines;  // on what comes, on what is there
+      if (a.family != b.family) {
+        lines.emplace_back(b.at_mm, a.at_mm);
+      } else if (later.slice == there.slice) {
+        for (double u = 0.13; u < 200.0; u += 0.71) lines.emplace_back(u, u);
+      }
+      bool hits = false;
+      for (const auto& [on_comes, on_stands] : lines) {
+        const auto moving = stretches(comes, on_comes), fixed = stretches(stands, on_stands);
+        for (double up = 0.0; up < kHighest_mm && !hits && !moving.empty() && !fixed.empty();
+             up += kStep_mm)
+          hits = overlap(fixed, moving, up) > kTouch_mm;
+      }
+      if (hits) ++out;
+    }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("slices of a solid follow its sections, go together from above, open and shut",
+          "[core][parts][slices]") {
+  struct Solid {
+    const char* name;
+    const std::string& obj;
+    const char* sliceform;
+    double least_kept;
+    bool has_islands;
+  };
+  for (const Solid& solid :
+       {Solid{"torus", kTorus, R"({"x_slices":6,"y_slices":7})", 0.97, false},
+        Solid{"ring", kRing, R"({"x_slices":4,"y_slices":9})", 0.9, true},
+        Solid{"tree", kTree, R"({"x_slices":5,"y_slices":5,"frame_deg":40})", 0.85, true}}) {
+    INFO(solid.name);
+    const judge::SoundSlices sound = sound_of(solid.obj, solid.sliceform);
+    const SlicedCard& made = sound.made;
+    CHECK(sound.report.degrees_of_freedom == 1U);
+    CHECK(sound.report.from_deg == Approx(1.0));
+    CHECK(sound.report.to_deg == Approx(179.0));
+    CHECK(sound.report.closed_mm <= sound.report.page_mm - 7.9);
+    CHECK(made.lattice.crossings.size() > 15);
+    const auto& pieces = made.lattice.pieces;
+    CHECK(std::any_of(pieces.begin(), pieces.end(),
+                      [](const SlicePiece& one) { return one.is_island; }) == solid.has_islands);
+    check_outlines(made);
+    std::vector<std::size_t> order(pieces.size());
+    for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+    CHECK(stopped(made, order) == 0);
+    std::reverse(order.begin(), order.end());
+    CHECK(stopped(made, order) > 10);
+    const Json report = Json::parse(sliced_report_json(made, 0.0));
+    CHECK(report["pieces"] == pieces.size() + 1);
+    CHECK(report["kept"].get<double>() > solid.least_kept);
+    std::size_t listed = 0;
+    for (const auto& step : report["assembly"]) listed += step.size();
+    CHECK(listed == pieces.size());
+  }
+}
+
+TEST_CASE("planted faults of slices are found", "[core][verify][parts][slices]") {
+  const judge::SoundSlices sound = sound_of(kTorus, R"({"x_slices":4,"y_slices":4})");
+  const auto fails = [](const std::string& text, const char* check) {
+    return failures(judged(text), check);
+  };
+  SECTION("a slot missing") {
+    Structure card = sound.made.card;
+    const SlicePiece& piece = sound.made.lattice.pieces[1];
+    REQUIRE_FALSE(sound.made.slices[piece.slice].is_foot);
+    card.parts[2].faces.clear(), card.parts[2].vertices.clear();
+    for (const auto& face : faces_of_piece(pieces_of(sound.made.slices[piece.slice].ground)[0]))
+      card.parts[2].add_face(face);
+    for (const Vec2& at : std::vector<Vec2>(card.parts[2].vertices)) card.parts[2].add_corner(at);
+    CHECK(fails(text_of(card), "slots").find("both faces have paper") != std::string::npos);
+  }
+  SECTION("slots too narrow for the paper") {
+    const std::string thick =
+        changed(sound.fold, [](Json& json) { json["popcut:thickness_mm"] = 0.6; });
+    CHECK(fails(thick, "slots").find("is narrower than 0.6 mm") != std::string::npos);
+  }
+  SECTION("a foot that is not glued") {
+    for (const std::size_t left_out : {1u, 2u}) {
+      Structure card = sound.made.card;
+      card.joints.erase(card.joints.end() - static_cast<std::ptrdiff_t>(left_out));
+      CHECK(fails(text_of(card), "degrees_of_freedom").find("is required") != std::string::npos);
+    }
+  }
+  SECTION("a crossing where there is no paper") {
+    const std::string high = changed(sound.fold, [](Json& json) {
+      for (const char* side : {"a", "b"})
+        for (const int k : {1, 3}) {
+          auto& z = json["popcut:joints"][3][side]["line_mm"][k];
+          z = z.get<double>() + 200.0;
+        }
+    });
+    CHECK(fails(high, "slots").find("has no paper on the line") != std::string::npos);
+  }
+  SECTION("a page too small") {
+    const std::string small = changed(sound.fold, [](Json& json) {
+      for (auto& at : json["file_frames"][0]["vertices_coords"]) at[0] = 0.8 * at[0].get<double>();
+    });
+    CHECK(fails(small, "closed").find("sticks out of the pages") != std::string::npos);
+  }
+  SECTION("a guide of what is glued does not order it") {
+    const auto guide = judge::glue_guide(sound.fold);
+    REQUIRE_FALSE(guide);
+    CHECK(guide.error().detail.find("crosses in slots") != std::string::npos);
+  }
+}
+
+TEST_CASE("a solid that cannot be sliced says why, and what would do", "[core][parts][slices]") {
+  const auto says = [](const std::string& obj, const std::string& sliceform,
+                       const std::string& place, const std::string& what) {
+    const auto made = sliced_card(slices_spec(sliceform), {{"solid.obj", obj}});
+    REQUIRE_FALSE(made);
+    CAPTURE(message(made.error()));
+    CHECK(made.error().kind == ErrorKind::Infeasible);
+    CHECK(made.error().place == place);
+    CHECK(made.error().detail.find(what) != std::string::npos);
+  };
+  says(turned_obj({{30, 0}, {30, 40}}, 24, 9), "{}", "/surface", "has no inside");
+  says(turned_obj({{30, 0}, {30, 0.2}}, 24), "{}", "/scale_mm", "0.2 mm high");
+  says(kTorus, R"({"page_mm":60})", "/sliceform/page_mm", "need pages of at least");
+  says(kTorus, R"({"spine_mm":60})", "/sliceform/spine_mm", "a spine of at least");
+  const auto refused_spec = [](const std::string& rest, const std::string& place) {
+    const auto spec = parse_design_spec(R"({"popcut":1,"style":"slices",)" + rest + "}");
+    REQUIRE_FALSE(spec);
+    CHECK(spec.error().place == place);
+  };
+  refused_spec(R"("surface":{"type":"implicit","f":"x-1"})", "/surface/type");
+  refused_spec(R"("surface":{"type":"mesh","file":"a.obj"},"slices":4)", "/slices");
+  refused_spec(R"("surface":{"type":"mesh","file":"a.obj"},"sliceform":{"frame_deg":70})",
+               "/sliceform/frame_deg");
+  refused_spec(R"("surface":{"type":"mesh","file":"a.obj"},"layers":{})", "/layers");
+  refused_spec(R"("surface":{"type":"mesh","file":"a.obj"},"card":false)", "/card");
 }
 
 }  // namespace verify_parts_test
