@@ -17,6 +17,9 @@ using ClipperLib::IntPoint;
 using ClipperLib::Path;
 using ClipperLib::Paths;
 
+constexpr double kTouch_mm = 4.0 * kShapeStep_mm;  ///< rounding of places on an edge
+constexpr double kApart_mm = 0.05;
+
 cInt on_grid(double mm) { return static_cast<cInt>(std::llround(mm / kShapeStep_mm)); }
 double off_grid(cInt steps) { return static_cast<double>(steps) * kShapeStep_mm; }
 
@@ -138,6 +141,35 @@ void add_faces(const FlatRings& piece, FlatRings& out) {
   }
 }
 
+bool is_on(const Vec2& p, const Vec2& a, const Vec2& b) {
+  const Vec2 way = b - a, to = p - a;
+  const double t = std::clamp(dot(to, way) / std::max(dot(way, way), 1e-300), 0.0, 1.0);
+  return norm(Vec2(to - t * way)) <= kTouch_mm;
+}
+
+/// Corners of rings that lie on another ring.
+std::vector<Vec2> touching_places(const FlatRings& shape) {
+  std::vector<Vec2> out;
+  std::vector<Eigen::AlignedBox2d> boxes;
+  for (const std::vector<Vec2>& ring : shape) {
+    Eigen::AlignedBox2d box;
+    for (const Vec2& p : ring) box.extend(p);
+    boxes.push_back(box);
+  }
+  for (std::size_t r = 0; r < shape.size(); ++r)
+    for (const Vec2& p : shape[r])
+      for (std::size_t o = 0; o < shape.size(); ++o) {
+        if (o == r || boxes[o].exteriorDistance(p) > kTouch_mm) continue;
+        const std::vector<Vec2>& other = shape[o];
+        for (std::size_t k = 0; k < other.size(); ++k)
+          if (is_on(p, other[k], other[(k + 1) % other.size()])) {
+            out.push_back(p);
+            break;
+          }
+      }
+  return out;
+}
+
 }  // namespace
 
 FlatRings inside_of(const FlatRings& rings) {
@@ -183,6 +215,20 @@ std::vector<FlatRings> pieces_of(const FlatRings& shape) {
   std::vector<FlatRings> out;
   for (const ClipperLib::PolyNode* outline : tree.Childs) add_piece(*outline, out);
   return out;
+}
+
+FlatRings without_touching(const FlatRings& shape) {
+  FlatRings out = shape;
+  // A square can meet another ring; each round cuts more away, so this ends.
+  for (;;) {
+    FlatRings squares;
+    for (const Vec2& p : touching_places(out)) {
+      const Vec2 half{kApart_mm, kApart_mm};
+      squares.push_back(rectangle(Vec2(p - half), Vec2(p + half)));
+    }
+    if (squares.empty()) return out;
+    out = without(out, squares);
+  }
 }
 
 std::vector<PaperSpan> paper_at(const FlatRings& shape, double u_mm) {

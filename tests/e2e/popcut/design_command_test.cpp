@@ -243,6 +243,45 @@ TEST_CASE("layers are designed, verified and planned as a card of several pieces
         std::string::npos);
 }
 
+TEST_CASE("slices are designed, verified and planned as a card of several pieces",
+          "[cli][e2e][design]") {
+  const Bench bench;
+  json spec = json::parse(text_of_file(source_file("docs/parts/torus.json")));
+  bench.write("torus.json", spec);
+  fs::copy_file(source_file("docs/parts/torus.obj"), bench.temp / "torus.obj");
+  const Ran made = bench.design({"torus.json", "-o", "torus"});
+  CAPTURE(made.err);
+  REQUIRE(made.exit == 0);
+  CHECK(made.err.find("assembly stand up") != std::string::npos);
+  const json report = bench.read_json("torus/report.json");
+  CHECK(report["style"] == "slices");
+  CHECK(report["tabs"] == 2);
+  CHECK(report["kept"] > 0.95);
+  CHECK(report["pieces"] == report["slices"].size() + 1);
+  for (const char* file : {"pattern.svg", "cut.svg", "pattern.dxf", "pattern.png", "deployed.png"})
+    CHECK(fs::exists(bench.temp / "torus" / file));
+  CHECK(bench.popcut({"verify", "torus/pattern.fold"}).exit == 0);
+  for (const char* input : {"torus.json", "torus/pattern.fold"}) {
+    const Ran planned = bench.popcut({"plan", input, "-o", "sheets", "--machine", "cameo3"});
+    CAPTURE(input, planned.err);
+    REQUIRE(planned.exit == 0);
+    CHECK(planned.err.find("x3") != std::string::npos);
+  }
+  const auto refuses = [&](const Names& arguments, const std::string& words) {
+    const Ran ran = bench.popcut(arguments);
+    CAPTURE(ran.err);
+    CHECK(ran.exit == 4);
+    CHECK(ran.err.find(words) != std::string::npos);
+  };
+  refuses({"print", "torus.json", "-o", "pages"}, "/style: is slices, which show the shape by");
+  refuses({"fold-guide", "torus.json", "-o", "guide"}, "the order of assembly");
+  refuses({"fold-guide", "torus/pattern.fold", "-o", "guide"}, "the order of assembly");
+  spec["sliceform"]["page_mm"] = 40;
+  bench.write("small.json", spec);
+  refuses({"design", "small.json", "-o", "small"},
+          "/sliceform/page_mm: is 40; the slices need pages of at least");
+}
+
 TEST_CASE("panels are long enough to fold flat in the spec's material unless it says otherwise",
           "[cli][e2e][design]") {
   const Bench bench;

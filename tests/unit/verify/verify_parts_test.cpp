@@ -791,6 +791,34 @@ TEST_CASE("slices of a solid follow its sections, go together from above, open a
   }
 }
 
+TEST_CASE("paper whose hole touches its outline is opened there, so that its faces fill its border",
+          "[core][parts][slices]") {
+  // A slot that a touching place closes, as slots of letters do.
+  const FlatRings outline{rectangle({0, 0}, {40, 20})};
+  const std::vector<Vec2> at_corner{{20, 5}, {15, 10}, {20, 20}, {25, 10}},
+      inside{{5, 5}, {5, 8}, {8, 8}, {8, 5}}, beside{{8, 8}, {8, 12}, {12, 12}, {12, 8}};
+  for (const std::vector<std::vector<Vec2>>& holes :
+       {std::vector{at_corner}, std::vector{inside}, std::vector{inside, beside}}) {
+    FlatRings shape = outline;
+    shape.insert(shape.end(), holes.begin(), holes.end());
+    const FlatRings apart = without_touching(shape);
+    std::vector<Vec2> places;
+    double faces_mm2 = 0.0;
+    for (const FlatRings& piece : pieces_of(apart)) {
+      for (const std::vector<Vec2>& ring : piece)
+        for (const Vec2& at : ring) {
+          for (const Vec2& other : places) CHECK((at - other).norm() > 1e-3);
+          places.push_back(at);
+        }
+      faces_mm2 += area_of(faces_of_piece(piece));
+    }
+    const double before_mm2 = area_of(inside_of(shape));
+    CHECK(faces_mm2 == Approx(area_of(apart)).margin(1e-3));
+    CHECK(area_of(apart) <= before_mm2 + 1e-6);
+    CHECK(area_of(apart) >= before_mm2 - 0.02);
+  }
+}
+
 TEST_CASE("planted faults of slices are found", "[core][verify][parts][slices]") {
   const judge::SoundSlices sound = sound_of(kTorus, R"({"x_slices":4,"y_slices":4})");
   const auto fails = [](const std::string& text, const char* check) {
