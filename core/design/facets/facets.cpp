@@ -58,39 +58,55 @@ TargetReach reach_of(const TriangleSoup& target, double from_mm, double to_mm) {
 
 class FacetMaker {
  public:
-  /// @param strength  of the rule of what holds in paper
-  FacetMaker(const TriangleSoup& target, const FacetOptions& options, const Progress& progress,
-             double strength)
-      : target_(target), options_(options), progress_(progress), strength_(strength) {}
+  FacetMaker(const TriangleSoup& target, const FacetOptions& options, const Progress& progress)
+      : target_(target), options_(options), progress_(progress) {}
 
-  Result<FacetCard> run() {
-    if (auto done = set_grid(); !done) return tl::unexpected(done.error());
+  /// Looks at the target and labels it, as nothing need hold yet. Before all else.
+  Result<void> look() {
+    if (auto done = set_grid(); !done) return done;
     tell(progress_, "looking at the shape along the diagonal");
-    const SeenTarget image = seen_target(target_, raster(), options_.inward);
-    if (std::all_of(image.facing.begin(), image.facing.end(),
+    image_ = seen_target(target_, raster(), options_.inward);
+    if (std::all_of(image_.facing.begin(), image_.facing.end(),
                     [](Facing facing) { return facing == Facing::Card; }))
       return nothing_there();
     const int most_x = most_offset(options_.ground_mm, reach_.x_mm),
               most_z = most_offset(options_.wall_mm, reach_.z_mm);
-    if (options_.layers > 0) return cut_out(image, most_x, most_z);
-    const int pitch = std::max(1, static_cast<int>(std::llround(options_.pitch_mm / step_mm_)));
-    if (options_.kites)
-      if (auto done = lay_kites(image, most_x, most_z); !done) return tl::unexpected(done.error());
-    const FacetPlanes planes =
-        planes_for(image, grid_, pitch, most_x, most_z, options_.inward, roofs_.kites);
+    if (options_.layers > 0) {
+      planes_.emplace(silhouette_planes(image_, grid_, options_.layers, most_x, most_z));
+    } else {
+      const int pitch = std::max(1, static_cast<int>(std::llround(options_.pitch_mm / step_mm_)));
+      if (options_.kites)
+        if (auto done = lay_kites(image_, most_x, most_z); !done) return done;
+      planes_.emplace(
+          planes_for(image_, grid_, pitch, most_x, most_z, options_.inward, roofs_.kites));
+    }
+    uncut_.emplace(image_, *planes_, grid_, options_.weights, limits());
+    fix_kites(*uncut_);
+    least_ = uncut_->least_distance();
+    if (options_.layers > 0) return {};
     tell(progress_, "giving each point of the sheet a plane");
+    if (!options_.rough) cut_.emplace(*uncut_).sweep(kSweeps, true);
+    uncut_->sweep(options_.rough ? kRoughSweeps : kSweeps, false);
+    return {};
+  }
+
+  /// The card. More than once with other rules of what holds.
+  ///
+  /// @param strength  of the rule of what holds in paper
+  Result<FacetCard> run(double strength) {
+    strength_ = strength;
+    if (options_.layers > 0) return cut_out();
+    const SeenTarget& image = image_;
+    const FacetPlanes& planes = *planes_;
     // Strips that are cut across come nearer, but are looser; some shapes are better off without.
-    FacetCardSize card{grid_.wall * step_mm_, (grid_.columns - grid_.wall) * step_mm_,
-                       options_.margin_mm};
-    Labelling labelling(image, planes, grid_, options_.weights, limits());
-    fix_kites(labelling);
-    double least = labelling.least_distance();
-    Labelling uncut = labelling;
-    auto repaired = label(uncut, card, false);
+    const FacetCardSize card = whole_card();
+    Labelling uncut = *uncut_;
+    auto repaired = repaired_card(uncut, card, false);
     if (!repaired) return tl::unexpected(repaired.error());
+    Labelling labelling = cut_ ? *cut_ : *uncut_;
     std::optional<FacetRepair> cut;
-    if (!options_.rough) {
-      auto repaired_cut = label(labelling, card, true);
+    if (cut_) {
+      auto repaired_cut = repaired_card(labelling, card, true);
       if (!repaired_cut) return tl::unexpected(repaired_cut.error());
       if (!repaired_cut->unfinished &&
           seen_cost(image, planes, labelling) <= seen_cost(image, planes, uncut))
@@ -105,6 +121,7 @@ class FacetMaker {
     const FacetPlanes fine = is_moved && !options_.rough ? every_step(planes) : planes;
     std::optional<Labelling> moved_on;
     std::size_t moves = 0;
+    double least = least_;
     if (is_moved) {
       tell(progress_, "moving panels nearer to the shape");
       moved_on.emplace(image, fine, grid_, options_.weights, limits());
@@ -141,19 +158,20 @@ class FacetMaker {
         labelling.fix(s, kite_labels(labelling.planes(), grid_, run, s));
   }
 
+  /// As large as it can be, until it is known what it needs.
+  [[nodiscard]] FacetCardSize whole_card() const {
+    return {grid_.wall * step_mm_, (grid_.columns - grid_.wall) * step_mm_, options_.margin_mm};
+  }
+
   /// A silhouette.
-  Result<FacetCard> cut_out(const SeenTarget& image, int most_x, int most_z) {
-    const FacetPlanes planes = silhouette_planes(image, grid_, options_.layers, most_x, most_z);
+  Result<FacetCard> cut_out() {
     tell(progress_, "cutting out layers");
-    FacetCardSize card{grid_.wall * step_mm_, (grid_.columns - grid_.wall) * step_mm_,
-                       options_.margin_mm};
-    Labelling labelling(image, planes, grid_, options_.weights, limits());
-    const double least = labelling.least_distance();
+    Labelling labelling = *uncut_;
     const SilhouetteOptions how{options_.layers, options_.min_fold_mm, kLeastLayer_mm2};
-    const Silhouette made = make_silhouette(labelling, image, how, hold_rule(), progress_);
+    const Silhouette made = make_silhouette(labelling, image_, how, hold_rule(), progress_);
     FacetRepair repaired;
     repaired.inner = made.struts, repaired.dropped = static_cast<int>(made.dropped);
-    return finished(image, labelling, least, card, std::move(repaired), 0);
+    return finished(image_, labelling, least_, whole_card(), std::move(repaired), 0);
   }
 
   /// The card of labels: as large as they need, with windows and contours.
@@ -177,9 +195,8 @@ class FacetMaker {
     return out;
   }
 
-  [[nodiscard]] Result<FacetRepair> label(Labelling& labelling, const FacetCardSize& card,
-                                          bool jumps) const {
-    labelling.sweep(options_.rough ? kRoughSweeps : kSweeps, jumps);
+  [[nodiscard]] Result<FacetRepair> repaired_card(Labelling& labelling, const FacetCardSize& card,
+                                                  bool jumps) const {
     RepairOptions how;
     how.jumps = jumps, how.rough = options_.rough;
     how.shifts = options_.lattice && !options_.rough;
@@ -412,19 +429,26 @@ class FacetMaker {
   const TriangleSoup& target_;
   const FacetOptions& options_;
   const Progress& progress_;
-  double strength_;
+  double strength_{};
   TargetReach reach_;
   KitePlan roofs_;
   FacetGrid grid_;
   double step_mm_{};
+  // What does not depend on the strength:
+  SeenTarget image_;
+  std::optional<FacetPlanes> planes_;
+  std::optional<Labelling> uncut_, cut_;  ///< without and with strips that are cut across
+  double least_{};                        ///< distance that no labels go below, mm^3
 };
 
 Result<FacetCard> firm_card(const TriangleSoup& target, const FacetOptions& options,
                             const Progress& progress) {
   std::optional<FacetCard> firmest;
   double least_mm = std::numeric_limits<double>::infinity();
+  FacetMaker maker(target, options, progress);
+  if (auto done = maker.look(); !done) return tl::unexpected(done.error());
   for (const double strength : kStrengths) {
-    auto made = FacetMaker(target, options, progress, strength).run();
+    auto made = maker.run(strength);
     if (!made) {
       if (firmest) break;
       return made;

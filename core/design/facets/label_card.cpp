@@ -16,8 +16,9 @@ double extra_cost(Labelling& labelling, const NewStrips& strips) {
   double sum = 0.0;
   NewStrips before;
   for (const auto& [s, labels] : strips) {
+    sum += labelling.cost(s, labels) - labelling.cost_now(s);
+    if (&labels == &strips.back().labels) break;  // no other one's cost follows from it
     before.push_back({s, labels_of(labelling.image(), s)});
-    sum += labelling.cost(s, labels) - labelling.cost(s, before.back().labels);
     labelling.set(s, labels);
   }
   for (const auto& [s, labels] : before) labelling.set(s, labels);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 namespace popcut {
@@ -11,6 +12,33 @@ namespace {
 
 constexpr std::size_t kMostKept = 40'000'000;  ///< costs that are kept, of four bytes
 constexpr std::size_t kMostSolved = 6;         ///< solutions that are kept of each strip
+
+/// What a strip costs at least that is the wall's at its beginning and the ground's at its end,
+/// where each run has `run` columns or more and changes are free.
+///
+/// @param cost  of each label in each column
+template <typename Cost>
+double least_of_runs(std::span<const Cost> cost, std::size_t labels, std::size_t run) {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  const std::size_t columns = cost.size() / labels;
+  std::vector<double> least(columns + 1, kNever);  // of the columns before each line
+  std::vector<double> sums(labels);
+  least[0] = 0.0;
+  for (std::size_t begin = 0; begin < columns; ++begin) {
+    if (least[begin] == kNever) continue;
+    std::fill(sums.begin(), sums.end(), 0.0);
+    for (std::size_t end = begin + 1; end <= std::min(columns, begin + 2 * run - 1); ++end) {
+      const Cost* const here = cost.data() + (end - 1) * labels;
+      for (std::size_t l = 0; l < labels; ++l) sums[l] += static_cast<double>(here[l]);
+      if (end - begin < run) continue;
+      const double all = begin == 0       ? sums[kWallLabel]
+                         : end == columns ? sums[kGroundLabel]
+                                          : *std::min_element(sums.begin(), sums.end());
+      least[end] = std::min(least[end], least[begin] + all);
+    }
+  }
+  return least[columns];
+}
 
 }  // namespace
 
@@ -28,9 +56,11 @@ Labelling::Labelling(const SeenTarget& target, const FacetPlanes& planes, const 
   for (int s = 0; s < grid.strips; ++s) std::fill_n(image_.strip(s).begin(), grid.wall, kWallLabel);
   fixed_.assign(static_cast<std::size_t>(grid.strips), 0);
   known_.resize(static_cast<std::size_t>(grid.strips));
+  now_.assign(static_cast<std::size_t>(grid.strips), -1.0);
   cost_.resize(columns * planes.size());
   if (image_.label.size() * planes.size() <= kMostKept)
-    kept_.resize(static_cast<std::size_t>(grid.strips));
+    kept_ =
+        std::make_shared<std::vector<std::vector<float>>>(static_cast<std::size_t>(grid.strips));
 }
 
 /// The cost of each label in each column: the sum over the points of the target's picture there of
@@ -43,6 +73,7 @@ void Labelling::compute(int strip, double* cost) const {
   const std::size_t labels = planes_->size();
   std::fill_n(cost, labels * static_cast<std::size_t>(grid_.columns), 0.0);
   std::vector<double> offset(labels);
+  const FacetPlane* const planes = &(*planes_)[0];
   std::size_t first_level = labels;
   for (std::size_t l = 2; l < labels && first_level == labels; ++l)
     if (!(*planes_)[static_cast<Label>(l)].upright) first_level = l;
@@ -50,16 +81,22 @@ void Labelling::compute(int strip, double* cost) const {
     offset[l] = step * (*planes_)[static_cast<Label>(l)].offset;
   for (std::size_t column = 0; column < static_cast<std::size_t>(grid_.columns); ++column) {
     double* const out = cost + column * labels;
+    const int begin = grid_.across(static_cast<int>(column));
+    // Planes that would be behind the card here are forbidden, however near.
+    std::size_t upright = 2, level = first_level;
+    if (!limits_.inward) {
+      while (upright < first_level && planes[upright].offset < begin + 1) ++upright;
+      while (level < labels && planes[level].offset < -begin) ++level;
+    }
     for (std::size_t r = 0; r < along; ++r)
       for (std::size_t c = 0; c < across; ++c) {
         const std::size_t row = static_cast<std::size_t>(strip) * along + r,
                           at = column * across + c;
         const double x = target_->x_mm(row, at), z = target_->z_mm(row, at);
         out[kWallLabel] += std::abs(x), out[kGroundLabel] += std::abs(z);
-        for (std::size_t l = 2; l < first_level; ++l) out[l] += std::abs(offset[l] - x);
-        for (std::size_t l = first_level; l < labels; ++l) out[l] += std::abs(offset[l] - z);
+        for (std::size_t l = upright; l < first_level; ++l) out[l] += std::abs(offset[l] - x);
+        for (std::size_t l = level; l < labels; ++l) out[l] += std::abs(offset[l] - z);
       }
-    const int begin = grid_.across(static_cast<int>(column));
     for (std::size_t l = 0; l < labels; ++l) {
       out[l] *= area;
       const FacetPlane& plane = (*planes_)[static_cast<Label>(l)];
@@ -111,16 +148,17 @@ bool Labelling::look_alike(int strip, int other) const {
 }
 
 void Labelling::load_costs(int strip, std::vector<double>& into) {
-  if (kept_.empty()) {
+  if (kept_ == nullptr) {
     if (computed_ < 0 || !look_alike(computed_, strip)) compute(strip, cost_.data());
     computed_ = strip;
     into = cost_;
     return;
   }
-  std::vector<float>& kept = kept_[static_cast<std::size_t>(strip)];
+  std::vector<float>& kept = (*kept_)[static_cast<std::size_t>(strip)];
   if (kept.empty()) {
     compute(strip, cost_.data());
     kept.assign(cost_.begin(), cost_.end());
+    now_[static_cast<std::size_t>(strip)] = -1.0;  // of costs that are not rounded
     into = cost_;
   } else {
     into.assign(kept.begin(), kept.end());
@@ -197,6 +235,19 @@ int Labelling::shared_folds(std::span<const Label> labels, int other) const {
   return shared;
 }
 
+int Labelling::differing(std::span<const Label> labels, int other) const {
+  int count = 0;
+  if (other >= 0 && other < grid_.strips) {
+    const Label* const beside = std::as_const(image_).strip(other).data();
+    const Label* const own = labels.data();
+    for (std::size_t i = 0; i < labels.size(); ++i) count += own[i] != beside[i] ? 1 : 0;
+    return count;
+  }
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    count += labels[i] != label_beside(other, static_cast<int>(i)) ? 1 : 0;
+  return count;
+}
+
 void Labelling::find_folds_beside(int strip, double gain) {
   beside_.clear();
   for (int i = 1; i < grid_.columns; ++i)
@@ -239,6 +290,8 @@ std::vector<Label> Labelling::best(int strip, bool jumps) { return solve(strip, 
 
 void Labelling::set(int strip, const std::vector<Label>& labels) {
   std::copy(labels.begin(), labels.end(), image_.strip(strip).begin());
+  for (int s = std::max(0, strip - 1); s <= std::min(grid_.strips - 1, strip + 1); ++s)
+    now_[static_cast<std::size_t>(s)] = -1.0;
 }
 
 bool Labelling::allows(const LabelRun& run) const {
@@ -255,9 +308,10 @@ bool Labelling::allows(const LabelRun& run) const {
 
 double Labelling::cell_distance(int strip, int column, Label label) const {
   const auto at_strip = static_cast<std::size_t>(strip);
-  if (!kept_.empty() && !kept_[at_strip].empty())
-    return static_cast<double>(kept_[at_strip][static_cast<std::size_t>(column) * planes_->size() +
-                                               static_cast<std::size_t>(label)]);
+  if (keeps_costs(strip))
+    return static_cast<double>(
+        (*kept_)[at_strip][static_cast<std::size_t>(column) * planes_->size() +
+                           static_cast<std::size_t>(label)]);
   const SheetRaster& raster = target_->raster;
   const std::size_t across = raster.columns / static_cast<std::size_t>(grid_.columns);
   const std::size_t along = raster.rows / static_cast<std::size_t>(grid_.strips);
@@ -297,9 +351,8 @@ double Labelling::distance(int strip, std::span<const Label> labels) const {
 
 double Labelling::cost(int strip, std::span<const Label> labels) const {
   double sum = 0.0;
-  const auto at_strip = static_cast<std::size_t>(strip);
-  if (!kept_.empty() && !kept_[at_strip].empty()) {
-    const float* cost = kept_[at_strip].data();
+  if (keeps_costs(strip)) {
+    const float* cost = (*kept_)[static_cast<std::size_t>(strip)].data();
     for (const Label label : labels) {
       sum += static_cast<double>(cost[label]);
       cost += planes_->size();
@@ -310,18 +363,22 @@ double Labelling::cost(int strip, std::span<const Label> labels) const {
   int hinges = 0;
   for (std::size_t i = 1; i < labels.size(); ++i)
     if (labels[i] != labels[i - 1]) {
-      const bool is_fold =
-          planes_->meet(labels[i - 1], labels[i], grid_.across(static_cast<int>(i)));
+      const int column = static_cast<int>(i);
+      const bool is_fold = planes_->meet(labels[i - 1], labels[i], grid_.across(column));
       sum += grid_.strip_mm * (is_fold ? weights_.fold_mm2 : weights_.jump_mm2);
-      hinges += is_fold ? 1 : 0;
+      if (!is_fold || !(weights_.hinge_mm3 > 0.0)) continue;
+      ++hinges;
+      for (const int other : {strip - 1, strip + 1})
+        hinges -= goes_on(other, column, labels[i - 1], labels[i]) ? 1 : 0;
     }
-  int cut = 0;
-  for (const int other : {strip - 1, strip + 1}) {
-    for (int i = 0; i < grid_.columns; ++i)
-      cut += labels[static_cast<std::size_t>(i)] != label_beside(other, i) ? 1 : 0;
-    if (weights_.hinge_mm3 > 0.0) hinges -= shared_folds(labels, other);
-  }
+  const int cut = differing(labels, strip - 1) + differing(labels, strip + 1);
   return sum + weights_.cut_mm2 * grid_.step_mm * cut + weights_.hinge_mm3 * hinges;
+}
+
+double Labelling::cost_now(int strip) const {
+  double& known = now_[static_cast<std::size_t>(strip)];
+  if (known < 0.0) known = cost(strip, image_.strip(strip));
+  return known;
 }
 
 double Labelling::whole_cost() const {
@@ -335,10 +392,17 @@ double Labelling::whole_cost() const {
 }
 
 double Labelling::least_distance() {
+  const std::size_t cells = static_cast<std::size_t>(grid_.columns) * planes_->size();
+  const auto run = static_cast<std::size_t>(std::max(1, limits_.least_run));
   double sum = 0.0;
   for (int s = 0; s < grid_.strips; ++s) {
+    if (keeps_costs(s)) {
+      const std::vector<float>& kept = (*kept_)[static_cast<std::size_t>(s)];
+      sum += least_of_runs(std::span<const float>(kept), planes_->size(), run);
+      continue;
+    }
     load_costs(s, next_);
-    sum += solver_.solve({next_, limits_.least_run, 0.0, 0.0}).cost;
+    sum += least_of_runs(std::span<const double>(next_).first(cells), planes_->size(), run);
   }
   return sum;
 }

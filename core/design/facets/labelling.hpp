@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "core/design/facets/labels.hpp"
@@ -72,6 +73,8 @@ class Labelling {
 
   /// What a strip costs, with the cuts to its neighbours.
   [[nodiscard]] double cost(int strip, std::span<const Label> labels) const;
+  /// `cost` of a strip as it is.
+  [[nodiscard]] double cost_now(int strip) const;
   /// What all strips cost together; a cut between two of them counts for both, a hinge once.
   [[nodiscard]] double whole_cost() const;
   /// The distance from the target of one cell, mm^3; `kForbidden` and more where limits forbid it.
@@ -79,7 +82,18 @@ class Labelling {
   /// Its distance from the target alone, mm^3.
   [[nodiscard]] double distance(int strip, std::span<const Label> labels) const;
   /// No labels of these planes come nearer: jumps and folds are free, and strips stand alone. mm^3.
+  /// A run that is as long as two can be parted, so that only runs of one to two times the least
+  /// length are looked at. O(cells x labels x least run). Copies of this labelling share the costs
+  /// that are computed here.
   [[nodiscard]] double least_distance();
+  /// Whether `cell_distance` of a strip is a look into costs that are kept.
+  [[nodiscard]] bool keeps_costs(int strip) const {
+    return kept_ != nullptr && !(*kept_)[static_cast<std::size_t>(strip)].empty();
+  }
+  /// These costs, of each label in each column.
+  [[nodiscard]] std::span<const float> kept_costs(int strip) const {
+    return (*kept_)[static_cast<std::size_t>(strip)];
+  }
 
  private:
   /// What each label costs in each column.
@@ -96,6 +110,8 @@ class Labelling {
   [[nodiscard]] bool goes_on(int other, int column, Label before, Label after) const;
   /// How many folds of a strip go on in strip `other`.
   [[nodiscard]] int shared_folds(std::span<const Label> labels, int other) const;
+  /// In how many columns strip `other`, or the card's margin, has another label.
+  [[nodiscard]] int differing(std::span<const Label> labels, int other) const;
   /// The folds of the strips beside a strip, each worth `gain` to it, into `beside_`.
   void find_folds_beside(int strip, double gain);
   /// What the best labels of a strip follow from beside its costs, and these labels.
@@ -116,9 +132,11 @@ class Labelling {
   FacetLimits limits_;
   LabelImage image_;
   std::vector<LabelBan> bans_;
-  std::vector<std::uint8_t> fixed_;       ///< one a strip
-  std::vector<std::vector<float>> kept_;  ///< costs of strips, where all of them fit
-  std::vector<double> cost_;              ///< of the strip that was computed last
+  std::vector<std::uint8_t> fixed_;  ///< one a strip
+  /// Costs of strips, empty until they are computed; null where not all of them fit.
+  std::shared_ptr<std::vector<std::vector<float>>> kept_;
+  std::vector<double> cost_;         ///< of the strip that was computed last
+  mutable std::vector<double> now_;  ///< `cost_now` of each strip; below 0: not known
   std::vector<double> problem_, next_;
   std::vector<FoldBeside> beside_, solved_beside_;
   double solved_fold_{};

@@ -120,6 +120,42 @@ class LayerLabels {
   FacetChainSolver solver_;
 };
 
+/// The distances from the target of one plane after another: those of a labelling lie column by
+/// column, so that to walk along a strip takes many times longer there.
+class PlaneDistances {
+ public:
+  explicit PlaneDistances(const Labelling& labelling)
+      : labelling_(labelling),
+        columns_(static_cast<std::size_t>(labelling.image().grid.columns)),
+        strips_(static_cast<std::size_t>(labelling.image().grid.strips)) {}
+
+  /// As `Labelling::cell_distance`.
+  [[nodiscard]] double at(int strip, int column, Label label) {
+    if (!labelling_.keeps_costs(strip)) return labelling_.cell_distance(strip, column, label);
+    std::vector<float>& distances = strips_[static_cast<std::size_t>(strip)];
+    if (distances.empty()) turn(labelling_.kept_costs(strip), distances);
+    return static_cast<double>(
+        distances[static_cast<std::size_t>(label) * columns_ + static_cast<std::size_t>(column)]);
+  }
+
+ private:
+  /// Column by column to plane by plane, in squares that fit in a cache.
+  void turn(std::span<const float> from, std::vector<float>& to) const {
+    constexpr std::size_t kSquare = 16;
+    const std::size_t planes = from.size() / columns_;
+    to.resize(from.size());
+    for (std::size_t i = 0; i < columns_; i += kSquare)
+      for (std::size_t l = 0; l < planes; l += kSquare)
+        for (std::size_t column = i; column < std::min(i + kSquare, columns_); ++column)
+          for (std::size_t plane = l; plane < std::min(l + kSquare, planes); ++plane)
+            to[plane * columns_ + column] = from[column * planes + plane];
+  }
+
+  const Labelling& labelling_;
+  std::size_t columns_;
+  std::vector<std::vector<float>> strips_;
+};
+
 /// Holds the layers of a labelling.
 class LayerHolder {
  public:
@@ -127,6 +163,7 @@ class LayerHolder {
       : card_(card),
         how_(how),
         out_(out),
+        distances_(card.labelling),
         width_(std::max(
             1, static_cast<int>(std::ceil(how.min_fold_mm / card.grid().strip_mm - 1e-9)))) {
     for (std::size_t l = 0; l < planes().size(); ++l)
@@ -246,7 +283,7 @@ class LayerHolder {
   /// Makes the strut or foot that costs least for what it holds. Whether one holds anything.
   bool improve() {
     std::vector<Strut> all;
-    costs_ = costs_of(card_.image());
+    find_costs();
     for (const LoosePatch& patch : loose_patches(card_)) add_struts(patch, all);
     const double before = looseness(card_.holding);
     std::optional<std::size_t> best;
@@ -291,7 +328,7 @@ class LayerHolder {
       const int height = planes()[label].offset - grid().across(line);
       const Label level = planes().find({false, height});
       if (height < least() || level == kNoLabel) continue;
-      LevelCosts costs(card_, costs_, level, line);
+      LevelCosts costs(card_, distances_, costs_, level, line);
       for (std::size_t k = 0; k < wide.size(); ++k)
         if (line >= wide[k].begin && line + least() <= wide[k].end &&
             (line - wide[k].begin) % kEach == 0)
@@ -301,25 +338,31 @@ class LayerHolder {
       if (!strut.strips.empty()) out.push_back(std::move(strut));
   }
 
-  /// The distance from the target of each cell as it is, strip by strip.
-  [[nodiscard]] std::vector<double> costs_of(const LabelImage& image) const {
-    std::vector<double> out;
-    out.reserve(image.label.size());
+  /// The distance from the target of each cell as it is, strip by strip, into `costs_`.
+  void find_costs() {
+    const std::vector<Label>& labels = card_.image().label;
+    const bool is_first = costs_.empty();
+    costs_.resize(labels.size());
+    costs_of_.resize(labels.size());
+    std::size_t cell = 0;
     for (int s = 0; s < grid().strips; ++s)
-      for (int i = 0; i < grid().columns; ++i) {
-        const Label label = image.strip(s)[static_cast<std::size_t>(i)];
-        out.push_back(label == kNoLabel ? 0.0 : card_.labelling.cell_distance(s, i, label));
+      for (int i = 0; i < grid().columns; ++i, ++cell) {
+        const Label label = labels[cell];
+        if (!is_first && costs_of_[cell] == label) continue;
+        costs_of_[cell] = label;
+        costs_[cell] = label == kNoLabel ? 0.0 : card_.labelling.cell_distance(s, i, label);
       }
-    return out;
   }
 
   /// What level paper up to a line costs more than what is there, for all struts that end there.
   class LevelCosts {
    public:
-    LevelCosts(const LabelCard& card, std::span<const double> now, Label level, int line)
+    LevelCosts(const LabelCard& card, PlaneDistances& distances, std::span<const double> now,
+               Label level, int line)
         : level(level),
           line(line),
           card_(card),
+          distances_(distances),
           now_(now),
           from_(static_cast<std::size_t>(card.grid().strips)) {}
 
@@ -337,7 +380,7 @@ class LayerHolder {
     [[nodiscard]] double extra(int strip, int column, Label then) const {
       const auto row = static_cast<std::size_t>(strip), at = static_cast<std::size_t>(column);
       if (card_.image().strip(strip)[at] == then) return 0.0;
-      return card_.labelling.cell_distance(strip, column, then) -
+      return distances_.at(strip, column, then) -
              now_[row * static_cast<std::size_t>(card_.grid().columns) + at];
     }
 
@@ -346,6 +389,7 @@ class LayerHolder {
 
    private:
     const LabelCard& card_;
+    PlaneDistances& distances_;
     const std::span<const double> now_;
     std::vector<std::vector<double>> from_;  ///< by strip and by how far before the line
   };
@@ -495,7 +539,9 @@ class LayerHolder {
   LabelCard& card_;
   const SilhouetteOptions& how_;
   Silhouette& out_;
-  std::vector<double> costs_;    ///< of the cells as they are
+  PlaneDistances distances_;
+  std::vector<double> costs_;  ///< of the cells, with the labels `costs_of_`
+  std::vector<Label> costs_of_;
   std::vector<Label> uprights_;  ///< few, while there are many levels
   int width_;                    ///< strips of a strut
 };

@@ -320,6 +320,18 @@ TEST_CASE("patches move only to where labels cost less and all holds", "[facets]
     FacetLimits limits;
     limits.least_run = 1 + k % 3;
     Labelling labelling(image, planes, grid, {}, limits);
+    // What no labels go below is the sum over strips of the best ones whose changes are free.
+    const double least_mm3 = labelling.least_distance();
+    FacetChainSolver solver(planes, grid);
+    double free_mm3 = 0.0;
+    for (int s = 0; s < grid.strips; ++s) {
+      REQUIRE(labelling.keeps_costs(s));
+      const auto kept = labelling.kept_costs(s);
+      const std::vector<double> costs(kept.begin(), kept.end());
+      free_mm3 += solver.solve({costs, limits.least_run, 0.0, 0.0}).cost;
+    }
+    CHECK(labelling.least_distance() == Approx(free_mm3).epsilon(1e-9));
+    CHECK(least_mm3 == Approx(free_mm3).epsilon(1e-6));  // it was found before costs were rounded
     labelling.sweep(4, true);
     RepairOptions how;
     how.jumps = how.shifts = true;
@@ -395,6 +407,8 @@ TEST_CASE("a fold with a price costs it once, however many strips it crosses", "
     const std::vector<Label> flat(labels_of(random_labels(random, planes, 1), 0));
     const double said = extra_cost(labelling, {{changed, flat}}), before = labelling.whole_cost();
     labelling.set(changed, flat);
+    for (int s = 0; s < image.grid.strips; ++s)
+      CHECK(labelling.cost_now(s) == labelling.cost(s, std::as_const(labelling).image().strip(s)));
     CHECK(labelling.whole_cost() - before == Approx(said).margin(1e-6));
   }
 }
