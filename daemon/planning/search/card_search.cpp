@@ -163,6 +163,7 @@ class CardSearch {
     if (auto done = look_at_mesh(); !done) return tl::unexpected(done.error());
     if (auto done = look_at_machine(); !done) return tl::unexpected(done.error());
     for (const JudgedCard& one : request_.memory.cards) judged_[one.rough ? 0 : 1].push_back(one);
+    designs_.resize(judged_[0].size());
     recall_ways();
     if (is_stopped()) return stopped();
     if (ways_.empty())
@@ -392,6 +393,27 @@ class CardSearch {
     return std::max(fits(room_mm_[0], room_mm_[1]), fits(room_mm_[1], room_mm_[0]));
   }
 
+  /// Whether the design that a candidate gets in the first rounds is the one that it keeps: no
+  /// rough one, and of the whole mesh. A card needs its target only to be shown, and a book to be
+  /// compared: these are designed again, as targets are large.
+  [[nodiscard]] bool keeps_design(const Candidate& candidate) const {
+    return !is_book() && !request_.show && !is_quicker_rough(candidate) &&
+           coarse().size() == request_.mesh.size();
+  }
+
+  /// Gives a trial the design that it got in the first rounds of this search or of a shorter one.
+  [[nodiscard]] bool recall_design(Trial& trial) const {
+    const auto& known = judged_[0];
+    const auto at = std::find_if(known.begin(), known.end(), [&](const JudgedCard& card) {
+      return card.candidate == trial.candidate;
+    });
+    if (at == known.end()) return false;
+    const PatchAssembly& made = designs_[static_cast<std::size_t>(at - known.begin())];
+    if (made.parts.empty()) return false;
+    trial.made = made;
+    return true;
+  }
+
   /// Designs a candidate, as large as it is wanted and fits; returns whether something came of it.
   [[nodiscard]] bool design_trial(Trial& trial, const Model& model, bool rough) const {
     // Its size is found in rough designs, where these are quicker.
@@ -498,19 +520,23 @@ class CardSearch {
 
   /// Designs, compares and plans a candidate.
   void judge(Trial& trial, Model& model, const Care& care, likeness::Buffers& buffers) const {
-    if (!design_trial(trial, model, care.rough)) return;
+    const bool is_known = !care.rough && recall_design(trial);
+    trial.judged.made = false;
+    if (!is_known && !design_trial(trial, model, care.rough)) return;
     const Way& way = ways_[trial.candidate.way];
     const auto stand = stand_of(trial.made, way);
     if (!stand) {
       trial.why = "the pattern does not say where the model stands";
       return;
     }
-    const auto cost = cost_of(trial.made);
-    if (!cost) {
-      trial.why = message(cost.error());
-      return;
+    if (!is_known) {
+      const auto cost = cost_of(trial.made);
+      if (!cost) {
+        trial.why = message(cost.error());
+        return;
+      }
+      trial.cost = *cost;
     }
-    trial.cost = *cost;
     const auto by = static_cast<float>(way.to_target() / stand->scale_mm);
     std::vector<float> structure = structure_of(trial.made);
     if (!is_book() && is_behind(structure)) {
@@ -555,12 +581,16 @@ class CardSearch {
         return;
       }
       judge(trial, model, care, buffers[thread]);
-      if (!keep_designs) trial.made = {};
+      if (care.rough ? !trial.judged.made || !keeps_design(trial.candidate) : !keep_designs)
+        trial.made = {};
+      if (!is_book() && !request_.show)
+        for (Design& part : trial.made.parts) part.target.clear();
     });
     for (std::size_t k = from; k < trials_.size(); ++k)
       if (!is_among(known, trials_[k].candidate)) {
         known.push_back(static_cast<const JudgedCard&>(trials_[k]));
         known.back().rough = care.rough;
+        if (care.rough) designs_.push_back(std::exchange(trials_[k].made, {}));
       }
   }
   template <typename Cards>
@@ -708,7 +738,7 @@ class CardSearch {
     std::string why;
   };
   void finish_trial(Trial& trial, Model& whole, Finished& out) const {
-    if (!is_whole_mesh_ || trial.made.parts.empty()) {
+    if (!is_whole_mesh_ || (trial.made.parts.empty() && !recall_design(trial))) {
       if (design_trial(trial, whole, false)) {
         const auto cost = cost_of(trial.made);
         trial.judged.made = cost.has_value();
@@ -954,6 +984,7 @@ class CardSearch {
   Part share_{};                                   ///< of all parts of the search
   std::vector<Trial> trials_;
   std::array<std::vector<JudgedCard>, 2> judged_;  ///< coarsely, and carefully
+  std::vector<PatchAssembly> designs_;             ///< of `judged_[0]`, without their targets
   std::vector<Trial> finals_;
   std::vector<std::size_t> known_;  ///< of `finals_`, after each part of the search
   bool is_whole_mesh_{};
