@@ -33,8 +33,8 @@ inline constexpr double kShapeStep_mm = 1e-5;
 /// Connected paper: its outline first, then its holes.
 [[nodiscard]] std::vector<FlatRings> pieces_of(const FlatRings& shape);
 
-/// A shape whose rings do not touch: where they do, a square of 0.1 mm is cut away, so that a hole that
-/// touches the outline is open there.
+/// A shape whose rings do not touch: where they do, a square of 0.1 mm is cut away, so that a hole
+/// that touches the outline is open there.
 [[nodiscard]] FlatRings without_touching(const FlatRings& shape);
 
 /// A stretch of a line with paper on it.

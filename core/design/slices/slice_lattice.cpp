@@ -172,8 +172,8 @@ class Lattice {
         for (std::size_t b = 0; b < blanks_.size(); ++b) {
           const Blank& blank = blanks_[b];
           if (blank.step != step || blank.slice != s) continue;
-          const FlatRings whole = without_touching(
-              blank.cuts.empty() ? blank.paper : without(blank.paper, blank.cuts));
+          const FlatRings whole =
+              without_touching(blank.cuts.empty() ? blank.paper : without(blank.paper, blank.cuts));
           for (FlatRings& paper : pieces_of(whole)) {
             if (area_of(paper) < least_mm2_)
               drop(s, paper, DroppedPiece::Reason::Small);

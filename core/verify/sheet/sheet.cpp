@@ -248,18 +248,20 @@ std::vector<BorderLoop> border_loops(const FoldModel& file, const Sheet& sheet) 
   for (std::uint32_t start = 0; start < seen.size(); ++start) {
     if (sheet.side_twin[start] >= 0 || seen[start] != 0) continue;
     const Vec2 origin = file.flat[file.face_vertices[start]];
-    double twice = 0.0;
+    double twice = 0.0, length_mm = 0.0;
     // Along the border; at each of its vertices across the folds to the next border side.
     for (std::uint32_t side = start; seen[side] == 0;) {
       seen[side] = 1;
       std::uint32_t after = sheet.next(file, side);
-      twice += cross(file.flat[file.face_vertices[side]] - origin,
-                     file.flat[file.face_vertices[after]] - origin);
+      const Vec2 from = file.flat[file.face_vertices[side]],
+                 to = file.flat[file.face_vertices[after]];
+      twice += cross(from - origin, to - origin);
+      length_mm += norm(to - from);
       while (sheet.side_twin[after] >= 0)
         after = sheet.next(file, static_cast<std::uint32_t>(sheet.side_twin[after]));
       side = after;
     }
-    loops.push_back({start, 0.5 * twice});
+    loops.push_back({start, 0.5 * twice, length_mm});
   }
   return loops;
 }

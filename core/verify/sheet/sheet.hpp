@@ -69,6 +69,7 @@ std::size_t part_at_cuts(FoldModel& file, const Sheet& sheet);
 struct BorderLoop {
   std::uint32_t start{};
   double area_mm2{};
+  double length_mm{};
 };
 [[nodiscard]] std::vector<BorderLoop> border_loops(const FoldModel& file, const Sheet& sheet);
 

@@ -171,7 +171,7 @@ Tiling check_tiling(const FoldModel& file, const Sheet& sheet, const Triangles& 
   double outline_mm2 = 0.0, holes_mm2 = 0.0;  // inside the outer borders, and in holes
   for (const BorderLoop& border : border_loops(file, sheet)) {
     const double loop = border.area_mm2;
-    const double nothing = 4.0 * slack_mm * (tiling.sheet_u_mm + tiling.sheet_v_mm);
+    const double nothing = 4.0 * slack_mm * border.length_mm;
     if (std::abs(loop) <= nothing) {
       ++tiling.slits;
     } else if (loop > 0.0) {

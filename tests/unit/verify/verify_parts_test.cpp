@@ -797,8 +797,8 @@ TEST_CASE("paper whose hole touches its outline is opened there, so that its fac
   const FlatRings outline{rectangle({0, 0}, {40, 20})};
   const std::vector<Vec2> at_corner{{20, 5}, {15, 10}, {20, 20}, {25, 10}},
       inside{{5, 5}, {5, 8}, {8, 8}, {8, 5}}, beside{{8, 8}, {8, 12}, {12, 12}, {12, 8}};
-  for (const std::vector<std::vector<Vec2>>& holes :
-       {std::vector{at_corner}, std::vector{inside}, std::vector{inside, beside}}) {
+  for (const FlatRings& holes :
+       {FlatRings{at_corner}, FlatRings{inside}, FlatRings{inside, beside}}) {
     FlatRings shape = outline;
     shape.insert(shape.end(), holes.begin(), holes.end());
     const FlatRings apart = without_touching(shape);

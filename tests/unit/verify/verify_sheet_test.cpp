@@ -39,6 +39,20 @@ TEST_CASE("faces that overlap on the sheet are named with the area", "[core][ver
   CHECK(has(failures(report, "lines"), "without a vertex"));
 }
 
+TEST_CASE("a hole is no slit, however small it is beside its sheet", "[core][verify]") {
+  const VerifyReport report = verify_fold(R"({
+    "file_spec": 1.2, "frame_classes": ["creasePattern"], "frame_unit": "mm",
+    "vertices_coords": [[0,0],[450,0],[900,0],[900,900],[450,900],[0,900],
+                        [450,400],[450.4,400],[450.4,406],[450,406]],
+    "edges_vertices": [[0,1],[1,2],[2,3],[3,4],[4,5],[5,0],[1,6],[9,4],[6,7],[7,8],[8,9],[9,6]],
+    "edges_assignment": ["B","B","B","B","B","B","M","M","B","B","B","B"],
+    "faces_vertices": [[0,1,6,9,4,5],[1,2,3,4,9,8,7,6]]})",
+                                          {})
+                                  .value();
+  CHECK(report.slits == 0);
+  CHECK(failures(report, "tiling").empty());
+}
+
 TEST_CASE("a cut that splits the sheet is reported with the part that falls off",
           "[core][verify]") {
   FoldDraft draft = box_card();
