@@ -56,7 +56,8 @@ class SparseInverse {
     return {L_.innerIndexPtr() + first, static_cast<std::size_t>(end - first)};
   }
   [[nodiscard]] bool has_rows_of_next(Eigen::Index column) const {
-    return std::ranges::equal(rows_of(column).subspan(1), rows_of(column + 1));
+    const std::span<const int> own = rows_of(column).subspan(1), next = rows_of(column + 1);
+    return std::equal(own.begin(), own.end(), next.begin(), next.end());
   }
 
   /// Columns of which each has the rows of the next one, and its own.

@@ -26,10 +26,10 @@ std::uint32_t SvgNames::add(const pugi::xml_node& node, std::uint32_t outer,
 
 std::uint32_t SvgNames::add_sideless(std::string_view name) {
   const std::string shown = shown_text(trimmed(name).substr(0, kMostShown));
-  const auto found = std::find(sideless_.begin(), sideless_.end(), shown);
-  const auto at = static_cast<std::uint32_t>(found - sideless_.begin());
-  if (found == sideless_.end()) sideless_.push_back(shown);
-  return at + 1;
+  const auto next = static_cast<std::uint32_t>(sideless_.size() + 1);
+  const auto [at, is_new] = sideless_at_.try_emplace(shown, next);
+  if (is_new) sideless_.push_back(shown);
+  return at->second;
 }
 
 void SvgNames::see_known(std::string_view name) {

@@ -52,7 +52,8 @@ class SvgNames {
   [[nodiscard]] std::vector<const Unknown*> drawn_beside_known(bool any_known) const;
 
   std::vector<Unknown> unknown_;
-  std::vector<std::string> sideless_;  ///< each once
+  std::vector<std::string> sideless_;                 ///< each once
+  std::map<std::string, std::uint32_t> sideless_at_;  ///< their numbers
   bool has_fold_letters_{};
   std::map<std::pair<std::size_t, std::uint32_t>, std::uint32_t> numbers_;  ///< by node and `outer`
 };
