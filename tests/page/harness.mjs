@@ -309,17 +309,26 @@ export async function tickAll(page) {
   for (const tick of await page.locator('.machine-act .ticks input[type=checkbox]').all()) await tick.check();
 }
 
-/** Holds the pointer on START (or GO ON) for `ms`; without, until the ring is full. */
-export async function hold(page, ms) {
+/** Stops the page's own clock, however busy the machine is: `page.clock.runFor` moves it, `page.clock.resume` lets it go on. */
+export async function stopClock(page) {
+  await page.clock.install();
+  await page.clock.pauseAt(new Date(Date.now() + 1000));
+}
+
+/** Moves the pointer to the middle of START (or GO ON). Answers where that is. */
+export async function pointAtHold(page) {
   const box = await page.locator('.hold').boundingBox();
-  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  const at = { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+  await page.mouse.move(at.x, at.y);
+  return at;
+}
+
+/** Holds the pointer on START (or GO ON) until the ring is full. */
+export async function hold(page) {
+  await pointAtHold(page);
   await page.mouse.down();
-  if (ms === undefined) {
-    await page.locator('.hold-on').waitFor();
-    await page.locator('.hold-on').waitFor({ state: 'detached' });
-  } else {
-    await wait(ms);
-  }
+  await page.locator('.hold-on').waitFor();
+  await page.locator('.hold-on').waitFor({ state: 'detached' });
   await page.mouse.up();
 }
 

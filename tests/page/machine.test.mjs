@@ -1,8 +1,8 @@
 // At the machine: a person, three ticks, Arm, START.
 import assert from 'node:assert/strict';
 import { after, afterEach, before, test } from 'node:test';
-import { armHere, closeBrowser, expectComplaints, hold, ladder, machineHash, refused, Server, tickAll, until, visit,
-  wait } from './harness.mjs';
+import { armHere, closeBrowser, expectComplaints, hold, ladder, machineHash, pointAtHold, refused, Server, stopClock, tickAll,
+  until, visit, wait } from './harness.mjs';
 
 let server;
 let open = [];
@@ -73,29 +73,30 @@ test('START does nothing without ticks, in its first 0.6 s, when it is held too 
   const { page, acts } = await look({ hash: machineHash() });
   await page.locator('.arm').waitFor();
   assert.equal(await page.locator('.hold').count(), 0, 'START is not there before Arm');
-  let x, y;
-  for (;;) {
-    await tickAll(page);
-    await page.locator('.arm').click();
-    await page.locator('.hold').waitFor();
-    const since = Date.now();
-    const box = await page.locator('.hold').boundingBox();
-    [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
-    await page.mouse.move(x, y);
-    if (Date.now() - since < 300) break;
-    await page.getByRole('button', { name: 'Disarm' }).click();  // a busy machine: too late to be too early
-    await page.locator('.arm').waitFor();
-  }
+  await tickAll(page);
+  await stopClock(page);
+  await page.locator('.arm').click();
+  await page.locator('.hold').waitFor();
+  await page.clock.runFor(100);
+  const { x, y } = await pointAtHold(page);
   await page.mouse.down();             // inert: too early, and it stays off however long it is held
-  await wait(1500);
+  await page.clock.runFor(1500);
   await page.mouse.up();
-  await hold(page, 250);               // too short
-  await page.mouse.move(x, y);         // leaves
-  await page.mouse.down();
-  await wait(300);
+  await page.locator('.hold:enabled').waitFor();
+  await page.mouse.down();             // too short
+  await page.locator('.hold-on').waitFor();
+  await page.clock.runFor(700);
+  await page.mouse.up();
+  await page.locator('.hold-on').waitFor({ state: 'detached' });
+  await page.clock.runFor(1000);
+  await page.mouse.down();             // leaves
+  await page.locator('.hold-on').waitFor();
+  await page.clock.runFor(300);
   await page.mouse.move(x - 300, y);
-  await wait(1000);
+  await page.locator('.hold-on').waitFor({ state: 'detached' });
+  await page.clock.runFor(1000);
   await page.mouse.up();
+  await page.clock.resume();
   await wait(300);
   assert.equal(acts('start').length, 0);
   assert.equal((await server.job(job.id)).state, 'armed');
@@ -105,10 +106,12 @@ test('a double tap, a double click and a held key on START start nothing', async
   const job = await server.queue(ladder(8), { name: 'double' });
   const { page, acts } = await look({ hash: machineHash(), screen: 'tablet' });
   await armHere(page);
+  await stopClock(page);
   await page.locator('.hold').dblclick();
   await page.locator('.hold').tap();
   await page.locator('.hold').tap();
   assert.equal(await page.locator('dialog').count(), 0, 'a pointer asks nothing');
+  await page.clock.resume();
   await page.locator('.hold').focus();
   await page.keyboard.down('Enter');
   await wait(300);
@@ -183,12 +186,14 @@ test('Back, reload and closing the tab start and arm nothing, at every step', as
   await armHere(page);
   for (const away of leave) {
     await page.locator('.hold:enabled').waitFor();
-    const box = await page.locator('.hold').boundingBox();
-    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await pointAtHold(page);
+    await stopClock(page);
     await page.mouse.down();
-    await wait(200);
+    await page.locator('.hold-on').waitFor();
+    await page.clock.runFor(200);
     await away();
     await page.mouse.up();
+    await page.clock.resume();
     await wait(900);
     assert.equal((await server.job(job.id)).state, 'armed');
   }
@@ -280,7 +285,8 @@ test('Arm is below its ticks on a phone and beside them on a desktop, and there 
   for (const screen of ['phone', 'desktop']) {
     const { page, close } = await look({ hash: machineHash(), screen });
     await page.locator('.arm').waitFor();
-    const [arm, ticks] = [await page.locator('.arm').boundingBox(), await page.locator('.ticks').boundingBox()];
+    const [arm, ticks] = await page.evaluate(() =>  // at one time: the view may still move
+      ['.arm', '.ticks'].map((name) => document.querySelector(name).getBoundingClientRect().toJSON()));
     if (screen === 'phone') assert.ok(arm.y >= ticks.y + ticks.height, 'below');
     else assert.ok(arm.x + arm.width <= ticks.x && arm.y < ticks.y + ticks.height, 'beside, at the left');
     if (screen === 'phone') {
