@@ -337,13 +337,7 @@ void register_deploy(const Command& app, const Globals& globals, Run& run) {
       .add_option("--convention", options->convention,
                   "Axes of the CSV: popcut, or paper for files of the scientific paper's code")
       .value_text("NAME [popcut]");
-  command
-      .add_option("--svg-profile", options->svg_profile,
-                  "What the strokes of an SVG mean: auto (by their names; several colours without "
-                  "names as origami-sim), popcut (by their names; the others are cuts), "
-                  "origami-sim (by colour), lightburn, cricut, plain, or another of "
-                  "docs/drawings.md, or your own")
-      .value_text("NAME [auto]");
+  add_svg_profile(command, options->svg_profile);
   command.add_flag("--glb", options->glb, "Also write deploy.glb: one animated 3D file (glTF)");
   command.add_flag("--poster", options->poster,
                    "Also write poster.svg: several poses side by side");

@@ -261,10 +261,7 @@ void register_fold_guide(const Command& app, const Globals& globals, Run& run) {
       .add_option("--page", options->page,
                   "Size of the paper, such as Letter or 148x210 (A6 or larger)")
       .value_text("SIZE [A4]");
-  command
-      .add_option("--svg-profile", options->svg_profile,
-                  "What the strokes of an SVG mean, as in 'popcut plan'")
-      .value_text("NAME [auto]");
+  add_svg_profile(command, options->svg_profile);
   command
       .add_option("-o,--output", options->folder,
                   "Folder for the files; created if it does not exist")

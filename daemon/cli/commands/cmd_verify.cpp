@@ -198,13 +198,7 @@ void register_verify(const Command& app, const Globals& globals, Run& run) {
       .add_option("--target", options->target,
                   "Also measure the distance from the shape of this design")
       .value_text("SPEC");
-  command
-      .add_option("--svg-profile", options->svg_profile,
-                  "What the strokes of an SVG mean: auto (by their names; several colours without "
-                  "names as origami-sim), popcut (by their names; the others are cuts), "
-                  "origami-sim (by colour), lightburn, cricut, plain, or another of "
-                  "docs/drawings.md, or your own")
-      .value_text("NAME [auto]");
+  add_svg_profile(command, options->svg_profile);
   when_chosen(command, run, [options, &globals] { return run_verify(*options, globals); });
 }
 

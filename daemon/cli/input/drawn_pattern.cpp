@@ -66,6 +66,16 @@ Result<std::string> fold_of_drawing(const std::string& text, const std::string& 
   return fold_from_linework(work->drawing);
 }
 
+void add_svg_profile(const Command& command, std::string& svg_profile) {
+  command
+      .add_option("--svg-profile", svg_profile,
+                  "What the strokes of an SVG mean: auto (by their names; several colours without "
+                  "names as origami-sim), popcut (by their names; the others are cuts), "
+                  "origami-sim (by colour), lightburn, cricut, plain, or another of "
+                  "docs/drawings.md, or your own")
+      .value_text("NAME [auto]");
+}
+
 bool is_design_spec(const std::string& text) {
   const auto json = nlohmann::json::parse(text, nullptr, false);
   return json.is_object() && (json.contains("surface") || json.contains("patches")) &&

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/result.hpp"
+#include "daemon/cli/command.hpp"
 
 namespace popcut::cli {
 
@@ -31,6 +32,9 @@ namespace popcut::cli {
 [[nodiscard]] Result<std::string> fold_of_drawing(const std::string& text, const std::string& file,
                                                   const std::string& svg_profile,
                                                   std::vector<std::string>& warnings);
+
+/// Adds `--svg-profile` to a command that reads drawings by `fold_of_drawing`.
+void add_svg_profile(const Command& command, std::string& svg_profile);
 
 /// Is it a design spec, which says what to make, rather than a pattern?
 [[nodiscard]] bool is_design_spec(const std::string& text);
