@@ -142,8 +142,10 @@ TEST_CASE("the rules of jobs hold for any sequence of events", "[daemon][race]")
   };
   std::set<std::pair<std::string, std::int64_t>> at_the_knife;
   std::size_t checked = 0;
-  for (unsigned seed = 1; seed <= 12; ++seed) {
+  // How many strokes a round cuts depends on how fast its plans are made.
+  for (unsigned seed = 1; seed <= 12 || checked < 20; ++seed) {
     CAPTURE(seed);
+    REQUIRE(seed < 200);
     std::mt19937 random(seed);
     ServiceBench bench({"sim:a", "sim:b"});
     bench.planner.strokes = 4;
@@ -267,7 +269,6 @@ TEST_CASE("the rules of jobs hold for any sequence of events", "[daemon][race]")
     });
     checked += strokes.size();
   }
-  CHECK(checked >= 20);
 }
 
 }  // namespace service_race_test
