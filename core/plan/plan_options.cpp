@@ -215,9 +215,9 @@ std::vector<PlanOption> make_table() {
            "Order of the strokes: quick, best (searches longer for a fast order), or keep (as "
            "drawn)"),
       number("effort", MEMBER(order.effort), "N", {0.01, 1000},
-           "How long best searches: 2 tries twice as many changes and stops after 2 minutes"),
+           "With order best, how long to search: 2 tries twice as many changes and stops after 2 minutes"),
       number("seed", MEMBER(order.seed), "N", {0, kMostSeed},
-           "Random seed of best; the same seed gives the same order"),
+           "With order best, the random seed; the same seed gives the same order"),
       number("weed-box", MEMBER(weed_box_mm), "MM", {0, 1000, "mm"},
            "Last, cut a box at this distance around the drawing, so that vinyl can be weeded in one "
            "piece; 0: no box"),
@@ -260,9 +260,9 @@ std::vector<PlanOption> make_table() {
       number("snap", MEMBER(clean.snap_mm), "MM", {0, kMostSnap, "mm"},
            "Join line ends closer than this"),
       number("one-pass", MEMBER(clean.one_pass_mm), "MM", {0, kMostOnePass, "mm"},
-           "Cut only one of two lines that run closer beside each other than this; 0: cut both"),
+           "If two lines run side by side, closer than this, cut only one; 0: cut both"),
       flag("weld", MEMBER(weld),
-           "Cut around filled shapes of an SVG that lie over each other, not along each of them"),
+           "Join filled shapes of an SVG that overlap, and cut around the result"),
       number("seam-x", MEMBER(seams_x), "MM,...", kSeams,
            "Split the drawing at these distances from its left edge, in mm"),
       number("seam-y", MEMBER(seams_y), "MM,...", kSeams,
@@ -278,11 +278,11 @@ std::vector<PlanOption> make_table() {
            "If your cutter does not find the marks, try line. arm: the command TB51 gives the length "
            "of the marks' arms, and TB53 their thickness; line: the reverse"),
       number("mark-start", MEMBER(mark_start), "LEFT,UP", kSearch,
-           "If your cutter does not find the marks, begin its search elsewhere: so far left of and "
+           "If your cutter does not find the marks, begin its search elsewhere: this far left of and "
            "above the square's outer corner, in mm; negative is right and down", "the machine's"),
       number("mark-again", MEMBER(mark_again), "MM,...", kSearch,
-           "After a search that finds no marks, search again with a start that is so much lower than "
-           "the first, in mm", "the machine's"),
+           "After a search that finds no marks, search again; the new search starts this much lower "
+           "than the first, in mm", "the machine's"),
       number("curve-tolerance", MEMBER(curve_tolerance_mm), "MM", {0.001, 1, "mm"},
            "Largest distance between a curve and the straight lines that replace it"),
       number("svg-dpi", MEMBER(svg_dpi), "N", {1, 10'000},

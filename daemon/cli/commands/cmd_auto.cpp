@@ -161,12 +161,12 @@ constexpr const char* kHelp =
     "all\n"
     "sides. popcut writes into DIR:\n\n"
     "  front.svg      all cards on one page; look at this first\n"
-    "  sides.svg      the model from six sides, each with the options that stand it so\n"
+    "  sides.svg      the model from six sides, each with the options that turn it so\n"
     "  front.json     figures of each card, and which one popcut recommends\n"
     "  card-NN/       one card: spec.json, from which 'popcut design' makes it again, the\n"
     "                 pattern (FOLD, SVG, DXF), cut.svg, and thumbnail.png beside the model;\n"
     "                 for books: book-NN/, with a folder for each card\n"
-    "  layers/        beside them a card of several parts that opens flat ('popcut fold-guide\n"
+    "  layers/        one more card, of several parts, that opens flat ('popcut fold-guide\n"
     "                 layers/spec.json' says how to glue it)\n\n"
     "card-01 is the quickest to fold; the last card looks most like the model. The same seed "
     "gives\n"
@@ -192,9 +192,10 @@ void add_search_options(const Command& command, ModelSearchOptions& search) {
         : label == std::string("medium") ? "Only cards of at most 80 folds, none below 5 mm"
                                          : "Cards of any number of folds (the default)");
   command.add_flag("--any-hold", search.any_hold,
-                   "Offer cards too whose panels move by more than 1 mm in paper (docs/hands.md)");
-  command.add_flag("--plain", search.plain,
-                   "Judge cards of bare paper, by depths; else as they look when they are printed");
+                   "Also offer cards whose panels move by more than 1 mm in paper (docs/hands.md)");
+  command.add_flag(
+      "--plain", search.plain,
+      "Judge cards as bare paper, by depths; default: as they look when they are printed");
   command.add_option("--mat", search.mat, "Mat or paper to cut on, such as 12x12 or A4, as in plan")
       .checked([](const std::string& text) {
         const auto read = read_plan_options({{"mat", text}});
@@ -222,13 +223,15 @@ void add_search_options(const Command& command, ModelSearchOptions& search) {
                    "Make cards that fit between the registration marks of popcut print");
   std::vector<std::string> styles;
   for (const StyleChoice& style : style_choices()) styles.emplace_back(style.name);
-  one_word(command.add_option("--style", search.style,
-                              "What cards are made of: any, facets, any lattice, or one lattice"),
+  one_word(command.add_option(
+               "--style", search.style,
+               "What cards are made of: any, facets, silhouette (a few upright layers), lattice "
+               "(any lattice), or one lattice"),
            styles, "any");
   one_word(command.add_option("--up", search.up,
                               "Which axis of the file points up; usual: y in OBJ and GLB, z in "
-                              "STL; any: as the card looks most like the model, which may then lie "
-                              "on its side"),
+                              "STL; any: the one with which the card looks most like the model, so "
+                              "a house may lie on its side"),
            up_choices(), kUsualUp);
   one_word(command.add_option("--front", search.front,
                               "Which axis of the file points out of the card, toward you (a house: "

@@ -662,11 +662,10 @@ constexpr const char* kHelp =
     "agree. To practise, simulate a machine whose settings are wrong:\n\n"
     "  popcut calibrate --device sim:stika-sv15 --machine vevor-cutter --as practice -o "
     "practice\n\n"
-    "How long you take to fold is measured without a cutter:\n\n"
+    "To measure how long you take to fold, you need no cutter:\n\n"
     "  popcut calibrate --hands -o strip    # ten folds of four lengths, to print and cut\n"
     "  popcut calibrate --hands             # asks for your times, and keeps them\n\n"
-    "The result is ~/.config/popcut/hands.json, with which design, plan, auto and\n"
-    "fold-guide count.";
+    "The result is ~/.config/popcut/hands.json. design, plan, auto and fold-guide use its times.";
 
 }  // namespace
 }  // namespace calibrate_command

@@ -267,7 +267,7 @@ void add_place_options(const Command& command, Options& options) {
   triple("--move", options.move, "Then move it by this distance, in mm");
   command.add_flag(
       "--fit", options.fit,
-      "Search for the place where the model fits best, and ignore that in the pattern");
+      "Search for the place where the model fits best; ignore the place that the pattern names");
 }
 
 }  // namespace
@@ -297,8 +297,8 @@ void register_compare(const Command& app, const Globals& globals, Run& run) {
   command.add_flag("--around", options->around,
                    "Look from 36 directions all around the spine; books always do");
   command.add_flag("--printed", options->printed,
-                   "Compare the card as 'popcut print' prints it, in colours and outlines: the "
-                   "error is then that of the picture, with a word: good, fair or poor");
+                   "Compare the card as 'popcut print' prints it, in colours and outlines. The "
+                   "error is then that of the picture, and popcut says good, fair or poor");
   whole_number(
       command.add_option("--pixels", options->pixels, "Width and height of each image, in pixels"),
       likeness::kLeastPixels, likeness::kMostPixels)

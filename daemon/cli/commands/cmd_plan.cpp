@@ -265,7 +265,7 @@ constexpr const char* kHelp =
     "  plan-NN.svg             a picture of the order of the cuts, as colours\n"
     "  assembly.svg            where each piece goes\n"
     "  plan.json               lengths, time and warnings\n\n"
-    "For another program name its format: --formats dxf for Silhouette Studio, laser for "
+    "For another program, name its format: --formats dxf for Silhouette Studio, laser for "
     "LightBurn,\n"
     "cricut for Design Space. With --svg-profile cricut, lightburn or origami-sim you also get\n"
     "sheet-NN-PROFILE.svg.\n\n"
