@@ -726,10 +726,14 @@ bool PlanningQueue::is_removed(const std::string& id) {
   }
 }
 
+// `asked_` is lost with a restart, and another node of a fleet does not have it. But whoever asked
+// for a plan and has no job of it requested the plan itself.
 bool PlanningQueue::awaited(const std::string& plan) {
   return asked_.contains(plan) ||
          parts_.store.db().number(
-             "SELECT EXISTS(SELECT 1 FROM job WHERE plan=? AND state IN ('queued', 'planning'))",
+             "SELECT EXISTS(SELECT 1 FROM job WHERE plan=?1 AND state IN ('queued', 'planning')) "
+             "OR EXISTS(SELECT 1 FROM plan_asker WHERE plan=?1 AND NOT EXISTS (SELECT 1 FROM job "
+             "WHERE job.plan=plan_asker.plan AND job.owner=plan_asker.owner))",
              plan) != 0;
 }
 

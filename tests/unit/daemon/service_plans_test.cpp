@@ -46,6 +46,42 @@ TEST_CASE("a plan can be requested without a job", "[daemon][service]") {
   CHECK(plan().sha256.size() == 64);
 }
 
+TEST_CASE("a plan that was requested is made after a restart though a job of another person ends",
+          "[alone][daemon][service]") {
+  ServiceBench bench;
+  const std::string design = bench.add_design("slow").value().id;
+  const std::string plan =
+      bench
+          .on([&](LiveService& s) { return s.plans.request(bench.student, plan_request(design)); })
+          ->id;
+  const auto state = [&] {
+    return bench.on([&](LiveService& s) { return s.plans.find(plan).value().state; });
+  };
+  REQUIRE(bench.wait([&] { return bench.planner.started >= 2; }));  // the check and the plan
+  bench.crash();
+  REQUIRE(bench.start() == "");
+  REQUIRE(bench.wait([&] { return bench.planner.started >= 3; }));
+  SECTION("another person cancels a job of the same plan") {
+    const Job other =
+        bench
+            .on([&](LiveService& s) {
+              return s.jobs.create(bench.other_student, {.design = design, .plan = {}});
+            })
+            .value();
+    REQUIRE(other.plan == plan);
+    REQUIRE(bench.act(other.id, JobAction::Cancel));
+    CHECK(bench.planner.cancelled == 0);
+  }
+  SECTION("the planner ends what it makes, as when popcutd stops") {
+    bench.planner.cancel(2);  // of the run before
+    bench.planner.cancel(3);
+    REQUIRE(bench.wait([&] { return bench.planner.started >= 4; }));
+    CHECK(state() == PlanState::Pending);
+  }
+  bench.planner.release();
+  CHECK(bench.wait([&] { return state() == PlanState::Planned; }));
+}
+
 TEST_CASE("a plan can be deleted while it waits and runs and when it is done",
           "[daemon][service]") {
   ServiceBench bench;
