@@ -63,8 +63,6 @@ Answer<DeviceRecord> DeviceDispatcher::act(const Principal& who, const std::stri
     const bool enabled = request.action == "enable";
     if (device->enabled != enabled) ++device->rev;
     device->enabled = enabled;
-    // What was armed there is disarmed.
-    if (!enabled) parts_.dispatcher.devices_gone({id});
   }
   device->test_job = test_job;
   return device;
@@ -74,7 +72,11 @@ Answer<void> DeviceDispatcher::take(const Principal& who, const DeviceRecord& de
                                     const DeviceRequest& request, std::string& test_job) {
   const std::string& id = device.id;
   if (request.action == "enable" || request.action == "disable") {
-    parts_.devices.set_enabled(id, request.action == "enable");
+    const bool enables = request.action == "enable";
+    parts_.devices.set_enabled(id, enables);
+    // Disarm what is armed there, but only when the device is disabled for good: the disabling may
+    // be rolled back.
+    if (!enables) parts_.store.after_commit([this, id] { parts_.dispatcher.devices_gone({id}); });
   } else if (request.action == "reset") {
     if (!device.job.empty()) {
       const Answer<JobRow> row = parts_.jobs.row(device.job);

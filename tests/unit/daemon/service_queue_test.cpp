@@ -291,6 +291,26 @@ TEST_CASE("a disabled device gets no sheets", "[daemon][service]") {
   }) == ProblemKind::Stale);
 }
 
+TEST_CASE("a device whose disabling is rolled back keeps the sheet that is armed there",
+          "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  REQUIRE(bench.act(ready.id, JobAction::Arm));
+  // As HTTP asks, with a response that is not kept.
+  bench.on([&](LiveService& s) {
+    (void)s.operations.once(bench.admin, {"a-key-of-its-own", "hash"}, [&]() -> Rendered {
+      CHECK(s.devices.act(bench.admin, bench.device, s.devices.find(bench.device)->rev,
+                          {.action = "disable"}));
+      return {.status = 500, .body = {}};
+    });
+  });
+  CHECK(bench.on([&](LiveService& s) { return s.devices.find(bench.device)->enabled; }));
+  CHECK(bench.job(ready.id).state == JobState::Armed);
+  REQUIRE(bench.act(ready.id, JobAction::Start));
+  bench.cutters.complete(bench.device);
+  CHECK(bench.wait_for(ready.id, JobState::Ready).sheet == 2);
+}
+
 TEST_CASE("the answer to a device action has the device's new state", "[daemon][service]") {
   ServiceBench bench;
   // As HTTP asks: within the transaction of the key.
