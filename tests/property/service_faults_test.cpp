@@ -222,6 +222,27 @@ TEST_CASE("a disk that stays full after any write stops new work but never a run
   CHECK(finished > 0);
 }
 
+TEST_CASE("a pause that begins when the disk is full is recorded with the reserve",
+          "[daemon][faults]") {
+  FaultVfs vfs;
+  ServiceBench bench(false);
+  prepare(bench);
+  bench.vfs = vfs.name();
+  bench.reserve_bytes = 4u << 20;
+  REQUIRE(bench.start() == "");
+  bench.on([](LiveService& s) { s.tick(); });  // so that no other write finds the disk full
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  REQUIRE(bench.act(ready.id, JobAction::Pause));
+  vfs.fill_at(vfs.writes() + 1, bench.folder() + "/reserve", bench.reserve_bytes);
+  bench.cutters.progress(bench.device, {.phase = SessionPhase::Held});
+  CHECK(bench.job(ready.id).state == JobState::Paused);
+  vfs.heal();
+  CHECK(bench.act(ready.id, JobAction::Resume)->state == JobState::Cutting);
+  bench.cutters.complete(bench.device);
+  CHECK(bench.job(ready.id).state == JobState::Done);
+}
+
 TEST_CASE("after a failed sync or write nothing is written until a restart", "[daemon][faults]") {
   std::uint64_t syncs = 0, writes = 0;
   {

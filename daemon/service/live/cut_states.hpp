@@ -100,10 +100,10 @@ struct InDoubt {};
 /// The cutter has the sheet.
 struct Running {
   std::shared_ptr<Cut> cut;
-  bool is_pause_unrecorded{false};  ///< a person asked for a pause while nothing could be stored
-  bool is_cancelled{false};         ///< a person cancelled it
-  SessionProgress progress{};       ///< the last one
-  std::string attention{};          ///< kind of the attention that the job shows meanwhile
+  bool is_pause_unrecorded{false};        ///< a pause could not be stored yet
+  bool is_cancelled{false};               ///< a person cancelled it
+  SessionProgress progress{};             ///< the last one
+  std::string attention{};                ///< kind of the attention that the job shows meanwhile
   std::int64_t published_ms{-1'000'000};  ///< when progress was last published
 
   /// Whether the tool is up and waits.

@@ -386,27 +386,39 @@ void RunningCuts::progressed(Running& running, const SessionProgress& progress) 
   if (noted && (is_new_phase || since_ms >= kPublishEvery_ms)) publish(running, *shown);
 }
 
-// What of the last progress changes the job: a pause that has come into effect, and what a person
-// should see to.
+// Changes the job if the last progress says that a pause has come into effect, or that a person
+// should see to something.
 void RunningCuts::show_progress(Running& running, JobRow& row) {
   const SessionProgress& progress = running.progress;
-  const bool is_paused = running.is_held() &&
-                         (row.asked == "pause" || progress.asks || running.is_pause_unrecorded) &&
-                         row.state == JobState::Cutting;
+  const auto begins_pause = [&](const JobRow& job) {
+    return running.is_held() &&
+           (job.asked == "pause" || progress.asks || running.is_pause_unrecorded) &&
+           job.state == JobState::Cutting;
+  };
   const std::string attention = attention_meanwhile(progress);
-  if (!is_paused && attention == running.attention) return;
+  if (!begins_pause(row) && attention == running.attention) return;
+  std::optional<JobRow> changed;
   const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {
-    if (is_paused) parts_.jobs.take(row, step_of(row.state, JobEvent::CutHeld), "");
+    // Read it again each time: on a full disk this runs twice, and another node may change the job.
+    Answer<JobRow> job = parts_.jobs.row(row.id);
+    if (!job) return tl::unexpected(job.error());
+    if (begins_pause(*job)) parts_.jobs.take(*job, step_of(job->state, JobEvent::CutHeld), "");
     if (attention != running.attention) {
-      row.reason = is_paused_at_panel(progress) ? "panel_pause" : attention;
-      parts_.jobs.set_attention(row, attention, text_of_attention(progress));
-      parts_.jobs.save(row);
+      job->reason = is_paused_at_panel(progress) ? "panel_pause" : attention;
+      parts_.jobs.set_attention(*job, attention, text_of_attention(progress));
+      parts_.jobs.save(*job);
     }
+    changed = std::move(*job);
     return {};
   });
-  if (!stored) return;
+  if (!stored) {
+    // No more progress comes while the tool is up, so the tick records the pause.
+    if (begins_pause(row)) running.is_pause_unrecorded = true;
+    return;
+  }
+  row = std::move(*changed);
   running.attention = attention;
-  if (is_paused) running.is_pause_unrecorded = false;
+  if (row.state == JobState::Paused) running.is_pause_unrecorded = false;
 }
 
 void RunningCuts::publish(Running& running, const JobRow& row) {

@@ -136,6 +136,30 @@ TEST_CASE("a pause is reported when the tool is up and resume continues", "[daem
   CHECK(shown(bench, ready).sheet == 2);
 }
 
+TEST_CASE("a pause that cannot be recorded when the tool is up is recorded by the tick",
+          "[alone][daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  REQUIRE(bench.act(ready.id, JobAction::Pause));
+  const auto sql = [&](const char* text) {
+    bench.on([&](LiveService&) { bench.store().database().script(text); });
+  };
+  sql("CREATE TRIGGER no_pause BEFORE UPDATE ON job WHEN new.state='paused' BEGIN SELECT "
+      "raise(ABORT, 'not now'); END");
+  bench.cutters.progress(bench.device, {.phase = SessionPhase::Held});
+  bench.on([](LiveService&) {});
+  CHECK(shown(bench, ready).state == JobState::Cutting);
+  sql("DROP TRIGGER no_pause");
+  bench.on([](LiveService& s) { s.tick(); });
+  CHECK(shown(bench, ready).state == JobState::Paused);
+  CHECK(bench.act(ready.id, JobAction::Resume)->state == JobState::Cutting);
+  bench.on([](LiveService& s) { s.tick(); });
+  CHECK(shown(bench, ready).state == JobState::Cutting);
+  bench.cutters.complete(bench.device);
+  CHECK(shown(bench, ready).sheet == 2);
+}
+
 TEST_CASE("a pause can be withdrawn before the stroke has ended", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
