@@ -117,7 +117,7 @@ Answer<void> DesignRepository::remove_asset(const Principal& who, const std::str
       if (const auto free = check_designs(id, ""); !free) return free;
       store_.db().run("DELETE FROM asset WHERE id=?", id);
       store_.files().forget("assets/" + id);
-      store_.after_commit([this, id] { remove_tree(store_.folder().at("assets/" + id)); });
+      store_.after_commit([this, id] { aside_.remove(store_.folder().at("assets/" + id)); });
     }
     store_.audit(who.name, "delete-asset", id, "");
     if (asset_let_go) asset_let_go(id);

@@ -188,6 +188,8 @@ TEST_CASE("a model of two people stays with its searches until the last of them 
   CHECK(bench.remove_asset(bench.other_student, first.id));
   CHECK_FALSE(bench.search_state(search.id));
   CHECK_FALSE(fs::exists(bench.folder() + "/assets/" + first.id));
+  // On another thread, because a large file takes long to remove.
+  CHECK(bench.wait([&] { return fs::is_empty(bench.folder() + "/assets"); }));
 }
 
 TEST_CASE("a waiting search of two people goes on for the other and in either one's turn",
