@@ -122,6 +122,7 @@ struct Ended {
   SessionEnd end;
   bool is_cancelled{false};  ///< as while it was cut
   bool was_held{false};      ///< the tool was up, because of a pause
+  std::string logged{};      ///< the last reason why it could not be recorded
 };
 
 using CutState = std::variant<InDoubt, Running, Refused, Ended>;
@@ -130,7 +131,10 @@ using CutState = std::variant<InDoubt, Running, Refused, Ended>;
   return {running.cut, std::move(why)};
 }
 [[nodiscard]] inline Ended to_ended(const Running& running, SessionEnd end) {
-  return {running.cut, std::move(end), running.is_cancelled, running.is_held()};
+  return {.cut = running.cut,
+          .end = std::move(end),
+          .is_cancelled = running.is_cancelled,
+          .was_held = running.is_held()};
 }
 
 /// The attempt in this state; nullptr while it is in doubt.

@@ -550,13 +550,17 @@ void RunningCuts::ended(const std::string& attempt, const SessionEnd& end) {
 // After a failed write nothing is written any more: the next start finds the job cutting, and says
 // so. What fails otherwise is tried again by the tick.
 void RunningCuts::try_to_record_end(const std::string& attempt) {
-  const Ended& ended = std::get<Ended>(cuts_.at(attempt));
+  Ended& ended = std::get<Ended>(cuts_.at(attempt));
   const Answer<void> recorded =
       parts_.store.change([&]() -> Answer<void> { return record_end(ended); });
   if (!recorded) {
+    // Once for each reason: the tick may try for hours.
     const AttemptRow& row = ended.cut->attempt;
-    return parts_.store.log(fmt::format("the end of job {} sheet {} could not be recorded yet: {}",
-                                        row.job, row.sheet, recorded.error().detail));
+    const std::string& why = recorded.error().detail;
+    if (std::exchange(ended.logged, why) != why)
+      parts_.store.log(fmt::format("the end of job {} sheet {} could not be recorded yet: {}",
+                                   row.job, row.sheet, why));
+    return;
   }
   cuts_.erase(attempt);
   parts_.intents.ended(attempt);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <atomic>
+
 #include <catch2/catch.hpp>
 
 #include "tests/support/service_bench.hpp"
@@ -234,6 +236,31 @@ TEST_CASE("jobs that are not being cut are cancelled at once", "[daemon][service
   REQUIRE(bench.wait_for(waiting.id, JobState::Planning).state == JobState::Planning);
   CHECK(bench.act(waiting.id, JobAction::Cancel)->state == JobState::Cancelled);
   CHECK(bench.planner.cancelled == 1);
+}
+
+TEST_CASE("the end of a cut that cannot be recorded is logged once and recorded later",
+          "[alone][daemon][service]") {
+  std::atomic<int> lines{0};
+  ServiceBench bench(false);
+  bench.options.log = [&](const std::string& line) {
+    if (line.find("could not be recorded yet") != std::string::npos) ++lines;
+  };
+  REQUIRE(bench.start() == "");
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  const auto sql = [&](const char* text) {
+    bench.on([&](LiveService&) { bench.store().database().script(text); });
+  };
+  sql("CREATE TRIGGER no_end BEFORE UPDATE ON attempt WHEN new.ended IS NOT NULL BEGIN SELECT "
+      "raise(ABORT, 'not now'); END");
+  bench.cutters.complete(bench.device);
+  for (int k = 0; k < 3; ++k) bench.on([](LiveService& s) { s.tick(); });
+  CHECK(lines == 1);
+  CHECK(shown(bench, ready).state == JobState::Cutting);
+  sql("DROP TRIGGER no_end");
+  bench.on([](LiveService& s) { s.tick(); });
+  CHECK(shown(bench, ready).state == JobState::Ready);
+  CHECK(shown(bench, ready).sheet == 2);
 }
 
 TEST_CASE("each cause that ends a cut early has its own reason", "[daemon][service]") {
