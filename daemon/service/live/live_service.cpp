@@ -215,6 +215,7 @@ class AssembledService final : private PartsHolder, public Operations, public Li
   void share_again();
   void on_remote_event(const Event& event);
   void after_remote_events();
+  [[nodiscard]] bool has_old_rows();
   void prune();
   [[nodiscard]] Answer<void> may_copy(const Principal& who) const;
   [[nodiscard]] Answer<void> check_idle() const;
@@ -537,6 +538,17 @@ void AssembledService::check_integrity(const Principal& who,
       fresh, [fresh]() -> Answer<std::string> { return verdict_on_copy(fresh); }, std::move(done));
 }
 
+// Whether `prune` has something to delete, which may be an event from the future: its clock was
+// wrong.
+bool AssembledService::has_old_rows() {
+  const TimeMs now = parts_.calendar.now();
+  Database& db = parts_.store.db();
+  if (db.number("SELECT EXISTS(SELECT 1 FROM idem WHERE expires<=?)", now) != 0) return true;
+  const TimeMs first = db.number("SELECT time FROM event ORDER BY seq LIMIT 1");
+  return first < now - parts_.options.keep_events_ms ||
+         first > parts_.calendar.latest() + kAfter_ms;
+}
+
 // Deletes a few old rows at a time, so that nobody waits long.
 void AssembledService::prune() {
   (void)parts_.store.change([&]() -> Answer<void> {
@@ -582,12 +594,7 @@ void AssembledService::tick() {
     } else if (parts_.raw.checked() && (file->wal_pages() > kCheckpointPages || many_ended)) {
       if (file->checkpoint(false)) parts_.intents.checkpointed();
     }
-    const TimeMs now = parts_.calendar.now();
-    const bool old =
-        parts_.store.db().number("SELECT EXISTS(SELECT 1 FROM idem WHERE expires<=?)", now) != 0 ||
-        parts_.store.db().number("SELECT time FROM event ORDER BY seq LIMIT 1") <
-            now - parts_.options.keep_events_ms;
-    if (old && !parts_.store.full()) prune();
+    if (!parts_.store.full() && has_old_rows()) prune();
   } catch (const StoreFault& fault) {
     parts_.store.note(fault);
   }

@@ -309,6 +309,29 @@ TEST_CASE("a clock that was set right is believed after a day and what is old go
   CHECK(rows("token") == 0);
 }
 
+TEST_CASE("events of a clock that was years ahead go when the right one is believed",
+          "[alone][daemon][service][clock]") {
+  ServiceBench bench(false);
+  bench.skew_ms = 10 * kYear_ms;
+  REQUIRE(bench.start() == "");
+  const auto tick = [&] { bench.on([](LiveService& s) { s.tick(); }); };
+  for (const char* name : {"one", "two", "three"}) REQUIRE(bench.add_design(name));
+  const auto first = [&] {
+    return bench.on([](LiveService& s) { return s.operations.first_event(); });
+  };
+  const std::int64_t last = bench.on([](LiveService& s) { return s.operations.last_event(); });
+  bench.skew_ms = 0;
+  REQUIRE(bench.add_design("four"));
+  tick();
+  CHECK(first() <= last);
+  for (int hour = 0; hour < 26; ++hour) {
+    bench.monotonic_skew_ms += kHour_ms;
+    bench.skew_ms += kHour_ms;
+    tick();
+  }
+  CHECK(first() > last);
+}
+
 TEST_CASE("a computer that was asleep forgets what is old without waiting",
           "[daemon][service][clock]") {
   Pages bench;
