@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/service/repositories/material_repository.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -83,8 +85,10 @@ const std::map<std::string, std::string>& MaterialRepository::built_in() {
   return materials_;
 }
 
+// A deleted row stays with an empty `json`: its revision must not come again, or an old ETag would
+// fit a new row.
 std::optional<MaterialRecord> MaterialRepository::stored(const std::string& id) {
-  Rows rows = store_.db().rows("SELECT rev, json FROM material WHERE id=?", id);
+  Rows rows = store_.db().rows("SELECT rev, json FROM material WHERE id=? AND json!=''", id);
   if (!rows.next()) return std::nullopt;
   return MaterialRecord{.id = id, .rev = rows.integer(0), .json = rows.text(1), .built_in = false};
 }
@@ -93,7 +97,7 @@ std::vector<MaterialRecord> MaterialRepository::list() {
   std::map<std::string, MaterialRecord> all;
   for (const auto& [id, json] : built_in())
     all[id] = {.id = id, .rev = 1, .json = json, .built_in = true};
-  Rows rows = store_.db().rows("SELECT id, rev, json FROM material ORDER BY id");
+  Rows rows = store_.db().rows("SELECT id, rev, json FROM material WHERE json!='' ORDER BY id");
   while (rows.next())
     all[rows.text(0)] = {
         .id = rows.text(0), .rev = rows.integer(1), .json = rows.text(2), .built_in = false};
@@ -129,8 +133,10 @@ Answer<MaterialRecord> MaterialRepository::put(const Principal& who, const std::
       return refuse(ProblemKind::NotFound, fmt::format("there is no material {:?} to change", id));
     Answer<std::string> row = checked_row(id, json, options_.tables);
     if (!row) return tl::unexpected(row.error());
+    const std::int64_t last = std::max(
+        before ? before->rev : 0, store_.db().number("SELECT rev FROM material WHERE id=?", id));
     const MaterialRecord record{
-        .id = id, .rev = before ? before->rev + 1 : 1, .json = std::move(*row), .built_in = false};
+        .id = id, .rev = last + 1, .json = std::move(*row), .built_in = false};
     store_.db().put("material(id, rev, json)", "id", id, record.rev, record.json);
     store_.audit(who.name, "put-material", id, "");
     return record;
@@ -148,7 +154,7 @@ Answer<void> MaterialRepository::remove(const Principal& who, const std::string&
       return refuse(ProblemKind::StateConflict,
                     id + " is built in and cannot be deleted; change it with PUT");
     if (before->rev != if_match) return tl::unexpected(stale(before->rev));
-    store_.db().run("DELETE FROM material WHERE id=?", id);
+    store_.db().run("UPDATE material SET json='' WHERE id=?", id);
     store_.audit(who.name, "delete-material", id, "");
     return {};
   });

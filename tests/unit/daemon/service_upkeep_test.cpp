@@ -120,6 +120,30 @@ TEST_CASE("materials can be changed and reset", "[daemon][service]") {
         ProblemKind::NotFound);
 }
 
+TEST_CASE("a revision of a material that was deleted does not come again", "[daemon][service]") {
+  ServiceBench bench;
+  const auto put = [&](std::int64_t rev, const std::string& json) {
+    return bench.on(
+        [&](LiveService& s) { return s.materials.put(bench.admin, "our-card", rev, json); });
+  };
+  const auto remove = [&](std::int64_t rev) {
+    return bench.on(
+        [&](LiveService& s) { return s.materials.remove(bench.admin, "our-card", rev); });
+  };
+  const auto count = bench.on([](LiveService& s) { return s.materials.list().size(); });
+  const std::int64_t old = put(0, R"({"like":"paper-220","thickness_mm":0.5})").value().rev;
+  REQUIRE(remove(old));
+  CHECK(remove(old).error().kind == ProblemKind::NotFound);
+  CHECK(put(old, R"({"like":"paper-220"})").error().kind == ProblemKind::NotFound);
+  CHECK(bench.on([](LiveService& s) { return s.materials.list().size(); }) == count);
+  const std::int64_t fresh = put(0, R"({"like":"paper-220","thickness_mm":0.6})").value().rev;
+  CHECK(fresh > old);
+  // Whoever read the first row does not change the second one.
+  CHECK(put(old, R"({"like":"paper-220","thickness_mm":0.7})").error().kind == ProblemKind::Stale);
+  CHECK(remove(old).error().kind == ProblemKind::Stale);
+  CHECK(remove(fresh));
+}
+
 TEST_CASE("events are numbered without gaps and old ones are removed", "[daemon][service]") {
   ServiceBench bench;
   std::vector<Event> heard;
