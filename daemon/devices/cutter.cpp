@@ -243,7 +243,7 @@ void Cutter::carry_out(Work work) {
     spare.assign(work.order.program.strokes.size(), StrokeFate::NotSent);
     end = session(work, last_intended);
   } catch (const std::exception&) {
-    // It could not say how it ended: what was to be sent is in doubt.
+    // Nobody knows how it ended, so all strokes that were to be sent are in doubt.
     for (std::int64_t k = std::max<std::int64_t>(0, work.order.first_stroke); k <= last_intended;
          ++k)
       if (const auto at = static_cast<std::size_t>(k); at < spare.size())
@@ -266,7 +266,7 @@ void Cutter::carry_out(Work work) {
   insist([&] { tell(); });
 }
 
-/// What a session's end says of the machine; a journal's error says nothing of it.
+/// Notes what the end of a session says about the machine. An error of the journal says nothing.
 void Cutter::note_end(const SessionEnd& end) {
   if (end.error && end.error->kind == ErrorKind::Timeout) figures_.note_error(*end.error, false);
   if (const Result<Identity> identity = parse_identity(end.identity); identity)
@@ -284,8 +284,8 @@ void Cutter::note_end(const SessionEnd& end) {
     condition_ = Condition::Attention;
 }
 
-/// Opens the machine again, drops what it says unasked, and asks how it is. Nothing that could be
-/// cut is sent.
+/// Opens the machine again, drops what it sent meanwhile, and asks for its state. Sends nothing
+/// that could be cut.
 void Cutter::ask_state() {
   Condition condition = Condition::None;
   std::string text;

@@ -149,7 +149,7 @@ class CutterSet final : public Cutters {
   }
 
  private:
-  /// Cutters stay until the end, so that what is found here stays good.
+  /// Cutters stay until the end, so the pointer stays valid.
   Result<Cutter*> find(const std::string& id) const {
     const std::lock_guard lock(mutex_);
     for (const auto& cutter : cutters_)
@@ -183,7 +183,7 @@ class CutterSet final : public Cutters {
     });
   }
 
-  /// Under the lock, so that who takes its listener back knows that no call is under way.
+  /// Under the lock, so that no call is running when `on_change` returns.
   void tell() {
     const std::lock_guard lock(listener_mutex_);
     if (listener_) listener_();
@@ -233,7 +233,7 @@ class CutterSet final : public Cutters {
       const auto device = plugged(cutter->device().text);
       if (device == devices.end())
         cutter->set_presence(false, "");
-      else if (!cutter->busy())  // then it is we who have it
+      else if (!cutter->busy())  // while it cuts, popcutd itself has it open
         cutter->set_presence(true, hindrance(*device), device->node);
     }
     for (const UsbDevice& device : devices)

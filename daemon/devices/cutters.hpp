@@ -26,31 +26,31 @@ struct CutOrder {
                                  ///< counted as in the whole program, in the journal too
 };
 
-/// What is written down while a sheet is cut. Called on the cutter's thread. `intend` and `ended`
-/// return when they are committed; what `settle` says is committed with the next of them, or with
-/// progress (lost in a crash it leaves more in doubt, never less). An error ends the cut at the
-/// next end of a stroke.
+/// Records what happens while a sheet is cut. Called on the cutter's thread. `intend` and `ended`
+/// return when they are committed. What `settle` notes is committed with the next of these calls,
+/// or with progress: if a crash loses it, more is in doubt, never less. An error ends the cut at
+/// the next end of a stroke.
 class CutJournal {
  public:
   virtual ~CutJournal() = default;
-  /// Strokes up to `last` (from where the one before ended) are about to be sent. Before any byte
-  /// of them.
+  /// Strokes up to `last`, from the one after the previous intent, are about to be sent. Call this
+  /// before any byte of them is sent.
   [[nodiscard]] virtual Result<void> intend(std::int64_t last_stroke) = 0;
-  /// Strokes up to `certain` are cut for sure, those up to `taken` have a byte with the device.
+  /// Strokes up to `certain` are cut for sure. The device took at least one byte of those up to
+  /// `taken`.
   [[nodiscard]] virtual Result<void> settle(std::int64_t certain, std::int64_t taken,
                                             std::uint64_t bytes_taken) = 0;
   virtual void progress(const SessionProgress& progress) = 0;
-  /// Once, last.
+  /// The last call, once.
   virtual void ended(const SessionEnd& end) = 0;
 };
 
-/// The cutters of this machine, each with a thread of its own. Nothing here starts a knife but
-/// `cut`.
+/// The cutters of this machine, each with a thread of its own. Only `cut` starts a knife.
 class Cutters {
  public:
   virtual ~Cutters() = default;
-  /// Called from any thread when a device comes, goes or changes. No call of the one before is
-  /// under way when this returns.
+  /// Calls `changed`, on any thread, when a device comes, goes or changes. When this returns, no
+  /// call of the earlier listener is running.
   virtual void on_change(std::function<void()> changed) = 0;
   [[nodiscard]] virtual std::vector<DeviceRecord> list() const = 0;
   [[nodiscard]] virtual Result<Machine> machine(const std::string& device) const = 0;
@@ -63,12 +63,12 @@ class Cutters {
   virtual void cancel(const std::string& device) = 0;
   /// After a fault: drain, clear, reopen. Never sends a program.
   [[nodiscard]] virtual Result<void> reset(const std::string& device) = 0;
-  /// Ends all cuts at the ends of their strokes and waits for them, and for their journals, at most
-  /// so long; what then still cuts is given up in the middle of its stroke.
+  /// Ends all cuts at the ends of their strokes, and waits at most so long for them and for their
+  /// journals. A cut that has not ended then is given up in the middle of its stroke.
   virtual void stop_all(double seconds) = 0;
   /// OpenMetrics lines of what went over the lines to the cutters.
   [[nodiscard]] virtual std::string metrics() const { return {}; }
-  /// True as long as every cutter's thread has turned within the last seconds (for the watchdog).
+  /// Whether every cutter's thread was active within the last seconds (for the watchdog).
   [[nodiscard]] virtual bool alive() const = 0;
 };
 

@@ -35,7 +35,7 @@ std::string line_metrics(const std::vector<std::pair<std::string, LineFigures::S
   std::string out =
       "# TYPE popcut_usb_errors counter\n"
       "# HELP popcut_usb_errors Errors on the line to a cutter (USB or port), by kind.\n";
-  // All kinds are shown from the start, so that their rate is known.
+  // Show all kinds from the start, so that their rates are known.
   for (const auto& [device, shown] : devices)
     for (const char* kind : {"timeout", "stall", "short", "nodev", "overflow", "other"}) {
       const auto found = shown.errors.find(kind);

@@ -89,7 +89,7 @@ Transport::WriteEnd BeatingTransport::write(std::span<const std::byte> bytes, De
 Result<std::vector<std::byte>> BeatingTransport::read(Deadline until) {
   beat_();
   auto bytes = inner_.read(until);
-  // That nothing came in time is for the session to judge.
+  // Only the session can judge whether an answer is late.
   if (figures_ != nullptr && !bytes && bytes.error().kind != ErrorKind::Timeout)
     figures_->note_error(bytes.error(), false);
   beat_();

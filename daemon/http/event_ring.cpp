@@ -30,7 +30,7 @@ EventFramePtr frame_of(const Event& event, std::string_view members) {
   std::string data = event_json(event);
   if (!members.empty()) {
     frame.brief = frame_of(event);
-    data.back() = ',';  // "{...}": its last bracket makes place
+    data.back() = ',';  // "{...}": more members follow in place of its last bracket
     data.append(members).append("}");
   }
   if (event.seq > 0) frame.text = fmt::format("id: {}\n", event.seq);

@@ -72,7 +72,7 @@ struct Client {
   State state{State::Idle};
   Clock::time_point since{Clock::now()};  ///< of `state`
   std::uint64_t served{0};
-  bool reserved{false};         ///< its place serves urgent requests only
+  bool reserved{false};         ///< it has a place that serves urgent requests only
   bool uploads{false};          ///< one of its bodies is being written to disk
   std::string principal{};      ///< of its last request; empty: unknown
   std::size_t answer_bytes{0};  ///< of the large answer that it is reading from memory
@@ -118,7 +118,7 @@ struct Hub {
   ///
   /// @param descriptor  of its socket; the last `kDescriptorsLeft` must stay free
   [[nodiscard]] bool make_room(const Peer& peer, int descriptor, bool& reserved);
-  /// The TCP client that is unidentified the longest; null: none is late.
+  /// The TCP client that has been unidentified for longest; null if all identified in time.
   [[nodiscard]] ClientPtr oldest_stranger() const;
   /// True if the principal of this client has more than half of all places.
   [[nodiscard]] bool is_crowding(const Client& client) const;
@@ -175,7 +175,8 @@ asio::awaitable<void> serve(Hub& hub, ClientPtr client);
 /// Sends all of `bytes`, not slower than the limits allow; false: the client is gone.
 asio::awaitable<bool> send_all(Hub& hub, ClientPtr client, std::string_view bytes);
 /// An event as connected clients get it: with `now`, and `whole`, the current job or device, so
-/// that they need not request it. A very large or deleted one is left out. On the service's thread.
+/// that they need not request it. `whole` is left out if that is very large or was deleted. On the
+/// service's thread.
 [[nodiscard]] EventFramePtr live_frame(const Event& event, Service& service);
 /// Streams events until the client goes, or is too slow.
 asio::awaitable<void> stream_events(Hub& hub, ClientPtr client, const Request& request);

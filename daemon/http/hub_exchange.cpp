@@ -20,7 +20,7 @@ namespace {
 using boost::system::error_code;
 
 constexpr double kAuthenticate_s = 10;
-constexpr std::size_t kLargeAnswer = 1 << 20;  // counted, see `Hub::make_room_for_answer`
+constexpr std::size_t kLargeAnswer = 1 << 20;  // from this size on, see `make_room_for_answer`
 constexpr std::size_t kFilePiece = 64 << 10;
 constexpr std::size_t kMostLinger = 1 << 20;
 constexpr double kLinger_s = 2;
@@ -458,8 +458,8 @@ Response static_response(Hub& hub, const Exchange& exchange) {
   return answer;
 }
 
-// Notices a client that disconnects while it waits for its answer. If it sends more, that is read
-// later, and the watch ends.
+// Notices when a client disconnects while it waits for its answer. The watch ends if the client
+// sends more, which is read later.
 void watch_for_end(const ClientPtr& client) {
   client->socket.async_wait(asio::socket_base::wait_read, [client](const error_code& ec) {
     if (ec || client->closed) return;

@@ -7,7 +7,7 @@
 namespace popcut::daemon::http {
 namespace {
 
-// Keys are users, networks and tokens; more than this at once are none that matter.
+// Keys are users, networks and tokens. No more than this many matter at once.
 constexpr std::size_t kMostKeys = 4096;
 constexpr double kWindow_s = 60;
 

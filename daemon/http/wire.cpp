@@ -20,7 +20,7 @@ using Text = boost::beast::string_view;
 
 std::string_view view(Text text) { return {text.data(), text.size()}; }
 
-// A line of chunk sizes or trailers longer than this is no one's.
+// The longest line of chunk sizes or trailers. No client needs a longer one.
 constexpr std::size_t kLongestChunkHead = 4096;
 
 }  // namespace
@@ -120,7 +120,7 @@ Answer<bool> RequestReader::read_body(std::uint64_t most_bytes, const Sink& sink
   error_code ec;
   while (!parser.is_done() && taken < pending_.size()) {
     const std::size_t left = pending_.size() - taken;
-    // Beast 1.74 takes it for granted that a last chunk comes with all its five bytes.
+    // Beast 1.74 assumes that the last chunk comes with all its five bytes.
     if (parser.head.is_chunked && left < 5) break;
     // Beast 1.74 counts a chunk again each time that its extensions go on in the next piece.
     if (parser.head.is_chunked) parser.body_limit(std::numeric_limits<std::uint64_t>::max());

@@ -76,16 +76,16 @@ class Designs {
   /// If you own the asset, this ends your ownership. The asset is deleted with its last owner. If
   /// you are an operator and not an owner, this deletes it for everyone.
   ///
-  /// @retval StateConflict  designs of theirs refer to it, and are named
+  /// @retval StateConflict  designs of the owner refer to it; the problem names them
   [[nodiscard]] virtual Answer<void> remove_asset(const Principal&, const std::string& id) = 0;
   [[nodiscard]] virtual Page<Design> list(const Principal&, const PageRequest&) = 0;
   /// An owner sees their own name and time for it. Everyone else sees those of the first owner.
   [[nodiscard]] virtual Answer<Design> find(const Principal&, const std::string& id) = 0;
   /// Path of the stored bytes.
   [[nodiscard]] virtual Answer<std::string> content(const std::string& id) = 0;
-  /// As `remove_asset`, with the plans that they asked for.
+  /// Like `remove_asset`. The owner's plans of the design go with it.
   ///
-  /// @retval StateConflict  a job of theirs uses it
+  /// @retval StateConflict  a job of the owner uses it
   [[nodiscard]] virtual Answer<void> remove(const Principal&, const std::string& id) = 0;
   /// The design's preview, drawn again from what was read; never empty bytes.
   virtual void preview(const Principal&, const std::string& id,
@@ -142,7 +142,7 @@ class Plans {
   /// cancelled if it is not made yet. If you are an operator and not an owner, this happens for
   /// everyone.
   ///
-  /// @retval StateConflict  a job of theirs uses this plan
+  /// @retval StateConflict  a job of the owner uses this plan
   /// @retval Forbidden      only others asked for it
   [[nodiscard]] virtual Answer<void> remove(const Principal&, const std::string& id) = 0;
   /// The machines that sheets can be planned for: popcut's own, and those of users' tables.

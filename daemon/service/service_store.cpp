@@ -232,7 +232,7 @@ Problem ServiceStore::problem_of(const StoreFault& fault) const {
           "before you send it again"};
     case FaultKind::Again:
       return refuse(ProblemKind::Unavailable,
-                    "another request changes the same at this moment; send the request again",
+                    "another request is changing the same thing; send this request again",
                     /*retry_after_s=*/1)
           .value();
     case FaultKind::Refused:

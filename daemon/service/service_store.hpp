@@ -19,7 +19,7 @@
 
 namespace popcut::daemon {
 
-/// What nodes of a fleet notify each other of when credentials have ended or have another role.
+/// The notice that a node sends to all others when credentials have ended or have another role.
 inline constexpr const char* kAccessChanged = ":access";
 
 /// The store as the parts of the service use it: transactions and their effects, events, audit, and

@@ -28,12 +28,12 @@ class ServiceThread {
   ///
   /// @return false  the thread is ending and will not run it
   bool post(Lane lane, std::function<void()> work);
-  /// Runs `work` there and waits for it; what it throws is thrown here. From the thread itself it
-  /// runs at once. (What is thrown by posted work is logged.)
+  /// Runs `work` there, waits for it, and throws what it throws. On the thread itself it runs at
+  /// once.
   bool run(Lane lane, const std::function<void()>& work);
   /// How much work waits in all lanes.
   [[nodiscard]] std::size_t waiting() const;
-  /// Runs `work` every `period_ms` in the lane Asking. It never waits there twice.
+  /// Runs `work` every `period_ms` in the lane Asking. Work that still waits is not queued again.
   void every(int period_ms, std::function<void()> work);
   void stop();
   /// How long the turns of each lane took so far (Urgent counts as Asking). Everything else waits

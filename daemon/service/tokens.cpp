@@ -264,7 +264,7 @@ std::vector<SessionRecord> Tokens::sessions(const Principal& who) {
   return all;
 }
 
-// Nothing if it opens nothing any more.
+// Nothing if the session has ended.
 std::optional<SessionRecord> Tokens::record_of(const Session& session) {
   const std::optional<Principal> owner = root_of(session);
   if (!owner) return std::nullopt;
@@ -345,8 +345,8 @@ std::optional<Tokens::Session> Tokens::beginning(const Principal& who) {
   return fresh;
 }
 
-// A principal with too many codes loses the oldest; if there are too many in all, the principal
-// that has most of them does.
+// A principal with too many codes loses its oldest one. If there are too many in all, the principal
+// with the most codes does.
 void Tokens::make_room_for_one_shot(const std::string& principal) {
   std::map<std::string, std::size_t> counts;
   for (const auto& [digest, word] : one_shots_) ++counts[word.principal.name];
@@ -375,8 +375,8 @@ Answer<std::string> Tokens::create_one_shot(const Principal& who) {
   return word;
 }
 
-// Keeps `via` and the sessions from which that one came: with any of them the new one would go,
-// too.
+// Keeps `via` and the sessions from which `via` came: if one of them went, the new session would
+// go, too.
 Answer<void> Tokens::make_room_for_session(const std::string& principal, const std::string& via) {
   Database& db = store_.db();
   const std::int64_t held = db.number("SELECT count(*) FROM session WHERE principal=?", principal);
@@ -388,8 +388,9 @@ Answer<void> Tokens::make_room_for_session(const std::string& principal, const s
       "FROM kept) ORDER BY expires LIMIT ?3)",
       via, principal, held - kSessionsOfOne + 1);
   if (gone == 0)
-    return refuse(ProblemKind::QueueFull,
-                  fmt::format("{} sessions came from one another; end one of them first", held));
+    return refuse(
+        ProblemKind::QueueFull,
+        fmt::format("your {} sessions were opened one from another; end one of them first", held));
   notify_access_change();
   return {};
 }

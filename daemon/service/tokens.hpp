@@ -81,7 +81,7 @@ class Tokens : public Access {
   [[nodiscard]] std::optional<Session> beginning(const Principal& who);
   /// Stores a session that begins, in a transaction; nothing if its root has ended.
   ///
-  /// @retval QueueFull  there are too many sessions, and this one came from all of them
+  /// @retval QueueFull  there are too many sessions; this one came from all of them, so none can go
   [[nodiscard]] Answer<std::optional<NewToken>> begin_session(const Principal& who,
                                                               const std::string& name,
                                                               std::optional<Role> most);

@@ -30,7 +30,7 @@ constexpr std::array<std::string_view, 10> kAssetTypes{"application/octet-stream
                                                        "text/csv",
                                                        "model/x.stl-binary"};
 
-// Of a body that anyone may send: a word, no more.
+// The limit of a body that anyone may send: it holds one word.
 constexpr std::uint64_t kOpenBytes = 1024;
 
 std::optional<Problem> check_query(const Request& request, const Route& route) {
@@ -94,7 +94,7 @@ Response unless_seen(Response response, const Request& request) {
     if (header.name == "ETag") etag = header.value;
   }
   if (etag.empty() || !has_seen(request, etag)) return response;
-  // What it says of the answer is put in the place of what a browser has kept: its policy too.
+  // A browser replaces the headers that it kept with these, so they include its policy.
   Response same;
   same.status = 304;
   same.content_type.clear();

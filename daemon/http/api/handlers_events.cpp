@@ -25,7 +25,7 @@ void answer_events(const Request& request, Service& service, const Reply& reply,
       if (i > 0) out += ',';
       out += event_json(events[i]);
     }
-    // The oldest that is still kept, and the newest.
+    // The numbers of the oldest event that is still kept, and of the newest one.
     return out + fmt::format("],\"first_seq\":{},\"last_seq\":{}}}", first, last);
   };
   reply(std::move(response));

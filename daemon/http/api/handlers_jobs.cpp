@@ -135,7 +135,7 @@ std::optional<int> sheet_number(const Request& request, const Reply& reply) {
   return number;
 }
 
-// The job that a body names, held against an If-Match if there is one.
+// Checks the job that a body names against If-Match, if there is one.
 std::optional<Problem> check_named(const Request& request, Service& service,
                                    const std::string& id) {
   if (!request.header("if-match")) return std::nullopt;

@@ -75,7 +75,7 @@ Answer<Job> CutDispatcher::act(const Principal& who, const std::string& id, std:
     ~Placed() { placing.reset(); }
   } placed{placing_};
   try {
-    // Not const: it is moved out, since a copy of an Answer ends the program without memory.
+    // Not const, so that it is moved out: without memory, a copy of an Answer ends the program.
     Answer<Job> done = parts_.store.change([&]() -> Answer<Job> {
       Answer<JobRow> row = parts_.jobs.row(id);
       if (!row) return tl::unexpected(row.error());
@@ -88,7 +88,7 @@ Answer<Job> CutDispatcher::act(const Principal& who, const std::string& id, std:
         return tl::unexpected(fresh.error());
       const JobRow before = *row;
       Answer<Job> acted = act_on(who, *row, request);
-      // Whoever is refused gets complete requests that are not.
+      // A refusal comes with complete requests that are possible.
       const bool may_write = !parts_.store.degraded() && !parts_.cuts.is_stopping();
       if (!acted && acted.error().next_actions.empty() && may_write)
         acted.error().next_actions = next_actions(before, &request);
@@ -345,7 +345,7 @@ Answer<CutDispatcher::ReadySheet> CutDispatcher::ready_sheet(const JobRow& row) 
                   /*retry_after_s=*/1);
   }
   Result<ProgramShelf::Program>& stored = *found;
-  // Arming it again would not help.
+  // Offers only to cancel the job, because arming it again would not help.
   const auto lost = [&](std::string detail) {
     Problem problem = JobRepository::conflict(row, std::move(detail));
     problem.next_actions = {next_action(JobAction::Cancel)};
@@ -354,7 +354,7 @@ Answer<CutDispatcher::ReadySheet> CutDispatcher::ready_sheet(const JobRow& row) 
   if (!stored)
     return lost("the stored program cannot be read; create the job again: " +
                 message(stored.error()));
-  // What was armed is what is cut: a stored program that changed is not.
+  // Cut only what was armed, never a stored program that has changed.
   EncodedProgram& program = stored->stored.program;
   const bool is_same = stored->sha256 == sheet->program_sha256 &&
                        stored->stored.index_sha256 == sheet->index_sha256 &&
@@ -545,7 +545,8 @@ void CutDispatcher::lapse(const std::string& job, const std::string& reason) {
     parts_.jobs.take(*row, step_of(row->state, JobEvent::ArmLapses), reason);
     return {};
   });
-  // What could not be written is tried again. Until then `valid_arm` looks at the time itself.
+  // If it could not be written, `tick` tries again. Until then `valid_arm` looks at the time
+  // itself.
   if (done) forget_arm(job);
 }
 

@@ -104,8 +104,8 @@ class CutDispatcher : public Cutting {
   [[nodiscard]] static NextAction arm_action(const JobRow& row, const std::string& device);
   /// Disarms a job for another reason than a request. What could not be written is tried again.
   void lapse(const std::string& job, const std::string& reason);
-  /// The session of a device in which a sheet is registered by the request that is answered now:
-  /// its answer says whether the place is known. `next_` has it after the commit.
+  /// The job whose sheet the present request registers, and the session of its device. The answer
+  /// to this request says whether the place is known. After the commit, `next_` has the session.
   struct Placing {
     std::string job, session;
   };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Part of daemon/service/live/cut_dispatcher.hpp: complete requests that are possible now. Nobody
-// is refused twice for reasons that were known the first time.
+// Part of daemon/service/live/cut_dispatcher.hpp: complete requests that are possible now. Whoever
+// sends one of them is not refused for a reason that is known now.
 #include <algorithm>
 
 #include "daemon/service/live/cut_dispatcher.hpp"

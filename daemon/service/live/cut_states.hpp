@@ -47,7 +47,7 @@ struct Waiting {
 struct Armed {
   std::int64_t until_ms{};  ///< monotonic
   CutStart start{};         ///< what was armed: START cuts this, or nothing
-  Waiting waiting{};        ///< what is valid again when the sheet is no longer armed
+  Waiting waiting{};        ///< the state to return to when the sheet is no longer armed
 };
 
 /// What is known of the next cut of a job.
@@ -77,7 +77,7 @@ struct Cut {
   std::int64_t marked_ms{-1'000'000};  ///< in a fleet: when the database got the marks last
   bool is_unmarked{false};             ///< in a fleet: the database does not have the last ones yet
 
-  // What the cutter's thread says, under the lock.
+  // Written by the cutter's thread, under the lock.
   struct Settled {
     std::int64_t certain{-1}, taken{-1};  ///< last strokes
     std::uint64_t bytes{};
@@ -85,7 +85,7 @@ struct Cut {
   };
   std::mutex mutex;
   Settled settled;
-  std::optional<SessionProgress> news;  ///< nobody has looked at it yet
+  std::optional<SessionProgress> news;  ///< the last progress, until the service's thread takes it
 
   [[nodiscard]] std::uint64_t bytes_taken() {
     const std::lock_guard lock(mutex);

@@ -49,7 +49,7 @@ void FleetWatch::begin_life() {
   lease_.begin();
   log_generation();
   parts_.store.begin_delivery();
-  // A START whose answer was lost before another database took over.
+  // Revoke each START whose answer was lost before another database took over.
   for (const AttemptRow& open : parts_.jobs.attempts().open())
     if (!parts_.cuts.has(open.id)) (void)parts_.cuts.revoke_start(open);
   if (const Answer<void> recovered =
@@ -100,7 +100,7 @@ void FleetWatch::tick() {
     if (!has_begun_) return begin_life();
     const std::int64_t now = parts_.store.monotonic();
     const auto between_ms = static_cast<std::int64_t>(parts_.options.fleet.beat_s * 1000);
-    // After a lost answer at once, since the database may be another one now.
+    // After a lost answer, renew the lease at once: the database may be another one now.
     if (in_doubt_ || now - beat_ms_ >= between_ms) {
       beat_ms_ = now;
       beat();
@@ -130,7 +130,8 @@ void FleetWatch::beat() {
 }
 
 // Looks for attempts that are open in the database, but not cut here. A START whose answer was lost
-// is revoked, since the knife moves only after the answer. Of any other the journals know more.
+// is revoked, since the knife moves only after the answer. For any other attempt the journals
+// decide.
 void FleetWatch::settle() {
   in_doubt_ = false;
   for (const AttemptRow& open : parts_.jobs.attempts().open())

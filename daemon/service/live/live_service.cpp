@@ -28,7 +28,7 @@ constexpr int kCheckpointPages = 500;
 constexpr std::size_t kEndedJournals = 50;
 constexpr int kPrunedAtOnce = 500;
 constexpr int kMostEvents = 1000;
-constexpr std::int64_t kAfter_ms = 24 * 3'600'000;  // an event from after that had a wrong clock
+constexpr std::int64_t kAfter_ms = 24 * 3'600'000;  // an event so far ahead had a wrong clock
 constexpr std::int64_t kUsageAtOnce = 10'000;
 constexpr int kPagesAtOnce = 500;
 
@@ -40,7 +40,8 @@ ServiceOptions completed(ServiceOptions options) {
     options.monotonic_ms = [] {
       return duration_cast<milliseconds>(steady_clock::now().time_since_epoch()).count();
     };
-  // Two runs never have the same: the id of a service manager is the same after a fork in tests.
+  // Each run gets an id of its own. The service manager's id is not enough: in tests, several runs
+  // have the same environment.
   if (options.invocation.empty()) {
     const char* const given = std::getenv("INVOCATION_ID");
     options.invocation =
@@ -128,7 +129,7 @@ struct Parts {
   Tokens tokens;
   DeviceRegistry registry;
   MaterialRepository materials;
-  Aside chores, reading;  ///< a long chore must not hold up a START
+  Aside chores, reading;  ///< two, so that a long chore does not hold up a START
   DesignRepository designs;
   PlanningQueue plans;
   SearchRepository searches;
@@ -261,8 +262,8 @@ Answer<void> AssembledService::begin_in_fleet() {
   return parts_.fleet->begin();
 }
 
-// Shares the large assets that this node accepted, but did not store in the database before it
-// ended.
+// Stores the large assets in the database that this node accepted but did not store there before
+// it ended.
 void AssembledService::share_again() {
   SharedFiles* const files = &parts_.store.files();
   for (const std::string& id : all_of(

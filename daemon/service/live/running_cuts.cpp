@@ -34,7 +34,7 @@ std::string text_of_attention(const SessionProgress& progress) {
     return "paused at the machine's panel; continue there";
   if (progress.asks)
     return "the machine was paused at its panel and is ready now, and popcut cannot tell whether "
-           "it went on; look at it: resume if it did, cancel if it was cancelled there";
+           "the cut went on; look at it: resume if it went on, cancel if it was cancelled there";
   if (progress.mute_s < kBusy_s) return "";
   return "the machine accepts no data; check whether it is jammed or waits for input at its panel";
 }
@@ -61,7 +61,8 @@ IntentHead head_of(const AttemptRow& row) {
 
 }  // namespace
 
-/// What the cutter's thread records. It may outlive `RunningCuts`, which only posted work touches.
+/// Takes what the cutter's thread records. It may outlive `RunningCuts`, so only posted work uses
+/// that.
 class RunningCuts::Journal final : public CutJournal {
  public:
   Journal(RunningCuts& cuts, std::shared_ptr<Cut> cut)
@@ -75,8 +76,8 @@ class RunningCuts::Journal final : public CutJournal {
     Result<void> done = tl::unexpected(given_up("popcutd is stopping"));
     const Clock::time_point begun = Clock::now();
     try {
-      // On this thread, because others wait for the service's: first in the files beside the
-      // database, then in the database, so that neither can lose its end unnoticed.
+      // Write the files beside the database first, then the database, so that neither can lose its
+      // end unnoticed. Write the files on this thread, because other work waits for the service's.
       if (const Result<void> beside = intend_beside(last_stroke); !beside) return beside;
       // In a fleet the files are enough: a database that does not answer must not end a cut.
       if (is_in_fleet_) {
@@ -135,7 +136,7 @@ class RunningCuts::Journal final : public CutJournal {
         cuts_.ended(cut_->attempt.id, end);
       });
     } catch (const std::exception&) {
-      // There was no memory. The tick records what is in this state.
+      // There was no memory. The tick records the ends of all cuts in the state `Ended`.
       post_([cuts = &cuts_, cut = cut_, end] {
         if (const Running* const running = cuts->find_running(cut->attempt.id))
           cuts->cuts_.at(cut->attempt.id) = to_ended(*running, end);
@@ -220,8 +221,8 @@ std::string RunningCuts::job_on(const std::string& device) const {
 
 // 2. START.
 
-// The journal comes before the database, and both before the knife. What follows the commit takes
-// no memory outside `hand_over`.
+// The journal comes before the database, and both before the knife. After the commit, only
+// `hand_over` allocates memory.
 void RunningCuts::start(std::shared_ptr<Cut> cut, CutOrder order) {
   const AttemptRow& attempt = cut->attempt;
   CutState& state = cuts_[attempt.id];
@@ -462,7 +463,7 @@ void RunningCuts::cancel(const std::string& job, const std::string& device) {
   parts_.cutters.cancel(device);
 }
 
-// What this look misses is seen by the one of the next tick.
+// If the job cannot be read now, the next tick reads it.
 void RunningCuts::apply_remote_request(const std::string& job) {
   Running* const running = find_running_of(job);
   if (running == nullptr) return;
@@ -507,8 +508,8 @@ void RunningCuts::reclaim() {
 
 void RunningCuts::tick() {
   const std::int64_t now = parts_.store.monotonic();
-  // A cutter that says nothing for a while still gets its events, so that whoever watches sees that
-  // the connection works.
+  // Publish events also for a cutter that reports nothing for a while, so that clients see that
+  // their connection works.
   for (auto& [attempt, state] : cuts_) {
     auto* const running = std::get_if<Running>(&state);
     if (running == nullptr || running->progress.strokes == 0 ||
@@ -525,12 +526,12 @@ void RunningCuts::tick() {
     if (Running* const one = find_running(attempt); one->is_pause_unrecorded && one->is_held())
       progressed(*one, SessionProgress(one->progress));
   for (const std::string& attempt : all_in<Refused>()) record_refusal(attempt);
-  // The event of a request at another node may have come when the database was away.
+  // The database may have been away when the event of a request at another node came.
   if (parts_.store.in_fleet())
     for (const std::string& attempt : all_in<Running>())
       if (const Running* const one = find_running(attempt))
         apply_remote_request(std::string(one->cut->attempt.job));
-  // A cut that is held has no progress with which its marks would be stored.
+  // A held cut reports no progress, so its marks are stored here.
   for (const std::string& attempt : all_in<Running>())
     if (Cut& cut = *find_running(attempt)->cut; cut.is_unmarked)
       (void)intended(cut, cut.marks.intended);

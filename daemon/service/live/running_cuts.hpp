@@ -34,9 +34,10 @@ class RunningCuts {
   ///
   /// @throws StoreFault  Constraint: the blank was started before
   void start(std::shared_ptr<Cut> cut, CutOrder order);
-  /// Pauses at the next end of a stroke. Recorded later, since nothing can be stored now.
+  /// Pauses at the next end of a stroke. The pause is recorded later, since nothing can be stored
+  /// now.
   void pause_unrecorded(const std::string& job);
-  /// A pause is over before it was recorded.
+  /// Forgets a pause that was not recorded, because the cut was resumed.
   void forget_pause(const std::string& job);
   /// Stops `device` at the next end of a stroke, and notes that a person wanted it.
   void cancel(const std::string& job, const std::string& device);
@@ -66,7 +67,7 @@ class RunningCuts {
   void reclaim();
   /// Revokes a START of this run that the database has and did not confirm. The knife never moved.
   ///
-  /// @return false  the START was not revoked, because its journal decides
+  /// @return false  nothing was revoked: it is no such START, so its journal decides
   [[nodiscard]] bool revoke_start(const AttemptRow& attempt);
   /// Does what the database says another node was asked: pause or cancel.
   void apply_remote_request(const std::string& job);

@@ -127,7 +127,7 @@ bool DesignRepository::own(const Principal& who, const Design& design, const std
   return true;
 }
 
-// Bytes that were sent as something else are checked, as if nobody had sent them before.
+// The same bytes with another media type are checked, like a new design.
 Answer<std::optional<Design>> DesignRepository::known(const Principal& who, const Upload& upload,
                                                       const std::string& media_type,
                                                       const std::string& name) {

@@ -128,7 +128,8 @@ void DesignRepository::picture(const Principal& who, const std::string& id, cons
   if (!previewer_) return done(no_previewer());
   const auto drawn = drawing_.find(id);
   if (drawn != drawing_.end()) return drawn->second.push_back({name, std::move(done)});
-  // Later requests wait behind this one, so it waits only when its task has begun.
+  // Add this request to `drawing_` only after its task has begun, because later requests for the
+  // design then wait for that task.
   Answer<PreviewTask> task = store_.look([&]() -> Answer<PreviewTask> {
     return PreviewTask{task_for(*design, PlanningTask::Kind::Picture), who.name};
   });

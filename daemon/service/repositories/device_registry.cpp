@@ -61,7 +61,8 @@ void DeviceRegistry::load_others() {
       record.reasons = {fmt::format("node {} does not answer", record.node)};
     }
     Entry& entry = entries_[record.id];
-    // A device of the same id is plugged in here. If not, it was carried to the other node.
+    // Whether a device of the same id is plugged in here. If none is, the device was carried to the
+    // other node.
     const bool is_here =
         !entry.record.id.empty() && !entry.is_remote && entry.record.state != "absent";
     if (is_here) {

@@ -54,9 +54,11 @@ class DeviceRegistry {
   /// An id that changes whenever the device was away, because its sheet may have moved then.
   [[nodiscard]] std::string session_of(const std::string& id) const;
 
-  /// Whether this plan cannot be cut here but a new plan could.
+  /// Whether the device cannot cut this plan but could cut a new one.
   [[nodiscard]] bool wants_own_plan(const std::string& id, const PlanRow& plan) const;
-  /// Why a plan cannot be cut on a device, for a job of that site (empty: any site); empty: it can.
+  /// Why a device cannot cut a plan; empty: it can.
+  ///
+  /// @param site  of the job; empty: any site
   [[nodiscard]] std::string misfit(const std::string& id, const PlanRow& plan,
                                    const std::string& site) const;
   /// Devices that are connected, enabled and suitable.

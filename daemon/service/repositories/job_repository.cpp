@@ -132,7 +132,7 @@ Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
     return refuse_value("/copies", "range",
                         fmt::format("{} copies make {} sheets; a job has at most {}",
                                     request.copies, sheets, parts_.options.sheets_per_job));
-  // A plan that is not made yet has a machine and a material, but no area.
+  // The area is compared only if the plan is made: before that, a plan has none.
   if (!request.device.empty())
     if (const std::string why = parts_.devices.misfit(request.device, plan, row.site); !why.empty())
       return refuse_value("/device", "value", why);

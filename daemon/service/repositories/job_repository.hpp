@@ -20,7 +20,7 @@ namespace popcut::daemon {
 /// What is known of a sheet while it is cut, and not stored.
 struct LiveCut {
   std::int64_t certain{}, sent{};  ///< strokes of this blank
-  std::int64_t done{};             ///< that are probably cut
+  std::int64_t done{};             ///< strokes that are probably cut
   double cut_share{};              ///< part of the sheet's strokes that is estimated to be done
   double seconds_left{-1};         ///< of the sheet; below 0: not known yet
 };

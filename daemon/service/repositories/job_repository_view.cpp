@@ -96,7 +96,7 @@ std::optional<TimeMs> JobRepository::armed_until(const JobRow& row) const {
   const auto arm = const_cast<JobRepository*>(this)->attempts_.armed(row.id);
   if (!arm) return std::nullopt;
   const TimeMs until = arm->armed + parts_.options.arm_s * 1000;
-  // The arm lapses by the monotonic clock. Only a wall clock that was put right differs from it.
+  // The arm expires by the monotonic clock. The two times differ only if the wall clock was set.
   const bool is_here = arm_left_ms && arm->node == parts_.store.node().name;
   const auto left_ms = is_here ? arm_left_ms(row.id) : std::nullopt;
   const TimeMs here = parts_.store.now() + left_ms.value_or(0);

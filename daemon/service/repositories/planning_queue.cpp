@@ -406,8 +406,8 @@ std::string PlanningQueue::next() {
   return {};
 }
 
-// Releases plans that this node claimed and no longer makes. Their end could not be stored. Other
-// nodes cannot take them until then.
+// Releases plans that this node claimed but no longer makes, because their end could not be stored.
+// Until they are released, no node can make them.
 void PlanningQueue::take_up_unrecorded() {
   for (const std::string& id : std::exchange(unrecorded_, {})) {
     const Answer<void> given = parts_.store.change([&]() -> Answer<void> {
@@ -444,7 +444,7 @@ PlanningTask PlanningQueue::task_of(const PlanRow& plan, const Design& design,
 Begun PlanningQueue::start(const std::string& id) {
   const auto plan = plans_.find(id);
   if (!plan) return Begun::Later;
-  // A plan whose failure cannot be stored would be the next one again.
+  // If the failure cannot be stored, stop: `next` would return this plan again.
   const auto failed = [&](const std::string& why) {
     return fail_plan(id, why) ? Begun::Not : Begun::Later;
   };
@@ -465,7 +465,8 @@ Begun PlanningQueue::start(const std::string& id) {
   }
   fill_in(task, *plan);
   if (const auto owner = parts_.designs.owners().first(Owned::Plan, id)) task.who = owner->owner;
-  // Before it begins: if popcutd dies of it, the next start knows; and no other node begins it.
+  // Claim it before it begins. If popcutd dies of it, the next start knows; and no other node
+  // begins it.
   bool is_mine = false;
   const Answer<void> noted = parts_.store.change([&]() -> Answer<void> {
     is_mine = plans_.claim(id, parts_.store.node());

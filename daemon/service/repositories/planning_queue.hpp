@@ -16,11 +16,11 @@
 
 namespace popcut::daemon {
 
-/// What became of a plan or a search that was to be made now.
+/// The result of an attempt to begin a plan or a search.
 enum class Begun : std::uint8_t {
   Yes,
-  Not,    ///< another may begin
-  Later,  ///< none may now: a file is on its way, or nothing can be stored
+  Not,    ///< this one did not begin; try another
+  Later,  ///< nothing can begin now: a file is on its way, or nothing can be stored
 };
 
 /// Plans. The same design and options are planned once. A few plans are made at a time; those who
@@ -71,7 +71,7 @@ class PlanningQueue : public Plans {
   ///
   /// @retval QueueFull  `who` waits for too many plans
   [[nodiscard]] Answer<void> await(const Principal& who, const PlanRow& plan);
-  /// Moves the plan ahead of all plans that only `owner`'s jobs need.
+  /// Puts the plan before those for which only jobs of `owner` wait.
   void hurry(const std::string& plan, const std::string& owner);
   /// Gives the planner as many plans as it accepts.
   void pump();

@@ -443,7 +443,7 @@ TakeUp take_up(ServiceStore& store, JobRepository& jobs, const std::string& atte
   if (!store.in_fleet()) return TakeUp::Goes;
   const auto known = jobs.attempts().find(attempt);
   if (!known) return TakeUp::Superseded;
-  // The job is in the state in which the knife is, also if the database went back and forgot it.
+  // The job takes the state of the knife, also if the database went back and forgot that state.
   const auto bring_in_step = [&](JobRow& row) {
     if (held && row.state == JobState::Cutting)
       jobs.take(row, step_of(row.state, JobEvent::CutHeld), "");

@@ -33,7 +33,7 @@ class UsageSum {
   std::map<std::string, UsageRow> sums_{};
 };
 
-/// What a sheet of a job took of a device.
+/// The use of a device for a sheet of a job.
 struct SheetUse {
   std::string operator_name, device;
   int sheet{};

@@ -374,7 +374,7 @@ void SearchRepository::forget(const std::string& id) {
   parts_.store.files().forget("searches/" + id + "/");
   parts_.store.emit("notice", "", JsonObject().text("search", id).text("state", "removed"));
   parts_.store.after_commit([this, id] {
-    // What a planner still makes of it goes when that is over.
+    // If the planner still makes it, `over` removes its files.
     if (running_ && running_->id == id)
       parts_.planner.cancel(running_->task);
     else
@@ -436,13 +436,14 @@ Begun SearchRepository::start(const std::string& id) {
   if (waiting->begun >= (parts_.store.in_fleet() ? kMostBegunAmongNodes : kMostBegunAlone)) {
     const std::string why = fmt::format(
         "popcutd ended {} times while it was made; please report the model", waiting->begun);
-    // A search whose failure cannot be stored would be the next one again.
+    // If the failure cannot be stored, stop: `next` would return this search again.
     return finish(id, SearchState::Failed, "", why) ? Begun::Not : Begun::Later;
   }
   Answer<PlanningTask> task = task_of(*waiting);
   if (!task) return Begun::Later;  // its model is on its way; the next tick asks again
   bool is_mine = false;
-  // Before it begins: if popcutd dies of it, the next start knows; and no other node begins it.
+  // Claim it before it begins. If popcutd dies of it, the next start knows; and no other node
+  // begins it.
   const Answer<void> noted = parts_.store.change([&]() -> Answer<void> {
     is_mine =
         parts_.store.db().run(

@@ -71,10 +71,12 @@ class SearchRepository : public Searches {
     FoundCardRecord card;
   };
   [[nodiscard]] Answer<Picked> card_of(const std::string& id, int card);
-  /// As it is for `who`, if they own it; its front only if the row has one.
+  /// The record as `who` sees it. It has a front only if the row has one.
   [[nodiscard]] SearchRecord record_of(const Principal& who, const Row& row) const;
   [[nodiscard]] bool is_owned(const Row& row, const std::string& owner) const;
-  /// Path of a file of a card; `what` it is, for errors.
+  /// Path of a file of a card.
+  ///
+  /// @param what  names the file in errors
   [[nodiscard]] Answer<std::string> file_of(const std::string& id, int card,
                                             const std::string& name, std::string_view what);
   [[nodiscard]] std::string next();
