@@ -179,7 +179,7 @@ void ServiceStore::note_full() {
   full_ = true;
 }
 
-Problem ServiceStore::unkept(const Error& error) {
+Problem ServiceStore::file_problem(const Error& error) {
   note_full();
   const Answer<void> room = accepts_work();
   return !room && room.error().kind == ProblemKind::Unavailable ? room.error()

@@ -130,7 +130,7 @@ class ServiceStore {
   void note(const StoreFault& fault);
   void note_full();
   /// Notes that a file could not be kept, and returns the problem.
-  [[nodiscard]] Problem unkept(const Error& error);
+  [[nodiscard]] Problem file_problem(const Error& error);
   /// Whether a write failed. Then nothing more is written until popcutd restarts.
   [[nodiscard]] bool degraded() const { return degraded_; }
   [[nodiscard]] bool full() const { return full_; }

@@ -240,7 +240,7 @@ Answer<Design> DesignRepository::store(const Principal& who, const Upload& uploa
     if (!exists(upload.path) && exists(place)) {
       // The transaction is tried a second time.
     } else if (const Result<void> kept = keep_file(upload.path, place); !kept) {
-      return tl::unexpected(store_.unkept(kept.error()));
+      return tl::unexpected(store_.file_problem(kept.error()));
     }
     store_.db().insert("design(id, name, kind, owner, bytes, created, assets, media_type)", id,
                        name, design.kind, design.owner, design.bytes, design.created,
@@ -272,7 +272,7 @@ Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& up
     if (!exists(upload.path) && exists(place)) {
       // The transaction is tried a second time.
     } else if (const Result<void> kept = keep_file(upload.path, place); !kept) {
-      return tl::unexpected(store_.unkept(kept.error()));
+      return tl::unexpected(store_.file_problem(kept.error()));
     }
     const Asset asset{.id = id,
                       .name = upload.name,

@@ -130,11 +130,12 @@ class DesignRepository : public Designs {
   void pictures_made(const std::string& id, const Answer<PlanningOutcome>& outcome);
   /// Reads a stored file on another thread.
   void read_aside(const std::string& place, Shown done);
-  struct PictureWanted {
+  struct PictureRequest {
     std::string name;
     Shown done;
   };
-  std::map<std::string, std::vector<PictureWanted>> drawing_{};  ///< requests that wait, by design
+  /// Requests that wait for the pictures of a design, by design.
+  std::map<std::string, std::vector<PictureRequest>> picture_requests_{};
   std::map<std::string, std::string> materials_{};  ///< results of `own_material`, by design
 };
 

@@ -126,10 +126,10 @@ void DesignRepository::picture(const Principal& who, const std::string& id, cons
   if (const auto bytes = std::filesystem::file_size(place, ignored); !ignored && bytes > 0)
     return read_aside(place, std::move(done));
   if (!previewer_) return done(no_previewer());
-  const auto drawn = drawing_.find(id);
-  if (drawn != drawing_.end()) return drawn->second.push_back({name, std::move(done)});
-  // Add this request to `drawing_` only after its task has begun, because later requests for the
-  // design then wait for that task.
+  const auto drawn = picture_requests_.find(id);
+  if (drawn != picture_requests_.end()) return drawn->second.push_back({name, std::move(done)});
+  // Add this request to `picture_requests_` only after its task has begun, because later requests
+  // for the design then wait for that task.
   Answer<PreviewTask> task = store_.look([&]() -> Answer<PreviewTask> {
     return PreviewTask{task_for(*design, PlanningTask::Kind::Picture), who.name};
   });
@@ -147,16 +147,16 @@ void DesignRepository::picture(const Principal& who, const std::string& id, cons
         (void)write_file(folder->at("previews/" + id + "." + file.name), file.bytes);
     post([this, id, made = std::move(outcome)] { pictures_made(id, made); });
   });
-  drawing_[id].push_back({name, std::move(done)});
+  picture_requests_[id].push_back({name, std::move(done)});
 }
 
 void DesignRepository::pictures_made(const std::string& id,
                                      const Answer<PlanningOutcome>& outcome) {
   name_turn("pictures made");
-  std::vector<PictureWanted> waiting;
-  waiting.swap(drawing_[id]);
-  drawing_.erase(id);
-  for (const PictureWanted& one : waiting) {
+  std::vector<PictureRequest> waiting;
+  waiting.swap(picture_requests_[id]);
+  picture_requests_.erase(id);
+  for (const PictureRequest& one : waiting) {
     if (outcome)
       one.done(file_named(*outcome, one.name));
     else

@@ -359,7 +359,7 @@ Answer<PlanRow> PlanningQueue::find_or_add(const Principal& who, PlanRow row) {
 void PlanningQueue::hurry(const std::string& plan, const std::string& owner) {
   if (hurried_.size() >= kMostHurried) return;
   hurried_.push_back({plan, owner});
-  asked_.insert(plan);
+  requested_.insert(plan);
 }
 
 // The next plan of `owner`: first those that were requested themselves, then those for which jobs
@@ -575,14 +575,14 @@ void PlanningQueue::keep(const std::string& id, const std::shared_ptr<PlanningOu
   if (!is_gone && !is_last)
     return parts_.post([this, id, made, next = from + count] { keep(id, made, next); });
   running_.erase(id);
-  asked_.erase(id);
+  requested_.erase(id);
   if (is_gone && is_removed(id)) parts_.aside.remove(folder_of(id));
   if (!is_gone && ended) ended(id);
   pump();
 }
 
 bool PlanningQueue::fail_plan(const std::string& id, const std::string& why) {
-  asked_.erase(id);
+  requested_.erase(id);
   const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {
     auto plan = plans_.find(id);
     if (!plan || plan->state != PlanState::Pending) return {};
@@ -708,7 +708,7 @@ void PlanningQueue::forget(const std::string& id) {
   parts_.store.db().run("DELETE FROM plan WHERE id=?", id);
   parts_.store.files().forget("plans/" + id + "/");
   parts_.store.after_commit([this, id] {
-    asked_.erase(id);
+    requested_.erase(id);
     std::erase_if(hurried_, [&](const Hurried& one) { return one.plan == id; });
     // If the planner still makes it, its files are removed at the end.
     if (const auto found = running_.find(id); found != running_.end())
@@ -727,10 +727,10 @@ bool PlanningQueue::is_removed(const std::string& id) {
   }
 }
 
-// `asked_` is lost with a restart, and another node of a fleet does not have it. But whoever asked
-// for a plan and has no job of it requested the plan itself.
+// `requested_` is lost with a restart, and another node of a fleet does not have it. But whoever
+// asked for a plan and has no job of it requested the plan itself.
 bool PlanningQueue::awaited(const std::string& plan) {
-  return asked_.contains(plan) ||
+  return requested_.contains(plan) ||
          parts_.store.db().number(
              "SELECT EXISTS(SELECT 1 FROM job WHERE plan=?1 AND state IN ('queued', 'planning')) "
              "OR EXISTS(SELECT 1 FROM plan_asker WHERE plan=?1 AND NOT EXISTS (SELECT 1 FROM job "

@@ -153,7 +153,7 @@ class PlanningQueue : public Plans {
   std::map<std::string, std::uint64_t> running_;  ///< task of the planner by plan
   std::deque<Hurried> hurried_;
   std::string turn_of_{};             ///< the owner who had the last turn
-  std::set<std::string> asked_;       ///< plans that a person requested, not a job
+  std::set<std::string> requested_;   ///< plans that a person requested, not a job
   std::set<std::string> unrecorded_;  ///< plans that are over, but could not be stored
   /// What was made of plans that could not be stored yet.
   std::map<std::string, std::shared_ptr<PlanningOutcome>> unstored_{};

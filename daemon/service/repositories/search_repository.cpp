@@ -327,7 +327,7 @@ void SearchRepository::pick(const Principal& who, const std::string& id, int car
   Upload upload{parts_.store.folder().at("incoming/" + parts_.store.new_id()), sha256_hex(spec),
                 spec.size()};
   if (const Result<void> written = write_file(upload.path, spec); !written)
-    return done(tl::unexpected(parts_.store.unkept(written.error())));
+    return done(tl::unexpected(parts_.store.file_problem(written.error())));
   parts_.designs.add(who, std::move(upload), "application/json", name.empty() ? picked->name : name,
                      std::move(done));
 }
