@@ -174,7 +174,8 @@ int put(const std::string& path, std::string_view bytes) {
   return file;
 }
 
-/// The list first, and for good: a list without its witness would say that anything was sent.
+/// Removes the list first and syncs that: a list without its witness would say that anything may
+/// have been sent.
 void take_away(const std::string& list, const std::string& witness) {
   ::unlink(list.c_str());
   (void)sync_folder(fs::path(list).parent_path().string());
@@ -314,8 +315,12 @@ void IntentJournals::remove(const std::string& attempt) const {
   take_away(list_of(folder_, attempt), witness_of(folder_, attempt));
 }
 
+// As `take_away`, with one sync for all: a running cut may wait meanwhile.
 void IntentJournals::checkpointed() {
-  for (const std::string& attempt : ended_) remove(attempt);
+  if (ended_.empty()) return;
+  for (const std::string& attempt : ended_) ::unlink(list_of(folder_, attempt).c_str());
+  (void)sync_folder(folder_.at("intents"));
+  for (const std::string& attempt : ended_) ::unlink(witness_of(folder_, attempt).c_str());
   ended_.clear();
 }
 
