@@ -5,6 +5,7 @@
 #include <array>
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -142,8 +143,7 @@ class ProcessPlanner final : public Planner {
       CallOff call_off;
       running_[task->id] = &call_off;
       lock.unlock();
-      find_assets(task->task);
-      Result<PlanningOutcome> outcome = run(task->task, call_off);
+      Result<PlanningOutcome> outcome = outcome_of(task->task, call_off);
       lock.lock();
       running_.erase(task->id);
       if (is_checker) ++idle_checkers_;
@@ -151,9 +151,27 @@ class ProcessPlanner final : public Planner {
         checked_for_.erase(std::find(checked_for_.begin(), checked_for_.end(), task->task.who));
       lock.unlock();
       changed_.notify_all();
-      task->done(std::move(outcome));
+      tell(*task, std::move(outcome));
       task.reset();
       lock.lock();
+    }
+  }
+
+  // An exception that left one of these threads would end popcutd, and with it a cut.
+
+  Result<PlanningOutcome> outcome_of(PlanningTask& task, const CallOff& call_off) {
+    try {
+      find_assets(task);
+      return run(task, call_off);
+    } catch (const std::exception&) {
+      return fail(ErrorKind::Internal, "", "out of memory");  // so short that it needs none
+    }
+  }
+
+  static void tell(const Task& task, Result<PlanningOutcome> outcome) {
+    try {
+      task.done(std::move(outcome));
+    } catch (const std::exception&) {  // no memory to take it
     }
   }
 
@@ -190,7 +208,7 @@ class ProcessPlanner final : public Planner {
       Task task = std::move(called_off_.front());
       called_off_.pop_front();
       lock.unlock();
-      task.done(fail(ErrorKind::Refused, "", "the planning was cancelled"));
+      tell(task, fail(ErrorKind::Refused, "", "the planning was cancelled"));
       task = {};
       lock.lock();
     }

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <map>
 #include <mutex>
 #include <thread>
@@ -215,8 +216,7 @@ class ProcessPreviewer final : public Previewer {
     lane.line->at_work.push_back(place.who);
     lane.is_at_work = true;
     lock.unlock();
-    find_assets(one.task.task);
-    Result<PlanningOutcome> outcome = run(lane, one.task, running->call_off);
+    Result<PlanningOutcome> outcome = outcome_of(lane, one.task, running->call_off);
     lock.lock();
     running_.erase(place.id);
     std::erase(lane.line->at_work, place.who);
@@ -234,12 +234,15 @@ class ProcessPreviewer final : public Previewer {
     }
     lock.unlock();
     changed_.notify_all();
-    if (outcome)
-      one.done(std::move(*outcome));
-    else if (outcome.error().kind != ErrorKind::Refused)
-      one.done(tl::unexpected(problem_from(outcome.error())));
-    else
-      one.done(tl::unexpected(is_superseded ? superseded() : called_off()));
+    try {
+      if (outcome)
+        one.done(std::move(*outcome));
+      else if (outcome.error().kind != ErrorKind::Refused)
+        one.done(tl::unexpected(problem_from(outcome.error())));
+      else
+        one.done(tl::unexpected(is_superseded ? superseded() : called_off()));
+    } catch (const std::exception&) {  // no memory to take it; an exception here would end popcutd
+    }
     one = {};
     lock.lock();
   }
@@ -249,6 +252,17 @@ class ProcessPreviewer final : public Previewer {
                              const Running& running) const {
     return is_warm(task) && lane.worker.ran_out_of_time() && !task.is_patient &&
            !running.call_off.called() && !stopping_;
+  }
+
+  /// Like `run`. An exception that left the thread would end popcutd, and with it a cut.
+  Result<PlanningOutcome> outcome_of(Lane& lane, PreviewTask& task, const CallOff& call_off) {
+    try {
+      find_assets(task.task);
+      return run(lane, task, call_off);
+    } catch (const std::exception&) {
+      lane.worker.end();                                      // it may have got a part of the task
+      return fail(ErrorKind::Internal, "", "out of memory");  // so short that it needs none
+    }
   }
 
   Result<PlanningOutcome> run(Lane& lane, const PreviewTask& task, const CallOff& call_off) {

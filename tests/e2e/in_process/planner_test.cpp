@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <new>
 #include <random>
 #include <set>
 #include <string>
@@ -164,6 +165,14 @@ TEST_CASE("an invalid design is reported with the place", "[daemon][planner]") {
   options.options.clear();
   options.design_path = (bench.temp / "absent").string();
   bench.refused(options, ErrorKind::Internal, options.design_path, "cannot be read");
+}
+
+TEST_CASE("a planner whose caller throws goes on with the tasks of others", "[daemon][planner]") {
+  Bench bench;
+  for (int k = 0; k < 3; ++k)
+    bench.planner->start(bench.task(Kind::Check, kSvg),
+                         [](const Result<PlanningOutcome>&) { throw std::bad_alloc(); });
+  for (int k = 0; k < 4; ++k) CHECK(bench.run(bench.task(Kind::Check, kSvg)));
 }
 
 TEST_CASE("a plan has the same bytes as popcut plan every time", "[daemon][planner]") {

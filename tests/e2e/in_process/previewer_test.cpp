@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstring>
+#include <new>
 #include <set>
 #include <string>
 #include <vector>
@@ -158,6 +159,14 @@ TEST_CASE("one worker serves the previews of one principal and nobody else", "[d
   REQUIRE(bench.run(preview(spec, "draft", "cy")));  // there are two: one of them makes room
   const std::vector<int> now = children();
   CHECK(now.size() == 2);
+}
+
+TEST_CASE("a previewer whose caller throws goes on with the previews of others",
+          "[daemon][previews]") {
+  Bench bench;
+  bench.previewer->start(preview(sphere(4, 3), "draft", "ana"),
+                         [](const Answer<PlanningOutcome>&) { throw std::bad_alloc(); });
+  for (const char* who : {"ana", "ben"}) CHECK(bench.run(preview(sphere(4, 3), "draft", who)));
 }
 
 TEST_CASE("errors of a preview have the places that a design has", "[daemon][previews]") {
