@@ -18,6 +18,12 @@ class OwnFiles final : public SharedFiles {
 
 }  // namespace
 
+Event event_of(const Rows& rows) {
+  Event event;
+  rows.read(0, std::tie(event.seq, event.kind, event.time, event.job, event.data));
+  return event;
+}
+
 ServiceStore::ServiceStore(Store& store, const ServiceOptions& options)
     : store_(store), options_(options) {
   // New ids are greater than all others, also when the clock was put back. In a fleet the clock is
@@ -131,11 +137,7 @@ void ServiceStore::deliver_new_events() {
     std::vector<Event> news = all_of(
         db().rows("SELECT seq, kind, time, job, data FROM event WHERE seq>? ORDER BY seq LIMIT ?",
                   last_delivered_, kAtOnce),
-        [](const Rows& one) {
-          Event event;
-          one.read(0, std::tie(event.seq, event.kind, event.time, event.job, event.data));
-          return event;
-        });
+        event_of);
     count = static_cast<int>(news.size());
     for (const Event& event : news) {
       last_delivered_ = event.seq;

@@ -22,6 +22,9 @@ namespace popcut::daemon {
 /// The notice that a node sends to all others when credentials have ended or have another role.
 inline constexpr const char* kAccessChanged = ":access";
 
+/// The event of a row "seq, kind, time, job, data".
+[[nodiscard]] Event event_of(const Rows& rows);
+
 /// The store as the parts of the service use it: transactions and their effects, events, audit, and
 /// what happens when a disk fails.
 class ServiceStore {

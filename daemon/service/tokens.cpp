@@ -190,14 +190,18 @@ void Tokens::notify_access_change() {
   store_.after_commit([this] { forget_known(); });
 }
 
+Answer<void> Tokens::check_name(const std::string& name) {
+  if (!name.empty() && code_points(name) <= kNameLimit.characters) return {};
+  return refuse_value("/name", "range",
+                      fmt::format("must have 1 to {} characters", kNameLimit.characters),
+                      "the name is not valid");
+}
+
 Answer<NewToken> Tokens::create_token(const Principal& who, const std::string& name, Role role,
                                       std::optional<int> lifetime_s) {
   if (who.role < Role::Admin)
     return refuse(ProblemKind::Forbidden, "only an admin may create tokens");
-  if (name.empty() || code_points(name) > kNameLimit.characters)
-    return refuse_value("/name", "range",
-                        fmt::format("must have 1 to {} characters", kNameLimit.characters),
-                        "the name is not valid");
+  if (auto fine = check_name(name); !fine) return tl::unexpected(std::move(fine.error()));
   if (lifetime_s && (*lifetime_s < 1 || *lifetime_s > kMostTokenLifetime_s))
     return refuse_value("/lifetime_s", "range", fmt::format("must be 1..{}", kMostTokenLifetime_s),
                         "the lifetime is not valid");

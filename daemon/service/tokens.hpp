@@ -86,6 +86,8 @@ class Tokens : public Access {
                                                               const std::string& name,
                                                               std::optional<Role> most);
   [[nodiscard]] std::optional<SessionRecord> record_of(const Session& session);
+  /// Checks the name of a token or a tablet.
+  [[nodiscard]] static Answer<void> check_name(const std::string& name);
   [[nodiscard]] std::string new_code() const;
   void forget_late_pairings();
   /// @return false  twenty tablets wait, no two of them at one place

@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "core/text/utf8.hpp"
-#include "daemon/model/input_limits.hpp"
 #include "daemon/service/tokens.hpp"
 
 namespace popcut::daemon {
@@ -70,10 +68,7 @@ bool Tokens::make_room_for_pairing(const std::string& place) {
 }
 
 Answer<NewPairing> Tokens::ask_pairing(const std::string& name, const std::string& place) {
-  if (name.empty() || code_points(name) > kNameLimit.characters)
-    return refuse_value("/name", "range",
-                        fmt::format("must have 1 to {} characters", kNameLimit.characters),
-                        "the name is not valid");
+  if (auto fine = check_name(name); !fine) return tl::unexpected(std::move(fine.error()));
   forget_late_pairings();
   if (!make_room_for_pairing(place)) {
     return refuse(ProblemKind::Unavailable,

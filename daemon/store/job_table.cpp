@@ -15,7 +15,6 @@ namespace {
 
 // Rows that one request looks at, whether or not they are in its answer.
 constexpr int kMostLooked = 2000;
-constexpr std::int64_t kPositionStep = std::int64_t{1} << 20;
 
 // "SELECT id, rev, ... FROM job WHERE " and the rest.
 std::string select(std::string_view rest) {

@@ -12,6 +12,9 @@
 
 namespace popcut::daemon {
 
+/// How far a job at the end of the queue is from the one before it, so that others fit in between.
+inline constexpr std::int64_t kPositionStep = std::int64_t{1} << 20;
+
 /// Where a job stands in the queue, for the next page.
 struct QueuePlace {
   int priority{};

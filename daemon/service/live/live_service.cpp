@@ -380,11 +380,7 @@ Answer<std::vector<Event>> AssembledService::events(std::int64_t after, int limi
                                   "SELECT seq, kind, time, job, data FROM event "
                                   "WHERE seq>? AND job=? ORDER BY seq LIMIT ?",
                                   after, job, most);
-    return all_of(std::move(rows), [](const Rows& one) {
-      Event event;
-      one.read(0, std::tie(event.seq, event.kind, event.time, event.job, event.data));
-      return event;
-    });
+    return all_of(std::move(rows), event_of);
   });
 }
 

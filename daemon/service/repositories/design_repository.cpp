@@ -376,8 +376,7 @@ void DesignRepository::remove_row(const std::string& id) {
   store_.after_commit([this, id] {
     aside_.remove(store_.folder().at("designs/" + id));
     aside_.remove(store_.folder().at("previews/" + id + ".svg"));
-    for (const char* const name : {"deployed.svg", "pattern.svg"})
-      aside_.remove(picture_place(id, name));
+    for (const char* const name : kPictures) aside_.remove(picture_place(id, name));
   });
 }
 

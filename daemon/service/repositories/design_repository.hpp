@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -18,6 +19,9 @@
 #include "daemon/store/ownership_table.hpp"
 
 namespace popcut::daemon {
+
+/// The pictures of a design that are kept, see `Designs::picture`.
+inline constexpr std::array<const char*, 2> kPictures{"deployed.svg", "pattern.svg"};
 
 /// Designs and assets: files named by the digest of their bytes, a row for each, and their owners
 /// (see `OwnershipTable`).

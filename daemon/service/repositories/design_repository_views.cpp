@@ -139,7 +139,7 @@ void DesignRepository::picture(const Principal& who, const std::string& id, cons
     // A design without a picture must not be tried again and again.
     if (!outcome && outcome.error().kind == ProblemKind::Validation) {
       outcome = PlanningOutcome{};
-      for (const char* const one : {"deployed.svg", "pattern.svg"})
+      for (const char* const one : kPictures)
         outcome->files.push_back({one, planning::no_preview_svg("its preview says why")});
     }
     if (outcome)
@@ -164,8 +164,7 @@ void DesignRepository::pictures_made(const std::string& id,
   }
   // If the design was removed meanwhile, remove its pictures, too.
   if (!find(id))
-    for (const char* const name : {"deployed.svg", "pattern.svg"})
-      aside_.remove(picture_place(id, name));
+    for (const char* const name : kPictures) aside_.remove(picture_place(id, name));
 }
 
 }  // namespace popcut::daemon

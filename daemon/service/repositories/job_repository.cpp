@@ -12,7 +12,6 @@ namespace popcut::daemon {
 namespace {
 
 constexpr int kAtOnce = 200;  // jobs of one plan that change in one transaction
-constexpr std::int64_t kPositionStep = std::int64_t{1} << 20;
 // Each job of a list shows only these warnings; the plan has all.
 constexpr std::size_t kWarningsOfJob = 10, kWarningOfJob = 300;  // how many, and their bytes
 

@@ -30,8 +30,6 @@ Answer<void> check_planned(const std::optional<Row>& plan, const std::string& id
 constexpr const char* kUsualMachine = "cameo3";
 constexpr std::size_t kMostHurried = 1000;
 constexpr std::size_t kMostWarnings = 200, kLongestWarning = 1000;
-// If popcutd died so often while it made a plan, the plan may be the cause.
-constexpr int kMostBegun = 10, kMostBegunInFleet = 3;
 // How many plans of an owner are read to find one that is not being made already.
 constexpr int kLooked = 8;
 // An option that popcutd adds to those of a plan: the row of its SVG profile at that time.
@@ -448,8 +446,7 @@ Begun PlanningQueue::start(const std::string& id) {
   const auto failed = [&](const std::string& why) {
     return fail_plan(id, why) ? Begun::Not : Begun::Later;
   };
-  const int most = parts_.store.in_fleet() ? kMostBegunInFleet : kMostBegun;
-  if (plan->begun >= most)
+  if (plan->begun >= most_begun(parts_.store.in_fleet()))
     return failed(fmt::format("popcutd ended {} times while it was made; please report the design",
                               plan->begun));
   PlanningTask task;

@@ -23,6 +23,9 @@ enum class Begun : std::uint8_t {
   Later,  ///< nothing can begin now: a file is on its way, or nothing can be stored
 };
 
+/// If popcutd died so often while it made a plan or a search, this may be the cause.
+[[nodiscard]] constexpr int most_begun(bool in_fleet) { return in_fleet ? 3 : 10; }
+
 /// Plans. The same design and options are planned once. A few plans are made at a time; those who
 /// wait take turns, and each gets plans in the order of the queue. Waiting plans are in the store
 /// only, and those that the planner makes also in memory.

@@ -24,8 +24,6 @@ namespace {
   "error, created, begun, planner"
 
 constexpr std::array<std::string_view, 3> kSearchStates{"pending", "found", "failed"};
-// If popcutd died so often during a search, the search may be the cause.
-constexpr int kMostBegunAlone = 10, kMostBegunAmongNodes = 3;
 constexpr std::int64_t kMostWaiting = 1000;
 constexpr int kRetry_s = 60;
 
@@ -433,7 +431,7 @@ Answer<PlanningTask> SearchRepository::task_of(const Row& row) {
 Begun SearchRepository::start(const std::string& id) {
   const auto waiting = row(id);
   if (!waiting) return Begun::Not;
-  if (waiting->begun >= (parts_.store.in_fleet() ? kMostBegunAmongNodes : kMostBegunAlone)) {
+  if (waiting->begun >= most_begun(parts_.store.in_fleet())) {
     const std::string why = fmt::format(
         "popcutd ended {} times while it was made; please report the model", waiting->begun);
     // If the failure cannot be stored, stop: `next` would return this search again.
