@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 
 namespace popcut::daemon {
 
@@ -23,6 +24,12 @@ inline constexpr TextLimit kTagLimit{40};
 inline constexpr TextLimit kIdLimit{64};          ///< ids, and names of machines, mats and sites
 inline constexpr TextLimit kContentIdLimit{80};   ///< "sha256-" and 64 digits, and as long plan ids
 inline constexpr TextLimit kMaterialIdLimit{60};  ///< of a material that is added
+/// Whether a material that is added may have this id.
+[[nodiscard]] constexpr bool is_material_id(std::string_view id) {
+  return !id.empty() && id.size() <= kMaterialIdLimit.characters &&
+         id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_.") == std::string_view::npos;
+}
+
 inline constexpr TextLimit kSecretLimit{200};
 inline constexpr TextLimit kPairingCodeLimit{20};  ///< with the blanks that people type
 inline constexpr TextLimit kWarningCodeLimit{40};

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <algorithm>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -24,13 +22,6 @@ namespace {
 Response answer_device(const Request& request, const Answer<DeviceRecord>& device) {
   return device ? revised(200, device->rev, to_json(*device))
                 : problem_response(device.error(), request);
-}
-
-bool is_material_id(const std::string& id) {
-  return id.size() <= kMaterialIdLimit.characters && std::all_of(id.begin(), id.end(), [](char c) {
-           return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||
-                  c == '.';
-         });
 }
 
 }  // namespace

@@ -29,11 +29,6 @@ std::vector<std::string> names_of(const std::map<std::string, std::string>& rows
   return names;
 }
 
-bool is_name(const std::string& id) {
-  return !id.empty() && id.size() <= kMaterialIdLimit.characters &&
-         id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_.") == std::string::npos;
-}
-
 Problem stale(std::int64_t rev) {
   Problem problem{ProblemKind::Stale, "the material has changed; read it again"};
   problem.rev = rev;
@@ -121,7 +116,7 @@ Answer<MaterialRecord> MaterialRepository::put(const Principal& who, const std::
                                                std::int64_t if_match, const std::string& json) {
   if (who.role < Role::Admin)
     return refuse(ProblemKind::Forbidden, "only an admin may change materials");
-  if (!is_name(id))
+  if (!is_material_id(id))
     return refuse_value(
         "/name", "format",
         fmt::format("must be 1 to {} characters of a-z 0-9 - _ .", kMaterialIdLimit.characters),

@@ -27,6 +27,12 @@ Answer<void> check_planned(const std::optional<Row>& plan, const std::string& id
                                                 : "this plan is not finished yet");
 }
 
+// Whether somebody owns the plan and its design. A test cut has no design.
+#define POPCUT_PLAN_HAS_OWNER                                                              \
+  "EXISTS (SELECT 1 FROM ownership AS own WHERE own.kind='plan' AND own.id=plan.id AND "   \
+  "(plan.design='' OR EXISTS (SELECT 1 FROM ownership AS too WHERE too.kind='design' AND " \
+  "too.id=plan.design AND too.owner=own.owner)))"
+
 constexpr const char* kUsualMachine = "cameo3";
 constexpr std::size_t kMostHurried = 1000;
 constexpr std::size_t kMostWarnings = 200, kLongestWarning = 1000;
@@ -613,14 +619,8 @@ bool PlanningQueue::is_owned(const PlanRow& plan, const std::string& owner) {
 
 bool PlanningQueue::is_owned(const std::string& plan) {
   return parts_.store.db().number(
-             // A test cut has no design.
-             "SELECT EXISTS(SELECT 1 FROM plan WHERE id=? AND EXISTS (SELECT 1 FROM ownership AS "
-             "own "
-             "WHERE own.kind='plan' AND own.id=plan.id AND (plan.design='' OR EXISTS (SELECT 1 "
-             "FROM "
-             "ownership AS too WHERE too.kind='design' AND too.id=plan.design AND "
-             "too.owner=own.owner))))",
-             plan) != 0;
+             "SELECT EXISTS(SELECT 1 FROM plan WHERE id=? AND " POPCUT_PLAN_HAS_OWNER ")", plan) !=
+         0;
 }
 
 Answer<void> PlanningQueue::check_jobs(const std::string& plan, const std::string& owner) {
@@ -670,11 +670,8 @@ bool PlanningQueue::remove_some_of(const std::string& design) {
   std::vector<std::string> ids;
   std::int64_t sheets = 0;
   Rows rows = parts_.store.db().rows(
-      "SELECT id, sheets FROM plan WHERE design=? "
-      "AND NOT EXISTS (SELECT 1 FROM job WHERE job.plan=plan.id) "
-      "AND NOT EXISTS (SELECT 1 FROM ownership AS own WHERE own.kind='plan' AND own.id=plan.id "
-      "AND (plan.design='' OR EXISTS (SELECT 1 FROM ownership AS too WHERE too.kind='design' "
-      "AND too.id=plan.design AND too.owner=own.owner))) LIMIT ?",
+      "SELECT id, sheets FROM plan WHERE design=? AND NOT EXISTS (SELECT 1 FROM job WHERE "
+      "job.plan=plan.id) AND NOT " POPCUT_PLAN_HAS_OWNER " LIMIT ?",
       design, kPlansRemoved + 1);
   bool more = false;
   while (rows.next()) {
