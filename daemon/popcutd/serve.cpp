@@ -36,6 +36,7 @@
 #include "daemon/planning/program_file.hpp"
 #include "daemon/planning/worker/confinement.hpp"
 #include "daemon/popcutd/log.hpp"
+#include "daemon/popcutd/pulse.hpp"
 #include "daemon/popcutd/resources.hpp"
 #include "daemon/popcutd/turn_away.hpp"
 #include "daemon/popcutd/webhook.hpp"
@@ -123,41 +124,6 @@ int code_of(const Error& error) {
       return kNeedsPerson;
   }
 }
-
-/// What the service's thread says of itself while it turns.
-class Pulse {
- public:
-  /// Puts a beat on the service's thread, unless one is under way.
-  void ask(ServiceThread& thread, Service& service) {
-    if (asked_.exchange(true)) return;
-    const bool taken = thread.post(ServiceThread::Lane::Asking, [this, &service] {
-      std::string status;
-      for (const DeviceRecord& device : service.devices.list())
-        if (device.state == "busy")
-          status += fmt::format("{}{} is cutting job {}", status.empty() ? "" : "; ", device.id,
-                                device.job);
-      const std::lock_guard hold(lock_);
-      status_ = status.empty() ? "waiting for jobs" : status;
-      beat_ = Clock::now();
-      asked_ = false;
-    });
-    if (!taken) asked_ = false;
-  }
-  [[nodiscard]] bool alive(double stuck_s) const {
-    const std::lock_guard hold(lock_);
-    return since(beat_) < stuck_s;
-  }
-  [[nodiscard]] std::string status() const {
-    const std::lock_guard hold(lock_);
-    return status_;
-  }
-
- private:
-  mutable std::mutex lock_;
-  std::atomic<bool> asked_{false};
-  Clock::time_point beat_{Clock::now()};
-  std::string status_;
-};
 
 std::map<std::string, std::vector<std::string>> materials_of(const Config& config) {
   std::map<std::string, std::vector<std::string>> materials;

@@ -14,10 +14,12 @@
 #include "daemon/popcutd/log.hpp"
 #include "daemon/popcutd/options.hpp"
 #include "daemon/popcutd/paths.hpp"
+#include "daemon/popcutd/pulse.hpp"
 #include "daemon/popcutd/resources.hpp"
 #include "daemon/popcutd/service_manager.hpp"
 #include "daemon/popcutd/turn_away.hpp"
 #include "daemon/popcutd/webhook.hpp"
+#include "tests/support/fake_service.hpp"
 #include "tests/support/process.hpp"
 
 namespace popcutd_parts_test {
@@ -101,6 +103,28 @@ TEST_CASE("popcutd notifies the service manager", "[daemon][systemd]") {
   CHECK_FALSE(alone.present());
   CHECK(alone.tell("READY=1"));
   CHECK_FALSE(alone.watchdog_s());
+}
+
+TEST_CASE("the service's thread is alive also if its cutters cannot be listed",
+          "[daemon][systemd]") {
+  ServiceThread thread;
+  FakeService fake;
+  Pulse pulse;
+  const auto beat = [&] {
+    pulse.ask(thread, fake);
+    thread.run(ServiceThread::Lane::Asking, [] {});
+  };
+  fake.throws_bad_alloc = true;
+  beat();
+  fake.throws_bad_alloc = false;
+  CHECK(pulse.status().empty());
+  beat();  // the one before was answered
+  CHECK(pulse.status() == "waiting for jobs");
+  CHECK(pulse.alive(600));
+  fake.device_map["sim:cameo3"].state = "busy";
+  fake.device_map["sim:cameo3"].job = "7";
+  beat();
+  CHECK(pulse.status() == "sim:cameo3 is cutting job 7");
 }
 
 TEST_CASE("sockets for another process are not used", "[daemon][systemd]") {
