@@ -440,14 +440,20 @@ void Daemon::begin_webhook(WebhookTarget target) {
   Webhook::Source source;
   source.events = [this](std::int64_t after, int most) {
     std::vector<Event> events;
-    thread_->run(ServiceThread::Lane::Asking, [&] {
-      if (auto found = service_->operations.events(after, most, "")) events = std::move(*found);
-    });
+    try {
+      thread_->run(ServiceThread::Lane::Asking, [&] {
+        if (auto found = service_->operations.events(after, most, "")) events = std::move(*found);
+      });
+    } catch (const std::exception&) {  // no memory; it asks again
+    }
     return events;
   };
   source.last_event = [this] {
-    std::int64_t last = 0;
-    thread_->run(ServiceThread::Lane::Asking, [&] { last = service_->operations.last_event(); });
+    std::optional<std::int64_t> last;
+    try {
+      thread_->run(ServiceThread::Lane::Asking, [&] { last = service_->operations.last_event(); });
+    } catch (const std::exception&) {  // the database does not answer; it asks again
+    }
     return last;
   };
   source.log = [log = log_](const std::string& line) { log->warn(line); };

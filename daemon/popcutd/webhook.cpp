@@ -77,20 +77,28 @@ struct Webhook::Impl {
         client({*client::parse_address("http://" + target.host_port)}, "") {
     client.set_tries(0);
     const auto kept = read_whole(cursor_file, 64);
-    taken = kept ? std::strtoll(kept->c_str(), nullptr, 10) : source.last_event();
+    if (kept)
+      taken = std::strtoll(kept->c_str(), nullptr, 10);
+    else
+      taken = source.last_event();
     thread = std::thread([this] { run(); });
   }
 
   void run() {
     std::chrono::milliseconds pause = patience.pause;
     while (!ended()) {
-      const std::vector<Event> events = source.events(taken, kAtOnce);
+      if (!taken) taken = source.last_event();
+      if (!taken) {
+        rest(patience.pause, false);
+        continue;
+      }
+      const std::vector<Event> events = source.events(*taken, kAtOnce);
       bool all = true;
       for (const Event& event : events) {
         all = !ended() && send(event);
         if (!all) break;
         taken = event.seq;
-        (void)write_file(cursor_file, std::to_string(taken));  // at worst it is sent again
+        (void)write_file(cursor_file, std::to_string(event.seq));  // at worst it is sent again
         pause = patience.pause;
       }
       if (all && !events.empty()) continue;
@@ -134,7 +142,7 @@ struct Webhook::Impl {
   std::string cursor_file;
   Source source;
   client::HttpClient client;
-  std::int64_t taken{0};
+  std::optional<std::int64_t> taken{};  ///< the last event; nothing while it is not known
   bool well{true};
   std::mutex lock;
   std::condition_variable changed;

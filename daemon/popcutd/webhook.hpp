@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -41,7 +42,8 @@ class Webhook {
   struct Source {
     /// Stored events after a number, at most so many.
     std::function<std::vector<Event>(std::int64_t after, int most)> events;
-    std::function<std::int64_t()> last_event;
+    /// The number of the newest one; nothing if it is not known now.
+    std::function<std::optional<std::int64_t>()> last_event;
     std::function<void(const std::string& line)> log;
   };
   /// What is granted to an answer: nothing in it is used but its status.

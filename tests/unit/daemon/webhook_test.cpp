@@ -10,6 +10,7 @@
 #include <chrono>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -104,6 +105,28 @@ struct Case {
 };
 
 }  // namespace
+
+TEST_CASE("a webhook begins as soon as the newest event is known", "[daemon][webhook]") {
+  const testing::TempFolder folder;
+  std::atomic<int> asked{0};
+  std::atomic<std::int64_t> first{-1};
+  const Webhook webhook({"127.0.0.1:9", "/", "0123456789abcdef"}, (folder / "webhook").string(),
+                        {.events =
+                             [&](std::int64_t after, int) {
+                               first = after;
+                               return std::vector<Event>();
+                             },
+                         .last_event = [&]() -> std::optional<std::int64_t> {
+                           // The database of a fleet may be away for a while.
+                           if (++asked < 3) return std::nullopt;
+                           return 7;
+                         },
+                         .log = [](const std::string&) {}},
+                        {.pause = std::chrono::milliseconds(1)});
+  CHECK(comes_true([&] { return first >= 0; }));
+  CHECK(first == 7);
+  CHECK(asked == 3);
+}
 
 TEST_CASE("whatever a webhook answers popcutd reads 64 KiB of it and for a limited time",
           "[daemon][webhook]") {
