@@ -106,14 +106,15 @@ bool write_all(int file, std::string_view bytes) {
   return true;
 }
 
-// Reads a part at a time; only what is whole gets its name.
+// Reads a part at a time; only what is whole gets its name. The next start removes what has a name
+// that begins with ".new-".
 Result<void> bring(Database& database, const StateFolder& folder, const std::string& name,
                    const Head& head) {
   const std::string place = folder.at(name);
   std::error_code failed;
   fs::create_directories(fs::path(place).parent_path(), failed);
   const std::string fresh =
-      fmt::format("{}.new-{}", place, sha256_hex(random_bytes(8)).substr(0, 8));
+      (fs::path(place).parent_path() / (".new-" + sha256_hex(random_bytes(8)))).string();
   Sha256 digest;
   const int file =
       ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
@@ -154,7 +155,11 @@ class FleetFiles final : public SharedFiles {
     worker_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
   }
   ~FleetFiles() override {
-    worker_.request_stop();
+    {
+      // Under the lock, so that the worker is either before its look or waits already.
+      const std::lock_guard hold(lock_);
+      worker_.request_stop();
+    }
     wake_.notify_all();
   }
   FleetFiles(const FleetFiles&) = delete;
@@ -252,7 +257,7 @@ class FleetFiles final : public SharedFiles {
         PostgresDatabase& line = own_line();
         if (const std::optional<Head> head = head_of(line, name))
           (void)bring(line, folder_, name, *head);
-      } catch (const StoreFault&) {  // asked for again
+      } catch (const std::exception&) {  // asked for again
       }
       const std::lock_guard hold(lock_);
       coming_.erase(name);
