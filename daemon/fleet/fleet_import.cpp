@@ -99,6 +99,8 @@ class Import {
     look_at_cuts();
     look_for_ids();
     files();
+    // What is left of a material that was deleted must not keep out one that is imported.
+    (void)to_.run("DELETE FROM popcut.material WHERE json=''");
     for (const std::string_view table : table_names())
       if (table != "event") move_table(std::string(table));
     // Last: until the commit no other event gets a number.
