@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <exception>
 #include <map>
 #include <mutex>
 #include <thread>
@@ -197,7 +198,10 @@ class CutterSet final : public Cutters {
       if (stopping_) return;
       look_ = false;
       lock.unlock();
-      look_around();
+      try {
+        look_around();
+      } catch (const std::exception&) {  // no memory; an exception here would end popcutd
+      }
       lock.lock();
     }
   }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <string>
 #include <thread>
@@ -29,6 +31,7 @@ class FakeCutters final : public daemon::Cutters {
 
   bool automatic{false};
   bool refuses{false};
+  std::atomic<bool> reset_throws{false};
 
   explicit FakeCutters(std::vector<std::string> ids = {"sim:cameo3"}) {
     for (const std::string& id : ids) plug(id);
@@ -107,7 +110,10 @@ class FakeCutters final : public daemon::Cutters {
     if (running_.contains(device)) running_.at(device)->cancelled = true;
     wake_.notify_all();
   }
-  Result<void> reset(const std::string&) override { return {}; }
+  Result<void> reset(const std::string&) override {
+    if (reset_throws) throw std::bad_alloc();
+    return {};
+  }
   void stop_all(double) override {
     for (const std::string& device : busy()) {
       cancel(device);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/service/live/device_dispatcher.hpp"
 
+#include <exception>
+
 #include <fmt/format.h>
 
 namespace popcut::daemon {
@@ -110,22 +112,33 @@ Answer<void> DeviceDispatcher::take(const Principal& who, const DeviceRecord& de
 // A reset waits for the device, so it has its own thread.
 void DeviceDispatcher::reset(const std::string& id) {
   if (reset_thread_.joinable()) reset_thread_.join();
-  reset_thread_ = std::thread([this, id, post = parts_.post, cutters = &parts_.cutters] {
-    const Result<void> done = cutters->reset(id);
-    post([this, id, done] {
-      resetting_ = false;
-      (void)parts_.store.change([&]() -> Answer<void> {
-        parts_.store.emit("notice", "",
-                          JsonObject()
-                              .text("device", id)
-                              .text("what", "reset")
-                              .text_or_null("error", done ? "" : message(done.error())));
-        return {};
-      });
-      look();
+  resetting_ = true;
+  try {
+    reset_thread_ = std::thread([this, id, post = parts_.post, cutters = &parts_.cutters] {
+      try {
+        const Result<void> done = cutters->reset(id);
+        post([this, id, done] { reset_ended(id, done); });
+      } catch (const std::exception&) {  // no memory; an exception here would end popcutd
+        resetting_ = false;
+      }
     });
+  } catch (...) {  // there is no thread that ends it
+    resetting_ = false;
+    throw;
+  }
+}
+
+void DeviceDispatcher::reset_ended(const std::string& id, const Result<void>& done) {
+  resetting_ = false;
+  (void)parts_.store.change([&]() -> Answer<void> {
+    parts_.store.emit("notice", "",
+                      JsonObject()
+                          .text("device", id)
+                          .text("what", "reset")
+                          .text_or_null("error", done ? "" : message(done.error())));
+    return {};
   });
-  resetting_ = true;  // now that there is a thread that ends it
+  look();
 }
 
 }  // namespace popcut::daemon

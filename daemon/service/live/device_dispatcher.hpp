@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
 #include <thread>
@@ -39,9 +40,10 @@ class DeviceDispatcher : public Devices {
   [[nodiscard]] Answer<void> take(const Principal& who, const DeviceRecord& device,
                                   const DeviceRequest& request, std::string& test_job);
   void reset(const std::string& id);
+  void reset_ended(const std::string& id, const Result<void>& done);
   Parts parts_;
   std::thread reset_thread_;
-  bool resetting_{false};
+  std::atomic<bool> resetting_{false};
 };
 
 }  // namespace popcut::daemon

@@ -291,6 +291,22 @@ TEST_CASE("a disabled device gets no sheets", "[daemon][service]") {
   }) == ProblemKind::Stale);
 }
 
+TEST_CASE("a reset for which there is no memory ends, and another one can begin",
+          "[daemon][service]") {
+  ServiceBench bench;
+  const auto reset = [&] {
+    return bench.on([&](LiveService& s) {
+      return s.devices.act(bench.admin, bench.device, s.devices.find(bench.device)->rev,
+                           {.action = "reset"});
+    });
+  };
+  bench.cutters.reset_throws = true;
+  REQUIRE(reset());
+  CHECK(bench.wait([&] { return reset().has_value(); }));
+  bench.cutters.reset_throws = false;
+  CHECK(bench.wait([&] { return reset().has_value(); }));
+}
+
 TEST_CASE("a device whose disabling is rolled back keeps the sheet that is armed there",
           "[daemon][service]") {
   ServiceBench bench;
