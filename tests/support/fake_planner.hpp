@@ -120,6 +120,14 @@ class FakePlanner final : public daemon::Planner {
     released_ = true;
     wake_.notify_all();
   }
+  /// Drops all tasks, and returns when nobody is being told of one: the service that asked is gone.
+  void forget() {
+    std::unique_lock lock(mutex_);
+    tasks_.clear();
+    forgotten_ = last_;
+    wake_.notify_all();
+    wake_.wait(lock, [&] { return !is_busy_; });
+  }
   [[nodiscard]] daemon::PlanningTask last_task() const {
     const std::lock_guard lock(mutex_);
     return seen_;
@@ -134,10 +142,14 @@ class FakePlanner final : public daemon::Planner {
   void loop() {
     std::unique_lock lock(mutex_);
     for (;;) {
+      is_busy_ = false;
+      wake_.notify_all();
       wake_.wait(lock, [&] { return ending_ || !tasks_.empty(); });
       if (ending_) return;
+      is_busy_ = true;
       One one = std::move(tasks_.front());
       tasks_.pop_front();
+      const auto is_forgotten = [&] { return one.number <= forgotten_; };
       daemon::find_assets(one.task);
       seen_ = one.task;
       const std::string text = daemon::read_whole(one.task.design_path, 1u << 26).value_or("");
@@ -146,8 +158,9 @@ class FakePlanner final : public daemon::Planner {
       };
       if (one.task.kind != daemon::PlanningTask::Kind::Check &&
           text.find("slow") != std::string::npos)
-        wake_.wait(lock, [&] { return ending_ || released_ || is_cancelled(); });
+        wake_.wait(lock, [&] { return ending_ || released_ || is_cancelled() || is_forgotten(); });
       if (ending_) return;
+      if (is_forgotten()) continue;
       Result<daemon::PlanningOutcome> outcome =
           is_cancelled() ? fail(ErrorKind::Refused, "", "cancelled") : outcome_of(one.task, text);
       lock.unlock();
@@ -201,8 +214,8 @@ class FakePlanner final : public daemon::Planner {
   std::deque<One> tasks_;
   std::vector<std::uint64_t> cancels_;
   daemon::PlanningTask seen_;
-  std::uint64_t last_{0};
-  bool released_{false}, ending_{false};
+  std::uint64_t last_{0}, forgotten_{0};
+  bool released_{false}, ending_{false}, is_busy_{false};
   std::thread thread_;
 };
 

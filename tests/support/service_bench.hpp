@@ -106,6 +106,7 @@ class ServiceBench {
     if (thread_) thread_->stop();
     service_.reset();
     join_thread();
+    planner.forget();
     store_.reset();
   }
   /// Ends as a killed process does: nothing is moved, flushed or marked.
@@ -113,6 +114,7 @@ class ServiceBench {
     thread_->stop();
     service_.reset();
     join_thread();
+    planner.forget();
     store_->give_up();
     store_.reset();
     cutters.forget();

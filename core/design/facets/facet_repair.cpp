@@ -290,22 +290,6 @@ bool falls_into_card(const LabelImage& image, const LabelImage& filled) {
   return false;
 }
 
-/// Of the struts those without which the card would be loose, as it now is; those without which
-/// something would fall out are counted.
-void keep_real_struts(const LabelCard& card, const FacetCardSize& size, FacetRepair& out) {
-  std::erase_if(out.struts, [&](const FacetStrut& strut) {
-    LabelImage image = card.image();
-    std::copy(strut.without.begin(), strut.without.end(), image.strip(strut.strip).begin());
-    LabelImage filled = image;
-    if (fill_enclosed(filled, card.planes(), card.rule.min_panel_mm)) {
-      ++(falls_into_card(image, filled) ? out.bridges : out.inner);
-      return true;
-    }
-    const auto made = pattern_of(image, card.planes(), size, card.rule.min_panel_mm);
-    return !made || made->motion.degrees_of_freedom == 1;
-  });
-}
-
 }  // namespace
 
 Result<FacetRepair> repair(Labelling& labelling, const FacetCardSize& size, const HoldRule& rule,
@@ -323,8 +307,22 @@ Result<FacetRepair> repair(Labelling& labelling, const FacetCardSize& size, cons
   Repairer(card, how, out).run(progress);
   if (how.rough || out.unfinished) return out;
   polish(card, how.jumps);
-  keep_real_struts(card, size, out);
   return out;
+}
+
+void keep_real_struts(const LabelImage& image, const FacetPlanes& planes, const FacetCardSize& size,
+                      double min_panel_mm, FacetRepair& out) {
+  std::erase_if(out.struts, [&](const FacetStrut& strut) {
+    LabelImage without = image;
+    std::copy(strut.without.begin(), strut.without.end(), without.strip(strut.strip).begin());
+    LabelImage filled = without;
+    if (fill_enclosed(filled, planes, min_panel_mm)) {
+      ++(falls_into_card(without, filled) ? out.bridges : out.inner);
+      return true;
+    }
+    const auto made = pattern_of(without, planes, size, min_panel_mm);
+    return !made || made->motion.degrees_of_freedom == 1;
+  });
 }
 
 }  // namespace popcut

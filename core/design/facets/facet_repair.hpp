@@ -63,4 +63,10 @@ struct RepairOptions {
                                          const HoldRule& rule, const RepairOptions& how,
                                          const Progress& progress = {});
 
+/// Keeps of the struts those without which the card of `image` would be loose. Those without which
+/// something would fall out are counted as `bridges` or `inner` instead. To be called with the
+/// final labels: panels that move after the repair may hold what a strut held.
+void keep_real_struts(const LabelImage& image, const FacetPlanes& planes, const FacetCardSize& size,
+                      double min_panel_mm, FacetRepair& out);
+
 }  // namespace popcut

@@ -131,6 +131,8 @@ class FacetMaker {
       least = moved_on->least_distance();
     }
     const Labelling& last = moved_on ? *moved_on : labelling;
+    if (!options_.rough && !repaired->unfinished)
+      keep_real_struts(last.image(), last.planes(), card, options_.min_panel_mm, *repaired);
     return finished(image, last, least, card, std::move(*repaired), moves);
   }
 
