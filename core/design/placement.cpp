@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -230,6 +231,25 @@ class Placer {
   std::vector<Standing> ways_;
 };
 
+/// A file in metres or inches is a speck beside the slices, one in micrometres a mountain.
+constexpr double kOtherUnit = 10.0;
+
+/// The scale at which the surface is as long as the slices, if the spec names none and its own unit
+/// is clearly not the millimetre.
+std::optional<double> scale_to_slices(const DesignSpec& spec, const TriangleMesh& mesh) {
+  if (spec.placement.scale_mm != 1.0 || spec.widths_mm.empty()) return {};
+  const MeshBox box = box_of(mesh);
+  double longest = 0.0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    longest = std::max(longest, box.high[axis] - box.low[axis]);
+  const double slices_mm = std::accumulate(spec.widths_mm.begin(), spec.widths_mm.end(), 0.0);
+  const double ratio = slices_mm / longest;
+  if (!std::isfinite(ratio) || (ratio < kOtherUnit && ratio > 1.0 / kOtherUnit)) return {};
+  constexpr double kShare = 0.8;  // of the slices, so that no end is cut off
+  const double scale = kShare * ratio, step = std::pow(10.0, std::floor(std::log10(scale)) - 2.0);
+  return std::round(scale / step) * step;
+}
+
 }  // namespace
 
 Result<ProposedPlacement> propose_placement(const DesignSpec& spec, const SurfaceAssets& assets,
@@ -254,7 +274,9 @@ Result<ProposedPlacement> propose_placement(const DesignSpec& spec, const Surfac
                 "rotate_deg and translate_mm by hand");
   const auto mesh = triangles_of(*spec.surface, assets);
   if (!mesh) return tl::unexpected(mesh.error());
-  return Placer(spec, assets, *mesh, stand).run(turns);
+  DesignSpec sized = spec;
+  if (const auto scale = scale_to_slices(spec, *mesh)) sized.placement.scale_mm = *scale;
+  return Placer(sized, assets, *mesh, stand).run(turns);
 }
 
 Result<std::string> with_placement(std::string_view spec_json, const ProposedPlacement& proposed) {
@@ -262,6 +284,8 @@ Result<std::string> with_placement(std::string_view spec_json, const ProposedPla
   auto spec = nlohmann::ordered_json::parse(spec_json, nullptr, false);
   if (spec.is_discarded() || !spec.is_object())
     return fail(ErrorKind::Malformed, "", "the spec is not a JSON object");
+  if (const double scale = proposed.placement.scale_mm; scale != spec.value("scale_mm", 1.0))
+    spec["scale_mm"] = scale;
   spec["rotate_deg"] = proposed.placement.rotate_deg;
   spec["translate_mm"] = proposed.placement.translate_mm;
   if (!proposed.always_nearest) spec["fit"] = "nearest";

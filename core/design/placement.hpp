@@ -39,7 +39,9 @@ struct ProposedPlacement {
 };
 
 /// Proposes how a mesh or grid stands in the corner: turned and moved along the spine so that the
-/// structure reaches as much of its area as possible, standing as `stand` says; `scale_mm` is kept.
+/// structure reaches as much of its area as possible, standing as `stand` says. `scale_mm` is kept,
+/// but for a surface more than ten times smaller or larger than the slices of a spec without a
+/// scale: its unit is not the millimetre, and it is made as long as the slices.
 ///
 /// First by falling curves in 64 strips: the 24 ways to turn it by right angles, then the best of
 /// them turned about the spine, then the best of those turned a little about all axes and moved

@@ -170,7 +170,8 @@ std::vector<std::string> in_words(const MeshFaults& faults) {
         faults.open_edges, faults.open_edges == 1 ? "edge has" : "edges have"));
   if (faults.crossings > 0)
     out.push_back(fmt::format(
-        "the mesh crosses itself: {} of its triangles; popcut makes what is outermost",
+        "parts of the model run through each other ({} of triangles); that does not matter for a "
+        "card, which shows what is outermost",
         faults.crossings == 1 ? std::string("a pair") : fmt::format("{} pairs", faults.crossings)));
   return out;
 }

@@ -1,6 +1,7 @@
 // The best cards of a model: searched, shown as pictures, picked, printed and cut.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
+import { inflateSync } from 'node:zlib';
 import { axeSource, bytesOf, closeBrowser, drawn, expectComplaints, openModel, picture, refused, Server, until, visit } from './harness.mjs';
 
 let server;
@@ -204,7 +205,25 @@ test('a picked card is planned with marks, and its page to print comes as a PDF'
   const pdf = (await bytesOf(download)).toString('latin1');
   assert.equal(pdf.slice(0, 5), '%PDF-');
   const box = /\/MediaBox \[ *0 0 ([\d.]+) ([\d.]+) *\]/.exec(pdf).slice(1).map((points) => Number(points) * 25.4 / 72);
-  assert.deepEqual(box.map(Math.round), [210, 297], 'the page is A4, as the paper that is chosen');
+  const mm = (points) => Number(points) * 25.4 / 72;
+  assert.ok(Math.abs(box[0] - 210) < 0.05 && Math.abs(box[1] - 297) < 0.05, `the page is A4, as the paper that is chosen: ${box}`);
+  // The marks, which are filled and black, lie where the program of this sheet looks for them.
+  const streams = [...pdf.matchAll(/stream\r?\n([^]*?)endstream/g)].map(([, bytes]) => {
+    try { return inflateSync(Buffer.from(bytes, 'latin1')).toString('latin1'); } catch { return ''; }
+  });
+  const [, marks] = streams.map((one) => /0 0 0 rg([^]*?\bf\b)/.exec(one)).find((one) => one !== null);
+  const corners = [...marks.matchAll(/([\d.]+) ([\d.]+) [ml]\b/g)].map(([, x, y]) => [mm(x), mm(y)]);
+  const plan = /#\/sheets\/(\w+)/.exec(page.url())[1];
+  const { body: program } = await server.ask('GET', `/v1/plans/${plan}/sheets/1/program`);
+  const unit_mm = 0.05;
+  const [height, width, top, left] = /TB12[34],(\d+),(\d+),(\d+),(\d+)/.exec(program).slice(1).map((units) => Number(units) * unit_mm);
+  const start_mm = 10;   // of the search of a Cameo 3, before the first mark
+  for (const [axis, at, size] of [[0, left, width], [1, top, height]]) {
+    const along = corners.map((corner) => corner[axis]);
+    for (const [seen, wanted] of [[Math.min(...along), at + start_mm], [Math.max(...along), at + start_mm + size]]) {
+      assert.ok(Math.abs(seen - wanted) < 0.05, `a mark at ${seen} mm is searched at ${wanted} mm`);
+    }
+  }
   assert.deepEqual(complaints, []);
   await close();
 });

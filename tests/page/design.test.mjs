@@ -267,6 +267,7 @@ test('a word that is written stands up, and its text and style change', async ()
   await page.getByLabel('Write a word').press('Enter');
   await exact(page);
   assert.deepEqual((await specOf(page)).surface, { type: 'text', text: 'Ana', height: 36, depth: 18 });
+  assert.equal((await specOf(page)).scale_mm, undefined, 'it fits as it is');
   await page.getByLabel('Text', { exact: true }).fill('Bo');
   await page.getByLabel('Text', { exact: true }).press('Enter');
   await until(async () => (await specOf(page)).surface.text === 'Bo', 'the text is taken');
@@ -291,6 +292,23 @@ test('a word that is written stands up, and its text and style change', async ()
   await until(async () => (await specOf(page)).silhouette?.layers === 1, 'it has one layer');
   await exact(page);
   await picture(page, 'design-silhouette');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('a word that is longer than the paper comes smaller, in one piece that a hand can fold', async () => {
+  const { page, complaints, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
+  await page.getByLabel('Write a word').fill('Grüße Jörg');
+  await page.getByLabel('Write a word').press('Enter');
+  await until(async () => (await specOf(page))?.scale_mm < 1, 'it is made smaller');
+  await exact(page);
+  const hands = await page.locator('[aria-labelledby=by-hand]').innerText();
+  const [, shortest, minutes] = /the shortest ([\d.]+) mm; about (\d+) minutes to fold/.exec(hands);
+  assert.ok(Number(shortest) >= 4 && Number(minutes) <= 30, hands);
+  await page.getByRole('button', { name: 'Cut this…' }).click();
+  await page.getByRole('dialog').getByText(/^The card is 2\d\d(\.\d)? × 1\d\d(\.\d)? mm: it fits\.$/).waitFor();
+  assert.equal(await page.getByRole('dialog').getByLabel('Material').locator('option:checked').innerText(), 'Paper, 220 gsm');
+  assert.equal(await page.getByRole('button', { name: 'Undo', exact: true }).isDisabled(), true, 'that is where it began');
   assert.deepEqual(complaints, []);
   await close();
 });
@@ -555,6 +573,17 @@ test('a drawing asks in place what its colours are for; the answer is kept, and 
   await page.getByRole('button', { name: 'Cut this…' }).click();
   assert.equal(await page.getByRole('button', { name: 'Show the sheets' }).isDisabled(), true, 'nothing is planned before the answer');
   await page.locator('dialog').getByRole('button', { name: 'Cancel' }).click();
+  // It is not judged before, and keeps no other design from being cut.
+  assert.equal(await page.locator('[aria-labelledby=judged], .warnings').count(), 0);
+  await page.getByRole('button', { name: 'Examples' }).click();
+  await page.locator('.start-card:enabled', { hasText: 'unit' }).click();
+  await exact(page);
+  await page.getByRole('button', { name: 'Cut this…' }).click();
+  await page.locator('dialog').getByText(/it fits/).waitFor();
+  assert.equal(await page.getByRole('button', { name: 'Show the sheets' }).isEnabled(), true);
+  await page.locator('dialog').getByRole('button', { name: 'Cancel' }).click();
+  await openIt();
+  await page.getByText('What are these lines for?').waitFor();
   // What is shown is the guess; one press takes it.
   assert.deepEqual(await page.locator('.look select').evaluateAll((all) => all.map((one) => one.value)), ['cut', 'fold-mountain', 'fold-valley']);
   await picture(page, 'design-drawing-asks');
@@ -643,6 +672,32 @@ test('a file without a unit asks how large it is, and the view follows the file 
   await handle.waitFor();
   const [stage, box] = [await page.locator('.stage-canvas').boundingBox(), await handle.boundingBox()];
   assert.ok(box.y >= stage.y && box.x >= stage.x && box.x + box.width <= stage.x + stage.width, 'the free edge is in the picture: the card is open');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('a PDF is a drawing as others are, and of several drawings one is chosen', async () => {
+  const { page, complaints, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
+  await page.locator('.start-card').first().waitFor();
+  // A card of 90 x 70 mm: dark grey, a red of its own and a light blue.
+  const lines = '0.13 0.13 0.13 RG 14 14 255 198 re S 85 85 m 85 142 l S 198 85 m 198 142 l S '
+    + '0.8 0.1 0.1 RG 14 113 m 85 113 l S 198 113 m 269 113 l S 85 85 m 198 85 l S 85 142 m 198 142 l S 0 0.5 1 RG 85 113 m 198 113 l S';
+  const parts = ['<</Type/Catalog/Pages 2 0 R>>', '<</Type/Pages/Kids[3 0 R]/Count 1>>',
+    '<</Type/Page/Parent 2 0 R/MediaBox[0 0 283 226]/Contents 4 0 R/Resources<<>>>>', `<</Length ${lines.length}>>stream\n${lines}\nendstream`];
+  const pdf = Buffer.from(`%PDF-1.4\n${parts.map((one, i) => `${i + 1} 0 obj${one}endobj\n`).join('')}trailer<</Root 1 0 R/Size 5>>\n%%EOF\n`);
+  const svg = Buffer.from(twoColours);
+  await page.locator('input[type=file]').setInputFiles([{ name: 'two.svg', mimeType: 'image/svg+xml', buffer: svg }, { name: 'card.ai', mimeType: 'application/pdf', buffer: pdf }]);
+  await page.getByRole('dialog', { name: 'There are 2 drawings. Which one?' }).getByRole('button', { name: 'card.ai' }).click();
+  await page.getByText('What are these lines for?').waitFor();
+  assert.deepEqual(await page.locator('.look select').evaluateAll((all) => all.map((one) => one.value)), ['cut', 'fold-mountain', 'fold-valley']);
+  await page.getByText('The drawing is 90 × 69.8 mm.').waitFor();
+  await page.getByRole('button', { name: 'Yes, use these' }).click();
+  await page.getByText('opens in one movement').waitFor();
+  await picture(page, 'design-pdf');
+  await page.getByRole('button', { name: 'Cut this…' }).click();
+  await page.getByRole('button', { name: 'Show the sheets' }).click();
+  await page.getByRole('button', { name: 'Queue it' }).waitFor();
+  assert.match(await page.locator('.sheets .facts').innerText(), /Paper, 220 gsm\s+for\s+Silhouette Cameo 3/);
   assert.deepEqual(complaints, []);
   await close();
 });

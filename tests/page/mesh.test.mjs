@@ -60,7 +60,8 @@ const specOf = (page) => page.evaluate(() => {
   return JSON.parse(steps[at]);
 });
 
-for (const [name, bytes] of [['ball.stl', binaryStl(ball())], ['ball in words.stl', textStl(ball())], ['BALL.OBJ', obj(ball())]]) {
+for (const [name, bytes] of [['ball.stl', binaryStl(ball())], ['ball in words.stl', textStl(ball())], ['BALL.OBJ', obj(ball())],
+  ['in metres.stl', binaryStl(ball(0.03))], ['in inches.obj', obj(ball(1.18))]]) {
   test(`${name} is placed in the corner of a card, drawn and exact`, async () => {
     const { page, sent, complaints, close } = await desk();
     await openModel(page, file(name, bytes));

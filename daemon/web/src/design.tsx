@@ -4,7 +4,7 @@ import { useSignal } from '@preact/signals';
 import { useEffect, useLayoutEffect, useRef } from 'preact/hooks';
 import { useAgain } from './again';
 import * as desk from './design_desk';
-import { marginOf, Panel, sheetBox } from './design_panel';
+import { Panel, sheetBox } from './design_panel';
 import { shownModel, Stage } from './design_stage';
 import { Start } from './design_start';
 import { DrawingQuestion, mustAnswer, optionsOf } from './drawing';
@@ -15,12 +15,13 @@ import * as opening from './model_open';
 import { openInSimulator } from './origami_simulator';
 import * as outfit from './outfit';
 import { OutfitChoice } from './outfit_choice';
-import { Button, Dialog, Trouble, useAsking } from './parts';
+import { Button, Choice, Dialog, Trouble, useAsking } from './parts';
 import { prints } from './preferences';
 import { go, parseRoute, route, sheetsOf } from './route';
 import { read, readBlob, saveAs, send, ServerProblem } from './server';
 import { fromShare, isPlain, nameOf, scaled, shareText, SpecError, withField } from './spec';
 import { SearchCards } from './search_cards';
+import * as searching from './search_desk';
 import { Questions } from './standing';
 import { can, may, stale } from './store';
 import { tabStore } from './tab_store';
@@ -207,8 +208,6 @@ function OtherFormats() {
   );
 }
 
-interface MaterialRow { id: string }
-
 /** Whether the card fits the paper that is chosen. */
 function SizeOnPaper() {
   const of = desk.lattice.value;
@@ -217,7 +216,7 @@ function SizeOnPaper() {
   if (!of || !paper) return null;
   const [, , width, length] = sheetBox(of);
   if (outfit.fillFactor(width, length, 0) >= 1) return <p class="muted small">{words.cut.fits(size(width, length))}</p>;
-  const smaller = (): void => { if (spec) desk.set(scaled(spec, outfit.fillFactor(width, length, marginOf(of)))); };
+  const smaller = (): void => { if (spec) desk.set(scaled(spec, outfit.fillFactor(width, length))); };
   return (
     <div class="note note-amber small" role="status">
       <p>{words.cut.tooLarge(size(width, length), paper.title, outfit.marked.value)}</p>
@@ -227,16 +226,14 @@ function SizeOnPaper() {
 }
 
 function CutDialog({ onClose, print = false }: { onClose: () => void; print?: boolean }) {
-  const materials = useSignal<string[]>([]);
-  const material = useSignal(String(desk.spec.peek()?.material ?? ''));
+  const own = String(desk.spec.value?.material ?? '');
+  const material = useSignal('');
   const copies = useSignal(1);
   const { busy, problem, run } = useAsking();
   const open = useRef(true);
   useEffect(() => () => { open.current = false; }, []);
   useEffect(() => { if (print) prints.value = 'yes'; }, [print]);
-  useEffect(() => {
-    read<{ items: MaterialRow[] }>('/v1/materials?limit=200').then(({ items }) => { materials.value = items.map((row) => row.id); }, () => undefined);
-  }, []);
+  useEffect(() => { void outfit.readMaterials(); }, []);
   const plan = (): Promise<void> => run(async () => {
     const id = await desk.storedId();
     if (!open.current) return;
@@ -253,17 +250,13 @@ function CutDialog({ onClose, print = false }: { onClose: () => void; print?: bo
     go(sheetsOf(made.id));
   });
   return (
-    <Dialog title={can('queue') ? words.cut.title : words.bar.sheets} onNo={onClose} yes={words.cut.sheets} onYes={() => void plan()} busy={busy.value || !desk.canCut.value || stale.value || mustAnswer()}>
+    <Dialog title={can('queue') ? words.cut.title : words.bar.sheets} onNo={onClose} yes={words.cut.sheets} onYes={() => void plan()} busy={busy.value || !desk.canCut.value || stale.value || mustAnswer(desk.foreign.value?.id)}>
       {problem.value && <Trouble problem={problem.value} />}
       {desk.foreign.value && <DrawingQuestion design={desk.foreign.value.id} onAnswer={desk.readAgain} />}
       {!desk.canCut.value && <p class="muted" role="status">{words.cut.wait}</p>}
       {busy.value && <p class="muted" role="status">{words.cut.planning}</p>}
-      <label class="field"><span>{words.cut.material}</span>
-        <select value={material.value} onChange={(event) => { material.value = event.currentTarget.value; }}>
-          <option value="" selected={material.value === ''}>{words.fields.materialAuto(String(desk.spec.value?.material ?? ''))}</option>
-          {materials.value.map((id) => <option key={id} value={id} selected={id === material.value}>{id}</option>)}
-        </select>
-      </label>
+      {searching.isFirst.value && <p class="note note-amber" role="status">{words.cut.draft}</p>}
+      <Choice label={words.cut.material} value={material.value} options={outfit.materialChoice(own)} onChange={(value) => { material.value = value; }} />
       <OutfitChoice canPrint={desk.spec.value !== null} />
       <SizeOnPaper />
       {can('queue') && <label class="field"><span>{words.cut.copies}</span>
@@ -440,7 +433,7 @@ export default function Design({ rest }: { rest: string }) {
   return (
     <div class="design-drop">
       <input ref={file} type="file" class="visually-hidden" tabIndex={-1} aria-hidden="true" multiple
-        accept=".json,.fold,.svg,.dxf,.stl,.obj,.glb,.mtl,.zip,image/*"
+        accept=".json,.fold,.svg,.dxf,.pdf,.ai,.stl,.obj,.glb,.mtl,.zip,image/*"
         onChange={(event) => {
           const files = [...event.currentTarget.files ?? []];
           event.currentTarget.value = '';

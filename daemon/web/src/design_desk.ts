@@ -7,6 +7,7 @@ import type { Lattice, Place } from './lattice';
 import { FaceKind, LatticeError, readLattice } from './lattice';
 import type { Design, Example as Listed } from './model';
 import { Previews, type Quality } from './preview';
+import { fillFactor } from './outfit';
 import type { Colouring } from './ramps';
 import { prints } from './preferences';
 import { isProblem, newKey, read, readAnswer, request, send, ServerProblem, waitsUntil } from './server';
@@ -116,6 +117,7 @@ const previews = new Previews<Spec, Lattice>({
       if (first) psi.value = made.design_psi_rad;
     });
     if (asked.quality === 'exact' && wish?.of === asked.input) comeNearer(made);
+    if (asked.quality === 'exact' && fits?.of === asked.input) comeToFit(made);
     if (lastChange) {
       good.set(lastChange.field, lastChange.value);
       moveWall(lastChange.field, lastChange.value);
@@ -166,6 +168,22 @@ function comeNearer(made: Lattice): void {
   spec.value = next;
   undo.amend(next);
   wish = { of: next, value, measure, tries: tries - 1 };
+  ask(next, true);
+}
+
+/** A design that is made smaller until it fits the paper. */
+let fits: { of: Spec; tries: number } | null = null;
+
+function comeToFit({ card }: Lattice): void {
+  if (!fits) return;
+  const { of, tries } = fits;
+  fits = null;
+  const [width, length] = [card.width_mm, card.wall_mm + card.ground_mm];
+  if (tries === 0 || fillFactor(width, length, 0) >= 1) return;
+  const next = scaled(of, fillFactor(width, length));
+  spec.value = next;
+  undo.amend(next);
+  fits = { of: next, tries: tries - 1 };
   ask(next, true);
 }
 
@@ -282,14 +300,16 @@ export function opening(): () => boolean {
 interface Begin {
   step?: boolean;      // false: it was there before
   made?: boolean;      // by hand, so it is kept nowhere else
+  fits?: boolean;      // made smaller if it is larger than the paper
   lattice?: Lattice;   // as it was designed already: then nothing is designed again
 }
 
 /** A new design on the desk. */
-export function begin(next: Spec, { step = true, made = false, lattice: known }: Begin = {}): void {
+export function begin(next: Spec, { step = true, made = false, fits: isToFit = false, lattice: known }: Begin = {}): void {
   turn++;
   if (step && modelOf(next) === null) prints.value = 'no';   // what was said of a model is not meant for this
   fresh = true;
+  fits = isToFit ? { of: next, tries: 3 } : null;
   good.clear();
   lastChange = null;
   batch(() => {

@@ -4,6 +4,7 @@ import { effect, useSignal } from '@preact/signals';
 import type { ComponentChildren } from 'preact';
 import { useEffect, useId, useLayoutEffect, useMemo, useRef } from 'preact/hooks';
 import * as desk from './design_desk';
+import { mustAnswer } from './drawing';
 import { FaceKind, onSheet, type Lattice } from './lattice';
 import * as outfit from './outfit';
 import { SheetView, type Strokes } from './sheet_view';
@@ -15,7 +16,6 @@ import { integer, length, percent, size, withoutTicks, words as everyWords } fro
 import { designWords as words, plainNumber } from './words_design';
 
 const kLineKinds = ['outline', 'mountain', 'valley', 'slit'];
-const kMostMargin_mm = 30;
 
 /** What the pattern takes of the page, mm: its card, or all its lines where they reach beyond it. x, y, width, height. */
 export function sheetBox(of: Lattice): [number, number, number, number] {
@@ -31,9 +31,6 @@ export function sheetBox(of: Lattice): [number, number, number, number] {
   if (w > 0 && h > 0 && !(right - left > w + 1 || bottom - top > h + 1)) return [0, 0, w, h];
   return left <= right ? [left, top, right - left, bottom - top] : [0, 0, 0, 0];
 }
-
-/** How much of a card is margin, which does not grow with it, mm. */
-export const marginOf = (of: Lattice): number => Math.min(kMostMargin_mm, of.card.width_mm / 3);
 
 /** The lines of a lattice as strokes: page axes, v to the right and u down. */
 export function flatStrokes(of: Lattice): Strokes {
@@ -323,7 +320,7 @@ function Fields({ spec, of }: { spec: Spec; of: Lattice | null }) {
   const paper = outfit.chosenPaper.value?.title.split(',')[0] ?? '';
   const fits = (): void => {
     if (!sheet) return;
-    desk.set(scaled(spec, outfit.fillFactor(sheet[0], sheet[1], of ? marginOf(of) : kMostMargin_mm)));
+    desk.set(scaled(spec, outfit.fillFactor(...sheet)));
   };
   if (!isPlain(spec)) return <p class="note">{words.fields.notPlain}</p>;
   if (isFacets(spec) || isSilhouette(spec)) return <PanelFields spec={spec} of={of} />;
@@ -555,12 +552,13 @@ export function Judged({ of }: { of: Lattice }) {
 export function Panel() {
   const of = desk.lattice.value;
   const spec = desk.spec.value;
+  const asks = mustAnswer(desk.foreign.value?.id);   // before that, what is read is a guess, and nothing of it is judged
   return (
     <aside class="design-panel">
       <FlatSheet />
       {spec && <Fields spec={spec} of={of} />}
-      {of && desk.foreign.value && <Judged of={of} />}
-      {of && <Warnings of={of} />}
+      {of && desk.foreign.value && !asks && <Judged of={of} />}
+      {of && !asks && <Warnings of={of} />}
       {of && !desk.foreign.value && <ByHand of={of} />}
       {of && !desk.foreign.value && <Figures of={of} />}
       {of && <Places of={of} />}

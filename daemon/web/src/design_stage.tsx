@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The three-dimensional side of Design: the model, its handles, its legend.
-import { computed, effect, signal, useSignal } from '@preact/signals';
+import { effect, signal, useSignal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import * as desk from './design_desk';
+import { mustAnswer } from './drawing';
 import { FaceKind, posedPoints, type Lattice } from './lattice';
 import { paintModel } from './model_paper';
 import type { ModelView } from './model_view';
@@ -548,8 +549,6 @@ function markDrawn(): void {
   performance.mark(name, { detail: desk.shownInput_ms });
 }
 
-/** What is on the desk only holds the place of cards that are searched still. */
-const isFirst = computed(() => searching.busy.value && searching.draft.value !== null && searching.draft.value === desk.spec.value);
 
 export function Stage() {
   const canvas = useRef<HTMLCanvasElement>(null);
@@ -648,13 +647,14 @@ export function Stage() {
   const paper = state.value === 'none' || state.value === 'lost';
   return (
     <section class="stage" aria-label={words.stage.label}>
-      <div class={`stage-frame${paper ? ' stage-behind' : ''}${isFirst.value ? ' stage-is-first' : ''}`}>
+      <div class={`stage-frame${paper ? ' stage-behind' : ''}${searching.isFirst.value ? ' stage-is-first' : ''}`}>
         <canvas ref={canvas} class="stage-canvas" role="img" tabIndex={0} onKeyDown={onKey}
           aria-label={of ? sentenceOf(of, nameShown(), desk.psi.value) : words.stage.label} aria-description={words.stage.keys} />
         {view && state.value === 'ready' && <Handles view={view} />}
         {view && state.value === 'ready' && <Worst view={view} />}
-        {isFirst.value && <p class="stage-first" role="status">{words.search.draft}</p>}
-        {of && of.triangle_face.length === 0 && <p class="stage-nothing">{words.stage.nothing}</p>}
+        {searching.isFirst.value && <p class="stage-first" role="status">{words.search.draft}</p>}
+        {of && of.triangle_face.length === 0
+          && <p class="stage-nothing">{mustAnswer(desk.foreign.value?.id) ? words.stage.asked : words.stage.nothing}</p>}
         {paper && <PaperStage why={state.value === 'none' ? words.stage.noWebgl : words.stage.lost} />}
       </div>
       <div class="stage-top">
@@ -683,6 +683,6 @@ export function Badge() {
   const { quality } = words;
   const made = desk.quality.value;
   const [text, kind] = desk.isImpossible.value ? [quality.impossible, 'bad'] : made === null ? [quality.working, 'draft']
-    : isFirst.value && made === 'exact' ? [quality.first, 'first'] : [quality[made], made === 'exact' ? 'exact' : 'draft'];
+    : searching.isFirst.value && made === 'exact' ? [quality.first, 'first'] : [quality[made], made === 'exact' ? 'exact' : 'draft'];
   return <span class={`badge badge-${kind}`} role="status">{text}</span>;
 }

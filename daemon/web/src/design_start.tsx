@@ -6,6 +6,7 @@ import { useAgain } from './again';
 import * as desk from './design_desk';
 import { Button, Trouble } from './parts';
 import { isProblem, read, send, type ServerProblem } from './server';
+import { can } from './store';
 import { falling, type RadiusPoint, type Spec } from './spec';
 import { words as everyWords } from './words';
 import { designWords as words } from './words_design';
@@ -253,7 +254,10 @@ function WordPad() {
   const use = (): void => {
     const word = text.peek().trim();
     if (word === '') return;
-    desk.begin({ popcut: 1, name: word.slice(0, 60), style: 'facets', surface: { type: 'text', text: word, height: 36, depth: 18 } }, { made: true });
+    desk.begin({
+      popcut: 1, name: word.slice(0, 60), style: 'facets', facets: { min_fold_mm: 5, hinge_cost_mm3: 50 },
+      surface: { type: 'text', text: word, height: 36, depth: 18 },
+    }, { made: true, fits: true });
   };
   return (
     <form class="start-word" onSubmit={(event) => { event.preventDefault(); use(); }}>
@@ -286,7 +290,7 @@ export function Start({ onOpen, children }: { onOpen: () => void; children?: pre
       <div class="start-first">
         <section aria-label={words.start.open}>
           <Button kind="primary" big onClick={onOpen}>{words.start.open}</Button>
-          <p class="muted small">{words.start.openWhat}</p>
+          <p class="muted small">{words.start.openWhat(can('queue'))}</p>
         </section>
         <WordPad />
       </div>

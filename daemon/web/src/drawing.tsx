@@ -75,11 +75,20 @@ export async function ask(design: string): Promise<void> {
   }
 }
 
-/** Whether the drawing on the desk must be explained before it can be planned. */
-export const mustAnswer = (): boolean => drawing.value !== null && (drawing.value.question.asks !== null || drawing.value.question.unit === 'guessed');
+/** Whether the drawing `design` must be explained before it can be planned; null: there is none on the desk. */
+export const mustAnswer = (design: string | null | undefined): boolean => drawing.value !== null && drawing.value.design === design
+  && (drawing.value.question.asks !== null || drawing.value.question.unit === 'guessed');
 
-/** What lines of a colour mostly are, as the view shows them; '' where nobody knows. */
-const kUsual: Record<string, string> = { '#000000': 'cut', '#ffffff': 'cut', '#ff0000': 'fold-mountain', '#0000ff': 'fold-valley' };
+/** What lines of a colour like this mostly are: greys are cut, reds mountain folds, blues valley folds; '' where nobody knows. */
+export function usualUse(colour: string): string {
+  if (!/^#[0-9a-f]{6}$/i.test(colour)) return '';
+  const [r, g, b] = [1, 3, 5].map((at) => parseInt(colour.slice(at, at + 2), 16)) as [number, number, number];
+  const [most, least] = [Math.max(r, g, b), Math.min(r, g, b)];
+  if (most - least < 48) return most < 96 || least > 240 ? 'cut' : '';
+  const clearly = 0.6 * most;
+  if (r === most && g < clearly && b < clearly) return 'fold-mountain';
+  return b === most && r < clearly ? 'fold-valley' : '';
+}
 
 const shownName = ({ name, option }: Look): string => (option === 'colors' && words.colours[name.toLowerCase()]) || name;
 
@@ -111,19 +120,19 @@ export function DrawingQuestion({ design, onAnswer }: { design: string; onAnswer
     keep(design, next);
     void ask(design).then(onAnswer);
   };
-  const useOf = (look: Look): string => answers.uses[look.option][look.name] ?? (question.asks === null || look.fold ? '' : kUsual[look.colour.toLowerCase()] ?? '');
+  const useOf = (look: Look): string => answers.uses[look.option][look.name] ?? (question.asks === null || look.fold ? '' : usualUse(look.colour));
   const isOpen = (fold: boolean): boolean => rows.some((look) => !look.fold !== fold && useOf(look) === '');
   const guessed = question.unit === 'guessed' || answers.units !== '';
   const unit_mm: Record<string, number> = { mm: 1, cm: 10, in: 25.4 };
   const one = unit_mm[answers.units] ?? 1;
   const options = optionsOf(design);
   return (
-    <section class={mustAnswer() ? 'drawing-question drawing-asks' : 'drawing-question'} aria-labelledby={id}>
+    <section class={mustAnswer(design) ? 'drawing-question drawing-asks' : 'drawing-question'} aria-labelledby={id}>
       <h2 id={id}>{question.asks ? words.title : question.unit === 'guessed' ? words.unit : words.done}</h2>
       {guessed ? (
         <fieldset class="units">
           <legend class={question.unit === 'guessed' && !question.asks ? 'visually-hidden' : ''}>{words.unit}</legend>
-          <p class="muted small">{words.unitWhat}</p>
+          <p class="muted small units-what">{words.unitWhat}</p>
           {Object.entries(words.units).map(([name, text]) => (
             <label key={name} class="tick">
               <input type="radio" name={`${id}-unit`} checked={answers.units === name} onChange={() => answer((next) => { next.units = name; })} />

@@ -68,10 +68,10 @@ function Way({ way, name }: { way: string; name: string }) {
         problem.value = error;
       }
     };
-    if (!desk.foreign.peek() || !mustAnswer()) void make();
+    if (!mustAnswer(desk.foreign.peek()?.id)) void make();
     return () => stop.abort();
   }, [way, paper.value, machine.value, answered]);
-  const asked = desk.foreign.value && (mustAnswer() || problem.value?.errors.some((one) => one.code === 'unclear'));
+  const asked = desk.foreign.value && (mustAnswer(desk.foreign.value.id) || problem.value?.errors.some((one) => one.code === 'unclear'));
   const page = made.value?.files.find((file) => file.page_mm)?.page_mm;
   return (
     <div class="make-way">

@@ -20,7 +20,7 @@ export const kMostFiles = 1000;
 export const kMostUnpacked_mb = 512;
 const kMegabyte = 1048576;
 const kModels = ['stl', 'obj', 'glb'];
-const kDrawings = ['json', 'fold', 'svg', 'dxf'];
+const kDrawings = ['json', 'fold', 'svg', 'dxf', 'pdf', 'ai'];
 const kBeside = ['mtl', 'png', 'jpg', 'jpeg', 'webp', 'gif', 'bmp'];
 
 /** An axis of a file with its sign, as searches name it. */

@@ -9,7 +9,7 @@ import { isProblem, send, type ServerProblem } from './server';
 import * as searching from './search_desk';
 import { isSpec, modelOf, parseSpec, SpecError, type Spec } from './spec';
 import { LatticeError } from './lattice';
-import { may, meta } from './store';
+import { can, may, meta } from './store';
 import { designWords as words } from './words_design';
 
 /** What came of opening something, in words. `chooses`: another file may help. */
@@ -30,8 +30,8 @@ export interface Question {
 }
 
 export const question = signal<Question | null>(null);
-/** Of several models that were given together, one is meant. */
-export const several = signal<{ models: Given[]; beside: Given[] } | null>(null);
+/** Of several models or drawings that were given together, one is meant. */
+export const several = signal<{ of: Given[]; title: string; open: (one: Given) => Promise<Said> } | null>(null);
 /** What goes on, in words. */
 export const doing = signal<string | null>(null);
 
@@ -41,7 +41,7 @@ const kPicture_px = 320;
 const kNamedFiles = 120;
 
 const kPatterns: Record<string, string> = {
-  fold: 'application/json', svg: 'image/svg+xml', dxf: 'image/vnd.dxf',
+  fold: 'application/json', svg: 'image/svg+xml', dxf: 'image/vnd.dxf', pdf: 'application/pdf', ai: 'application/pdf',
 };
 const kModels: Record<string, string> = { stl: 'model/stl', obj: 'model/obj', glb: 'model/gltf-binary' };
 const kPictures = ['png', 'jpg', 'jpeg', 'webp', 'gif', 'bmp'];
@@ -76,8 +76,13 @@ export async function open(from: () => Promise<Given[]> | Given[]): Promise<Said
     const given = await withZipsOpened(await from());
     const { models, drawings, beside } = sorted(given);
     if (!wanted() || given.length === 0) return null;
+    const { several: title } = words.standing;
     if (models.length > 1) {
-      several.value = { models, beside };
+      several.value = { of: models, title: title(models.length), open: (one) => openModel(one, beside) };
+      return null;
+    }
+    if (models.length === 0 && drawings.length > 1) {
+      several.value = { of: drawings, title: title(drawings.length, true), open: openOneDrawing };
       return null;
     }
     const [model] = models;
@@ -95,10 +100,23 @@ export async function open(from: () => Promise<Given[]> | Given[]): Promise<Said
   }
 }
 
+async function openOneDrawing(one: Given): Promise<Said> {
+  several.value = null;
+  const wanted = desk.opening();
+  try {
+    return await openDrawing(one, wanted);
+  } catch (error) {
+    return wanted() ? said(error) : null;
+  } finally {
+    doing.value = null;
+  }
+}
+
 async function openDrawing({ file, path }: Given, wanted: () => boolean): Promise<Said> {
   const large = tooLarge(file);
   if (large) return large;
   const ending = endingOf(path);
+  if (kPatterns[ending] === 'application/pdf' && !can('queue')) return { text: words.open.pdf(file.name), chooses: true };
   if (ending === 'json') {
     const text = await file.text();
     const value: unknown = (() => { try { return JSON.parse(text); } catch { return null; } })();

@@ -22,20 +22,42 @@ const kUsualMachine = 'cameo3';    // whose times tell cards apart where nobody 
 const kSizes: [string, number, number][] = [['A4', 210, 297], ['letter', 215.9, 279.4], ['A3', 297, 420], ['12x12in', 304.8, 304.8]];
 const kLetterCountries = ['US', 'CA', 'MX', 'CL', 'CO', 'PH'];
 
-const machines = signal<Machine[]>([]);
-let asked = false;
+const kUsualMaterial = 'paper-220';
 
-/** Reads what machines there are, once. */
-export async function readMachines(): Promise<void> {
-  if (asked) return;
-  asked = true;
-  try {
-    machines.value = (await read<{ items: Machine[] }>('/v1/machines')).items;
-  } catch (error) {
-    asked = false;
-    if (!isProblem(error)) throw error;
-  }
+const machines = signal<Machine[]>([]);
+const materialTitles = signal<ReadonlyMap<string, string>>(new Map());
+interface MaterialRow { id: string; material?: { title?: string } | null }
+
+/** Reads a list once, and again if it could not be read. */
+function once<Row>(path: string, take: (rows: Row[]) => void): () => Promise<void> {
+  let asked = false;
+  return async () => {
+    if (asked) return;
+    asked = true;
+    try {
+      take((await read<{ items: Row[] }>(path)).items);
+    } catch (error) {
+      asked = false;
+      if (!isProblem(error)) throw error;
+    }
+  };
 }
+
+/** Reads what machines there are. */
+export const readMachines = once<Machine>('/v1/machines', (rows) => { machines.value = rows; });
+
+/** Reads what materials there are. */
+export const readMaterials = once<MaterialRow>('/v1/materials?limit=200', (rows) => {
+  materialTitles.value = new Map(rows.map((row) => [row.id, row.material?.title ?? row.id]));
+});
+
+/** What people call a material and a machine. */
+export const materialTitle = (id: string): string => materialTitles.value.get(id) ?? id;
+export const machineTitle = (name: string): string => machines.value.find((one) => one.name === name)?.title ?? name;
+
+/** Materials to choose from; '' is that of a design of `own`. */
+export const materialChoice = (own: string): [string, string][] =>
+  [['', materialTitle(own || kUsualMaterial)], ...[...materialTitles.value].filter(([id]) => id !== (own || kUsualMaterial))];
 
 /** The cutter that is meant: one that is not there any more is not. */
 export const chosenCutter = computed(() => (cutter.value === kByHand || devices.value.has(cutter.value) ? cutter.value : ''));
@@ -99,8 +121,10 @@ export const room = computed<[number, number] | null>(() => {
   return of && [of.width_mm - across, of.length_mm - along];
 });
 
+const kMostMargin_mm = 30;
+
 /** The factor by which a card of this size, of which `margin_mm` stays as it is, is to be made smaller or larger to fill `room`. */
-export function fillFactor(width_mm: number, length_mm: number, margin_mm: number): number {
+export function fillFactor(width_mm: number, length_mm: number, margin_mm = Math.min(kMostMargin_mm, width_mm / 3)): number {
   const of = room.value;
   if (!of) return 1;
   const factor = (a: number, b: number): number => Math.min((a - margin_mm) / Math.max(1, width_mm - margin_mm), (b - margin_mm) / Math.max(1, length_mm - margin_mm));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The search for the best cards of the model on the desk: what is asked for, how far it is, what it found.
-import { signal } from '@preact/signals';
+import { computed, signal } from '@preact/signals';
+import * as desk from './design_desk';
 import type { Search } from './model';
 import { searchWishes } from './outfit';
 import { isProblem, read, send, type ServerProblem } from './server';
@@ -29,6 +30,8 @@ export const model = signal<string | null>(null);
 export const search = signal<Search | null>(null);
 export const problem = signal<ServerProblem | null>(null);
 export const busy = signal(false);   // from the press until the search ends
+/** What is on the desk only holds the place of cards that are searched still. */
+export const isFirst = computed(() => busy.value && draft.value !== null && draft.value === desk.spec.value);
 
 let turn = 0;
 

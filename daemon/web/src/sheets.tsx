@@ -4,7 +4,7 @@ import { effect, useSignal, type Signal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import { useAgain } from './again';
 import type { Plan } from './model';
-import { cutters, kNone, paperTitle } from './outfit';
+import { cutters, kNone, machineTitle, materialTitle, paperTitle, readMachines, readMaterials } from './outfit';
 import { Button, Choice, LinkButton, Loading, Note, Trouble, useAsking } from './parts';
 import { atDevice, foldOf } from './route';
 import { act, isProblem, read, readBlob, saveAs, type ServerProblem } from './server';
@@ -283,6 +283,7 @@ export default function Sheets({ rest: id }: { rest: string }) {
   const { name, kind } = useDesignOf(plan?.design);
   const unsaved = useSignal<ServerProblem | null>(null);
   const drawn = useDrawn(id, sheet.value, plan?.state === 'planned');
+  useEffect(() => { void Promise.all([readMachines(), readMaterials()]); }, []);
   if (problem) return <Trouble problem={problem} />;
   if (!plan) return <Loading />;
   if (plan.state === 'failed') return <div class="note note-bad" role="alert"><p><strong>{words.failed}</strong></p><p class="server-words">{withoutTicks(plan.error ?? '')}</p>
@@ -327,21 +328,6 @@ export default function Sheets({ rest: id }: { rest: string }) {
       <div class="sheets-main">
         <SheetStage plan={id} sheet={sheet.value} onHover={(text) => { under.value = text; }} />
         <div class="sheets-side">
-          <section aria-label={words.sheet(sheet.value, total)}>
-            <h2>{words.sheet(sheet.value, total)}</h2>
-            <p class="muted figure" aria-live="polite">{under.value || ' '}</p>
-            <dl class="facts">
-              {shown && <Fact name={words.time}>{timeRange(shown.seconds_range)}</Fact>}
-              {shown && <Fact name={words.strokes}>{integer(shown.paths)}</Fact>}
-              {shown && <Fact name={words.toCut}>{metres(shown.cut_mm + shown.fold_mm)}</Fact>}
-              {drawn && <Fact name={words.drawn}>{drawn}</Fact>}
-              {shown && <Fact name={designWords.figures.sheet}>{paperTitle(shown)}</Fact>}
-              {plan.material && <Fact name={words.material}>{plan.material}</Fact>}
-              {plan.machine && <Fact name={words.machine}>{plan.machine}</Fact>}
-            </dl>
-            {plan.handwork && <p>{everyWords.byHand(plan.handwork.folds, plan.handwork.shortest_fold_mm, plan.handwork.fold_s, plan.handwork.label)}</p>}
-            {total > 1 && <p class="small muted">{words.letters}</p>}
-          </section>
           {plan.warnings.length > 0 && (
             <section aria-label={words.warnings} class="note note-amber">
               <h2>{words.warnings}</h2>
@@ -350,6 +336,21 @@ export default function Sheets({ rest: id }: { rest: string }) {
           )}
           {kind === 'spec' && shown && (shown.side === 'printed' || !can('devices')) && <PrintFirst plan={id} sheet={sheet.value} paper={paperTitle(shown)} marks={shown.side === 'printed'} />}
           {plan.machine === kNone ? <p class="note">{words.byHand}</p> : can('queue') && may('submitter') && <QueueIt plan={plan} name={name} />}
+          <section aria-label={words.sheet(sheet.value, total)}>
+            <h2>{words.sheet(sheet.value, total)}</h2>
+            <dl class="facts">
+              {shown && <Fact name={words.time}>{timeRange(shown.seconds_range)}</Fact>}
+              {shown && <Fact name={words.strokes}>{integer(shown.paths)}</Fact>}
+              {shown && <Fact name={words.toCut}>{metres(shown.cut_mm + shown.fold_mm)}</Fact>}
+              {drawn && <Fact name={words.drawn}>{drawn}</Fact>}
+              {shown && <Fact name={designWords.figures.sheet}>{paperTitle(shown)}</Fact>}
+              {plan.material && <Fact name={words.material}>{materialTitle(plan.material)}</Fact>}
+              {plan.machine && <Fact name={words.machine}>{machineTitle(plan.machine)}</Fact>}
+            </dl>
+            {plan.handwork && <p>{everyWords.byHand(plan.handwork.folds, plan.handwork.shortest_fold_mm, plan.handwork.fold_s, plan.handwork.label)}</p>}
+            {total > 1 && <p class="small muted">{words.letters}</p>}
+            <p class="muted figure" aria-live="polite">{under.value || ' '}</p>
+          </section>
         </div>
       </div>
     </div>

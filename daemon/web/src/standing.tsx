@@ -84,14 +84,14 @@ function Several({ onSaid }: { onSaid: (said: opening.Said) => void }) {
   if (!of) return null;
   const close = (): void => { opening.several.value = null; };
   return (
-    <Dialog title={words.several(of.models.length)} onNo={close} no={words.cancel}>
+    <Dialog title={of.title} onNo={close} no={words.cancel}>
       <ul class="export-list">
-        {of.models.slice(0, kListed).map((one) => (
-          <li key={one.path}><button type="button" class="export" onClick={() => void opening.openModel(one, of.beside).then((said) => { if (said !== null) onSaid(said); })}>
+        {of.of.slice(0, kListed).map((one) => (
+          <li key={one.path}><button type="button" class="export" onClick={() => void of.open(one).then((said) => { if (said !== null) onSaid(said); })}>
             {one.path}</button></li>
         ))}
       </ul>
-      {of.models.length > kListed && <p class="muted small">{words.more(of.models.length - kListed)}</p>}
+      {of.of.length > kListed && <p class="muted small">{words.more(of.of.length - kListed)}</p>}
     </Dialog>
   );
 }

@@ -220,6 +220,40 @@ TEST_CASE("the proposed placement puts a half ball with its round side outward",
   CHECK(again->placement.translate_mm == proposed->placement.translate_mm);
 }
 
+TEST_CASE("a proposed placement makes a mesh in metres or micrometres as long as the slices",
+          "[core][target]") {
+  const std::string text =
+      R"({"popcut":1,"surface":)" + kMesh + R"(,"units_per_slice":4,"slices":6,"widths_mm":10})";
+  const auto read = parse_design_spec(text);
+  REQUIRE(read);
+  for (const double unit : {0.001, 1.0 / 25.4, 1.0, 1000.0}) {
+    CAPTURE(unit);
+    const TriangleMesh house =
+        box_mesh({0.0, 0.0, 0.0}, {30.0 * unit, 50.0 * unit, 25.0 * unit}, false);
+    const auto proposed = propose_placement(*read, {{"part.stl", binary_stl(house)}});
+    if (!proposed) FAIL(message(proposed.error()));
+    const auto placed_text = with_placement(text, *proposed);
+    REQUIRE(placed_text);
+    const auto spec = parse_design_spec(*placed_text);
+    REQUIRE(spec);
+    if (unit == 1.0) {
+      CHECK(placed_text->find("scale_mm") == std::string::npos);
+    } else {
+      // 0.8 of the slices' 60 mm, in three digits.
+      CHECK_THAT(spec->placement.scale_mm * 50.0 * unit, Catch::WithinRel(48.0, 0.005));
+    }
+    CHECK(design(*spec, {{"part.stl", binary_stl(house)}}));
+  }
+  // A scale that somebody chose stays.
+  const std::string chosen = text.substr(0, text.size() - 1) + R"(,"scale_mm":1000})";
+  const auto own = parse_design_spec(chosen);
+  REQUIRE(own);
+  const auto proposed = propose_placement(
+      *own, {{"part.stl", binary_stl(box_mesh({0.0, 0.0, 0.0}, {0.03, 0.05, 0.025}, false))}});
+  REQUIRE(proposed);
+  CHECK(proposed->placement.scale_mm == 1000.0);
+}
+
 TEST_CASE("a proposed placement can be designed and reaches no less than before",
           "[core][target]") {
   struct Shape {
