@@ -690,7 +690,7 @@ test('a PDF is a drawing as others are, and of several drawings one is chosen', 
   await page.getByRole('dialog', { name: 'There are 2 drawings. Which one?' }).getByRole('button', { name: 'card.ai' }).click();
   await page.getByText('What are these lines for?').waitFor();
   assert.deepEqual(await page.locator('.look select').evaluateAll((all) => all.map((one) => one.value)), ['cut', 'fold-mountain', 'fold-valley']);
-  await page.getByText('The drawing is 90 × 69.8 mm.').waitFor();
+  await page.getByText(/^The drawing is 90 × 69\.\d mm\.$/).waitFor();
   await page.getByRole('button', { name: 'Yes, use these' }).click();
   await page.getByText('opens in one movement').waitFor();
   await picture(page, 'design-pdf');

@@ -385,12 +385,14 @@ TEST_CASE("open and crossing meshes are made, and a note says what they are", "[
   TriangleMesh mesh = box_mesh({0, 0, 0}, {30, 60, 25}, true);
   const TriangleMesh tower = box_mesh({20, 20, 5}, {40, 35, 45}, false);
   mesh.corners.insert(mesh.corners.end(), tower.corners.begin(), tower.corners.end());
+  for (float& metres : mesh.corners) metres *= 0.001F;
   write_file(bench.temp / "torn.stl", binary_stl(mesh));
   const Ran ran =
       bench.search("torn.stl", "out", {"0.01", "--style", "facets", "--mat", "100x100"});
   INFO(ran.err);
   REQUIRE(ran.exit == 0);
   CHECK(says(ran.out, "the model has holes (4 edges have one triangle only)"));
+  CHECK(says(ran.out, "  sized    one unit of the file is "));
   CHECK(says(ran.out, "parts of the model run through each other ("));
   CHECK(bench.read_json("out/front.json")["notes"].size() == 2);
 }
