@@ -2,6 +2,8 @@
 #include "core/formats/svg/svg_names.hpp"
 
 #include <algorithm>
+#include <string_view>
+#include <unordered_set>
 
 #include "core/formats/pens/layer_words.hpp"
 #include "core/text/utf8.hpp"
@@ -52,8 +54,9 @@ std::vector<const SvgNames::Unknown*> SvgNames::drawn_beside_known(bool any_know
 
 std::vector<std::string> SvgNames::asked(bool any_known) const {
   std::vector<std::string> names;
+  std::unordered_set<std::string_view> seen;
   for (const Unknown* one : drawn_beside_known(any_known))
-    if (std::find(names.begin(), names.end(), one->name) == names.end()) names.push_back(one->name);
+    if (seen.insert(one->name).second) names.push_back(one->name);
   return names;
 }
 

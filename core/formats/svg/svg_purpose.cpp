@@ -40,7 +40,9 @@ std::optional<SvgPurpose> SvgPurposes::of(const SvgElement& e, const SvgStyle& s
                                           const SvgDashes& dashes) {
   const auto here = [&] { return svg_where(text_, e.node); };
   const auto shows = [&](const SvgPaint& paint, bool clear) {
-    return paint.kind != SvgPaint::Kind::None && !clear && !style.transparent;
+    const bool none = paint.kind == SvgPaint::Kind::None ||
+                      (paint.kind == SvgPaint::Kind::Current && style.colour_clear);
+    return !none && !clear && !style.transparent;
   };
   const bool stroked = shows(style.stroke, style.stroke_clear);
   const bool filled = shows(style.fill, style.fill_clear) && e.name != "line";

@@ -39,6 +39,11 @@ bool is_dark(const SvgStyle& style) {
   return (rgb >> 16) + (rgb >> 8 & 0xFF) + (rgb & 0xFF) < 3 * 0x80;
 }
 
+// Whether viewers show an element only if they have what it asks for (SVG 2, section 5.8.6).
+bool needs_extension(const pugi::xml_node& node) {
+  return *node.attribute("requiredExtensions").value() != 0;
+}
+
 bool is_before_0_92(std::string_view version) {
   if (!version.starts_with("0.")) return false;
   int minor = 0;
@@ -212,7 +217,7 @@ class SvgReader {
     if (!read) return wrong(node, read.error());
     const SvgElement& e = *read;
     if (e.name.empty() || is_definition(e.name)) return {};
-    if (style.display_none) {
+    if (style.display_none || needs_extension(node)) {
       note(SvgNote::Hidden, node);
       return {};
     }
@@ -451,9 +456,7 @@ class SvgReader {
     for (const pugi::xml_node& node : parent.children()) {
       if (node.type() != pugi::node_element) continue;
       const std::string_view language = node.attribute("systemLanguage").value();
-      if (node.attribute("requiredExtensions") &&
-          *node.attribute("requiredExtensions").value() != 0)
-        continue;
+      if (needs_extension(node)) continue;
       if (!language.empty() && language.find("en") == std::string_view::npos) continue;
       return element(node, place, style);
     }
@@ -820,9 +823,18 @@ Result<LineWork> linework_from_svg(std::string text, const SvgReadOptions& optio
   if (!parsed)
     return fail(ErrorKind::Malformed, svg_place(*ready, parsed.offset),
                 fmt::format("not XML: {}; is the file complete?", parsed.description()));
-  for (const pugi::xml_node& root : document.children())
-    if (root.type() == pugi::node_element && is_svg(root.name()))
-      return SvgReader(*ready, options).read(root, has_sheets);
+  for (const pugi::xml_node& root : document.children()) {
+    if (root.type() != pugi::node_element || !is_svg(root.name())) continue;
+    for (pugi::xml_node next = root.next_sibling(); next; next = next.next_sibling())
+      if (next.type() == pugi::node_element)
+        return fail(ErrorKind::Malformed, svg_place(*ready, next.offset_debug() - 1),
+                    fmt::format("<{}> follows the drawing's end; give one drawing, or put both "
+                                "into one <svg>",
+                                std::string_view(next.name()).substr(0, 60)));
+    // Illustrator exports the name of a layer as data-name of the root.
+    ready->by_illustrator = ready->by_illustrator || root.attribute("data-name");
+    return SvgReader(*ready, options).read(root, has_sheets);
+  }
   return fail(ErrorKind::Malformed, "line 1, column 1",
               "the root element is not <svg>; is this an SVG file?");
 }

@@ -44,13 +44,14 @@ namespace {
 
 constexpr std::string_view kSvgNamespace = "http://www.w3.org/2000/svg";
 
-// Whether a value is zero, as a number or a percentage.
+// Whether nothing is seen of what is so opaque, as a number or a percentage.
 std::optional<bool> is_zero(std::string_view value) {
+  constexpr double kLeast = 0.5 / 255;  // that a picture of 8 bits shows
   const auto length = parse_svg_length(value);
   if (!length ||
       (length->unit != SvgLength::Unit::User && length->unit != SvgLength::Unit::Percent))
     return std::nullopt;
-  return length->value <= 0.0;
+  return length->value < (length->unit == SvgLength::Unit::Percent ? 100 * kLeast : kLeast);
 }
 
 bool cuts(LayerMeaning meaning) {
@@ -61,6 +62,32 @@ bool cuts(LayerMeaning meaning) {
 bool is_made_up(std::string_view name) {
   return name.size() < 2 ||
          std::any_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+// Attributes beside label, data-name and id in which programs write names.
+bool is_name(std::string_view attribute) {
+  attribute.remove_prefix(attribute.find(':') + 1);
+  for (const std::string_view name : {"aria-label", "data-label", "data-layer", "data-layer-name",
+                                      "data-title", "layerName", "layer-name", "name", "title"})
+    if (same_word(attribute, name)) return true;
+  return false;
+}
+
+// Whether an element draws, so that its names are those of lines.
+bool is_drawn(std::string_view name) {
+  if (is_svg_shape(name)) return true;
+  for (const std::string_view group : {"g", "a", "switch", "svg", "use", "symbol"})
+    if (name == group) return true;
+  return false;
+}
+
+std::string_view title_of(const pugi::xml_node& node) {
+  for (const pugi::xml_node& child : node.children()) {
+    std::string_view name = child.name();
+    name.remove_prefix(name.find(':') + 1);
+    if (name == "title") return child.child_value();
+  }
+  return {};
 }
 
 }  // namespace
@@ -116,9 +143,11 @@ std::string svg_where(const SvgText& text, const pugi::xml_node& node) {
 SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
   using P = Property;
   // Static: it is asked for each attribute, and a table on the stack would be filled each time.
-  static constexpr std::array<std::pair<std::string_view, P>, 36> kNames{
+  static constexpr std::array<std::pair<std::string_view, P>, 43> kNames{
       // in alphabetical order
-      {{"clip-path", P::ClipPath},
+      {{"-webkit-mask", P::Mask},
+       {"-webkit-mask-image", P::Mask},
+       {"clip-path", P::ClipPath},
        {"clip-rule", P::ClipRule},
        {"color", P::Colour},
        {"cx", P::Geometry},
@@ -136,11 +165,15 @@ SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
        {"marker-mid", P::Marker},
        {"marker-start", P::Marker},
        {"mask", P::Mask},
+       {"mask-image", P::Mask},
+       {"offset-path", P::Geometry},
        {"opacity", P::Opacity},
        {"overflow", P::Overflow},
        {"r", P::Geometry},
+       {"rotate", P::Geometry},
        {"rx", P::Geometry},
        {"ry", P::Geometry},
+       {"scale", P::Geometry},
        {"stroke", P::Stroke},
        {"stroke-dasharray", P::Dashes},
        {"stroke-dashoffset", P::DashOffset},
@@ -149,6 +182,7 @@ SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
        {"transform", P::Geometry},
        {"transform-box", P::TransformBox},
        {"transform-origin", P::TransformOrigin},
+       {"translate", P::Geometry},
        {"vector-effect", P::VectorEffect},
        {"visibility", P::Visibility},
        {"width", P::Geometry},
@@ -225,7 +259,7 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
     const SvgStyle& from = initial ? kInitial : inherited;
     if (property == P::Stroke) style.stroke = from.stroke;
     if (property == P::Fill) style.fill = from.fill;
-    if (property == P::Colour) style.colour = from.colour;
+    if (property == P::Colour) style.colour = from.colour, style.colour_clear = from.colour_clear;
     if (property == P::Visibility) style.hidden = from.hidden;
     if (property == P::Dashes) style.dashes = from.dashes;
     if (property == P::DashOffset) style.dash_offset = from.dash_offset;
@@ -274,6 +308,8 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
       SvgPaint paint{SvgPaint::Kind::Current, 0};
       understood = set_paint(paint, value);
       if (paint.kind == SvgPaint::Kind::Colour) style.colour = paint.rgb;
+      if (understood && paint.kind != SvgPaint::Kind::Current)
+        style.colour_clear = paint.kind == SvgPaint::Kind::None;
       break;
     }
     case P::Dashes:
@@ -313,8 +349,9 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
     default:
       break;
   }
+  const bool is_colour = property == P::Stroke || property == P::Colour;
   if (!understood)
-    notes_.add(SvgNote::Value, [&] {
+    notes_.add(is_colour ? SvgNote::ColourUnread : SvgNote::Value, [&] {
       return fmt::format("{}: \"{}\"", svg_where(text_, element.node), value.substr(0, 60));
     });
 }
@@ -326,10 +363,13 @@ bool SvgStyleReader::apply_all(std::string_view declarations, bool important,
   bool other_kind = false;
   CssDeclaration one;
   while (next_declaration(declarations, one)) {
-    if (one.important == important)
-      apply(property_of(one.name), one.value, inherited, element, style, false);
-    else
+    if (one.important != important) {
       other_kind = true;
+      continue;
+    }
+    Property property = property_of(one.name);
+    if (property == Property::None) property = property_of(lower(one.name));
+    apply(property, one.value, inherited, element, style, false);
   }
   return other_kind;
 }
@@ -362,10 +402,13 @@ void SvgStyleReader::read_attributes(const SvgStyle& inherited, SvgElement& elem
       const std::string_view local = name.substr(colon + 1);
       if (local == "label") element.label = value;
       if (name == "serif:id") element.data_name = value;
+      if (is_name(local)) element.other_name = value;
       if (local == "groupmode") element.is_layer = value == "layer";
       if (local == "href" && element.href.empty()) element.href = value;
     } else if (const Property property = property_of(name); property != Property::None) {
       apply(property, value, inherited, element, style, true);
+    } else if (is_name(name)) {
+      element.other_name = value;
     }
   }
 }
@@ -388,7 +431,8 @@ void SvgStyleReader::apply_sheets(const SvgStyle& inherited, const SvgElement& e
 
 void SvgStyleReader::read_pen(const SvgElement& element, SvgStyle& style) {
   const bool group = element.name == "g";
-  for (const std::string_view name : {element.label, element.data_name, element.id}) {
+  for (const std::string_view name :
+       {element.label, element.data_name, element.other_name, element.id}) {
     // Only groups and layers are told to a person who asks for what is not there.
     const std::uint8_t pen = name.empty() ? std::uint8_t{0} : pens_.of_layer(name, group);
     if (pen != 0) style.layer_pen = pen;
@@ -412,7 +456,26 @@ void SvgStyleReader::read_names(SvgElement& element, SvgStyle& style) {
     }
   }
   const bool root = element.node.parent().type() == pugi::node_document;
-  if (!root) read_name(element, style);
+  if (root && by_illustrator_) read_root_name(element, style);
+  if (!root && is_drawn(element.name)) read_name(element, style);
+}
+
+// Illustrator gives the name of its only layer to the root. One that cuts says nothing of lines
+// of other colours.
+void SvgStyleReader::read_root_name(const SvgElement& element, SvgStyle& style) {
+  const std::string name =
+      element.data_name.empty() ? illustrator_name(element.id) : std::string(element.data_name);
+  const LayerMeaning meaning = meaning_of_label(profile_, name);
+  if (!is_known(meaning) || meaning == LayerMeaning::Ignore || cuts(meaning)) return;
+  names_.see_known(name);
+  set_layer(meaning, name, style);
+}
+
+void SvgStyleReader::set_layer(LayerMeaning meaning, std::string_view name, SvgStyle& style) {
+  const bool has_no_side = meaning == LayerMeaning::Fold || meaning == LayerMeaning::Score;
+  style.layer = use_of(meaning);
+  style.has_layer = true;
+  style.sideless = has_no_side ? names_.add_sideless(name) : 0;
 }
 
 // What the names of an element say. A label that a person wrote counts first; then an id and the
@@ -430,7 +493,7 @@ LayerMeaning SvgStyleReader::meaning_of_names(const SvgElement& e, std::string& 
       all = meaning;
     }
   };
-  for (const std::string_view label : {e.label, e.data_name}) {
+  for (const std::string_view label : {e.label, e.data_name, e.other_name}) {
     if (!label.empty()) look_at(label);
     if (is_known(all) || e.is_layer) return all;
   }
@@ -443,7 +506,7 @@ LayerMeaning SvgStyleReader::meaning_of_names(const SvgElement& e, std::string& 
       for (std::string_view rest = e.classes, one; !(one = take_word(rest, kBlanks)).empty();)
         if (!is_made_up(one)) look_at(one);
   }
-  if (!is_known(all)) look_at(e.node.child_value("title"));
+  if (!is_known(all)) look_at(title_of(e.node));
   return all;
 }
 
@@ -458,10 +521,7 @@ void SvgStyleReader::read_name(const SvgElement& element, SvgStyle& style) {
   // No line of a fold is cut because of its own id.
   if (is_shape && cuts(meaning) && style.has_layer && (!style.layer || !is_cut(*style.layer)))
     return;
-  const bool has_no_side = meaning == LayerMeaning::Fold || meaning == LayerMeaning::Score;
-  style.layer = use_of(meaning);
-  style.has_layer = true;
-  style.sideless = has_no_side ? names_.add_sideless(known) : 0;
+  set_layer(meaning, known, style);
   if (!by_illustrator_ && !element.is_layer && element.assignment.empty())
     notes_.add(is_shape ? SvgNote::NamedShape : SvgNote::NamedGroup,
                [&] { return svg_where(text_, element.node); });
@@ -537,7 +597,7 @@ Result<void> read_svg_sheets(const SvgText& text, const pugi::xml_node& root, Cs
     if (name != "style" || !all) return;
     const std::string_view type = node.attribute("type").value();
     const std::string_view media = node.attribute("media").value();
-    if ((!type.empty() && type != "text/css") || media == "print") return;
+    if ((!type.empty() && !same_word(type, "text/css")) || media == "print") return;
     std::string sheet;
     for (const pugi::xml_node& part : node.children()) sheet += part.value();
     if (auto done = sheets.add(sheet); !done)

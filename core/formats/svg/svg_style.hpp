@@ -28,7 +28,8 @@ struct SvgElement {
   pugi::xml_node node;
   std::string_view name;  ///< without its prefix; empty: another namespace than SVG's
   std::string_view id, classes, style, transform, d, href, assignment, label;
-  std::string_view data_name;  ///< Illustrator's or Affinity's name, if its id is another one
+  std::string_view data_name;   ///< Illustrator's or Affinity's name, if its id is another one
+  std::string_view other_name;  ///< in an attribute that some other program uses
   bool has_transform{false};
   bool is_layer{false};  ///< an Inkscape layer
 };
@@ -46,8 +47,9 @@ struct SvgOrigin {
 struct SvgStyle {
   SvgPaint stroke;
   SvgPaint fill{SvgPaint::Kind::Colour, 0};
-  std::uint32_t colour{};  ///< value of currentColor
-  std::uint32_t dashes{};  ///< for `SvgStyleReader::dashes`; 0: solid
+  std::uint32_t colour{};    ///< value of currentColor
+  bool colour_clear{false};  ///< which nothing is seen of
+  std::uint32_t dashes{};    ///< for `SvgStyleReader::dashes`; 0: solid
   SvgLength dash_offset;
   double font{16.0};  ///< user units
   bool hidden{false}, transparent{false}, stroke_clear{false}, fill_clear{false};
@@ -127,6 +129,8 @@ class SvgStyleReader {
   void read_names(SvgElement& element, SvgStyle& style);
   void read_pen(const SvgElement& element, SvgStyle& style);
   void read_name(const SvgElement& element, SvgStyle& style);
+  void read_root_name(const SvgElement& element, SvgStyle& style);
+  void set_layer(LayerMeaning meaning, std::string_view name, SvgStyle& style);
   [[nodiscard]] LayerMeaning meaning_of_names(const SvgElement& element, std::string& known,
                                               std::string& unknown);
 

@@ -2,6 +2,7 @@
 // What lines of drawings mean, and what is refused or named instead of read.
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <string>
 #include <vector>
 
@@ -176,7 +177,8 @@ TEST_CASE("colours are read in all their spellings", "[core][formats][svg]") {
   };
   for (const char* red :
        {"red", "RED", "#f00", "#FF0000", "#f00f", "#ff0000ff", "rgb(255,0,0)", "rgb(100%, 0%, 0%)",
-        "rgb(255 0 0 / 50%)", "rgba(255,0,0,.5)", "hsl(0,100%,50%)", "hsl(360deg 100% 50%)"})
+        "rgb(255 0 0 / 50%)", "#f00 icc-color(sRGB, 1, 0, 0)", "rgba(255,0,0,.5)",
+        "hsl(0,100%,50%)", "hsl(360deg 100% 50%)"})
     CHECK(rgb(red) == 0xFF0000);
   CHECK(rgb("rebeccapurple") == 0x663399);
   CHECK(rgb("hsl(120,100%,25%)") == 0x008000);
@@ -185,6 +187,56 @@ TEST_CASE("colours are read in all their spellings", "[core][formats][svg]") {
   CHECK(parse_svg_paint("url(#g) #0f0") == SvgPaint{SvgPaint::Kind::Server, 0x00FF00});
   for (const char* wrong : {"", "rot", "#12", "#12345g", "rgb(1,2)", "rgb(1,2,3", "url(#a"})
     CHECK_FALSE(parse_svg_paint(wrong));
+}
+
+TEST_CASE("what is not seen of a stroke is not cut", "[core][formats][svg]") {
+  for (const char* unseen :
+       {"stroke='#000' opacity='0.001'", "stroke='#000' style='stroke-opacity:0.1%'",
+        "color='transparent' stroke='currentColor'", "stroke='#000' requiredExtensions='urn:x'",
+        "style='STROKE:#00000000'"}) {
+    CAPTURE(unseen);
+    const LineWork work =
+        read(svg("<path d='M0 0H4' stroke='red'/><path d='M0 0V9' " + std::string(unseen) + "/>"));
+    CHECK(total_mm(work, Operation::Cut) == Approx(4));
+    CHECK_FALSE(work.warnings.empty());
+  }
+  const LineWork work =
+      read(svg("<g color='#0000'><path d='M0 0H4' color='red' "
+               "stroke='currentColor'/></g>"));
+  CHECK(total_mm(work, Operation::Cut) == Approx(4));
+}
+
+TEST_CASE("colours that are read nowhere do not become those of cuts in silence",
+          "[core][formats][svg]") {
+  const auto spoils = [](const std::string& inner) {
+    const LineWork work = read(svg("<path d='M0 0H4' stroke='#000'/>" + inner));
+    return std::any_of(work.warnings.begin(), work.warnings.end(),
+                       [](const Warning& warning) { return warning.spoils; });
+  };
+  const std::string line = "<g class='g' stroke='#000'><path class='f' d='M0 2H4'";
+  CHECK_FALSE(spoils(line + "/></g>"));
+  CHECK(spoils(line + " style='stroke:var(--fold)'/></g>"));
+  CHECK(spoils(line + " stroke='oklch(0.6 0.25 29)'/></g>"));
+  CHECK(spoils("<style>.g { .f { stroke: red } }</style>" + line + "/></g>"));
+  SvgReadOptions how;
+  how.profile = *find_stroke_profile("auto");
+  for (const char* red : {"style='STROKE:red'/></g>",
+                          "/></g><style type='text/CSS'>"
+                          ".f{Stroke:red}</style>"}) {
+    CAPTURE(red);
+    CHECK_FALSE(linework_from_svg(svg("<path d='M0 0H4' stroke='#000'/>" + line + " " + red), how));
+  }
+}
+
+TEST_CASE("only one drawing is read of a file", "[core][formats][svg][bad]") {
+  SvgReadOptions how;
+  how.profile = *find_stroke_profile("auto");
+  const std::string one = svg("<path d='M0 0H4' stroke='#000'/>");
+  CHECK(linework_from_svg(one + "<!-- end -->\n", how));
+  const auto two = linework_from_svg(one + "\n" + one, how);
+  REQUIRE_FALSE(two);
+  CHECK(two.error().place == "line 2, column 1");
+  CHECK(two.error().detail.find("<svg> follows the drawing's end") != std::string::npos);
 }
 
 TEST_CASE("features that are not applied are named with their place", "[core][formats][svg]") {
@@ -196,6 +248,12 @@ TEST_CASE("features that are not applied are named with their place", "[core][fo
       <foreignObject/><script/><text display="none">x</text>)x"));
   CHECK(is_told(work, "1 clip path is missing: what it clips is cut whole; at line 2"));
   CHECK(is_told(work, "1 element has a mask"));
+  for (const char* unread : {"-webkit-mask:url(#m)", "mask-image:url(#m)", "rotate:45deg",
+                             "scale:2", "translate:9px", "offset-path:url(#m)"}) {
+    CAPTURE(unread);
+    CHECK_FALSE(read(svg("<path d='M0 0H1' stroke='red' style='" + std::string(unread) + "'/>"))
+                    .warnings.empty());
+  }
   CHECK(is_told(work, "1 element has a filter, which popcut does not apply; at line 3 (id \"f\")"));
   CHECK(is_told(work, "1 line has markers"));
   CHECK(is_told(work, "1 stroke is painted with a gradient"));
@@ -342,6 +400,20 @@ TEST_CASE("sizes are checked before memory is taken", "[core][formats][svg][bad]
   CHECK(error_of(svg("<style>" + rules + "</style>" + paths), limits).kind ==
         ErrorKind::OutOfRange);
   CHECK(SvgLimits{}.raised(4).points == 16'000'000);
+}
+
+TEST_CASE("very many names that nobody knows are asked about in time",
+          "[core][formats][svg][bad]") {
+  std::string inner = "<g id='fold'><path d='M0 0H4' stroke='#000'/></g>";
+  for (int i = 0; i < 60'000; ++i)
+    inner += "<path id='zwaan" + std::to_string(i) + "q' stroke='#000' d='M0 0V1'/>";
+  SvgReadOptions how;
+  how.profile = *find_stroke_profile("auto");
+  const auto begin = std::clock();
+  const auto asked = linework_from_svg(svg(inner), how);
+  REQUIRE_FALSE(asked);
+  CHECK(asked.error().reason == ErrorReason::Unclear);
+  CHECK(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC < 10.0);
 }
 
 TEST_CASE("long lists of classes and many selectors are read in time or refused as too much",
@@ -550,6 +622,9 @@ TEST_CASE("names count at every depth, on lines, and as classes", "[core][format
         "<g class='cut'>" + cut + "/></g><g class='perf'>" + fold + "/></g>",
         cut + " inkscape:label='Schnitt'/>" + fold + " inkscape:label='Talfalte'/>",
         cut + " data-name='Cut'/>" + fold + " data-name='Valley' id='cut-2'/>",
+        cut + " aria-label='Cut'/>" + fold + " v:layerName='Fold 2'/>",
+        "<g data-layer='cut'>" + cut + "/></g><g xlink:title='Fold'>" + fold + "/></g>",
+        "<g name='cut'>" + cut + "/></g><g><s:title>Fold</s:title>" + fold + "/></g>",
         // A line of a fold is not cut because of its id.
         "<g id='cut'>" + cut + "/></g><g id='fold'>" + fold + " id='cutout'/></g>",
         "<svg id='fold'>" + fold + "/></svg>" + cut + " id='Cut'/>",
@@ -558,6 +633,22 @@ TEST_CASE("names count at every depth, on lines, and as classes", "[core][format
     CHECK(folds_of(inner) == Approx(2));
   }
   CHECK(is_told(read(svg(cut + " id='cut'/>"), "auto"), "1 line is what its id or class says"));
+}
+
+TEST_CASE("the root has the name of the only layer of Illustrator",
+          "[core][formats][svg][profile]") {
+  const std::string line = "<path d='M0 0H4' stroke='#000'/>";
+  const auto folds = [](const LineWork& work) { return total_mm(work, Operation::FoldValley); };
+  CHECK(folds(read(svg(line, "id='Fold' data-name='Fold'"), "auto")) > 0);
+  CHECK(folds(read("<!-- Generator: Adobe Illustrator 24.0 -->" + svg(line, "id='Falz'"), "auto")) >
+        0);
+  CHECK(folds(read(svg(line, "id='fold'"), "auto")) == 0);
+  CHECK(folds(read(svg("<g id='Cut'>" + line + "</g>", "data-name='Fold'"), "auto")) == 0);
+  // One that cuts says nothing of other colours.
+  SvgReadOptions how;
+  how.profile = *find_stroke_profile("auto");
+  const std::string red = "<path d='M0 2H4' stroke='red'/>";
+  CHECK_FALSE(linework_from_svg(svg(line + red, "id='Cut' data-name='Cut'"), how));
 }
 
 TEST_CASE("a name that nobody knows beside known ones is asked about",
@@ -587,6 +678,8 @@ TEST_CASE("a name that nobody knows beside known ones is asked about",
   CHECK_FALSE(asked(layer("Cut") + layer("C")).empty());
   CHECK(asked(layer("M") + layer("C") + layer("B1")).empty());
   CHECK_FALSE(asked(layer("M") + layer("C") + layer("U")).empty());
+  // What is not drawn has no name.
+  CHECK_FALSE(asked("<mask id='m'/>" + layer("Cut") + layer("C")).empty());
   // As a class or a title, in another frame, or with Affinity's own name of a group.
   CHECK_FALSE(asked("<path class='cut' d='M0 0H4' stroke='#000'/>"
                     "<path class='cls-1 a zwaan' d='M0 2H4' stroke='#000'/>")

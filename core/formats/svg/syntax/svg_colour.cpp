@@ -233,7 +233,10 @@ std::optional<SvgPaint> from_url(std::string_view text) {
 std::optional<SvgPaint> parse_svg_paint(std::string_view text) {
   text = trimmed(text);
   if (text.empty() || text.size() > 4096) return std::nullopt;
-  const std::string c = lower(text);
+  std::string c = lower(text);
+  // What a printer makes of the colour follows it (SVG 1.1, section 11.2).
+  if (const std::size_t at = c.find(" icc-color("); at != std::string::npos)
+    c.resize(trimmed(std::string_view(c).substr(0, at)).size());
   if (c == "none" || c == "transparent") return SvgPaint{};
   if (c[0] == '#') return from_hex(std::string_view(c).substr(1));
   if (c == "currentcolor") return SvgPaint{Kind::Current, 0};

@@ -316,6 +316,9 @@ class CssSheetReader {
       if (!block.empty() && block.back() == '}') block.remove_suffix(1);
       if (auto done = head[0] == '@' ? at_rule(head, block, depth) : rules(head, block); !done)
         return done;
+      // Rules in rules.
+      if (head[0] != '@' && find_outside(block, 0, "{") < block.size())
+        unknown(sheets_.unknown_selectors_, head);
     }
     return {};
   }

@@ -40,6 +40,7 @@ enum class SvgNote {
   Selector,
   SheetBlock,
   Value,
+  ColourUnread,
   SheetGeometry,
   OwnBox,
   NamedGroup,
