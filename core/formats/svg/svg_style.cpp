@@ -411,6 +411,10 @@ void SvgStyleReader::read_attributes(const SvgStyle& inherited, SvgElement& elem
       element.other_name = value;
     }
   }
+  // Inkscape puts the letters of a text there that became paths.
+  if (element.style.find("font-size") != std::string_view::npos &&
+      element.other_name == element.node.attribute("aria-label").value())
+    element.other_name = {};
 }
 
 void SvgStyleReader::apply_sheets(const SvgStyle& inherited, const SvgElement& element,

@@ -635,6 +635,13 @@ TEST_CASE("names count at every depth, on lines, and as classes", "[core][format
   CHECK(is_told(read(svg(cut + " id='cut'/>"), "auto"), "1 line is what its id or class says"));
 }
 
+TEST_CASE("letters of a text that became paths are no name", "[core][formats][svg][profile]") {
+  const LineWork work =
+      read(svg("<g aria-label='FOLD' style='font-size:9px'><path d='M0 0H4' stroke='#000'/></g>"),
+           "auto");
+  CHECK(total_mm(work, Operation::Cut) == Approx(4));
+}
+
 TEST_CASE("the root has the name of the only layer of Illustrator",
           "[core][formats][svg][profile]") {
   const std::string line = "<path d='M0 0H4' stroke='#000'/>";
