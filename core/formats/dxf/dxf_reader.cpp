@@ -199,7 +199,8 @@ class DxfReader {
     Place own{place.frame,   layer,      linetype_of(entity, use, place),
               entity.colour, entity.rgb, place.of_block};
     if (entity.colour == 0) own.colour = place.colour, own.rgb = place.rgb;
-    if (entity.colour == 256 && entity.rgb < 0) own.colour = use.layer.colour;
+    if (entity.colour == 256 && entity.rgb < 0)
+      own.colour = use.layer.colour, own.rgb = use.layer.rgb;
     return kind == Kind::Insert ? insert(entity, own, depth) : draw(entity, own, use);
   }
 

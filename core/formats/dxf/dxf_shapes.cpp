@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Part of core/formats/dxf/dxf_entity.hpp.
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -20,6 +22,19 @@ class Pen {
       : frame_(frame), tolerance_(tolerance), line_(line) {}
 
   void to(const Vec3& p) { line_.push_back(seen(frame_(p))); }
+
+  /// Whether these points lie in one height.
+  template <typename Points, typename At>
+  [[nodiscard]] bool level(const Points& points, const At& at) const {
+    return std::all_of(points.begin(), points.end(), [&](const auto& p) {
+      return !(std::abs(frame_.direction(at(p) - at(points.front())).z()) > tolerance_);
+    });
+  }
+  /// Whether the plane of x and y lies flat.
+  [[nodiscard]] bool flat() const {
+    const auto lies = [](const Vec3& a) { return std::abs(a.z()) <= 1e-6 * a.norm(); };
+    return lies(frame_.ax) && lies(frame_.ay);
+  }
 
   /// From `p`, which is drawn already, to `q` with a bulge.
   void bulge_to(const Vec3& p, const Vec3& q, double bulge) {
@@ -51,10 +66,18 @@ double span_of(double from, double to) {
   return span;
 }
 
-bool upright(const DxfEntity& entity) {
-  if (!entity.extrusion) return true;
-  const auto n = dxf_unit(*entity.extrusion);
-  return !n || (std::abs(n->x()) < 1e-6 && std::abs(n->y()) < 1e-6);
+/// Whether an entity lies flat, as `pen` draws it.
+bool upright(const DxfEntity& entity, bool world, const Pen& pen) {
+  const auto self = [](const Vec3& p) { return p; };
+  if (!world) return pen.flat();
+  if (entity.type == "LINE") return pen.level(std::array{entity.p10, entity.p11}, self);
+  if (entity.type == "SPLINE")
+    return pen.level(entity.control, self) && pen.level(entity.fit, self);
+  if (entity.type == "POLYLINE")
+    return pen.level(entity.vertices, [](const auto& vertex) { return vertex.at; });
+  const auto n = dxf_unit(entity.extrusion.value_or(Vec3{0, 0, 1})).value_or(Vec3{0, 0, 1});
+  const Vec3 minor = cross(n, entity.p11);
+  return pen.level(std::array{Vec3{0, 0, 0}, entity.p11, minor}, self);
 }
 
 void polyline(const DxfEntity& entity, Pen& pen, std::size_t most, std::vector<PagePoint>& line) {
@@ -174,7 +197,7 @@ DxfShape outline_of(const DxfEntity& entity, const DxfFrame& frame, double toler
   } else {
     polyline(entity, pen, most, line);
   }
-  return world || upright(entity) ? DxfShape::Flat : DxfShape::Tilted;
+  return upright(entity, world, pen) ? DxfShape::Flat : DxfShape::Tilted;
 }
 
 }  // namespace popcut

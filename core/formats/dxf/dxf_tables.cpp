@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "core/text/code_page.hpp"
 #include "core/text/utf8.hpp"
 #include "core/text/words.hpp"
 
@@ -55,6 +56,22 @@ constexpr std::array<std::uint16_t, 32> kWindows{
     0x2039, 0x0152, '?',    0x017d, '?',    '?',    0x2018, 0x2019, 0x201c, 0x201d, 0x2022,
     0x2013, 0x2014, 0x02dc, 0x2122, 0x0161, 0x203a, 0x0153, '?',    0x017e, 0x0178};
 
+/// A character that begins `text` as "\\M+nXXXX": two bytes in a code page of East Asia.
+///
+/// @return as UTF-8; none if there is no such character
+std::optional<std::string> character_of_page(std::string_view text) {
+  constexpr std::array kPages{"ANSI_932", "ANSI_950", "ANSI_949", "ANSI_1361", "ANSI_936"};
+  constexpr std::string_view kBegin = "\\M+";
+  std::uint32_t code = 0;
+  const std::string_view digits = text.substr(0, 8).substr(std::min(text.size(), kBegin.size()));
+  const auto page = static_cast<std::size_t>(digits.empty() ? 0 : digits[0] - '0');
+  if (!text.starts_with(kBegin) || digits.size() != 5 || page < 1 || page > kPages.size() ||
+      std::from_chars(digits.data() + 1, digits.data() + 5, code, 16).ptr != digits.data() + 5)
+    return std::nullopt;
+  const std::array bytes{static_cast<char>(code >> 8), static_cast<char>(code & 0xff)};
+  return utf8_of_code_page({bytes.data(), bytes.size()}, kPages.at(page - 1));
+}
+
 class TableReader {
  public:
   explicit TableReader(std::string_view text) : cursor_(text) {}
@@ -90,6 +107,14 @@ class TableReader {
           {.code = "no_eof",
            .message = "the file does not end with EOF, but all its sections are complete"});
     settle_unit();
+    if (clips_ > 0)
+      tables_.warnings.push_back(
+          {.code = "block_clipped",
+           .message = fmt::format("{} clipped (XCLIP), and cut whole; explode and trim {}",
+                                  clips_ == 1 ? "1 insert of a block is"
+                                              : fmt::format("{} inserts of blocks are", clips_),
+                                  clips_ == 1 ? "it" : "them"),
+           .spoils = true});
     return std::move(tables_);
   }
 
@@ -125,6 +150,7 @@ class TableReader {
       }
       if (name == "HEADER" && group.code == 9 && !variable()) return false;
       if (name == "BLOCKS" && group.is(0, "BLOCK") && !block()) return false;
+      if (name == "OBJECTS" && group.is(0, "SPATIAL_FILTER")) ++clips_;
       more_ = ended || cursor_.next();
     }
     if (cursor_.error()) return false;
@@ -179,6 +205,9 @@ class TableReader {
         if (group.code == 62)
           one.off = number < 0, one.colour = number < -256 ? 7 : std::abs(number);
         if (group.code == 290) one.unplotted = one.unplotted || number == 0;
+      } else if (is_layer && group.code == 420) {
+        if (!cursor_.integer(number)) return false;
+        one.rgb = number & 0xffffff;
       } else if (is_layer && group.code == 1001) {
         transparency = group.value == "AcCmTransparency";
       } else if (transparency && group.code == 1071) {
@@ -217,7 +246,7 @@ class TableReader {
           break;
         case 70:
           if (!cursor_.integer(flags)) return false;
-          one.external = (flags & 4) != 0;
+          one.external = (flags & (4 | 8)) != 0;  // another file, or an overlay of it
           break;
         default:
           break;
@@ -259,6 +288,7 @@ class TableReader {
   DxfTables tables_;
   bool more_{false};  ///< `cursor_` is on a group
   std::optional<int> insunits_, measurement_;
+  std::size_t clips_{};  ///< of blocks
   std::optional<Error> error_;
 };
 
@@ -282,6 +312,11 @@ std::string dxf_name(std::string_view name) {
         code >= 0x20 && (code < 0xD800 || code >= 0xE000)) {
       append_utf8(shown, code);
       i += 7;
+      continue;
+    }
+    if (const auto character = character_of_page(name.substr(i))) {
+      shown += *character;
+      i += 8;
       continue;
     }
     const std::size_t n = std::max<std::size_t>(code_point(name, i).length, 1);

@@ -22,6 +22,7 @@ struct DxfLayer {
   std::string name;  ///< for messages
   std::string linetype{"CONTINUOUS"};
   int colour{7};
+  int rgb{-1};  ///< in place of `colour`, if it is not negative
   bool off{}, frozen{};
   bool unplotted{};  ///< or wholly transparent
 };

@@ -285,7 +285,67 @@ TEST_CASE("a DXF with site coordinates is moved to its origin", "[core][formats]
         std::string::npos);
 }
 
+TEST_CASE("colours of DXF layers may be exact ones", "[core][formats][dxf]") {
+  const std::string tables =
+      section("TABLES",
+              "0 TABLE 2 LAYER 70 2 0 LAYER 2 A 70 0 62 7 420 0 0 LAYER 2 B 70 0 62 7 420 "
+              "16711680 0 ENDTAB");
+  const std::string lines = line_on("A", 1) + line_on("B", 2);
+  DxfOptions asks;
+  asks.colours = DxfColours::Asked;
+  CHECK(fault(drawing(lines, kMm + tables), asks).find("several colours") != std::string::npos);
+  DxfOptions by_colour;
+  by_colour.colours = DxfColours::OrigamiSim;
+  const LineWork work = read(drawing(lines, kMm + tables), by_colour);
+  CHECK(total_mm(work, Operation::Outline) == Approx(1));
+  CHECK(total_mm(work, Operation::FoldMountain) == Approx(2));
+}
+
+TEST_CASE("what a DXF has in space is cut as seen from above, and told", "[core][formats][dxf]") {
+  const auto told = [](const std::string& entity, const std::string& before = kMm) {
+    return warned(read(drawing(line_on("0", 9) + entity, before)), "are tilted in space");
+  };
+  for (const char* entity :
+       {"0 LINE 8 0 10 0 20 0 30 0 11 5 21 0 31 5 ", "0 LINE 8 0 10 0 20 0 30 0 11 0 21 0 31 5 ",
+        "0 POLYLINE 8 0 66 1 70 8 0 VERTEX 8 0 10 0 20 0 30 0 70 32 0 VERTEX 8 0 10 5 20 0 30 5 "
+        "70 32 0 SEQEND ",
+        "0 ELLIPSE 8 0 10 0 20 0 30 0 11 5 21 0 31 0 40 0.5 41 0 42 6.2831853 210 0 220 1 230 0 ",
+        "0 SPLINE 8 0 71 1 10 0 20 0 30 0 10 5 20 5 30 5 ",
+        "0 CIRCLE 8 0 10 0 20 0 40 5 210 1 220 0 230 0 "}) {
+    CAPTURE(entity);
+    CHECK(told(entity));
+  }
+  for (const char* entity :
+       {"0 LINE 8 0 10 0 20 0 30 7 11 5 21 0 31 7 ", "0 LINE 8 0 10 0 20 0 30 0 11 5 21 0 31 0.01 ",
+        "0 ELLIPSE 8 0 10 0 20 0 30 3 11 5 21 0 31 0 40 0.5 41 0 42 6.2831853 210 0 220 0 230 -1 ",
+        "0 CIRCLE 8 0 10 0 20 0 40 5 210 0 220 0 230 -1 "}) {
+    CAPTURE(entity);
+    CHECK_FALSE(told(entity));
+  }
+  const std::string block =
+      section("BLOCKS", "0 BLOCK 8 0 2 B 70 0 0 LINE 8 0 11 2 0 CIRCLE 8 0 40 2 0 ENDBLK");
+  CHECK(told("0 INSERT 8 0 2 B 10 0 20 0 210 0 220 1 230 0 ", kMm + block));
+  CHECK_FALSE(told("0 INSERT 8 0 2 B 10 0 20 0 41 -2 210 0 220 0 230 -1 ", kMm + block));
+}
+
+TEST_CASE("what a DXF keeps in other files or clips is told", "[core][formats][dxf]") {
+  const auto block = [](const std::string& flags) {
+    return kMm + section("BLOCKS", "0 BLOCK 8 0 2 B 70 " + flags + " 1 b.dwg 0 ENDBLK");
+  };
+  const std::string entities = line_on("0", 9) + "0 INSERT 8 0 2 B 10 0 20 0 ";
+  for (const char* flags : {"4", "8", "12"})
+    CHECK(warned(read(drawing(entities, block(flags))), "1 insert of the block \"B\""));
+  CHECK_FALSE(warned(read(drawing(entities, block("2"))), "insert of the block"));
+  const LineWork clipped = read(
+      kMm + section("ENTITIES", line_on("0", 9)) +
+      section("OBJECTS", "0 SPATIAL_FILTER 100 AcDbSpatialFilter 70 2 10 0 20 0 10 5 20 5 71 1") +
+      groups("0 EOF"));
+  CHECK(warned(clipped, "1 insert of a block is clipped (XCLIP), and cut whole"));
+}
+
 TEST_CASE("names in old code pages are decoded", "[core][formats][dxf]") {
+  CHECK(dxf_name("\\M+5D5DB\\M+5CFDF") == "折线");
+  CHECK(dxf_name("\\M+1 \\M+9D5DB \\M+5D5") == "\\M+1 \\M+9D5DB \\M+5D5");
   CHECK(dxf_name("Gr\xfc\xdf"
                  "e \x80") == "Grüße €");
   CHECK(dxf_name("Grüße €") == "Grüße €");
