@@ -178,6 +178,20 @@ bool is_key(std::string_view line, char key) {
   return line.size() > 1 && line[0] == key && is_blank(line[1]);
 }
 
+/// Whether a line is a face: "f", or "fo" as in the first version of the format.
+bool is_face_line(std::string_view line) {
+  return is_key(line, 'f') || (line.starts_with("fo") && line.size() > 2 && is_blank(line[2]));
+}
+
+/// Whether a line begins with a word that an entry begins with.
+bool begins_entry(std::string_view line) {
+  for (const std::string_view word :
+       {"v", "vt", "vn", "f", "fo", "g", "o", "s", "usemtl", "mtllib"})
+    if (line.starts_with(word) && line.size() > word.size() && is_blank(line[word.size()]))
+      return true;
+  return false;
+}
+
 /// The first word of a line of colours, and what follows it.
 struct Entry {
   std::string_view key, rest;
@@ -272,7 +286,9 @@ class Materials {
       return fail(ErrorKind::Malformed, line_place(file, entry.number),
                   "is not a colour; Kd needs numbers from 0 to 1, such as \"Kd 0.8 0.4 0.2\"");
     for (std::size_t k = count; k < 3; ++k) kd[k] = kd[0];  // a grey
-    for (float& part : kd) part = std::clamp(part, 0.0F, 1.0F);
+    // Some programs write colours from 0 to 255.
+    const float whole = *std::max_element(kd.begin(), kd.end()) > 2.0F ? 255.0F : 1.0F;
+    for (float& part : kd) part = std::clamp(part / whole, 0.0F, 1.0F);
     material.colour = kd;
     return {};
   }
@@ -350,11 +366,15 @@ class ObjReader {
     return fail(ErrorKind::Malformed, line_place(name_, number_), std::move(what));
   }
 
+  /// Whether a line has numbers, and no name.
+  static bool is_numbers(std::string_view line) {
+    return line.starts_with('v') || line.starts_with('f');
+  }
+
   /// Whether a line ends in a comment, whose backslash may be that of a folder.
   static bool has_comment(std::string_view line, std::string_view begun) {
-    const std::string_view head = begun.empty() ? line : begun;
-    const bool is_numbers = head.starts_with('v') || head.starts_with('f');
-    return line.starts_with('#') || (is_numbers && line.find('#') != line.npos);
+    return line.starts_with('#') ||
+           (is_numbers(begun.empty() ? line : begun) && line.find('#') != line.npos);
   }
 
   /// Reads all lines; those that end with a backslash go on in the next one.
@@ -362,6 +382,11 @@ class ObjReader {
     std::string joined;
     const auto done =
         for_each_line(bytes, [&](std::string_view line, std::size_t number) -> Result<void> {
+          // A name may end with a backslash, too.
+          if (!joined.empty() && begins_entry(line) && !is_numbers(joined)) {
+            const std::string whole = std::exchange(joined, {});
+            if (auto read = read_line(trimmed(whole, kSpaces), pass); !read) return read;
+          }
           if (joined.empty()) number_ = number;
           if (line.back() == '\\' && !has_comment(line, joined)) {
             joined.append(line.substr(0, line.size() - 1)) += ' ';
@@ -376,7 +401,7 @@ class ObjReader {
   }
 
   Result<void> read_line(std::string_view line, Pass pass) {
-    const bool is_vertex = is_key(line, 'v'), is_face = is_key(line, 'f');
+    const bool is_vertex = is_key(line, 'v'), is_face = is_face_line(line);
     const bool is_place = line.starts_with("vt") && line.size() > 2 && is_blank(line[2]);
     // A comment may stand behind numbers; names may hold its sign.
     if (is_vertex || is_face || is_place) line = trimmed(line.substr(0, line.find('#')), kSpaces);
@@ -398,7 +423,7 @@ class ObjReader {
 
   Result<void> read_shape(std::string_view line) {
     if (line.size() > kLongestLine) return broken("is longer than 65536 characters");
-    const std::string_view rest = line.substr(1);
+    const std::string_view rest = line.substr(line[1] == 'o' ? 2 : 1);
     return line[0] == 'v' ? read_vertex_line(rest) : read_face(rest);
   }
 

@@ -36,13 +36,27 @@ tl::unexpected<Error> no_triangles(const std::string& name) {
   return fail(ErrorKind::Malformed, name, "has no triangles; a mesh needs faces");
 }
 
+/// Whether bytes behind the triangles are none: zeros that fill a block, or text.
+bool is_filling(std::string_view bytes) {
+  return std::all_of(bytes.begin(), bytes.end(), [](char c) {
+    return c == '\0' || c == '\n' || c == '\r' || c == '\t' || (c >= 0x20 && c < 0x7f);
+  });
+}
+
 /// The triangles that the head announces; all that are there, if the rest of the file is whole
-/// triangles: some programs write a count that is too small, or none. Other bytes after them are
-/// left out.
+/// triangles: some programs write a count that is too small, or none. A few other bytes after them,
+/// zeros and text are left out.
 Result<Model> read_binary(const std::string& name, std::string_view bytes) {
   const std::size_t there = (bytes.size() - kHead) / kTriangle;
   std::size_t count = announced(bytes);
-  if (count < there && (bytes.size() - kHead) % kTriangle == 0) count = there;
+  if (count < there && !is_filling(bytes.substr(kHead + kTriangle * count))) {
+    if ((bytes.size() - kHead) % kTriangle != 0)
+      return fail(ErrorKind::Malformed, name,
+                  fmt::format("announces {} triangles, and {} bytes follow them; save the model "
+                              "again",
+                              count, bytes.size() - kHead - kTriangle * count));
+    count = there;
+  }
   if (there < count)
     return fail(
         ErrorKind::Malformed, name,

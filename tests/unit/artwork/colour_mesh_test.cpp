@@ -80,6 +80,18 @@ TEST_CASE("an OBJ may name several MTL files, in quotes or not, and name one twi
   CHECK(opened == 2);
 }
 
+TEST_CASE("colours of an MTL may go to 255", "[artwork]") {
+  const auto red = [](const std::string& kd) {
+    const auto mesh = read_colour_mesh("m.obj", "mtllib a.mtl\n" + kQuad + "usemtl a\nf 1 2 3\n",
+                                       files_of({{"a.mtl", "newmtl a\nKd " + kd + "\n"}}));
+    if (!mesh) FAIL(message(mesh.error()));
+    return colour_of(*mesh, 0, {0.4, 0.3, 0.3}, 1).r;
+  };
+  CHECK(red("200 150 100") == Approx(200).margin(1));
+  CHECK(red("0 0 255") == Approx(0).margin(1));
+  CHECK(red("1.2 0 0") == Approx(255).margin(1));
+}
+
 TEST_CASE("comments, keys of either case and options of an MTL are read", "[artwork]") {
   const std::map<std::string, std::string> files{
       {"a.mtl",

@@ -523,6 +523,12 @@ TEST_CASE("text models are read as other programs write them", "[core][mesh]") {
   const std::size_t faces = text.find("f ");
   REQUIRE(faces != std::string::npos);
   same("m.obj", text.substr(faces) + text.substr(0, faces));
+  // Names may end with a backslash, too.
+  for (const char* name : {"g C:\\models\\\n", "usemtl \x95\\\n", "mtllib a.mtl \\\n b.mtl\n"}) {
+    // A vertex that no face names hides that one is missing.
+    same("m.obj", name + text.substr(0, faces) + "v 0 0 0\n" + name +
+                      changed(text.substr(faces), "f ", "fo "));
+  }
   // Files that were put together, and blanks of other kinds.
   same("m.obj", text.substr(0, faces) + "\xEF\xBB\xBF" + text.substr(faces));
   same("m.obj", changed(text, " ", "\xC2\xA0"));
@@ -589,6 +595,21 @@ TEST_CASE("a binary STL whose count is too small is read whole", "[core][mesh]")
     if (!read) FAIL(message(read.error()));
     CHECK(read->size() == 20);
   }
+}
+
+TEST_CASE("bytes behind a binary STL are left out if they cannot be triangles", "[core][mesh]") {
+  const TriangleMesh ball = icosphere(2.0, 0);
+  const std::string stl = binary_stl(ball);
+  for (const std::string& rest : {std::string("\x81x\xFF"), std::string(100, '\0'),
+                                  std::string(333, '\0'), std::string(90, 'x')}) {
+    const auto read = read_mesh("m.stl", stl + rest);
+    REQUIRE(read);
+    CHECK(read->size() == 20);
+  }
+  std::string small = stl + "xyz";
+  small[80] = 3;
+  CHECK_THAT(refused(read_mesh("m.stl", small)).detail,
+             Catch::Contains("announces 3 triangles, and 853 bytes follow them"));
 }
 
 TEST_CASE("a binary STL may begin with any bytes", "[core][mesh]") {
