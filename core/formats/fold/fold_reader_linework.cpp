@@ -385,7 +385,20 @@ Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& lim
     return fail(ErrorKind::Malformed, "/vertices_coords",
                 "are those of a model that is folded flat; give its crease pattern, which most "
                 "programs export beside it");
-  return linework_of(std::move(*frame), "", unit_mm, enlarged);
+  const auto others = static_cast<std::size_t>(
+      std::count_if(file->frames.begin(), file->frames.end(), [&](const FoldFrame& one) {
+        const bool is_pattern =
+            !one.folded_form && !one.edges.empty() && (flat(one) || plane_of(one).has_value());
+        return is_pattern && one.edges != frame->edges;
+      }));
+  auto work = linework_of(std::move(*frame), "", unit_mm, enlarged);
+  if (work && others > 0)
+    work->warnings.push_back(
+        {.code = "more_patterns",
+         .message = fmt::format("the file has {} more crease pattern{}; only the first is read; "
+                                "save the one that you want as a file of its own",
+                                others, others == 1 ? "" : "s")});
+  return work;
 }
 
 Result<std::vector<LineWork>> sheets_from_fold(std::string_view text, const FoldLimits& limits,

@@ -90,6 +90,9 @@ TEST_CASE("files of other kinds are named with what to do", "[core][text]") {
   says("OFF\n8 6 0\n", "", "is an OFF model");
   says("#VRML V2.0", "a", "is a VRML model");
   says("\x89PNG\r\n", "a.svg", "is a PNG picture");
+  says("gimp xcf v011", "a.svg", "is a GIMP picture");
+  says("8BPS", "a", "is a Photoshop picture");
+  says("PK\x03\x04", "a.odg", "in LibreOffice Draw, export it as SVG");
   says("IN;PU;", "a.plt", "popcut send FILE");
   CHECK(foreign_advice("<svg/>", "a.svg").empty());
   CHECK(foreign_advice("0\nSECTION", "a.dxf").empty());
@@ -310,6 +313,24 @@ TEST_CASE("a FOLD file may be UTF-16, have its frames in a list, and name units 
   const auto work = linework_from_fold(wide);
   REQUIRE(work);
   CHECK(total_mm(*work, Operation::Outline) == Approx(60));
+}
+
+TEST_CASE("crease patterns of a FOLD file that are not read are counted", "[core][formats][fold]") {
+  const std::string pattern =
+      R"("vertices_coords":[[0,0],[2,0],[2,1],[0,1]],"edges_vertices":[[0,1],[1,2],[2,3],[3,0]])";
+  const std::string triangle =
+      R"("vertices_coords":[[0,0],[2,0],[2,1]],"edges_vertices":[[0,1],[1,2],[2,0]])";
+  const auto told = [&](const std::string& frames) {
+    const auto work = linework_from_fold(
+        "{" + pattern + R"(,"edges_assignment":["B","B","B","B"],"file_frames":[)" + frames + "]}");
+    REQUIRE(work);
+    return std::any_of(work->warnings.begin(), work->warnings.end(), [](const Warning& warning) {
+      return warning.message.find("1 more crease pattern;") != std::string::npos;
+    });
+  };
+  CHECK(told("{" + triangle + "}"));
+  CHECK_FALSE(told(R"({"frame_classes":["foldedForm"],)" + triangle + "}"));
+  CHECK_FALSE(told(R"({"frame_parent":0,"frame_inherit":true})"));
 }
 
 TEST_CASE("a FOLD file of one unit is read at the size that it is cut", "[core][formats][fold]") {

@@ -383,14 +383,16 @@ std::string gzip_of(const std::string& text) {
 }
 
 // With a hundredth of the usual limits, what repeats itself reaches them soon.
-void read_svg(const std::string& text) {
-  auto profile = find_stroke_profile("popcut");
+void read_svg_by(const char* name, const std::string& text) {
+  auto profile = find_stroke_profile(name);
   if (!profile) return;
   SvgReadOptions how;
   how.profile = std::move(*profile);
   how.limits.steps /= 100;
   (void)linework_from_svg(text, how);
 }
+void read_svg(const std::string& text) { read_svg_by("popcut", text); }
+void ask_svg(const std::string& text) { read_svg_by("auto", text); }
 void read_dxf(const std::string& text) {
   DxfOptions how;
   how.colours = DxfColours::Asked;
@@ -443,6 +445,7 @@ TEST_CASE("no drawing takes work or memory out of proportion to its size",
       {"svg: a long id", 50000, [](std::size_t n) { return page("<path id='" + std::string(n, 'a') + "' d='M1 1h5' stroke='#000'/>"); }, read_svg},
       {"svg: folds of many names", 4000, [](std::size_t n) { return page("<g id='cut'>" + kStroke + "</g>" + times(n, [](std::size_t k) { return fmt::format("<g id='fold-{}'>{}</g>", k, kStroke); })); }, read_svg},
       {"svg: layers that nobody knows", 1500, [](std::size_t n) { return page("<g id='cut'>" + kStroke + "</g>" + times(n, [](std::size_t k) { return fmt::format("<g id='zork{}'>{}</g>", k, kStroke); })); }, read_svg},
+      {"svg: names that nobody knows", 10000, [](std::size_t n) { return page("<g id='cut'>" + kStroke + "</g>" + times(n, [](std::size_t k) { return fmt::format("<g id='zwaan{}q'>{}</g>", k, kStroke); })); }, ask_svg},
       {"svg: words of a name", 1000, [](std::size_t n) { return page("<g id='" + times(n, "cutx-foldx ") + "'>" + times(n, [](std::size_t k) { return fmt::format("<g id='g{}'>{}</g>", k, kStroke); }) + "</g>"); }, read_svg},
       {"svg: attributes", 2500, [](std::size_t n) { return page("<path " + times(n, [](std::size_t k) { return fmt::format("a{}='1' ", k); }) + "d='M1 1h5' stroke='#000'/>"); }, read_svg},
       {"svg: one attribute often", 5000, [](std::size_t n) { return page("<path " + times(n, "d='M1 1h5' ") + "stroke='#000'/>"); }, read_svg},

@@ -2,7 +2,6 @@
 // What lines of drawings mean, and what is refused or named instead of read.
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <string>
 #include <vector>
 
@@ -400,20 +399,6 @@ TEST_CASE("sizes are checked before memory is taken", "[core][formats][svg][bad]
   CHECK(error_of(svg("<style>" + rules + "</style>" + paths), limits).kind ==
         ErrorKind::OutOfRange);
   CHECK(SvgLimits{}.raised(4).points == 16'000'000);
-}
-
-TEST_CASE("very many names that nobody knows are asked about in time",
-          "[core][formats][svg][bad]") {
-  std::string inner = "<g id='fold'><path d='M0 0H4' stroke='#000'/></g>";
-  for (int i = 0; i < 60'000; ++i)
-    inner += "<path id='zwaan" + std::to_string(i) + "q' stroke='#000' d='M0 0V1'/>";
-  SvgReadOptions how;
-  how.profile = *find_stroke_profile("auto");
-  const auto begin = std::clock();
-  const auto asked = linework_from_svg(svg(inner), how);
-  REQUIRE_FALSE(asked);
-  CHECK(asked.error().reason == ErrorReason::Unclear);
-  CHECK(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC < 10.0);
 }
 
 TEST_CASE("long lists of classes and many selectors are read in time or refused as too much",
