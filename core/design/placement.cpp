@@ -231,8 +231,9 @@ class Placer {
   std::vector<Standing> ways_;
 };
 
-/// A file in metres or inches is a speck beside the slices, one in micrometres a mountain.
-constexpr double kOtherUnit = 10.0;
+/// A file in metres or inches is a speck beside the slices, one in micrometres a mountain; what is
+/// further from them has no unit of length that files are in.
+constexpr double kOtherUnit = 10.0, kFarthestUnit = 1e7;
 
 /// The scale at which the surface is as long as the slices, if the spec names none and its own unit
 /// is clearly not the millimetre.
@@ -244,7 +245,8 @@ std::optional<double> scale_to_slices(const DesignSpec& spec, const TriangleMesh
     longest = std::max(longest, box.high[axis] - box.low[axis]);
   const double slices_mm = std::accumulate(spec.widths_mm.begin(), spec.widths_mm.end(), 0.0);
   const double ratio = slices_mm / longest;
-  if (!std::isfinite(ratio) || (ratio < kOtherUnit && ratio > 1.0 / kOtherUnit)) return {};
+  const double apart = std::max(ratio, 1.0 / ratio);
+  if (!(apart > kOtherUnit && apart < kFarthestUnit)) return {};
   constexpr double kShare = 0.8;  // of the slices, so that no end is cut off
   const double scale = kShare * ratio, step = std::pow(10.0, std::floor(std::log10(scale)) - 2.0);
   return std::round(scale / step) * step;

@@ -1,6 +1,7 @@
 // The pictures of docs/page.md and README.md: `node pictures.mjs FOLDER`, with POPCUTD set (./run pictures does it).
 import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
 import { closeBrowser, ladder, machineHash, openModel, Server, until, visit, wait } from './harness.mjs';
 
 const folder = process.argv[2];
@@ -10,21 +11,6 @@ const screen = { width: 1200, height: 750, touch: false };
 const server = await Server.start({ devices: [
   { id: 'sim:cameo3', time_scale: 4 }, { id: 'sim:cameo4', time_scale: 20, faults: [{ at_path: 19, kind: 'unplug', seconds: 1 }] },
 ] });
-
-/** A church: a nave with a gable, and a tower with a pointed roof. */
-function church() {
-  const corners = [];
-  const faces = [];
-  const add = (points, sides) => {
-    faces.push(...sides.map((side) => `f ${side.map((i) => i + corners.length).join(' ')}`));
-    corners.push(...points.map((point) => `v ${point.join(' ')}`));
-  };
-  const box = (x0, x1, z0, z1, y) => [0, y].flatMap((h) => [[x0, h, z1], [x1, h, z1], [x1, h, z0], [x0, h, z0]]);
-  const walls = [[4, 3, 2, 1], [1, 2, 6, 5], [2, 3, 7, 6], [3, 4, 8, 7], [4, 1, 5, 8]];
-  add([...box(0, 60, 0, 34, 30), [0, 48, 17], [60, 48, 17]], [...walls, [5, 6, 10, 9], [7, 8, 9, 10], [8, 5, 9], [6, 7, 10]]);
-  add([...box(60, 80, 7, 27, 52), [70, 80, 17]], [...walls, [5, 6, 9], [6, 7, 9], [7, 8, 9], [8, 5, 9]]);
-  return Buffer.from([...corners, ...faces, ''].join('\n'));
-}
 
 /** Visits `hash`, waits until it is ready, and keeps what it looks like. */
 async function draw(name, hash, ready, device = 'sim:cameo3') {
@@ -42,10 +28,11 @@ try {
   await draw('design', '#/design/example/sphere', (page) => page.locator('.badge', { hasText: 'exact' }).waitFor());
   await draw('cards', '#/design', async (page) => {
     await page.locator('.start-card:not(:disabled)').first().waitFor();
-    await page.route('**/search', (route) => route.continue({ postData: JSON.stringify({ up: 'y', effort: 0.1 }) }));
-    await openModel(page, { name: 'church.obj', mimeType: 'model/obj', buffer: church() });
-    await page.locator('.found-card').last().click({ timeout: 300_000 });
-    await page.locator('.badge', { hasText: 'exact' }).waitFor();
+    // As the README searches.
+    await page.route('**/search', (route) => route.continue({ postData: JSON.stringify({ ...JSON.parse(route.request().postData()), effort: 0.02 }) }));
+    await openModel(page, fileURLToPath(new URL('../../examples/house.glb', import.meta.url)));
+    await page.locator('.found-card[aria-pressed=true]').waitFor({ timeout: 600_000 });
+    await page.locator('.badge-exact').waitFor();
   });
   const card = await server.queue(spec('sphere'), { name: 'Sphere for Ben' });
   await draw('machine', machineHash(), (page) => page.locator('.arm').waitFor());

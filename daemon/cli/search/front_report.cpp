@@ -196,9 +196,9 @@ std::string front_text(const ModelSearchOptions& options, const SearchedModel& m
   const double scale_mm = nlohmann::json::parse(recommended.spec).value("scale_mm", 1.0);
   constexpr double kOtherUnit = 10.0;  // the file is hardly in millimetres
   if (scale_mm > kOtherUnit || scale_mm < 1.0 / kOtherUnit)
-    out += fmt::format("  sized    one unit of the file is {} mm on the card, to fit the paper\n",
-                       scale_mm > 1.0 ? fmt::format("{:.0f}", scale_mm)
-                                      : fmt::format("{:.2g}", scale_mm));
+    out += fmt::format(
+        "  sized    one unit of the file is {} mm on the card, to fit the paper\n",
+        scale_mm > 1.0 ? fmt::format("{:.0f}", scale_mm) : fmt::format("{:.2g}", scale_mm));
   const std::string easiest = front_folder(recommended, found.recommended);
   out += fmt::format("  closest  {}/{} looks most like the model\n", folder,
                      front_folder(found.front.back(), found.front.size() - 1));
