@@ -152,6 +152,9 @@ test('a search that runs can be cancelled, and is begun again', async () => {
   // What is drawn meanwhile is not taken for the result.
   await page.locator('.badge', { hasText: 'first draft' }).waitFor({ timeout: 60_000 });
   assert.match(await page.locator('.stage-first').innerText(), /^First draft: better cards are being searched/);
+  await page.getByRole('button', { name: 'Cut this…' }).click();
+  await page.getByRole('dialog').getByText(/^This is the first draft\./).waitFor();
+  await page.getByRole('dialog').getByRole('button', { name: 'Cancel' }).click();
   await page.getByText('Searching for the best cards', { exact: false }).waitFor();
   await page.getByRole('progressbar', { name: 'Searching for the best cards' }).waitFor();
   await picture(page, 'cards-searching');

@@ -303,8 +303,9 @@ test('a word that is longer than the paper comes smaller, in one piece that a ha
   await until(async () => (await specOf(page))?.scale_mm < 1, 'it is made smaller');
   await exact(page);
   const hands = await page.locator('[aria-labelledby=by-hand]').innerText();
-  const [, shortest, minutes] = /the shortest ([\d.]+) mm; about (\d+) minutes to fold/.exec(hands);
+  const [, folds, shortest, minutes] = /(\d+) folds, the shortest ([\d.]+) mm; about (\d+) minutes to fold/.exec(hands);
   assert.ok(Number(shortest) >= 4 && Number(minutes) <= 30, hands);
+  assert.match(await page.locator('[aria-labelledby=figures]').innerText(), new RegExp(`\\nfolds\\s+${folds}\\n`), 'it is one number everywhere');
   await page.getByRole('button', { name: 'Cut this…' }).click();
   await page.getByRole('dialog').getByText(/^The card is 2\d\d(\.\d)? × 1\d\d(\.\d)? mm: it fits\.$/).waitFor();
   assert.equal(await page.getByRole('dialog').getByLabel('Material').locator('option:checked').innerText(), 'Paper, 220 gsm');
@@ -587,11 +588,12 @@ test('a drawing asks in place what its colours are for; the answer is kept, and 
   // What is shown is the guess; one press takes it.
   assert.deepEqual(await page.locator('.look select').evaluateAll((all) => all.map((one) => one.value)), ['cut', 'fold-mountain', 'fold-valley']);
   await picture(page, 'design-drawing-asks');
-  for (const [at, use] of [[1, 'fold-valley'], [2, 'fold-mountain']]) await page.locator('.look select').nth(at).selectOption(use);
+  await page.locator('.look select').nth(1).selectOption('fold-valley');
   await page.getByRole('button', { name: 'Yes, use these' }).click();
   await page.getByText('Size and lines of the drawing').waitFor();
+  await page.locator('.look select').nth(2).selectOption('fold-mountain');   // an answer can be changed
   await page.getByText('On the command line').click();
-  await page.getByText('--colors "#ff0000=fold-valley; #0000ff=fold-mountain; #000000=cut"').waitFor();
+  await page.getByText('--colors "#ff0000=fold-valley; #000000=cut; #0000ff=fold-mountain"').waitFor();
   await page.reload();
   await page.getByRole('button', { name: 'Open a file' }).waitFor();
   await openIt();

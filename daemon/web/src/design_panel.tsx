@@ -441,7 +441,7 @@ export function Figures({ of }: { of: Lattice }) {
         {freedom !== undefined && <Row name={words.figures.freedom} means={words.figures.means.freedom}>{freedom === 1 ? words.figures.freedomOne : words.figures.freedomMany(freedom)}</Row>}
         {report.pieces !== undefined && <Row name={words.figures.pieces}>{integer(report.pieces)}</Row>}
         <Row name={words.figures.panels}>{integer(desk.panelsOf(of))}</Row>
-        {report.folds !== undefined && <Row name={words.figures.folds}>{integer(report.folds)}{report.fold_length_mm !== undefined && <small>{length(report.fold_length_mm)}</small>}</Row>}
+        {report.folds !== undefined && <Row name={words.figures.folds}>{integer(report.handwork?.folds ?? report.folds)}{report.fold_length_mm !== undefined && <small>{length(report.fold_length_mm)}</small>}</Row>}
         {report.cuts !== undefined && <Row name={words.figures.cuts}>{integer(report.cuts)}{report.cut_length_mm !== undefined && <small>{length(report.cut_length_mm)}</small>}</Row>}
         <Row name={words.figures.sheet}>{size(sheetBox(of)[2], sheetBox(of)[3])}</Row>
       </dl>

@@ -62,10 +62,14 @@ export function optionsOf(design: string): Record<string, string> {
 /** The drawing on the desk, what it asks, and all looks that it asked about so far. */
 export const drawing = signal<{ design: string; question: Question; looks: Look[] } | null>(null);
 
+let turn = 0;
+
 /** Reads what the drawing asks, with the answers so far. */
 export async function ask(design: string): Promise<void> {
+  const mine = ++turn;
   try {
     const question = await send<Question>('POST', `/v1/designs/${design}/make`, { body: { way: 'drawing', options: optionsOf(design) } });
+    if (mine !== turn) return;   // another answer was given meanwhile
     const before = drawing.peek()?.design === design ? drawing.peek()!.looks : [];
     const fresh = [...question.asks === null ? [] : question.looks, ...(question.folds ?? []).map((look) => ({ ...look, fold: true }))]
       .filter((look) => !before.some((one) => one.name === look.name && one.option === look.option));
@@ -120,7 +124,7 @@ export function DrawingQuestion({ design, onAnswer }: { design: string; onAnswer
     keep(design, next);
     void ask(design).then(onAnswer);
   };
-  const useOf = (look: Look): string => answers.uses[look.option][look.name] ?? (question.asks === null || look.fold ? '' : usualUse(look.colour));
+  const useOf = (look: Look, uses = answers.uses): string => uses[look.option][look.name] ?? (question.asks === null || look.fold ? '' : usualUse(look.colour));
   const isOpen = (fold: boolean): boolean => rows.some((look) => !look.fold !== fold && useOf(look) === '');
   const guessed = question.unit === 'guessed' || answers.units !== '';
   const unit_mm: Record<string, number> = { mm: 1, cm: 10, in: 25.4 };
@@ -165,7 +169,7 @@ export function DrawingQuestion({ design, onAnswer }: { design: string; onAnswer
           ))}
         </ul>
         {question.asks && <p><Button kind="primary" disabled={isOpen(false)}
-          onClick={() => answer((next) => { for (const look of rows) if (!look.fold) next.uses[look.option][look.name] = useOf(look); })}>{words.yes}</Button></p>}
+          onClick={() => answer((next) => { for (const look of rows) if (!look.fold) next.uses[look.option][look.name] = useOf(look, next.uses); })}>{words.yes}</Button></p>}
       </>}
       {Object.keys(options).length > 0 && <details class="small muted"><summary>{words.option}</summary><code>{Object.entries(options).map(([name, text]) => `--${name} "${text}"`).join(' ')}</code></details>}
     </section>
