@@ -13,6 +13,9 @@ namespace popcut {
 namespace {
 
 constexpr double kLeastArea_mm2 = 4.0;
+// Between two points of the picture what is seen jumps where it goes back by more than this, and
+// more steeply than 72 degrees.
+constexpr double kLeastJump_mm = 1.0, kSteep = 3.0;
 
 /// A stretch of a strip that is to be cut out.
 struct WindowStretch {
@@ -49,7 +52,7 @@ class WindowCutter {
       std::vector<WindowStretch> parts;
       for (std::uint32_t k = 0; k < all.size(); ++k)
         if (window[k] == w) parts.push_back(all[k]);
-      if (!is_sound(parts)) continue;
+      if (!is_sound(parts) || !has_edges(parts)) continue;
       const Label label = label_at(parts.front().strip, parts.front().begin);
       fill(parts, kNoLabel);
       open(parts.front(), true);
@@ -66,24 +69,90 @@ class WindowCutter {
  private:
   [[nodiscard]] const FacetGrid& grid() const { return image_.grid; }
 
-  /// How far the target is behind a cell's plane, mm, the least of its points.
-  [[nodiscard]] double behind(int s, int column, const FacetPlane& plane) const {
+  /// Points of the picture in cells.
+  struct Points {
+    std::int64_t row{}, row_end{}, column{}, column_end{};
+  };
+  [[nodiscard]] Points points_of(int s, int column) const {
     const SheetRaster& raster = target_.raster;
-    const std::size_t along = raster.rows / static_cast<std::size_t>(grid().strips);
+    const auto along = static_cast<std::int64_t>(raster.rows) / grid().strips;
     const double from = grid().across(column) * grid().step_mm;
     const std::int64_t first = std::llround((from - raster.from_mm) / raster.column_mm);
-    const std::int64_t across = std::llround(grid().step_mm / raster.column_mm);
+    return {s * along, (s + 1) * along, first,
+            first + std::llround(grid().step_mm / raster.column_mm)};
+  }
+  [[nodiscard]] bool is_on_picture(const Points& points) const {
+    return points.row >= 0 && points.row_end <= static_cast<std::int64_t>(target_.raster.rows) &&
+           points.column >= 0 &&
+           points.column_end <= static_cast<std::int64_t>(target_.raster.columns);
+  }
+
+  /// How far the target is behind a plane at a point, mm.
+  [[nodiscard]] double behind_at(std::int64_t row, std::int64_t column,
+                                 const FacetPlane& plane) const {
+    const auto r = static_cast<std::size_t>(row), c = static_cast<std::size_t>(column);
+    return plane.offset * grid().step_mm -
+           (plane.upright ? target_.x_mm(r, c) : target_.z_mm(r, c));
+  }
+
+  /// The same of a cell, the least of its points.
+  [[nodiscard]] double behind(int s, int column, const FacetPlane& plane) const {
+    const Points points = points_of(s, column);
+    if (!is_on_picture(points)) return 0.0;
     double least = 1e9;
-    for (std::size_t r = 0; r < along; ++r)
-      for (std::int64_t c = first; c < first + across; ++c) {
-        if (c < 0 || c >= static_cast<std::int64_t>(raster.columns)) return 0.0;
-        const std::size_t row = static_cast<std::size_t>(s) * along + r;
-        const auto at = static_cast<std::size_t>(c);
-        least =
-            std::min(least, plane.offset * grid().step_mm -
-                                (plane.upright ? target_.x_mm(row, at) : target_.z_mm(row, at)));
-      }
+    for (std::int64_t r = points.row; r < points.row_end; ++r)
+      for (std::int64_t c = points.column; c < points.column_end; ++c)
+        least = std::min(least, behind_at(r, c, plane));
     return least;
+  }
+
+  /// What the border between two cells says of a window in the first one.
+  enum class Border { Open, Edge, Slope };
+  [[nodiscard]] Border border_between(int s, int column, int other_s, int other_column,
+                                      const FacetPlane& plane) const {
+    const Points in = points_of(s, column), out = points_of(other_s, other_column);
+    // The paper around a window may be all that covers what is behind: it begins farther out.
+    if (!is_on_picture(in) || !is_on_picture(out) ||
+        behind(other_s, other_column, plane) > deeper_mm_)
+      return Border::Open;
+    const bool along = s != other_s;
+    const std::int64_t row = std::min(in.row, out.row), row_end = std::max(in.row_end, out.row_end),
+                       first = std::min(in.column, out.column),
+                       last = std::max(in.column_end, out.column_end);
+    const double jump_mm = std::max(
+        kLeastJump_mm, kSteep * (along ? target_.raster.row_mm : target_.raster.column_mm));
+    for (std::int64_t r = row; r < row_end - (along ? 1 : 0); ++r)
+      for (std::int64_t c = first; c < last - (along ? 0 : 1); ++c)
+        if (std::abs(behind_at(r + (along ? 1 : 0), c + (along ? 0 : 1), plane) -
+                     behind_at(r, c, plane)) > jump_mm)
+          return Border::Edge;
+    return Border::Slope;
+  }
+
+  /// Whether what is seen jumps back along most of a window's border. Else the shape only curves
+  /// away from its patch, and shows more as paper than as a hole.
+  [[nodiscard]] bool has_edges(const std::vector<WindowStretch>& parts) const {
+    const FacetPlane& plane = planes_[label_at(parts.front().strip, parts.front().begin)];
+    const auto is_inside = [&](int s, int column) {
+      return std::any_of(parts.begin(), parts.end(), [&](const WindowStretch& part) {
+        return part.strip == s && column >= part.begin && column < part.end;
+      });
+    };
+    double edge_mm = 0.0, slope_mm = 0.0;
+    const auto look = [&](int s, int column, int other_s, int other_column) {
+      if (is_inside(other_s, other_column)) return;
+      const double length_mm = s == other_s ? grid().strip_mm : grid().step_mm;
+      const Border border = border_between(s, column, other_s, other_column, plane);
+      if (border == Border::Edge) edge_mm += length_mm;
+      if (border == Border::Slope) slope_mm += length_mm;
+    };
+    for (const WindowStretch& part : parts) {
+      look(part.strip, part.begin, part.strip, part.begin - 1);
+      look(part.strip, part.end - 1, part.strip, part.end);
+      for (int i = part.begin; i < part.end; ++i)
+        for (const int beside : {part.strip - 1, part.strip + 1}) look(part.strip, i, beside, i);
+    }
+    return edge_mm >= slope_mm;
   }
 
   /// Stretches of a strip that may be cut out.

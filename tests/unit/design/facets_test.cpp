@@ -25,6 +25,7 @@
 #include "core/design/facets/seen_target.hpp"
 #include "core/design/facets/strip_chain.hpp"
 #include "core/design/facets/strip_moves.hpp"
+#include "core/design/facets/windows.hpp"
 #include "core/design/shape_fit.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/fold/fold_writer.hpp"
@@ -791,6 +792,45 @@ TEST_CASE("the inside of a letter is a window, and the letter stays one face", "
       }
     }
   CHECK(sides == Approx(2 * drawn - around));
+}
+
+TEST_CASE("a window needs edges: where a front only slopes back, its panel stays whole",
+          "[facets]") {
+  // A front of 60 x 40 mm in one plane, with a recess of 30 x 24 mm, 6 mm deep: a box, or a
+  // pyramid.
+  using Frame = std::array<Vec3, 4>;
+  const Frame outer{Vec3(20, 0, 0), Vec3(20, 60, 0), Vec3(20, 60, 40), Vec3(20, 0, 40)},
+      inner{Vec3(20, 15, 8), Vec3(20, 45, 8), Vec3(20, 45, 32), Vec3(20, 15, 32)};
+  TriangleSoup pyramid;
+  const auto add_quad = [](TriangleSoup& to, const Vec3& a, const Vec3& b, const Vec3& c,
+                           const Vec3& d) { to.add(a, b, c), to.add(a, c, d); };
+  for (std::size_t k = 0; k < 4; ++k)
+    add_quad(pyramid, outer[k], outer[(k + 1) % 4], inner[(k + 1) % 4], inner[k]);
+  TriangleSoup box = pyramid;
+  const Vec3 back(-6, 0, 0);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Vec3 &a = inner[k], &b = inner[(k + 1) % 4];
+    pyramid.add(a, b, Vec3(14, 30, 20));
+    add_quad(box, a, b, b + back, a + back);
+  }
+  add_quad(box, inner[0] + back, inner[1] + back, inner[2] + back, inner[3] + back);
+
+  FacetGrid grid;
+  grid.step_mm = 1.0, grid.wall = 60, grid.columns = 100, grid.strip_mm = 2.0, grid.strips = 30;
+  const FacetPlanes planes({20}, {40});
+  const SheetRaster raster{-60.0, 0.5, 0.0, 0.5, 200, 120};
+  for (const bool is_box : {true, false}) {
+    CAPTURE(is_box);
+    LabelImage image{grid, std::vector<Label>(3000, kGroundLabel)};
+    for (int s = 0; s < grid.strips; ++s) {
+      const auto strip = image.strip(s);
+      std::fill_n(strip.begin(), 20, kWallLabel);
+      std::fill_n(strip.begin() + 20, 20, planes.find({false, 40}));
+      std::fill_n(strip.begin() + 40, 40, planes.find({true, 20}));
+    }
+    const SeenTarget seen = seen_target(is_box ? box : pyramid, raster, false);
+    CHECK(cut_windows(image, planes, seen, 2.0, 0.5, 4.0) == (is_box ? 1 : 0));
+  }
 }
 
 TEST_CASE("a bridged island has a window above and one below its bridges", "[facets]") {
