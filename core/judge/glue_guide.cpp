@@ -12,8 +12,10 @@
 #include <fmt/format.h>
 
 #include "core/geometry/angle.hpp"
+#include "core/geometry/disjoint_sets.hpp"
 #include "core/geometry/triangulate.hpp"
 #include "core/judge/glue_order.hpp"
+#include "core/judge/slide_order.hpp"
 #include "core/text/utf8.hpp"
 #include "core/verify/parts/assembled.hpp"
 #include "core/verify/parts/followed.hpp"
@@ -30,6 +32,7 @@ using verify::JointKind;
 constexpr double kHalfOpen_rad = radians(100.0), kOpen_rad = radians(165.0);
 constexpr double kFinger_mm = 25.0;  ///< so much room a finger needs, on a slant
 constexpr double kTouching_mm = 0.3;
+constexpr double kAslant = 1e-4;  ///< sine of the angle between slots that count as parallel
 constexpr std::size_t kMostGlued = 300;
 
 std::string listed(const std::vector<std::string>& words) {
@@ -85,23 +88,19 @@ class CardGuide {
       return fail(ErrorKind::OutOfRange, "/file_frames",
                   fmt::format("has {} parts; a guide is made for at most {}", model_.parts.size(),
                               kMostGlued));
-    for (const CardJoint& joint : model_.joints)
-      if (joint.kind == JointKind::Cross)
-        return fail(ErrorKind::Infeasible, joint.place,
-                    "crosses in slots, and a guide orders only what is glued; for slices "
-                    "'popcut design' writes the order of assembly into report.json");
+    if (auto done = find_units(); !done) return tl::unexpected(done.error());
     if (auto done = open_card(); !done) return tl::unexpected(done.error());
     if (auto done = add_parts(); !done) return tl::unexpected(done.error());
     name_pages();
     find_tabs();
-    const std::vector<std::size_t> order = glue_order(model_.parts.size(), contacts());
-    for (std::size_t p = 0; p < model_.parts.size(); ++p) add_fold_steps(p);
-    std::vector<std::size_t> standing{0};
-    add_glue_steps(0, {});
-    for (const std::size_t p : order) {
-      add_glue_steps(p, standing);
-      standing.push_back(p);
-    }
+    const std::vector<std::size_t> order = glue_order(units_.size(), contacts());
+    for (std::size_t p = 0; p < model_.parts.size(); ++p)
+      if (units_[unit_of_[p]].size() == 1 || !out_.parts[p].folds.folds.empty()) add_fold_steps(p);
+    for (const std::vector<std::size_t>& unit : units_)
+      if (auto done = add_slide_steps(unit); !done) return tl::unexpected(done.error());
+    std::vector<std::size_t> standing;
+    add_glue_steps(units_.front(), standing);
+    for (const std::size_t unit : order) add_glue_steps(units_[unit], standing);
     if (out_.steps.empty() || out_.steps.back().kind == GlueStepKind::Fold) return std::move(out_);
     out_.steps.back().words += " The card is done.";
     return std::move(out_);
@@ -109,6 +108,22 @@ class CardGuide {
 
  private:
   // 1. The card in space.
+
+  /// Parts that cross in slots are put together before they are glued: they are one unit.
+  Result<void> find_units() {
+    DisjointSets sets(model_.parts.size());
+    for (const CardJoint& joint : model_.joints) {
+      if (joint.kind != JointKind::Cross) continue;
+      if (joint.a.part == 0 || joint.b.part == 0)
+        return fail(ErrorKind::Infeasible, joint.place,
+                    "crosses the card itself in slots; a guide puts together only parts that stand "
+                    "on it");
+      sets.join(static_cast<std::uint32_t>(joint.a.part), static_cast<std::uint32_t>(joint.b.part));
+    }
+    units_.resize(sets.number(unit_of_));
+    for (std::size_t p = 0; p < unit_of_.size(); ++p) units_[unit_of_[p]].push_back(p);
+    return {};
+  }
 
   Result<void> open_card() {
     std::vector<verify::Sheet> sheets;
@@ -274,7 +289,8 @@ class CardGuide {
     const std::vector<std::size_t> depth = depths();
     std::vector<GlueContact> out;
     for (const GlueTab& tab : tabs_) {
-      if (tab.part == tab.on_part) continue;
+      const std::uint32_t own_unit = unit_of_[tab.part], on_unit = unit_of_[tab.on_part];
+      if (own_unit == on_unit) continue;
       const bool is_put_on = tab.on_part != 0 && depth[tab.on_part] > depth[tab.part];
       const CardJoint& joint = model_.joints[tab.joint];
       const Isometry3d lay = place(*open_, tab.on_part, tab.on_face);
@@ -284,25 +300,25 @@ class CardGuide {
       const Vec3 up = (tab.on_front != is_put_on ? 1.0 : -1.0) * Vec3(lay.linear().col(2));
       const Vec3 outward = unit(Vec3(lay.linear() * verify::lifted(middle - fold_middle)));
       const Vec3 way = is_put_on ? up : unit(Vec3(up + outward));
-      GlueContact contact{tab.part, tab.on_part, 0, {}};
-      contact.hides.assign(model_.parts.size(), 0);
+      GlueContact contact{own_unit, on_unit, 0, {}};
+      contact.hides.assign(units_.size(), 0);
       constexpr double kInward = 0.3;
       for (std::size_t k = 0; k < tab.place.size() && contact.places < 31; ++k) {
         const Vec3 from =
             lay * verify::lifted(Vec2(tab.place[k] + kInward * (middle - tab.place[k])));
         for (std::size_t q = 1; q < model_.parts.size(); ++q)
-          if (q != tab.part && q != tab.on_part && near[q].contains(from) &&
+          if (unit_of_[q] != own_unit && unit_of_[q] != on_unit && near[q].contains(from) &&
               std::any_of(triangles[q].begin(), triangles[q].end(),
                           [&](const Triangle3& t) { return is_hit(from, way, t); }))
-            contact.hides[q] |= 1U << contact.places;
+            contact.hides[unit_of_[q]] |= 1U << contact.places;
         ++contact.places;
       }
       out.push_back(std::move(contact));
     }
     for (const CardJoint& joint : model_.joints)  // what no tab holds
-      if (joint.kind != JointKind::Glue && joint.a.part != joint.b.part)
-        out.push_back(
-            {joint.a.part, joint.b.part, 0, std::vector<std::uint32_t>(model_.parts.size(), 0)});
+      if (joint.kind != JointKind::Glue && unit_of_[joint.a.part] != unit_of_[joint.b.part])
+        out.push_back({unit_of_[joint.a.part], unit_of_[joint.b.part], 0,
+                       std::vector<std::uint32_t>(units_.size(), 0)});
     return out;
   }
 
@@ -352,47 +368,236 @@ class CardGuide {
     }
   }
 
-  [[nodiscard]] std::string target_name(const GlueTab& tab, std::size_t part) const {
-    const std::size_t on = tab.part == part ? tab.on_part : tab.part;
-    if (on == part) return "itself";
+  /// The panels of a part that cross others stand upright as one piece.
+  Result<void> add_upright(std::size_t part, const Vec3& up, std::vector<UprightPiece>& out) const {
+    std::size_t panel = 0;
+    bool is_found = false;
+    for (const CardJoint& joint : model_.joints) {
+      if (joint.kind != JointKind::Cross) continue;
+      for (const verify::JointSide* side : {&joint.a, &joint.b}) {
+        if (side->part != part) continue;
+        const Isometry3d lay = place(*open_, part, side->face);
+        const Vec3 way = lay.linear() * unit(verify::lifted(side->line[1] - side->line[0]));
+        const std::size_t own = card_.sheets[part].panel_of_face[side->face];
+        if (norm(Vec3(cross(way, up))) > kAslant || (is_found && own != panel))
+          return fail(ErrorKind::Infeasible, joint.place,
+                      "crosses in another direction than the slots before; a guide puts parts "
+                      "together that all slide in one direction, each with one panel");
+        panel = own, is_found = true;
+      }
+    }
+    const verify::FoldModel& sheet = model_.parts[part].sheet;
+    UprightPiece& piece = out.emplace_back();
+    for (std::size_t f = 0; f < sheet.faces(); ++f) {
+      if (card_.sheets[part].panel_of_face[f] != panel) continue;
+      const Isometry3d lay = place(*open_, part, f);
+      if (piece.faces.empty()) {
+        piece.along = unit(Vec3(cross(up, Vec3(lay.linear().col(2)))));
+        piece.origin = lay.translation();
+      }
+      std::vector<Vec2>& face = piece.faces.emplace_back();
+      for (const std::uint32_t v : verify::face_of(sheet, f)) {
+        const Vec3 at = lay * verify::lifted(sheet.flat[v]);
+        face.push_back({dot(Vec3(at - piece.origin), piece.along), dot(at, up)});
+      }
+    }
+    return {};
+  }
+
+  /// Which way the parts of a unit are pushed together: up on the open card.
+  [[nodiscard]] Vec3 up_of(const std::vector<std::size_t>& unit_parts) const {
+    for (const CardJoint& joint : model_.joints) {
+      if (joint.kind != JointKind::Cross || unit_of_[joint.a.part] != unit_of_[unit_parts.front()])
+        continue;
+      const Isometry3d lay = place(*open_, joint.a.part, joint.a.face);
+      const Vec3 way = lay.linear() * unit(verify::lifted(joint.a.line[1] - joint.a.line[0]));
+      return way.z() < 0.0 ? Vec3(-way) : way;
+    }
+    return {0.0, 0.0, 1.0};
+  }
+
+  Result<void> add_slide_steps(const std::vector<std::size_t>& unit_parts) {
+    if (unit_parts.size() < 2) return {};
+    const Vec3 up = up_of(unit_parts);
+    std::vector<UprightPiece> pieces;
+    for (const std::size_t p : unit_parts)
+      if (auto done = add_upright(p, up, pieces); !done) return done;
+    std::vector<std::size_t> stuck;
+    const auto order = slide_order(pieces, up, stuck);
+    if (!order) {
+      std::vector<std::string> names;
+      for (const std::size_t k : stuck)
+        names.push_back(shown_text(model_.parts[unit_parts[k]].name));
+      return fail(ErrorKind::Infeasible, "/popcut:joints",
+                  fmt::format("do not let the parts be put together from above: {} {}",
+                              listed(names), order.error().detail));
+    }
+    std::vector<std::size_t> standing;
+    for (std::size_t n = 0; n < order->size(); ++n) {
+      std::vector<std::size_t> parts;
+      for (const std::size_t k : (*order)[n]) parts.push_back(unit_parts[k]);
+      if (n == 0) {
+        add_first_step(parts, pieces, (*order)[n], up);
+        standing = std::move(parts);
+        continue;
+      }
+      for (std::size_t k = 0; k < parts.size(); ++k) {
+        add_slide_step(parts[k], pieces[(*order)[n][k]], up, standing);
+        standing.push_back(parts[k]);
+      }
+    }
+    return {};
+  }
+
+  /// "Take 2 pieces of waste out of x3"; empty without waste.
+  [[nodiscard]] std::string waste_words(std::size_t part) const {
+    const std::size_t waste = out_.parts[part].folds.waste.size();
+    if (waste == 0 || !out_.parts[part].folds.folds.empty()) return {};
+    return fmt::format("Take {} piece{} of waste out of {}", waste, waste == 1 ? "" : "s",
+                       shown_text(model_.parts[part].name));
+  }
+
+  /// The parts that others come down on.
+  void add_first_step(const std::vector<std::size_t>& parts,
+                      const std::vector<UprightPiece>& pieces,
+                      const std::vector<std::size_t>& which, const Vec3& up) {
+    constexpr double kOnGround_mm = 1.0;
+    std::vector<double> foot;
+    for (const std::size_t k : which) {
+      foot.push_back(1e9);
+      for (const std::vector<Vec2>& face : pieces[k].faces)
+        for (const Vec2& at : face) foot.back() = std::min(foot.back(), at.y());
+    }
+    const double ground = *std::min_element(foot.begin(), foot.end());
+    GlueStep step{.kind = GlueStepKind::Slide, .part = parts.front()};
+    step.with.assign(parts.begin() + 1, parts.end());
+    step.up = up;
+    std::vector<std::string> stand, hang;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      if (const std::string waste = waste_words(parts[k]); !waste.empty())
+        step.words += waste + ". ";
+      (foot[k] < ground + kOnGround_mm ? stand : hang)
+          .push_back(shown_text(model_.parts[parts[k]].name));
+    }
+    step.words += stand.size() == 1
+                      ? fmt::format("Stand up {}, with its slots up.", stand.front())
+                      : fmt::format("Stand up {}, side by side in this order, with their slots up.",
+                                    listed(stand));
+    if (!hang.empty())
+      step.words += fmt::format(" Hold {} in the air until the next parts hold {}.", listed(hang),
+                                hang.size() == 1 ? "it" : "them");
+    out_.steps.push_back(std::move(step));
+  }
+
+  /// One part comes down on those that are there.
+  void add_slide_step(std::size_t part, const UprightPiece& piece, const Vec3& up,
+                      const std::vector<std::size_t>& standing) {
+    GlueStep step{.kind = GlueStepKind::Slide, .part = part};
+    step.standing = standing, step.up = up;
+    std::vector<std::pair<double, std::size_t>> along;  // where on its sheet, and which slot
+    for (std::size_t j = 0; j < model_.joints.size(); ++j) {
+      const CardJoint& joint = model_.joints[j];
+      if (joint.kind != JointKind::Cross) continue;
+      for (const auto& [own, other] :
+           {std::pair(&joint.a, &joint.b), std::pair(&joint.b, &joint.a)}) {
+        if (own->part != part ||
+            std::find(standing.begin(), standing.end(), other->part) == standing.end())
+          continue;
+        // From left to right where up on the sheet is up; the slot goes up to the lowest paper.
+        const Isometry3d lay = place(*open_, part, own->face);
+        std::array<Vec2, 2> slot = own->line;
+        if (dot(Vec3(lay.linear() * verify::lifted(slot[1] - slot[0])), up) < 0.0)
+          std::swap(slot[0], slot[1]);
+        const Vec2 up_here = unit(Vec2(slot[1] - slot[0]));
+        const Vec3 foot = lay * verify::lifted(slot[0]);
+        const PaperReach paper = reach_at(piece, dot(Vec3(foot - piece.origin), piece.along));
+        const double slot_mm = paper.low - dot(foot, up);
+        if (slot_mm > 0.0 && slot_mm < norm(Vec2(slot[1] - slot[0])))
+          slot[1] = slot[0] + slot_mm * up_here;
+        along.emplace_back(cross(slot[0], up_here), out_.slots.size());
+        out_.slots.push_back({j, part, other->part, slot});
+      }
+    }
+    std::sort(along.begin(), along.end());
+    std::vector<std::string> onto;
+    for (const auto& [at, slot] : along) {
+      step.slots.push_back(slot);
+      onto.push_back(shown_text(model_.parts[out_.slots[slot].onto].name));
+    }
+    const std::string waste = waste_words(part), name = shown_text(model_.parts[part].name);
+    step.words = waste.empty() ? fmt::format("{}: slide it straight down", name)
+                               : fmt::format("{}, and slide it straight down", waste);
+    if (onto.size() == 1) step.words += " onto " + onto.front();
+    if (onto.size() > 1)
+      step.words += fmt::format(" onto {}, from left to right on its printed side", listed(onto));
+    step.words += '.';
+    out_.steps.push_back(std::move(step));
+  }
+
+  [[nodiscard]] std::string target_name(const GlueTab& tab, std::size_t unit) const {
+    const bool is_own = unit_of_[tab.part] == unit;
+    const std::size_t on = is_own ? tab.on_part : tab.part;
+    if (on == (is_own ? tab.part : tab.on_part)) return "itself";
     if (on != 0) return shown_text(model_.parts[on].name);
     return page_name_[card_.sheets.front()
                           .panel_of_face[on == tab.on_part ? tab.on_face : tab.face]];
   }
 
-  /// A part is glued tab by tab; those on one target together.
-  void add_glue_steps(std::size_t part, const std::vector<std::size_t>& standing) {
+  /// What a step calls a part, or parts that were put together.
+  [[nodiscard]] std::string unit_name(std::size_t unit) const {
+    const std::string first = shown_text(model_.parts[units_[unit].front()].name);
+    if (units_[unit].size() == 1) return first;
+    const auto several = std::count_if(units_.begin(), units_.end(),
+                                       [](const auto& parts) { return parts.size() > 1; });
+    return several == 1 ? "All that you put together" : "What you put together with " + first;
+  }
+
+  /// A part, or parts that were put together, is glued tab by tab; those on one target together.
+  /// Then it stands.
+  void add_glue_steps(const std::vector<std::size_t>& unit_parts,
+                      std::vector<std::size_t>& standing) {
+    const std::size_t unit = unit_of_[unit_parts.front()];
+    const auto is_in = [&](std::size_t p) { return unit_of_[p] == unit; };
     const auto is_there = [&](std::size_t p) {
-      return p == part || std::find(standing.begin(), standing.end(), p) != standing.end();
+      return is_in(p) || std::find(standing.begin(), standing.end(), p) != standing.end();
     };
+    add_glue_step(unit, is_in, is_there, standing);
+    standing.insert(standing.end(), unit_parts.begin(), unit_parts.end());
+  }
+
+  template <typename IsIn, typename IsThere>
+  void add_glue_step(std::size_t unit, const IsIn& is_in, const IsThere& is_there,
+                     const std::vector<std::size_t>& standing) {
     struct Group {
       std::string target;
       bool is_itself{}, is_page{};
       std::vector<std::string> own, others;  ///< letters: its own tabs, and tabs of the target
     };
-    GlueStep step{.kind = GlueStepKind::Glue, .part = part, .standing = standing};
+    GlueStep step{.kind = GlueStepKind::Glue, .part = units_[unit].front()};
+    step.with.assign(units_[unit].begin() + 1, units_[unit].end());
+    step.standing = standing;
     std::vector<Group> groups;
     for (const bool itself : {true, false})
       for (const GlueTab& found : tabs_) {
         if (itself != (found.part == found.on_part)) continue;
-        if ((found.part != part && found.on_part != part) || !is_there(found.part) ||
+        if ((!is_in(found.part) && !is_in(found.on_part)) || !is_there(found.part) ||
             !is_there(found.on_part))
           continue;
         GlueTab tab = found;
         tab.letter = letter_of(out_.tabs.size());
         step.tabs.push_back(out_.tabs.size());
-        const std::string target = target_name(tab, part);
+        const std::string target = target_name(tab, unit);
         auto group = std::find_if(groups.begin(), groups.end(),
                                   [&](const Group& one) { return one.target == target; });
         if (group == groups.end())
           group = groups.insert(groups.end(),
                                 {target, itself, tab.on_part == 0 || tab.part == 0, {}, {}});
-        (tab.part == part ? group->own : group->others).push_back(tab.letter);
+        (is_in(tab.part) ? group->own : group->others).push_back(tab.letter);
         out_.tabs.push_back(std::move(tab));
       }
-    const std::vector<std::string> slides = slides_into(part, is_there);
+    const std::vector<std::string> slides = slides_into(is_in, is_there);
     if (groups.empty() && slides.empty()) return;
-    step.words = shown_text(model_.parts[part].name) + ":";
+    step.words = unit_name(unit) + ":";
     for (const std::string& words : slides) step.words += fmt::format(" {}.", words);
     std::size_t pages = 0;
     for (std::size_t k = 0; k < groups.size(); ++k) {
@@ -420,14 +625,14 @@ class CardGuide {
   }
 
   /// What of a part is pushed through slits, or joined without a tab.
-  template <typename IsThere>
-  [[nodiscard]] std::vector<std::string> slides_into(std::size_t part,
+  template <typename IsIn, typename IsThere>
+  [[nodiscard]] std::vector<std::string> slides_into(const IsIn& is_in,
                                                      const IsThere& is_there) const {
     std::vector<std::string> out;
     for (const CardJoint& joint : model_.joints) {
-      if (joint.kind == JointKind::Glue || joint.a.part == joint.b.part ||
-          (joint.a.part != part && joint.b.part != part) || !is_there(joint.a.part) ||
-          !is_there(joint.b.part))
+      if (joint.kind == JointKind::Glue || joint.kind == JointKind::Cross ||
+          joint.a.part == joint.b.part || (!is_in(joint.a.part) && !is_in(joint.b.part)) ||
+          !is_there(joint.a.part) || !is_there(joint.b.part))
         continue;
       const std::string a = shown_text(model_.parts[joint.a.part].name),
                         b = shown_text(model_.parts[joint.b.part].name);
@@ -444,6 +649,8 @@ class CardGuide {
   verify::Assembled card_;
   std::deque<verify::BodyState> states_;
   const verify::BodyState *half_open_{}, *open_{};
+  std::vector<std::vector<std::size_t>> units_;  ///< parts that are put together; the card is first
+  std::vector<std::uint32_t> unit_of_;           ///< one a part
   std::vector<std::string> page_name_;
   std::vector<GlueTab> tabs_;  ///< without letters, as in the file
   GlueGuide out_;
@@ -467,6 +674,8 @@ hands::Handwork handwork(const GlueGuide& guide, const hands::Hands& hands) {
   return hands::handwork(lengths_mm, waste, guide.tabs.size(), hands);
 }
 
-std::string_view name_of(GlueStepKind kind) { return kind == GlueStepKind::Fold ? "fold" : "glue"; }
+std::string_view name_of(GlueStepKind kind) {
+  return kind == GlueStepKind::Fold ? "fold" : kind == GlueStepKind::Slide ? "slide" : "glue";
+}
 
 }  // namespace popcut::judge

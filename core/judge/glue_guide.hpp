@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -38,14 +39,24 @@ struct GlueTab {
   bool on_front{};                   ///< it lies on the printed side of `on_part`
 };
 
-enum class GlueStepKind : std::uint8_t { Fold, Glue };
+/// A slot of a part, and what it takes: a part that crosses it there.
+struct GlueSlot {
+  std::size_t joint{};         ///< in the file
+  std::size_t part{}, onto{};  ///< what comes down, and what is there
+  std::array<Vec2, 2> line;    ///< the slot on the flat sheet of `part`, from its open end
+};
+
+enum class GlueStepKind : std::uint8_t { Fold, Slide, Glue };
 
 struct GlueStep {
   GlueStepKind kind{};
   std::size_t part{};                 ///< that is folded, or added to what stands
+  std::vector<std::size_t> with;      ///< parts that are added with it
+  std::vector<std::size_t> slots;     ///< of a slide step: indices into `GlueGuide::slots`
+  Vec3 up{0.0, 0.0, 0.0};             ///< of a slide step: where it comes from, on the `open` card
   std::vector<std::uint32_t> folds;   ///< of a fold step: indices into `GluePart::folds.folds`
   std::vector<std::size_t> tabs;      ///< of a glue step: indices into `GlueGuide::tabs`
-  std::vector<std::size_t> standing;  ///< of a glue step: the parts that are there before it
+  std::vector<std::size_t> standing;  ///< of a slide or glue step: the parts that are there before
   std::string words;
 };
 
@@ -53,17 +64,20 @@ struct GlueStep {
 struct GlueGuide {
   std::string name;
   std::vector<GluePart> parts;
-  std::vector<GlueTab> tabs;  ///< in the order of gluing
+  std::vector<GlueTab> tabs;    ///< in the order of gluing
+  std::vector<GlueSlot> slots;  ///< in the order in which parts slide onto others
   std::vector<GlueStep> steps;
 };
 
 /// Orders the work on a card of several parts, from its FOLD file (docs/parts.md). First all parts
-/// are folded; then each is glued on what is there. The order is that of `glue_order`: backwards,
-/// each part can be taken off with room for a finger at its tabs, as far as there is one.
+/// are folded. Then parts that cross in slots are put together, in the order of `slide_order`: each
+/// comes down from straight above. Last, each part, or what was put together, is glued on what is
+/// there. That order is that of `glue_order`: backwards, each can be taken off with room for a
+/// finger at its tabs, as far as there is one.
 ///
 /// @retval Malformed, OutOfRange  as `verify::read_joint_model`, or too many folds or parts
-/// @retval Infeasible  the joints do not hold all parts, or the card does not open, or parts cross
-///                     in slots
+/// @retval Infeasible  the joints do not hold all parts, or the card does not open, or parts that
+///                     cross in slots cannot be put together from above
 [[nodiscard]] Result<GlueGuide> glue_guide(std::string_view fold_text,
                                            const Progress& progress = {});
 
@@ -73,10 +87,10 @@ struct GlueGuide {
 
 /// The guide as a JSON document: `parts` (`name`, `waste`, `folds` as in `fold_guide_json`), `tabs`
 /// (`letter`, `part`, `on`, `outline_mm`, `place_mm` as [u, v] on their sheets) and `steps`
-/// (`kind`, `part`, `words`, `folds`, `tabs`).
+/// (`kind`, `part`, `with`, `words`, `folds`, `tabs`, and `onto`: the parts that it slides onto).
 [[nodiscard]] std::string glue_guide_json(const GlueGuide& guide);
 
-/// "fold" or "glue".
+/// "fold", "slide" or "glue".
 [[nodiscard]] std::string_view name_of(GlueStepKind kind);
 
 }  // namespace popcut::judge

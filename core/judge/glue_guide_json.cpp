@@ -47,13 +47,17 @@ std::string glue_guide_json(const GlueGuide& guide) {
                     {"outline_mm", outline_json(tab.outline)},
                     {"place_mm", outline_json(tab.place)}});
   for (const GlueStep& step : guide.steps) {
-    Json letters = Json::array();
+    Json letters = Json::array(), with = Json::array(), onto = Json::array();
     for (const std::size_t t : step.tabs) letters.push_back(guide.tabs[t].letter);
+    for (const std::size_t p : step.with) with.push_back(guide.parts[p].name);
+    for (const std::size_t k : step.slots) onto.push_back(guide.parts[guide.slots[k].onto].name);
     steps.push_back({{"kind", name_of(step.kind)},
                      {"part", guide.parts[step.part].name},
+                     {"with", std::move(with)},
                      {"words", step.words},
                      {"folds", step.folds},
-                     {"tabs", std::move(letters)}});
+                     {"tabs", std::move(letters)},
+                     {"onto", std::move(onto)}});
   }
   return json_file(Json{{"popcut", 1},
                         {"name", guide.name},

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "daemon/digest/digest.hpp"
 #include "daemon/pictures/artwork_pdf.hpp"
 #include "daemon/pictures/image_reader.hpp"
+#include "daemon/pictures/png.hpp"
 
 namespace popcut {
 namespace {
@@ -91,13 +93,13 @@ bool is_free(const PrintedSheet& raster, const Box& box) {
 }
 
 /// A bar along the lower edge of the sheet, below where marks may be, if nothing else is there.
-void add_bar(ArtworkPage& page, const PrintedSheet& raster, const std::array<double, 2>& area,
+void add_bar(ArtworkPage& page, const PrintedSheet* raster, const std::array<double, 2>& area,
              const Plan& plan, std::size_t sheet, bool with_words) {
   constexpr double kFromEdge = 10, kHigh = 8;
   const double left = area[0] / 2 - 50, top = area[1] - kFromEdge - 3;
   const Box box{left - 2, top, left + 102, top + kHigh};
   const Box work = bounds(plan.sheets[sheet].path.points);
-  if (left < 32 || !is_free(raster, box) || work.y1 > box.y0) return;
+  if (left < 32 || (raster != nullptr && !is_free(*raster, box)) || work.y1 > box.y0) return;
   page.bar = {left, area[1] - kFromEdge};
   page.bar_across_mm = 100;
   const std::string names = part_names(parts_on_sheet(plan, sheet));
@@ -105,7 +107,33 @@ void add_bar(ArtworkPage& page, const PrintedSheet& raster, const std::array<dou
     page.words = fmt::format("100 mm: sheet {}{}", sheet + 1, names.empty() ? "" : ", " + names);
 }
 
+/// The names of parts beside them, and where tabs go.
+std::string names_and_glue(const Plan& plan, std::size_t sheet, std::vector<Box> taken) {
+  constexpr double kEdge_mm = 3.0;  // what printers leave white, or most of it
+  const auto& area = plan.sheets[sheet].area_mm;
+  return part_labels_svg(parts_on_sheet(plan, sheet),
+                         {kEdge_mm, kEdge_mm, area[0] - kEdge_mm, area[1] - kEdge_mm},
+                         std::move(taken)) +
+         glue_marks_svg(plan, sheet);
+}
+
+/// Names and where tabs go as a picture, as large as `artwork_sheet_png` says.
+Result<std::string> names_png(const Plan& plan, std::size_t sheet, double around_mm,
+                              double pixel_mm) {
+  const Box work = bounds(plan.sheets[sheet].path.points);
+  const std::array<double, 2> size{work.width() + 2 * around_mm, work.height() + 2 * around_mm};
+  const std::string ground = fmt::format(
+      "<rect x=\"{:.4f}\" y=\"{:.4f}\" width=\"{:.4f}\" height=\"{:.4f}\" "
+      "fill=\"#ffffff\"/>\n",
+      work.x0 - around_mm, work.y0 - around_mm, size[0], size[1]);
+  return png_of_svg(document(ground + names_and_glue(plan, sheet, kept_clear(plan, sheet)), size,
+                             {around_mm - work.x0, around_mm - work.y0}),
+                    static_cast<int>(std::lround(std::max(size[0], size[1]) / pixel_mm)));
+}
+
 }  // namespace
+
+bool is_blank(const Artwork& artwork) { return artwork.frame.pixels() == 0; }
 
 Result<std::string> artwork_sheet_pdf(const Artwork& artwork, const std::string& lines,
                                       const Plan& plan, std::size_t sheet,
@@ -117,10 +145,14 @@ Result<std::string> artwork_sheet_pdf(const Artwork& artwork, const std::string&
       lined ? std::array<double, 2>{lined->width_mm, lined->height_mm} : area;
   page.size_mm = options.page_mm.value_or(least);
   if (auto fits = check_page(page.size_mm, least); !fits) return tl::unexpected(fits.error());
-  const auto raster = printed_sheet(artwork, plan, sheet, options.pixel_mm, options.trapping);
-  if (!raster) return tl::unexpected(raster.error());
+  std::optional<PrintedSheet> raster;
+  if (!is_blank(artwork)) {
+    auto made = printed_sheet(artwork, plan, sheet, options.pixel_mm, options.trapping);
+    if (!made) return tl::unexpected(made.error());
+    raster = std::move(*made);
+  }
   page.stretch = stretch_of(options);
-  page.image = lines.empty() ? &raster->image : nullptr;
+  page.image = lines.empty() && raster ? &raster->image : nullptr;
   page.pixel_mm = options.pixel_mm;
   if (lined) page.shift_mm = {kPrintSideMm, kPrintSideMm};
   page.svg_mm = least;
@@ -130,16 +162,12 @@ Result<std::string> artwork_sheet_pdf(const Artwork& artwork, const std::string&
   if (lined) {
     page.svgs.push_back(lined->svg);
   } else {
-    add_bar(page, *raster, area, plan, sheet, options.words);
+    add_bar(page, raster ? &*raster : nullptr, area, plan, sheet, options.words);
     std::vector<Box> taken = kept_clear(plan, sheet);
     if (page.bar_across_mm > 0)
       taken.push_back(
           {page.bar.x - 2, page.bar.y - 3, page.bar.x + page.bar_across_mm + 2, page.bar.y + 6});
-    constexpr double kEdge_mm = 3.0;  // what printers leave white, or most of it
-    std::string over = part_labels_svg(parts_on_sheet(plan, sheet),
-                                       {kEdge_mm, kEdge_mm, area[0] - kEdge_mm, area[1] - kEdge_mm},
-                                       std::move(taken));
-    over += glue_marks_svg(plan, sheet);
+    std::string over = names_and_glue(plan, sheet, std::move(taken));
     if (options.cut_lines) {
       const auto drawn = sheet_lines_svg(plan, sheet, PageGround::Artwork);
       if (!drawn) return tl::unexpected(drawn.error());
@@ -149,7 +177,7 @@ Result<std::string> artwork_sheet_pdf(const Artwork& artwork, const std::string&
   }
   std::vector<ArtworkPage> pages{page};
   ColourImage behind;
-  if (options.back) {
+  if (options.back && raster) {
     behind = mirrored(raster->image);
     ArtworkPage other;
     other.size_mm = page.size_mm;
@@ -171,7 +199,7 @@ Result<std::string> artwork_sheet_svg(const Artwork& artwork, const std::string&
                                       const PrintPageOptions& options) {
   const PlannedSheet& planned = plan.sheets[sheet];
   std::string print = lines_on_sheet(lines, plan, sheet);
-  if (print.empty()) {
+  if (print.empty() && !is_blank(artwork)) {
     const auto raster = printed_sheet(artwork, plan, sheet, options.pixel_mm, options.trapping);
     if (!raster) return tl::unexpected(raster.error());
     const auto png = png_of_image(raster->image);
@@ -187,12 +215,14 @@ Result<std::string> artwork_sheet_svg(const Artwork& artwork, const std::string&
     for (const Box& mark : mark_boxes(*planned.registration))
       print += fmt::format("<rect x=\"{:.4f}\" y=\"{:.4f}\" width=\"{:.4f}\" height=\"{:.4f}\"/>\n",
                            mark.x0, mark.y0, mark.width(), mark.height());
-  print += glue_marks_svg(plan, sheet);
+  print += is_blank(artwork) ? names_and_glue(plan, sheet, kept_clear(plan, sheet))
+                             : glue_marks_svg(plan, sheet);
   return sheet_svg(planned, page_name(fmt::format("{}: sheet {}", plan.name, sheet + 1)), print);
 }
 
 Result<std::string> artwork_sheet_png(const Artwork& artwork, const Plan& plan, std::size_t sheet,
                                       const PrintPageOptions& options) {
+  if (is_blank(artwork)) return names_png(plan, sheet, options.trapping.bleed_mm, options.pixel_mm);
   const auto raster = printed_sheet(artwork, plan, sheet, options.pixel_mm, options.trapping);
   if (!raster) return tl::unexpected(raster.error());
   const Box work = bounds(plan.sheets[sheet].path.points);

@@ -24,6 +24,9 @@ struct PrintPageOptions {
   std::optional<std::array<double, 2>> page_mm{};  ///< the printer's paper; none: the sheet's size
 };
 
+/// Whether nothing is printed but names and where tabs go: such an artwork has no pixels.
+[[nodiscard]] bool is_blank(const Artwork& artwork);
+
 /// The PDF of one planned sheet: the artwork, its registration marks, and a bar of 100 mm where
 /// there is room for it.
 ///
@@ -51,7 +54,8 @@ struct PrintPageOptions {
 /// The artwork of a sheet alone, as a PNG, for programs that take a picture and lines apart: as
 /// large as the box around the strokes and the bleed beyond it on all sides, so that the middles of
 /// both are one place. White where there is no ink: such programs trim what is transparent, and cut
-/// around what is not, which must be no line of the card.
+/// around what is not, which must be no line of the card. Of a blank artwork it shows names and
+/// where tabs go.
 ///
 /// @retval as `artwork_sheet_pdf`
 [[nodiscard]] Result<std::string> artwork_sheet_png(const Artwork& artwork, const Plan& plan,

@@ -12,6 +12,8 @@
 #include "core/geometry/triangulate.hpp"
 #include "core/print/footer.hpp"
 #include "core/print/step_pages.hpp"
+#include "core/text/svg_document.hpp"
+#include "core/text/utf8.hpp"
 #include "daemon/digest/digest.hpp"
 #include "daemon/pictures/image_reader.hpp"
 
@@ -48,11 +50,20 @@ class StepDrawer {
     const double half = (rest.width - 1.5) / 2;
     const PageCell left{rest.x, rest.y, half, rest.height},
         right{rest.x + half + 1.5, rest.y, half, rest.height};
-    const bool is_fold = step.kind == judge::GlueStepKind::Fold;
-    auto picture = picture_svg(is_fold ? folded(step) : glued(step), left);
+    const bool is_fold = step.kind == judge::GlueStepKind::Fold,
+               is_slide = step.kind == judge::GlueStepKind::Slide;
+    if (is_slide && step.slots.empty()) {  // nothing is there that it could go onto
+      auto all = picture_svg(put_together(step), rest);
+      if (!all) return all;
+      return svg + *all;
+    }
+    auto picture = picture_svg(is_fold    ? folded(step)
+                               : is_slide ? put_together(step)
+                                          : glued(step),
+                               left);
     if (!picture) return picture;
     svg += *picture;
-    if (is_fold) return svg + sheet_svg(step, step.part, right);
+    if (is_fold || is_slide) return svg + sheet_svg(step, step.part, right);
     std::vector<std::size_t> shown;  // what is glued on
     for (const std::size_t t : step.tabs)
       for (const std::size_t p : {guide_.tabs[t].part, guide_.tabs[t].on_part})
@@ -128,6 +139,28 @@ class StepDrawer {
     for (const std::size_t p : step.standing)
       add(p, guide_.parts[p].open, Paper, tabs[p], scene.mesh);
     add(step.part, guide_.parts[step.part].open, Lit, tabs[step.part], scene.mesh);
+    for (const std::size_t p : step.with) add(p, guide_.parts[p].open, Lit, tabs[p], scene.mesh);
+    return scene;
+  }
+
+  /// Parts that slide onto what is there, a little above their places.
+  [[nodiscard]] Scene put_together(const judge::GlueStep& step) const {
+    Scene scene = empty();
+    scene.toward.z() += 0.3;  // slots are seen better from above
+    for (const std::size_t p : step.standing) add(p, guide_.parts[p].open, Paper, {}, scene.mesh);
+    constexpr double kAbove_mm = 4.0;
+    double slot_mm = 0.0;
+    for (const std::size_t k : step.slots)
+      slot_mm = std::max(slot_mm, norm(Vec2(guide_.slots[k].line[1] - guide_.slots[k].line[0])));
+    const Eigen::Isometry3d raise(
+        Eigen::Translation3d(Vec3((step.slots.empty() ? 0.0 : slot_mm + kAbove_mm) * step.up)));
+    const auto add_raised = [&](std::size_t part) {
+      std::vector<Eigen::Isometry3d> pose = guide_.parts[part].open;
+      for (Eigen::Isometry3d& face : pose) face = raise * face;
+      add(part, pose, Lit, {}, scene.mesh);
+    };
+    add_raised(step.part);
+    for (const std::size_t p : step.with) add_raised(p);
     return scene;
   }
 
@@ -217,7 +250,22 @@ class StepDrawer {
         folds, 0.12 * mm, 0.6 * mm, 0.6 * mm, cuts, 0.15 * mm);
     for (const std::uint32_t k : step.folds)
       svg += fold_svg(sheet, guide_.parts[part].folds.folds[k], mm);
+    for (const std::size_t k : step.slots) svg += slot_svg(guide_.slots[k], mm);
     return svg + letters + "</svg>\n";
+  }
+
+  /// A slot, and the name of what goes into it, beyond its closed end.
+  [[nodiscard]] std::string slot_svg(const judge::GlueSlot& slot, double mm) const {
+    std::string d;
+    put(d, 'M', slot.line[0]);
+    put(d, 'L', slot.line[1]);
+    const Vec2 at = slot.line[1] + 4.5 * mm * unit(Vec2(slot.line[1] - slot.line[0]));
+    const std::string name = xml_escaped(shown_text(guide_.parts[slot.onto].name));
+    return fmt::format(
+        "<path d=\"{}\" fill=\"none\" stroke=\"#f6b36c\" stroke-width=\"{:.3f}\"/>\n"
+        "<text transform=\"translate({:.2f} {:.2f}) rotate(-90)\" font-size=\"{:.2f}\" "
+        "text-anchor=\"middle\" font-weight=\"bold\">{}</text>\n",
+        d, 1.2 * mm, at.x() + 0.9 * mm, -at.y(), 2.6 * mm, name);
   }
 
   static std::string fold_svg(const Pattern& sheet, const hands::GuideFold& fold, double mm) {

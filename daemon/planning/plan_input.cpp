@@ -120,38 +120,34 @@ Result<DrawingInput> from_parts(const std::string& text, const FoldLimits& limit
   return out;
 }
 
-/// The parts of a card of layers.
-Result<DrawingInput> from_layers(const DesignSpec& spec, const SpecSources& sources,
-                                 const SurfaceAssets& assets, const SvgReadOptions& how) {
-  auto sound = judge::sound_layers(spec, assets, "popcut", sources.progress);
+/// The parts of a card that was designed, with its warnings.
+template <typename Sound>
+Result<DrawingInput> from_sound(const DesignSpec& spec, const Result<Sound>& sound,
+                                const SvgReadOptions& how) {
   if (!sound) return tl::unexpected(sound.error());
   auto out = from_parts(sound->fold, FoldLimits{}, how);
   if (!out) return out;
   std::vector<Warning>& warnings = out->drawing.warnings;
   warnings.insert(warnings.end(), sound->made.warnings.begin(), sound->made.warnings.end());
+  out->drawing.name = spec.name;
   out->material = spec.material, out->pens = spec.pens;
-  if (sources.layered)
-    if (const auto kept = sources.layered(spec, sound->made); !kept)
-      return tl::unexpected(kept.error());
   return out;
 }
 
-/// The pieces of a card of slices.
+Result<DrawingInput> from_layers(const DesignSpec& spec, const SpecSources& sources,
+                                 const SurfaceAssets& assets, const SvgReadOptions& how) {
+  const auto sound = judge::sound_layers(spec, assets, "popcut", sources.progress);
+  if (sound && sources.layered)
+    if (const auto kept = sources.layered(spec, sound->made); !kept)
+      return tl::unexpected(kept.error());
+  return from_sound(spec, sound, how);
+}
+
 Result<DrawingInput> from_slices(const DesignSpec& spec, const SpecSources& sources,
                                  const SurfaceAssets& assets, const SvgReadOptions& how) {
   if (sources.sliced)
     if (const auto wanted = sources.sliced(); !wanted) return tl::unexpected(wanted.error());
-  auto sound = judge::sound_slices(spec, assets, "popcut", sources.progress);
-  if (!sound) return tl::unexpected(sound.error());
-  auto sheets = sheets_from_fold(sound->fold, FoldLimits{}, how.unit_mm, how.enlarged);
-  if (!sheets) return tl::unexpected(sheets.error());
-  DrawingInput out = side_by_side(*sheets);
-  out.drawing.name = spec.name;
-  out.drawing.warnings.insert(out.drawing.warnings.end(), sound->made.warnings.begin(),
-                              sound->made.warnings.end());
-  out.tabs = sound->made.tabs;
-  out.material = spec.material, out.pens = spec.pens;
-  return out;
+  return from_sound(spec, judge::sound_slices(spec, assets, "popcut", sources.progress), how);
 }
 
 Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sources,

@@ -96,9 +96,12 @@ class Lattice {
   void add_blanks() {
     for (std::size_t s = 0; s < slices_.size(); ++s) {
       const auto step_of = [&](bool is_island) -> std::size_t {
-        if (order_.is_between) return slices_[s].family == order_.ground ? (is_island ? 2 : 0) : 1;
+        // Slots from below would end at the tab of a foot, so nothing is there before a foot that
+        // it would come down on, but the other foot beside its tab.
+        if (slices_[s].is_foot && !is_island && slices_[s].family != order_.ground) return 0;
+        if (order_.is_between) return slices_[s].family == order_.ground ? (is_island ? 3 : 1) : 2;
         const SliceFamily first = is_island ? order_.islands : order_.ground;
-        return (is_island ? 2 : 0) + (slices_[s].family == first ? 0 : 1);
+        return (is_island ? 3 : 1) + (slices_[s].family == first ? 0 : 1);
       };
       for (const bool is_island : {false, true})
         for (FlatRings& piece : pieces_of(is_island ? slices_[s].islands : slices_[s].ground)) {
@@ -114,16 +117,16 @@ class Lattice {
   /// Islands of the first family go below the other one where less of it has to be cut for that.
   void put_below() {
     for (std::size_t b = 0; b < blanks_.size(); ++b) {
-      if (blanks_[b].step != 2) continue;
+      if (blanks_[b].step != 3) continue;
       double over = 0.0, under = 0.0;
       for (std::size_t o = 0; o < blanks_.size(); ++o) {
-        if (blanks_[o].step != 1) continue;
+        if (blanks_[o].step != 2) continue;
         const auto own = paper_at(blanks_[b].paper, at_mm(o)),
                    other = paper_at(blanks_[o].paper, at_mm(b));
         if (own.empty() || other.empty()) continue;
         over += paper_above(other, own.back().to), under += paper_below(other, own.front().from);
       }
-      if (over > under + kSlack_mm) blanks_[b].step = 0;
+      if (over > under + kSlack_mm) blanks_[b].step = 1;
     }
   }
 
@@ -166,7 +169,7 @@ class Lattice {
   }
 
   void add_pieces() {
-    for (std::size_t step = 0; step < 4; ++step)
+    for (std::size_t step = 0; step < 5; ++step)
       for (std::size_t s = 0; s < slices_.size(); ++s) {
         std::vector<CutPiece> cut_pieces;
         for (std::size_t b = 0; b < blanks_.size(); ++b) {

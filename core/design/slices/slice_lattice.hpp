@@ -68,7 +68,8 @@ struct SliceLattice {
 ///
 /// Order: the ground's paper of one family, that of the other, then islands of one, and of the
 /// other; or the ground's paper of one family with some of its islands, all of the other family,
-/// and the other islands. Of these ways the one that keeps most paper is taken.
+/// and the other islands. Of these ways the one that keeps most paper is taken. The foot of the
+/// other family comes before all: its slots are above, where its tab does not close them.
 ///
 /// Of two slices that cross the later comes from above: the earlier is cut above the middle of what
 /// both have in common, the later below it. Where they have several stretches in common the longest

@@ -428,7 +428,9 @@ Result<SlicedCard> sliced_card(const DesignSpec& spec, const SurfaceAssets& asse
   std::vector<double> folds{out.card.length_mm};
   glue_feet(out, folds);
   out.folds = folds.size(), out.tabs = 2;
-  out.handwork = hands::handwork(folds, 0, out.tabs);
+  std::size_t waste = 0;
+  for (const SlicePiece& piece : out.lattice.pieces) waste += piece.paper.size() - 1;  // its holes
+  out.handwork = hands::handwork(folds, waste, out.tabs);
   const double f = out.frame_rad;
   out.frame_target = std::move(*mesh);
   out.target = out.frame_target;

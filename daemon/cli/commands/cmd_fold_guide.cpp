@@ -19,6 +19,7 @@
 #include "core/judge/glue_guide.hpp"
 #include "core/judge/sheet_motion.hpp"
 #include "core/judge/sound_layers.hpp"
+#include "core/judge/sound_slices.hpp"
 #include "core/layout/sheet.hpp"
 #include "core/print/fold_guide_pages.hpp"
 #include "core/text/fold_text.hpp"
@@ -156,17 +157,18 @@ Result<std::optional<std::string>> parts_file(const Options& options, const Prog
   if (lists_joints(*text)) return std::optional(std::move(*text));
   if (!is_design_spec(*text)) return none;
   const auto spec = parse_design_spec(*text);
-  if (spec && spec->style == DesignStyle::Slices)
-    return tl::unexpected(
-        within(options.file, {ErrorKind::Infeasible, "/style",
-                              "is slices, which are pushed together, not folded; 'popcut design' "
-                              "writes the order of assembly into report.json"}));
-  if (!spec || spec->style != DesignStyle::Layers) return none;
+  if (!spec || (spec->style != DesignStyle::Layers && spec->style != DesignStyle::Slices))
+    return none;
   const auto assets = load_assets(*spec, options.file);
   if (!assets) return tl::unexpected(within(options.file, assets.error()));
-  auto sound = judge::sound_layers(*spec, *assets, "popcut " POPCUT_VERSION, progress);
-  if (!sound) return tl::unexpected(within(options.file, sound.error()));
-  return std::optional(std::move(sound->fold));
+  const auto fold_of = [&](auto sound) -> Result<std::optional<std::string>> {
+    if (!sound) return tl::unexpected(within(options.file, sound.error()));
+    return std::optional(std::move(sound->fold));
+  };
+  constexpr const char* kCreator = "popcut " POPCUT_VERSION;
+  return spec->style == DesignStyle::Layers
+             ? fold_of(judge::sound_layers(*spec, *assets, kCreator, progress))
+             : fold_of(judge::sound_slices(*spec, *assets, kCreator, progress));
 }
 
 Result<void> write_parts(const Options& options, const judge::GlueGuide& guide,
@@ -192,8 +194,10 @@ Result<void> run_parts(const Options& options, const Globals& globals, const std
   if (globals.json) fmt::print("{}", judge::glue_guide_json(*guide));
   if (!globals.quiet) say_written(options);
   if (globals.json || globals.quiet) return {};
-  fmt::print("{}: {} pieces, {} tabs; {}\n", shown_text(guide->name), guide->parts.size(),
-             guide->tabs.size(), hands::handwork_words(judge::handwork(*guide, own)));
+  fmt::print(
+      "{}: {} pieces, {}{} tabs; {}\n", shown_text(guide->name), guide->parts.size(),
+      guide->slots.empty() ? "" : fmt::format("{} crossings in slots, ", guide->slots.size()),
+      guide->tabs.size(), hands::handwork_words(judge::handwork(*guide, own)));
   for (std::size_t k = 0; k < guide->steps.size(); ++k)
     fmt::print("{:3}  {}\n", k + 1, guide->steps[k].words);
   return {};
@@ -239,8 +243,8 @@ constexpr const char* kHelp =
     "CARD is a design (.json), a pattern (FOLD, SVG, DXF) or the folder of a book. First you take\n"
     "out the waste. Then you crease, at most eight folds a step, from wall and ground inward.\n"
     "Then you push panels while the card shuts. If the card has several parts, you fold each\n"
-    "part, and then glue them tab by tab, in an order that leaves room for your fingers. popcut\n"
-    "prints the steps, and writes into DIR:\n\n"
+    "part, push slices together from above, and then glue tab by tab, in an order that leaves\n"
+    "room for your fingers. popcut prints the steps, and writes into DIR:\n\n"
     "  fold-guide.pdf   a page for every 40 folds. Each step shows its panels on the standing\n"
     "                   card, and its folds on the sheet (red: mountain, blue: valley)\n"
     "  fold-guide.json  the same for programs";

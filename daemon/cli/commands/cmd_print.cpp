@@ -105,6 +105,20 @@ Result<void> keep_layers(const Options& options, PrintMode mode, const DesignSpe
   return {};
 }
 
+/// Slices show the shape by their outlines: on their sheets are names, letters and outlines alone.
+Result<void> check_no_artwork(const Options& options, PrintMode mode) {
+  for (const auto& [is_given, name] :
+       {std::pair(mode != PrintMode::View, "--mode"), std::pair(!options.model.empty(), "--model"),
+        std::pair(options.clay, "--clay"), std::pair(options.back, "--back"),
+        std::pair(options.shade_option.is_given(), "--shade"),
+        std::pair(options.bare_card, "--bare-card"), std::pair(options.preview, "--preview")})
+    if (is_given)
+      return fail(ErrorKind::Usage, name,
+                  "is for artwork, and slices carry none: their sheets show names, and where tabs "
+                  "go; leave it out");
+  return {};
+}
+
 Result<PrintMode> mode_of(const Options& options) {
   constexpr std::array<std::pair<const char*, PrintMode>, 4> kModes{
       {{"view", PrintMode::View},
@@ -269,11 +283,15 @@ Result<void> add_preview(const PrintedDesign& design, const Plan& plan, const Ar
 
 void say(const Options& options, const PlanJob& job, const PrintedDesign& design, PrintMode mode) {
   const std::size_t sheets = job.plan.sheets.size();
-  fmt::print(stderr, "{}: {} {} at {:g} dots per inch{}\n", job.plan.name, sheets,
-             sheets == 1 ? "sheet" : "sheets", options.dpi,
-             mode == PrintMode::Flat ? ", your picture laid flat"
-             : design.coloured       ? ", in the model's colours"
-                                     : ", as clay: the model has no colours");
+  if (design.empty())
+    fmt::print(stderr, "{}: {} {} of slices, with their names and where tabs go\n", job.plan.name,
+               sheets, sheets == 1 ? "sheet" : "sheets");
+  else
+    fmt::print(stderr, "{}: {} {} at {:g} dots per inch{}\n", job.plan.name, sheets,
+               sheets == 1 ? "sheet" : "sheets", options.dpi,
+               mode == PrintMode::Flat ? ", your picture laid flat"
+               : design.coloured       ? ", in the model's colours"
+                                       : ", as clay: the model has no colours");
   for (std::size_t i = 0; i < sheets; ++i)
     if (const std::string names = part_names(parts_on_sheet(job.plan, i)); !names.empty())
       fmt::print(stderr, "  sheet {}  {}\n", i + 1, names);
@@ -309,7 +327,8 @@ Result<void> add_sheets(const Options& options, PlanJob& job, const Printed& pri
   const std::size_t sheets = plan.sheets.size();
   std::vector<PrintedPage> lined;  // by hand: with margins, a legend, and how to glue
   if (plan.machine.language == "hand") {
-    auto made = sheet_pages(plan, PageGround::Artwork);
+    auto made =
+        sheet_pages(plan, is_blank(printed.artwork) ? PageGround::Paper : PageGround::Artwork);
     if (!made) return tl::unexpected(made.error());
     lined = std::move(*made);
     if (auto warning = font_warning(plan.name, PlanJob::sheet_file(0, "pdf")))
@@ -344,6 +363,7 @@ Result<void> run_print(Options options, const Globals& globals) {
   options.plan.keep_lines = options.cut_lines;
   if (auto chosen = choose_marks(options, options.plan); !chosen) return chosen;
   PrintedDesign design;
+  bool has_artwork = true;
   auto job = plan_input(
       options.plan, !globals.quiet,
       {[&](const DesignSpec& spec, const SurfaceAssets& assets, const PatchAssembly& made) {
@@ -352,21 +372,21 @@ Result<void> run_print(Options options, const Globals& globals) {
        [&](const DesignSpec& spec, const SurfaceAssets& assets, const LayeredCard& made) {
          return keep_layers(options, *mode, spec, assets, made, design);
        },
-       [] {
-         return Result<void>(fail(ErrorKind::Infeasible, "/style",
-                                  "is slices, which show the shape by their outlines and carry no "
-                                  "print; cut them with 'popcut plan'"));
+       [&] {
+         has_artwork = false;
+         return check_no_artwork(options, *mode);
        }});
   if (!job && !asked_for_marks && job.error().place == "--marks")
     return fail(job.error().kind, "--marks",
                 job.error().detail + "; or print without marks (--no-marks)");
   if (!job) return tl::unexpected(job.error());
-  if (design.empty())
+  if (design.empty() && has_artwork)
     return fail(ErrorKind::Malformed, options.plan.input,
                 "is a pattern without its design, and artwork is laid on a design; give its spec "
                 "(.json)");
   LongWork work(!globals.quiet, "drawing the artwork");
-  const auto artwork = artwork_of(options, *mode, design, *job, *pages, work);
+  const auto artwork = has_artwork ? artwork_of(options, *mode, design, *job, *pages, work)
+                                   : Result<Artwork>(Artwork{});
   if (!artwork) return tl::unexpected(artwork.error());
   std::string lines;
   if (*mode == PrintMode::Lines) {
@@ -411,7 +431,8 @@ constexpr const char* kHelp =
     "  preview.glb             with --preview: the card as it opens, with its artwork (one sheet)\n"
     "  preview.png             with --preview: the model, and the printed card from two sides\n\n"
     "On a card of layers, each layer shows the model as you see it from the front. Outlines and\n"
-    "letters say where tabs are glued; 'popcut fold-guide' gives the order.\n\n"
+    "letters say where tabs are glued; 'popcut fold-guide' gives the order. Sheets of slices have\n"
+    "no artwork: they show the name of each slice, and where tabs are glued.\n\n"
     "Print at actual size. Load the sheet with the printed side up and the black square at the\n"
     "upper left. popcut prints the command that cuts it: 'popcut cut' with the same options and\n"
     "--marks. Marks need a cutter that looks for them (Silhouette, Graphtec); name yours with\n"

@@ -243,6 +243,33 @@ TEST_CASE("layers are designed, verified and planned as a card of several pieces
         std::string::npos);
 }
 
+namespace {
+
+/// Cuts a card of parts on the simulated cutter: what the knife did on each sheet is what the plan
+/// and the card's file say, and each part is on a sheet.
+void check_cut(const Bench& bench, const std::string& fold, std::size_t parts) {
+  const Ran cut = bench.popcut(
+      {"cut", fold, "--direct", "--yes", "--device", "sim:cameo3", "--mat", "12x12", "-o", "cut"});
+  CAPTURE(fold, cut.err);
+  REQUIRE(cut.exit == 0);
+  const json plan = bench.read_json("cut/plan.json");
+  CHECK(plan["parts"].size() == parts);
+  std::size_t pieces = 0;
+  for (std::size_t k = 0; k < plan["sheets"].size(); ++k) {
+    pieces += plan["sheets"][k]["pieces"].size();
+    const std::string name = "cut/sheet-0" + std::to_string(k + 1);
+    const Ran held = bench.popcut({"simulate", name + ".gpgl", "-o", "simulated", "--expect", fold,
+                                   "--plan", "cut/plan.json", "--sheet", std::to_string(k + 1)});
+    CAPTURE(held.err);
+    CHECK(held.exit == 0);
+    CHECK(bench.read_json(name + ".trace.json")["strokes"] ==
+          bench.read_json("simulated/trace.json")["strokes"]);
+  }
+  CHECK(pieces == parts);
+}
+
+}  // namespace
+
 TEST_CASE("slices are designed, verified and planned as a card of several pieces",
           "[cli][e2e][design]") {
   const Bench bench;
@@ -261,11 +288,15 @@ TEST_CASE("slices are designed, verified and planned as a card of several pieces
   for (const char* file : {"pattern.svg", "cut.svg", "pattern.dxf", "pattern.png", "deployed.png"})
     CHECK(fs::exists(bench.temp / "torus" / file));
   CHECK(bench.popcut({"verify", "torus/pattern.fold"}).exit == 0);
+  check_cut(bench, "torus/pattern.fold", report["pieces"]);
   for (const char* input : {"torus.json", "torus/pattern.fold"}) {
     const Ran planned = bench.popcut({"plan", input, "-o", "sheets", "--machine", "cameo3"});
     CAPTURE(input, planned.err);
     REQUIRE(planned.exit == 0);
     CHECK(planned.err.find("x3") != std::string::npos);
+    const json plan = bench.read_json("sheets/plan.json");
+    CHECK(plan["handwork"] == report["handwork"]);
+    CHECK(plan["sheets"].size() == plan["layout"]["least_sheets"]);
   }
   const auto refuses = [&](const Names& arguments, const std::string& words) {
     const Ran ran = bench.popcut(arguments);
@@ -273,9 +304,37 @@ TEST_CASE("slices are designed, verified and planned as a card of several pieces
     CHECK(ran.exit == 4);
     CHECK(ran.err.find(words) != std::string::npos);
   };
-  refuses({"print", "torus.json", "-o", "pages"}, "/style: is slices, which show the shape by");
-  refuses({"fold-guide", "torus.json", "-o", "guide"}, "the order of assembly");
-  refuses({"fold-guide", "torus/pattern.fold", "-o", "guide"}, "the order of assembly");
+  for (const char* page : {"A4", "Letter"})
+    for (const char* input : {"torus.json", "torus/pattern.fold"}) {
+      const Ran guide = bench.popcut({"fold-guide", input, "--page", page, "-o", "guide"});
+      CAPTURE(input, guide.err);
+      REQUIRE(guide.exit == 0);
+      CHECK(guide.out.find("slide it straight down onto") != std::string::npos);
+      CHECK(bench.read_json("guide/fold-guide.json")["steps"].back()["tabs"] == json({"A", "B"}));
+      CHECK(text_of_file(bench.temp / "guide" / "fold-guide.pdf").starts_with("%PDF"));
+    }
+  // By hand with names, letters and a legend; with marks for a cutter; as SVG and PNG for a Cricut.
+  const auto printed = [&](const Names& options, const char* folder) {
+    Names words{"print", "torus.json", "-o", folder, "--dpi", "100"};
+    words.insert(words.end(), options.begin(), options.end());
+    const Ran ran = bench.popcut(words);
+    CAPTURE(ran.err);
+    REQUIRE(ran.exit == 0);
+    CHECK(ran.err.find("of slices, with their names and where tabs go") != std::string::npos);
+    CHECK(text_of_file(bench.temp / folder / "sheet-01.pdf").starts_with("%PDF"));
+  };
+  printed({"--machine", "none", "--mat", "A4"}, "by-hand");
+  printed({"--machine", "cameo3", "--mat", "A4", "--cut-lines"}, "marked");
+  CHECK(fs::exists(bench.temp / "marked" / "sheet-01.gpgl"));
+  const std::string marked = text_of_file(bench.temp / "marked" / "sheet-01.svg");
+  CHECK(marked.find("id=\"glue\"") != std::string::npos);
+  CHECK(marked.find("id=\"parts\"") != std::string::npos);
+  CHECK(marked.find("<image") == std::string::npos);
+  printed({"--machine", "cricut-explore"}, "cricut");
+  CHECK(fs::exists(bench.temp / "cricut" / "sheet-01.png"));
+  const Ran back = bench.popcut({"print", "torus.json", "-o", "back", "--back"});
+  CHECK(back.exit == 2);
+  CHECK(back.err.find("--back: is for artwork, and slices carry none") != std::string::npos);
   spec["sliceform"]["page_mm"] = 40;
   bench.write("small.json", spec);
   refuses({"design", "small.json", "-o", "small"},

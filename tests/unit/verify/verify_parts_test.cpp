@@ -750,6 +750,65 @@ std::size_t stopped(const SlicedCard& made, const std::vector<std::size_t>& orde
   return out;
 }
 
+/// Follows a guide of slices: each comes down on those before it, all its slots onto what is there,
+/// and nothing is left over. Then both feet are glued.
+void check_slides(const judge::SoundSlices& sound) {
+  const auto guide = judge::glue_guide(sound.fold);
+  if (!guide) FAIL(message(guide.error()));
+  const std::vector<SheetPart>& parts = sound.made.card.parts;
+  std::vector<std::size_t> order;  // of pieces
+  std::vector<bool> is_joined(sound.made.card.joints.size(), false);
+  std::string glued;
+  for (const judge::GlueStep& step : guide->steps) {
+    CAPTURE(step.words);
+    if (step.kind == judge::GlueStepKind::Fold) {
+      CHECK(order.empty());
+      continue;
+    }
+    if (step.kind == judge::GlueStepKind::Glue) {
+      CHECK(order.size() + 1 == parts.size());
+      for (const std::size_t t : step.tabs) glued += guide->tabs[t].letter;
+      CHECK(step.part == 1);
+      CHECK(step.with.size() + 2 == parts.size());
+      continue;
+    }
+    CHECK(glued.empty());
+    CHECK(step.standing.size() == order.size());
+    double before = -1e9;
+    for (const std::size_t k : step.slots) {
+      const judge::GlueSlot& slot = guide->slots[k];
+      REQUIRE(sound.made.card.joints[slot.joint].kind == PartJointKind::Cross);
+      CHECK_FALSE(is_joined[slot.joint]);
+      is_joined[slot.joint] = true;
+      CHECK(slot.part == step.part);
+      CHECK(std::find(order.begin(), order.end(), slot.onto - 1) != order.end());
+      CHECK(step.words.find(parts[slot.onto].name) != std::string::npos);
+      CHECK(slot.line[0].x() > before);  // named from left to right
+      before = slot.line[0].x();
+      // A slot has no paper, and ends where paper begins.
+      CHECK(slot.line[1].y() > slot.line[0].y() + 1.0);
+      const auto paper = stretches(parts[slot.part], slot.line[0].x());
+      const auto has_paper = [&](double z) {
+        return std::any_of(paper.begin(), paper.end(),
+                           [&](const auto& one) { return z > one.first && z < one.second; });
+      };
+      CHECK_FALSE(has_paper(slot.line[0].y() + 0.1));
+      CHECK_FALSE(has_paper(slot.line[1].y() - 0.01));
+      CHECK(has_paper(slot.line[1].y() + 0.01));
+    }
+    order.push_back(step.part - 1);
+    for (const std::size_t p : step.with) order.push_back(p - 1);
+    if (order.size() > step.with.size() + 1) CHECK(step.with.empty());
+  }
+  CHECK(glued == "AB");
+  for (std::size_t j = 0; j < is_joined.size(); ++j)
+    CHECK(is_joined[j] == (sound.made.card.joints[j].kind == PartJointKind::Cross));
+  CHECK(stopped(sound.made, order) == 0);
+  const Json steps = Json::parse(judge::glue_guide_json(*guide))["steps"];
+  CHECK(std::count_if(steps.begin(), steps.end(),
+                      [](const Json& step) { return step["kind"] == "slide"; }) > 3);
+}
+
 }  // namespace
 
 TEST_CASE("slices of a solid follow its sections, go together from above, open and shut",
@@ -782,6 +841,15 @@ TEST_CASE("slices of a solid follow its sections, go together from above, open a
     CHECK(stopped(made, order) == 0);
     std::reverse(order.begin(), order.end());
     CHECK(stopped(made, order) > 10);
+    check_slides(sound);
+    // No slot ends at the tab of a foot, so both fold in one line.
+    for (const std::size_t foot : made.lattice.feet)
+      for (const SliceCrossing& one : made.lattice.crossings)
+        if (one.x_piece == foot || one.y_piece == foot) {
+          const std::size_t other = one.x_piece == foot ? one.y_piece : one.x_piece;
+          const bool is_foot = other == made.lattice.feet[0] || other == made.lattice.feet[1];
+          CHECK((is_foot || pieces[foot].step < pieces[other].step));
+        }
     const Json report = Json::parse(sliced_report_json(made, 0.0));
     CHECK(report["pieces"] == pieces.size() + 1);
     CHECK(report["kept"].get<double>() > solid.least_kept);
@@ -826,12 +894,12 @@ TEST_CASE("planted faults of slices are found", "[core][verify][parts][slices]")
   };
   SECTION("a slot missing") {
     Structure card = sound.made.card;
-    const SlicePiece& piece = sound.made.lattice.pieces[1];
+    const SlicePiece& piece = sound.made.lattice.pieces[2];
     REQUIRE_FALSE(sound.made.slices[piece.slice].is_foot);
-    card.parts[2].faces.clear(), card.parts[2].vertices.clear();
+    card.parts[3].faces.clear(), card.parts[3].vertices.clear();
     for (const auto& face : faces_of_piece(pieces_of(sound.made.slices[piece.slice].ground)[0]))
-      card.parts[2].add_face(face);
-    for (const Vec2& at : std::vector<Vec2>(card.parts[2].vertices)) card.parts[2].add_corner(at);
+      card.parts[3].add_face(face);
+    for (const Vec2& at : std::vector<Vec2>(card.parts[3].vertices)) card.parts[3].add_corner(at);
     CHECK(fails(text_of(card), "slots").find("both faces have paper") != std::string::npos);
   }
   SECTION("slots too narrow for the paper") {
@@ -862,10 +930,18 @@ TEST_CASE("planted faults of slices are found", "[core][verify][parts][slices]")
     });
     CHECK(fails(small, "closed").find("sticks out of the pages") != std::string::npos);
   }
-  SECTION("a guide of what is glued does not order it") {
-    const auto guide = judge::glue_guide(sound.fold);
+  SECTION("a guide says which parts cannot be put together") {
+    Structure card = sound.made.card;
+    const SlicePiece& piece = sound.made.lattice.pieces[2];
+    card.parts[3].faces.clear(), card.parts[3].vertices.clear();
+    for (const auto& face : faces_of_piece(pieces_of(sound.made.slices[piece.slice].ground)[0]))
+      card.parts[3].add_face(face);
+    for (const Vec2& at : std::vector<Vec2>(card.parts[3].vertices)) card.parts[3].add_corner(at);
+    const auto guide = judge::glue_guide(text_of(card));
     REQUIRE_FALSE(guide);
-    CHECK(guide.error().detail.find("crosses in slots") != std::string::npos);
+    CHECK(guide.error().kind == ErrorKind::Infeasible);
+    CHECK(guide.error().detail.find(card.parts[3].name + " cannot come down past each other") !=
+          std::string::npos);
   }
 }
 
