@@ -12,6 +12,7 @@
 
 #include "core/layout/line_index.hpp"
 #include "core/layout/marks.hpp"
+#include "core/layout/nest.hpp"
 #include "core/layout/packing.hpp"
 #include "core/layout/partition.hpp"
 #include "core/layout/seam_search.hpp"
@@ -326,6 +327,45 @@ void order_glueing(Layout& layout) {
   for (auto& [column, seams] : between) layout.steps.push_back(std::move(seams));
 }
 
+/// Pieces that nearly fill their boxes are packed as boxes; others are nested by their shapes,
+/// where that needs no more sheets.
+std::vector<NestedPiece> places_of(const Layout& layout,
+                                   const std::vector<std::array<double, 2>>& sizes,
+                                   const std::array<double, 2>& area, double spacing_mm) {
+  constexpr double kFull = 0.9;
+  constexpr std::size_t kMostNested = 400;  // more take seconds
+  const std::vector<PackedBox> packed = pack(sizes, area, spacing_mm);
+  std::vector<NestedPiece> rows;
+  std::uint32_t sheets = 0;
+  for (const PackedBox& box : packed) {
+    rows.push_back({box.sheet, box.turned ? 1U : 0U, box.x, box.y});
+    sheets = std::max(sheets, box.sheet + 1);
+  }
+  double boxes = 0.0, paper = 0.0;
+  std::vector<const LineWork*> works;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    works.push_back(&layout.pieces[i].work);
+    boxes += sizes[i][0] * sizes[i][1], paper += paper_mm2(*works.back());
+  }
+  if (sizes.size() < 2 || sizes.size() > kMostNested || paper > kFull * boxes) return rows;
+  Nest shapes = nest(works, area, spacing_mm);
+  return shapes.sheets <= sheets ? std::move(shapes.places) : rows;
+}
+
+/// A box turned by quarters, its upper left corner at a place.
+Placement turned_to(const Box& box, std::uint32_t quarters, const PagePoint& at) {
+  switch (quarters) {
+    case 1:
+      return {0, -1, at.x + box.y1, 1, 0, at.y - box.x0};
+    case 2:
+      return {-1, 0, at.x + box.x1, 0, -1, at.y + box.y1};
+    case 3:
+      return {0, 1, at.x - box.y0, -1, 0, at.y + box.x1};
+    default:
+      return {1, 0, at.x - box.x0, 0, 1, at.y - box.y0};
+  }
+}
+
 Result<void> put_on_sheets(Layout& layout, const LayoutOptions& options) {
   const std::array<double, 2> area{options.area_mm[0] - options.origin.x,
                                    options.area_mm[1] - options.origin.y};
@@ -342,35 +382,38 @@ Result<void> put_on_sheets(Layout& layout, const LayoutOptions& options) {
                       i + 1, w, h, area[0], area[1]));
     sizes.push_back({w, h});
   }
-  std::vector<PackedBox> packed = pack(sizes, area, options.spacing_mm);
+  std::vector<NestedPiece> placed = places_of(layout, sizes, area, options.spacing_mm);
+  const auto size_of = [&](std::size_t i) -> std::array<double, 2> {
+    const bool is_turned = placed[i].quarters % 2 != 0;
+    return {sizes[i][is_turned ? 1 : 0], sizes[i][is_turned ? 0 : 1]};
+  };
   // Sheets are numbered in the order of their first pieces.
   std::map<std::uint32_t, std::uint32_t> number;
-  for (PackedBox& box : packed)
-    box.sheet =
-        number.try_emplace(box.sheet, static_cast<std::uint32_t>(number.size())).first->second;
+  for (NestedPiece& at : placed)
+    at.sheet =
+        number.try_emplace(at.sheet, static_cast<std::uint32_t>(number.size())).first->second;
   // Free space on a sheet becomes margin, up to kMargin on each side.
   std::vector<std::array<double, 2>> margins;
-  for (std::size_t i = 0; i < packed.size(); ++i) {
-    const PackedBox& at = packed[i];
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    const NestedPiece& at = placed[i];
     if (margins.size() <= at.sheet) margins.resize(at.sheet + 1, {kMargin, kMargin});
-    const std::array<double, 2> end{at.x + sizes[i][at.turned ? 1 : 0],
-                                    at.y + sizes[i][at.turned ? 0 : 1]};
+    const std::array<double, 2> size = size_of(i), end{at.x + size[0], at.y + size[1]};
     for (std::size_t k = 0; k < 2; ++k)
       margins[at.sheet][k] = std::min(margins[at.sheet][k], std::max(0.0, (area[k] - end[k]) / 2));
   }
-  for (std::uint32_t i = 0; i < packed.size(); ++i) {
+  for (std::uint32_t i = 0; i < placed.size(); ++i) {
     SheetPiece& piece = layout.pieces[i];
-    const PackedBox& at = packed[i];
+    const NestedPiece& at = placed[i];
     const double x = at.x + options.origin.x + margins[at.sheet][0];
     const double y = at.y + options.origin.y + margins[at.sheet][1];
     piece.sheet = at.sheet;
-    piece.transform = at.turned ? Placement{0, -1, x + piece.box.y1, 1, 0, y - piece.box.x0}
-                                : Placement{1, 0, x - piece.box.x0, 0, 1, y - piece.box.y0};
+    piece.transform = turned_to(piece.box, at.quarters, {x, y});
     if (layout.sheets.size() <= at.sheet) layout.sheets.resize(at.sheet + 1);
     LayoutSheet& sheet = layout.sheets[at.sheet];
     sheet.pieces.push_back(i);
-    sheet.used_mm[0] = std::max(sheet.used_mm[0], x + sizes[i][at.turned ? 1 : 0]);
-    sheet.used_mm[1] = std::max(sheet.used_mm[1], y + sizes[i][at.turned ? 0 : 1]);
+    const std::array<double, 2> size = size_of(i);
+    sheet.used_mm[0] = std::max(sheet.used_mm[0], x + size[0]);
+    sheet.used_mm[1] = std::max(sheet.used_mm[1], y + size[1]);
   }
   return {};
 }
@@ -450,8 +493,12 @@ Result<Layout> lay_out(const LineWork& drawing, const LayoutOptions& options) {
     cost = laid.cost;
   }
   if (!best) return tl::unexpected(error);
-  best->least_sheets = static_cast<std::uint32_t>(
-      std::ceil(box.width() * box.height() / (options.area_mm[0] * options.area_mm[1]) - 1e-9));
+  double paper = 0.0;
+  for (const SheetPiece& piece : best->pieces) paper += paper_mm2(piece.work);
+  best->least_sheets = std::max<std::uint32_t>(
+      1, static_cast<std::uint32_t>(std::ceil(std::min(paper, box.width() * box.height()) /
+                                                  (options.area_mm[0] * options.area_mm[1]) -
+                                              1e-9)));
   return std::move(*best);
 }
 

@@ -72,7 +72,7 @@ struct Layout {
   /// Glueing order; each step has seams glued together.
   std::vector<std::vector<std::uint32_t>> steps;
   double glue_mm{};              ///< total length to glue
-  std::uint32_t least_sheets{};  ///< lower bound of the number of sheets: box area over sheet area
+  std::uint32_t least_sheets{};  ///< lower bound of the number of sheets: paper over sheet area
   std::vector<Warning> warnings;
 };
 

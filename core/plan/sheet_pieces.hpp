@@ -21,7 +21,8 @@ struct PieceMap {
 /// What of a named part of the drawing (`Plan::parts`) lies on a sheet, in one piece.
 struct PartOnSheet {
   std::string name;
-  Box box;  ///< sheet mm
+  Box box;                                      ///< sheet mm
+  std::vector<std::vector<PagePoint>> outline;  ///< of its piece, sheet mm; empty: not known
 };
 /// Piece by piece, in the order of the parts.
 [[nodiscard]] std::vector<PartOnSheet> parts_on_sheet(const Plan& plan, std::size_t sheet);
@@ -30,7 +31,8 @@ struct PartOnSheet {
 [[nodiscard]] std::string part_names(std::span<const PartOnSheet> parts);
 
 /// The names of the parts as lines, SVG paths in sheet mm: each beside what it names, where the
-/// paper is cut away. `single_stroke` letters, so that no font is needed.
+/// paper is cut away: beside its box, else in a bay or a hole of its outline. `single_stroke`
+/// letters, so that no font is needed.
 ///
 /// @param room   where they may stand
 /// @param taken  where they may not: marks, tabs

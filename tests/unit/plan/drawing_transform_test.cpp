@@ -127,9 +127,33 @@ TEST_CASE("copies lie in rows without touching, and no more than fit", "[core][p
   CHECK(check_plan_options(options).error().place == "/options/per-sheet");
 }
 
+TEST_CASE("a part without room beside its box is named in a bay of its outline", "[core][plan]") {
+  const std::vector<PartOnSheet> parts{
+      {"x7-2",
+       {0, 0, 60, 60},
+       {{{0, 0}, {60, 0}, {60, 20}, {20, 20}}, {{20, 20}, {20, 60}, {0, 60}, {0, 0}}}}};
+  std::vector<std::string> without;
+  const std::string svg = part_labels_svg(parts, {0, 0, 60, 60}, {}, &without);
+  CHECK(without.empty());
+  std::size_t places = 0;
+  for (std::size_t at = svg.find_first_of("ML"); at != std::string::npos;
+       at = svg.find_first_of("ML", at + 1)) {
+    double x = 0, y = 0;
+    if (std::sscanf(svg.c_str() + at + 1, "%lf %lf", &x, &y) != 2) continue;
+    ++places;
+    CHECK((x > 21.0 && y > 21.0 && x < 60.0 && y < 60.0));
+  }
+  CHECK(places > 8);
+  const std::vector<PartOnSheet> whole{
+      {"x7", {0, 0, 60, 60}, {{{0, 0}, {60, 0}, {60, 60}, {0, 60}, {0, 0}}}}};
+  CHECK(part_labels_svg(whole, {0, 0, 60, 60}, {}, &without).empty());
+  CHECK(without == std::vector<std::string>{"x7"});
+}
+
 TEST_CASE("each part of a drawing is named beside it, or reported as without room",
           "[core][plan]") {
-  const std::vector<PartOnSheet> parts{{"card 1", {20, 20, 60, 80}}, {"card 2", {65, 20, 105, 80}}};
+  const std::vector<PartOnSheet> parts{{"card 1", {20, 20, 60, 80}, {}},
+                                       {"card 2", {65, 20, 105, 80}, {}}};
   std::vector<std::string> without;
   const std::string svg = part_labels_svg(parts, {0, 0, 120, 100}, {}, &without);
   CHECK(without.empty());

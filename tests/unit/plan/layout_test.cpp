@@ -7,6 +7,7 @@
 
 #include "core/layout/layout.hpp"
 #include "core/layout/marks.hpp"
+#include "core/layout/nest.hpp"
 #include "core/layout/packing.hpp"
 
 namespace layout_test {
@@ -311,6 +312,122 @@ TEST_CASE("packed rectangles lie on their sheets and not on each other", "[layou
              b.y1 + 3 <= a.y0 + 1e-9));
     }
   }
+}
+
+namespace {
+
+/// Half discs, wedges and hooks of many sizes; each closes in itself, or stroke by stroke.
+std::vector<LineWork> odd_shapes(std::size_t count) {
+  std::vector<LineWork> out;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double r = 18.0 + static_cast<double>((i * 29) % 31);
+    std::vector<PagePoint> ring;
+    if (i % 3 == 0)
+      for (int k = 0; k <= 24; ++k)
+        ring.push_back(
+            {500.0 + r * std::cos(3.14159265 * k / 24), r * std::sin(3.14159265 * k / 24)});
+    else if (i % 3 == 1)
+      ring = {{10, 20}, {10 + 2 * r, 20}, {10, 20 + r}};
+    else
+      ring = {{0, 0}, {2 * r, 0}, {2 * r, 9}, {9, 9}, {9, 1.5 * r}, {0, 1.5 * r}};
+    ring.push_back(ring.front());
+    LineWork& work = out.emplace_back();
+    if (i % 2 == 0) {
+      add(work, Operation::Outline, ring);
+      continue;
+    }
+    for (std::size_t k = 0; k + 1 < ring.size(); ++k)  // every other side the other way round
+      add(work, Operation::Outline,
+          k % 2 == 0 ? std::vector{ring[k], ring[k + 1]} : std::vector{ring[k + 1], ring[k]});
+  }
+  return out;
+}
+
+using Side = std::array<PagePoint, 2>;
+
+double off_side(const PagePoint& p, const Side& side) {
+  const double x = side[1].x - side[0].x, y = side[1].y - side[0].y;
+  const double t =
+      std::clamp(((p.x - side[0].x) * x + (p.y - side[0].y) * y) / (x * x + y * y), 0.0, 1.0);
+  return std::hypot(p.x - side[0].x - t * x, p.y - side[0].y - t * y);
+}
+
+bool sides_cross(const Side& a, const Side& b) {
+  const auto turn = [](const PagePoint& p, const PagePoint& q, const PagePoint& r) {
+    return (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x) > 0;
+  };
+  return turn(a[0], a[1], b[0]) != turn(a[0], a[1], b[1]) &&
+         turn(b[0], b[1], a[0]) != turn(b[0], b[1], a[1]);
+}
+
+double apart(const std::vector<Side>& a, const std::vector<Side>& b) {
+  double least = 1e9;
+  for (const Side& s : a)
+    for (const Side& t : b) {
+      if (sides_cross(s, t)) return -1.0;
+      for (const std::size_t end : {0u, 1u})
+        least = std::min({least, off_side(s[end], t), off_side(t[end], s)});
+    }
+  std::size_t over = 0;  // whether one holds the other
+  for (const Side& t : b)
+    if ((t[0].y > a[0][0].y) != (t[1].y > a[0][0].y) &&
+        a[0][0].x < t[0].x + (a[0][0].y - t[0].y) / (t[1].y - t[0].y) * (t[1].x - t[0].x))
+      ++over;
+  return over % 2 == 1 ? -1.0 : least;
+}
+
+double area_of_box(const LineWork& work) { return bounds(work).width() * bounds(work).height(); }
+
+}  // namespace
+
+TEST_CASE("shapes are nested apart from each other, on fewer sheets than their boxes", "[layout]") {
+  const double width = GENERATE(150.0, 203.3), spacing = GENERATE(0.5, 3.0, 5.0);
+  const std::array<double, 2> area{width, 250.0};
+  const std::vector<LineWork> works = odd_shapes(45);
+  std::vector<const LineWork*> pieces;
+  std::vector<std::array<double, 2>> sizes;
+  double paper = 0.0, boxes = 0.0;
+  for (const LineWork& work : works) {
+    pieces.push_back(&work);
+    sizes.push_back({bounds(work).width(), bounds(work).height()});
+    paper += paper_mm2(work), boxes += area_of_box(work);
+  }
+  CHECK(paper < 0.75 * boxes);
+  const Nest made = nest(pieces, area, spacing), again = nest(pieces, area, spacing);
+  std::vector<std::vector<Side>> sides(works.size());
+  for (std::size_t i = 0; i < works.size(); ++i) {
+    const NestedPiece& at = made.places[i];
+    CHECK(at.sheet < made.sheets);
+    CHECK((at.sheet == again.places[i].sheet && at.quarters == again.places[i].quarters &&
+           at.x == again.places[i].x && at.y == again.places[i].y));
+    const Box box = bounds(works[i]);
+    for (const DrawnLine& line : works[i].lines) {
+      const auto points = works[i].points_of(line);
+      for (std::size_t k = 0; k + 1 < points.size(); ++k) {
+        Side side{points[k], points[k + 1]};
+        for (PagePoint& p : side) {
+          p = {p.x - box.x0, p.y - box.y0};
+          double high = box.height(), wide = box.width();
+          for (std::uint32_t q = 0; q < at.quarters; ++q, std::swap(high, wide))
+            p = {high - p.y, p.x};
+          p = {p.x + at.x, p.y + at.y};
+          CHECK((p.x > -1e-6 && p.y > -1e-6 && p.x < area[0] + 1e-5 && p.y < area[1] + 1e-5));
+        }
+        sides[i].push_back(side);
+      }
+    }
+  }
+  for (std::size_t i = 0; i < works.size(); ++i)
+    for (std::size_t j = i + 1; j < works.size(); ++j)
+      if (made.places[i].sheet == made.places[j].sheet)
+        CHECK(apart(sides[i], sides[j]) > spacing - 1e-5);
+  std::uint32_t rows = 0;
+  for (const PackedBox& box : pack(sizes, area, spacing)) rows = std::max(rows, box.sheet + 1);
+  const double bound = std::ceil(paper / (area[0] * area[1]));
+  CAPTURE(width, spacing, made.sheets, rows, bound);
+  CHECK(made.sheets >= bound);
+  CHECK(made.sheets <= rows);
+  CHECK(made.sheets < rows);
 }
 
 TEST_CASE("the assembly names every piece and every seam", "[layout]") {
