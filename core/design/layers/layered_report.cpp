@@ -3,6 +3,7 @@
 
 #include "core/hands/handwork_json.hpp"
 #include "core/text/json_text.hpp"
+#include "core/text/warnings_json.hpp"
 
 namespace popcut {
 
@@ -10,37 +11,34 @@ std::string layered_report_json(const LayeredCard& made, const likeness::Printed
                                 double seconds) {
   using Json = nlohmann::ordered_json;
   const Structure& card = made.card;
-  return json_file(Json{
-      {"name", card.name},
-      {"style", "layers"},
-      {"opens_deg", 180},
-      {"pieces", card.parts.size()},
-      {"folds", made.folds},
-      {"tabs", made.tabs},
-      {"page_mm", {card.page_mm, card.length_mm}},
-      {"front", made.looks_along_spine ? "beginning" : "end"},
-      {"layers", json_list(made.layers,
-                           [](const CardLayer& layer) {
-                             return Json{{"depth_mm", layer.depth_mm},
-                                         {"at_mm", layer.at_mm},
-                                         {"height_mm", layer.height_mm},
-                                         {"width_mm", layer.width_mm},
-                                         {"bridges", layer.changes.bridges},
-                                         {"holes_filled", layer.changes.filled},
-                                         {"parts_dropped", layer.changes.dropped}};
-                           })},
-      {"printed",
-       {{"looks", likeness::name_of(likeness::looks(printed))},
-        {"error", printed.error()},
-        {"colour", printed.colour},
-        {"contour", printed.contour},
-        {"cover", printed.cover}}},
-      {"handwork", hands::handwork_json(made.handwork)},
-      {"warnings", json_list(made.warnings,
-                             [](const Warning& warning) {
-                               return Json{{"code", warning.code}, {"message", warning.message}};
-                             })},
-      {"seconds", seconds}});
+  return json_file(Json{{"name", card.name},
+                        {"style", "layers"},
+                        {"opens_deg", 180},
+                        {"pieces", card.parts.size()},
+                        {"folds", made.folds},
+                        {"tabs", made.tabs},
+                        {"page_mm", {card.page_mm, card.length_mm}},
+                        {"front", made.looks_along_spine ? "beginning" : "end"},
+                        {"layers", json_list(made.layers,
+                                             [](const CardLayer& layer) {
+                                               return Json{
+                                                   {"depth_mm", layer.depth_mm},
+                                                   {"at_mm", layer.at_mm},
+                                                   {"height_mm", layer.height_mm},
+                                                   {"width_mm", layer.width_mm},
+                                                   {"bridges", layer.changes.bridges},
+                                                   {"holes_filled", layer.changes.filled},
+                                                   {"parts_dropped", layer.changes.dropped}};
+                                             })},
+                        {"printed",
+                         {{"looks", likeness::name_of(likeness::looks(printed))},
+                          {"error", printed.error()},
+                          {"colour", printed.colour},
+                          {"contour", printed.contour},
+                          {"cover", printed.cover}}},
+                        {"handwork", hands::handwork_json(made.handwork)},
+                        {"warnings", warnings_json(made.warnings)},
+                        {"seconds", seconds}});
 }
 
 }  // namespace popcut

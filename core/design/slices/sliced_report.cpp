@@ -6,6 +6,7 @@
 #include "core/geometry/angle.hpp"
 #include "core/hands/handwork_json.hpp"
 #include "core/text/json_text.hpp"
+#include "core/text/warnings_json.hpp"
 
 namespace popcut {
 
@@ -37,26 +38,23 @@ std::string sliced_report_json(const SlicedCard& made, double seconds) {
                       {"island", piece.is_island},
                       {"area_mm2", area_of(piece.paper)}});
   }
-  return json_file(Json{
-      {"name", card.name},
-      {"style", "slices"},
-      {"opens_deg", 180},
-      {"frame_deg", degrees(made.frame_rad)},
-      {"slot_mm", made.slot_mm},
-      {"pieces", card.parts.size()},
-      {"crossings", made.lattice.crossings.size()},
-      {"folds", made.folds},
-      {"tabs", made.tabs},
-      {"page_mm", {card.page_mm, card.length_mm}},
-      {"kept", made.lattice.paper_mm2 > 0.0 ? paper / made.lattice.paper_mm2 : 0.0},
-      {"slices", std::move(pieces)},
-      {"assembly", assembly_steps(made)},
-      {"handwork", hands::handwork_json(made.handwork)},
-      {"warnings", json_list(made.warnings,
-                             [](const Warning& warning) {
-                               return Json{{"code", warning.code}, {"message", warning.message}};
-                             })},
-      {"seconds", seconds}});
+  return json_file(
+      Json{{"name", card.name},
+           {"style", "slices"},
+           {"opens_deg", 180},
+           {"frame_deg", degrees(made.frame_rad)},
+           {"slot_mm", made.slot_mm},
+           {"pieces", card.parts.size()},
+           {"crossings", made.lattice.crossings.size()},
+           {"folds", made.folds},
+           {"tabs", made.tabs},
+           {"page_mm", {card.page_mm, card.length_mm}},
+           {"kept", made.lattice.paper_mm2 > 0.0 ? paper / made.lattice.paper_mm2 : 0.0},
+           {"slices", std::move(pieces)},
+           {"assembly", assembly_steps(made)},
+           {"handwork", hands::handwork_json(made.handwork)},
+           {"warnings", warnings_json(made.warnings)},
+           {"seconds", seconds}});
 }
 
 }  // namespace popcut

@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/deploy/sheet_mesh.hpp"
+#include "core/deploy/shut_stack.hpp"
 #include "core/design/book_fit.hpp"
 #include "core/design/layers/layered_report.hpp"
 #include "core/design/patches.hpp"
@@ -43,6 +44,7 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/book_files.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
+#include "daemon/cli/commands/envelope_files.hpp"
 #include "daemon/cli/commands/layer_files.hpp"
 #include "daemon/cli/input/drawn_pattern.hpp"
 #include "daemon/cli/input/model_file.hpp"
@@ -83,6 +85,7 @@ struct Options {
   MotionOptions motion;
   bool schema{false}, list{false};
   std::string place, colour{"paper"};
+  AroundCard around;
 };
 
 // 1. The files of a design: a row a format.
@@ -456,55 +459,73 @@ Result<void> keep_spec(const Options& options, const GivenDesign& given) {
   return folder->commit("popcut auto " POPCUT_VERSION);
 }
 
-/// A card of layers: several parts, in files of its own.
-Result<void> layers_into(const Options& options, const Globals& globals, const DesignSpec& spec,
-                         const SurfaceAssets& assets, const Material& material,
-                         const std::function<bool(std::string_view)>& wants, OutputFolder& folder,
-                         std::optional<LongWork>& work) {
-  const auto begun = std::chrono::steady_clock::now();
-  const auto made = judge::sound_layers(spec, assets, "popcut " POPCUT_VERSION, work->progress());
-  if (!made) return tl::unexpected(within(options.spec, made.error()));
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-  work->now("drawing the pictures");
-  const likeness::PrintedFigures printed = judge::layers_likeness(made->made, {});
-  const auto files = add_layer_files(*made, printed, material, seconds, wants, folder);
+/// A card of several parts that was made, and what its files are made of.
+struct PartsInto {
+  const Options& options;
+  const Globals& globals;
+  const Material& material;
+  const std::function<bool(std::string_view)>& wants;
+  OutputFolder& folder;
+  std::optional<LongWork>& work;
+  std::chrono::steady_clock::time_point begun{std::chrono::steady_clock::now()};
+
+  [[nodiscard]] double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  }
+};
+
+/// Keeps the files of a card of several parts. `report` and `say` tell what it is.
+template <typename Sound>
+Result<void> keep_parts(const PartsInto& into, const char* what, double seconds, const Sound& sound,
+                        const Result<std::string>& files, const std::string& report,
+                        const std::function<void()>& say) {
   if (!files) return tl::unexpected(files.error());
   if (files->empty())
     return fail(ErrorKind::Usage, "--formats",
-                "has nothing that layers have; give some of: fold svg cut dxf png picture report");
-  if (auto done = folder.commit("popcut design " POPCUT_VERSION); !done) return done;
-  work.reset();
-  if (globals.json) fmt::print("{}", layered_report_json(made->made, printed, seconds));
-  if (globals.quiet) return {};
-  say_layers(*made, printed);
-  fmt::print(stderr, "  wrote   {} in {} ({:.2f} s)\n", *files, options.folder, seconds);
+                fmt::format("has nothing that {} have; give some of: fold svg cut dxf png picture "
+                            "report",
+                            what));
+  const Structure& card = sound.made.card;
+  const hands::ShutCard shut{card.length_mm, card.page_mm, sound.report.stack_mm};
+  const AroundCard& around = into.options.around;
+  const auto more = add_envelope_files(around, shut, into.wants, into.folder);
+  if (!more) return tl::unexpected(more.error());
+  if (auto done = into.folder.commit("popcut design " POPCUT_VERSION); !done) return done;
+  into.work.reset();
+  if (into.globals.json) fmt::print("{}", report);
+  if (into.globals.quiet) return {};
+  say();
+  fmt::print(stderr, "{}  wrote   {}{} in {} ({:.2f} s)\n", envelope_words(around, shut), *files,
+             *more, into.options.folder, seconds);
   return {};
 }
 
+/// A card of layers: several parts, in files of its own.
+Result<void> layers_into(const PartsInto& into, const DesignSpec& spec,
+                         const SurfaceAssets& assets) {
+  const auto made =
+      judge::sound_layers(spec, assets, "popcut " POPCUT_VERSION, into.work->progress());
+  if (!made) return tl::unexpected(within(into.options.spec, made.error()));
+  const double seconds = into.seconds();
+  into.work->now("drawing the pictures");
+  const likeness::PrintedFigures printed = judge::layers_likeness(made->made, {});
+  return keep_parts(
+      into, "layers", seconds, *made,
+      add_layer_files(*made, printed, into.material, seconds, into.wants, into.folder),
+      layered_report_json(made->made, printed, seconds), [&] { say_layers(*made, printed); });
+}
+
 /// A card of slices: several parts, in files of its own.
-Result<void> slices_into(const Options& options, const Globals& globals, const DesignSpec& spec,
-                         const SurfaceAssets& assets, const Material& material,
-                         const std::function<bool(std::string_view)>& wants, OutputFolder& folder,
-                         std::optional<LongWork>& work) {
-  const auto begun = std::chrono::steady_clock::now();
-  const auto made = judge::sound_slices(spec, assets, "popcut " POPCUT_VERSION, work->progress());
-  if (!made) return tl::unexpected(within(options.spec, made.error()));
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-  work->now("drawing the pictures");
-  const auto files = add_slice_files(*made, material, seconds, wants, folder);
-  if (!files) return tl::unexpected(files.error());
-  if (files->empty())
-    return fail(ErrorKind::Usage, "--formats",
-                "has nothing that slices have; give some of: fold svg cut dxf png picture report");
-  if (auto done = folder.commit("popcut design " POPCUT_VERSION); !done) return done;
-  work.reset();
-  if (globals.json) fmt::print("{}", sliced_report_json(made->made, seconds));
-  if (globals.quiet) return {};
-  say_slices(*made);
-  fmt::print(stderr, "  wrote   {} in {} ({:.2f} s)\n", *files, options.folder, seconds);
-  return {};
+Result<void> slices_into(const PartsInto& into, const DesignSpec& spec,
+                         const SurfaceAssets& assets) {
+  const auto made =
+      judge::sound_slices(spec, assets, "popcut " POPCUT_VERSION, into.work->progress());
+  if (!made) return tl::unexpected(within(into.options.spec, made.error()));
+  const double seconds = into.seconds();
+  into.work->now("drawing the pictures");
+  return keep_parts(into, "slices", seconds, *made,
+                    add_slice_files(*made, into.material, seconds, into.wants, into.folder),
+                    sliced_report_json(made->made, seconds), [&] { say_slices(*made); });
 }
 
 Result<void> design_into(const Options& options, const Globals& globals) {
@@ -518,6 +539,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   }
   if (const auto valid = angles_of(options.motion, Pattern().design_psi_rad); !valid)
     return tl::unexpected(valid.error());
+  if (auto valid = options.around.check(); !valid) return valid;
   const auto given = given_design(options, globals);
   if (!given) return tl::unexpected(given.error());
   std::optional<LongWork> work(std::in_place, !globals.quiet, "reading the design");
@@ -539,10 +561,10 @@ Result<void> design_into(const Options& options, const Globals& globals) {
     return std::any_of(formats->begin(), formats->end(),
                        [&](const Format& format) { return format.name == name; });
   };
-  if (spec->style == DesignStyle::Layers)
-    return layers_into(options, globals, *spec, *assets, *material, wants, *folder, work);
-  if (spec->style == DesignStyle::Slices)
-    return slices_into(options, globals, *spec, *assets, *material, wants, *folder, work);
+  const std::function<bool(std::string_view)> wanted = wants;
+  const PartsInto into{options, globals, *material, wanted, *folder, work};
+  if (spec->style == DesignStyle::Layers) return layers_into(into, *spec, *assets);
+  if (spec->style == DesignStyle::Slices) return slices_into(into, *spec, *assets);
   auto made = timed_design(*spec, *assets, *hands, work->progress());
   if (!made) {
     judge::DesignFault& fault = made.error();
@@ -553,6 +575,9 @@ Result<void> design_into(const Options& options, const Globals& globals) {
     return tl::unexpected(report_unsound(std::move(*folder), std::move(fault)));
   }
 
+  if (options.around.any() && made->parts.size() > 1)
+    return fail(ErrorKind::Usage, options.around.cover ? "--cover" : "--envelope",
+                "is for cards of one sheet, of layers and of slices; leave it out");
   std::vector<LineWork> dashed;
   const bool prints = std::any_of(formats->begin(), formats->end(),
                                   [](const Format& format) { return format.name == "pdf"; });
@@ -592,6 +617,13 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   } else if (!is_one) {
     if (auto done = folder->add("report.json", report_json(*made)); !done) return done;
   }
+  const Design& first = made->parts.front();
+  const ShutStack stack = shut_stack(first.strips, material->thickness_mm);
+  const hands::ShutCard shut{first.pattern.width_mm,
+                             std::max(first.pattern.wall_mm, first.pattern.ground_mm),
+                             stack.pile_mm + 2.0 * material->thickness_mm};
+  const auto around = add_envelope_files(options.around, shut, wants, *folder);
+  if (!around) return tl::unexpected(around.error());
   if (auto done = folder->commit("popcut design " POPCUT_VERSION); !done) return done;
   if (given->of_model) {
     folder = tl::unexpected(Error{});  // it is locked
@@ -609,6 +641,8 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   say_joins(*made);
   std::string files;
   for (const Format& format : *formats) files += fmt::format(" {}", format.file);
+  files += *around;
+  fmt::print(stderr, "{}", envelope_words(options.around, shut));
   const std::string where =
       is_one ? options.folder
              : fmt::format("{0}/{1} to {0}/{2}, {3} in {0}", options.folder, part_folder(*made, 0),
@@ -737,6 +771,14 @@ void register_design(const Command& app, const Globals& globals, Run& run) {
                               "(as one edge C; only for "
                               "the flat sheet)"),
            {"split", "C"}, "split");
+  command
+      .add_option(
+          "--envelope", options->around.envelope,
+          "Also write envelope.svg, which holds the shut card: fit, A2, A6, A7, 5x7, DL, C6, "
+          "C5, or width and height in mm")
+      .value_text("SIZE");
+  command.add_flag("--cover", options->around.cover,
+                   "Also write cover.svg, which the card's pages are glued into");
   add_motion_options(command, options->motion);
   command.add_flag("--schema", options->schema, "Print the JSON Schema of a SPEC");
   one_word(

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
 #include "core/design/facets/facets.hpp"
@@ -18,6 +19,7 @@
 #include "core/design/patches.hpp"
 #include "core/design/spec/spec.hpp"
 #include "core/formats/fold/fold_writer.hpp"
+#include "core/hands/envelope.hpp"
 #include "core/hands/fold_guide.hpp"
 #include "core/hands/folding.hpp"
 #include "core/hands/strip.hpp"
@@ -641,6 +643,154 @@ TEST_CASE("a fold guide goes from wall and ground inward, and ends with shutting
   REQUIRE_FALSE(many);
   CHECK(many.error().kind == ErrorKind::OutOfRange);
   CHECK_FALSE(fold_guide_pages(testing::box_card_pattern(), *guide, {50, 60}));
+}
+
+namespace {
+
+/// Where the faces of a net are once it is folded up, all folds mountains: by a right angle at
+/// walls, else by two. The first face stays where it is, its printed side up.
+std::vector<std::vector<Vec3>> folded_up(const Pattern& net, double wall_mm) {
+  const auto corner = [&](std::uint32_t v) {
+    return Vec3{net.vertices[v].x, net.vertices[v].v, 0.0};
+  };
+  const auto is_wall = [&](std::int32_t f) {
+    double least = 1e9;
+    const auto face = net.face(static_cast<std::size_t>(f));
+    for (std::size_t k = 0; k < face.size(); ++k)
+      least = std::min(least, norm(Vec3(corner(face[k]) - corner(face[(k + 1) % face.size()]))));
+    return wall_mm > 0.0 && least < wall_mm + 1e-9;
+  };
+  std::vector<Eigen::Isometry3d> pose(net.faces(), Eigen::Isometry3d::Identity());
+  std::vector<bool> is_placed(net.faces(), false);
+  is_placed[0] = true;
+  for (std::size_t round = 0; round < net.faces(); ++round)
+    for (const PatternEdge& e : net.edges) {
+      if (e.right < 0) continue;
+      CHECK(e.role == EdgeRole::Mountain);
+      const auto left = static_cast<std::size_t>(e.left), right = static_cast<std::size_t>(e.right);
+      if (is_placed[left] == is_placed[right]) continue;
+      const std::size_t from = is_placed[left] ? left : right, to = from == left ? right : left;
+      const double angle =
+          is_wall(e.left) || is_wall(e.right) ? std::numbers::pi / 2 : std::numbers::pi;
+      const Vec3 a = corner(e.from), b = corner(e.to);
+      // A face on the right of a line that runs away turns down about it; one on the left, up.
+      const Eigen::AngleAxisd turn(from == left ? angle : -angle, unit(Vec3(b - a)));
+      pose[to] = pose[from] * Eigen::Translation3d(a) * turn * Eigen::Translation3d(Vec3(-a));
+      is_placed[to] = true;
+    }
+  CHECK(std::count(is_placed.begin(), is_placed.end(), false) == 0);
+  std::vector<std::vector<Vec3>> out;
+  for (std::size_t f = 0; f < net.faces(); ++f) {
+    out.emplace_back();
+    for (const std::uint32_t v : net.face(f)) out.back().push_back(pose[f] * corner(v));
+  }
+  return out;
+}
+
+/// Whether a place lies in a convex face, both seen from above.
+bool lies_in(double x, double y, const std::vector<Vec3>& face) {
+  bool left = false, right = false;
+  for (std::size_t k = 0; k < face.size(); ++k) {
+    const Vec3 &a = face[k], &b = face[(k + 1) % face.size()];
+    const double turn = (b.x() - a.x()) * (y - a.y()) - (b.y() - a.y()) * (x - a.x());
+    if (turn > 1e-9) left = true;
+    if (turn < -1e-9) right = true;
+  }
+  return !(left && right);
+}
+
+}  // namespace
+
+TEST_CASE("an envelope folds up around the shut card, is glued below its back, and closes",
+          "[core][hands]") {
+  for (const hands::ShutCard& card :
+       {hands::ShutCard{120.0, 90.0, 0.6}, hands::ShutCard{80.0, 130.0, 1.4},
+        hands::ShutCard{150.0, 110.0, 4.2}}) {
+    const auto size = hands::envelope_mm("fit", card);
+    REQUIRE(size);
+    const double wide = (*size)[0], high = (*size)[1];
+    const double wall = card.stack_mm > hands::kFlat_mm ? card.stack_mm : 0.0;
+    CAPTURE(wide, high, wall);
+    CHECK(wide == Approx(std::max(card.along_mm, card.out_mm) + card.stack_mm + hands::kEase_mm));
+    CHECK(high == Approx(std::min(card.along_mm, card.out_mm) + card.stack_mm + hands::kEase_mm));
+    const Pattern net = hands::envelope(card, *size);
+    CHECK(net.faces() == (wall > 0.0 ? 9U : 5U));
+    CHECK(std::count_if(net.edges.begin(), net.edges.end(),
+                        [](const PatternEdge& e) { return e.right >= 0; }) == (wall > 0.0 ? 8 : 4));
+    for (const PatternVertex& p : net.vertices) {
+      CHECK((p.x > -1e-9 && p.x < net.ground_mm + 1e-9));
+      CHECK((p.v > -1e-9 && p.v < net.width_mm + 1e-9));
+    }
+    CHECK(net.lines.size() == net.edges.size());
+    const auto faces = folded_up(net, wall);
+    const std::vector<Vec3>& front = faces.front();
+    std::vector<std::vector<Vec3>> behind;  // back, flap, sides
+    for (std::size_t f = faces.size() - 4; f < faces.size(); ++f) {
+      behind.push_back(faces[f]);
+      for (const Vec3& p : faces[f]) {
+        CHECK(p.z() == Approx(-wall).margin(1e-9));
+        CHECK(lies_in(p.x(), p.y(), front));
+      }
+    }
+    // Nothing of the flat net lies on another part of it.
+    for (std::size_t a = 0; a < net.faces(); ++a)
+      for (std::size_t b = 0; b < net.faces(); ++b) {
+        if (a == b) continue;
+        std::vector<Vec3> flat_b;
+        Vec3 middle{0.0, 0.0, 0.0};
+        for (const std::uint32_t v : net.face(b))
+          flat_b.push_back({net.vertices[v].x, net.vertices[v].v, 0.0});
+        for (const std::uint32_t v : net.face(a))
+          middle += Vec3{net.vertices[v].x, net.vertices[v].v, 0.0} /
+                    static_cast<double>(net.face(a).size());
+        CHECK_FALSE(lies_in(middle.x(), middle.y(), flat_b));
+        for (const std::uint32_t v : net.face(a)) {
+          const Vec3 p{net.vertices[v].x, net.vertices[v].v, 0.0};
+          const Vec3 within = middle + 0.999 * (p - middle);
+          CHECK_FALSE(lies_in(within.x(), within.y(), flat_b));
+        }
+      }
+    // By samples: the sides are glued below the back over much of them; flap and back leave no gap.
+    std::size_t of_sides = 0, glued = 0, open = 0, closed = 0;
+    const double x0 = front[0].x(), y0 = front[0].y();
+    for (double x = 0.5; x < wide; x += 1.0)
+      for (double y = 0.5; y < high; y += 1.0) {
+        const auto in = [&](std::size_t k) { return lies_in(x0 + x, y0 + y, behind[k]); };
+        if (in(2) || in(3)) ++of_sides, glued += in(0) ? 1 : 0;
+        if (std::abs(x - 0.5 * wide) < 0.25 * wide) {
+          if (in(0) && in(1)) ++closed;
+          if (!in(0) && !in(1)) ++open;
+        }
+      }
+    CHECK(glued > of_sides / 2);
+    CHECK(open == 0);
+    CHECK(static_cast<double>(closed) > 14.0 * 0.49 * wide);
+  }
+}
+
+TEST_CASE("an envelope of a known size holds the card, or says what the card needs",
+          "[core][hands]") {
+  const hands::ShutCard card{120.0, 90.0, 1.0};
+  const auto a2 = hands::envelope_mm("A2", card);
+  REQUIRE(a2);
+  CHECK((*a2)[0] == Approx(146.05));
+  CHECK((*a2)[1] == Approx(111.125));
+  CHECK((*hands::envelope_mm("120x170", card))[0] == 170.0);
+  const auto refused = hands::envelope_mm("DL", {120.0, 108.0, 3.0});
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().kind == ErrorKind::Infeasible);
+  CHECK(refused.error().detail ==
+        "DL is 220.0 x 110.0 mm; the shut card, 3.0 mm high, needs at least 127.0 x 115.0 mm");
+  for (const char* word : {"", "A9", "12x", "5x5", "120x170x3", "fitt"}) {
+    const auto wrong = hands::envelope_mm(word, card);
+    REQUIRE_FALSE(wrong);
+    CHECK(wrong.error().kind == ErrorKind::Usage);
+  }
+  const Pattern thin = hands::cover({120.0, 90.0, 1.0}), thick = hands::cover({120.0, 90.0, 3.0});
+  CHECK(thin.faces() == 2);
+  CHECK(thick.faces() == 3);
+  CHECK(thick.ground_mm == Approx(2.0 * 92.0 + 3.0));
+  CHECK(thick.width_mm == Approx(124.0));
 }
 
 }  // namespace hands_test
