@@ -187,7 +187,7 @@ std::string front_folder(const planning::FoundCard& card, std::size_t k) {
 
 Result<std::string> card_picture(const planning::FoundCards& found, const planning::FoundCard& card,
                                  const std::string& title) {
-  const std::vector<float> around = planning::model_around(found, card);
+  const std::vector<float> around = planning::model_around(found.mesh, card);
   const likeness::Target aim(around, planning::pictured_scene(card, 64));
   return compare_picture(aim, around, card.structure, title);
 }
@@ -200,7 +200,7 @@ Result<std::string> front_picture(const planning::FoundCards& found, const std::
   const Tiles tiles = is_printed ? kWideTiles : Tiles{};
   const std::size_t count = found.front.size() + 2;
   std::string svg = page_head(tiles, static_cast<int>(count), title);
-  const std::vector<float> around_best = planning::model_around(found, best);
+  const std::vector<float> around_best = planning::model_around(found.mesh, best);
   auto part =
       drawn_tile(tiles, 0, likeness::Target(around_best, planning::pictured_scene(best, kPixels)),
                  around_best, likeness::kModelColour,
@@ -222,13 +222,13 @@ Result<std::string> front_picture(const planning::FoundCards& found, const std::
         settings(card.candidate),
         fmt::format("error {:.3f}; {:.1f} min to cut", card.error(), card.cost.seconds / 60.0)};
     if (is_printed) {
-      const auto png = planning::thumbnail_png(found, card, model);
+      const auto png = planning::thumbnail_png(found.mesh, card, model);
       if (!png) return png;
       svg += tile(tiles, k + 1, *png, lines);
       continue;
     }
     part = drawn_tile(tiles, k + 1,
-                      likeness::Target(planning::model_around(found, card),
+                      likeness::Target(planning::model_around(found.mesh, card),
                                        planning::pictured_scene(card, kPixels)),
                       card.structure, likeness::kPaperColour, lines);
     if (!part) return part;

@@ -185,36 +185,60 @@ class CardSearch {
   }
 
   /// Only judges candidates.
-  Result<std::vector<JudgedCard>> judge_only(const WantedCards& wanted) {
+  Result<JudgedCards> judge_only(const WantedCards& wanted) {
     if (auto done = look_at_machine(); !done) return tl::unexpected(done.error());
     recall_ways();
     const Care& care = wanted.rough ? kCoarse : kCareful;
     Model model(wanted.rough ? coarse() : careful(), ways_, care.pixels, is_book());
     likeness::Buffers buffers;
-    std::vector<JudgedCard> out;
+    is_whole_mesh_ = !wanted.rough && model.mesh.size() == request_.mesh.size();
+    JudgedCards out;
     for (const Candidate& candidate : wanted.candidates) {
-      if (candidate.way >= ways_.size())
-        return fail(ErrorKind::OutOfRange, "steps", "a candidate stands in no way");
+      if (candidate.way >= ways_.size()) return stands_nowhere();
       Trial trial;
       trial.candidate = candidate;
       trial.judged.stays = candidate.usual;
       judge(trial, model, care, buffers);
-      out.push_back(static_cast<JudgedCard&&>(trial));
-      out.back().rough = wanted.rough;
+      // Nearly all that are judged carefully are finished, and to design them again takes longer.
+      if (is_whole_mesh_ && trial.judged.made) out.finished.push_back(finish_trial(trial, model));
+      out.cards.push_back(static_cast<JudgedCard&&>(trial));
+      out.cards.back().rough = wanted.rough;
       tell(request_.progress, wanted.doing,
-           static_cast<double>(out.size()) / static_cast<double>(wanted.candidates.size()));
+           static_cast<double>(out.cards.size()) / static_cast<double>(wanted.candidates.size()));
+    }
+    return out;
+  }
+
+  /// Only finishes cards.
+  Result<std::vector<FinishedCard>> finish_only(const WantedCards& wanted) {
+    if (auto done = look_at_machine(); !done) return tl::unexpected(done.error());
+    recall_ways();
+    Model whole(request_.mesh, ways_, kComparePixels, is_book());
+    std::vector<FinishedCard> out;
+    for (const JudgedCard& judged : wanted.finals) {
+      if (judged.candidate.way >= ways_.size()) return stands_nowhere();
+      Trial trial{judged, {}, true};
+      out.push_back(finish_trial(trial, whole));
+      tell(request_.progress, wanted.doing,
+           static_cast<double>(out.size()) / static_cast<double>(wanted.finals.size()));
     }
     return out;
   }
 
  private:
   using Part = std::pair<double, double>;  ///< of all the work, from and to
+  static constexpr Part kFinish{0.9, 1.0};
+  static constexpr const char *kFinishing = "verifying the best cards",
+                              *kDrawing = "drawing the cards";
 
   [[nodiscard]] bool is_stopped() const {
     return waits_ || (request_.stopped && request_.stopped());
   }
   [[nodiscard]] static tl::unexpected<Error> stopped() {
     return fail(ErrorKind::Refused, "", "the search was stopped; nothing is written");
+  }
+  [[nodiscard]] static tl::unexpected<Error> stands_nowhere() {
+    return fail(ErrorKind::OutOfRange, "steps", "a candidate stands in no way");
   }
   [[nodiscard]] bool is_book() const { return request_.cards > 1; }
   [[nodiscard]] bool is_printed() const { return !is_book() && !request_.plain; }
@@ -564,7 +588,7 @@ class CardSearch {
     std::vector<JudgedCard>& known = judged_[care.rough ? 0 : 1];
     if (request_.wanted) {
       WantedCards wanted{
-          found_ways(), care.rough, {}, std::string(what), {part.first, part.second}};
+          found_ways(), care.rough, {}, {}, false, std::string(what), {part.first, part.second}};
       for (std::size_t k = from; k < trials_.size(); ++k)
         if (!is_among(known, trials_[k].candidate))
           wanted.candidates.push_back(trials_[k].candidate);
@@ -731,13 +755,11 @@ class CardSearch {
     known_.push_back(finals_.size());
   }
 
-  /// A trial as what is written, verified and compared as `popcut verify` and `popcut compare` do.
-  struct Finished {
-    std::optional<FoundCard> card;
-    double error{};
-    std::string why;
-  };
-  void finish_trial(Trial& trial, Model& whole, Finished& out) const {
+  [[nodiscard]] static FinishedCard unfinished(const Trial& trial, std::string why) {
+    return {trial.candidate, trial.cost, std::nullopt, std::move(why)};
+  }
+  /// Leaves the design of a trial in the card that comes of it.
+  [[nodiscard]] FinishedCard finish_trial(Trial& trial, Model& whole) const {
     if (!is_whole_mesh_ || (trial.made.parts.empty() && !recall_design(trial))) {
       if (design_trial(trial, whole, false)) {
         const auto cost = cost_of(trial.made);
@@ -747,33 +769,34 @@ class CardSearch {
         else
           trial.why = message(cost.error());
       }
-      if (!trial.judged.made) {
-        out.why = trial.why;
-        return;
-      }
+      if (!trial.judged.made) return unfinished(trial, trial.why);
     }
     std::vector<std::string> folds;
     for (const Design& part : trial.made.parts) {
       std::ostringstream text;
-      if (const auto done = write_fold(part.pattern, {}, text); !done) {
-        out.why = message(done.error());
-        return;
-      }
+      if (const auto done = write_fold(part.pattern, {}, text); !done)
+        return unfinished(trial, message(done.error()));
       folds.push_back(std::move(text).str());
     }
     auto card = is_book() ? finished_book(folds) : finished_card(folds.front());
-    if (!card) {
-      out.why = message(card.error());
-      return;
-    }
+    if (!card) return unfinished(trial, message(card.error()));
     card->candidate = trial.candidate, card->spec = trial.spec, card->cost = trial.cost;
     card->made = std::move(trial.made);
     if (request_.show) card->shown = request_.show(card->spec, card->made);
     // The surface of each part holds the mesh; only books look at it once more.
     if (!is_book())
       for (Design& part : card->made.parts) part.target.clear();
-    out.error = card->error();
-    out.card = std::move(*card);
+    card->facts = facts_of(card->made);
+    return {trial.candidate, trial.cost, std::move(*card), {}};
+  }
+  [[nodiscard]] static CardFacts facts_of(const PatchAssembly& made) {
+    CardFacts out;
+    out.sheet_mm = {made.u_mm, made.book ? made.book->width_mm : made.v_mm};
+    if (made.book) out.page_mm = made.book->page_mm;
+    for (const Design& part : made.parts)
+      out.warnings.insert(out.warnings.end(), part.report.warnings.begin(),
+                          part.report.warnings.end());
+    return out;
   }
 
   /// What of a card only its file decides: `popcut verify` and `popcut compare` read no more.
@@ -828,22 +851,54 @@ class CardSearch {
     return fail(ErrorKind::Infeasible, "", "the pattern does not say where the model stands");
   }
 
+  /// Gives trials what others made of them, or says which of them are wanted.
+  [[nodiscard]] bool recall_finished(const std::vector<Trial>& trials,
+                                     const std::vector<std::size_t>& of,
+                                     const std::vector<FinishedCard>& known, WantedCards wanted,
+                                     std::vector<FinishedCard>& finished) const {
+    wanted.ways = found_ways();
+    for (const std::size_t k : of) {
+      const auto at = std::find_if(known.begin(), known.end(), [&](const FinishedCard& card) {
+        return card.candidate == trials[k].candidate;
+      });
+      if (at != known.end())
+        finished[k] = *at;
+      else
+        wanted.finals.push_back(trials[k]);
+    }
+    if (wanted.finals.empty()) return true;
+    request_.wanted(std::move(wanted));
+    return false;
+  }
+
   Result<FoundCards> finish() {
     out_.counts.designed = judged_[0].size(), out_.counts.planned = judged_[1].size();
     std::vector<Trial> last = std::move(finals_);
+    std::vector<FinishedCard> finished(last.size());
+    if (request_.wanted) {
+      std::vector<std::size_t> all(last.size());
+      std::iota(all.begin(), all.end(), std::size_t{0});
+      WantedCards wanted;
+      wanted.doing = kFinishing, wanted.part = {kFinish.first, kFinish.second};
+      if (!recall_finished(last, all, request_.memory.finished, std::move(wanted), finished))
+        return stopped();
+    }
     const TriangleMesh none;
     const bool all_made = std::all_of(last.begin(), last.end(),
                                       [](const Trial& trial) { return !trial.made.parts.empty(); });
-    Model whole(all_made ? none : request_.mesh, ways_, kComparePixels, is_book());
-    std::vector<Finished> finished(last.size());
-    for_each(last.size(), "verifying the best cards", {0.9, 1.0},
-             [&](std::size_t, std::size_t k) { finish_trial(last[k], whole, finished[k]); });
+    Model whole(all_made || request_.wanted ? none : request_.mesh, ways_, kComparePixels,
+                is_book());
+    for_each(last.size(), kFinishing, kFinish, [&](std::size_t, std::size_t k) {
+      if (!request_.wanted) finished[k] = finish_trial(last[k], whole);  // else it is remembered
+    });
     if (is_stopped()) return stopped();
     out_.counts.verified = last.size();
     std::vector<Judged> judged(last.size());
     for (std::size_t k = 0; k < last.size(); ++k) {
+      last[k].cost = finished[k].cost;
       judged[k].made = finished[k].card.has_value();
-      judged[k].error = finished[k].error, judged[k].cost = last[k].cost.hands.time_s;
+      judged[k].error = judged[k].made ? finished[k].card->error() : 0.0;
+      judged[k].cost = last[k].cost.hands.time_s;
       if (judged[k].made && finished[k].card->figures.cover < kLeastCover)
         judged[k].made = false, finished[k].why = "it shows nothing of the model";
       if (!judged[k].made && refusal_.empty()) refusal_ = finished[k].why;
@@ -860,6 +915,12 @@ class CardSearch {
     for (const std::size_t known : known_)
       front = shown_front(std::span(judged).first(known), front);
     if (front.empty()) return no_card(refusal_);
+    if (request_.wanted) {
+      WantedCards wanted;
+      wanted.doing = kDrawing, wanted.part = {kFinish.second, 1.0}, wanted.drawn = true;
+      if (!recall_finished(last, front, request_.memory.drawn, std::move(wanted), finished))
+        return stopped();
+    }
     for (const std::size_t k : front) out_.front.push_back(std::move(*finished[k].card));
     const double near_least = kNearFactor * out_.front.back().error() + kNear;
     const auto is_good = [&](const FoundCard& card) {
@@ -994,13 +1055,17 @@ class CardSearch {
 
 }  // namespace
 
-std::vector<float> model_around(const FoundCards& found, const FoundCard& card) {
-  return likeness::placed(found.mesh.corners, card.placement);
+std::vector<float> model_around(const TriangleMesh& mesh, const FoundCard& card) {
+  return likeness::placed(mesh.corners, card.placement);
 }
 
-Result<std::vector<JudgedCard>> judge_cards(const SearchRequest& request,
-                                            const WantedCards& wanted) {
+Result<JudgedCards> judge_cards(const SearchRequest& request, const WantedCards& wanted) {
   return CardSearch(request).judge_only(wanted);
+}
+
+Result<std::vector<FinishedCard>> finish_cards(const SearchRequest& request,
+                                               const WantedCards& wanted) {
+  return CardSearch(request).finish_only(wanted);
 }
 
 Result<FoundCards> search_cards(SearchRequest request) {

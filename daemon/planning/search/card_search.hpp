@@ -23,6 +23,7 @@
 #include "core/search/candidate.hpp"
 #include "core/search/halving.hpp"
 #include "core/search/standing.hpp"
+#include "core/warning.hpp"
 
 namespace popcut::planning {
 
@@ -62,17 +63,54 @@ struct FoundWays {
   std::string better_front;  ///< as `FoundCards`
 };
 
+/// What is told of the design of a card.
+struct CardFacts {
+  std::array<double, 2> sheet_mm{};  ///< across and along the spine, of a book each of its sheets
+  std::optional<double> page_mm;     ///< of a book: how far a page reaches from the spine
+  std::vector<Warning> warnings;
+};
+
+/// A card that a search ended with.
+struct FoundCard {
+  Candidate candidate;
+  std::string spec;    ///< `design` makes exactly this card from it
+  PatchAssembly made;  ///< without parts: it was finished elsewhere (`finish_cards`)
+  CuttingCost cost;
+  likeness::Figures figures;                        ///< as `popcut compare` has them
+  std::optional<likeness::PrintedFigures> printed;  ///< as `popcut compare --printed`
+  likeness::ModelPlacement placement;
+  std::vector<float> structure;  ///< the opened card, as `likeness::Triangles`
+  std::string shown;             ///< what `SearchRequest::show` made of it
+  std::string picture;           ///< a PNG file, where it was drawn already
+  CardFacts facts;
+
+  /// What cards are ranked by.
+  [[nodiscard]] double error() const { return printed ? printed->error() : figures.error(); }
+};
+
+/// A card as it is written, verified and compared as `popcut verify` and `popcut compare` do it.
+struct FinishedCard {
+  Candidate candidate;
+  CuttingCost cost;
+  std::optional<FoundCard> card;  ///< none: nothing came of it
+  std::string why;                ///< then
+};
+
 /// What a search need not find out again.
 struct SearchMemory {
   std::optional<FoundWays> ways;
   std::vector<JudgedCard> cards;
+  std::vector<FinishedCard> finished;
+  std::vector<FinishedCard> drawn;  ///< those of the front once more, with their pictures
 };
 
-/// Candidates that a search wants to have judged.
+/// Candidates that a search wants to have judged, or cards that it wants to have finished.
 struct WantedCards {
   FoundWays ways;
   bool rough{};
   std::vector<Candidate> candidates;
+  std::vector<JudgedCard> finals;
+  bool drawn{};                  ///< of `finals`: pictures are wanted, too
   std::string doing;             ///< in words
   std::array<double, 2> part{};  ///< of all the work
 };
@@ -100,25 +138,10 @@ struct SearchRequest {
   /// thread.
   std::function<std::string(const std::string& spec, PatchAssembly& made)> show;
   SearchMemory memory;
-  /// If set, the search judges no candidate: it ends with Refused after it told this which ones are
-  /// to be judged (`judge_cards`) and remembered.
+  /// If set, the search judges no candidate and finishes no card: it ends with Refused after it
+  /// told this which ones are to be judged (`judge_cards`) or finished (`finish_cards`), and
+  /// remembered.
   std::function<void(WantedCards)> wanted;
-};
-
-/// A card that a search ended with.
-struct FoundCard {
-  Candidate candidate;
-  std::string spec;  ///< `design` makes exactly this card from it
-  PatchAssembly made;
-  CuttingCost cost;
-  likeness::Figures figures;                        ///< as `popcut compare` has them
-  std::optional<likeness::PrintedFigures> printed;  ///< as `popcut compare --printed`
-  likeness::ModelPlacement placement;
-  std::vector<float> structure;  ///< the opened card, as `likeness::Triangles`
-  std::string shown;             ///< what `SearchRequest::show` made of it
-
-  /// What cards are ranked by.
-  [[nodiscard]] double error() const { return printed ? printed->error() : figures.error(); }
 };
 
 /// A usual candidate: what a style makes without a search.
@@ -153,15 +176,27 @@ struct FoundCards {
   TriangleMesh mesh;                ///< that was searched
 };
 
+/// What became of candidates that others wanted.
+struct JudgedCards {
+  std::vector<JudgedCard> cards;
+  std::vector<FinishedCard> finished;  ///< those whose designs are whole already
+};
+
 /// Judges candidates as a search of this request does, which wants them.
 ///
 /// @retval OutOfRange, Usage  as `search_cards`
-[[nodiscard]] Result<std::vector<JudgedCard>> judge_cards(const SearchRequest& request,
-                                                          const WantedCards& wanted);
+[[nodiscard]] Result<JudgedCards> judge_cards(const SearchRequest& request,
+                                              const WantedCards& wanted);
+
+/// Finishes cards as a search of this request does, which wants them: with their designs.
+///
+/// @retval OutOfRange, Usage  as `search_cards`
+[[nodiscard]] Result<std::vector<FinishedCard>> finish_cards(const SearchRequest& request,
+                                                             const WantedCards& wanted);
 
 /// The model as it stands around a card that was found, as `likeness::Triangles`. It is large, and
 /// so no part of a card.
-[[nodiscard]] std::vector<float> model_around(const FoundCards& found, const FoundCard& card);
+[[nodiscard]] std::vector<float> model_around(const TriangleMesh& mesh, const FoundCard& card);
 
 /// Triangles above which a mesh is refused: each of some hundred designs looks at all of them.
 inline constexpr std::size_t kMostSearchedTriangles = 2'000'000;

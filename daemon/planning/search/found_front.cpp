@@ -17,14 +17,11 @@ daemon::FoundCardRecord record_of(const FoundCard& card) {
   if (card.printed) out.looks = likeness::name_of(likeness::looks(*card.printed));
   out.seconds = card.cost.seconds, out.seconds_range = card.cost.seconds_range;
   out.cut_mm = card.cost.cut_mm, out.fold_mm = card.cost.fold_mm;
-  out.sheet_mm = {card.made.u_mm, card.made.book ? card.made.book->width_mm : card.made.v_mm};
-  if (card.made.book) out.page_mm = card.made.book->page_mm;
+  out.sheet_mm = card.facts.sheet_mm, out.page_mm = card.facts.page_mm;
   out.folds = static_cast<int>(card.cost.hands.folds);
   out.shortest_fold_mm = card.cost.hands.shortest_mm, out.hand_seconds = card.cost.hands.time_s;
   out.label = card.cost.hands.label, out.wobble_mm = card.cost.wobble_mm;
-  for (const Design& part : card.made.parts)
-    out.warnings.insert(out.warnings.end(), part.report.warnings.begin(),
-                        part.report.warnings.end());
+  out.warnings = card.facts.warnings;
   out.spec = card.spec;
   return out;
 }

@@ -3,6 +3,7 @@
 
 #include <concepts>
 #include <limits>
+#include <optional>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -10,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text/json_text.hpp"
+#include "daemon/model/warnings.hpp"
 
 namespace popcut::planning {
 namespace search_steps_parts {
@@ -17,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kDepth = 8;
+constexpr int kDepth = 9;
 
 template <typename Of, typename Struct>
 concept Is = std::same_as<std::remove_const_t<Of>, Struct>;
@@ -52,6 +54,38 @@ auto members(Of& of) {
   return std::tie(rough, candidate, shrunk, judged, why, spec, cost);
 }
 
+template <Is<likeness::PrintedFigures> Of>
+auto members(Of& of) {
+  auto& [colour, contour, cover] = of;
+  return std::tie(colour, contour, cover);
+}
+/// Of all views; nobody asks for each of them.
+template <Is<likeness::Figures> Of>
+auto members(Of& of) {
+  auto& [diagonal_mm, mean_mm, p95_mm, contour_mm, cover, excess, views] = of;
+  return std::tie(diagonal_mm, mean_mm, p95_mm, contour_mm, cover, excess);
+}
+template <Is<CardFacts> Of>
+auto members(Of& of) {
+  auto& [sheet_mm, page_mm, warnings] = of;
+  return std::tie(sheet_mm, page_mm, warnings);
+}
+/// What is told of it; its design stays where it was finished.
+template <Is<FoundCard> Of>
+auto members(Of& of) {
+  auto& [candidate, spec, made, cost, figures, printed, placement, structure, shown, picture,
+         facts] = of;
+  return std::tie(candidate, spec, cost, figures, printed, facts);
+}
+template <Is<FinishedCard> Of>
+auto members(Of& of) {
+  auto& [candidate, cost, card, why] = of;
+  return std::tie(candidate, cost, card, why);
+}
+
+template <typename Value>
+concept Optional = std::same_as<Value, std::optional<typename Value::value_type>>;
+
 /// A struct as the list of its members. Numbers keep all their digits; only an infinite one has
 /// none.
 template <typename Value>
@@ -63,6 +97,10 @@ json json_of(const Value& value) {
     std::apply([&](const auto&... member) { (list.push_back(json_of(member)), ...); },
                members(value));
     return list;
+  } else if constexpr (Optional<Value>) {
+    return value ? json_of(*value) : json();
+  } else if constexpr (std::same_as<Value, std::vector<Warning>>) {
+    return daemon::warnings_json(value);
   } else {
     return value;
   }
@@ -75,11 +113,22 @@ void take(const json& from, Value& into) {
   } else if constexpr (requires { members(into); }) {
     std::size_t k = 0;
     std::apply([&](auto&... member) { (take(from.at(k++), member), ...); }, members(into));
+  } else if constexpr (Optional<Value>) {
+    if (!from.is_null()) take(from, into.emplace());
+  } else if constexpr (std::same_as<Value, std::vector<Warning>>) {
+    into = daemon::warnings_from_json(from.get<std::string>());
   } else if constexpr (std::same_as<Value, double>) {
     into = from.is_null() ? std::numeric_limits<double>::infinity() : from.get<double>();
   } else {
     from.get_to(into);
   }
+}
+
+template <typename Of>
+json list_of(const std::vector<Of>& all) {
+  json out = json::array();
+  for (const Of& one : all) out.push_back(json_of(one));
+  return out;
 }
 
 json json_of(const FoundWays& of) {
@@ -123,18 +172,20 @@ Result<SearchMemory> read_memory(std::string_view text) {
     SearchMemory out;
     if (!of.at("ways").is_null()) out.ways = ways_in(of.at("ways"));
     for (const json& card : of.at("cards")) take(card, out.cards.emplace_back());
+    for (const json& card : of.at("finished")) take(card, out.finished.emplace_back());
+    for (const json& card : of.at("drawn")) take(card, out.drawn.emplace_back());
     return out;
   });
 }
 
 std::string wanted_text(const WantedCards& wanted) {
-  json candidates = json::array();
-  for (const Candidate& one : wanted.candidates) candidates.push_back(json_of(one));
   return json_line(json{{"ways", json_of(wanted.ways)},
                         {"rough", wanted.rough},
                         {"doing", wanted.doing},
                         {"part", wanted.part},
-                        {"candidates", candidates}});
+                        {"candidates", list_of(wanted.candidates)},
+                        {"finals", list_of(wanted.finals)},
+                        {"drawn", wanted.drawn}});
 }
 
 Result<WantedCards> read_wanted(std::string_view text) {
@@ -142,15 +193,18 @@ Result<WantedCards> read_wanted(std::string_view text) {
     WantedCards out;
     out.ways = ways_in(of.at("ways"));
     of.at("rough").get_to(out.rough);
+    of.at("doing").get_to(out.doing);
     for (const json& one : of.at("candidates")) take(one, out.candidates.emplace_back());
+    for (const json& one : of.at("finals")) take(one, out.finals.emplace_back());
+    of.at("drawn").get_to(out.drawn);
     return out;
   });
 }
 
-std::string judged_text(const std::vector<JudgedCard>& cards) {
-  json out = json::array();
-  for (const JudgedCard& one : cards) out.push_back(json_of(one));
-  return json_line(out);
+std::string judged_text(const std::vector<JudgedCard>& cards) { return json_line(list_of(cards)); }
+
+std::string finished_text(const std::vector<FinishedCard>& cards) {
+  return json_line(list_of(cards));
 }
 
 }  // namespace popcut::planning

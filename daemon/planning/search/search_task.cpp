@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/planning/search/search_task.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -48,15 +49,67 @@ std::string shown_card(const std::string& spec, const Material& material, PatchA
   return shown_blob(made, LatticeQuality::Exact).value_or(std::string());
 }
 
+/// The model, if its colours are wanted.
+std::optional<ColourMesh> printed_colours(const SearchRequest& request, const std::string& bytes) {
+  return request.plain ? std::nullopt : colours_of(bytes);
+}
+
+/// Cards as files of an outcome; `number` from 1.
+Result<void> add_card(FoundCard& card, int number, const FileSink& add) {
+  if (auto done = add(thumbnail_file(number), card.picture); !done) return done;
+  return card.shown.empty() ? Result<void>() : add(lattice_file(number), card.shown);
+}
+
+Result<daemon::PlanningOutcome> finish_some(SearchRequest& request, const WantedCards& wanted,
+                                            const std::string& model, const FileSink& add) {
+  if (!wanted.drawn) request.show = nullptr;
+  auto finished = finish_cards(request, wanted);
+  if (!finished) return tl::unexpected(in_request(finished.error()));
+  if (auto done = add(kFinishedFile, finished_text(*finished)); !done)
+    return tl::unexpected(done.error());
+  if (!wanted.drawn) return daemon::PlanningOutcome{};
+  const std::optional<ColourMesh> colours = printed_colours(request, model);
+  int number = 0;
+  for (FinishedCard& one : *finished) {
+    ++number;
+    if (!one.card) continue;
+    auto png = thumbnail_png(request.mesh, *one.card, colours);
+    if (!png) return tl::unexpected(png.error());
+    one.card->picture = std::move(*png);
+    if (auto done = add_card(*one.card, number, add); !done) return tl::unexpected(done.error());
+  }
+  return daemon::PlanningOutcome{};
+}
+
+/// Takes the picture and the lattice of each card that others drew from the assets of a task.
+void take_pictures(SurfaceAssets& assets, std::vector<FinishedCard>& drawn) {
+  int number = 0;
+  const auto taken = [&](const std::string& name) {
+    const auto at = assets.find(name);
+    return at == assets.end() ? std::string() : std::move(at->second);
+  };
+  for (FinishedCard& one : drawn) {
+    ++number;
+    if (!one.card) continue;
+    one.card->picture = taken(thumbnail_file(number)),
+    one.card->shown = taken(lattice_file(number));
+  }
+}
+
 /// One step of a search: see planning/search/search_steps.
 Result<daemon::PlanningOutcome> judge_some(SearchRequest& request, const std::string& text,
-                                           const FileSink& add) {
+                                           const std::string& model, const FileSink& add) {
   auto wanted = read_wanted(text);
   if (!wanted) return tl::unexpected(wanted.error());
   request.memory.ways = wanted->ways;
+  if (!wanted->finals.empty()) return finish_some(request, *wanted, model, add);
+  request.show = nullptr;
   const auto judged = judge_cards(request, *wanted);
   if (!judged) return tl::unexpected(in_request(judged.error()));
-  if (auto done = add(kJudgedFile, judged_text(*judged)); !done)
+  if (auto done = add(kJudgedFile, judged_text(judged->cards)); !done)
+    return tl::unexpected(done.error());
+  if (judged->finished.empty()) return daemon::PlanningOutcome{};
+  if (auto done = add(kFinishedFile, finished_text(judged->finished)); !done)
     return tl::unexpected(done.error());
   return daemon::PlanningOutcome{};
 }
@@ -102,11 +155,12 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
   };
   request.progress = progress;
   if (const auto judges = task.assets.find(kJudgeFile); judges != task.assets.end())
-    return judge_some(request, judges->second, add);
+    return judge_some(request, judges->second, task.design, add);
   std::optional<WantedCards> more;
   if (const auto memory = task.assets.find(kMemoryFile); memory != task.assets.end()) {
     auto known = read_memory(memory->second);
     if (!known) return tl::unexpected(known.error());
+    take_pictures(task.assets, known->drawn);
     request.memory = std::move(*known);
     request.wanted = [&](WantedCards cards) { more = std::move(cards); };
   }
@@ -123,17 +177,18 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
   outcome.assets = {wanted->model};
   if (auto done = add(kFrontFile, front_text(figures_of(*found))); !done)
     return tl::unexpected(done.error());
+  const bool are_drawn = std::all_of(found->front.begin(), found->front.end(),
+                                     [](const FoundCard& card) { return !card.picture.empty(); });
   const std::optional<ColourMesh> colours =
-      wanted->plain ? std::nullopt : colours_of(std::exchange(task.design, {}));
+      wanted->plain || are_drawn ? std::nullopt : colours_of(std::exchange(task.design, {}));
   for (std::size_t k = 0; k < found->front.size(); ++k) {
     FoundCard& card = found->front[k];
-    const int number = static_cast<int>(k) + 1;
-    auto png = thumbnail_png(*found, card, colours);
-    if (!png) return tl::unexpected(png.error());
-    if (auto done = add(thumbnail_file(number), std::move(*png)); !done)
-      return tl::unexpected(done.error());
-    if (card.shown.empty()) continue;
-    if (auto done = add(lattice_file(number), std::move(card.shown)); !done)
+    if (card.picture.empty()) {
+      auto png = thumbnail_png(found->mesh, card, colours);
+      if (!png) return tl::unexpected(png.error());
+      card.picture = std::move(*png);
+    }
+    if (auto done = add_card(card, static_cast<int>(k) + 1, add); !done)
       return tl::unexpected(done.error());
   }
   return outcome;

@@ -53,7 +53,7 @@ Result<std::string> printed_png(const FoundCard& card, const ColourMesh& model) 
 }  // namespace
 }  // namespace thumbnail_parts
 
-Result<std::string> thumbnail_png(const FoundCards& found, const FoundCard& card,
+Result<std::string> thumbnail_png(const TriangleMesh& mesh, const FoundCard& card,
                                   const std::optional<ColourMesh>& model) {
   if (model && !card.made.book)
     if (auto printed = thumbnail_parts::printed_png(card, *model)) return printed;
@@ -61,7 +61,7 @@ Result<std::string> thumbnail_png(const FoundCards& found, const FoundCard& card
   static_assert(kThumbnailWidth_px == 2 * kSide);
   likeness::Scene scene = pictured_scene(card, kSide);
   scene.views.resize(1);
-  const std::vector<float> around = model_around(found, card);
+  const std::vector<float> around = model_around(mesh, card);
   const likeness::Target target(around, scene);
   const likeness::Frame frame = target.frame(0);
   const auto jump_mm = static_cast<float>(likeness::kWithin * target.box().diagonal());

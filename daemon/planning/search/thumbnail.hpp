@@ -22,9 +22,10 @@ inline constexpr int kThumbnailWidth_px = 800, kThumbnailHeight_px = 400;
 /// and from aside, where the model has colours or is clay; else, and of a book, as bare paper
 /// beside the model, in the first view of that scene and in the same frame.
 ///
+/// @param mesh   that was searched
 /// @param model  in units and axes of the file that was searched; none: cards stay bare
 /// @retval Internal  libpng cannot write it
-[[nodiscard]] Result<std::string> thumbnail_png(const FoundCards& found, const FoundCard& card,
+[[nodiscard]] Result<std::string> thumbnail_png(const TriangleMesh& mesh, const FoundCard& card,
                                                 const std::optional<ColourMesh>& model);
 
 }  // namespace popcut::planning

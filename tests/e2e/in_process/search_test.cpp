@@ -196,8 +196,15 @@ TEST_CASE(
     card.why = "why", card.spec = "{}", card.shrunk = 0.9, card.rough = true;
     card.cost = {1.5, {1, 2}, 3, 4, {5, 6, 7, 8, 9, "hard"}, 10};
   }
-  const auto memory =
-      planning::read_memory("{\"ways\": null, \"cards\": " + planning::judged_text(cards) + "}");
+  std::vector<planning::FinishedCard> finished(2);
+  finished[0].candidate = odd, finished[0].why = "why";
+  planning::FoundCard& found = finished[1].card.emplace();
+  found.spec = "{}", found.cost.seconds = 1.0 / 3, found.figures.cover = 0.5;
+  found.printed = {0.1, 0.2, 0.3};
+  found.facts = {{1, 2}, 3.5, {{"no_unit", "none", {}, true}}};
+  const auto memory = planning::read_memory(
+      "{\"ways\": null, \"cards\": " + planning::judged_text(cards) +
+      ", \"finished\": " + planning::finished_text(finished) + ", \"drawn\": []}");
   REQUIRE(memory);
   REQUIRE(memory->cards.size() == cards.size());
   for (std::size_t k = 0; k < cards.size(); ++k) {
@@ -209,6 +216,12 @@ TEST_CASE(
     CHECK(card.cost.hands.label == "hard");
   }
   CHECK(planning::judged_text(memory->cards) == planning::judged_text(cards));
+  REQUIRE(memory->finished.size() == 2);
+  CHECK(memory->finished[0].candidate == odd);
+  CHECK_FALSE(memory->finished[0].card);
+  CHECK(memory->finished[1].card->error() == found.error());
+  CHECK(memory->finished[1].card->facts.warnings.at(0).spoils);
+  CHECK(planning::finished_text(memory->finished) == planning::finished_text(finished));
 }
 
 TEST_CASE("the words of a search are read back and what is out of range is refused",

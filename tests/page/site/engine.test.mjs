@@ -46,17 +46,24 @@ const house = Buffer.from([
 
 /** A search in steps, as the page does it with so many workers; `perform` does a task. */
 function inSteps(perform, task, workers) {
-  const memory = { ways: null, cards: [] };
+  const memory = { ways: null, cards: [], finished: [], drawn: [] };
+  const pictures = {};
   const json = (value) => Buffer.from(JSON.stringify(value));
   for (;;) {
-    const made = perform({ ...task, assets: { 'memory.json': json(memory) } });
+    const made = perform({ ...task, assets: { 'memory.json': json(memory), ...pictures } });
     if (made.error || !made.files.has('wanted.json')) return made;
     const wanted = JSON.parse(String(made.files.get('wanted.json')));
     memory.ways = wanted.ways;
-    const each = Math.ceil(wanted.candidates.length / workers);
-    for (let at = 0; at < wanted.candidates.length; at += each) {
-      const judge = json({ ...wanted, candidates: wanted.candidates.slice(at, at + each) });
-      memory.cards.push(...JSON.parse(String(perform({ ...task, assets: { 'judge.json': judge } }).files.get('judged.json'))));
+    const all = wanted.finals.length > 0 ? wanted.finals : wanted.candidates;
+    const each = Math.ceil(all.length / workers);
+    for (let at = 0; at < all.length; at += each) {
+      const some = all.slice(at, at + each);
+      const judge = json({ ...wanted, ...(wanted.finals.length > 0 ? { finals: some } : { candidates: some }) });
+      const { files } = perform({ ...task, assets: { 'judge.json': judge } });
+      const listed = (file) => (files.has(file) ? JSON.parse(String(files.get(file))) : []);
+      memory.cards.push(...listed('judged.json'));
+      memory[wanted.drawn ? 'drawn' : 'finished'].push(...listed('finished.json'));
+      for (const [name, bytes] of files) if (/^card-/.test(name)) pictures[name.replace(/\d+/, (n) => String(at + Number(n)).padStart(2, '0'))] = bytes;
     }
   }
 }

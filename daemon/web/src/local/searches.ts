@@ -13,9 +13,12 @@ export const memory_GB = (navigator as Navigator & { deviceMemory?: number }).de
 const kWorkers = Math.max(1, Math.min(8, navigator.hardwareConcurrency || 1, memory_GB / 0.5));
 /** What a worker takes for each byte of its model. */
 const kHeld = 20;
+/** How often a worker comes back for more of one step. */
+const kTurns = 4;
 const lanes = Array.from({ length: Math.floor(kWorkers) }, () => new Lane());
 const running = new Map<string, { body: Search; stop: AbortController }>();
 const plain = new TextDecoder();
+const cardFile = (number: string | number, ending: string): string => `card-${String(number).padStart(2, '0')}.${ending}`;
 
 const kUsual = {
   max_minutes: 15, mat: '', style: 'any', up: 'usual', front: 'any', cards: 1, marks: false, max_folds: 0, min_fold_mm: 0, label: 'any', plain: false,
@@ -75,13 +78,13 @@ interface Front {
 }
 
 type How = Pick<Task, 'design' | 'machine' | 'material' | 'options'>;
-interface Wanted { ways: unknown; rough: boolean; doing: string; part: [number, number]; candidates: unknown[] }
+interface Wanted { ways: unknown; rough: boolean; doing: string; part: [number, number]; candidates: unknown[]; finals: unknown[]; drawn: boolean }
 const utf8 = new TextEncoder();
 const named = (name: string, content: unknown): ReadonlyMap<string, Bytes> => new Map([[name, utf8.encode(JSON.stringify(content))]]);
 
 /**
- * A search in steps (daemon/planning/search/search_steps.hpp): one worker says which candidates are to be judged, all of
- * them judge some, and it goes on. What is found does not depend on how many there are.
+ * A search in steps (daemon/planning/search/search_steps.hpp): one worker says which candidates are to be judged or which
+ * cards to be finished, all of them take some, and it goes on. What is found does not depend on how many there are.
  */
 async function searched(how: How, signal: AbortSignal, tell: (doing: string, share: number | null) => void): Promise<Map<string, Bytes>> {
   const phase = (text: string): { doing: string; done: number } => JSON.parse(text) as { doing: string; done: number };
@@ -94,34 +97,46 @@ async function searched(how: How, signal: AbortSignal, tell: (doing: string, sha
   const working = lanes.slice(0, Math.max(1, room));
   const first = lanes[0]!;
   if (working.length === 1) return (await perform(first, { kind: 'search', ...how }, signal, shown)).files;
-  const memory: { ways: unknown; cards: unknown[] } = { ways: null, cards: [] };
+  const memory: { ways: unknown } & Record<'cards' | 'finished' | 'drawn', unknown[]> = { ways: null, cards: [], finished: [], drawn: [] };
+  const pictures = new Map<string, Bytes>();   // and lattices, of what is drawn
   for (;;) {
-    const { files } = await perform(first, { kind: 'search', ...how, assets: named('memory.json', memory) }, signal, shown);
+    const assets = new Map([...named('memory.json', memory), ...pictures]);
+    const { files } = await perform(first, { kind: 'search', ...how, assets }, signal, shown);
     const text = files.get('wanted.json');
     if (!text) return files;
-    const { candidates, part: [from, to], doing, ...of } = JSON.parse(plain.decode(text)) as Wanted;
+    const { candidates, finals, part: [from, to], doing, ...of } = JSON.parse(plain.decode(text)) as Wanted;
     memory.ways = of.ways;
+    const ends = finals.length > 0;
+    const all = ends ? finals : candidates;
     // Some take longer than others, so nobody takes too many at once.
-    const each = Math.ceil(candidates.length / (3 * working.length));
+    const each = Math.ceil(all.length / (kTurns * working.length));
     const judged: unknown[][] = [];
+    const finished: unknown[][] = [];
     let next = 0;
     const done = new Map<number, number>();
-    const told = (): void => tell(doing, from + ((to - from) * [...done.values()].reduce((sum, one) => sum + one, 0)) / candidates.length);
+    const told = (): void => tell(doing, from + ((to - from) * [...done.values()].reduce((sum, one) => sum + one, 0)) / all.length);
     await Promise.all(working.map(async (lane) => {
-      while (next * each < candidates.length) {
+      while (next * each < all.length) {
         const k = next++;
-        const some = candidates.slice(k * each, (k + 1) * each);
-        const asked = named('judge.json', { ...of, doing, part: [from, to], candidates: some });
+        const some = all.slice(k * each, (k + 1) * each);
+        const asked = named('judge.json', { ...of, doing, part: [from, to], candidates: ends ? [] : some, finals: ends ? some : [] });
         const made = await perform(lane, { kind: 'search', ...how, assets: asked }, signal, (said) => {
           done.set(k, some.length * Math.max(0, phase(said).done));
           told();
         });
-        judged[k] = JSON.parse(plain.decode(made.files.get('judged.json'))) as unknown[];
+        const listed = (file: string): unknown[] => (made.files.has(file) ? JSON.parse(plain.decode(made.files.get(file))) as unknown[] : []);
+        judged[k] = listed('judged.json');
+        finished[k] = listed('finished.json');
+        for (const [name, bytes] of made.files) {
+          const [, number, ending] = /^card-(\d+)\.(\w+)$/.exec(name) ?? [];
+          if (number) pictures.set(cardFile(k * each + Number(number), ending!), bytes);
+        }
         done.set(k, some.length);
         told();
       }
     }));
     memory.cards.push(...judged.flat());
+    memory[of.drawn ? 'drawn' : 'finished'].push(...finished.flat());
   }
 }
 
@@ -165,7 +180,7 @@ export async function endSearch(id: string): Promise<void> {
 
 /** A picture or lattice of a card that was found. Throws Refusal. */
 export async function readyCard(id: string, card: string, ending: string): Promise<Bytes> {
-  const bytes = (await get<Kept>('searches', id))?.files.get(`card-${card.padStart(2, '0')}.${ending}`);
+  const bytes = (await get<Kept>('searches', id))?.files.get(cardFile(card, ending));
   if (!bytes) throw refusal(404, 'not-found', 'this card is not kept in this browser');
   return bytes;
 }
