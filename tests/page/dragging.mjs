@@ -19,14 +19,17 @@ export const revolution = (units, slices, width) => ({
   units_per_slice: units, slices, widths_mm: width, min_panel_mm: 0.1,
 });
 
-/** Times from an input event to the picture of its draft, and from the last input to the exact one, ms; closes the page. */
-export async function dragging({ page, close }, spec) {
+/**
+ * Times from an input event to the picture of its draft, and from the last input to the exact one, ms; closes the page.
+ * `rests`: how often the hand moves once more afterwards, and rests until the exact one is there.
+ */
+export async function dragging({ page, close }, spec, rests = 0) {
   await page.evaluate((text) => sessionStorage.setItem('popcut.design.steps', JSON.stringify({ steps: [text], at: 0 })), JSON.stringify(spec));
   await page.evaluate(() => { location.hash = '#/design'; });
   await page.getByRole('button', { name: 'Go on with your last design' }).click();
   await page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 60_000 });
   await wait(3000);
-  const result = await page.evaluate(async () => {
+  const result = await page.evaluate(async (more) => {
     const input = document.querySelector('.slider input[type=range]:not([disabled])[step="0.1"]');
     const set = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, 'value').set;
     const drawn = { 'popcut.draft': [], 'popcut.exact': [] };
@@ -53,11 +56,23 @@ export async function dragging({ page, close }, spec) {
       await new Promise((done) => setTimeout(done, 33));
     }
     input.dispatchEvent(new Event('change', { bubbles: true }));
-    const end = performance.now() + 20_000;
-    const exact = () => drawn['popcut.exact'].find(({ time, input: from }) => time > last && from >= last - 5);
-    while (!exact() && performance.now() < end) await new Promise((done) => setTimeout(done, 10));
-    return { times: drawn['popcut.draft'].map(({ input: from, time }) => time - from), exact: (exact()?.time ?? Infinity) - last, tasks };
-  });
+    const exact = async () => {
+      const end = performance.now() + 20_000;
+      const found = () => drawn['popcut.exact'].find(({ time, input: from }) => time > last && from >= last - 5);
+      while (!found() && performance.now() < end) await new Promise((done) => setTimeout(done, 10));
+      return (found()?.time ?? Infinity) - last;
+    };
+    const rested = await exact();
+    const result = { times: drawn['popcut.draft'].map(({ input: from, time }) => time - from), exact: rested, tasks };
+    for (let i = 0; i < more; i++) {
+      set.call(input, String(0.6 + i / 10));
+      last = performance.now();
+      input.dispatchEvent(new Event('input', { bubbles: true }));
+      input.dispatchEvent(new Event('change', { bubbles: true }));
+      await exact();
+    }
+    return result;
+  }, rests);
   await close();
   return result;
 }
