@@ -592,6 +592,9 @@ class CardSearch {
       for (std::size_t k = from; k < trials_.size(); ++k)
         if (!is_among(known, trials_[k].candidate))
           wanted.candidates.push_back(trials_[k].candidate);
+      // Who judges neighbours draws the model in few ways to stand.
+      std::stable_sort(wanted.candidates.begin(), wanted.candidates.end(),
+                       [](const Candidate& a, const Candidate& b) { return a.way < b.way; });
       waits_ = !wanted.candidates.empty();
       if (waits_) return request_.wanted(std::move(wanted));
     }

@@ -14,7 +14,7 @@ const kWorkers = Math.max(1, Math.min(8, navigator.hardwareConcurrency || 1, mem
 /** What a worker takes for each byte of its model. */
 const kHeld = 20;
 /** How often a worker comes back for more of one step. */
-const kTurns = 4;
+const kTurns = 3;
 const lanes = Array.from({ length: Math.floor(kWorkers) }, () => new Lane());
 const running = new Map<string, { body: Search; stop: AbortController }>();
 const plain = new TextDecoder();
