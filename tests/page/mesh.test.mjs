@@ -210,7 +210,7 @@ test('an OBJ goes with its MTL and pictures as one file, and what is missing is 
   await picture(page, 'mesh-standing');
   assert.equal(await page.getByRole('dialog').getByLabel('Print a picture on the card').isChecked(), true);
   await page.locator('.side-guess').click();
-  await page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 60_000 });
+  await page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 400_000 });   // the search has ended
   const asset = sent.find((one) => one.path === '/v1/assets');
   assert.equal(asset.headers['content-type'], 'model/gltf-binary');
   const { id } = await server.must('POST', '/v1/designs', JSON.stringify(await specOf(page)));
