@@ -5,9 +5,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <utility>
 
 #include <clipper.hpp>
+
+#include "core/geometry/segment_grid.hpp"
 
 namespace popcut {
 namespace {
@@ -141,32 +144,72 @@ void add_faces(const FlatRings& piece, FlatRings& out) {
   }
 }
 
-bool is_on(const Vec2& p, const Vec2& a, const Vec2& b) {
-  const Vec2 way = b - a, to = p - a;
-  const double t = std::clamp(dot(to, way) / std::max(dot(way, way), 1e-300), 0.0, 1.0);
-  return norm(Vec2(to - t * way)) <= kTouch_mm;
+/// Corners of rings that lie on another ring, or (`also_own`) on a side of their own that does not
+/// end there.
+std::vector<Vec2> touching_places(const FlatRings& shape, bool also_own) {
+  if (shape.size() < 2 && !also_own) return {};
+  struct Place {
+    std::size_t ring{}, corner{};
+  };
+  std::vector<Segment> sides;
+  std::vector<Place> places;
+  for (std::size_t r = 0; r < shape.size(); ++r)
+    for (std::size_t k = 0; k < shape[r].size(); ++k) {
+      const Vec2 &a = shape[r][k], &b = shape[r][(k + 1) % shape[r].size()];
+      sides.push_back({{a.x(), a.y()}, {b.x(), b.y()}});
+      places.push_back({r, k});
+    }
+  SegmentGrid grid(sides, kTouch_mm);
+  const auto is_on = [&](const Vec2& p, std::uint32_t side) {
+    const Vec2 a{sides[side].a.x, sides[side].a.y}, b{sides[side].b.x, sides[side].b.y};
+    const Vec2 way = b - a, to = p - a;
+    const double t = std::clamp(dot(to, way) / std::max(dot(way, way), 1e-300), 0.0, 1.0);
+    return norm(Vec2(to - t * way)) <= kTouch_mm;
+  };
+  std::vector<Vec2> out;
+  std::vector<std::uint32_t> near;
+  for (const Place& own : places) {
+    const Vec2& p = shape[own.ring][own.corner];
+    near.clear();
+    grid.near({{p.x(), p.y()}, {p.x(), p.y()}}, near);
+    if (std::any_of(near.begin(), near.end(), [&](std::uint32_t side) {
+          const Place& other = places[side];
+          if (other.ring == own.ring) {
+            const std::size_t n = shape[own.ring].size();
+            if (!also_own || other.corner == own.corner || (other.corner + 1) % n == own.corner)
+              return false;
+          }
+          return is_on(p, side);
+        }))
+      out.push_back(p);
+  }
+  return out;
 }
 
-/// Corners of rings that lie on another ring.
-std::vector<Vec2> touching_places(const FlatRings& shape) {
-  std::vector<Vec2> out;
-  std::vector<Eigen::AlignedBox2d> boxes;
-  for (const std::vector<Vec2>& ring : shape) {
-    Eigen::AlignedBox2d box;
-    for (const Vec2& p : ring) box.extend(p);
-    boxes.push_back(box);
-  }
-  for (std::size_t r = 0; r < shape.size(); ++r)
-    for (const Vec2& p : shape[r])
-      for (std::size_t o = 0; o < shape.size(); ++o) {
-        if (o == r || boxes[o].exteriorDistance(p) > kTouch_mm) continue;
-        const std::vector<Vec2>& other = shape[o];
-        for (std::size_t k = 0; k < other.size(); ++k)
-          if (is_on(p, other[k], other[(k + 1) % other.size()])) {
-            out.push_back(p);
-            break;
-          }
-      }
+/// Where a side passes an upright line.
+void add_passage(const Vec2& a, const Vec2& b, double u_mm, std::vector<double>& out) {
+  if ((a.x() >= u_mm) == (b.x() >= u_mm)) return;
+  out.push_back(a.y() + (u_mm - a.x()) / (b.x() - a.x()) * (b.y() - a.y()));
+}
+
+std::vector<PaperSpan> spans_between(std::vector<double> at) {
+  std::sort(at.begin(), at.end());
+  std::vector<PaperSpan> out;
+  for (std::size_t k = 0; k + 1 < at.size(); k += 2) out.push_back({at[k], at[k + 1]});
+  return out;
+}
+
+/// Connected paper of what clipping gives.
+std::vector<FlatRings> clipped_pieces(ClipperLib::ClipType what, const Paths& shape,
+                                      const Paths& with, bool strictly_simple) {
+  ClipperLib::Clipper clipper;
+  clipper.StrictlySimple(strictly_simple);
+  clipper.AddPaths(shape, ClipperLib::ptSubject, true);
+  clipper.AddPaths(with, ClipperLib::ptClip, true);
+  ClipperLib::PolyTree tree;
+  clipper.Execute(what, tree, ClipperLib::pftNonZero, ClipperLib::pftNonZero);
+  std::vector<FlatRings> out;
+  for (const ClipperLib::PolyNode* outline : tree.Childs) add_piece(*outline, out);
   return out;
 }
 
@@ -207,14 +250,17 @@ FlatRings with_fewer_points(const FlatRings& shape, double off_mm) {
 }
 
 std::vector<FlatRings> pieces_of(const FlatRings& shape) {
-  ClipperLib::Clipper clipper;
-  clipper.StrictlySimple(true);
-  clipper.AddPaths(paths_of(shape), ClipperLib::ptSubject, true);
-  ClipperLib::PolyTree tree;
-  clipper.Execute(ClipperLib::ctUnion, tree, ClipperLib::pftNonZero, ClipperLib::pftNonZero);
-  std::vector<FlatRings> out;
-  for (const ClipperLib::PolyNode* outline : tree.Childs) add_piece(*outline, out);
-  return out;
+  return clipped_pieces(ClipperLib::ctUnion, paths_of(shape), {}, true);
+}
+
+std::vector<FlatRings> pieces_without(const FlatRings& shape, const FlatRings& cuts) {
+  const Paths paths = paths_of(shape), with = paths_of(cuts);
+  // Clipper takes the square of a ring's corners to part rings that touch themselves; few do.
+  std::vector<FlatRings> out = clipped_pieces(ClipperLib::ctDifference, paths, with, false);
+  FlatRings all;
+  for (const FlatRings& piece : out) all.insert(all.end(), piece.begin(), piece.end());
+  if (touching_places(all, true).empty()) return out;
+  return pieces_of(without_touching(rings_of(clipped(ClipperLib::ctDifference, paths, with))));
 }
 
 FlatRings without_touching(const FlatRings& shape) {
@@ -222,7 +268,7 @@ FlatRings without_touching(const FlatRings& shape) {
   // A square can meet another ring; each round cuts more away, so this ends.
   for (;;) {
     FlatRings squares;
-    for (const Vec2& p : touching_places(out)) {
+    for (const Vec2& p : touching_places(out, false)) {
       const Vec2 half{kApart_mm, kApart_mm};
       squares.push_back(rectangle(Vec2(p - half), Vec2(p + half)));
     }
@@ -234,14 +280,42 @@ FlatRings without_touching(const FlatRings& shape) {
 std::vector<PaperSpan> paper_at(const FlatRings& shape, double u_mm) {
   std::vector<double> at;
   for (const std::vector<Vec2>& ring : shape)
+    for (std::size_t k = 0; k < ring.size(); ++k)
+      add_passage(ring[k], ring[(k + 1) % ring.size()], u_mm, at);
+  return spans_between(std::move(at));
+}
+
+UprightLines::UprightLines(const FlatRings& shape) {
+  Eigen::AlignedBox2d box;
+  for (const std::vector<Vec2>& ring : shape)
     for (std::size_t k = 0; k < ring.size(); ++k) {
-      const Vec2 &a = ring[k], &b = ring[(k + 1) % ring.size()];
-      if ((a.x() >= u_mm) == (b.x() >= u_mm)) continue;
-      at.push_back(a.y() + (u_mm - a.x()) / (b.x() - a.x()) * (b.y() - a.y()));
+      box.extend(ring[k]);
+      sides_.push_back({ring[k], ring[(k + 1) % ring.size()]});
     }
-  std::sort(at.begin(), at.end());
-  std::vector<PaperSpan> out;
-  for (std::size_t k = 0; k + 1 < at.size(); k += 2) out.push_back({at[k], at[k + 1]});
+  if (sides_.empty()) return;
+  low_ = box.min().x(), high_ = box.max().x();
+  std::vector<std::uint32_t> which(sides_.size());
+  std::iota(which.begin(), which.end(), 0U);
+  bins_ = IntervalBins(low_, high_, sides_.size(), which, [&](std::uint32_t k) {
+    return std::pair<double, double>(std::minmax(sides_[k].from.x(), sides_[k].to.x()));
+  });
+}
+
+std::vector<double> UprightLines::passages_at(double u_mm) const {
+  std::vector<double> out;
+  if (reaches(u_mm))
+    for (const std::uint32_t k : bins_.at(u_mm))
+      add_passage(sides_[k].from, sides_[k].to, u_mm, out);
+  return out;
+}
+
+std::vector<PaperSpan> UprightLines::paper_at(double u_mm) const {
+  return spans_between(passages_at(u_mm));
+}
+
+Eigen::AlignedBox2d box_of(const std::vector<Vec2>& ring) {
+  Eigen::AlignedBox2d out;
+  for (const Vec2& p : ring) out.extend(p);
   return out;
 }
 

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "core/design/slices/thin_walls.hpp"
 #include "core/design/target/surface.hpp"
 #include "core/geometry/angle.hpp"
 
@@ -30,6 +31,10 @@ constexpr double kLeast_mm2 = 15.0;
 constexpr double kContact_mm = 2.0;       ///< of a slice with the ground, that it stands there
 constexpr double kMostOpen = 0.1;         ///< of a mesh's sections: gaps around lids, open seams
 constexpr std::size_t kMostPieces = 390;  ///< parts of a card that verify reads
+constexpr std::size_t kMostCrossings = 3990;                ///< joints that it reads
+constexpr std::size_t kMostBlanks = 3000;                   ///< islands and grounds before slots
+constexpr std::size_t kMostCorners = 300'000;               ///< of all outlines
+constexpr double kThinWall_mm = 1.5, kThinLength_mm = 5.0;  ///< beside slots
 
 struct Box {
   Vec3 low, high;
@@ -346,6 +351,35 @@ void warn_of_drops(const SlicedCard& made, DroppedPiece::Reason reason, const ch
                                         count == 1 ? "is" : "are", why, listed(names))});
 }
 
+/// Walls beside slots that may tear: those between two slots, or those at the solid's outline.
+void warn_of_thin_walls(const SlicedCard& made, bool between_slots, std::vector<Warning>& out) {
+  const std::vector<std::string> names = piece_names(made);
+  std::vector<std::string> walls;
+  bool in_x = false, in_y = false;
+  for (const ThinWall& wall :
+       thin_walls(made.slices, made.lattice, made.slot_mm, kThinWall_mm, kThinLength_mm)) {
+    if (wall.is_between_slots != between_slots) continue;
+    walls.push_back(fmt::format("{} ({:.1f} mm over {:.0f} mm, beside {})", names[wall.piece],
+                                wall.thick_mm, wall.length_mm, names[wall.other]));
+    const bool is_x = made.slices[made.lattice.pieces[wall.other].slice].family == SliceFamily::X;
+    (is_x ? in_x : in_y) = true;
+  }
+  if (walls.empty()) return;
+  const char* fields = !in_x ? "y_slices" : !in_y ? "x_slices" : "x_slices or y_slices";
+  out.push_back(
+      {.code = between_slots ? "slots_crowded" : "walls_thin",
+       .message = fmt::format(
+           "paper beside slots is thinner than {} mm and may tear, in {} piece{}: {}; {}",
+           kThinWall_mm, walls.size(), walls.size() == 1 ? "" : "s", listed(walls),
+           between_slots
+               ? fmt::format("the slots are too near to each other: give fewer {}, or a larger "
+                             "scale_mm",
+                             fields)
+               : fmt::format("the slots run along the edge of the solid: one more or one fewer of "
+                             "{} moves them",
+                             fields))});
+}
+
 void add_warnings(SlicedCard& out) {
   using Reason = DroppedPiece::Reason;
   std::vector<Warning>& warnings = out.warnings;
@@ -371,6 +405,29 @@ void add_warnings(SlicedCard& out) {
          .message = fmt::format("slices would cross {} more time{} above or below their slots; one "
                                 "of them is cut through there, so that it can be put in",
                                 out.lattice.cleared, out.lattice.cleared == 1 ? "" : "s")});
+  for (const bool between_slots : {false, true}) warn_of_thin_walls(out, between_slots, warnings);
+}
+
+/// Whether slices can be cut in a time that a person waits for.
+Result<void> check_effort(const std::vector<Slice>& slices) {
+  std::size_t corners = 0, blanks = 0;
+  for (const Slice& slice : slices)
+    for (const FlatRings* rings : {&slice.ground, &slice.islands})
+      for (const std::vector<Vec2>& ring : *rings) {
+        corners += ring.size();
+        if (area_of({ring}) > 0.0) ++blanks;
+      }
+  if (blanks > kMostBlanks)
+    return fail(ErrorKind::Infeasible, "/sliceform",
+                fmt::format("cuts the shape into {} separate pieces of paper; at most {} can be "
+                            "looked at: give fewer slices, or a shape of fewer parts",
+                            blanks, kMostBlanks));
+  if (corners > kMostCorners)
+    return fail(ErrorKind::Infeasible, "/sliceform",
+                fmt::format("makes outlines of {} corners together; at most {} can be cut: give "
+                            "fewer slices, a smaller scale_mm, or a smoother shape",
+                            corners, kMostCorners));
+  return {};
 }
 
 }  // namespace
@@ -410,6 +467,7 @@ Result<SlicedCard> sliced_card(const DesignSpec& spec, const SurfaceAssets& asse
   if (!y) return tl::unexpected(y.error());
   add_slices(asked, out.frame_rad, SliceFamily::X, *x, y->last_ground(), out.slices);
   add_slices(asked, out.frame_rad, SliceFamily::Y, *y, x->last_ground(), out.slices);
+  if (auto done = check_effort(out.slices); !done) return tl::unexpected(done.error());
   tell(progress, "cutting the slots");
   out.lattice = cross_slices(out.slices, {.width_mm = out.slot_mm}, kLeast_mm2);
   if (out.lattice.pieces.size() < 4)
@@ -419,6 +477,10 @@ Result<SlicedCard> sliced_card(const DesignSpec& spec, const SurfaceAssets& asse
     return fail(ErrorKind::Infeasible, "/sliceform",
                 fmt::format("makes {} pieces of paper; at most {} can be made: give fewer slices",
                             out.lattice.pieces.size(), kMostPieces));
+  if (out.lattice.crossings.size() > kMostCrossings)
+    return fail(ErrorKind::Infeasible, "/sliceform",
+                fmt::format("makes {} crossings; at most {} can be checked: give fewer slices",
+                            out.lattice.crossings.size(), kMostCrossings));
   if (!comes_down_freely(out.slices, out.lattice))
     return fail(ErrorKind::Internal, "/sliceform",
                 "makes pieces that cannot be put together, which is a fault in popcut: report it "

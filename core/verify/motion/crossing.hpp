@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -45,9 +46,12 @@ struct Meetings {
 /// The faces of any sheet that meet in one pose: one passes through the other by more than
 /// `slack_mm`, or both lie in one plane and overlap. In a shut pose, stacks of faces are valid, and
 /// only faces that pass through others count.
-[[nodiscard]] Meetings meeting_faces(const FoldModel& file, const Sheet& sheet,
-                                     const Triangles& triangles, const Pose& pose,
-                                     const PoseMotion& motion, double slack_mm);
+///
+/// @param is_known  whether two panels need not be compared; none: all are
+[[nodiscard]] Meetings meeting_faces(
+    const FoldModel& file, const Sheet& sheet, const Triangles& triangles, const Pose& pose,
+    const PoseMotion& motion, double slack_mm,
+    const std::function<bool(std::uint32_t, std::uint32_t)>& is_known = {});
 
 /// Adds a failure for each of `meeting_faces`.
 void check_faces_apart(const FoldModel& file, const Sheet& sheet, const Triangles& triangles,

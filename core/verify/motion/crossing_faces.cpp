@@ -16,6 +16,8 @@ namespace {
 
 using Box = Eigen::AlignedBox3d;
 
+constexpr std::size_t kMostMarked = 3000;  ///< faces whose pairs are marked, in 1.1 MB
+
 struct Interval {
   double from{}, to{};
 };
@@ -59,10 +61,18 @@ class FacesInSpace {
                const PoseMotion& motion, double slack)
       : file_(file), sheet_(sheet), pose_(pose), motion_(motion), slack_(slack) {
     boxes_.reserve(file.faces());
+    in_plane_.reserve(file.faces());
     for (std::size_t f = 0; f < file.faces(); ++f) {
-      Box box;
-      for (const std::uint32_t v : face_of(file, f)) box.extend(pose.at[v]);
+      const PanelMotion& own = this->motion(static_cast<std::uint32_t>(f));
+      Box box, in_plane;
+      for (const std::uint32_t v : face_of(file, f)) {
+        const Vec3& p = pose.at[v];
+        box.extend(p);
+        const Vec3 off = p - own.origin;
+        in_plane.extend(Vec3{dot(own.along_u, off), dot(own.along_v, off), dot(own.normal, off)});
+      }
       boxes_.push_back(box);
+      in_plane_.push_back(in_plane);
     }
   }
 
@@ -75,9 +85,12 @@ class FacesInSpace {
 
   /// How face `g` lies relative to face `f`. `where` gets a point of the crossing.
   Relation relation(std::uint32_t f, std::uint32_t g, Vec3& where) const {
-    if (apart(boxes_[f], boxes_[g], slack_)) return Relation::Apart;
+    if (apart(boxes_[f], boxes_[g], slack_) || is_beside(g, f) || is_beside(f, g))
+      return Relation::Apart;
     std::vector<double> g_off;
     std::vector<double> f_off;
+    g_off.reserve(face_of(file_, g).size());
+    f_off.reserve(face_of(file_, f).size());
     const Straddle of_g = distances(g, f, g_off);
     if (of_g == Straddle::Lies) return Relation::SamePlane;
     if (of_g == Straddle::Beside || distances(f, g, f_off) != Straddle::Through)
@@ -95,6 +108,21 @@ class FacesInSpace {
 
  private:
   enum class Straddle { Beside, Through, Lies };
+
+  /// Whether the box of face `g` in its own plane is on one side of the plane of face `f`, and not
+  /// all of it in that plane.
+  [[nodiscard]] bool is_beside(std::uint32_t g, std::uint32_t f) const {
+    const PanelMotion &plane = motion(f), &own = motion(g);
+    const Box& box = in_plane_[g];
+    const Vec3 middle = box.center(), half = 0.5 * box.sizes();
+    const double at =
+        dot(plane.normal, Vec3(own.origin + middle.x() * own.along_u + middle.y() * own.along_v +
+                               middle.z() * own.normal - plane.origin));
+    const double reach = half.x() * std::abs(dot(plane.normal, own.along_u)) +
+                         half.y() * std::abs(dot(plane.normal, own.along_v)) +
+                         half.z() * std::abs(dot(plane.normal, own.normal));
+    return std::abs(at) - reach >= -slack_ && std::abs(at) + reach > 2.0 * slack_;
+  }
 
   /// Distances of the corners of face `g` from the plane of face `f`.
   Straddle distances(std::uint32_t g, std::uint32_t f, std::vector<double>& off) const {
@@ -115,6 +143,7 @@ class FacesInSpace {
   /// slack.
   std::vector<Interval> interior(std::uint32_t f, const std::vector<double>& off, Vec3 line) const {
     std::vector<double> along;
+    along.reserve(off.size());
     for (const std::uint32_t v : face_of(file_, f)) along.push_back(dot(line, pose_.at[v]));
     return common(cut_leaning(off, along, slack_, true), cut_leaning(off, along, slack_, false));
   }
@@ -134,7 +163,7 @@ class FacesInSpace {
   const Pose& pose_;
   const PoseMotion& motion_;
   double slack_;
-  std::vector<Box> boxes_;
+  std::vector<Box> boxes_, in_plane_;
 };
 
 /// The area that two faces in one plane share, measured in the plane of `f`.
@@ -165,7 +194,8 @@ double shared_area(const Triangles& triangles, const Pose& pose, const PanelMoti
 }  // namespace
 
 Meetings meeting_faces(const FoldModel& file, const Sheet& sheet, const Triangles& triangles,
-                       const Pose& pose, const PoseMotion& motion, double slack_mm) {
+                       const Pose& pose, const PoseMotion& motion, double slack_mm,
+                       const std::function<bool(std::uint32_t, std::uint32_t)>& is_known) {
   const FacesInSpace space(file, sheet, pose, motion, slack_mm);
   Box all = space.box(0);
   for (std::size_t f = 1; f < file.faces(); ++f) all.extend(space.box(f));
@@ -183,10 +213,18 @@ Meetings meeting_faces(const FoldModel& file, const Sheet& sheet, const Triangle
   Meetings met;
   std::set<std::pair<std::uint32_t, std::uint32_t>> seen_pairs;
   const CellGrid grid(file.faces(), slack_mm, corners);
+  // Large faces share many cells.
+  std::vector<bool> compared(file.faces() <= kMostMarked ? file.faces() * file.faces() : 0, false);
   met.complete = grid.each_pair(4 * pair_budget(file.faces()), [&](std::uint32_t f,
                                                                    std::uint32_t g) {
     if (sheet.panel_of_face[f] == sheet.panel_of_face[g] || met.pairs.size() > kMostReported)
       return;
+    if (!compared.empty()) {
+      auto is_done = compared[f * file.faces() + g];
+      if (is_done) return;
+      is_done = true;
+    }
+    if (is_known && is_known(sheet.panel_of_face[f], sheet.panel_of_face[g])) return;
     MeetingFaces pair{.f = f, .g = g, .crosses = false, .where = Vec3::Zero(), .overlap_mm2 = 0.0};
     const auto relation = space.relation(f, g, pair.where);
     pair.crosses = relation == FacesInSpace::Relation::Cross;

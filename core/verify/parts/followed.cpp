@@ -24,6 +24,7 @@ using Entry = Eigen::Triplet<double>;
 
 constexpr std::size_t kMostIterations = 60;
 constexpr double kClosed = 1e-11;          ///< of the size: gaps that count as closed
+constexpr double kExact = 1e-14;           ///< of the size: gaps of rounding alone
 constexpr double kMostTurn_rad = 0.35;     ///< of a body, away from where it was expected
 constexpr double kLongestStep_rad = 0.03;  ///< of the opening
 constexpr int kMostHalvings = 9;
@@ -195,7 +196,9 @@ double close(const Assembled& card, BodyState& state, double opening_rad) {
     const double gap = off.cwiseAbs().maxCoeff();
     worse = gap < 0.5 * least ? 0 : worse + 1;
     if (gap < least) least = gap, best = state;
-    if (!(gap < 1e3 * card.reach_mm) || worse > 4 || (gap < kClosed * card.reach_mm && worse > 0))
+    const bool is_closed = gap < kClosed * card.reach_mm;
+    if (!(gap < 1e3 * card.reach_mm) || worse > 4 || gap < kExact * card.reach_mm ||
+        (is_closed && worse > 0))
       break;
     const Sparse jacobian = equations.jacobian();
     Sparse normal = jacobian.transpose() * jacobian;

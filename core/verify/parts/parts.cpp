@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <set>
 #include <utility>
@@ -234,8 +235,38 @@ class PartsJudge {
     return motion_.states[k][card_.body[panel]] * card_.in_body[panel];
   }
 
+  /// Pairs of bodies that turn about a line of both. Their planes meet in that line at every
+  /// opening, on the same paper: once they are found apart there, they stay so, unless they come to
+  /// lie in one plane.
+  class TurningPairs {
+   public:
+    explicit TurningPairs(const Assembled& card) {
+      for (const BodyHinge& hinge : card.hinges)
+        looked_at_.emplace(std::minmax(hinge.right, hinge.left), false);
+    }
+    bool is_known(const PoseMotion& motion, std::uint32_t a, std::uint32_t b) {
+      const auto pair = looked_at_.find(std::minmax(a, b));
+      constexpr double kClearSine = 0.02;
+      if (pair == looked_at_.end() ||
+          norm(cross(motion.panel[a].normal, motion.panel[b].normal)) < kClearSine)
+        return false;
+      if (!pair->second) seen_now_.push_back(pair);
+      return pair->second;
+    }
+    void next_pose() {
+      for (const auto& pair : seen_now_) pair->second = true;
+      seen_now_.clear();
+    }
+
+   private:
+    using Pairs = std::map<std::pair<std::uint32_t, std::uint32_t>, bool>;
+    Pairs looked_at_;
+    std::vector<Pairs::iterator> seen_now_;
+  };
+
   void judge_crossing_of_whole() {
     constexpr double kSlack_mm = 1e-5;
+    TurningPairs turning(card_);
     VerifyCheck check = named("crossing");
     std::set<std::pair<std::uint32_t, std::uint32_t>> seen;
     std::size_t looked_at = 0;
@@ -244,7 +275,10 @@ class PartsJudge {
            0.3 + 0.6 * static_cast<double>(k) / static_cast<double>(motion_.states.size()));
       PoseMotion motion;
       const Pose pose = pose_of_all(k, motion);
-      const Meetings met = meeting_faces(all_, all_sheet_, all_triangles_, pose, motion, kSlack_mm);
+      const Meetings met = meeting_faces(
+          all_, all_sheet_, all_triangles_, pose, motion, kSlack_mm,
+          [&](std::uint32_t a, std::uint32_t b) { return turning.is_known(motion, a, b); });
+      turning.next_pose();
       if (!met.complete) check.not_judged("too many faces lie in one place to compare them");
       for (const MeetingFaces& pair : met.pairs)
         if (seen.emplace(pair.f, pair.g).second)

@@ -15,6 +15,7 @@
 #include "core/design/layers/layer_outline.hpp"
 #include "core/design/layers/layered_report.hpp"
 #include "core/design/slices/sliced_report.hpp"
+#include "core/design/slices/thin_walls.hpp"
 #include "core/design/spec/spec.hpp"
 #include "core/geometry/angle.hpp"
 #include "core/judge/glue_guide.hpp"
@@ -887,6 +888,41 @@ TEST_CASE("paper whose hole touches its outline is opened there, so that its fac
   }
 }
 
+TEST_CASE("thin walls beside slots are named with their thickness and with what helps",
+          "[core][parts][slices]") {
+  // The second slot of x is 0.775 mm from its edge; on y both walls are wide.
+  const std::vector<Slice> slices{
+      {SliceFamily::X, 0.0, true, {rectangle({-3, 0}, {40, 12})}, {}},
+      {SliceFamily::X, 20.0, false, {rectangle({-3, 0}, {40, 30})}, {}},
+      {SliceFamily::Y, 0.0, true, {rectangle({-3, 0}, {30, 12})}, {}},
+      {SliceFamily::Y, 39.0, false, {rectangle({-3, 0}, {30, 30})}, {}}};
+  const SliceLattice lattice = cross_slices(slices, {.width_mm = 0.45}, 15.0);
+  REQUIRE(lattice.crossings.size() == 4);
+  const auto walls = thin_walls(slices, lattice, 0.45, 1.5, 3.0);
+  REQUIRE(walls.size() == 2);  // of both slices x
+  for (const ThinWall& wall : walls) {
+    CHECK(slices[lattice.pieces[wall.piece].slice].family == SliceFamily::X);
+    CHECK(slices[lattice.pieces[wall.other].slice].at_mm == 39.0);
+    CHECK(wall.thick_mm == Approx(0.775));
+    CHECK_FALSE(wall.is_between_slots);
+  }
+  CHECK(thin_walls(slices, lattice, 0.45, 0.7, 3.0).empty());
+
+  const auto warnings_of = [](const char* sliceform) {
+    const auto made = sliced_card(slices_spec(sliceform), {{"solid.obj", kTorus}});
+    if (!made) FAIL(message(made.error()));
+    std::string out;
+    for (const Warning& one : made->warnings) out += one.code + ": " + one.message + "\n";
+    return out;
+  };
+  const std::string crowded = warnings_of(R"({"x_slices":60,"y_slices":6})");
+  CAPTURE(crowded);
+  CHECK(crowded.find("slots_crowded: paper beside slots is thinner than 1.5 mm") !=
+        std::string::npos);
+  CHECK(crowded.find("give fewer x_slices, or a larger scale_mm") != std::string::npos);
+  CHECK(warnings_of(R"({"x_slices":6,"y_slices":6})").find("slots_crowded") == std::string::npos);
+}
+
 TEST_CASE("planted faults of slices are found", "[core][verify][parts][slices]") {
   const judge::SoundSlices sound = sound_of(kTorus, R"({"x_slices":4,"y_slices":4})");
   const auto fails = [](const std::string& text, const char* check) {
@@ -901,6 +937,8 @@ TEST_CASE("planted faults of slices are found", "[core][verify][parts][slices]")
       card.parts[3].add_face(face);
     for (const Vec2& at : std::vector<Vec2>(card.parts[3].vertices)) card.parts[3].add_corner(at);
     CHECK(fails(text_of(card), "slots").find("both faces have paper") != std::string::npos);
+    // The planes of both always meet in the line of their slots.
+    CHECK(fails(text_of(card), "crossing").find("passes through it") != std::string::npos);
   }
   SECTION("slots too narrow for the paper") {
     const std::string thick =
@@ -959,6 +997,26 @@ TEST_CASE("a solid that cannot be sliced says why, and what would do", "[core][p
   says(turned_obj({{30, 0}, {30, 0.2}}, 24), "{}", "/scale_mm", "0.2 mm high");
   says(kTorus, R"({"page_mm":60})", "/sliceform/page_mm", "need pages of at least");
   says(kTorus, R"({"spine_mm":60})", "/sliceform/spine_mm", "a spine of at least");
+  // Cubes in the air over a plate, more than can be looked at.
+  ObjText cubes;
+  const auto add_cube = [&](double x, double y, double z, double wide, double high) {
+    const std::size_t first = cubes.corners;
+    for (const double up : {0.0, high})
+      for (const auto& [dx, dy] :
+           {std::pair(0.0, 0.0), std::pair(wide, 0.0), std::pair(wide, wide), std::pair(0.0, wide)})
+        cubes.corner(x + dx, y + dy, z + up);
+    cubes.face({first + 3, first + 2, first + 1, first});
+    cubes.face({first + 4, first + 5, first + 6, first + 7});
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::size_t l = (k + 1) % 4;
+      cubes.face({first + k, first + l, first + 4 + l, first + 4 + k});
+    }
+  };
+  add_cube(0, 0, 0, 400, 10);
+  for (int x = 0; x < 50; ++x)
+    for (int y = 0; y < 50; ++y) add_cube(8.0 * x, 8.0 * y, 20.0, 5.0, 10.0);
+  says(cubes.text, R"({"x_slices":60,"y_slices":60})", "/sliceform",
+       "at most 3000 can be looked at");
   const auto refused_spec = [](const std::string& rest, const std::string& place) {
     const auto spec = parse_design_spec(R"({"popcut":1,"style":"slices",)" + rest + "}");
     REQUIRE_FALSE(spec);
