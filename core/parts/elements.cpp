@@ -20,6 +20,9 @@ constexpr double kAlike = 1e-9;  ///< of rad and mm: sums that are to be equal
 
 Vec3 at_y(const Vec3& section, double y) { return section + Vec3{0.0, y, 0.0}; }
 
+/// The slopes of a gabled roof, from wall to ridge.
+double slope_mm(const BoxElement& e) { return std::hypot(e.half_mm, e.rise_mm); }
+
 /// A strip of paper: folds across it at `at`, from `v0` to `v1` along its folds.
 void add_strip(SheetPart& part, const std::vector<double>& at, double v0, double v1) {
   for (std::size_t k = 0; k + 1 < at.size(); ++k)
@@ -179,6 +182,22 @@ Result<void> can_move(const BoxElement& e) {
     return fail(ErrorKind::Infeasible, "",
                 "the ends would pass through the floating lid as the card shuts; let them fold "
                 "outward");
+  if (e.lid == BoxLid::Gabled) {
+    if (auto done =
+            needs(e.rise_mm > 0.0, "the rise of its ridge", e.rise_mm, "it must be more than 0 mm");
+        !done)
+      return done;
+    for (const auto& [mm, what] :
+         {std::pair(e.eaves_mm, "its eaves"), std::pair(e.verge_mm, "its verge")})
+      if (auto done = needs(mm >= 0.0, what, mm, "it must be at least 0 mm"); !done) return done;
+    // As the card shuts, slopes turn down along the walls.
+    const double p = slope_mm(e), most = e.height_mm * p / (p + e.half_mm);
+    if (e.eaves_mm >= most)
+      return fail(ErrorKind::Infeasible, "",
+                  fmt::format("its eaves would pass through the pages as the card shuts: they are "
+                              "{:.6g} mm; make them less than {:.4g} mm",
+                              e.eaves_mm, most));
+  }
   if (!e.ends_out && 2.0 * e.half_mm >= e.to_mm - e.from_mm)
     return fail(
         ErrorKind::Infeasible, "",
@@ -312,14 +331,26 @@ void build(Structure& card, const Seat& seat, const BoxElement& e) {
   const std::size_t n = card.parts.size();
   const double a = e.half_mm, h = e.height_mm, length = e.to_mm - e.from_mm;
   const double left = length + 2.0 * a, end = 2.0 * length + 4.0 * a;
-  add_strip(new_part(card, e.name),
-            {0.0, length, length + a, left, left + length, left + length + a, end}, 0.0, h);
+  const double peak = h + (e.lid == BoxLid::Gabled ? e.rise_mm : 0.0);
+  SheetPart& walls = new_part(card, e.name);
+  const auto add_wall = [&](double u0, double high0, double u1, double high1) {
+    walls.add_face(std::array{Vec2{u0, 0.0}, Vec2{u1, 0.0}, Vec2{u1, high1}, Vec2{u0, high0}});
+  };
+  for (const double begin : {0.0, left}) {
+    add_wall(begin, h, begin + length, h);
+    add_wall(begin + length, h, begin + length + a, peak);
+    add_wall(begin + length + a, peak, begin + length + 2.0 * a, h);
+  }
   add_foot(card, n, {Vec2{0.0, 0.0}, Vec2{length, 0.0}}, seat.right, a, e.from_mm, e.to_mm);
   add_foot(card, n, {Vec2{left + length, 0.0}, Vec2{left, 0.0}}, seat.left, a, e.from_mm, e.to_mm);
   add_tab(card, n, {Vec2{end, 0.0}, Vec2{end, h}}, n, 0, {Vec2{0.0, 0.0}, Vec2{0.0, h}}, false);
   if (e.lid != BoxLid::None) {
-    const double wide = e.lid == BoxLid::Roof ? a : e.lid_mm;
-    add_strip(new_part(card, e.name + "-lid"), {-wide, 0.0, wide}, e.from_mm, e.to_mm);
+    const double wide = e.lid == BoxLid::Roof     ? a
+                        : e.lid == BoxLid::Gabled ? slope_mm(e) + e.eaves_mm
+                                                  : e.lid_mm;
+    const double verge = e.lid == BoxLid::Gabled ? e.verge_mm : 0.0;
+    add_strip(new_part(card, e.name + "-lid"), {-wide, 0.0, wide}, e.from_mm - verge,
+              e.to_mm + verge);
   }
   // Past the tab that closes the walls.
   const double from = std::min(card.tab_mm + 1.0, 0.25 * length), to = length - from;
@@ -331,12 +362,13 @@ void build(Structure& card, const Seat& seat, const BoxElement& e) {
     };
     add_tab(card, n + 1, edge(a), n, 0, right_top, false);
     add_tab(card, n + 1, edge(-a), n, 3, left_top, true);
-  } else if (e.lid == BoxLid::Floating) {
+  } else if (e.lid != BoxLid::None) {
     const auto on = [&](double u) {
       return FlatLine{Vec2{u, e.from_mm + from}, Vec2{u, e.from_mm + to}};
     };
-    add_tab(card, n, right_top, n + 1, 1, on(a), true);
-    add_tab(card, n, left_top, n + 1, 0, on(-a), false);
+    const double wall = e.lid == BoxLid::Gabled ? slope_mm(e) : a;
+    add_tab(card, n, right_top, n + 1, 1, on(wall), true);
+    add_tab(card, n, left_top, n + 1, 0, on(-wall), false);
   }
   const auto pose = [=](const SeatFrame& frame) {
     const double s = std::sin(0.5 * frame.opening_rad), c = std::cos(0.5 * frame.opening_rad);
@@ -354,10 +386,15 @@ void build(Structure& card, const Seat& seat, const BoxElement& e) {
       out[0].push_back(laid({Vec2{at[k], 0.0}, Vec2{at[k + 1], 0.0}, Vec2{at[k], 1.0}},
                             {foot[k], foot[k + 1], foot[k] + up}));
     if (e.lid == BoxLid::None) return out;
-    const double wide = e.lid == BoxLid::Roof ? a : e.lid_mm;
-    const Vec3 middle{0.0, 0.0, h + (e.lid == BoxLid::Roof ? 2.0 * a * c : 0.0)};
+    const double slope = slope_mm(e);
+    const double wide = e.lid == BoxLid::Roof ? a : e.lid == BoxLid::Gabled ? slope : e.lid_mm;
+    const double above = e.lid == BoxLid::Roof ? 2.0 * a * c
+                         : e.lid == BoxLid::Gabled
+                             ? a * c + std::sqrt(slope * slope - a * a * s * s)
+                             : 0.0;
+    const Vec3 middle{0.0, 0.0, h + above};
     const auto side = [&](double sign) -> Vec3 {
-      if (e.lid == BoxLid::Roof) return {sign * a * s, 0.0, a * c + h};
+      if (e.lid != BoxLid::Floating) return {sign * a * s, 0.0, a * c + h};
       return middle + wide * frame.out(sign);
     };
     out.push_back(

@@ -65,6 +65,7 @@ struct LayerElement {
 enum class BoxLid {
   None,
   Roof,     ///< level on pages that lie flat; it rises in the middle as they shut
+  Gabled,   ///< two slopes from the walls to a ridge over the fold, with gables below them
   Floating  ///< a copy of both faces, raised by the walls' height
 };
 
@@ -72,13 +73,17 @@ enum class BoxLid {
 /// stand in the direction between the faces.
 ///
 /// Shut it reaches half + height from the fold, with a roof 2 half + height, a floating lid
-/// lid + height.
+/// lid + height. A gabled roof of slopes p = sqrt(half^2 + rise^2) reaches half + height + p; its
+/// ridge is sqrt(p^2 - half^2 sin^2(opening / 2)) above the walls, so it stays above the gables.
 struct BoxElement {
   std::string name{"box"};
   double from_mm{}, to_mm{};
   double half_mm{}, height_mm{};
   BoxLid lid{BoxLid::None};
   double lid_mm{};      ///< of each half of a floating lid; at least `half_mm`
+  double rise_mm{};     ///< of a gabled roof's ridge above the walls, on pages that lie flat
+  double eaves_mm{};    ///< of a gabled roof beyond the walls, down its slope
+  double verge_mm{};    ///< the same beyond the ends, along the fold
   bool ends_out{true};  ///< the ends fold outward; else into the box
 };
 

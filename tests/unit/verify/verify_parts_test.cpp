@@ -263,6 +263,63 @@ TEST_CASE("an element that cannot move says what would have to change, and by ho
   v_fold.left_panel_rad = v_fold.right_panel_rad = radians(121.0);
   says(can_move(v_fold), "less than 180");
   CHECK(panel_of_tilt(radians(60.0), radians(90.0)) == Approx(radians(90.0)));
+  BoxElement house;
+  house.to_mm = 40.0, house.half_mm = 15.0, house.height_mm = 20.0;
+  house.lid = BoxLid::Gabled, house.rise_mm = 20.0;
+  CHECK(can_move(house));
+  house.eaves_mm = 13.0;  // of 20 * 25 / (25 + 15)
+  says(can_move(house),
+       "its eaves would pass through the pages as the card shuts: they are 13 mm; "
+       "make them less than 12.5 mm");
+}
+
+TEST_CASE("a gabled house of eight panels has the walls, gables and slopes of its model",
+          "[core][parts]") {
+  Structure card = plain_card(120.0, 140.0);
+  BoxElement house;
+  house.name = "house";
+  house.from_mm = 35.0, house.to_mm = 105.0, house.half_mm = 24.0, house.height_mm = 30.0;
+  house.lid = BoxLid::Gabled, house.rise_mm = 20.0, house.eaves_mm = 5.0, house.verge_mm = 3.0;
+  REQUIRE(add(card, spine_of(card), house));
+  const PartsVerifyReport report = judged(text_of(card));
+  if (!report.ok()) FAIL(verify_text(report));
+  CHECK(report.degrees_of_freedom == 1U);
+  std::size_t panels = 0;
+  for (std::size_t p = 1; p < card.parts.size(); ++p)
+    panels += card.parts[p].faces.size() - card.parts[p].tabs.size();
+  CHECK(panels == 8);
+  // On open pages all of the house is there: places of its walls, gables and slopes lie on panels.
+  const PartPoses pose = posed(card, radians(179.99));
+  const auto off = [&](const Vec3& at) {
+    double least = 1e9;
+    for (std::size_t p = 1; p < card.parts.size(); ++p) {
+      const SheetPart& part = card.parts[p];
+      for (std::uint32_t f = 0; f < part.faces.size(); ++f) {
+        if (std::find(part.tabs.begin(), part.tabs.end(), f) != part.tabs.end()) continue;
+        const Vec3 flat = pose[p][f].inverse() * at;
+        bool is_inside = true;  // faces are convex
+        for (std::size_t k = 0; k < part.faces[f].size(); ++k) {
+          const Vec2 a = part.vertices[part.faces[f][k]],
+                     b = part.vertices[part.faces[f][(k + 1) % part.faces[f].size()]];
+          is_inside = is_inside && cross(Vec2(b - a), Vec2(flat.head<2>() - a)) > -0.05;
+        }
+        if (is_inside) least = std::min(least, std::abs(flat.z()));
+      }
+    }
+    return least;
+  };
+  constexpr double kOnePercent_mm = 0.7;  // of the house's length
+  double most = 0.0;
+  for (double t = 0.01; t < 1.0; t += 0.07)
+    for (double s = 0.01; s < 1.0; s += 0.07)
+      for (const double side : {-1.0, 1.0}) {
+        const double y = 35.0 + 70.0 * t, x = side * 24.0 * (1.0 - s);
+        most = std::max({most, off({side * 24.0, y, 30.0 * s}),  // walls, slopes
+                         off({x, y, 30.0 + 20.0 * s})});
+        for (const double end : {35.0, 105.0})  // ends with their gables
+          most = std::max(most, off({x, end, t * (30.0 + 20.0 * s)}));
+      }
+  CHECK(most < 0.05 * kOnePercent_mm);
 }
 
 TEST_CASE("a layer with a part in the air and a hole becomes one piece that stands",
