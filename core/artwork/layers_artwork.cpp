@@ -19,8 +19,7 @@ namespace popcut {
 namespace layers_artwork_parts {
 namespace {
 
-constexpr double kOpen_rad = radians(179.99);  ///< closed forms end before 180 degrees
-constexpr double kBeyond_mm = 1.5;             ///< so far ink goes on beyond the model
+constexpr double kBeyond_mm = 1.5;  ///< so far ink goes on beyond the model
 
 /// The faces of a part: on the page of all, and in space. x is across the pages, y along the spine.
 FaceSurface surface_of(const Structure& card, std::size_t part, const PartPoses& pose,
@@ -209,7 +208,7 @@ Result<Artwork> layers_artwork(const LayeredCard& made, const ColourMesh& model,
   out.image = ColourImage(out.frame.width, out.frame.height);
   out.on_paper.assign(out.frame.pixels(), 0);
   const PixelFrame view_frame = frame_around(seen, 2.0 * kBeyond_mm, options.pixel_mm);
-  const PartPoses pose = posed(made.card, kOpen_rad);
+  const PartPoses pose = open_pose(made);
   for (std::size_t p = 0; p < made.card.parts.size(); ++p) {
     tell(options.progress, "drawing the artwork");
     // The part alone, with what flows around it.
@@ -228,7 +227,7 @@ Result<Artwork> layers_artwork(const LayeredCard& made, const ColourMesh& model,
     const FaceSurface surface = surface_of(made.card, p, pose, places[p]);
     const std::vector<std::uint32_t> face = face_pixels(surface, frame);
     ColourImage drawn(frame.width, frame.height);
-    if (p > 0) {
+    if (p > 0 && p <= made.layers.size()) {
       const std::size_t j = p - 1;
       constexpr double kFar = std::numeric_limits<double>::infinity();
       const auto between = [&](std::size_t k) {
@@ -268,7 +267,7 @@ ColourMesh standing_layers(const LayeredCard& made, std::span<const DrawnPart> p
   out.surfacings.push_back({{255, 255, 255, 255}, 0});
   out.textures.emplace_back(on_paper(artwork.image));
   out.textures.back().wraps.fill(PictureWrap::Clamp);
-  const PartPoses pose = posed(made.card, kOpen_rad);
+  const PartPoses pose = open_pose(made);
   for (std::size_t p = 0; p < made.card.parts.size(); ++p)
     for (const auto& triangle : surface_of(made.card, p, pose, places[p]).triangles) {
       for (const FaceSurface::Corner& corner : triangle) {

@@ -138,10 +138,12 @@ class CardGuide {
                   "do not hold all parts together, so they cannot be glued; 'popcut verify' says "
                   "what is wrong");
     tell(progress_, "opening the card");
-    verify::Followed motion = verify::follow(card_, {kHalfOpen_rad, kOpen_rad});
+    const double open = std::min(kOpen_rad, radians(model_.opens_deg)),
+                 half = std::min(kHalfOpen_rad, 0.6 * open);
+    verify::Followed motion = verify::follow(card_, {half, open});
     for (verify::BodyState& state : motion.states) level(state);
     for (std::size_t k = 0; k < motion.states.size(); ++k)
-      (motion.opening_rad[k] < 0.5 * (kHalfOpen_rad + kOpen_rad) ? half_open_ : open_) =
+      (motion.opening_rad[k] < 0.5 * (half + open) ? half_open_ : open_) =
           &states_.emplace_back(motion.states[k]);
     if (half_open_ == nullptr || open_ == nullptr)
       return fail(ErrorKind::Infeasible, "/popcut:joints",

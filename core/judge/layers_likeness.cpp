@@ -12,7 +12,6 @@ namespace popcut::judge {
 
 likeness::PrintedFigures layers_likeness(const LayeredCard& made,
                                          std::span<const likeness::Rgb> colours, int pixels) {
-  constexpr double kOpen_rad = radians(179.99);  // closed forms end before 180 degrees
   // x toward a person before the front, from the front of the target; y to that person's right.
   const double along = made.looks_along_spine ? 1.0 : -1.0;
   const auto add = [&](const Vec3& p, std::vector<float>& to) {
@@ -22,7 +21,7 @@ likeness::PrintedFigures layers_likeness(const LayeredCard& made,
   std::vector<float> target;
   for (std::size_t t = 0; t < made.target.size(); ++t)
     for (std::size_t k = 0; k < 3; ++k) add(made.target.corner(t, k), target);
-  const PartPoses pose = posed(made.card, kOpen_rad);
+  const PartPoses pose = open_pose(made);
   std::vector<std::vector<float>> faces(made.layers.size());
   std::vector<likeness::PrintedLayer> layers;
   constexpr double kFar = std::numeric_limits<double>::infinity();
@@ -44,7 +43,7 @@ likeness::PrintedFigures layers_likeness(const LayeredCard& made,
                       j == 0 ? kFar : between(j - 1)});
   }
   likeness::Scene scene;
-  scene.views = likeness::page_views();
+  scene.views = made.opens_flat ? likeness::page_views() : likeness::cone_views();
   scene.pixels = pixels;
   return likeness::PrintedTarget(target, colours, scene).measure_layers(layers);
 }

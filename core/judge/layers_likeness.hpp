@@ -10,7 +10,8 @@
 namespace popcut::judge {
 
 /// How a printed card of layers looks beside its target, from 20 to 60 degrees above the open page
-/// (`likeness::page_views`): what `PrintedFigures` are for a card of one sheet.
+/// (`likeness::page_views`), or around the diagonal of a card that opens to 90 degrees: what
+/// `PrintedFigures` are for a card of one sheet.
 ///
 /// @param colours  of the target's triangles, one each; empty: clay
 [[nodiscard]] likeness::PrintedFigures layers_likeness(const LayeredCard& made,

@@ -96,6 +96,7 @@ struct Structure {
   std::string name{"card"};
   double page_mm{}, length_mm{};  ///< of each page: from the spine outward, and along it
   double thickness_mm{0.3};       ///< of the paper
+  double opens_deg{180.0};        ///< between the pages of the open card
   double tab_mm{8.0};             ///< depth of glued tabs
   std::vector<SheetPart> parts;
   std::vector<PartJoint> joints;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/parts/structure_fold.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -16,6 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kFlat_rad = 1e-9;
+constexpr double kHalfOpen_rad = 1.9, kHalfOpen = 0.7;  ///< at most, and of the open card
 
 Json line_json(const FlatLine& line) {
   return {line[0].x(), line[0].y(), line[1].x(), line[1].y()};
@@ -81,7 +83,9 @@ Result<Json> frame_json(const SheetPart& part, std::span<const Eigen::Isometry3d
 }  // namespace
 
 Result<std::string> structure_fold(const Structure& card, const std::string& creator,
-                                   double opening_rad) {
+                                   std::optional<double> pose_rad) {
+  const double opening_rad =
+      pose_rad.value_or(std::min(kHalfOpen_rad, kHalfOpen * radians(card.opens_deg)));
   static constexpr std::array kKinds{"hinge", "glue", "slot", "cross"};
   const PartPoses pose = posed(card, opening_rad);
   Json joints = Json::array(), frames = Json::array();
@@ -99,15 +103,16 @@ Result<std::string> structure_fold(const Structure& card, const std::string& cre
     if (!frame) return tl::unexpected(frame.error());
     frames.push_back(std::move(*frame));
   }
-  return json_line(Json{{"file_spec", 1.2},
-                        {"file_creator", creator},
-                        {"file_classes", {"multiModel"}},
-                        {"file_title", card.name},
-                        {"popcut:opening_deg", degrees(opening_rad)},
-                        {"popcut:thickness_mm", card.thickness_mm},
-                        {"popcut:joints", std::move(joints)},
-                        {"file_frames", std::move(frames)}}) +
-         "\n";
+  Json file{{"file_spec", 1.2},
+            {"file_creator", creator},
+            {"file_classes", {"multiModel"}},
+            {"file_title", card.name},
+            {"popcut:opening_deg", degrees(opening_rad)}};
+  if (card.opens_deg < 180.0) file["popcut:opens_deg"] = card.opens_deg;
+  file["popcut:thickness_mm"] = card.thickness_mm;
+  file["popcut:joints"] = std::move(joints);
+  file["file_frames"] = std::move(frames);
+  return json_line(file) + "\n";
 }
 
 }  // namespace popcut

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "core/parts/structure.hpp"
@@ -12,9 +13,9 @@ namespace popcut {
 /// fold angles of one opened pose; `popcut:joints` lists what holds the parts together
 /// (docs/parts.md). Numbers read back as the same doubles.
 ///
-/// @param opening_rad  of the pages in that pose, between 0 and pi
+/// @param pose_rad  opening of the pages in that pose, between 0 and pi; none: half open
 /// @retval Infeasible  a part cannot be there at that opening
 [[nodiscard]] Result<std::string> structure_fold(const Structure& card, const std::string& creator,
-                                                 double opening_rad = 1.9);
+                                                 std::optional<double> pose_rad = {});
 
 }  // namespace popcut

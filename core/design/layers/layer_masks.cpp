@@ -105,16 +105,20 @@ class HalfMaker {
     smooth();
     open_thin();
     drop_small();
-    add_foot();
-    while (join_nearest()) {
-    }
-    fill_holes();
-    part_corners();
+    if (!paper_.may_miss_half || std::find(mask_.begin(), mask_.end(), 1) != mask_.end()) stand();
     for (std::size_t k = 0; k < mask_.size(); ++k)
       whole_[half_.cell(k % half_.columns(), k / half_.columns())] = mask_[k];
   }
 
  private:
+  void stand() {
+    add_foot();
+    while (join_nearest()) {
+    }
+    fill_holes();
+    part_corners();
+  }
+
   [[nodiscard]] std::size_t cells(double mm) const {
     return static_cast<std::size_t>(std::max(1.0, std::round(mm / half_.grid.cell_mm)));
   }
@@ -406,6 +410,14 @@ std::vector<LayerMask> layer_masks(const DepthStacks& stacks,
         if (at[k] < to && (!is_closed || at[k + 1] >= from)) out[j][cell] = 1;
     }
   }
+  return out;
+}
+
+LayerPaper unfolded_paper() {
+  LayerPaper out;
+  out.least_foot_mm = 11.0, out.foot_share = 0.2;
+  out.ridge_mm = out.ridge_share = out.hidden_share = 0.0;
+  out.may_miss_half = true;
   return out;
 }
 

@@ -56,6 +56,7 @@ struct LayerPaper {
   double hidden_share{0.5};    ///< the same, well below what hides it in front
   double bridge_mm{5.0};       ///< width of paper that joins parts
   double least_mm2{20.0};      ///< smaller parts are left out, smaller holes are filled
+  bool may_miss_half{};        ///< nothing needs paper on both sides of the middle
 };
 
 /// What was done to a layer.
@@ -65,6 +66,9 @@ struct LayerChanges {
   double shown_mm2{};     ///< of strips, where no layer in front hides them
   std::size_t filled{};   ///< holes
 };
+
+/// Paper of a layer that stands in one plane, without a fold in the middle.
+[[nodiscard]] LayerPaper unfolded_paper();
 
 /// Makes each half of a layer one piece, which stands on the page and meets the other
 /// half in the middle. Parts are joined where `hidden` (layers in front) hides the paper, if there

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "core/design/facet_design.hpp"
+#include "core/design/layers/corner_layers.hpp"
 #include "core/design/layers/layer_outline.hpp"
 #include "core/design/target/surface.hpp"
 #include "core/geometry/angle.hpp"
@@ -27,6 +28,9 @@ constexpr double kApart_mm = kTab_mm + 1.5;  ///< between creases, so that no ta
 constexpr double kLeastSize_mm = 15.0;
 constexpr double kMostCells = 6e5, kFinest_mm = 0.5;
 constexpr double kHalfOpen_rad = 1.9;
+constexpr double kCorner_deg = 90.0;
+constexpr double kBehind_mm = 12.0;  ///< between the rearmost layer and the wall
+constexpr double kLeastStrut_mm = 12.0, kMostStrut_mm = 70.0, kStrutMargin_mm = 2.0;
 
 /// Where the outline seen from the front is most like its mirror image, near the middle: there the
 /// fold of the layers cuts no knob or gable in two. Places along y, mm.
@@ -105,6 +109,7 @@ struct CutLayer {
   double depth_mm{};
   Outlines left, right;                    ///< as far from the middle, both positive
   double foot_left_mm{}, foot_right_mm{};  ///< of the border on the page, from the middle
+  LayerStrut strut;                        ///< of a card that opens to 90 degrees
   LayerChanges changes;
 
   /// All corners, from the middle.
@@ -116,8 +121,27 @@ struct CutLayer {
   }
 };
 
-std::vector<CutLayer> cut_layers(const TriangleSoup& target, int count, const Progress& progress,
-                                 double cell_mm) {
+/// Makes room for a strut behind a layer: on its own paper, else on more of it.
+LayerStrut strut_of(const LayerGrid& grid, LayerMask& mask, LayerChanges& changes) {
+  for (const double least : {3.0 * kLeastStrut_mm, kLeastStrut_mm})
+    if (const auto found =
+            strut_behind(grid, mask, least, kMostStrut_mm, kTab_mm + 1.0, kStrutMargin_mm))
+      return *found;
+  double sum = 0.0, count = 0.0;
+  for (std::size_t c = 0; c < grid.columns; ++c)
+    if (mask[grid.at(c, 0)] != 0) sum += static_cast<double>(c) + 0.5, ++count;
+  const double middle =
+      (sum / std::max(count, 1.0) - 0.5 * static_cast<double>(grid.columns)) * grid.cell_mm;
+  const auto before = std::count(mask.begin(), mask.end(), 1);
+  const LayerStrut out{middle - 0.5 * kLeastStrut_mm, middle + 0.5 * kLeastStrut_mm, kTab_mm + 2.0};
+  add_strut_paper(grid, out, kTab_mm + 2.0, kStrutMargin_mm, mask);
+  changes.shown_mm2 += static_cast<double>(std::count(mask.begin(), mask.end(), 1) - before) *
+                       grid.cell_mm * grid.cell_mm;
+  return out;
+}
+
+std::vector<CutLayer> cut_layers(const TriangleSoup& target, int count, bool opens_flat,
+                                 const Progress& progress, double cell_mm) {
   tell(progress, "choosing the depths of the layers");
   const std::vector<double> depths = layer_depths(target, count, kApart_mm);
   const DepthStacks stacks = depth_stacks(target, cell_mm);
@@ -127,16 +151,19 @@ std::vector<CutLayer> cut_layers(const TriangleSoup& target, int count, const Pr
   for (std::size_t j = 0; j < masks.size(); ++j) {
     tell(progress, "cutting the layers");
     LayerMask mask = masks[j];
-    const LayerPaper paper;
+    const LayerPaper paper = opens_flat ? LayerPaper{} : unfolded_paper();
     const auto shown = static_cast<double>(std::count(mask.begin(), mask.end(), 1));
     if (shown * cell_mm * cell_mm < 4.0 * paper.least_mm2) continue;
     CutLayer layer;
     layer.depth_mm = depths[j];
+    if (!out.empty() && !opens_flat)
+      add_strut_paper(stacks.grid, out.back().strut, kTab_mm + 1.0, 0.7 * kStrutMargin_mm, mask);
     layer.changes = make_one_piece(stacks.grid, hidden, paper, mask);
+    if (!opens_flat) layer.strut = strut_of(stacks.grid, mask, layer.changes);
     layer.left = half_outlines(stacks.grid, mask, false);
     layer.right = half_outlines(stacks.grid, mask, true);
     // On the panel lengths along the crease are longer than seen from the front.
-    const double longer = 1.0 / std::sin(kCrease_rad);
+    const double longer = opens_flat ? 1.0 / std::sin(kCrease_rad) : 1.0;
     for (Outlines* half : {&layer.left, &layer.right})
       for (std::vector<Vec2>& face : *half)
         for (Vec2& p : face) p.x() *= longer;
@@ -176,6 +203,22 @@ Standing standing_of(const std::vector<CutLayer>& layers, bool looks_along_spine
   return out;
 }
 
+/// Where layers stand on the ground of a card that opens to 90 degrees: `at_mm` from its wall.
+Standing corner_standing_of(const std::vector<CutLayer>& layers) {
+  Standing out{true, {}, 0.0, 0.0};
+  double wide = 0.0;
+  for (const CutLayer& layer : layers) {
+    const double at = kBehind_mm + layers.back().depth_mm - layer.depth_mm;
+    out.at_mm.push_back(at);
+    for (const Vec2& p : layer.corners()) {
+      wide = std::max(wide, std::abs(p.x()));
+      out.page_mm = std::max(out.page_mm, at + p.y() + kMargin_mm);  // shut
+    }
+  }
+  out.length_mm = 2.0 * (wide + kMargin_mm);
+  return out;
+}
+
 /// The lengths that a card of the spec has, or those that are needed.
 Result<void> set_pages(const LayersSpec& asked, Standing& standing) {
   const auto check = [](const std::optional<double>& given, double& needed, const char* field,
@@ -193,7 +236,8 @@ Result<void> set_pages(const LayersSpec& asked, Standing& standing) {
   if (auto done = check(asked.page_mm, standing.page_mm, "page_mm", "pages"); !done) return done;
   if (auto done = check(asked.spine_mm, standing.length_mm, "spine_mm", "a spine"); !done)
     return done;
-  for (double& at : standing.at_mm) at += 0.5 * (standing.length_mm - needed);
+  if (asked.opens_deg == 180.0)
+    for (double& at : standing.at_mm) at += 0.5 * (standing.length_mm - needed);
   return {};
 }
 
@@ -241,6 +285,59 @@ std::size_t holes_of(const SheetPart& part) {
       sides.insert(std::minmax(face[k], face[(k + 1) % face.size()]));
     }
   return 1 + sides.size() - corners.size() - part.faces.size();
+}
+
+/// V-folds, whose layers lie in planes as their pages lie flat.
+Result<void> add_folded_layers(const std::vector<CutLayer>& layers, const Standing& standing,
+                               Structure& card) {
+  // Seen against the spine's direction, right is where u falls.
+  const bool is_mirrored = !standing.looks_along_spine;
+  for (std::size_t j = 0; j < layers.size(); ++j) {
+    const CutLayer& layer = layers[j];
+    VFoldElement fold;
+    fold.name = fmt::format("layer-{}", j + 1);
+    fold.at_mm = standing.at_mm[j];
+    fold.left_crease_rad = fold.right_crease_rad = kCrease_rad;
+    fold.left_panel_rad = fold.right_panel_rad = panel_of_tilt(kCrease_rad, 0.5 * std::numbers::pi);
+    fold.left_outlines = is_mirrored ? layer.right : layer.left;
+    fold.right_outlines = is_mirrored ? layer.left : layer.right;
+    for (std::vector<Vec2>& face : fold.left_outlines)
+      for (Vec2& p : face) p.x() = -p.x();
+    constexpr double kClear_mm = 1.0;
+    const double left = is_mirrored ? layer.foot_right_mm : layer.foot_left_mm,
+                 right = is_mirrored ? layer.foot_left_mm : layer.foot_right_mm;
+    fold.left_tabs = {{kClear_mm, left - kClear_mm}};
+    fold.right_tabs = {{kClear_mm, right - kClear_mm}};
+    if (auto done = add(card, spine_of(card), fold); !done) return done;
+    if (is_mirrored) turn_over(card, card.parts.size() - 1);  // its front is printed
+  }
+  return {};
+}
+
+/// Layers that stay parallel to the wall.
+Result<void> add_upright_layers(const std::vector<CutLayer>& layers, const Standing& standing,
+                                Structure& card) {
+  std::vector<CornerLayer> upright;
+  for (std::size_t j = 0; j < layers.size(); ++j) {
+    const CutLayer& layer = layers[j];
+    constexpr double kClear_mm = 1.0;
+    CornerLayer one;
+    one.name = fmt::format("layer-{}", j + 1);
+    for (std::vector<Vec2> face : layer.left) {
+      for (Vec2& p : face) p.x() = -p.x();
+      one.outlines.push_back(std::move(face));
+    }
+    one.outlines.insert(one.outlines.end(), layer.right.begin(), layer.right.end());
+    one.foot_from_mm = kClear_mm - layer.foot_left_mm;
+    one.foot_to_mm = layer.foot_right_mm - kClear_mm;
+    if (layer.left.empty()) one.foot_from_mm = kClear_mm;
+    if (layer.right.empty()) one.foot_to_mm = -kClear_mm;
+    one.out_mm = standing.at_mm[j];
+    one.strut = layer.strut;
+    upright.push_back(std::move(one));
+  }
+  add_corner_layers(card, upright);
+  return shuts_inside(card, 1);
 }
 
 void warn(const std::vector<CutLayer>& layers, int asked, LayeredCard& out) {
@@ -292,48 +389,36 @@ Result<LayeredCard> layered_card(const DesignSpec& spec, const SurfaceAssets& as
     height = std::max(height, target->corners[k + 2]);
   }
   const double cell_mm = std::max(kFinest_mm, std::sqrt(width * height / kMostCells));
-  const std::vector<CutLayer> layers = cut_layers(*target, spec.layers.layers, progress, cell_mm);
+  out.opens_flat = spec.layers.opens_deg == 180.0;
+  const std::vector<CutLayer> layers =
+      cut_layers(*target, spec.layers.layers, out.opens_flat, progress, cell_mm);
   if (layers.empty())
     return fail(ErrorKind::Infeasible, "/layers",
                 "no layer is large enough to cut; use a larger "
                 "scale_mm");
-  Standing standing = standing_of(layers, true);
-  if (Standing other = standing_of(layers, false); other.length_mm < standing.length_mm)
-    standing = std::move(other);
+  Standing standing = out.opens_flat ? standing_of(layers, true) : corner_standing_of(layers);
+  if (out.opens_flat)
+    if (Standing other = standing_of(layers, false); other.length_mm < standing.length_mm)
+      standing = std::move(other);
   if (auto done = set_pages(spec.layers, standing); !done) return tl::unexpected(done.error());
 
   out.looks_along_spine = standing.looks_along_spine;
   out.card = plain_card(standing.page_mm, standing.length_mm);
   out.card.name = spec.name;
   out.card.tab_mm = kTab_mm;
-  // Seen against the spine's direction, right is where u falls.
-  const bool is_mirrored = !standing.looks_along_spine;
+  out.card.opens_deg = spec.layers.opens_deg;
   for (std::size_t j = 0; j < layers.size(); ++j) {
-    const CutLayer& layer = layers[j];
-    VFoldElement fold;
-    fold.name = fmt::format("layer-{}", j + 1);
-    fold.at_mm = standing.at_mm[j];
-    fold.left_crease_rad = fold.right_crease_rad = kCrease_rad;
-    fold.left_panel_rad = fold.right_panel_rad = panel_of_tilt(kCrease_rad, 0.5 * std::numbers::pi);
-    fold.left_outlines = is_mirrored ? layer.right : layer.left;
-    fold.right_outlines = is_mirrored ? layer.left : layer.right;
-    for (std::vector<Vec2>& face : fold.left_outlines)
-      for (Vec2& p : face) p.x() = -p.x();
-    constexpr double kClear_mm = 1.0;
-    const double left = is_mirrored ? layer.foot_right_mm : layer.foot_left_mm,
-                 right = is_mirrored ? layer.foot_left_mm : layer.foot_right_mm;
-    fold.left_tabs = {{kClear_mm, left - kClear_mm}};
-    fold.right_tabs = {{kClear_mm, right - kClear_mm}};
-    if (auto done = add(out.card, spine_of(out.card), fold); !done)
-      return tl::unexpected(within("/layers", done.error()));
-    if (is_mirrored) turn_over(out.card, out.card.parts.size() - 1);  // its front is printed
     double high = 0.0, wide = 0.0;
-    for (const Vec2& p : layer.corners())
+    for (const Vec2& p : layers[j].corners())
       high = std::max(high, p.y()), wide = std::max(wide, 2.0 * std::abs(p.x()));
-    out.layers.push_back({layer.depth_mm, fold.at_mm, high, wide, layer.changes});
+    out.layers.push_back({layers[j].depth_mm, standing.at_mm[j], high, wide, layers[j].changes});
   }
+  if (auto done = out.opens_flat ? add_folded_layers(layers, standing, out.card)
+                                 : add_upright_layers(layers, standing, out.card);
+      !done)
+    return tl::unexpected(within("/layers", done.error()));
   const double along = standing.looks_along_spine ? 1.0 : -1.0;
-  out.begin_mm = standing.at_mm.front() - along * layers.front().depth_mm;
+  if (out.opens_flat) out.begin_mm = standing.at_mm.front() - along * layers.front().depth_mm;
   move_to_card(out, target->corners);
   out.target = std::move(*target);
   const std::vector<double> folds = fold_lengths(out.card);
@@ -344,6 +429,29 @@ Result<LayeredCard> layered_card(const DesignSpec& spec, const SurfaceAssets& as
   out.handwork = hands::handwork(folds, waste, out.tabs);
   warn(layers, spec.layers.layers, out);
   return out;
+}
+
+PartPoses pose_at(const LayeredCard& made, double opening_rad) {
+  PartPoses out = posed(made.card, opening_rad);
+  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
+  if (made.opens_flat) {
+    const double level = 0.5 * (std::numbers::pi - opening_rad);
+    turn.linear() = Eigen::AngleAxisd(-level, Vec3{0.0, 1.0, 0.0}).toRotationMatrix();
+  } else {
+    // From the ground's direction and along the spine to the right and away from who looks.
+    turn.linear() =
+        Eigen::AngleAxisd(-0.5 * std::numbers::pi, Vec3{0.0, 0.0, 1.0}).toRotationMatrix();
+    turn.translation() = Vec3{-0.5 * made.card.length_mm,
+                              made.layers.front().at_mm + made.layers.front().depth_mm, 0.0};
+  }
+  for (auto& part : out)
+    for (Eigen::Isometry3d& face : part) face = turn * face;
+  return out;
+}
+
+PartPoses open_pose(const LayeredCard& made) {
+  constexpr double kOpen_rad = radians(179.99);  // closed forms end before 180 degrees
+  return pose_at(made, made.opens_flat ? kOpen_rad : radians(kCorner_deg));
 }
 
 void move_to_card(const LayeredCard& made, std::vector<double>& corners) {
@@ -413,10 +521,9 @@ Pattern parts_drawing(const Structure& card) {
   return out;
 }
 
-TriangleSoup parts_in_space(const Structure& card, double opening_rad, std::size_t first_part) {
-  const PartPoses pose = posed(card, opening_rad);
+TriangleSoup faces_in_space(const Structure& card, const PartPoses& pose) {
   TriangleSoup out;
-  for (std::size_t p = first_part; p < card.parts.size(); ++p) {
+  for (std::size_t p = 0; p < card.parts.size(); ++p) {
     const SheetPart& part = card.parts[p];
     for (std::size_t f = 0; f < part.faces.size(); ++f) {
       std::vector<Triangle> triangles;

@@ -13,7 +13,7 @@ std::string layered_report_json(const LayeredCard& made, const likeness::Printed
   const Structure& card = made.card;
   return json_file(Json{{"name", card.name},
                         {"style", "layers"},
-                        {"opens_deg", 180},
+                        {"opens_deg", card.opens_deg},
                         {"pieces", card.parts.size()},
                         {"folds", made.folds},
                         {"tabs", made.tabs},

@@ -162,6 +162,10 @@ class Design {
   /// Layers stand on pages of their own, as the model's depth wants.
   bool check_layers() {
     if (!check_standing("layers")) return false;
+    if (const double opens = spec_.layers.opens_deg; opens != 90.0 && opens != 180.0)
+      return wrong(
+          "layers/opens_deg", ErrorKind::OutOfRange,
+          fmt::format("is {:g}; layers stand on a card that opens to 90 or to 180 degrees", opens));
     spec_.facets.from_mm = spec_.given_from_mm.value_or(0.0);
     if (solid_word(*spec_.surface) || spec_.facets.length_mm) return true;
     return wrong(

@@ -114,7 +114,7 @@ struct FacetSpec {
 /// How a target is made of layers (`"layers"` of a spec, docs/parts.md).
 struct LayersSpec {
   int layers{5};
-  double opens_deg{180.0};
+  double opens_deg{180.0};           ///< or 90
   std::optional<double> page_mm{};   ///< from the spine outward; none: as the layers need
   std::optional<double> spine_mm{};  ///< length of the spine; none: as the layers need
 };

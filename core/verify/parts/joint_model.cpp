@@ -111,13 +111,14 @@ Result<JointModel> read_joint_model(std::string_view text) {
   }
   // The rest of the file is FOLD's, so only what is read here may not be wrong.
   nlohmann::json own{{kJoints, (*json)[kJoints]}};
-  if (const auto found = json->find("popcut:thickness_mm"); found != json->end())
-    own["popcut:thickness_mm"] = *found;
+  for (const char* name : {"popcut:thickness_mm", "popcut:opens_deg"})
+    if (const auto found = json->find(name); found != json->end()) own[name] = *found;
   FieldReader in(own);
   JointReader joints(model);
   in.objects(
       kJoints, [&](FieldReader& joint) { joints.read(joint); }, kMostJoints);
   model.thickness_mm = in.number("popcut:thickness_mm", 0.3, 0.0, 10.0);
+  model.opens_deg = in.number("popcut:opens_deg", 180.0, 30.0, 180.0);
   if (auto done = in.finish(); !done) return tl::unexpected(done.error());
   return model;
 }

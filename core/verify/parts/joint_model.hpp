@@ -50,6 +50,7 @@ struct JointModel {
   std::vector<CardPart> parts;
   std::vector<CardJoint> joints;
   double thickness_mm{0.3};  ///< `popcut:thickness_mm`
+  double opens_deg{180.0};   ///< `popcut:opens_deg`: between the pages of the open card
 };
 
 inline constexpr std::size_t kMostParts = 400, kMostJoints = 4000;

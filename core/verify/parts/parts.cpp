@@ -109,7 +109,8 @@ class PartsJudge {
   void open_card() {
     tell(options_.progress, "opening the card", 0.1);
     std::vector<double> goals;
-    const double first = radians(kShutFrom_deg), last = std::numbers::pi - first;
+    const double first = radians(kShutFrom_deg),
+                 last = std::min(radians(model_.opens_deg), std::numbers::pi - first);
     const std::size_t count = std::max<std::size_t>(options_.openings, 3);
     goals.push_back(2.0 * first);
     for (std::size_t k = 0; k < count; ++k)
@@ -147,7 +148,11 @@ class PartsJudge {
     if (!motion_.shut_stopped.empty())
       check.fail(place, "the card does not shut: " + motion_.shut_stopped);
     if (!motion_.open_stopped.empty() && motion_.open_stopped != motion_.shut_stopped)
-      check.fail(place, "the card does not open flat: " + motion_.open_stopped);
+      check.fail(place,
+                 (model_.opens_deg < 180.0
+                      ? fmt::format("the card does not open to {:g} degrees: ", model_.opens_deg)
+                      : std::string("the card does not open flat: ")) +
+                     motion_.open_stopped);
     if (motion_.first_gap_mm > 1e-3 * card_.reach_mm)
       check.fail(place, fmt::format("the fold angles of the file leave gaps of {:.3g} mm in joints",
                                     motion_.first_gap_mm));
@@ -431,7 +436,7 @@ class PartsJudge {
           points[card_.body[panel]].push_back(card_.in_body[panel] * lifted(sheet.flat[v]));
       }
     }
-    const std::size_t k = nearest(radians(kWobbleAt_deg));
+    const std::size_t k = nearest(radians(std::min(kWobbleAt_deg, model_.opens_deg)));
     const std::vector<double> play = play_mm(card_, motion_.states[k], points);
     if (play.empty()) return;
     const auto most =

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/cli/commands/layer_files.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <numbers>
 #include <sstream>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -40,15 +41,13 @@ std::vector<float> as_seen(const TriangleSoup& soup, bool looks_along_spine) {
 }
 
 /// The card at an opening, both pages sloping alike.
-TriangleSoup level_card(const Structure& card, double opening_rad) {
-  TriangleSoup soup = parts_in_space(card, opening_rad, 0);
-  const double turn = 0.5 * (std::numbers::pi - opening_rad), c = std::cos(turn),
-               s = std::sin(turn);
-  for (std::size_t k = 0; k < soup.corners.size(); k += 3) {
-    double &u = soup.corners[k], &z = soup.corners[k + 2];
-    std::tie(u, z) = std::pair(c * u - s * z, s * u + c * z);
-  }
-  return soup;
+PartPoses level_pose(const Structure& card, double opening_rad) {
+  PartPoses out = posed(card, opening_rad);
+  const Eigen::Isometry3d turn(
+      Eigen::AngleAxisd(-0.5 * (std::numbers::pi - opening_rad), Vec3{0.0, 1.0, 0.0}));
+  for (auto& part : out)
+    for (Eigen::Isometry3d& face : part) face = turn * face;
+  return out;
 }
 
 /// A card of several parts, as its files show it.
@@ -60,14 +59,16 @@ struct PartsToWrite {
   const char* what{};  ///< "layers"
   std::size_t count{};
   std::string report;
+  std::function<PartPoses(double opening_rad)> pose;
 };
 
 Result<std::string> picture_of(const PartsToWrite& made) {
   std::vector<OpenedCard> openings;
-  for (const double opening_deg : {180.0, 120.0, 50.0})
-    openings.push_back(
-        {fmt::format("{:g} degrees", opening_deg),
-         as_seen(level_card(made.card, radians(opening_deg)), made.looks_along_spine)});
+  const std::array<double, 3> flat{180.0, 120.0, 50.0}, corner{90.0, 60.0, 30.0};
+  for (const double opening_deg : made.card.opens_deg < 180.0 ? corner : flat)
+    openings.push_back({fmt::format("{:g} degrees", opening_deg),
+                        as_seen(faces_in_space(made.card, made.pose(radians(opening_deg))),
+                                made.looks_along_spine)});
   return opened_picture(openings, as_seen(made.target, made.looks_along_spine),
                         fmt::format("{}: {} {} on pages of {:.0f} x {:.0f} mm", made.card.name,
                                     made.count, made.what, made.card.page_mm, made.card.length_mm));
@@ -132,7 +133,8 @@ Result<std::string> add_layer_files(const judge::SoundLayers& sound,
   const LayeredCard& made = sound.made;
   return layer_files_parts::add_files(
       {made.card, sound.fold, made.target, made.looks_along_spine, "layers", made.layers.size(),
-       layered_report_json(made, printed, seconds)},
+       layered_report_json(made, printed, seconds),
+       [&](double opening_rad) { return pose_at(made, opening_rad); }},
       material, wants, folder);
 }
 
@@ -143,7 +145,8 @@ Result<std::string> add_slice_files(const judge::SoundSlices& sound, const Mater
   const SlicedCard& made = sound.made;
   return layer_files_parts::add_files(
       {made.card, sound.fold, made.target, false, "slices", made.lattice.pieces.size(),
-       sliced_report_json(made, seconds)},
+       sliced_report_json(made, seconds),
+       [&](double opening_rad) { return layer_files_parts::level_pose(made.card, opening_rad); }},
       material, wants, folder);
 }
 
@@ -167,8 +170,9 @@ void say_slices(const judge::SoundSlices& sound) {
 
 void say_layers(const judge::SoundLayers& sound, const likeness::PrintedFigures& printed) {
   const LayeredCard& made = sound.made;
-  fmt::print(stderr, "{}: {} layers on a card that opens flat, in one movement\n",
-             shown_text(made.card.name), made.layers.size());
+  fmt::print(stderr, "{}: {} layers on a card that opens {}, in one movement\n",
+             shown_text(made.card.name), made.layers.size(),
+             made.opens_flat ? "flat" : "to 90 degrees");
   fmt::print(stderr,
              "  pages    {:.1f} mm from the spine, {:.1f} mm along it; shut, the layers reach "
              "{:.1f} mm, and the stack is {:.1f} mm high\n",
@@ -178,9 +182,10 @@ void say_layers(const judge::SoundLayers& sound, const likeness::PrintedFigures&
   if (sound.report.wobble_mm)
     fmt::print(stderr, "  holds    panels move {:.2g} mm at most, when folds are 0.1 mm off\n",
                *sound.report.wobble_mm);
-  fmt::print(stderr,
-             "  looks    {} when printed, from 20 to 60 degrees above the page: error {:.4f}\n",
-             likeness::name_of(likeness::looks(printed)), printed.error());
+  fmt::print(stderr, "  looks    {} when printed, {}: error {:.4f}\n",
+             likeness::name_of(likeness::looks(printed)),
+             made.opens_flat ? "from 20 to 60 degrees above the page" : "from around the diagonal",
+             printed.error());
   for (const Warning& warning : made.warnings)
     fmt::print(stderr, "  warning  {}\n", shown_text(warning.message));
 }

@@ -528,6 +528,67 @@ TEST_CASE("every front of a shape is in a layer, and the card of them is sound",
   CHECK(narrow.error().detail.find("at least") != std::string::npos);
 }
 
+TEST_CASE("layers on a card that opens to 90 degrees stay parallel to its wall",
+          "[core][parts][layers]") {
+  const auto spec_of = [](const std::string& layers) {
+    auto spec = parse_design_spec(
+        R"({"popcut":1,"name":"two","style":"layers","surface":{"type":"implicit",)"
+        R"x("f":"min(sqrt((x-60)^2+(y-30)^2+(z-20)^2)-18,max(abs(x-25)-5,max(abs(y-45)-30,z-50)))"})x"
+        R"(,"layers":)" +
+        layers + "}");
+    return spec;
+  };
+  const auto spec = spec_of(R"({"layers":4,"length_mm":80,"opens_deg":90})");
+  if (!spec) FAIL(message(spec.error()));
+  const auto sound = judge::sound_layers(*spec, {}, "test");
+  if (!sound) FAIL(message(sound.error()));
+  const LayeredCard& made = sound->made;
+  const std::size_t count = made.layers.size();
+  CHECK(count >= 3);
+  CHECK(sound->report.degrees_of_freedom == 1U);
+  CHECK(sound->report.to_deg == Approx(90.0));
+  CHECK(made.card.parts.size() == 1 + 2 * count);
+  CHECK(made.tabs == 3 * count);
+  REQUIRE(sound->report.wobble_mm);
+  CHECK(*sound->report.wobble_mm < 1.0);
+  for (const double opening_deg : {20.0, 63.0, 90.0}) {
+    const PartPoses pose = posed(made.card, radians(opening_deg));
+    const Vec3 wall = pose[0][0].linear().col(2), ground = pose[0][1].linear().col(2);
+    for (std::size_t j = 0; j < count; ++j) {
+      CHECK(norm(cross(wall, Vec3(pose[1 + j][0].linear().col(2)))) < 1e-9);
+      CHECK(norm(cross(ground, Vec3(pose[1 + count + j][0].linear().col(2)))) < 1e-9);
+    }
+  }
+  // The layers stand as far apart as they lie in the shape.
+  for (std::size_t j = 0; j + 1 < count; ++j)
+    CHECK(made.layers[j].at_mm - made.layers[j + 1].at_mm ==
+          Approx(made.layers[j + 1].depth_mm - made.layers[j].depth_mm));
+  check_guide(made.card, true);
+  const likeness::PrintedFigures printed = judge::layers_likeness(made, {}, 96);
+  CHECK(printed.cover > 0.4);
+  CHECK(Json::parse(layered_report_json(made, printed, 0.0))["opens_deg"] == 90.0);
+
+  // Planted faults: a strut that nothing holds behind, and one that is too long.
+  Structure loose = made.card;
+  std::erase_if(loose.joints, [&](const PartJoint& joint) {
+    return joint.a.part == count + 1 && joint.b.part != 1;
+  });
+  CHECK(failures(judged(text_of(loose)), "degrees_of_freedom").find("3 degrees of freedom") !=
+        std::string::npos);
+  Structure long_strut = made.card;
+  for (Vec2& p : long_strut.parts[count + 1].vertices) p.x() *= 1.1;
+  for (PartJoint& joint : long_strut.joints)
+    if (joint.a.part == count + 1)
+      for (Vec2& p : joint.a.line) p.x() *= 1.1;
+  CHECK(failures(judged(text_of(long_strut)), "opening").find("gaps of") != std::string::npos);
+  refused(changed(sound->fold, [](Json& json) { json["popcut:opens_deg"] = 10; }),
+          "/popcut:opens_deg", "must be");
+
+  const auto other = spec_of(R"({"length_mm":80,"opens_deg":120})");
+  REQUIRE_FALSE(other);
+  CHECK(other.error().place == "/layers/opens_deg");
+}
+
 TEST_CASE("a guide folds every fold once and glues every tab once, on what is there and in reach",
           "[core][parts][guide]") {
   check_guide(two_v_folds(), true);
