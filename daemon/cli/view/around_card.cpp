@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/cli/commands/envelope_files.hpp"
+#include "daemon/cli/view/around_card.hpp"
 
 #include <sstream>
 #include <utility>
