@@ -2,6 +2,7 @@
 #include "core/design/slices/thin_walls.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -19,7 +20,7 @@ class WallRule {
 
   /// @param levels  the piece, asked for its paper on level lines
   /// @param at_mm   the middle of the slot, and `from`..`to` its ends
-  /// @param next    middles of the piece's slots
+  /// @param next    middles of all slots of the family
   std::optional<ThinWall> look(const UprightLines& levels, double at_mm, PaperSpan slot,
                                const std::vector<double>& next) const {
     std::optional<ThinWall> worst;
@@ -71,11 +72,10 @@ std::vector<ThinWall> thin_walls(const std::vector<Slice>& slices, const SliceLa
     levels.emplace_back(turned);
   }
   const auto at_mm = [&](std::size_t piece) { return slices[lattice.pieces[piece].slice].at_mm; };
-  std::vector<std::vector<double>> slots(lattice.pieces.size());
-  for (const SliceCrossing& one : lattice.crossings) {
-    slots[one.x_piece].push_back(at_mm(one.y_piece));
-    slots[one.y_piece].push_back(at_mm(one.x_piece));
-  }
+  // Slots are at all slices of the other family, also at those that hold nothing there.
+  std::array<std::vector<double>, 2> slots;
+  for (const Slice& slice : slices)
+    slots[slice.family == SliceFamily::X ? 0 : 1].push_back(slice.at_mm);
   const WallRule rule(slot_mm, least_mm, length_mm);
   std::vector<std::optional<ThinWall>> worst(lattice.pieces.size());
   for (const SliceCrossing& one : lattice.crossings) {
@@ -84,7 +84,9 @@ std::vector<ThinWall> thin_walls(const std::vector<Slice>& slices, const SliceLa
                                                  std::tuple(one.y_piece, one.x_piece, !x_first)}) {
       const PaperSpan slot =
           is_first ? PaperSpan{one.split_mm, one.to_mm} : PaperSpan{one.from_mm, one.split_mm};
-      auto wall = rule.look(levels[piece], at_mm(other), slot, slots[piece]);
+      auto wall =
+          rule.look(levels[piece], at_mm(other), slot,
+                    slots[slices[lattice.pieces[other].slice].family == SliceFamily::X ? 0 : 1]);
       if (!wall || (worst[piece] && worst[piece]->thick_mm <= wall->thick_mm)) continue;
       wall->piece = piece, wall->other = other;
       worst[piece] = wall;

@@ -256,6 +256,18 @@ TEST_CASE("layers are designed, verified and planned as a card of several pieces
   CHECK(flat.exit == 2);
   CHECK(flat.err.find("--mode: must be view for a card of layers") != std::string::npos);
 
+  // The same on a card that opens to 90 degrees, with a strut behind each layer.
+  spec["layers"]["opens_deg"] = 90;
+  bench.write("corner.json", spec);
+  const Ran corner = bench.design({"corner.json", "-o", "corner"});
+  CAPTURE(corner.err);
+  REQUIRE(corner.exit == 0);
+  CHECK(corner.err.find("wood: 5 layers on a card that opens to 90 degrees") != std::string::npos);
+  CHECK(bench.read_json("corner/report.json")["opens_deg"] == 90);
+  CHECK(bench.read_json("corner/report.json")["pieces"] == 11);
+  CHECK(bench.popcut({"verify", "corner/pattern.fold"}).exit == 0);
+  spec["layers"].erase("opens_deg");
+
   spec["layers"]["page_mm"] = 40;
   bench.write("small.json", spec);
   const Ran small = bench.design({"small.json", "-o", "small"});
