@@ -21,9 +21,9 @@
 namespace popcut {
 namespace {
 
-constexpr double kContour_mm = 1.0, kRoughContour_mm = 2.0;  ///< strips of silhouettes
-constexpr double kContourShare = 0.006;                      ///< of the shape's size, at least
-constexpr double kFacetChord = 0.1;  ///< of the pitch: chords of formulas stray no farther
+constexpr double kContour_mm = 1.0;      ///< strips of silhouettes
+constexpr double kContourShare = 0.006;  ///< of the shape's size, at least
+constexpr double kFacetChord = 0.1;      ///< of the pitch: chords of formulas stray no farther
 
 /// The whole of a mesh or a grid; a formula's part in the corner over a stretch. Its sections tell
 /// how far it reaches.
@@ -126,10 +126,10 @@ FacetOptions options_of(const DesignSpec& spec, const FacetTarget& target) {
   out.rough = spec.facets.rough;
   if (spec.style == DesignStyle::Silhouette) {
     out.layers = spec.facets.layers, out.min_fold_mm = spec.facets.min_fold_mm;
-    const double finest_mm = spec.facets.rough ? kRoughContour_mm : kContour_mm;
     const TargetExtent extent = extent_in_corner(target);
     const double most_mm = std::max({target.to_mm - target.from_mm, extent.x_mm, extent.z_mm});
-    out.pitch_mm = out.strip_mm = std::max({finest_mm, spec.min_panel_mm, kContourShare * most_mm});
+    out.pitch_mm = out.strip_mm =
+        std::max({kContour_mm, spec.min_panel_mm, kContourShare * most_mm});
   }
   out.weights = {spec.facets.fold_cost_mm2, spec.facets.jump_cost_mm2, spec.facets.cut_cost_mm2,
                  spec.facets.hinge_cost_mm3};
@@ -371,7 +371,8 @@ Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
                : fail(ErrorKind::Infeasible, "/facets",
                       "nothing stands up: no patch of the target holds; use a smaller strip_mm and "
                       "pitch_mm, a larger scale_mm or a smaller fold_cost_mm2");
-  if (spec.style == DesignStyle::Silhouette && made->pattern.motion.degrees_of_freedom != 1)
+  if (spec.style == DesignStyle::Silhouette && !spec.facets.rough &&
+      made->pattern.motion.degrees_of_freedom != 1)
     return fail(ErrorKind::Infeasible, "/silhouette",
                 "not all of its layers hold; use a smaller min_fold_mm, fewer layers, a larger "
                 "scale_mm, or \"style\": \"facets\"");

@@ -82,6 +82,7 @@ class FacetMaker {
     }
     uncut_.emplace(image_, *planes_, grid_, options_.weights, limits());
     fix_kites(*uncut_);
+    if (options_.layers > 0 && options_.rough) return {};
     least_ = uncut_->least_distance();
     if (options_.layers > 0) return {};
     tell(progress_, "giving each point of the sheet a plane");
@@ -169,7 +170,8 @@ class FacetMaker {
   Result<FacetCard> cut_out() {
     tell(progress_, "cutting out layers");
     Labelling labelling = *uncut_;
-    const SilhouetteOptions how{options_.layers, options_.min_fold_mm, kLeastLayer_mm2};
+    const SilhouetteOptions how{options_.layers, options_.min_fold_mm, kLeastLayer_mm2,
+                                !options_.rough};
     const Silhouette made = make_silhouette(labelling, image_, how, hold_rule(), progress_);
     FacetRepair repaired;
     repaired.inner = made.struts, repaired.dropped = static_cast<int>(made.dropped);

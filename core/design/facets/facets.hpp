@@ -33,7 +33,9 @@ struct FacetOptions {
   int layers{};  ///< upright planes of a silhouette (silhouette.hpp); 0: facets in all planes
   double min_fold_mm{6.0};  ///< of a silhouette: no strut is narrower
   double widen_to_mm{};     ///< of facets: shorter folds are made longer, where that can be
-  bool rough{};             ///< fewer sweeps and repairs, and no strips that are cut across
+  /// Fewer sweeps and repairs, and no strips that are cut across. Layers of a silhouette need not
+  /// hold: they tell only about how large the card becomes.
+  bool rough{};
   FacetWeights weights;
 };
 

@@ -131,11 +131,16 @@ class PlaneDistances {
 
   /// As `Labelling::cell_distance`.
   [[nodiscard]] double at(int strip, int column, Label label) {
-    if (!labelling_.keeps_costs(strip)) return labelling_.cell_distance(strip, column, label);
+    const float* const distances = of_plane(strip, label);
+    return distances == nullptr ? labelling_.cell_distance(strip, column, label)
+                                : static_cast<double>(distances[static_cast<std::size_t>(column)]);
+  }
+  /// The distances of all columns; null where none are kept.
+  [[nodiscard]] const float* of_plane(int strip, Label label) {
+    if (!labelling_.keeps_costs(strip)) return nullptr;
     std::vector<float>& distances = strips_[static_cast<std::size_t>(strip)];
     if (distances.empty()) turn(labelling_.kept_costs(strip), distances);
-    return static_cast<double>(
-        distances[static_cast<std::size_t>(label) * columns_ + static_cast<std::size_t>(column)]);
+    return distances.data() + static_cast<std::size_t>(label) * columns_;
   }
 
  private:
@@ -373,8 +378,7 @@ class LayerHolder {
         sums.reserve(static_cast<std::size_t>(line) + 1);
         sums.push_back(0.0);
       }
-      while (static_cast<int>(sums.size()) <= line - begin)
-        sums.push_back(sums.back() + extra(strip, line - static_cast<int>(sums.size()), level));
+      if (static_cast<int>(sums.size()) <= line - begin) extend(sums, strip, begin);
       return sums[static_cast<std::size_t>(line - begin)];
     }
     [[nodiscard]] double extra(int strip, int column, Label then) const {
@@ -388,6 +392,20 @@ class LayerHolder {
     const int line;
 
    private:
+    /// Sums on to a column.
+    void extend(std::vector<double>& sums, int strip, int begin) {
+      const std::span<const Label> labels = card_.image().strip(strip);
+      const double* const now = now_.data() + static_cast<std::size_t>(strip) * labels.size();
+      const float* const then = distances_.of_plane(strip, level);
+      while (static_cast<int>(sums.size()) <= line - begin) {
+        const auto at = static_cast<std::size_t>(line) - sums.size();
+        const double more = labels[at] == level ? 0.0
+                            : then == nullptr   ? extra(strip, static_cast<int>(at), level)
+                                                : static_cast<double>(then[at]) - now[at];
+        sums.push_back(sums.back() + more);
+      }
+    }
+
     const LabelCard& card_;
     PlaneDistances& distances_;
     const std::span<const double> now_;
@@ -572,10 +590,12 @@ Silhouette make_silhouette(Labelling& labelling, const SeenTarget& target,
   // Holes go now; a layer that wall or ground encloses may get a strut.
   LabelImage filled = image;
   fill_enclosed(filled, labelling.planes(), rule.min_panel_mm);
+  if (!how.hold) image = filled;
   for (std::size_t k = 0; k < image.label.size(); ++k)
     if (!is_card(filled.label[k])) image.label[k] = filled.label[k];
   for (int s = 0; s < image.grid.strips; ++s) labelling.set(s, labels_of(image, s));
   Silhouette out;
+  if (!how.hold) return out;
   LabelCard card(labelling, rule);
   LayerHolder(card, how, out).run(progress);
   filled = labelling.image();

@@ -14,6 +14,7 @@ struct SilhouetteOptions {
   int layers{};           ///< upright planes, at least 1
   double min_fold_mm{};   ///< no strut is narrower, and no layer stands on less
   double min_area_mm2{};  ///< smaller pieces of a layer are left out
+  bool hold{true};  ///< else layers stay as they are, which tells about how large the card becomes
 };
 
 /// Planes of a silhouette: the `layers` upright ones that lie nearest to what is seen (k-medians,

@@ -64,7 +64,8 @@ constexpr std::size_t kCoarseTriangles = 25'000, kCarefulTriangles = 100'000;
 constexpr int kCoarseCells = 96, kCarefulCells = 256;
 
 constexpr const char* kAsset = "model.stl";
-constexpr int kMostSizes = 5;  // that are tried until the card fits on the mat
+constexpr int kMostSizes = 5;       // that are tried until the card fits on the mat
+constexpr double kMoreRoom = 0.98;  // of silhouettes: smaller ones have other planes
 
 constexpr const char* kBehind = "a part of the card would stand behind its wall or ground";
 
@@ -438,13 +439,24 @@ class CardSearch {
     return true;
   }
 
+  /// How a candidate is designed: Size says little more than how large its sheet is.
+  enum class Detail { Size, Rough, Whole };
+
   /// Designs a candidate, as large as it is wanted and fits; returns whether something came of it.
   [[nodiscard]] bool design_trial(Trial& trial, const Model& model, bool rough) const {
-    // Its size is found in rough designs, where these are quicker.
-    if (!rough && !trial.sized && is_quicker_rough(trial.candidate) &&
-        !design_to_fit(trial, model, true))
+    const Detail detail =
+        rough && is_quicker_rough(trial.candidate) ? Detail::Rough : Detail::Whole;
+    // Half of all silhouettes are too large at first; rough designs tell by how much, and so do
+    // those of facets where these are quicker.
+    if (detail == Detail::Whole && !trial.sized &&
+        (is_quicker_rough(trial.candidate) || is_silhouette(trial.candidate)) &&
+        !design_to_fit(trial, model, Detail::Size))
       trial.shrunk = 1.0;
-    return design_to_fit(trial, model, rough);
+    return design_to_fit(trial, model, detail);
+  }
+
+  [[nodiscard]] static bool is_silhouette(const Candidate& candidate) {
+    return candidate.style == DesignStyle::Silhouette;
   }
 
   /// Broad strips, and folds with a price, are quick, and rough ones say little of what their cards
@@ -454,7 +466,7 @@ class CardSearch {
            (is_book() || (candidate.strip_mm < kBroad_mm && !(candidate.hinge_mm3 > 0.0)));
   }
 
-  [[nodiscard]] bool design_to_fit(Trial& trial, const Model& model, bool rough) const {
+  [[nodiscard]] bool design_to_fit(Trial& trial, const Model& model, Detail detail) const {
     const Way way =
         trial.candidate.kites ? off_wall(ways_[trial.candidate.way]) : ways_[trial.candidate.way];
     trial.judged.made = false;
@@ -472,7 +484,7 @@ class CardSearch {
       }
       suit_material(request_.material, *spec);
       spec->surface = MeshSpec{kAsset};
-      spec->facets.rough = rough && is_quicker_rough(trial.candidate);
+      spec->facets.rough = detail != Detail::Whole;
       auto made = design_assembly(*spec, model.assets);
       if (!made) {
         trial.why = message(made.error());
@@ -484,7 +496,8 @@ class CardSearch {
         trial.sized = true;
         return true;
       }
-      trial.shrunk *= shrink;
+      trial.shrunk *=
+          trial.shrunk < 1.0 && is_silhouette(trial.candidate) ? kMoreRoom * shrink : shrink;
     }
     trial.why = "its sheet does not fit on the mat";
     return false;

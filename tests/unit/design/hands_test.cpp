@@ -109,7 +109,7 @@ std::vector<double> drawn_wobble(const Pattern& pattern, int draws, std::mt19937
 }
 
 /// Boxes, and pyramids on some of them, cut out as layers.
-FacetCard silhouette_of(std::mt19937& random, int layers, double min_fold_mm) {
+FacetCard silhouette_of(std::mt19937& random, int layers, double min_fold_mm, bool rough = false) {
   TriangleSoup soup;
   for (int k = 0; k < 4; ++k) {
     const double x0 = testing::uniform(random, 0, 30), x = x0 + testing::uniform(random, 10, 30),
@@ -124,7 +124,7 @@ FacetCard silhouette_of(std::mt19937& random, int layers, double min_fold_mm) {
   }
   FacetOptions options;
   options.to_mm = 100, options.pitch_mm = options.strip_mm = 1;
-  options.layers = layers, options.min_fold_mm = min_fold_mm;
+  options.layers = layers, options.min_fold_mm = min_fold_mm, options.rough = rough;
   auto made = facet_card(soup, options);
   REQUIRE(made);
   return std::move(*made);
@@ -292,6 +292,23 @@ TEST_CASE("a silhouette has few folds, none shorter than asked, and holds in pap
     made.parts.back().report.pieces = 1;
     CHECK_FALSE(judge::find_unsound(made));
   }
+}
+
+TEST_CASE("layers that need not hold tell how large most cards become", "[hands]") {
+  constexpr int kRounds = 8;
+  const auto size_mm = [](const FacetCard& card) {
+    return card.pattern.built.pattern.wall_mm + card.pattern.built.pattern.ground_mm;
+  };
+  int equal = 0;
+  for (int k = 0; k < kRounds; ++k) {
+    CAPTURE(k);
+    std::mt19937 random(k), again(k);
+    const double held_mm = size_mm(silhouette_of(random, 1 + k % 4, 8.0)),
+                 rough_mm = size_mm(silhouette_of(again, 1 + k % 4, 8.0, true));
+    CHECK(std::abs(held_mm - rough_mm) < 0.2 * held_mm);
+    equal += std::abs(held_mm - rough_mm) < 1e-6 ? 1 : 0;
+  }
+  CHECK(equal > kRounds / 2);  // of others, pieces are left out or painted over
 }
 
 TEST_CASE("paper between a figure and its tail hangs on no fold alone", "[hands]") {
