@@ -309,7 +309,8 @@ TEST_CASE("slices are designed, verified and planned as a card of several pieces
     REQUIRE(planned.exit == 0);
     CHECK(planned.err.find("x3") != std::string::npos);
     const json plan = bench.read_json("sheets/plan.json");
-    CHECK(plan["handwork"] == report["handwork"]);
+    for (const char* what : {"folds", "tabs", "waste", "fold_s", "label"})
+      CHECK(plan["handwork"][what] == report["handwork"][what]);
     CHECK(plan["sheets"].size() >= plan["layout"]["least_sheets"]);
   }
   const auto refuses = [&](const Names& arguments, const std::string& words) {
