@@ -71,7 +71,8 @@ struct Bench {
   EncodedProgram program;
   std::size_t strokes{};  ///< that are sent
 
-  explicit Bench(std::vector<DeviceConfig> devices, const char* model = "cameo3") {
+  explicit Bench(std::vector<DeviceConfig> devices, const char* model = "cameo3",
+                 double session_stuck_s = 5) {
     std::mt19937 random(5);
     const Material paper = value(find_material("paper-220"));
     const Toolpath path = random_toolpath(random, 80, 190, paper);
@@ -83,7 +84,7 @@ struct Bench {
     options.devices = std::move(devices);
     options.usb = false;
     options.stuck_s = 0.7;
-    options.session.stuck_s = 5;
+    options.session.stuck_s = session_stuck_s;
     auto made = daemon::make_cutters(std::move(options));
     INFO((made ? std::string() : message(made.error())));
     REQUIRE(made);
@@ -169,7 +170,7 @@ TEST_CASE("a paced cutter runs in real time and obeys pause and resume and stop"
   Bench bench(
       {{.id = "sim:cameo3", .time_scale = 0}, {.id = "sim:portrait", .time_scale = kScale}});
   const double virtual_s = bench.cut_all("sim:cameo3").seconds;
-  Bench slow({{.id = "sim:cameo3", .time_scale = kScale}});
+  Bench slow({{.id = "sim:cameo3", .time_scale = kScale}}, "cameo3", 30 * kScale);
   const auto begun = steady_clock::now();
   const auto journal = std::make_shared<Journal>();
   journal->stands_from = 10;  // until it is told to pause
