@@ -46,7 +46,7 @@ class Outcomes {
   Result<PlanningOutcome> wait(const std::string& name) {
     std::unique_lock lock(mutex_);
     const bool here =
-        came_.wait_for(lock, std::chrono::seconds(280), [&] { return answers_.contains(name); });
+        came_.wait_for(lock, std::chrono::seconds(900), [&] { return answers_.contains(name); });
     REQUIRE(here);
     return answers_.at(name);
   }

@@ -117,7 +117,7 @@ TEST_CASE("a node killed while it searches: another finds the cards, and all nod
   REQUIRE(happens([&] { return !fleet[1].get("/v1/searches/" + id)["progress"].is_null(); }));
   CHECK(fleet[2].get("/v1/searches/" + id)["progress"]["doing"] == "searching at node room-1");
   fleet.kill(1);
-  REQUIRE(happens([&] { return fleet[2].get("/v1/searches/" + id)["state"] != "pending"; }, 200));
+  REQUIRE(happens([&] { return fleet[2].get("/v1/searches/" + id)["state"] != "pending"; }, 900));
   const Json found = fleet[2].get("/v1/searches/" + id);
   INFO(found.dump().substr(0, 800));
   REQUIRE(found["state"] == "found");

@@ -37,7 +37,7 @@ std::string add_hall(RunningDaemon& desk, double high = 25) {
 }
 
 Json found(RunningDaemon& desk, const std::string& id) {
-  REQUIRE(happens([&] { return desk.get("/v1/searches/" + id)["state"] != "pending"; }, 200));
+  REQUIRE(happens([&] { return desk.get("/v1/searches/" + id)["state"] != "pending"; }, 900));
   return desk.get("/v1/searches/" + id);
 }
 

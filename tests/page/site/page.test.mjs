@@ -60,7 +60,7 @@ test('an example is designed, made in every way, planned and folded', async () =
   await page.getByRole('button', { name: 'Plan the sheets…' }).click();
   await page.getByRole('button', { name: 'Show the sheets' }).click();
   await page.locator('.sheets .facts').waitFor();
-  assert.match(await page.locator('.sheets .facts').innerText(), /paper-220/);
+  assert.match(await page.locator('.sheets .facts').innerText(), /Paper, 220 gsm/);
   assert.equal(await page.getByRole('button', { name: 'Queue it' }).count(), 0);
   await picture(page, 'site-sheets');
   await page.getByRole('link', { name: /fold/i }).first().click();
