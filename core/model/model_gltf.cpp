@@ -82,9 +82,14 @@ Result<void> check_version(const std::string& name, std::string_view version) {
               "is glTF 1.0, which popcut does not read; save the model as glTF 2.0 (.glb)");
 }
 
-/// Refuses a file that cannot be read without an extension that popcut does not know
-/// (glTF 2.0, 3.12).
-Result<void> check_extensions(const std::string& name, const tinygltf::Model& model) {
+/// Refuses a file that cannot be read without a later version of the format, or an extension that
+/// popcut does not know (glTF 2.0, 3.2 and 3.12).
+Result<void> check_needs(const std::string& name, const tinygltf::Model& model) {
+  const std::string& version = model.asset.minVersion;
+  if (!version.empty() && version != "2.0")
+    return fail(ErrorKind::Malformed, name + ": /asset/minVersion",
+                fmt::format("asks for glTF {}, and popcut reads 2.0; save the model as glTF 2.0",
+                            version.substr(0, 20)));
   for (std::size_t k = 0; k < model.extensionsRequired.size(); ++k) {
     const std::string& extension = model.extensionsRequired[k];
     if (is_known(extension)) continue;
@@ -191,7 +196,7 @@ Result<Model> read_gltf(const std::string& name, std::string_view bytes,
   if (!file) return tl::unexpected(file.error());
   if (auto known = check_version(name, file->asset.version); !known)
     return tl::unexpected(known.error());
-  if (auto known = check_extensions(name, *file); !known) return tl::unexpected(known.error());
+  if (auto known = check_needs(name, *file); !known) return tl::unexpected(known.error());
   return read_gltf_scene(name, *file, options);
 }
 

@@ -143,7 +143,7 @@ std::string svg_where(const SvgText& text, const pugi::xml_node& node) {
 SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
   using P = Property;
   // Static: it is asked for each attribute, and a table on the stack would be filled each time.
-  static constexpr std::array<std::pair<std::string_view, P>, 43> kNames{
+  static constexpr std::array<std::pair<std::string_view, P>, 44> kNames{
       // in alphabetical order
       {{"-webkit-mask", P::Mask},
        {"-webkit-mask-image", P::Mask},
@@ -187,7 +187,8 @@ SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
        {"visibility", P::Visibility},
        {"width", P::Geometry},
        {"x", P::Geometry},
-       {"y", P::Geometry}}};
+       {"y", P::Geometry},
+       {"zoom", P::Geometry}}};
   static_assert(std::is_sorted(kNames.begin(), kNames.end(),
                                [](const auto& a, const auto& b) { return a.first < b.first; }));
   if (name.empty()) return P::None;

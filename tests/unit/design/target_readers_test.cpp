@@ -385,7 +385,16 @@ TEST_CASE("a glTF that needs what popcut does not know is refused by name", "[co
              Catch::Contains("is compressed (KHR_draco_mesh_compression)"));
 }
 
-TEST_CASE("the first version of glTF is refused by name", "[core][mesh]") {
+TEST_CASE("the first version of glTF, and one after 2.0, are refused by name", "[core][mesh]") {
+  Square square;
+  square.primitive = R"(, "mode": 6)";
+  std::string later = square.text();
+  CHECK(read_mesh("a.gltf", later));
+  const std::string old_version = R"("version": "2.0")";
+  later.replace(later.find(old_version), old_version.size(),
+                R"("version": "2.1", "minVersion": "2.1")");
+  CHECK_THAT(message(refused(read_mesh("a.gltf", later))),
+             Catch::Contains("a.gltf: /asset/minVersion: asks for glTF 2.1"));
   for (const std::string& old :
        {std::string(R"({"asset": {"version": "1.0"}, "meshes": {"box": {}}})"),
         std::string("glTF\1\0\0\0\x18\0\0\0\4\0\0\0\0\0\0\0{}  ", 24)})

@@ -248,7 +248,7 @@ TEST_CASE("features that are not applied are named with their place", "[core][fo
   CHECK(is_told(work, "1 clip path is missing: what it clips is cut whole; at line 2"));
   CHECK(is_told(work, "1 element has a mask"));
   for (const char* unread : {"-webkit-mask:url(#m)", "mask-image:url(#m)", "rotate:45deg",
-                             "scale:2", "translate:9px", "offset-path:url(#m)"}) {
+                             "scale:2", "translate:9px", "offset-path:url(#m)", "zoom:2"}) {
     CAPTURE(unread);
     CHECK_FALSE(read(svg("<path d='M0 0H1' stroke='red' style='" + std::string(unread) + "'/>"))
                     .warnings.empty());
