@@ -184,7 +184,7 @@ std::string ContractLife::begin_search(const std::string& asset) {
 }
 
 void ContractLife::wait_for_search(const std::string& id, const std::string& state) {
-  const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(15);
   while (true) {
     const json now = caller_->get("/v1/searches/{id}", {{"id", id}});
     if (now.at("state") == state || std::chrono::steady_clock::now() > until) {
