@@ -11,7 +11,7 @@
 namespace popcut {
 
 /// Where a piece was nested: turned by quarters (x toward y), the upper left corner of its turned
-/// box at (x, y).
+/// box at (x, y), in mm of the sheet.
 struct NestedPiece {
   std::uint32_t sheet{};
   std::uint32_t quarters{};
@@ -43,7 +43,9 @@ struct Nest {
 /// O(pieces sheets columns^2 stretches) at most; a place that ends beyond the best one is left
 /// early.
 ///
-/// @param pieces  each fits the area in at least one quarter turn
+/// @param pieces   in mm; each fits the area in at least one quarter turn
+/// @param area     width and height of a sheet, mm
+/// @param spacing  mm
 [[nodiscard]] Nest nest(const std::vector<const LineWork*>& pieces,
                         const std::array<double, 2>& area, double spacing);
 

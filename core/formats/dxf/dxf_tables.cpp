@@ -56,7 +56,8 @@ constexpr std::array<std::uint16_t, 32> kWindows{
     0x2039, 0x0152, '?',    0x017d, '?',    '?',    0x2018, 0x2019, 0x201c, 0x201d, 0x2022,
     0x2013, 0x2014, 0x02dc, 0x2122, 0x0161, 0x203a, 0x0153, '?',    0x017e, 0x0178};
 
-/// A character that begins `text` as "\\M+nXXXX": two bytes in a code page of East Asia.
+/// The character at the start of `text` that is written as "\\M+n" and four hexadecimal digits: two
+/// bytes in a code page of East Asia.
 ///
 /// @return as UTF-8; none if there is no such character
 std::optional<std::string> character_of_page(std::string_view text) {

@@ -63,7 +63,7 @@ struct FoundWays {
   std::string better_front;  ///< as `FoundCards`
 };
 
-/// What is told of the design of a card.
+/// Figures and warnings of a designed card, which its search reports.
 struct CardFacts {
   std::array<double, 2> sheet_mm{};  ///< across and along the spine, of a book each of its sheets
   std::optional<double> page_mm;     ///< of a book: how far a page reaches from the spine

@@ -59,7 +59,7 @@ auto members(Of& of) {
   auto& [colour, contour, cover] = of;
   return std::tie(colour, contour, cover);
 }
-/// Of all views; nobody asks for each of them.
+/// The figures of all views together; no caller needs those of one view.
 template <Is<likeness::Figures> Of>
 auto members(Of& of) {
   auto& [diagonal_mm, mean_mm, p95_mm, contour_mm, cover, excess, views] = of;
@@ -70,7 +70,7 @@ auto members(Of& of) {
   auto& [sheet_mm, page_mm, warnings] = of;
   return std::tie(sheet_mm, page_mm, warnings);
 }
-/// What is told of it; its design stays where it was finished.
+/// The members that one step sends to the next. The design stays in the step that made it.
 template <Is<FoundCard> Of>
 auto members(Of& of) {
   auto& [candidate, spec, made, cost, figures, printed, placement, structure, shown, picture,

@@ -301,7 +301,8 @@ TEST_CASE("colours of DXF layers may be exact ones", "[core][formats][dxf]") {
   CHECK(total_mm(work, Operation::FoldMountain) == Approx(2));
 }
 
-TEST_CASE("what a DXF has in space is cut as seen from above, and told", "[core][formats][dxf]") {
+TEST_CASE("lines of a DXF in space are cut as seen from above, with a warning",
+          "[core][formats][dxf]") {
   const auto told = [](const std::string& entity, const std::string& before = kMm) {
     return warned(read(drawing(line_on("0", 9) + entity, before)), "are tilted in space");
   };
@@ -328,7 +329,8 @@ TEST_CASE("what a DXF has in space is cut as seen from above, and told", "[core]
   CHECK_FALSE(told("0 INSERT 8 0 2 B 10 0 20 0 41 -2 210 0 220 0 230 -1 ", kMm + block));
 }
 
-TEST_CASE("what a DXF keeps in other files or clips is told", "[core][formats][dxf]") {
+TEST_CASE("popcut warns about parts of a DXF that are in other files or clipped",
+          "[core][formats][dxf]") {
   const auto block = [](const std::string& flags) {
     return kMm + section("BLOCKS", "0 BLOCK 8 0 2 B 70 " + flags + " 1 b.dwg 0 ENDBLK");
   };
