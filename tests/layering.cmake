@@ -285,6 +285,16 @@ foreach(layer core protocol device daemon)
     endforeach()
   endforeach()
 endforeach()
+# std::minmax gives references: of what a call returns, they are dead in the next line. Braces keep values.
+foreach(layer core protocol device daemon tests)
+  file(GLOB_RECURSE sources ${ROOT}/${layer}/*.[ch]pp)
+  foreach(file ${sources})
+    file(READ ${file} text)
+    if(text MATCHES "auto[^=;(]*=[ \n]*std::minmax\\([^{;)]*[a-z0-9_]\\([^;]*")
+      string(APPEND wrong "${file}: refers to values that are gone; write std::minmax({...}): ${CMAKE_MATCH_0}\n")
+    endif()
+  endforeach()
+endforeach()
 # `long` has 32 bits on 32-bit Linux, where 214.8 mm in steps of 1e-7 mm overflow it in silence: write
 # std::int64_t, and std::llround in place of std::lround. `long long` and `long double` are wide
 # everywhere.

@@ -8,7 +8,7 @@ function(expect name message)
   set(tree ${FOLDER}/${name})
   file(REMOVE_RECURSE ${tree})
   file(WRITE ${tree}/daemon/main.cpp "")
-  set(files ${ARGN})
+  set(files "${ARGN}")
   while(files)
     list(POP_FRONT files path content)
     file(WRITE ${tree}/${path} "${content}\n")
@@ -55,6 +55,10 @@ expect(built "" tests/unit/device/odd_test.cpp "//" tests/unit/CMakeLists.txt "d
 expect(part_of_nothing "core/odd.cpp: no header of its name" core/odd.cpp "// Part of core/gone.hpp.")
 expect(twice "core/b.hpp: Point is also defined in"
   core/a.hpp "namespace popcut {\nstruct Point {}\n" core/b.hpp "namespace popcut {\nstruct Point {}\n")
+expect(dead "core/a.cpp: refers to values that are gone" core/a.hpp ""
+  core/a.cpp "#include \"core/a.hpp\"\nconst auto ends =\n    std::minmax(dot(p, along), dot(q, along))")
+expect(alive "" core/a.hpp ""
+  core/a.cpp "#include \"core/a.hpp\"\nauto a = std::minmax({dot(p), dot(q)}), b = std::minmax(p.x, q.x)")
 foreach(line "std::pair<long, int> at" "unsigned long n" "const long x = 3" "auto n = std::lround(mm)"
     "std::strtol(text, nullptr, 10)" "std::stoul(text)" "std::clamp(n, 0L, most)" "static_cast<long>(n)")
   expect(narrow "core/a.hpp: long has 32 bits" core/a.hpp "${line}")

@@ -78,7 +78,7 @@ std::vector<Span> folds_on_line(const FoldModel& sheet, const Sheet& faces,
   for (const Hinge& hinge : faces.hinges) {
     const Vec2 p = sheet.flat[hinge.from] - line[0], q = sheet.flat[hinge.to] - line[0];
     if (std::abs(dot(p, across)) > kSlack_mm || std::abs(dot(q, across)) > kSlack_mm) continue;
-    const auto [from, to] = std::minmax(dot(p, along), dot(q, along));
+    const auto [from, to] = std::minmax({dot(p, along), dot(q, along)});
     out.push_back({from, to});
   }
   return out;
