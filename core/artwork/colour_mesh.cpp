@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/artwork/colour_mesh.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace popcut {
@@ -40,6 +41,22 @@ double texels_across(const ColourMesh& mesh, std::size_t triangle, double pixels
                                                    (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]))) *
                       static_cast<double>(image.width()) * static_cast<double>(image.height());
   return pixels > 0 ? std::sqrt(area / pixels) : 0;
+}
+
+std::vector<std::array<std::uint8_t, 3>> mean_colours(const ColourMesh& mesh,
+                                                      std::size_t triangles) {
+  std::vector<std::array<std::uint8_t, 3>> out;
+  if (!mesh.coloured || mesh.size() != triangles) return out;
+  out.reserve(mesh.size());
+  constexpr double kThird = 1.0 / 3.0;
+  const auto byte = [](float part) {
+    return static_cast<std::uint8_t>(std::llround(std::clamp(part, 0.0F, 255.0F)));
+  };
+  for (std::size_t t = 0; t < mesh.size(); ++t) {
+    const Colour mean = colour_of(mesh, t, {kThird, kThird, kThird}, texels_across(mesh, t, 1.0));
+    out.push_back({byte(mean.r), byte(mean.g), byte(mean.b)});
+  }
+  return out;
 }
 
 void make_clay(ColourMesh& mesh, const Colour& clay) {

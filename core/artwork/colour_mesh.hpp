@@ -42,6 +42,11 @@ struct ColourMesh {
 /// area of `pixels`; 0 without a texture.
 [[nodiscard]] double texels_across(const ColourMesh& mesh, std::size_t triangle, double pixels);
 
+/// The mean colour of each triangle, in sRGB; of a picture on it, about its middle. Empty: the mesh
+/// is clay, or has not all `triangles` of its file, since some are transparent. O(triangles).
+[[nodiscard]] std::vector<std::array<std::uint8_t, 3>> mean_colours(const ColourMesh& mesh,
+                                                                    std::size_t triangles);
+
 inline constexpr Colour kClay{204, 160, 126, 255};
 
 /// All of it in one colour: for models without colours, or to see the shape alone.

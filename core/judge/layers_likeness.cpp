@@ -45,6 +45,7 @@ likeness::PrintedFigures layers_likeness(const LayeredCard& made,
   likeness::Scene scene;
   scene.views = made.opens_flat ? likeness::page_views() : likeness::cone_views();
   scene.pixels = pixels;
+  if (colours.size() != made.target.size()) colours = {};
   return likeness::PrintedTarget(target, colours, scene).measure_layers(layers);
 }
 

@@ -13,7 +13,7 @@ namespace popcut::judge {
 /// (`likeness::page_views`), or around the diagonal of a card that opens to 90 degrees: what
 /// `PrintedFigures` are for a card of one sheet.
 ///
-/// @param colours  of the target's triangles, one each; empty: clay
+/// @param colours  of the target's triangles, one each; any other number: clay
 [[nodiscard]] likeness::PrintedFigures layers_likeness(const LayeredCard& made,
                                                        std::span<const likeness::Rgb> colours,
                                                        int pixels = 512);

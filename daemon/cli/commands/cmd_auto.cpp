@@ -84,16 +84,6 @@ Result<void> add_layers(SearchedModel& model, OutputFolder& folder) {
   return {};
 }
 
-/// The model in its colours; clay where they cannot be read. None: cards are to be shown bare.
-std::optional<ColourMesh> colours_of(const Options& options, const SearchedModel& model) {
-  if (options.search.plain || options.search.cards > 1) return std::nullopt;
-  const std::filesystem::path path(options.search.model);
-  for (const bool in_colours : {true, false})
-    if (auto mesh = read_colour_mesh(path.string(), model.bytes, files_beside(path), in_colours))
-      return std::move(*mesh);
-  return std::nullopt;
-}
-
 Result<void> write_files(const Options& options, SearchedModel& model, OutputFolder& folder,
                          const Globals& globals) {
   LongWork work(!globals.quiet, "writing the cards");
@@ -107,7 +97,7 @@ Result<void> write_files(const Options& options, SearchedModel& model, OutputFol
                   options.search.cards > 1 ? fmt::format("books of {} cards", options.search.cards)
                                            : std::string("cards"),
                   options.search.max_minutes),
-      colours_of(options, model));
+      model.colours);
   if (!picture) return tl::unexpected(picture.error());
   if (auto done = folder.add("front.svg", *picture); !done) return done;
   const auto sides = sides_picture(model.found.mesh, model.up,

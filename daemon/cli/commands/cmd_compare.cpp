@@ -17,6 +17,7 @@
 #include "daemon/cli/input/book_input.hpp"
 #include "daemon/cli/input/compared_book.hpp"
 #include "daemon/cli/input/compared_pair.hpp"
+#include "daemon/cli/input/model_file.hpp"
 #include "daemon/cli/options/angles.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/options/plan_arguments.hpp"
@@ -171,6 +172,16 @@ Result<ComparedStructure> read_given(const Options& options, const Given& given,
   return read_compared_book(given.cards, progress);
 }
 
+/// The colours of a model's triangles; empty: clay.
+std::vector<likeness::Rgb> printed_colours(const Options& options, const ComparedTarget& target) {
+  constexpr std::size_t kNumbers = 9;  // of a triangle
+  if (!is_model_file(options.target)) return {};
+  const auto bytes = read_model_file(options.target);
+  const auto model = bytes ? model_in_colours(options.target, *bytes) : std::nullopt;
+  return model ? mean_colours(*model, target.triangles.size() / kNumbers)
+               : std::vector<likeness::Rgb>();
+}
+
 Result<void> run_compare(Options options, const Globals& globals) {
   const auto psi = psi_of(options);
   if (!psi) return tl::unexpected(psi.error());
@@ -216,7 +227,8 @@ Result<void> run_compare(Options options, const Globals& globals) {
   report.figures = aim.measure(around_card ? standing : structure->triangles);
   if (options.printed)
     report.printed =
-        likeness::PrintedTarget(target->triangles, {}, scene).measure(structure->triangles);
+        likeness::PrintedTarget(target->triangles, printed_colours(options, *target), scene)
+            .measure(structure->triangles);
   add_volumes(options, *structure, *target, report);
   work.reset();
   report.cost = cost_of(options, *files, *structure, globals);

@@ -508,7 +508,12 @@ Result<void> layers_into(const PartsInto& into, const DesignSpec& spec,
   if (!made) return tl::unexpected(within(into.options.spec, made.error()));
   const double seconds = into.seconds();
   into.work->now("drawing the pictures");
-  const likeness::PrintedFigures printed = judge::layers_likeness(made->made, {});
+  std::vector<likeness::Rgb> colours;
+  for (const auto& [name, bytes] : assets)
+    if (const auto model =
+            model_in_colours(std::filesystem::path(into.options.spec).parent_path() / name, bytes))
+      colours = mean_colours(*model, made->made.target.size());
+  const likeness::PrintedFigures printed = judge::layers_likeness(made->made, colours);
   return keep_parts(
       into, "layers", seconds, *made,
       add_layer_files(*made, printed, into.material, seconds, into.wants, into.folder),

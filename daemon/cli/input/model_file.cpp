@@ -93,4 +93,12 @@ ModelFiles files_beside(const std::filesystem::path& model) {
           }};
 }
 
+std::optional<ColourMesh> model_in_colours(const std::filesystem::path& file,
+                                           const std::string& bytes) {
+  for (const bool in_colours : {true, false})
+    if (auto mesh = read_colour_mesh(file.string(), bytes, files_beside(file), in_colours))
+      return std::move(*mesh);
+  return std::nullopt;
+}
+
 }  // namespace popcut::cli

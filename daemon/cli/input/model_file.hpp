@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "core/artwork/colour_mesh_reader.hpp"
@@ -18,6 +19,10 @@ namespace popcut::cli {
 /// @retval Malformed   it cannot be read, or one of its buffers
 /// @retval OutOfRange  larger than files may be
 [[nodiscard]] Result<std::string> read_model_file(const std::filesystem::path& file);
+
+/// A model in its colours; clay where they cannot be read. None: it is no model.
+[[nodiscard]] std::optional<ColourMesh> model_in_colours(const std::filesystem::path& file,
+                                                         const std::string& bytes);
 
 /// The pictures and materials that lie beside a model.
 [[nodiscard]] ModelFiles files_beside(const std::filesystem::path& model);

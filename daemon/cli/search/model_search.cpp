@@ -43,9 +43,9 @@ Result<TriangleMesh> read_model(const std::string& file, const std::string& byte
 void add_layers(const planning::SearchRequest& asked, SearchedModel& out) {
   const auto spec = parse_design_spec(out.found.front[out.found.recommended].spec);
   if (!spec) return;
-  auto layers = planning::layers_card({out.found.mesh, asked.model, spec->placement.rotate_deg,
-                                       out.found.area_mm, asked.plan, asked.tables, asked.most_s,
-                                       asked.hands, asked.progress});
+  auto layers = planning::layers_card({out.found.mesh, asked.colours, asked.model,
+                                       spec->placement.rotate_deg, out.found.area_mm, asked.plan,
+                                       asked.tables, asked.most_s, asked.hands, asked.progress});
   if (layers)
     out.layers = std::move(*layers);
   else
@@ -70,6 +70,9 @@ Result<SearchedModel> search_model(const ModelSearchOptions& options,
   auto mesh = read_model(options.model, out.bytes, notes);
   if (!mesh) return tl::unexpected(mesh.error());
   request.mesh = std::move(*mesh);
+  if (!options.plain && options.cards == 1)
+    out.colours = model_in_colours(options.model, out.bytes);
+  if (out.colours) request.colours = mean_colours(*out.colours, request.mesh.size());
   const auto tables = read_user_tables();
   if (!tables) return tl::unexpected(tables.error());
   request.tables = tables->texts;

@@ -40,6 +40,8 @@ struct SearchedModel {
   std::string up;     ///< one of `up_words`: what was asked for, or what such files usually have
   Material material;
   planning::FoundCards found;
+  /// The model in its colours; clay where they cannot be read. None: cards are shown bare.
+  std::optional<ColourMesh> colours{};
   /// A card of layers beside them; none: they are not asked for, or a note says why.
   std::optional<planning::FoundLayers> layers{};
 };

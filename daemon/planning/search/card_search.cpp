@@ -835,7 +835,8 @@ class CardSearch {
     scene.corner = opened->corner;
     card.figures = likeness::Target(target, scene).measure(card.structure);
     if (is_printed())
-      card.printed = likeness::PrintedTarget(target, {}, scene).measure(card.structure);
+      card.printed =
+          likeness::PrintedTarget(target, request_.colours, scene).measure(card.structure);
     return card;
   }
 

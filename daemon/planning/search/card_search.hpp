@@ -118,6 +118,8 @@ struct WantedCards {
 /// What the best cards are searched for.
 struct SearchRequest {
   TriangleMesh mesh;
+  /// Of the mesh's triangles, one each; empty: finished cards are compared in clay.
+  std::vector<likeness::Rgb> colours;
   CandidateModel model;  ///< how specs name it
   Material material;
   PlanOptions plan;                 ///< machine, material, mat, and whether there are marks

@@ -104,7 +104,7 @@ Result<FoundLayers> layers_card(const LayersRequest& request) {
   if (!job) return tl::unexpected(job.error());
   for (const PlannedSheet& sheet : job->plan.sheets) out->seconds += sheet.seconds;
   out->hands = job->plan.handwork.value_or(out->sound.made.handwork);
-  out->printed = judge::layers_likeness(out->sound.made, {});
+  out->printed = judge::layers_likeness(out->sound.made, request.colours);
   if (const std::string limit = broken_limit(*out, request); !limit.empty())
     return fail(ErrorKind::Infeasible, "", limit);
   return out;

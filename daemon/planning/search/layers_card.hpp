@@ -19,12 +19,13 @@ namespace popcut::planning {
 /// What a card of layers is made of, beside the cards of one sheet that a search found.
 struct LayersRequest {
   const TriangleMesh& mesh;
-  CandidateModel model;                ///< how the spec names it
-  std::array<double, 3> rotate_deg{};  ///< as it stands in the recommended card
-  std::array<double, 2> area_mm{};     ///< that the open card and each layer fit on
-  PlanOptions plan;                    ///< machine, material and mat
-  std::vector<std::string> tables;     ///< users' tables
-  double most_s{};                     ///< of cutting
+  std::span<const likeness::Rgb> colours;  ///< of its triangles, one each; empty: clay
+  CandidateModel model;                    ///< how the spec names it
+  std::array<double, 3> rotate_deg{};      ///< as it stands in the recommended card
+  std::array<double, 2> area_mm{};         ///< that the open card and each layer fit on
+  PlanOptions plan;                        ///< machine, material and mat
+  std::vector<std::string> tables;         ///< users' tables
+  double most_s{};                         ///< of cutting
   HandLimits hands;
   Progress progress;
 };
@@ -33,7 +34,7 @@ struct LayersRequest {
 struct FoundLayers {
   std::string spec;  ///< `design` makes exactly this card from it
   judge::SoundLayers sound;
-  likeness::PrintedFigures printed;  ///< `judge::layers_likeness`, of clay as in searches
+  likeness::PrintedFigures printed;  ///< `judge::layers_likeness`
   hands::Handwork hands;
   double seconds{};  ///< of cutting
 };

@@ -134,6 +134,9 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
   auto mesh = read_mesh("", task.design);
   if (!mesh) return tl::unexpected(within(wanted->name, mesh.error()));
   request.mesh = std::move(*mesh);
+  if (!wanted->plain && wanted->cards == 1)
+    if (const auto colours = colours_of(task.design))
+      request.colours = mean_colours(*colours, request.mesh.size());
   request.model = {wanted->name, wanted->model, name};
   request.material = *material;
   request.plan.machine = tables->machine, request.plan.material = name;

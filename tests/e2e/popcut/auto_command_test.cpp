@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -42,9 +44,20 @@ TriangleMesh houses() {
 /// The hall alone: its cards are found in a fifth of the time.
 TriangleMesh hall() { return box_mesh({0, 0, 0}, {30, 60, 25}, false); }
 
+/// An OBJ whose vertices are red and white, each six of them (two triangles) in turn.
+std::string painted(const std::string& model) {
+  std::string out;
+  std::istringstream lines(model);
+  std::size_t vertices = 0;
+  for (std::string line; std::getline(lines, line); out += line + '\n')
+    if (line.starts_with("v ")) line += ++vertices % 12 < 6 ? " 0.8 0.2 0.1" : " 1 1 0.9";
+  return out;
+}
+
 struct AutoBench : CommandBench {
   AutoBench() {
-    write_file(temp / "houses.obj", obj(houses()));
+    write_file(temp / "houses.obj", painted(obj(houses())));
+    write_file(temp / "clay.obj", obj(houses()));
     write_file(temp / "hall.obj", obj(hall()));
   }
   /// Searches for cards of a model into `folder`.
@@ -146,6 +159,14 @@ TEST_CASE("a model alone becomes a front of cards that are verified, made again 
   const json seen = json::parse(compared.out);
   CHECK_THAT(seen["error"].get<double>(), WithinAbs(error, 1e-6));
   CHECK_THAT(seen["cost"]["seconds"].get<double>(), WithinAbs(seconds, 1e-6));
+  // A card is judged in its model's colours.
+  const Ran clay = bench.popcut(
+      {"compare", best + "/pattern.fold", "clay.obj", "--printed", "--no-cost", "--json"});
+  REQUIRE(clay.exit == 0);
+  const json bare = json::parse(clay.out)["printed"], own = seen["printed"];
+  CHECK(own["cover"] == bare["cover"]);
+  CHECK(own["contour"] == bare["contour"]);
+  CHECK(std::abs(own["colour"].get<double>() - bare["colour"].get<double>()) > 0.005);
   const std::string picture = text_of_file(bench.temp / "out/front.svg");
   CHECK(std::count(picture.begin(), picture.end(), '\n') > 10);
   CHECK(says(picture, "the best"));

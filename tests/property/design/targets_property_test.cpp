@@ -321,7 +321,8 @@ TEST_CASE("a loft meets the curves of its stations and falls between them",
       const SliceCurve curve = slice(spec, {}, s);
       const auto after = std::find_if(spec.stations.begin() + 1, spec.stations.end(),
                                       [&](const LoftStation& station) { return station.y >= s; });
-      const auto [low, high] = std::minmax({after->curve.front()[1], (after - 1)->curve.front()[1]});
+      const auto [low, high] =
+          std::minmax({after->curve.front()[1], (after - 1)->curve.front()[1]});
       CHECK(curve.h() >= low * (1 - 1e-12));
       CHECK(curve.h() <= high * (1 + 1e-12));
       for (int i = 0; i <= 60; ++i) {

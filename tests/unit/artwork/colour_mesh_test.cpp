@@ -43,6 +43,29 @@ std::string small_png() {
   return *png;
 }
 
+TEST_CASE("the mean colours of triangles are those of their pictures and materials", "[artwork]") {
+  const auto mesh = read_colour_mesh(
+      "quad.obj",
+      "mtllib a.mtl\n" + kQuad + "usemtl skin\nf 1/1 2/2 3/3 4/4\nusemtl blue\nf 1 3 4\n",
+      files_of({{"a.mtl", "newmtl skin\nmap_Kd skin.png\nnewmtl blue\nKd 0 0.2 1\n"},
+                {"skin.png", small_png()}}));
+  if (!mesh) FAIL(message(mesh.error()));
+  const auto means = mean_colours(*mesh, 3);
+  REQUIRE(means.size() == 3);
+  // Two pixels of four are red, two green; one is blue.
+  for (std::size_t t = 0; t < 2; ++t) {
+    INFO("triangle " << t);
+    CHECK(std::abs(means[t][0] - 128) < 65);
+    CHECK(std::abs(means[t][1] - 128) < 65);
+    CHECK(std::abs(means[t][2] - 64) < 65);
+  }
+  CHECK(means[2] == std::array<std::uint8_t, 3>{0, 51, 255});
+  CHECK(mean_colours(*mesh, 4).empty());
+  const auto clay = read_colour_mesh("quad.obj", kQuad + "f 1 2 3\n", files_of({}));
+  REQUIRE(clay);
+  CHECK(mean_colours(*clay, 1).empty());
+}
+
 TEST_CASE("an OBJ takes its colours from its MTL, with v upward in the picture", "[artwork]") {
   const auto mesh = read_colour_mesh(
       "quad.obj", "mtllib a b.mtl\n" + kQuad + "usemtl skin\nf 1/1 2/2 3/3 4/4\n",
