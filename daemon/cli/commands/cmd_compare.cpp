@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <array>
+#include <filesystem>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -12,6 +13,7 @@
 
 #include "core/compare/comparison.hpp"
 #include "core/compare/volume.hpp"
+#include "core/design/spec/design_spec.hpp"
 #include "core/plan/plan_options.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/input/book_input.hpp"
@@ -175,9 +177,16 @@ Result<ComparedStructure> read_given(const Options& options, const Given& given,
 /// The colours of a model's triangles; empty: clay.
 std::vector<likeness::Rgb> printed_colours(const Options& options, const ComparedTarget& target) {
   constexpr std::size_t kNumbers = 9;  // of a triangle
-  if (!is_model_file(options.target)) return {};
-  const auto bytes = read_model_file(options.target);
-  const auto model = bytes ? model_in_colours(options.target, *bytes) : std::nullopt;
+  std::filesystem::path file(options.target);
+  auto bytes = read_model_file(file);
+  if (bytes && !is_model_file(file)) {
+    const auto spec = parse_design_spec(*bytes);
+    const auto* mesh = spec && spec->surface ? std::get_if<MeshSpec>(&*spec->surface) : nullptr;
+    if (mesh == nullptr) return {};
+    file = file.parent_path() / mesh->file;
+    bytes = read_model_file(file);
+  }
+  const auto model = bytes ? model_in_colours(file, *bytes) : std::nullopt;
   return model ? mean_colours(*model, target.triangles.size() / kNumbers)
                : std::vector<likeness::Rgb>();
 }
