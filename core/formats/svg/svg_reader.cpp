@@ -39,9 +39,35 @@ bool is_dark(const SvgStyle& style) {
   return (rgb >> 16) + (rgb >> 8 & 0xFF) + (rgb & 0xFF) < 3 * 0x80;
 }
 
-// Whether viewers show an element only if they have what it asks for (SVG 2, section 5.8.6).
-bool needs_extension(const pugi::xml_node& node) {
-  return *node.attribute("requiredExtensions").value() != 0;
+bool is_animation(std::string_view name) {
+  return is_one_of(
+      name, {"animate", "set", "animateTransform", "animateMotion", "animateColor", "discard"});
+}
+
+// What keeps viewers from showing an element.
+enum class Unmet { Nothing, Language, Needs };
+
+// Whether a list of languages has English: "de, en-US".
+bool has_english(std::string_view list) {
+  while (!list.empty()) {
+    const std::string_view one = trimmed(take_word(list, ","));
+    if (same_word(one.substr(0, 2), "en") && (one.size() == 2 || one[2] == '-')) return true;
+  }
+  return false;
+}
+
+// Whether an element is shown to readers of English by a viewer without extensions, in a <switch>
+// or not (SVG 2, section 5.8). Only SVG 1.1 has features; those that it names are taken as met.
+Unmet unmet_of(const pugi::xml_node& node) {
+  if (node.attribute("requiredExtensions")) return Unmet::Needs;
+  if (const auto features = node.attribute("requiredFeatures")) {
+    std::string_view rest = features.value();
+    for (std::string_view one; !(one = take_word(rest = trimmed(rest), kBlanks)).empty();)
+      if (!one.starts_with("http://www.w3.org/") && !one.starts_with("org.w3c."))
+        return Unmet::Needs;
+  }
+  const auto language = node.attribute("systemLanguage");
+  return language && !has_english(language.value()) ? Unmet::Language : Unmet::Nothing;
 }
 
 bool is_before_0_92(std::string_view version) {
@@ -90,6 +116,8 @@ class SvgReader {
     const auto element = styles_.read(root, SvgStyle{}, style);
     if (!element) return tl::unexpected(element.error());
     if (style.display_none) note(SvgNote::Hidden, root);
+    tell_motion(root);
+    if (auto done = transform(*element, style, place); !done) return tl::unexpected(done.error());
     SvgClipPath clip;
     if (auto done = enter_clip(*element, style, place, clip); !done)
       return tl::unexpected(done.error());
@@ -156,6 +184,19 @@ class SvgReader {
          .spoils = true});
   }
 
+  // Animations and scripts count wherever they stand, in shapes and definitions too.
+  void tell_motion(const pugi::xml_node& root) {
+    each_svg_element(root, [&](const pugi::xml_node& node) {
+      std::string_view name = node.name();
+      const std::size_t colon = name.find(':');
+      if (colon != std::string_view::npos) name.remove_prefix(colon + 1);
+      const bool moves = is_animation(name);
+      if (!moves && name != "script") return;
+      if (colon == std::string_view::npos || !styles_.svg_name(node).empty())
+        note(moves ? SvgNote::Moving : SvgNote::Scripted, node);
+    });
+  }
+
   // Finds the map from user units of the root to mm on the page.
   Result<void> read_page(const pugi::xml_node& root, Place& place) {
     bool has_unit = false;
@@ -163,7 +204,7 @@ class SvgReader {
       const auto length = parse_svg_length(root.attribute(name).value());
       if (!length || length->unit == SvgLength::Unit::Percent) return std::nullopt;
       has_unit = has_unit || length->unit == SvgLength::Unit::Mm;
-      return user_units(*length, {user_mm_, 0.0, 16.0}) * user_mm_;
+      return user_units(*length, {user_mm_, 0.0, {}}) * user_mm_;
     };
     const auto width = size("width"), height = size("height");
     if (!has_unit)
@@ -217,10 +258,12 @@ class SvgReader {
     if (!read) return wrong(node, read.error());
     const SvgElement& e = *read;
     if (e.name.empty() || is_definition(e.name)) return {};
-    if (style.display_none || needs_extension(node)) {
+    if (is_animation(e.name) || e.name == "script") return {};
+    if (style.display_none) {
       note(SvgNote::Hidden, node);
       return {};
     }
+    if (!is_shown(node)) return {};
     const bool is_shape = is_svg_shape(e.name);
     if (!is_shape && !is_one_of(e.name, {"g", "a", "switch", "svg", "use"})) {
       if (!style.hidden) notes_.add_element(e.name, [&] { return svg_where(text_, node); });
@@ -234,6 +277,14 @@ class SvgReader {
     SvgClipPath clip;
     if (auto done = enter_clip(e, style, place, clip); !done) return done;
     return content(e, place, style);
+  }
+
+  // Whether viewers show an element; if not, this adds a note.
+  bool is_shown(const pugi::xml_node& node) {
+    const Unmet unmet = unmet_of(node);
+    if (unmet == Unmet::Nothing) return true;
+    note(unmet == Unmet::Needs ? SvgNote::Needs : SvgNote::Language, node);
+    return false;
   }
 
   // Applies an element's own transform to its place.
@@ -256,7 +307,7 @@ class SvgReader {
   Result<void> content(const SvgElement& e, const Place& place, const SvgStyle& style) {
     if (is_svg_shape(e.name)) return shape(e, place, style);
     if (e.name == "use") return use(e, place, style);
-    if (e.name == "svg") return framed(e.node, e.node, place, style, false);
+    if (e.name == "svg") return framed(e.node, e.node, place, style);
     if (e.name == "switch") return chosen(e.node, place, style);
     return children(e.node, place, style);
   }
@@ -360,7 +411,8 @@ class SvgReader {
     const auto read = styles_.read(node, inherited, style);
     if (!read) return wrong(node, read.error());
     const SvgElement& e = *read;
-    if (e.name.empty() || is_definition(e.name) || style.display_none)
+    if (e.name.empty() || is_definition(e.name) || is_animation(e.name) || style.display_none ||
+        !is_shown(node))
       return ClipPart{region.add_any({})};
     if (auto done = transform(e, style, place); !done) return tl::unexpected(done.error());
     if (e.name == "use") {
@@ -451,27 +503,26 @@ class SvgReader {
     return spend(e.node, lines.points.size());
   }
 
-  // The first child of a <switch> that requires nothing popcut lacks.
+  // The first child of a <switch> that viewers show. What stands for other languages is told,
+  // what needs an extension is not: programs put it before what all viewers can show.
   Result<void> chosen(const pugi::xml_node& parent, const Place& place, const SvgStyle& style) {
     for (const pugi::xml_node& node : parent.children()) {
       if (node.type() != pugi::node_element) continue;
-      const std::string_view language = node.attribute("systemLanguage").value();
-      if (needs_extension(node)) continue;
-      if (!language.empty() && language.find("en") == std::string_view::npos) continue;
-      return element(node, place, style);
+      const Unmet unmet = unmet_of(node);
+      if (unmet == Unmet::Language) note(SvgNote::Language, node);
+      if (unmet == Unmet::Nothing) return element(node, place, style);
     }
     return {};
   }
 
   // The content of an <svg> or <symbol>; `sized` has its width and height.
   Result<void> framed(const pugi::xml_node& node, const pugi::xml_node& sized, Place place,
-                      const SvgStyle& style, bool at_origin) {
+                      const SvgStyle& style) {
     std::array<double, 4> v{};  // x, y, width, height
     constexpr std::array<const char*, 4> kNames{"x", "y", "width", "height"};
     for (std::size_t i = 0; i < 4; ++i) {
       const double whole = i % 2 == 0 ? place.frame.width : place.frame.height;
-      if (i < 2 && at_origin) continue;
-      const pugi::xml_node& from = i < 2 || sized.attribute(kNames[i]) ? sized : node;
+      const pugi::xml_node& from = i >= 2 && sized.attribute(kNames[i]) ? sized : node;
       const auto value =
           svg_attribute(from, kNames[i], i < 2 ? 0.0 : whole, {user_mm_, whole, style.font});
       if (!value) return wrong(from, value.error());
@@ -565,10 +616,16 @@ class SvgReader {
     SvgStyle style;
     const auto read = styles_.read(target, inherited, style);
     if (!read) return wrong(target, read.error());
-    if (style.display_none && name == "svg") return {};
+    if (style.display_none && name == "svg") {
+      note(SvgNote::Hidden, target);
+      return {};
+    }
+    if (!is_shown(target)) return {};
+    if (style.masked) note(SvgNote::Masked, target);
+    if (auto done = transform(*read, style, place); !done) return done;
     SvgClipPath clip;
     if (auto done = enter_clip(*read, style, place, clip); !done) return done;
-    return framed(target, use_node, place, style, true);
+    return framed(target, use_node, place, style);
   }
 
   Result<void> shape(const SvgElement& e, const Place& place, const SvgStyle& style) {

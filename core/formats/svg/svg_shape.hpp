@@ -19,7 +19,7 @@ struct SvgFrame {
 struct SvgOutlining {
   SvgFrame frame;
   double user_mm{25.4 / 96};
-  double font{16.0};
+  SvgFont font;
   double tolerance{0.02};  ///< user units
   std::size_t most_points{1'000'000};
   bool closes{false};  ///< close open lines, as a fill does

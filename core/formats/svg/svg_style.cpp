@@ -26,6 +26,7 @@ enum class SvgStyleReader::Property : std::uint8_t {
   StrokeWidth,
   FillOpacity,
   Opacity,
+  Font,
   FontSize,
   ClipPath,
   ClipRule,
@@ -37,7 +38,11 @@ enum class SvgStyleReader::Property : std::uint8_t {
   VectorEffect,
   TransformOrigin,
   TransformBox,
-  Geometry,  ///< read from attributes only
+  Geometry,  ///< this and the next three are read from attributes only
+  Width,
+  Height,
+  Transform,
+  Animation,
 };
 
 namespace {
@@ -143,10 +148,12 @@ std::string svg_where(const SvgText& text, const pugi::xml_node& node) {
 SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
   using P = Property;
   // Static: it is asked for each attribute, and a table on the stack would be filled each time.
-  static constexpr std::array<std::pair<std::string_view, P>, 44> kNames{
+  static constexpr std::array<std::pair<std::string_view, P>, 47> kNames{
       // in alphabetical order
       {{"-webkit-mask", P::Mask},
        {"-webkit-mask-image", P::Mask},
+       {"animation", P::Animation},
+       {"animation-name", P::Animation},
        {"clip-path", P::ClipPath},
        {"clip-rule", P::ClipRule},
        {"color", P::Colour},
@@ -158,37 +165,38 @@ SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
        {"fill-opacity", P::FillOpacity},
        {"fill-rule", P::FillRule},
        {"filter", P::Filter},
+       {"font", P::Font},
        {"font-size", P::FontSize},
-       {"height", P::Geometry},
+       {"height", P::Height},
        {"marker", P::Marker},
        {"marker-end", P::Marker},
        {"marker-mid", P::Marker},
        {"marker-start", P::Marker},
        {"mask", P::Mask},
        {"mask-image", P::Mask},
-       {"offset-path", P::Geometry},
+       {"offset-path", P::Transform},
        {"opacity", P::Opacity},
        {"overflow", P::Overflow},
        {"r", P::Geometry},
-       {"rotate", P::Geometry},
+       {"rotate", P::Transform},
        {"rx", P::Geometry},
        {"ry", P::Geometry},
-       {"scale", P::Geometry},
+       {"scale", P::Transform},
        {"stroke", P::Stroke},
        {"stroke-dasharray", P::Dashes},
        {"stroke-dashoffset", P::DashOffset},
        {"stroke-opacity", P::StrokeOpacity},
        {"stroke-width", P::StrokeWidth},
-       {"transform", P::Geometry},
+       {"transform", P::Transform},
        {"transform-box", P::TransformBox},
        {"transform-origin", P::TransformOrigin},
-       {"translate", P::Geometry},
+       {"translate", P::Transform},
        {"vector-effect", P::VectorEffect},
        {"visibility", P::Visibility},
-       {"width", P::Geometry},
+       {"width", P::Width},
        {"x", P::Geometry},
        {"y", P::Geometry},
-       {"zoom", P::Geometry}}};
+       {"zoom", P::Transform}}};
   static_assert(std::is_sorted(kNames.begin(), kNames.end(),
                                [](const auto& a, const auto& b) { return a.first < b.first; }));
   if (name.empty()) return P::None;
@@ -213,6 +221,21 @@ void SvgStyleReader::set_clip(SvgStyle& style, std::string_view value) {
   }
   style.clip = static_cast<std::uint32_t>(clips_.size());
   clips_.push_back(std::move(id));
+}
+
+// Whether a style gives an element another shape or place than its attributes do. Pages stretch an
+// <svg> to their own size, which says nothing of the drawing.
+bool SvgStyleReader::sets_shape(Property property, std::string_view value,
+                                const SvgElement& element) {
+  if (value == "none" || value == "auto") return false;
+  if (element.name != "svg" || property == Property::Transform) return true;
+  if (property == Property::Geometry) return element.node.parent().type() != pugi::node_document;
+  const auto size = parse_svg_length(value);
+  if (!size || (size->unit != SvgLength::Unit::User && size->unit != SvgLength::Unit::Mm))
+    return false;
+  const char* const name = property == Property::Width ? "width" : "height";
+  const auto own = parse_svg_length(element.node.attribute(name).value());
+  return !own || own->unit != size->unit || own->value != size->value;
 }
 
 bool SvgStyleReader::set_paint(SvgPaint& paint, std::string_view value) {
@@ -244,10 +267,9 @@ bool SvgStyleReader::set_dashes(SvgStyle& style, std::string_view value) {
   return true;
 }
 
-void SvgStyleReader::set_font(double& font, std::string_view value, double inherited) const {
-  // No length (large, smaller ...) does no harm: only em and ex depend on the font size.
-  if (const auto length = parse_svg_length(value))
-    font = user_units(*length, {user_mm_, inherited, inherited});
+void SvgStyleReader::set_font(SvgFont& font, const std::optional<SvgLength>& size,
+                              const SvgFont& inherited) const {
+  if (size) font.own = user_units(*size, {user_mm_, inherited.own, inherited});
 }
 
 void SvgStyleReader::apply(Property property, std::string_view value, const SvgStyle& inherited,
@@ -268,7 +290,7 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
     if (property == P::StrokeOpacity) style.stroke_clear = from.stroke_clear;
     if (property == P::StrokeWidth) style.no_width = from.no_width;
     if (property == P::FillOpacity) style.fill_clear = from.fill_clear;
-    if (property == P::FontSize) style.font = from.font;
+    if (property == P::FontSize) style.font.own = from.font.own;
     if (property == P::ClipRule) style.clip_even_odd = from.clip_even_odd;
     if (property == P::FillRule) style.fill_even_odd = from.fill_even_odd;
     if (property == P::ClipPath) style.clip = value == "inherit" ? from.clip : 0;
@@ -341,11 +363,21 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
       break;
     }
     case P::FontSize:
-      set_font(style.font, value, inherited.font);
+      set_font(style.font, parse_svg_font_size(value), inherited.font);
+      break;
+    case P::Font:
+      if (!is_attribute) set_font(style.font, font_size_of_shorthand(value), inherited.font);
       break;
     case P::Geometry:
-      if (!is_attribute && element.name != "svg" && value != "none" && value != "auto")
+    case P::Width:
+    case P::Height:
+    case P::Transform:
+      if (!is_attribute && sets_shape(property, value, element))
         notes_.add(SvgNote::SheetGeometry, [&] { return svg_where(text_, element.node); });
+      break;
+    case P::Animation:
+      if (!is_attribute && value != "none")
+        notes_.add(SvgNote::Moving, [&] { return svg_where(text_, element.node); });
       break;
     default:
       break;
@@ -585,6 +617,7 @@ Result<SvgElement> SvgStyleReader::read(const pugi::xml_node& node, const SvgSty
       apply_sheets(inherited, element, style, element.style);
     }
   }
+  if (node.parent().type() == pugi::node_document) style.font.root = style.font.own;
   read_names(element, style);
   if (too_many_dashes_)
     return fail(
@@ -602,9 +635,10 @@ Result<void> read_svg_sheets(const SvgText& text, const pugi::xml_node& root, Cs
     if (name != "style" || !all) return;
     const std::string_view type = node.attribute("type").value();
     const std::string_view media = node.attribute("media").value();
-    if ((!type.empty() && !same_word(type, "text/css")) || media == "print") return;
+    if (!type.empty() && !same_word(type, "text/css")) return;
     std::string sheet;
     for (const pugi::xml_node& part : node.children()) sheet += part.value();
+    if (!trimmed(media).empty()) sheet = fmt::format("@media {}{{{}}}", media, sheet);
     if (auto done = sheets.add(sheet); !done)
       all = fail(done.error().kind, svg_place(text, node.offset_debug() - 1), done.error().detail,
                  done.error().reason);

@@ -51,7 +51,7 @@ struct SvgStyle {
   bool colour_clear{false};  ///< which nothing is seen of
   std::uint32_t dashes{};    ///< for `SvgStyleReader::dashes`; 0: solid
   SvgLength dash_offset;
-  double font{16.0};  ///< user units
+  SvgFont font;
   bool hidden{false}, transparent{false}, stroke_clear{false}, fill_clear{false};
   bool marked{false}, non_scaling{false};
   bool no_width{false};  ///< stroke-width is 0
@@ -122,10 +122,12 @@ class SvgStyleReader {
                  const SvgElement& element, SvgStyle& style);
   void apply(Property property, std::string_view value, const SvgStyle& inherited,
              const SvgElement& element, SvgStyle& style, bool is_attribute);
+  static bool sets_shape(Property property, std::string_view value, const SvgElement& element);
   void set_clip(SvgStyle& style, std::string_view value);
   bool set_paint(SvgPaint& paint, std::string_view value);
   bool set_dashes(SvgStyle& style, std::string_view value);
-  void set_font(double& font, std::string_view value, double inherited) const;
+  void set_font(SvgFont& font, const std::optional<SvgLength>& size,
+                const SvgFont& inherited) const;
   void read_names(SvgElement& element, SvgStyle& style);
   void read_pen(const SvgElement& element, SvgStyle& style);
   void read_name(const SvgElement& element, SvgStyle& style);

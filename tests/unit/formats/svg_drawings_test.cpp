@@ -164,6 +164,27 @@ TEST_CASE("style sheets that are not understood are named", "[core][formats][svg
                 "1 style sheet in another file"));
 }
 
+TEST_CASE("style sheets for other media do not count", "[core][formats][svg][css]") {
+  const auto hides = [](const std::string& sheet) {
+    const LineWork work = read(svg(sheet + "<path class='h' stroke='red' d='M0 0H5'/>"
+                                           "<path stroke='red' d='M0 9H5'/>"));
+    CHECK(work.warnings.size() == 1);
+    return work.lines.size() == 1;
+  };
+  for (const char* screens :
+       {"screen", "all", "SCREEN, print", "print,screen", "only screen", "not print", " screen "}) {
+    CAPTURE(screens);
+    CHECK(hides("<style media='" + std::string(screens) + "'>.h{display:none}</style>"));
+    CHECK(hides("<style>@media " + std::string(screens) + "{.h{display:none}}</style>"));
+  }
+  for (const char* others : {"print", "handheld", "(prefers-color-scheme: dark)", "not all",
+                             "not screen", "screen and (max-width: 9px)"}) {
+    CAPTURE(others);
+    CHECK_FALSE(hides("<style media='" + std::string(others) + "'>.h{display:none}</style>"));
+    CHECK_FALSE(hides("<style>@media " + std::string(others) + "{.h{display:none}}</style>"));
+  }
+}
+
 TEST_CASE("hidden layers are left out and named", "[core][formats][svg]") {
   const LineWork work = read(svg(R"x(<g stroke="red" fill="none">
       <g inkscape:groupmode="layer" style="display:none"><path d="M0 0H5"/></g>
@@ -213,6 +234,59 @@ TEST_CASE("use draws what it names where it says", "[core][formats][svg][use]") 
       <use href="#nowhere" id="u"/>)x"));
   CHECK(is_told(other, "2 <use> of other files are left out"));
   CHECK(is_told(other, "1 <use> of a missing element is left out; at line 2 (id \"u\")"));
+}
+
+TEST_CASE("a frame keeps its own place and transform where it is used",
+          "[core][formats][svg][use]") {
+  using Points = std::vector<PagePoint>;
+  const auto drawn = [](const std::string& name, const std::string& attributes) {
+    const LineWork work = read(svg("<defs><" + name + " id='n' width='20' height='20' " +
+                                   attributes + "><path stroke='red' d='M0 5H10'/></" + name +
+                                   "></defs><use href='#n' x='50' y='60'/>"));
+    return Points(work.points.begin(), work.points.end());
+  };
+  for (const char* name : {"svg", "symbol"}) {
+    CAPTURE(name);
+    CHECK(drawn(name, "") == Points{{50, 65}, {60, 65}});
+    CHECK(drawn(name, "x='10' y='20'") == Points{{60, 85}, {70, 85}});
+    CHECK(drawn(name, "transform='scale(2)'") == Points{{50, 70}, {70, 70}});
+  }
+  const LineWork root =
+      read(svg("<path stroke='red' d='M0 5H10'/>", std::string(kPage) + " transform='scale(2)'"));
+  CHECK(length(root.points) == Approx(20));
+}
+
+TEST_CASE("what styles say of the size and place of an svg is told", "[core][formats][svg]") {
+  const auto told = [](const std::string& style) {
+    return is_told(read(svg("<path stroke='red' d='M0 5H10'/>",
+                            std::string(kPage) + " style='" + style + "'")),
+                   "1 style sets a shape or a transform");
+  };
+  for (const char* other :
+       {"width:50mm", "height:90mm", "width:100px", "transform:scale(2)", "zoom:2", "rotate:9deg"})
+    CHECK(told(other));
+  for (const char* same : {"width:100mm", "height:10cm", "width:100%", "height:auto", "width:1em",
+                           "transform:none", "x:9px"})
+    CHECK_FALSE(told(same));
+  CHECK(is_told(read(svg("<svg width='9' height='9' style='width:5px'><path stroke='red' "
+                         "d='M0 5H8'/></svg>")),
+                "1 style sets a shape"));
+}
+
+TEST_CASE("em and rem follow the font size however it is said", "[core][formats][svg]") {
+  const auto cut_mm = [](const std::string& to, const std::string& style,
+                         const std::string& root = "") {
+    return total_mm(read(svg("<g style='" + style + "'><line stroke='red' x2='" + to + "'/></g>",
+                             std::string(kPage) + root)),
+                    Operation::Cut);
+  };
+  CHECK(cut_mm("2em", "font-size:10px") == Approx(20));
+  CHECK(cut_mm("2em", "font:italic 700 10px/1.5 serif") == Approx(20));
+  CHECK(cut_mm("2em", "font-size:large") == Approx(36));
+  CHECK(cut_mm("2em", "font-size:larger", " font-size='10'") == Approx(24));
+  CHECK(cut_mm("2rem", "font-size:30px") == Approx(32));
+  CHECK(cut_mm("2rem", "font-size:30px", " font-size='10'") == Approx(20));
+  CHECK(cut_mm("2em", "font-size:3rem", " style='font-size:10px'") == Approx(60));
 }
 
 TEST_CASE("a use of itself and a use bomb are refused", "[core][formats][svg][use]") {

@@ -260,9 +260,77 @@ TEST_CASE("features that are not applied are named with their place", "[core][fo
   CHECK(is_told(work, "1 shape has no size"));
   CHECK(is_told(work, "1 data-assignment is unknown and ignored; at line 5: \"Q\""));
   CHECK(is_told(work, "1 <foreignObject>"));
-  CHECK(is_told(work, "1 <script>"));
+  CHECK(is_told(work, "1 script is not run"));
   CHECK_FALSE(is_told(work, "<text>"));
   CHECK(work.lines.size() == 3);
+}
+
+// SVG 2, section 5.8: the tests of an element count in a <switch> and outside of it.
+TEST_CASE("what is for readers of another language or needs an extension is left out and told",
+          "[core][formats][svg]") {
+  const auto work_of = [](const std::string& test, const std::string& rest = "") {
+    return read(svg("<path d='M0 0H5' stroke='red'/><g><path d='M0 9H7' stroke='red' " + test +
+                    "/></g>" + rest));
+  };
+  const auto cut_mm = [&](const std::string& test) {
+    return total_mm(work_of(test), Operation::Cut);
+  };
+  for (const char* left_out : {"systemLanguage='de'", "systemLanguage='de, fr'",
+                               "systemLanguage='den'", "systemLanguage=''"}) {
+    CAPTURE(left_out);
+    CHECK(cut_mm(left_out) == Approx(5));
+    CHECK(is_told(work_of(left_out), "1 part of the drawing depends on the reader's language"));
+  }
+  for (const char* left_out : {"requiredExtensions='http://x'", "requiredExtensions=''",
+                               "requiredFeatures='http://www.w3.org/TR/SVG11/feature#Shape y'"}) {
+    CAPTURE(left_out);
+    CHECK(cut_mm(left_out) == Approx(5));
+    CHECK(is_told(work_of(left_out), "1 element asks for a feature or an extension"));
+  }
+  for (const char* shown : {"systemLanguage='EN'", "systemLanguage='de,en-US'",
+                            "requiredFeatures='http://www.w3.org/TR/SVG11/feature#Shape'"}) {
+    CAPTURE(shown);
+    CHECK(cut_mm(shown) == Approx(12));
+    CHECK(work_of(shown).warnings.empty());
+  }
+  const auto choice = [&](const std::string& choices) {
+    return work_of("stroke-width='1'", "<switch>" + choices + "</switch>");
+  };
+  const std::string german = "<path systemLanguage='de' d='M0 20H1' stroke='red'/>",
+                    english = "<path systemLanguage='en' d='M0 20H2' stroke='red'/>",
+                    any = "<path d='M0 20H4' stroke='red'/>";
+  CHECK(total_mm(choice(german), Operation::Cut) == Approx(12));
+  CHECK(total_mm(choice(german + english + any), Operation::Cut) == Approx(14));
+  CHECK(total_mm(choice(german + any), Operation::Cut) == Approx(16));
+  for (const std::string& told : {german, german + english, german + any})
+    CHECK(is_told(choice(told), "1 part of the drawing depends on the reader's language"));
+  CHECK(choice(any).warnings.empty());
+  const LineWork clipped = read(svg(R"x(<clipPath id="c"><rect width="3" height="9"/>
+      <rect systemLanguage="de" x="3" width="9" height="9"/></clipPath>
+      <path clip-path="url(#c)" d="M0 1H8" stroke="red"/>)x"));
+  CHECK(total_mm(clipped, Operation::Cut) == Approx(3));
+  CHECK(is_told(clipped, "depends on the reader's language"));
+}
+
+TEST_CASE("a drawing that moves is told wherever the animation stands", "[core][formats][svg]") {
+  const std::string line = "<path id='p' stroke='red' d='M0 0H5'";
+  for (const std::string& moving :
+       {line + "><animate attributeName='d' to='M0 0H9'/></path>",
+        line + "><set attributeName='visibility' to='hidden'/></path>",
+        line + "><animateMotion path='M0 0H5'/></path>",
+        "<g><animateTransform attributeName='transform' type='rotate' to='90'/>" + line + "/></g>",
+        line + "/><defs><animate xlink:href='#p' attributeName='d' to='M0 0H9'/></defs>",
+        line + " style='animation:turn 1s'/><style>@keyframes turn{to{rotate:9deg}}</style>"}) {
+    CAPTURE(moving);
+    const LineWork work = read(svg(moving));
+    CHECK(total_mm(work, Operation::Cut) == Approx(5));
+    REQUIRE(work.warnings.size() == 1);
+    CHECK(is_told(work, "1 part of the drawing moves (animation) and is read as it stands"));
+    CHECK(work.warnings[0].spoils);
+  }
+  CHECK(is_told(read(svg(line + "/><defs><script>p.remove()</script></defs>")),
+                "1 script is not run"));
+  CHECK(read(svg(line + "/><metadata><i:set/></metadata>")).warnings.empty());
 }
 
 TEST_CASE("a document type is never fetched and only plain entities are expanded",

@@ -121,6 +121,20 @@ bool fits(const CssRule& rule, std::size_t count, pugi::xml_node node, std::size
   return false;
 }
 
+// Whether a list of media names screens: "all", "screen, print", "only screen", "not print".
+bool is_for_screens(std::string_view list) {
+  if (list.empty()) return true;
+  while (!list.empty()) {
+    std::string_view one = trimmed(take_word(list, ","));
+    const std::string_view all = one, first = take_word(one, kBlanks);
+    const bool is_not = same_word(first, "not");
+    const std::string_view medium = is_not || same_word(first, "only") ? trimmed(one) : all;
+    if (std::any_of(medium.begin(), medium.end(), [](char c) { return !is_name(c); })) continue;
+    if ((same_word(medium, "all") || same_word(medium, "screen")) != is_not) return true;
+  }
+  return false;
+}
+
 // Reads one selector from left to right.
 class SelectorReader {
  public:
@@ -340,11 +354,8 @@ class CssSheetReader {
       ++sheets_.imports_;
       return {};
     }
-    if (same_word(name, "@media") && depth < kMostNested) {
-      if (rest.empty() || same_word(rest, "all") || same_word(rest, "screen"))
-        return read(block, depth + 1);
-      if (same_word(rest, "print")) return {};
-    }
+    if (same_word(name, "@media") && depth < kMostNested && is_for_screens(rest))
+      return read(block, depth + 1);
     unknown(sheets_.unknown_blocks_, head);
     return {};
   }
