@@ -243,6 +243,7 @@ class DxfReader {
                   fmt::format("the INSERT has {} columns and {} rows; use at most {} of each",
                               columns, rows, kMostInArray),
                   ErrorKind::OutOfRange);
+    if (entity.real_or(41, 1.0) == 0.0 || entity.real_or(42, 1.0) == 0.0) ++squashed_;
     LayerMeaning named = meaning_of(block.name);
     if (!is_known(named) || named == LayerMeaning::Ignore) named = own.of_block;
     path_.push_back(&block);
@@ -280,6 +281,9 @@ class DxfReader {
     }
     const PenOperation drawn{*operation, pens_.any() ? pen_of(own, use) : look_};
     if (shape == DxfShape::Tilted) ++tilted_;
+    if (entity.type == "SPLINE" && (entity.flag[0] & 1) != 0 && !line_.empty() &&
+        distance(line_.front(), line_.back()) > options_.tolerance_mm)
+      ++unclosed_;
     for (const PagePoint& p : line_)
       if (!(std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate)) {
         far_ = p;
@@ -478,6 +482,10 @@ class DxfReader {
                                   hidden_ == 1 ? "it is" : "the first is", dxf_line(first_hidden_),
                                   hidden_ == 1 ? "it" : "them", hidden_ == 1 ? "it" : "them")});
     say(tilted_, "tilted", "entities are tilted in space; they are cut as seen from above");
+    say(squashed_, "squashed", "inserts of blocks have a scale of 0, which leaves no width; set it",
+        true);
+    say(unclosed_, "spline_open",
+        "splines are marked as closed, but their ends lie apart; they are cut open", true);
     say(by_colour_, "stroke_left_out",
         "lines are left out because their colour means neither cut nor fold", true);
     say(sideless_, "fold_side_unknown",
@@ -528,7 +536,8 @@ class DxfReader {
   std::vector<const DxfBlock*> path_;
   std::vector<PagePoint> line_;
   std::map<std::string, std::size_t> unread_, missing_;
-  std::size_t paper_{}, hidden_{}, tilted_{}, by_colour_{}, sideless_{}, dashed_{}, unclear_{};
+  std::size_t paper_{}, hidden_{}, tilted_{}, squashed_{}, unclosed_{}, by_colour_{},
+      sideless_{}, dashed_{}, unclear_{};
   std::size_t lines_left_, first_hidden_{};
   std::optional<Error> error_;
   std::optional<std::pair<int, int>> first_colour_;  // index and rgb

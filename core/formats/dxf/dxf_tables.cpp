@@ -295,15 +295,11 @@ class TableReader {
 
 }  // namespace
 
-std::string dxf_key(std::string_view name) {
-  std::string key(name);
-  for (char& c : key) c = capital(c);
-  return key;
-}
+namespace {
 
-std::string dxf_name(std::string_view name) {
+/// A name with all its characters as UTF-8.
+std::string decoded(std::string_view name) {
   std::string shown;
-  name = name.substr(0, 120);
   for (std::size_t i = 0; i < name.size();) {
     // How ASCII files of AutoCAD write other characters.
     std::uint32_t code = 0;
@@ -332,6 +328,59 @@ std::string dxf_name(std::string_view name) {
   }
   return shown;
 }
+
+/// A letter in lower case (Unicode's simple case folding, of the scripts in which layers are named:
+/// Latin, Greek, Cyrillic, Armenian, wide letters); other characters as they are.
+std::uint32_t lower_case(std::uint32_t c) {
+  // Capitals from first to last; a step of 1 leads to the small letter beside each of every two.
+  struct Capitals {
+    std::uint32_t first, last, step;
+  };
+  static constexpr std::array<Capitals, 24> kCapitals{
+      {{'A', 'Z', 32},     {0xC0, 0xD6, 32},   {0xD8, 0xDE, 32},   {0x100, 0x12F, 1},
+       {0x132, 0x137, 1},  {0x139, 0x148, 1},  {0x14A, 0x177, 1},  {0x179, 0x17E, 1},
+       {0x1A0, 0x1A5, 1},  {0x1AF, 0x1B0, 1},  {0x1CD, 0x1DC, 1},  {0x1DE, 0x1EF, 1},
+       {0x1F8, 0x21F, 1},  {0x222, 0x233, 1},  {0x388, 0x38A, 37}, {0x391, 0x3AB, 32},
+       {0x400, 0x40F, 80}, {0x410, 0x42F, 32}, {0x460, 0x481, 1},  {0x48A, 0x4BF, 1},
+       {0x4C1, 0x4CE, 1},  {0x4D0, 0x52F, 1},  {0x531, 0x556, 48}, {0x1E00, 0x1E95, 1}}};
+  static constexpr std::array<std::pair<std::uint32_t, std::uint32_t>, 7> kOthers{{{0x178, 0xFF},
+                                                                                   {0x386, 0x3AC},
+                                                                                   {0x38C, 0x3CC},
+                                                                                   {0x38E, 0x3CD},
+                                                                                   {0x38F, 0x3CE},
+                                                                                   {0x3C2, 0x3C3},
+                                                                                   {0x1E9E, 0xDF}}};
+  for (const auto& [first, last, step] : kCapitals)
+    if (c >= first && c <= last) return step > 1 || (c - first) % 2 == 0 ? c + step : c;
+  for (const auto& [capital, small] : kOthers)
+    if (c == capital) return small;
+  if (c >= 0x1EA0 && c <= 0x1EFF) return c | 1;   // Vietnamese
+  if (c >= 0xFF21 && c <= 0xFF3A) return c + 32;  // wide letters
+  return c;
+}
+
+}  // namespace
+
+std::string dxf_key(std::string_view name) {
+  const bool plain = std::all_of(name.begin(), name.end(), [](char c) {
+    return static_cast<unsigned char>(c) < 0x80 && c != '\\';
+  });
+  std::string key;
+  const std::string kept = plain ? std::string() : decoded(name);
+  const std::string_view text = plain ? name : std::string_view(kept);
+  key.reserve(text.size());
+  for (std::size_t i = 0; i < text.size();) {
+    const CodePoint at = code_point(text, i);
+    if (at.value < 0x80)
+      key += capital(text[i]);
+    else
+      append_utf8(key, lower_case(at.value));
+    i += std::max<std::size_t>(at.length, 1);
+  }
+  return key;
+}
+
+std::string dxf_name(std::string_view name) { return decoded(name.substr(0, 120)); }
 
 Result<DxfTables> read_dxf_tables(std::string_view text) { return TableReader(text).read(); }
 

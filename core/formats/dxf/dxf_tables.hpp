@@ -40,7 +40,7 @@ struct DxfBlock {
   bool external{};
 };
 
-/// The tables before the entities, and where entities begin. Keys are names in capitals.
+/// The tables before the entities, and where entities begin. Keys are those of `dxf_key`.
 struct DxfTables {
   double unit_mm{1.0};
   std::string unit_name{"mm"};  ///< for messages
@@ -53,7 +53,8 @@ struct DxfTables {
   std::vector<DxfCursor> entities;  ///< just before the first entity of each ENTITIES section
 };
 
-/// A name in capitals (ASCII only): the keys of `DxfTables`.
+/// A name without case, however its characters are written (`dxf_name`); ASCII letters are
+/// capitals: the keys of `DxfTables`.
 [[nodiscard]] std::string dxf_key(std::string_view name);
 
 /// A name for messages: valid UTF-8 unchanged, \U+XXXX as that character, other bytes read as

@@ -245,6 +245,53 @@ TEST_CASE("DXF layers that are off or frozen or not plotted are left out and nam
   CHECK(warned(work, "1 invisible entity is left out; it is at line "));
 }
 
+TEST_CASE("names of a DXF are the same in either case, however their letters are written",
+          "[core][formats][dxf]") {
+  const auto is_frozen = [](const std::string& table, const std::string& entity) {
+    const LineWork work = read(drawing(
+        line_on("0", 1) + line_on(entity, 2),
+        kMm + section("TABLES", "0 TABLE 2 LAYER 0 LAYER 2 " + table + " 70 1 62 7 0 ENDTAB")));
+    return work.lines.size() == 1 && warned(work, "is frozen; 1 of its entities is left out");
+  };
+  CHECK(is_frozen("ÄUSSEN", "äussen"));
+  CHECK(is_frozen("\\U+00C4USSEN", "äussen"));
+  CHECK(is_frozen("\xc4USSEN", "\xe4ussen"));  // Windows-1252
+  CHECK(is_frozen("СЛОЙ-Ё", "слой-ё"));
+  CHECK(is_frozen("ΣΚΊΤΣΟΣ", "σκίτσος"));
+  CHECK(is_frozen("ŁÓDŹ", "łódź"));
+  CHECK(is_frozen("ŽLUTÝ", "žlutý"));
+  CHECK(is_frozen("NẾP", "nếp"));
+  CHECK(is_frozen("ＣＵＴ", "ｃｕｔ"));
+  CHECK(is_frozen("折线", "折线"));
+  CHECK_FALSE(is_frozen("ÄUSSEN", "aussen"));
+  CHECK_FALSE(is_frozen("÷", "×"));
+  const LineWork block = read(
+      drawing("0 INSERT 8 0 2 kästchen 10 0 20 0 ",
+              kMm + section("BLOCKS", "0 BLOCK 8 0 2 KÄSTCHEN 70 0 0 LINE 8 0 11 2 0 ENDBLK")));
+  CHECK(block.lines.size() == 1);
+  const LineWork dashes = read(drawing(
+      "0 LINE 8 0 6 GESTRICHELTÄ 11 100 ",
+      kMm +
+          section("TABLES", "0 TABLE 2 LTYPE 0 LTYPE 2 gestricheltä 73 2 49 10 49 -10 0 ENDTAB")));
+  CHECK(total_mm(dashes, Operation::Cut) == Approx(50));
+}
+
+TEST_CASE("blocks of scale 0 and splines that do not close are told", "[core][formats][dxf]") {
+  const std::string blocks = section("BLOCKS", "0 BLOCK 8 0 2 B 70 0 0 LINE 8 0 11 2 0 ENDBLK");
+  const auto insert = [&](const std::string& scales) {
+    return read(drawing(line_on("0", 1) + "0 INSERT 8 0 2 B 10 0 20 0 " + scales, kMm + blocks));
+  };
+  CHECK(warned(insert("42 0 "), "1 inserts of blocks have a scale of 0"));
+  CHECK(insert("41 -1 42 2 43 0 ").warnings.empty());
+  const std::string spline = "0 SPLINE 8 0 71 2 40 0 40 0 40 0 40 1 40 1 40 1 10 0 20 0 10 9 20 9 ";
+  const auto closed_one = [&](const std::string& flag, const std::string& end) {
+    return warned(read(drawing(spline + end + " 70 " + flag + " ")), "but their ends lie apart");
+  };
+  CHECK(closed_one("1", "10 9 20 0"));
+  CHECK_FALSE(closed_one("0", "10 9 20 0"));
+  CHECK_FALSE(closed_one("1", "10 0 20 0"));
+}
+
 TEST_CASE("what cannot be seen of a DXF is left out and told", "[core][formats][dxf]") {
   const auto cut_mm = [](const std::string& entities, const std::string& before = {}) {
     const LineWork work = read(drawing(line_on("0", 1) + entities, kMm + before));
