@@ -181,6 +181,7 @@ void HpglReader::close(std::uint64_t end, Program& into) {
                          verb == Verb::BladeOffset))
     verb = Verb::Other;  // back to the default
   if (verb == Verb::Initialise) down_ = relative_ = false;
+  if (mnemonic_ == "DF") relative_ = false;  // default settings; the pen stays where it is
   if (verb == Verb::Home) position_ = {}, down_ = false;
   constexpr double kNone[] = {0};
   const bool deselects = verb == Verb::SelectTool && values.empty();

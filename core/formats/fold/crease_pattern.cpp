@@ -41,6 +41,12 @@ std::optional<Crease> crease_in(std::string_view line) {
   return crease;
 }
 
+/// A number as Java writes it; NaN for anything else.
+double number_in(std::string_view text) {
+  double number = NAN;
+  return read_number(trimmed(text), number) ? number : NAN;
+}
+
 /// Collects lines as the members of a FOLD text.
 class FoldText {
  public:
@@ -125,7 +131,7 @@ Result<std::string> fold_of_opx(std::string_view text) {
       for (const pugi::xml_node& property : node.children("void"))
         for (std::size_t i = 0; i < kNames.size(); ++i)
           if (kNames[i] == property.attribute("property").value())
-            crease[i] = property.first_child().text().as_double(NAN);
+            crease[i] = number_in(property.first_child().text().get());
       for (const double number : crease) sound = sound && std::isfinite(number);
       if (sound) fold.add(crease);
       return sound;

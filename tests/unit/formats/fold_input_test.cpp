@@ -63,6 +63,10 @@ TEST_CASE("crease patterns of ORIPA and Oriedita are read", "[core][formats][fol
   const auto lines = linework_from_fold(*fold_of_crease_pattern(opx));
   REQUIRE(lines);
   CHECK(total_mm(*lines, Operation::FoldMountain) == Approx(40));
+  std::string comma = opx;
+  comma.replace(comma.find("30.0"), 4, "30,5");
+  CHECK(message(fold_of_crease_pattern(comma).error()) ==
+        "has a line whose type or place is not a number");
   // Comments, and other signs between the numbers.
   const std::string commas = "// by hand\n% it\n1, 0, 0, 30, 0 # side\n2;0;0;0;40\n";
   REQUIRE(is_crease_pattern(commas));
@@ -313,6 +317,22 @@ TEST_CASE("a FOLD file may be UTF-16, have its frames in a list, and name units 
   const auto work = linework_from_fold(wide);
   REQUIRE(work);
   CHECK(total_mm(*work, Operation::Outline) == Approx(60));
+}
+
+TEST_CASE("a fold whose angle is that of the other side is told", "[core][formats][fold]") {
+  const auto told = [](const std::string& letters, const std::string& angles) {
+    const auto work =
+        linework_from_fold("{" + kTriangle + R"(,"frame_unit":"mm",)" + R"("edges_assignment":[)" +
+                           letters + R"(],"edges_foldAngle":[)" + angles + "]}");
+    REQUIRE(work);
+    for (const Warning& warning : work->warnings)
+      if (warning.message.find("1 folds have a fold angle of the other side") == 0) return true;
+    return false;
+  };
+  CHECK(told(R"("B","B","M")", "0,0,90"));
+  CHECK(told(R"("B","B","V")", "0,0,-1"));
+  CHECK_FALSE(told(R"("B","B","M")", "0,0,-90"));
+  CHECK_FALSE(told(R"("B","B","V")", "0,0,0"));
 }
 
 TEST_CASE("crease patterns of a FOLD file that are not read are counted", "[core][formats][fold]") {

@@ -43,6 +43,7 @@ TEST_CASE("HPGL moves and draws follow the pen", "[protocol][hpgl][decode]") {
 TEST_CASE("HPGL relative points are resolved", "[protocol][hpgl][decode]") {
   CHECK(brief(read("PU10,10;PR;PD1,1,2,2;PA0,0;PR5,5;")) ==
         "move 10,10; setting PR; draw 11,11 13,13; draw 0,0; draw 5,5");
+  CHECK(brief(read("PU10,10;PR;DF;PD1,1;")) == "move 10,10; setting PR; setting DF; draw 1,1");
 }
 
 TEST_CASE("HPGL may be in lower case on several lines and without semicolons",
