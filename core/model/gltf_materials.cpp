@@ -38,9 +38,11 @@ ModelColour colour_of(const std::array<double, 4>& light) {
   return {srgb_of_light(light[0]), srgb_of_light(light[1]), srgb_of_light(light[2])};
 }
 
-PictureWrap wrap_of(int mode) {
+/// @return none for a number that glTF does not define
+std::optional<PictureWrap> wrap_of(int mode) {
   if (mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return PictureWrap::Clamp;
-  return mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? PictureWrap::Mirror : PictureWrap::Repeat;
+  if (mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return PictureWrap::Mirror;
+  return mode == TINYGLTF_TEXTURE_WRAP_REPEAT ? std::optional(PictureWrap::Repeat) : std::nullopt;
 }
 
 }  // namespace
@@ -120,9 +122,16 @@ Result<std::int32_t> GltfMaterials::picture_of(int index) {
     return broken("textures", index,
                   "has no PNG or JPEG picture; save the model with such pictures");
   ModelPicture picture;
-  if (texture.sampler >= 0 && static_cast<std::size_t>(texture.sampler) < file_.samplers.size()) {
-    const tinygltf::Sampler& sampler = file_.samplers[static_cast<std::size_t>(texture.sampler)];
-    picture.wraps = {wrap_of(sampler.wrapS), wrap_of(sampler.wrapT)};
+  if (texture.sampler >= 0) {
+    const auto sampler = static_cast<std::size_t>(texture.sampler);
+    if (sampler >= file_.samplers.size())
+      return broken("samplers", texture.sampler, "does not exist; repair the model");
+    const auto across = wrap_of(file_.samplers[sampler].wrapS);
+    const auto down = wrap_of(file_.samplers[sampler].wrapT);
+    if (!across || !down)
+      return broken("samplers", texture.sampler,
+                    "has a wrapS or wrapT that glTF does not define; use 10497, 33071 or 33648");
+    picture.wraps = {*across, *down};
   }
   // Many textures may share an image, which is decoded once.
   const auto known = pictures_.find({texture.source, picture.wraps});

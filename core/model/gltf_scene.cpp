@@ -268,7 +268,7 @@ class SceneReader {
                   "has too many joints and morph targets; apply them, and save the model again");
     Colours colours;
     if (options_.colours)
-      if (auto done = find_colours(of, colours); !done) return done;
+      if (auto done = find_colours(of, (*places)->size(), colours); !done) return done;
     for (std::size_t k = 0; k < triangles; ++k)
       for (const std::size_t corner : triangle_of(mode, k)) {
         const double named = indices ? indices->get(corner, 0) : static_cast<double>(corner);
@@ -393,19 +393,39 @@ class SceneReader {
     std::optional<GltfNumbers> picture_places, corner_colours;
   };
 
-  Result<void> find_colours(const tinygltf::Primitive& of, Colours& out) {
+  /// The numbers that give colours to all `vertices` of a primitive; none if it does not have them.
+  Result<std::optional<GltfNumbers>> colouring(const tinygltf::Primitive& of,
+                                               const std::string& word, std::size_t least_parts,
+                                               std::size_t vertices) {
+    auto numbers = attribute(of.attributes, word, least_parts);
+    if (numbers && *numbers && (*numbers)->size() < vertices)
+      return fail(ErrorKind::Malformed, name_,
+                  fmt::format("a mesh has {} values of {} for {} vertices; repair the model",
+                              (*numbers)->size(), word, vertices));
+    return numbers;
+  }
+
+  Result<void> find_colours(const tinygltf::Primitive& of, std::size_t vertices, Colours& out) {
     if (of.material >= 0) {
       const auto material = static_cast<std::size_t>(of.material);
       if (material >= file_.materials.size())
         return broken("materials", of.material, "does not exist; repair the model");
       out.moved = &materials_.places(material);
-      const auto places = attribute(of.attributes, fmt::format("TEXCOORD_{}", out.moved->set), 2);
-      if (!places) return tl::unexpected(places.error());
-      out.picture_places = *places;
       out.material = static_cast<std::uint32_t>(material + 1);
       model_.uses_materials = true;
+      if (model_.materials[out.material].picture >= 0) {
+        const std::string word = fmt::format("TEXCOORD_{}", out.moved->set);
+        const auto places = colouring(of, word, 2, vertices);
+        if (!places) return tl::unexpected(places.error());
+        if (!*places)
+          return fail(ErrorKind::Malformed, fmt::format("{}: /materials/{}", name_, of.material),
+                      fmt::format("has a picture whose places are {}, and a mesh lacks them; save "
+                                  "the model with them, or without the picture",
+                                  word));
+        out.picture_places = *places;
+      }
     }
-    const auto colours = attribute(of.attributes, "COLOR_0", 3);
+    const auto colours = colouring(of, "COLOR_0", 3, vertices);
     if (!colours) return tl::unexpected(colours.error());
     out.corner_colours = *colours;
     has_corner_colours_ = has_corner_colours_ || out.corner_colours.has_value();
@@ -414,11 +434,11 @@ class SceneReader {
 
   void add_colour(std::size_t vertex, const Colours& of) {
     std::array<float, 2> place{};
-    if (of.picture_places && vertex < of.picture_places->size())
+    if (of.picture_places)
       place = of.moved->moved(of.picture_places->get(vertex, 0), of.picture_places->get(vertex, 1));
     model_.picture_places.push_back(place);
     ModelColour colour{1, 1, 1};
-    if (of.corner_colours && vertex < of.corner_colours->size())
+    if (of.corner_colours)
       for (std::size_t k = 0; k < 3; ++k)
         colour[k] = srgb_of_light(of.corner_colours->get(vertex, k));
     model_.corner_colours.push_back(colour);

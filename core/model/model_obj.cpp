@@ -238,6 +238,19 @@ class Materials {
     return std::nullopt;
   }
 
+  /// The index of a material without its picture, for faces that have no place in it.
+  [[nodiscard]] std::uint32_t without_picture(std::uint32_t material) {
+    if (model_.materials[material].picture < 0) return material;
+    const auto [known, fresh] =
+        plain_.try_emplace(material, static_cast<std::uint32_t>(model_.materials.size()));
+    if (fresh) {
+      ModelMaterial plain = model_.materials[material];
+      plain.picture = -1;
+      model_.materials.push_back(plain);
+    }
+    return known->second;
+  }
+
   /// Where a place of a texture lies in the picture of a material.
   [[nodiscard]] std::array<float, 2> moved(std::uint32_t material,
                                            const std::array<float, 2>& place) const {
@@ -333,6 +346,7 @@ class Materials {
   std::map<std::string, std::uint32_t, std::less<>> by_name_;
   std::map<std::pair<std::string, bool>, std::int32_t> pictures_;  ///< and whether they clamp
   std::map<std::uint32_t, MapOptions> moved_;                      ///< by material
+  std::map<std::uint32_t, std::uint32_t> plain_;                   ///< see `without_picture`
 };
 
 /// Reads vertices and faces, and colours on the way if they are asked for. What is wrong with the
@@ -468,6 +482,7 @@ class ObjReader {
 
   Result<void> read_face(std::string_view rest) {
     face_.clear(), places_.clear();
+    unplaced_ = false;
     for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
       const auto vertex = named_vertex(word, vertices_so_far_, vertices_.size());
       if (!vertex)
@@ -500,7 +515,8 @@ class ObjReader {
       const auto& [r, g, b, a] = colours_of_vertices_[face_[k]];
       model_.corner_colours.push_back({r, g, b});
     }
-    if (reads_colours()) model_.material_of.push_back(material_);
+    if (reads_colours())
+      model_.material_of.push_back(unplaced_ ? materials_.without_picture(material_) : material_);
   }
 
   /// Keeps the place in a picture that "v/t/n" names, counted as vertices are; the corner if it
@@ -509,6 +525,7 @@ class ObjReader {
     static_cast<void>(take_word(word, "/"));
     const std::string_view text = take_word(word, "/");
     places_.emplace_back();
+    unplaced_ = unplaced_ || text.empty();
     if (text.empty()) return {};
     long long at = 0;
     const auto most = static_cast<long long>(picture_places_.size());
@@ -560,6 +577,7 @@ class ObjReader {
   std::vector<std::uint32_t> face_;           ///< vertices of the face that is read
   std::vector<std::array<float, 2>> places_;  ///< of its corners
   std::uint32_t material_{0};
+  bool unplaced_{false};  ///< a corner of the face has no place in a picture
   bool has_corner_colours_{false};
 };
 

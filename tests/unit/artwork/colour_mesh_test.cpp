@@ -207,6 +207,63 @@ TEST_CASE("KHR_texture_transform moves the places of a texture", "[artwork]") {
   CHECK(moved(R"("rotation": 1.5707963)").b == Approx(255).margin(1));
 }
 
+TEST_CASE("faces of an OBJ that have no place in a picture have the colour of their material",
+          "[artwork]") {
+  const auto colour = [](const std::string& face) {
+    const auto mesh = read_colour_mesh(
+        "q.obj", "mtllib m.mtl\n" + kQuad + "usemtl skin\n" + face + "\nf 1/1 2/2 3/3\n",
+        files_of({{"m.mtl", "newmtl skin\nKd 1 1 0\nmap_Kd t.png\n"}, {"t.png", small_png()}}));
+    if (!mesh) FAIL(message(mesh.error()));
+    CHECK(colour_of(*mesh, 1, {0.7, 0.15, 0.15}, 1).r == Approx(0).margin(1));  // in the picture
+    return colour_of(*mesh, 0, {0.4, 0.3, 0.3}, 1);
+  };
+  for (const char* face : {"f 1 2 3", "f 1//1 2//1 3//1", "f 1/1 2/2 3"}) {
+    CAPTURE(face);
+    CHECK(colour(face).r == Approx(255).margin(1));
+    CHECK(colour(face).g == Approx(255).margin(1));
+    CHECK(colour(face).b == Approx(0).margin(1));
+  }
+}
+
+TEST_CASE("colours of a glTF that its meshes or samplers do not give are refused", "[artwork]") {
+  const auto read = [](const std::string& attributes, const std::string& texture,
+                       const std::string& more = "") {
+    const std::vector<float> numbers{0, 0, 0, 1, 0, 0, 0, 1, 0, 0.25, 0.25, 0.25, 0.25, 0.25, 0.25};
+    const std::string buffer(reinterpret_cast<const char*>(numbers.data()), 60);
+    const auto mesh = read_colour_mesh(
+        "q.gltf",
+        R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0, )" +
+            attributes + R"(}, "material": 0}]}], "textures": [{"source": 0, "sampler": 0}],
+"images": [{"uri": "skin.png"}], "buffers": [{"byteLength": 60, "uri": "q.bin"}],
+"bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 24}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+              {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2"},
+              {"bufferView": 1, "componentType": 5126, "count": 2, "type": "VEC2"},
+              {"bufferView": 0, "componentType": 5126, "count": 2, "type": "VEC3"}],
+"materials": [{"pbrMetallicRoughness": {)" +
+            texture + "}}]" + (more.empty() ? R"(, "samplers": [{}])" : more) + "}",
+        files_of({{"q.bin", buffer}, {"skin.png", small_png()}}));
+    return mesh ? "" : message(mesh.error());
+  };
+  const std::string textured = R"("baseColorTexture": {"index": 0})",
+                    second = R"("baseColorTexture": {"index": 0, "texCoord": 1})";
+  CHECK(read(R"("TEXCOORD_0": 1)", textured) == "");
+  CHECK(read(R"("TEXCOORD_1": 1)", second) == "");
+  CHECK(read(R"("COLOR_1": 3)", "") == "");  // glTF 2.0 colours by COLOR_0 alone
+  CHECK(read(R"("COLOR_0": 0)", textured) ==
+        "q.gltf: /materials/0: has a picture whose places are TEXCOORD_0, and a mesh lacks them; "
+        "save the model with them, or without the picture");
+  CHECK_THAT(read(R"("TEXCOORD_0": 1)", second), Catch::Contains("whose places are TEXCOORD_1"));
+  CHECK_THAT(read(R"("TEXCOORD_0": 2)", textured),
+             Catch::Contains("has 2 values of TEXCOORD_0 for 3 vertices"));
+  CHECK_THAT(read(R"("COLOR_0": 3)", ""), Catch::Contains("has 2 values of COLOR_0 for 3"));
+  CHECK_THAT(read(R"("TEXCOORD_0": 1)", textured, R"(, "samplers": [])"),
+             Catch::Contains("q.gltf: /samplers/0: does not exist"));
+  CHECK_THAT(read(R"("TEXCOORD_0": 1)", textured, R"(, "samplers": [{"wrapT": 33070}])"),
+             Catch::Contains("has a wrapS or wrapT that glTF does not define"));
+}
+
 TEST_CASE("colours after the vertices of an OBJ are read", "[artwork]") {
   const auto mesh = read_colour_mesh(
       "tri.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n", files_of({}));
@@ -285,7 +342,8 @@ TEST_CASE("a picture of a glTF that reaches beyond its buffer is refused", "[art
         "q.gltf",
         fmt::format(R"({{"asset": {{"version": "2.0"}}, "scenes": [{{"nodes": [0]}}],
         "nodes": [{{"mesh": 0}}],
-        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "material": 0}}]}}],
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0, "TEXCOORD_0": 0}},
+                                     "material": 0}}]}}],
         "materials": [{{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}}}}}],
         "textures": [{{"source": 0}}], "images": [{{"bufferView": 1, "mimeType": "image/png"}}],
         "buffers": [{{"byteLength": {0}, "uri": "b.bin"}}],
