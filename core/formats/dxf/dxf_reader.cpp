@@ -279,6 +279,12 @@ class DxfReader {
       ++unread_["POLYLINE (mesh)"];
       return true;
     }
+    // Points apart from the drawing would make it larger.
+    if (std::all_of(line_.begin(), line_.end(),
+                    [&](const PagePoint& p) { return p == line_[0]; })) {
+      ++empty_;
+      return true;
+    }
     const PenOperation drawn{*operation, pens_.any() ? pen_of(own, use) : look_};
     if (shape == DxfShape::Tilted) ++tilted_;
     if (entity.type == "SPLINE" && (entity.flag[0] & 1) != 0 && !line_.empty() &&
@@ -482,6 +488,7 @@ class DxfReader {
                                   hidden_ == 1 ? "it is" : "the first is", dxf_line(first_hidden_),
                                   hidden_ == 1 ? "it" : "them", hidden_ == 1 ? "it" : "them")});
     say(tilted_, "tilted", "entities are tilted in space; they are cut as seen from above");
+    say(empty_, "no_size", "lines have no length and are left out");
     say(squashed_, "squashed", "inserts of blocks have a scale of 0, which leaves no width; set it",
         true);
     say(unclosed_, "spline_open",
@@ -536,7 +543,7 @@ class DxfReader {
   std::vector<const DxfBlock*> path_;
   std::vector<PagePoint> line_;
   std::map<std::string, std::size_t> unread_, missing_;
-  std::size_t paper_{}, hidden_{}, tilted_{}, squashed_{}, unclosed_{}, by_colour_{},
+  std::size_t paper_{}, hidden_{}, tilted_{}, squashed_{}, unclosed_{}, empty_{}, by_colour_{},
       sideless_{}, dashed_{}, unclear_{};
   std::size_t lines_left_, first_hidden_{};
   std::optional<Error> error_;

@@ -248,7 +248,7 @@ bool add_borders(std::vector<Segment> borders, LineWork& work) {
 }
 
 struct UncutEdges {
-  std::size_t flat{}, joined{}, unassigned{}, by_angle{}, against_angle{};
+  std::size_t flat{}, joined{}, unassigned{}, by_angle{}, against_angle{}, empty{};
   void add_warnings(std::vector<Warning>& warnings) const {
     const auto say = [&](std::size_t count, const char* code, const char* what,
                          bool spoils = false) {
@@ -260,6 +260,7 @@ struct UncutEdges {
     say(joined, "join_not_cut", "joins (J) are not cut");
     say(unassigned, "unassigned_not_cut",
         "edges have no assignment (U) and no fold angle; they are not cut", true);
+    say(empty, "no_size", "edges have no length and are left out");
     say(against_angle, "fold_against_angle",
         "folds have a fold angle of the other side; their assignment (M or V) counts", true);
     say(by_angle, "fold_by_angle", "unassigned edges become folds by the sign of their fold angle");
@@ -319,6 +320,10 @@ Result<LineWork> linework_of(FoldFrame frame, const std::string& place,
         return fail(ErrorKind::OutOfRange, fmt::format("{}/edges_vertices/{}", place, e),
                     "an end lies more than 100 m from the origin");
     const double angle = frame.fold_angles_deg[e];
+    if (s.a == s.b) {  // apart from the pattern, it would make it larger
+      ++uncut.empty;
+      continue;
+    }
     const std::array ends{s.a, s.b};
     const char assigned = frame.assignments[e];
     if ((assigned == 'M' && angle > 0.0) || (assigned == 'V' && angle < 0.0)) ++uncut.against_angle;

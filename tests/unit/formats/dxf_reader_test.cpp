@@ -276,6 +276,17 @@ TEST_CASE("names of a DXF are the same in either case, however their letters are
   CHECK(total_mm(dashes, Operation::Cut) == Approx(50));
 }
 
+TEST_CASE("what has no length does not make a DXF larger", "[core][formats][dxf]") {
+  for (const char* empty : {"0 LINE 8 0 10 400 20 0 11 400 21 0 ",
+                            "0 LWPOLYLINE 8 0 90 2 70 1 10 400 20 0 10 400 20 0 ",
+                            "0 CIRCLE 8 0 10 400 20 0 40 0 ", "0 LINE 8 0 10 4e5 20 0 11 4e5 "}) {
+    CAPTURE(empty);
+    const LineWork work = read(drawing(line_on("0", 9) + empty));
+    CHECK(bounds(work).width() == Approx(9));
+    CHECK(warned(work, "1 lines have no length and are left out"));
+  }
+}
+
 TEST_CASE("blocks of scale 0 and splines that do not close are told", "[core][formats][dxf]") {
   const std::string blocks = section("BLOCKS", "0 BLOCK 8 0 2 B 70 0 0 LINE 8 0 11 2 0 ENDBLK");
   const auto insert = [&](const std::string& scales) {

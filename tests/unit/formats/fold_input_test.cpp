@@ -335,6 +335,14 @@ TEST_CASE("a fold whose angle is that of the other side is told", "[core][format
   CHECK_FALSE(told(R"("B","B","V")", "0,0,0"));
 }
 
+TEST_CASE("an edge without length does not make a crease pattern larger", "[core][formats][fold]") {
+  const auto work = linework_from_fold(*fold_of_crease_pattern("1 0 0 9 0\n2 99 0 99 0\n"));
+  REQUIRE(work);
+  CHECK(bounds(*work).width() == Approx(9));
+  CHECK(std::any_of(work->warnings.begin(), work->warnings.end(),
+                    [](const Warning& one) { return one.code == "no_size"; }));
+}
+
 TEST_CASE("crease patterns of a FOLD file that are not read are counted", "[core][formats][fold]") {
   const std::string pattern =
       R"("vertices_coords":[[0,0],[2,0],[2,1],[0,1]],"edges_vertices":[[0,1],[1,2],[2,3],[3,0]])";
