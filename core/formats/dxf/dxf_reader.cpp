@@ -279,6 +279,7 @@ class DxfReader {
       ++unread_["POLYLINE (mesh)"];
       return true;
     }
+    if (shape == DxfShape::Tilted) ++tilted_;
     // Points apart from the drawing would make it larger.
     if (std::all_of(line_.begin(), line_.end(),
                     [&](const PagePoint& p) { return p == line_[0]; })) {
@@ -286,7 +287,6 @@ class DxfReader {
       return true;
     }
     const PenOperation drawn{*operation, pens_.any() ? pen_of(own, use) : look_};
-    if (shape == DxfShape::Tilted) ++tilted_;
     if (entity.type == "SPLINE" && (entity.flag[0] & 1) != 0 && !line_.empty() &&
         distance(line_.front(), line_.back()) > options_.tolerance_mm)
       ++unclosed_;
