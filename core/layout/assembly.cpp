@@ -122,7 +122,6 @@ class Drawing {
     // Each seam's letter stands at the middle of its longest run.
     std::vector<const SeamRun*> longest(layout_.seams.size(), nullptr);
     for (const SeamRun& run : layout_.runs) {
-      if (run.uncut.empty() && run.covered.empty()) continue;
       const SeamRun*& best = longest[run.seam];
       if (!best || run.to - run.from > best->to - best->from) best = &run;
     }

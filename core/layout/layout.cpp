@@ -268,6 +268,25 @@ void unswap(Laid& laid, std::vector<LineWork>& works) {
     for (PagePoint& p : tab.corners) std::swap(p.x, p.y);
 }
 
+constexpr std::uint32_t kNoPiece = std::numeric_limits<std::uint32_t>::max();
+
+// Names the pieces of runs and tabs as `to` says. Drops runs beyond the paper, or beside it.
+void rename_pieces(Laid& laid, const std::vector<std::uint32_t>& to) {
+  std::vector<std::uint32_t> run_to;
+  std::vector<SeamRun> kept;
+  for (SeamRun& run : laid.runs) {
+    run.lower = to[run.lower], run.upper = to[run.upper];
+    const bool has_paper = run.lower != kNoPiece && run.upper != kNoPiece &&
+                           (!run.uncut.empty() || !run.covered.empty());
+    run_to.push_back(has_paper ? static_cast<std::uint32_t>(kept.size()) : kNoPiece);
+    if (has_paper) kept.push_back(std::move(run));
+  }
+  laid.runs = std::move(kept);
+  for (Tab& tab : laid.tabs)
+    tab.run = run_to[tab.run], tab.on = to[tab.on], tab.under = to[tab.under];
+  std::erase_if(laid.tabs, [](const Tab& tab) { return tab.run == kNoPiece; });
+}
+
 // Makes the pieces with their lines. Drops pieces without any, which lie beyond the paper.
 std::vector<SheetPiece> make_pieces(std::vector<LineWork>& works, Laid& laid) {
   std::vector<SheetPiece> pieces;
@@ -276,7 +295,7 @@ std::vector<SheetPiece> make_pieces(std::vector<LineWork>& works, Laid& laid) {
   for (std::uint32_t c = 0; c < partition.rows.size(); ++c)
     for (std::size_t r = 0; r <= partition.rows[c].size(); ++r) {
       LineWork& work = works[to.size()];
-      to.push_back(static_cast<std::uint32_t>(pieces.size()));
+      to.push_back(work.lines.empty() ? kNoPiece : static_cast<std::uint32_t>(pieces.size()));
       if (work.lines.empty()) continue;
       SheetPiece piece;
       piece.work = std::move(work);
@@ -288,21 +307,13 @@ std::vector<SheetPiece> make_pieces(std::vector<LineWork>& works, Laid& laid) {
       piece.column = c;
       pieces.push_back(std::move(piece));
     }
-  for (SeamRun& run : laid.runs) {
-    run.lower = to[run.lower];
-    run.upper = to[run.upper];
-  }
-  for (Tab& tab : laid.tabs) {
-    tab.on = to[tab.on];
-    tab.under = to[tab.under];
-  }
+  rename_pieces(laid, to);
   return pieces;
 }
 
 void name_seams(Layout& layout) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> ids;
   for (SeamRun& run : layout.runs) {
-    if (run.uncut.empty() && run.covered.empty()) continue;  // beyond the paper
     const auto key = std::minmax(run.lower, run.upper);
     const auto [at, fresh] = ids.try_emplace(key, static_cast<std::uint32_t>(layout.seams.size()));
     if (fresh) layout.seams.push_back({key.first, key.second, 0.0, seam_label(at->second)});

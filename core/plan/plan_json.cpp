@@ -182,7 +182,7 @@ SplitLists split_lists(const Layout& layout, const PlannedSheet& sheet) {
   for (const SeamRun& run : layout.runs)
     for (const auto& [piece, other] :
          {std::pair{run.lower, run.upper}, std::pair{run.upper, run.lower}}) {
-      if (here(piece) != number || (run.uncut.empty() && run.covered.empty())) continue;
+      if (here(piece) != number) continue;
       const AxisLine line{run.vertical, run.at};
       Json glued = Json::array();
       for (const SeamStretch& s : run.uncut)

@@ -176,6 +176,38 @@ TEST_CASE("paper ends at its closed outline and is not glued beyond", "[layout]"
   CHECK(glued_from(*layout, 0, 60) == Approx(0.0));
 }
 
+TEST_CASE("a seam has a piece on both of its sides, whatever shape the paper has", "[layout]") {
+  // The corner of the bounds that is beyond the paper is first, last, or in the middle.
+  for (const std::vector<PagePoint>& outline :
+       {std::vector<PagePoint>{{0, 0}, {300, 0}, {300, 100}, {100, 100}, {100, 300}, {0, 300}},
+        std::vector<PagePoint>{{200, 0}, {300, 0}, {300, 300}, {0, 300}, {0, 200}, {200, 200}},
+        std::vector<PagePoint>{
+            {0, 0}, {100, 0}, {100, 200}, {200, 200}, {200, 0}, {300, 0}, {300, 300}, {0, 300}}}) {
+    LineWork work;
+    std::vector<PagePoint> closed = outline;
+    closed.push_back(outline.front());
+    add(work, Operation::Outline, closed);
+    for (const double area : {110.0, 130.0, 160.0}) {
+      const auto layout = lay_out(work, on(area, area));
+      CAPTURE(area, outline.size());
+      REQUIRE(layout);
+      const std::size_t pieces = layout->pieces.size();
+      CHECK_FALSE(layout->runs.empty());
+      for (const SeamRun& run : layout->runs) {
+        CHECK(run.lower < pieces);
+        CHECK(run.upper < pieces);
+        CHECK(run.seam < layout->seams.size());
+      }
+      for (const Tab& tab : layout->tabs) {
+        CHECK(tab.on < pieces);
+        CHECK(tab.under < pieces);
+        CHECK(tab.run < layout->runs.size());
+      }
+      for (const PieceSeam& seam : layout->seams) CHECK(std::max(seam.lower, seam.upper) < pieces);
+    }
+  }
+}
+
 TEST_CASE("a requested seam is used or refused with the nearest valid one", "[layout]") {
   LineWork work = sheet(200, 100);
   add(work, Operation::FoldValley, {{70, 0}, {70, 100}});
