@@ -426,7 +426,8 @@ class CardSearch {
            coarse().size() == request_.mesh.size();
   }
 
-  /// Gives a trial the design that it got in the first rounds of this search or of a shorter one.
+  /// Gives a trial the design that it got in the first rounds of this search or of a shorter one,
+  /// with its spec and its cost.
   [[nodiscard]] bool recall_design(Trial& trial) const {
     const auto& known = judged_[0];
     const auto at = std::find_if(known.begin(), known.end(), [&](const JudgedCard& card) {
@@ -436,6 +437,7 @@ class CardSearch {
     const PatchAssembly& made = designs_[static_cast<std::size_t>(at - known.begin())];
     if (made.parts.empty()) return false;
     trial.made = made;
+    trial.spec = at->spec, trial.cost = at->cost, trial.shrunk = at->shrunk;
     return true;
   }
 
