@@ -13,7 +13,7 @@
 
 #include "core/compare/comparison.hpp"
 #include "core/compare/volume.hpp"
-#include "core/design/spec/design_spec.hpp"
+#include "core/design/spec/spec.hpp"
 #include "core/plan/plan_options.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/input/book_input.hpp"
