@@ -681,7 +681,7 @@ Result<Design> design(const DesignSpec& spec, const SurfaceAssets& assets,
         ErrorKind::Infeasible, "/style",
         fmt::format("is {}, a card of several parts; 'popcut design' and 'popcut plan' make "
                     "it",
-                    spec.style == DesignStyle::Layers ? "layers" : "slices"));
+                    parts_word(spec.style)));
   if (is_of_facets(spec.style)) return facet_design(spec, assets, progress);
   return Designer(spec, assets, progress).run();
 }

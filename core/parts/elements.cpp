@@ -23,6 +23,77 @@ Vec3 at_y(const Vec3& section, double y) { return section + Vec3{0.0, y, 0.0}; }
 /// The slopes of a gabled roof, from wall to ridge.
 double slope_mm(const BoxElement& e) { return std::hypot(e.half_mm, e.rise_mm); }
 
+constexpr double kLeastApart_rad = radians(20.0);
+
+/// The roof of a pyramid on its sheet: triangles around its top, counter-clockwise as seen from
+/// above. It begins at the right slope; without slopes at its far end, at the left one.
+struct PyramidFan {
+  double side_rad{}, end_rad{};      ///< half of the angle of a slope at the top
+  double edge_mm{}, end_mm{};        ///< from the top to a corner, and to the middle of an end
+  std::vector<std::size_t> corners;  ///< of its rim: of the eight of `in_space`
+  std::vector<Vec2> rim;
+
+  explicit PyramidFan(const BoxElement& e) {
+    const double half_length = 0.5 * (e.to_mm - e.from_mm);
+    side_rad = std::atan2(half_length, slope_mm(e));
+    end_mm = std::hypot(half_length, e.rise_mm);
+    end_rad = std::atan2(e.half_mm, end_mm);
+    edge_mm = std::hypot(end_mm, e.half_mm);
+    const std::size_t first = e.has_hips[1] ? 0 : 3, last = !e.has_hips[1]  ? 7
+                                                            : e.has_hips[0] ? 6
+                                                                            : 4;
+    double at = 0.0;
+    for (std::size_t k = first; k <= last; ++k) {
+      const bool is_end = k == 2 || k == 5;
+      rim.push_back((is_end ? end_mm : edge_mm) * Vec2{std::cos(at), std::sin(at)});
+      corners.push_back(k);
+      at += k == 0 || k == 3 || k == 6 ? 2.0 * side_rad : end_rad;
+    }
+  }
+
+  [[nodiscard]] bool is_closed() const { return corners.size() == 7; }
+  /// The angle between its first and its last border, where the sheet is open.
+  [[nodiscard]] double apart_rad() const { return 2.0 * kPiRad - 4.0 * (side_rad + end_rad); }
+  /// Where a corner of `in_space` is on its rim.
+  [[nodiscard]] Vec2 place(std::size_t corner) const {
+    return rim[static_cast<std::size_t>(std::find(corners.begin(), corners.end(), corner) -
+                                        corners.begin())];
+  }
+  /// Its foot around it, from the right corner at the beginning on, and its top, in the axes of the
+  /// seat. The first and the last two of eight corners are the same.
+  [[nodiscard]] static std::array<Vec3, 9> in_space(const BoxElement& e, double opening_rad) {
+    const double a = e.half_mm, half_length = 0.5 * (e.to_mm - e.from_mm),
+                 s = std::sin(0.5 * opening_rad), c = std::cos(0.5 * opening_rad);
+    const double low = e.height_mm + a * c, high = std::sqrt(e.rise_mm * e.rise_mm + a * a * c * c),
+                 middle = 0.5 * (e.from_mm + e.to_mm), end = std::hypot(half_length, e.rise_mm);
+    // In the plane over the fold: from the top outward, and down.
+    const double f = end / (half_length * half_length + high * high);
+    const double out = f * (end * half_length + a * c * high),
+                 down = f * (end * high - a * c * half_length);
+    const Vec3 top{0.0, middle, low + high}, right_from{a * s, e.from_mm, low},
+        right_to{a * s, e.to_mm, low};
+    return {right_from,
+            right_to,
+            top + Vec3{0.0, out, -down},
+            Vec3{-a * s, e.to_mm, low},
+            Vec3{-a * s, e.from_mm, low},
+            top + Vec3{0.0, -out, -down},
+            right_from,
+            right_to,
+            top};
+  }
+
+  /// Its faces, in the axes of the seat.
+  [[nodiscard]] std::vector<Isometry3d> pose(const BoxElement& e, double opening_rad) const {
+    const std::array<Vec3, 9> at = in_space(e, opening_rad);
+    std::vector<Isometry3d> faces;
+    for (std::size_t k = 0; k + 1 < rim.size(); ++k)
+      faces.push_back(
+          laid({Vec2{0.0, 0.0}, rim[k], rim[k + 1]}, {at[8], at[corners[k]], at[corners[k + 1]]}));
+    return faces;
+  }
+};
+
 /// A strip of paper: folds across it at `at`, from `v0` to `v1` along its folds.
 void add_strip(SheetPart& part, const std::vector<double>& at, double v0, double v1) {
   for (std::size_t k = 0; k + 1 < at.size(); ++k)
@@ -75,6 +146,40 @@ void add_foot(Structure& card, std::size_t part, const FlatLine& fold, const Sea
   const bool inward = out_mm - taken_mm > tab_depth_mm(card, to_mm - from_mm);
   add_tab(card, part, fold, side.part, side.face,
           {side.at(out_mm, from_mm), side.at(out_mm, to_mm)}, inward != is_left_of(side));
+}
+
+/// The roof of a pyramid, on the walls of part `walls`: two tabs hold it, and one closes it.
+void add_pyramid(Structure& card, std::size_t walls, const BoxElement& e) {
+  const PyramidFan fan(e);
+  const std::size_t n = card.parts.size();
+  SheetPart& part = new_part(card, e.name + "-lid");
+  const Vec2 top{0.0, 0.0};
+  for (std::size_t k = 0; k + 1 < fan.rim.size(); ++k)
+    part.add_face(std::array{top, fan.rim[k], fan.rim[k + 1]});
+  if (fan.is_closed()) {
+    const double depth = tab_depth_mm(card, fan.edge_mm);
+    const double from =
+        std::max(1.0, clear_from_mm(depth, std::min(2.0 * fan.side_rad, fan.apart_rad())));
+    const double to =
+        fan.edge_mm - std::max(1.0, clear_from_mm(depth, 0.5 * kPiRad - fan.side_rad));
+    const auto along = [&](const Vec2& rim) {
+      const Vec2 d = unit(rim);
+      return FlatLine{Vec2(from * d), Vec2(to * d)};
+    };
+    add_tab(card, n, along(fan.rim.back()), n, 0, along(fan.rim.front()), true);
+  }
+  const double length = e.to_mm - e.from_mm, h = e.height_mm;
+  const double begin = std::min(card.tab_mm + 1.0, 0.25 * length), left = length + 2.0 * e.half_mm;
+  const auto edge = [&](const Vec2& first, const Vec2& last) {
+    const Vec2 d = (last - first) / length;
+    return FlatLine{Vec2(first + begin * d), Vec2(first + (length - begin) * d)};
+  };
+  // Without slopes at the far end the right slope is the last one.
+  const std::size_t right = e.has_hips[1] ? 0 : 6;
+  add_tab(card, n, edge(fan.place(right), fan.place(right + 1)), walls, 0,
+          {Vec2{begin, h}, Vec2{length - begin, h}}, false);
+  add_tab(card, n, edge(fan.place(4), fan.place(3)), walls, 3,
+          {Vec2{left + length - begin, h}, Vec2{left + begin, h}}, true);
 }
 
 Result<void> needs(bool holds, const char* what, double is, const char* right) {
@@ -178,17 +283,29 @@ Result<void> can_move(const BoxElement& e) {
                 fmt::format("the floating lid is {:.6g} mm wide on each side, and the walls are "
                             "{:.6g} mm from the middle; make it wider",
                             e.lid_mm, e.half_mm));
-  if (e.lid == BoxLid::Floating && !e.ends_out)
+  if (e.lid == BoxLid::Floating && !(e.ends_out[0] && e.ends_out[1]))
     return fail(ErrorKind::Infeasible, "",
                 "the ends would pass through the floating lid as the card shuts; let them fold "
                 "outward");
-  if (e.lid == BoxLid::Gabled) {
+  if (e.lid == BoxLid::Gabled || e.lid == BoxLid::Pyramid)
     if (auto done =
-            needs(e.rise_mm > 0.0, "the rise of its ridge", e.rise_mm, "it must be more than 0 mm");
+            needs(e.rise_mm > 0.0, "the rise of its roof", e.rise_mm, "it must be more than 0 mm");
         !done)
       return done;
+  if (e.lid == BoxLid::Pyramid && !e.has_hips[0] && !e.has_hips[1])
+    return fail(ErrorKind::Infeasible, "",
+                "its roof has no slopes at its ends, which would hold the others together; give it "
+                "one");
+  if (e.lid == BoxLid::Pyramid && PyramidFan(e).is_closed())
+    if (const double apart = PyramidFan(e).apart_rad(); apart < kLeastApart_rad)
+      return fail(ErrorKind::Infeasible, "",
+                  fmt::format("its roof is too flat for the tab that closes it, which has {:.3g} "
+                              "degrees; it needs {:g}: make it higher than {:.3g} mm",
+                              degrees(apart), degrees(kLeastApart_rad), e.rise_mm));
+  if (e.lid == BoxLid::Gabled) {
     for (const auto& [mm, what] :
-         {std::pair(e.eaves_mm, "its eaves"), std::pair(e.verge_mm, "its verge")})
+         {std::pair(e.eaves_mm, "its eaves"), std::pair(e.verge_mm[0], "its verge"),
+          std::pair(e.verge_mm[1], "its verge")})
       if (auto done = needs(mm >= 0.0, what, mm, "it must be at least 0 mm"); !done) return done;
     // As the card shuts, slopes turn down along the walls.
     const double p = slope_mm(e), most = e.height_mm * p / (p + e.half_mm);
@@ -198,11 +315,11 @@ Result<void> can_move(const BoxElement& e) {
                               "{:.6g} mm; make them less than {:.4g} mm",
                               e.eaves_mm, most));
   }
-  if (!e.ends_out && 2.0 * e.half_mm >= e.to_mm - e.from_mm)
+  if (!e.ends_out[0] && !e.ends_out[1] && 2.0 * e.half_mm >= e.to_mm - e.from_mm)
     return fail(
         ErrorKind::Infeasible, "",
         fmt::format("the ends meet inside as the card shuts: the box is {:.6g} mm long, and "
-                    "{:.6g} mm wide; make it longer, or let the ends fold outward",
+                    "{:.6g} mm wide; make it longer, or let one of the ends fold outward",
                     e.to_mm - e.from_mm, 2.0 * e.half_mm));
   return {};
 }
@@ -344,13 +461,16 @@ void build(Structure& card, const Seat& seat, const BoxElement& e) {
   add_foot(card, n, {Vec2{0.0, 0.0}, Vec2{length, 0.0}}, seat.right, a, e.from_mm, e.to_mm);
   add_foot(card, n, {Vec2{left + length, 0.0}, Vec2{left, 0.0}}, seat.left, a, e.from_mm, e.to_mm);
   add_tab(card, n, {Vec2{end, 0.0}, Vec2{end, h}}, n, 0, {Vec2{0.0, 0.0}, Vec2{0.0, h}}, false);
-  if (e.lid != BoxLid::None) {
+  if (e.lid == BoxLid::Pyramid) {
+    add_pyramid(card, n, e);
+  } else if (e.lid != BoxLid::None) {
     const double wide = e.lid == BoxLid::Roof     ? a
                         : e.lid == BoxLid::Gabled ? slope_mm(e) + e.eaves_mm
                                                   : e.lid_mm;
-    const double verge = e.lid == BoxLid::Gabled ? e.verge_mm : 0.0;
-    add_strip(new_part(card, e.name + "-lid"), {-wide, 0.0, wide}, e.from_mm - verge,
-              e.to_mm + verge);
+    const bool is_gabled = e.lid == BoxLid::Gabled;
+    add_strip(new_part(card, e.name + "-lid"), {-wide, 0.0, wide},
+              e.from_mm - (is_gabled ? e.verge_mm[0] : 0.0),
+              e.to_mm + (is_gabled ? e.verge_mm[1] : 0.0));
   }
   // Past the tab that closes the walls.
   const double from = std::min(card.tab_mm + 1.0, 0.25 * length), to = length - from;
@@ -362,7 +482,7 @@ void build(Structure& card, const Seat& seat, const BoxElement& e) {
     };
     add_tab(card, n + 1, edge(a), n, 0, right_top, false);
     add_tab(card, n + 1, edge(-a), n, 3, left_top, true);
-  } else if (e.lid != BoxLid::None) {
+  } else if (e.lid == BoxLid::Gabled || e.lid == BoxLid::Floating) {
     const auto on = [&](double u) {
       return FlatLine{Vec2{u, e.from_mm + from}, Vec2{u, e.from_mm + to}};
     };
@@ -372,12 +492,12 @@ void build(Structure& card, const Seat& seat, const BoxElement& e) {
   }
   const auto pose = [=](const SeatFrame& frame) {
     const double s = std::sin(0.5 * frame.opening_rad), c = std::cos(0.5 * frame.opening_rad);
-    const double bend = (e.ends_out ? 1.0 : -1.0) * a * c;
+    const auto bend = [&](std::size_t end) { return (e.ends_out[end] ? a : -a) * c; };
     const Vec3 up{0.0, 0.0, 1.0};
     const std::array<Vec3, 7> foot{
-        Vec3{a * s, e.from_mm, a * c},    Vec3{a * s, e.to_mm, a * c},
-        Vec3{0.0, e.to_mm + bend, a * c}, Vec3{-a * s, e.to_mm, a * c},
-        Vec3{-a * s, e.from_mm, a * c},   Vec3{0.0, e.from_mm - bend, a * c},
+        Vec3{a * s, e.from_mm, a * c},       Vec3{a * s, e.to_mm, a * c},
+        Vec3{0.0, e.to_mm + bend(1), a * c}, Vec3{-a * s, e.to_mm, a * c},
+        Vec3{-a * s, e.from_mm, a * c},      Vec3{0.0, e.from_mm - bend(0), a * c},
         Vec3{a * s, e.from_mm, a * c}};
     const std::array<double, 7> at{0.0, length, length + a, left, left + length, left + length + a,
                                    end};
@@ -386,6 +506,10 @@ void build(Structure& card, const Seat& seat, const BoxElement& e) {
       out[0].push_back(laid({Vec2{at[k], 0.0}, Vec2{at[k + 1], 0.0}, Vec2{at[k], 1.0}},
                             {foot[k], foot[k + 1], foot[k] + up}));
     if (e.lid == BoxLid::None) return out;
+    if (e.lid == BoxLid::Pyramid) {
+      out.push_back(PyramidFan(e).pose(e, frame.opening_rad));
+      return out;
+    }
     const double slope = slope_mm(e);
     const double wide = e.lid == BoxLid::Roof ? a : e.lid == BoxLid::Gabled ? slope : e.lid_mm;
     const double above = e.lid == BoxLid::Roof ? 2.0 * a * c

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <string>
 #include <utility>
@@ -64,27 +65,34 @@ struct LayerElement {
 
 enum class BoxLid {
   None,
-  Roof,     ///< level on pages that lie flat; it rises in the middle as they shut
-  Gabled,   ///< two slopes from the walls to a ridge over the fold, with gables below them
-  Floating  ///< a copy of both faces, raised by the walls' height
+  Roof,      ///< level on pages that lie flat; it rises in the middle as they shut
+  Gabled,    ///< two slopes from the walls to a ridge over the fold, with gables below them
+  Floating,  ///< a copy of both faces, raised by the walls' height
+  Pyramid    ///< two slopes and, at the ends, two more that are folded in the middle
 };
 
 /// Two walls parallel to the fold, joined by ends that are folded in the middle. The walls always
 /// stand in the direction between the faces.
 ///
 /// Shut it reaches half + height from the fold, with a roof 2 half + height, a floating lid
-/// lid + height. A gabled roof of slopes p = sqrt(half^2 + rise^2) reaches half + height + p; its
-/// ridge is sqrt(p^2 - half^2 sin^2(opening / 2)) above the walls, so it stays above the gables.
+/// lid + height. A gabled roof of slopes p = sqrt(half^2 + rise^2) reaches half + height + p, as
+/// does a pyramid; the ridge is sqrt(p^2 - half^2 sin^2(opening / 2)) above the walls, so it stays
+/// above the gables. A pyramid's slopes at the ends are not held by the ends: they fold outward,
+/// and rise above the walls.
+///
+/// An end folds outward or into the box. Both can fold inward if 2 half < length; two ends that
+/// fold the same way stay parallel.
 struct BoxElement {
   std::string name{"box"};
   double from_mm{}, to_mm{};
   double half_mm{}, height_mm{};
   BoxLid lid{BoxLid::None};
-  double lid_mm{};      ///< of each half of a floating lid; at least `half_mm`
-  double rise_mm{};     ///< of a gabled roof's ridge above the walls, on pages that lie flat
-  double eaves_mm{};    ///< of a gabled roof beyond the walls, down its slope
-  double verge_mm{};    ///< the same beyond the ends, along the fold
-  bool ends_out{true};  ///< the ends fold outward; else into the box
+  double lid_mm{};    ///< of each half of a floating lid; at least `half_mm`
+  double rise_mm{};   ///< of a ridge or a pyramid's top above the walls, on pages that lie flat
+  double eaves_mm{};  ///< of a gabled roof beyond the walls, down its slope
+  std::array<double, 2> verge_mm{};          ///< the same beyond both ends, along the fold
+  std::array<bool, 2> ends_out{true, true};  ///< which of both ends fold outward
+  std::array<bool, 2> has_hips{true, true};  ///< whether a pyramid has slopes at its ends
 };
 
 /// Two corners back to back: a panel that stands in the fold, with steps on both sides of it, each

@@ -16,6 +16,7 @@
 #include "core/formats/fold/crease_pattern.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/judge/glue_guide.hpp"
+#include "core/judge/sound_boxes.hpp"
 #include "core/judge/sound_design.hpp"
 #include "core/judge/sound_layers.hpp"
 #include "core/judge/sound_slices.hpp"
@@ -150,6 +151,15 @@ Result<DrawingInput> from_slices(const DesignSpec& spec, const SpecSources& sour
   return from_sound(spec, judge::sound_slices(spec, assets, "popcut", sources.progress), how);
 }
 
+Result<DrawingInput> from_boxes(const DesignSpec& spec, const SpecSources& sources,
+                                const SurfaceAssets& assets, const SvgReadOptions& how) {
+  const auto sound = judge::sound_boxes(spec, assets, "popcut", sources.progress);
+  if (sound && sources.boxed)
+    if (const auto kept = sources.boxed(spec, sound->made); !kept)
+      return tl::unexpected(kept.error());
+  return from_sound(spec, sound, how);
+}
+
 Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sources,
                                const SvgReadOptions& how) {
   auto spec = parse_design_spec(text);
@@ -160,6 +170,7 @@ Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sourc
   if (!assets) return tl::unexpected(assets.error());
   if (spec->style == DesignStyle::Layers) return from_layers(*spec, sources, *assets, how);
   if (spec->style == DesignStyle::Slices) return from_slices(*spec, sources, *assets, how);
+  if (spec->style == DesignStyle::Boxes) return from_boxes(*spec, sources, *assets, how);
   auto made = judge::sound_design(*spec, *assets, sources.progress);
   if (!made) return tl::unexpected(made.error().error);
   const std::string& cut_from = sources.material.empty() ? spec->material : sources.material;

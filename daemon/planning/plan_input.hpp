@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/design/boxes/boxed_card.hpp"
 #include "core/design/layers/layered_card.hpp"
 #include "core/design/patches.hpp"
 #include "core/drawing/linework.hpp"
@@ -49,6 +50,8 @@ struct SpecSources {
   std::function<Result<void>(const DesignSpec&, const LayeredCard&)> layered{};
   /// Optional: told of a card of slices before it is designed, and may refuse it.
   std::function<Result<void>()> sliced{};
+  /// Optional: receives a card of boxes.
+  std::function<Result<void>(const DesignSpec&, const BoxedCard&)> boxed{};
 };
 
 /// Reads a drawing, or designs a spec. `factor` raises the limits of FOLD and DXF files; those of

@@ -87,15 +87,20 @@ BoxElement random_box(std::mt19937& random, double from_mm) {
   BoxElement out;
   out.from_mm = from_mm, out.to_mm = from_mm + uniform(random, 30, 80);
   out.half_mm = uniform(random, 12, 35), out.height_mm = uniform(random, 15, 70);
-  out.lid = static_cast<BoxLid>(whole(random, 0, 3));
+  out.lid = static_cast<BoxLid>(whole(random, 0, 4));
   out.lid_mm = out.half_mm * uniform(random, 1.0, 2.0);
-  out.rise_mm = out.half_mm * uniform(random, 0.4, 2.0);
+  const bool is_pyramid = out.lid == BoxLid::Pyramid;
+  out.rise_mm = out.half_mm * (is_pyramid ? uniform(random, 1.0, 3.0) : uniform(random, 0.4, 2.0));
   const double slope = std::hypot(out.half_mm, out.rise_mm);
   out.eaves_mm =
       out.height_mm * slope / (slope + out.half_mm) * std::max(0.0, uniform(random, -0.5, 0.98));
-  out.verge_mm = uniform(random, 0.0, 6.0);
-  out.ends_out = out.lid == BoxLid::Floating || 2.0 * out.half_mm > out.to_mm - out.from_mm ||
-                 whole(random, 0, 1) == 0;
+  out.verge_mm = {uniform(random, 0.0, 6.0), uniform(random, 0.0, 6.0)};
+  out.has_hips = {whole(random, 0, 2) > 0, true};
+  if (whole(random, 0, 1) == 0) std::swap(out.has_hips[0], out.has_hips[1]);
+  // One end at least folds outward where both would meet.
+  const bool is_short = 2.0 * out.half_mm > out.to_mm - out.from_mm;
+  for (bool& end : out.ends_out) end = out.lid == BoxLid::Floating || whole(random, 0, 1) == 0;
+  if (is_short && !out.ends_out[0]) out.ends_out[1] = true;
   return out;
 }
 
@@ -244,12 +249,12 @@ TEST_CASE("elements 2 % outside their conditions are refused by the designer and
     const BoxElement box = random_box(random, 200);
     refused(box, (box.height_mm + (box.lid == BoxLid::Floating ? box.lid_mm
                                    : box.lid == BoxLid::Roof   ? 2.0 * box.half_mm
-                                   : box.lid == BoxLid::Gabled
+                                   : box.lid == BoxLid::Gabled || box.lid == BoxLid::Pyramid
                                        ? box.half_mm + std::hypot(box.half_mm, box.rise_mm)
                                        : box.half_mm)) /
                      1.02);
     BoxElement inward = random_box(random, 200);
-    inward.lid = BoxLid::None, inward.ends_out = false;
+    inward.lid = BoxLid::None, inward.ends_out = {false, false};
     inward.half_mm = 0.51 * (inward.to_mm - inward.from_mm);
     refused(inward);
   }

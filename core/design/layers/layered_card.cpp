@@ -421,12 +421,8 @@ Result<LayeredCard> layered_card(const DesignSpec& spec, const SurfaceAssets& as
   if (out.opens_flat) out.begin_mm = standing.at_mm.front() - along * layers.front().depth_mm;
   move_to_card(out, target->corners);
   out.target = std::move(*target);
-  const std::vector<double> folds = fold_lengths(out.card);
-  out.folds = folds.size();
-  out.tabs = out.card.joints.size();
-  std::size_t waste = 0;
-  for (const SheetPart& part : out.card.parts) waste += holes_of(part);
-  out.handwork = hands::handwork(folds, waste, out.tabs);
+  PartsWork work = parts_work(out.card);
+  out.folds = work.folds, out.tabs = work.tabs, out.handwork = std::move(work.handwork);
   warn(layers, spec.layers.layers, out);
   return out;
 }
@@ -519,6 +515,13 @@ Pattern parts_drawing(const Structure& card) {
   }
   out.wall_mm = u + row;
   return out;
+}
+
+PartsWork parts_work(const Structure& card) {
+  const std::vector<double> folds = fold_lengths(card);
+  std::size_t waste = 0;
+  for (const SheetPart& part : card.parts) waste += holes_of(part);
+  return {folds.size(), card.joints.size(), hands::handwork(folds, waste, card.joints.size())};
 }
 
 TriangleSoup faces_in_space(const Structure& card, const PartPoses& pose) {

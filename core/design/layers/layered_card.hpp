@@ -73,6 +73,13 @@ void move_to_card(const LayeredCard& made, std::vector<double>& corners);
 /// The same of all parts side by side.
 [[nodiscard]] Pattern parts_drawing(const Structure& card);
 
+/// What a person has to do for a card of parts: all its folds, waste and tabs.
+struct PartsWork {
+  std::size_t folds{}, tabs{};
+  hands::Handwork handwork;
+};
+[[nodiscard]] PartsWork parts_work(const Structure& card);
+
 /// All faces in a pose as triangles.
 [[nodiscard]] TriangleSoup faces_in_space(const Structure& card, const PartPoses& pose);
 

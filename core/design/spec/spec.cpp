@@ -29,7 +29,10 @@ class Design {
   bool complete() {
     set_min_panel();
     if (spec_.style == DesignStyle::Layers) return check_layers();
-    if (spec_.style == DesignStyle::Slices) return check_slices();
+    if (spec_.style == DesignStyle::Slices)
+      return check_solid("slices need a solid, and a formula or a grid has no inside");
+    if (spec_.style == DesignStyle::Boxes)
+      return check_solid("boxes need walls, and a formula or a grid does not say where these end");
     if (spec_.book && !set_book()) return false;
     if (is_of_facets(spec_.style)) return check_facet_surface() && set_facets();
     set_splay();
@@ -149,14 +152,13 @@ class Design {
     return true;
   }
 
-  /// Slices are cut from what has an inside.
-  bool check_slices() {
-    if (!check_standing("slices")) return false;
+  /// Slices and boxes are made of what has sides all around.
+  bool check_solid(const char* why) {
+    if (!check_standing(parts_word(spec_.style))) return false;
     const char* const word = solid_word(*spec_.surface);
     if (word != nullptr && std::string_view(word) != "grid") return true;
     return wrong("surface/type", ErrorKind::Malformed,
-                 "must be mesh, text or drawing; slices need a solid, and a formula or a grid has "
-                 "no inside");
+                 fmt::format("must be mesh, text or drawing; {}", why));
   }
 
   /// Layers stand on pages of their own, as the model's depth wants.
@@ -288,7 +290,8 @@ struct OwnStyle {
 constexpr OwnStyle kOwnStyles[] = {{"facets", "facets"},
                                    {"silhouette", "silhouette"},
                                    {"layers", "layers"},
-                                   {"slices", "sliceform"}};
+                                   {"slices", "sliceform"},
+                                   {"boxes", "boxes"}};
 
 /// The style where it is one of `kOwnStyles`, else "".
 std::string_view own_style(FieldReader& fields) {
@@ -401,7 +404,7 @@ bool read_patch(FieldReader& fields, std::size_t k, const json& root, SpecFields
   if (is_of_parts(spec.style)) {
     fields.refuse(below + "/style", ErrorKind::OutOfRange,
                   fmt::format("is {}, which are a card of their own; design them by themselves",
-                              spec.style == DesignStyle::Layers ? "layers" : "slices"));
+                              parts_word(spec.style)));
     return false;
   }
   if (is_of_facets(spec.style)) {
@@ -460,39 +463,46 @@ void read_patches(FieldReader& fields, const json& root, SpecFields& whole) {
 // ---- the schema
 
 /// The forms of a spec, each with what it needs and what cannot stand beside it: a lattice of one
-/// region, one of several regions, patches, facets, a silhouette, layers, slices. A book goes with
-/// lattices or has four cards.
+/// region, one of several regions, patches, facets, a silhouette, layers, slices, boxes. A book
+/// goes with lattices or has four cards.
 constexpr std::string_view kForms = R"({
   "one": {"required": ["surface", "units_per_slice", "slices", "widths_mm"],
           "properties": {"style": {"const": "lattice"}, "facets": false, "silhouette": false,
-                         "layers": false, "sliceform": false, "regions": false},
+                         "layers": false, "sliceform": false, "boxes": false, "regions": false},
           "additionalProperties": true},
   "several": {"required": ["regions"],
               "properties": {"style": {"const": "lattice"}, "facets": false,
-                             "silhouette": false, "layers": false, "sliceform": false},
+                             "silhouette": false, "layers": false, "sliceform": false,
+                             "boxes": false},
               "additionalProperties": true},
   "patches": {"required": ["patches"], "properties": {"book": false},
               "additionalProperties": true},
   "facets": {"required": ["style", "surface"],
              "properties": {"style": {"const": "facets"}, "silhouette": false,
-                            "layers": false, "sliceform": false},
+                            "layers": false, "sliceform": false, "boxes": false},
              "additionalProperties": true},
   "silhouette": {"required": ["style", "surface"],
                  "properties": {"style": {"const": "silhouette"}, "facets": false,
-                                "layers": false, "sliceform": false},
+                                "layers": false, "sliceform": false, "boxes": false},
                  "additionalProperties": true},
   "layers": {"required": ["style", "surface"],
              "properties": {"style": {"const": "layers"}, "facets": false, "silhouette": false,
-                            "sliceform": false,
+                            "sliceform": false, "boxes": false,
                             "book": false, "design_angle_deg": false, "card": false,
                             "min_panel_mm": false, "translate_mm": false, "sheet": false},
              "additionalProperties": true},
   "slices": {"required": ["style", "surface"],
              "properties": {"style": {"const": "slices"}, "facets": false, "silhouette": false,
-                            "layers": false,
+                            "layers": false, "boxes": false,
                             "book": false, "design_angle_deg": false, "card": false,
                             "min_panel_mm": false, "translate_mm": false, "sheet": false},
              "additionalProperties": true},
+  "boxes": {"required": ["style", "surface"],
+            "properties": {"style": {"const": "boxes"}, "facets": false, "silhouette": false,
+                           "layers": false, "sliceform": false,
+                           "book": false, "design_angle_deg": false, "card": false,
+                           "min_panel_mm": false, "translate_mm": false, "sheet": false},
+            "additionalProperties": true},
   "books": [
     {"properties": {"book": false}, "additionalProperties": true},
     {"properties": {
@@ -550,14 +560,15 @@ std::string design_spec_schema() {
   json forms = *parse_json(kForms);
   json &one = forms["one"], &several = forms["several"], &patches = forms["patches"],
        &facets = forms["facets"], &silhouette = forms["silhouette"], &layers = forms["layers"],
-       &slices = forms["slices"], &patch = forms["patch"], &schema = forms["spec"];
+       &slices = forms["slices"], &boxes = forms["boxes"], &patch = forms["patch"],
+       &schema = forms["spec"];
   forbid(several, kOneRegion);
-  for (json* form : {&facets, &silhouette, &layers, &slices}) forbid(*form, kOfLattices);
+  for (json* form : {&facets, &silhouette, &layers, &slices, &boxes}) forbid(*form, kOfLattices);
   patch["oneOf"] = {one, several};
   for (const FieldTable* table : {&tables.name, &tables.shared, &tables.design})
     for (const Field& row : table->rows)
       patch["properties"][std::string(row.name)]["$ref"] = fmt::format("#/properties/{}", row.name);
-  for (json* form : {&one, &several, &facets, &silhouette, &layers, &slices})
+  for (json* form : {&one, &several, &facets, &silhouette, &layers, &slices, &boxes})
     forbid(*form, tables.patches);
   forbid(patches, tables.design);
   for (const FieldTable* table :
@@ -565,7 +576,7 @@ std::string design_spec_schema() {
     describe_fields(*table, schema);
   schema["required"] = {"popcut"};
   schema["properties"]["patches"]["items"] = patch;
-  schema["oneOf"] = {one, several, patches, facets, silhouette, layers, slices};
+  schema["oneOf"] = {one, several, patches, facets, silhouette, layers, slices, boxes};
   schema["anyOf"] = forms["books"];
   return json_file(schema);
 }

@@ -63,16 +63,22 @@ enum class DesignStyle {
   Facets,      ///< origamic architecture: each point of the sheet lies in a plane of its own choice
   Silhouette,  ///< facets in a few upright planes with the target's outline, on struts
   Layers,      ///< several parts: upright layers on a card that opens flat
-  Slices       ///< several parts: two families of crossing slices on a card that opens flat
+  Slices,      ///< several parts: two families of crossing slices on a card that opens flat
+  Boxes        ///< several parts: boxes with roofs in a row on a card that opens flat
 };
 [[nodiscard]] constexpr bool is_of_facets(DesignStyle style) {
   return style == DesignStyle::Facets || style == DesignStyle::Silhouette;
 }
 
-/// Whether it is a card of several parts that opens flat.
-[[nodiscard]] constexpr bool is_of_parts(DesignStyle style) {
-  return style == DesignStyle::Layers || style == DesignStyle::Slices;
+/// What a card of several parts is made of, as a spec names it; null: it is of one sheet.
+[[nodiscard]] constexpr const char* parts_word(DesignStyle style) {
+  if (style == DesignStyle::Layers) return "layers";
+  if (style == DesignStyle::Slices) return "slices";
+  return style == DesignStyle::Boxes ? "boxes" : nullptr;
 }
+
+/// Whether it is a card of several parts that opens flat.
+[[nodiscard]] constexpr bool is_of_parts(DesignStyle style) { return parts_word(style) != nullptr; }
 
 /// How facets follow the curved parts of a target.
 enum class CurvedParts {
@@ -130,6 +136,13 @@ struct SlicesSpec {
   std::optional<double> spine_mm{};  ///< length of the spine; none: as the slices need
 };
 
+/// How a target is made of boxes (`"boxes"` of a spec, docs/parts.md).
+struct BoxesSpec {
+  int most{4};                       ///< boxes and tents
+  std::optional<double> page_mm{};   ///< from the spine outward; none: as the boxes need
+  std::optional<double> spine_mm{};  ///< length of the spine; none: as the boxes need
+};
+
 /// `Auto`: the one of the others that comes nearest to the target.
 enum class LatticeMethod { Branching, Slices, Conformal, Levels, Direct, Auto };
 inline constexpr std::array kLatticeNames{"branching", "slices", "conformal",
@@ -169,6 +182,7 @@ enum class PatchJoin {
 
 inline constexpr int kMostLayers = 9, kLeastCardLayers = 3;
 inline constexpr int kLeastSlices = 2, kMostCrossedSlices = 60;
+inline constexpr int kMostBoxes = 9;
 inline constexpr int kLeastCards = 3, kMostCards = 12;
 
 /// A book (`"book"` of a spec): cards around one spine, glued back to back, that show the target
@@ -192,6 +206,7 @@ struct DesignSpec {
   FacetSpec facets;                 ///< of facets and silhouettes only
   LayersSpec layers;                ///< of layers only
   SlicesSpec sliced;                ///< of crossing slices only
+  BoxesSpec boxes;                  ///< of boxes only
   std::vector<RegionSpec> regions;  ///< one where the spec has none: the whole; none of facets
   /// R1, R2 and R3 of a composite surface; `regions` have its formulas.
   std::optional<std::array<double, 3>> composite_radii;

@@ -558,6 +558,17 @@ FieldTable slices_table(SlicesSpec& sliced) {
   }};
 }
 
+FieldTable boxes_table(BoxesSpec& boxes) {
+  return {{
+      {"most", whole(&boxes.most, 1, kMostBoxes),
+       "how many boxes and tents at most; a shape that needs more is an error"},
+      {"page_mm", length_mm(&boxes.page_mm),
+       "width of each page, from the spine; if left out as the boxes need"},
+      {"spine_mm", length_mm(&boxes.spine_mm),
+       "length of the spine; if left out as the boxes need"},
+  }};
+}
+
 // ---- what is shared, and the patches
 
 FieldTable card_table(CardSpec& card) {
@@ -672,22 +683,26 @@ FieldTable design_table(SpecFields& spec) {
     return layers_table(spec.layers, spec.facets, spec.given_from_mm);
   };
   const auto sliceform = [&spec] { return slices_table(spec.sliced); };
+  const auto boxes = [&spec] { return boxes_table(spec.boxes); };
   const auto splay = [&spec] { return splay_table(spec.splay.emplace(), spec.given_ligament_mm); };
   const auto curvature = [&spec] {
     return curvature_table(spec.curvature.emplace(), spec.weights);
   };
   return {{
-      {"style", word(&spec.style, {"lattice", "facets", "silhouette", "layers", "slices"}),
+      {"style", word(&spec.style, {"lattice", "facets", "silhouette", "layers", "slices", "boxes"}),
        "what it is made of: lattice, slices of falling staircases; facets, origamic architecture: "
        "patches parallel to wall and ground, with cuts along contours; silhouette: a few upright "
        "layers with the outline of the shape, and few folds; layers: upright layers of several "
        "parts on a card that opens flat, to glue; slices: crossing slices of a solid, pushed "
-       "together, on a card that opens flat"},
+       "together, on a card that opens flat; boxes: walls and roofs of houses, on a card that "
+       "opens "
+       "flat"},
       {"facets", object(facets),
        "in place of units_per_slice, slices, widths_mm and regions, beside \"style\": \"facets\""},
       {"silhouette", object(silhouette), "the same, beside \"style\": \"silhouette\""},
       {"layers", object(layers), "the same, beside \"style\": \"layers\""},
       {"sliceform", object(sliceform), "the same, beside \"style\": \"slices\""},
+      {"boxes", object(boxes), "the same, beside \"style\": \"boxes\""},
       {"surface", surface(spec), "the target"},
       {"scale_mm", length_mm(&placement.scale_mm), "length of one unit of the surface"},
       {"rotate_deg",

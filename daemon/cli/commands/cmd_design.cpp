@@ -17,6 +17,7 @@
 #include "core/deploy/sheet_mesh.hpp"
 #include "core/deploy/shut_stack.hpp"
 #include "core/design/book_fit.hpp"
+#include "core/design/boxes/boxed_report.hpp"
 #include "core/design/layers/layered_report.hpp"
 #include "core/design/patches.hpp"
 #include "core/design/shape_fit.hpp"
@@ -29,6 +30,7 @@
 #include "core/formats/write/report_json.hpp"
 #include "core/formats/write/segments_csv.hpp"
 #include "core/judge/layers_likeness.hpp"
+#include "core/judge/sound_boxes.hpp"
 #include "core/judge/sound_design.hpp"
 #include "core/judge/sound_layers.hpp"
 #include "core/judge/sound_slices.hpp"
@@ -328,6 +330,9 @@ Result<void> list_examples(const Globals& globals) {
         : spec->style == DesignStyle::Slices
             ? fmt::format("slices, {} x {} on a card that opens flat, {}", spec->sliced.x_slices,
                           spec->sliced.y_slices, target)
+        : spec->style == DesignStyle::Boxes
+            ? fmt::format("boxes, at most {} on a card that opens flat, {}", spec->boxes.most,
+                          target)
         : spec->style == DesignStyle::Silhouette
             ? fmt::format("silhouette, {} layer{}, {}", spec->facets.layers,
                           spec->facets.layers == 1 ? "" : "s", target)
@@ -533,6 +538,19 @@ Result<void> slices_into(const PartsInto& into, const DesignSpec& spec,
                     sliced_report_json(made->made, seconds), [&] { say_slices(*made); });
 }
 
+/// A card of boxes: several parts, in files of its own.
+Result<void> boxes_into(const PartsInto& into, const DesignSpec& spec,
+                        const SurfaceAssets& assets) {
+  const auto made =
+      judge::sound_boxes(spec, assets, "popcut " POPCUT_VERSION, into.work->progress());
+  if (!made) return tl::unexpected(within(into.options.spec, made.error()));
+  const double seconds = into.seconds();
+  into.work->now("drawing the pictures");
+  return keep_parts(into, "boxes", seconds, *made,
+                    add_box_files(*made, into.material, seconds, into.wants, into.folder),
+                    boxed_report_json(made->made, seconds), [&] { say_boxes(*made); });
+}
+
 Result<void> design_into(const Options& options, const Globals& globals) {
   const auto formats = parse_formats(options.formats);
   if (!formats) return tl::unexpected(formats.error());
@@ -570,6 +588,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   const PartsInto into{options, globals, *material, wanted, *folder, work};
   if (spec->style == DesignStyle::Layers) return layers_into(into, *spec, *assets);
   if (spec->style == DesignStyle::Slices) return slices_into(into, *spec, *assets);
+  if (spec->style == DesignStyle::Boxes) return boxes_into(into, *spec, *assets);
   auto made = timed_design(*spec, *assets, *hands, work->progress());
   if (!made) {
     judge::DesignFault& fault = made.error();
@@ -582,7 +601,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
 
   if (options.around.any() && made->parts.size() > 1)
     return fail(ErrorKind::Usage, options.around.cover ? "--cover" : "--envelope",
-                "is for cards of one sheet, of layers and of slices; leave it out");
+                "is for cards of one sheet, of layers, of slices and of boxes; leave it out");
   std::vector<LineWork> dashed;
   const bool prints = std::any_of(formats->begin(), formats->end(),
                                   [](const Format& format) { return format.name == "pdf"; });
@@ -733,7 +752,7 @@ constexpr const char* kHelp =
     "its\n"
     "own folder card-01, card-02 and so on, and DIR gets book.json (sizes, distance from your\n"
     "shape, what is glued), book.glb (an animation) and book.svg (pictures from all sides).\n\n"
-    "A SPEC with the style layers or slices makes a card of several pieces that opens flat.\n"
+    "A SPEC with the style layers, slices or boxes makes a card of several pieces.\n"
     "pattern.fold has all pieces and their joints; the other drawings show them side by side.\n"
     "There is no csv, glb or poster.\n\n"
     "--formats also knows pdf (pattern.pdf, to print), cricut (cricut.svg, for Design Space),\n"

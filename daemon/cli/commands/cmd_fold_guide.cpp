@@ -18,6 +18,7 @@
 #include "core/hands/folding.hpp"
 #include "core/judge/glue_guide.hpp"
 #include "core/judge/sheet_motion.hpp"
+#include "core/judge/sound_boxes.hpp"
 #include "core/judge/sound_layers.hpp"
 #include "core/judge/sound_slices.hpp"
 #include "core/layout/sheet.hpp"
@@ -157,8 +158,7 @@ Result<std::optional<std::string>> parts_file(const Options& options, const Prog
   if (lists_joints(*text)) return std::optional(std::move(*text));
   if (!is_design_spec(*text)) return none;
   const auto spec = parse_design_spec(*text);
-  if (!spec || (spec->style != DesignStyle::Layers && spec->style != DesignStyle::Slices))
-    return none;
+  if (!spec || !is_of_parts(spec->style)) return none;
   const auto assets = load_assets(*spec, options.file);
   if (!assets) return tl::unexpected(within(options.file, assets.error()));
   const auto fold_of = [&](auto sound) -> Result<std::optional<std::string>> {
@@ -166,9 +166,11 @@ Result<std::optional<std::string>> parts_file(const Options& options, const Prog
     return std::optional(std::move(sound->fold));
   };
   constexpr const char* kCreator = "popcut " POPCUT_VERSION;
-  return spec->style == DesignStyle::Layers
-             ? fold_of(judge::sound_layers(*spec, *assets, kCreator, progress))
-             : fold_of(judge::sound_slices(*spec, *assets, kCreator, progress));
+  if (spec->style == DesignStyle::Layers)
+    return fold_of(judge::sound_layers(*spec, *assets, kCreator, progress));
+  if (spec->style == DesignStyle::Slices)
+    return fold_of(judge::sound_slices(*spec, *assets, kCreator, progress));
+  return fold_of(judge::sound_boxes(*spec, *assets, kCreator, progress));
 }
 
 Result<void> write_parts(const Options& options, const judge::GlueGuide& guide,

@@ -105,6 +105,17 @@ Result<void> keep_layers(const Options& options, PrintMode mode, const DesignSpe
   return {};
 }
 
+Result<void> keep_boxes(const Options& options, PrintMode mode, const DesignSpec& spec,
+                        const SurfaceAssets& assets, const BoxedCard& made, PrintedDesign& design) {
+  if (mode == PrintMode::Flat || mode == PrintMode::Lines)
+    return fail(ErrorKind::Usage, "--mode",
+                "must be view for a card of boxes: they are printed with the model's colours");
+  const auto model = model_of(options, spec, assets);
+  if (!model) return tl::unexpected(model.error());
+  design = planning::printed_boxes(made, *model);
+  return {};
+}
+
 /// Slices show the shape by their outlines: on their sheets are names, letters and outlines alone.
 Result<void> check_no_artwork(const Options& options, PrintMode mode) {
   for (const auto& [is_given, name] :
@@ -272,8 +283,9 @@ void say_next(const Options& options, const PlanJob& job) {
 /// What the printed design will look like: a picture, and each part as it opens.
 Result<void> add_preview(const PrintedDesign& design, const Plan& plan, const Artwork& artwork,
                          OutputFolder& folder) {
-  const auto picture = design.layers ? print_picture(*design.layers, plan.parts, artwork)
-                                     : print_picture(design, artwork);
+  const auto picture = design.layers  ? print_picture(*design.layers, plan.parts, artwork)
+                       : design.boxes ? print_picture(*design.boxes, plan.parts, artwork)
+                                      : print_picture(design, artwork);
   if (!picture) return tl::unexpected(picture.error());
   if (auto done = folder.add("preview.png", *picture); !done) return done;
   for (std::size_t k = 0; k < design.parts.size(); ++k)
@@ -375,6 +387,9 @@ Result<void> run_print(Options options, const Globals& globals) {
        [&] {
          has_artwork = false;
          return check_no_artwork(options, *mode);
+       },
+       [&](const DesignSpec& spec, const SurfaceAssets& assets, const BoxedCard& made) {
+         return keep_boxes(options, *mode, spec, assets, made, design);
        }});
   if (!job && !asked_for_marks && job.error().place == "--marks")
     return fail(job.error().kind, "--marks",
@@ -431,7 +446,9 @@ constexpr const char* kHelp =
     "  preview.glb             with --preview: the card as it opens, with its artwork (one sheet)\n"
     "  preview.png             with --preview: the model, and the printed card from two sides\n\n"
     "On a card of layers, each layer shows the model as you see it from the front. Outlines and\n"
-    "letters say where tabs are glued; 'popcut fold-guide' gives the order. Sheets of slices have\n"
+    "letters say where tabs are glued; 'popcut fold-guide' gives the order. Boxes show the "
+    "model's\n"
+    "colours on their walls and roofs. Sheets of slices have\n"
     "no artwork: they show the name of each slice, and where tabs are glued.\n\n"
     "Print at actual size. Load the sheet with the printed side up and the black square at the\n"
     "upper left. popcut prints the command that cuts it: 'popcut cut' with the same options and\n"

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "core/design/boxes/boxed_report.hpp"
 #include "core/design/layers/layered_report.hpp"
 #include "core/design/slices/sliced_report.hpp"
 #include "core/drawing/linework.hpp"
@@ -28,8 +29,14 @@ namespace layer_files_parts {
 namespace {
 
 /// As a person sees it who looks at the front: x towards that person, then up.
-std::vector<float> as_seen(const TriangleSoup& soup, bool looks_along_spine) {
+std::vector<float> as_seen(const TriangleSoup& soup, bool looks_along_spine, bool from_aside) {
   std::vector<float> out;
+  if (from_aside) {
+    for (std::size_t k = 0; k < soup.corners.size(); k += 3)
+      for (const std::size_t axis : {0U, 2U, 1U})
+        out.push_back(static_cast<float>((axis == 1 ? -1.0 : 1.0) * soup.corners[k + axis]));
+    return out;
+  }
   out.reserve(soup.corners.size());
   const double along = looks_along_spine ? -1.0 : 1.0;
   for (std::size_t k = 0; k < soup.corners.size(); k += 3) {
@@ -60,6 +67,7 @@ struct PartsToWrite {
   std::size_t count{};
   std::string report;
   std::function<PartPoses(double opening_rad)> pose;
+  bool from_aside{};  ///< looked at along the pages' x axis, with the spine from left to right
 };
 
 Result<std::string> picture_of(const PartsToWrite& made) {
@@ -68,8 +76,8 @@ Result<std::string> picture_of(const PartsToWrite& made) {
   for (const double opening_deg : made.card.opens_deg < 180.0 ? corner : flat)
     openings.push_back({fmt::format("{:g} degrees", opening_deg),
                         as_seen(faces_in_space(made.card, made.pose(radians(opening_deg))),
-                                made.looks_along_spine)});
-  return opened_picture(openings, as_seen(made.target, made.looks_along_spine),
+                                made.looks_along_spine, made.from_aside)});
+  return opened_picture(openings, as_seen(made.target, made.looks_along_spine, made.from_aside),
                         fmt::format("{}: {} {} on pages of {:.0f} x {:.0f} mm", made.card.name,
                                     made.count, made.what, made.card.page_mm, made.card.length_mm));
 }
@@ -148,6 +156,45 @@ Result<std::string> add_slice_files(const judge::SoundSlices& sound, const Mater
        sliced_report_json(made, seconds),
        [&](double opening_rad) { return layer_files_parts::level_pose(made.card, opening_rad); }},
       material, wants, folder);
+}
+
+Result<std::string> add_box_files(const judge::SoundBoxes& sound, const Material& material,
+                                  double seconds,
+                                  const std::function<bool(std::string_view)>& wants,
+                                  OutputFolder& folder) {
+  const BoxedCard& made = sound.made;
+  return layer_files_parts::add_files(
+      {made.card, sound.fold, made.target, false, made.boxes.size() == 1 ? "box" : "boxes",
+       made.boxes.size(), boxed_report_json(made, seconds),
+       [&](double opening_rad) { return pose_at(made, opening_rad); }, !made.faces_along_spine()},
+      material, wants, folder);
+}
+
+void say_boxes(const judge::SoundBoxes& sound) {
+  const BoxedCard& made = sound.made;
+  fmt::print(stderr, "{}: {} box{} on a card that opens flat, in one movement\n",
+             shown_text(made.card.name), made.boxes.size(), made.boxes.size() == 1 ? "" : "es");
+  fmt::print(stderr,
+             "  pages    {:.1f} mm from the spine, {:.1f} mm along it; shut, the boxes reach "
+             "{:.1f} mm, and the stack is {:.1f} mm high\n",
+             made.card.page_mm, made.card.length_mm, sound.report.closed_mm, sound.report.stack_mm);
+  for (const CardBox& box : made.boxes)
+    fmt::print(
+        stderr, "  {:<8} {:.1f} mm long, {:.1f} wide, {:.1f} high; {}, {} panels\n", box.name,
+        box.block.to_mm - box.block.from_mm, 2.0 * box.block.half_mm, box.block.top_mm(),
+        box.block.is_tent()
+            ? "slopes alone"
+            : fmt::format("walls {:.1f} mm, {} roof", box.block.height_mm, roof_word(box.block)),
+        box.panels);
+  fmt::print(stderr, "  pieces   {}, with {} tabs to glue\n", made.card.parts.size(), made.tabs);
+  fmt::print(stderr, "  by hand  {}\n", hands::handwork_words(made.handwork));
+  if (sound.report.wobble_mm)
+    fmt::print(stderr, "  holds    panels move {:.2g} mm at most, when folds are 0.1 mm off\n",
+               *sound.report.wobble_mm);
+  fmt::print(stderr, "  shape    {:.2f} % of its size off on average; {:.0f} % of it within 2 %\n",
+             100.0 * made.error(), 100.0 * made.fit.share_within[1]);
+  for (const Warning& warning : made.warnings)
+    fmt::print(stderr, "  warning  {}\n", shown_text(warning.message));
 }
 
 void say_slices(const judge::SoundSlices& sound) {

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "core/compare/printed.hpp"
+#include "core/judge/sound_boxes.hpp"
 #include "core/judge/sound_layers.hpp"
 #include "core/judge/sound_slices.hpp"
 #include "core/machines/machine.hpp"
@@ -29,7 +30,14 @@ namespace popcut::cli {
     const judge::SoundSlices& sound, const Material& material, double seconds,
     const std::function<bool(std::string_view)>& wants, OutputFolder& folder);
 
+/// The same of a card of boxes.
+[[nodiscard]] Result<std::string> add_box_files(const judge::SoundBoxes& sound,
+                                                const Material& material, double seconds,
+                                                const std::function<bool(std::string_view)>& wants,
+                                                OutputFolder& folder);
+
 /// What a person wants to know of it first, to standard error.
+void say_boxes(const judge::SoundBoxes& sound);
 void say_slices(const judge::SoundSlices& sound);
 void say_layers(const judge::SoundLayers& sound, const likeness::PrintedFigures& printed);
 

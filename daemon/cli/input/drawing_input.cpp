@@ -142,7 +142,11 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
         if (!designed.layered) return {};
         return designed.layered(spec, assets, made);
       },
-      designed.sliced};
+      designed.sliced,
+      [&](const DesignSpec& spec, const BoxedCard& made) -> Result<void> {
+        if (!designed.boxed) return {};
+        return designed.boxed(spec, assets, made);
+      }};
   auto input = planning::drawing_from_text(std::move(*text), *kind, how, *factor, beside);
   if (!input && input.error().reason == ErrorReason::TooMuch && *factor < 100)
     input.error().detail +=

@@ -13,13 +13,14 @@ namespace popcut::cli {
 
 using planning::DrawingInput;
 
-/// What is called with the design of a spec, or a card of layers, and the contents of the files
-/// that it names; each may be empty.
+/// What is called with the design of a spec, or a card of layers or of boxes, and the contents of
+/// the files that it names; each may be empty.
 struct DesignVisitor {
   std::function<Result<void>(const DesignSpec&, const SurfaceAssets&, const PatchAssembly&)>
       designed;
   std::function<Result<void>(const DesignSpec&, const SurfaceAssets&, const LayeredCard&)> layered;
   std::function<Result<void>()> sliced{};  ///< told of a card of slices, and may refuse it
+  std::function<Result<void>(const DesignSpec&, const SurfaceAssets&, const BoxedCard&)> boxed{};
 };
 
 /// Reads a design spec (and designs it), a FOLD, SVG or DXF file, by its ending or else its first

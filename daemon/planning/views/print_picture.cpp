@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/artwork/boxes_artwork.hpp"
 #include "core/artwork/layers_artwork.hpp"
 #include "core/artwork/lit_picture.hpp"
 #include "core/artwork/standing_print.hpp"
@@ -65,6 +66,26 @@ class Strip {
   std::vector<std::uint8_t> rgb_;
 };
 
+/// A model from the front, which looks along x, and its card open flat: from there and from both
+/// sides.
+Result<std::string> open_picture(const ColourMesh& model, const ColourMesh& card, int tile_px) {
+  const auto side = static_cast<std::size_t>(tile_px);
+  PictureLook look;
+  look.width_px = look.height_px = side;
+  const auto toward = [](double turn_deg) {
+    return Vec3{std::cos(radians(turn_deg)), std::sin(radians(turn_deg)), std::tan(radians(30))};
+  };
+  look.toward = toward(0);
+  Strip strip(4, side);
+  strip.add(lit_picture(model, look));
+  look.back = kBack;
+  for (const double turn_deg : {0.0, -35.0, 35.0}) {
+    look.toward = toward(turn_deg);
+    strip.add(lit_picture(card, look));
+  }
+  return strip.png();
+}
+
 }  // namespace
 }  // namespace print_picture_parts
 
@@ -94,23 +115,15 @@ Result<std::string> print_picture(const PrintedDesign& design, const Artwork& ar
 
 Result<std::string> print_picture(const PrintedLayers& layers, std::span<const DrawnPart> places,
                                   const Artwork& artwork, int tile_px) {
-  using namespace print_picture_parts;
-  const auto side = static_cast<std::size_t>(tile_px);
-  PictureLook look;
-  look.width_px = look.height_px = side;
-  const auto toward = [](double turn_deg) {
-    return Vec3{std::cos(radians(turn_deg)), std::sin(radians(turn_deg)), std::tan(radians(30))};
-  };
-  look.toward = toward(0);
-  Strip strip(4, side);
-  strip.add(lit_picture(as_seen_in_front(layers.card, layers.model), look));
-  const ColourMesh card = standing_layers(layers.card, places, artwork);
-  look.back = kBack;
-  for (const double turn_deg : {0.0, -35.0, 35.0}) {
-    look.toward = toward(turn_deg);
-    strip.add(lit_picture(card, look));
-  }
-  return strip.png();
+  return print_picture_parts::open_picture(as_seen_in_front(layers.card, layers.model),
+                                           standing_layers(layers.card, places, artwork), tile_px);
+}
+
+Result<std::string> print_picture(const PrintedBoxes& boxes, std::span<const DrawnPart> places,
+                                  const Artwork& artwork, int tile_px) {
+  return print_picture_parts::open_picture(
+      as_seen_in_front(boxes.card, boxes.model),
+      as_seen_in_front(boxes.card, standing_boxes(boxes.card, places, artwork)), tile_px);
 }
 
 }  // namespace popcut::planning

@@ -22,10 +22,13 @@ namespace popcut::planning {
 [[nodiscard]] Result<std::string> print_picture(const PrintedDesign& design, const Artwork& artwork,
                                                 bool with_model = true, int tile_px = 480);
 
-/// The same of a card of layers: the model from the front and a little from above, the card from
-/// there and from both sides.
+/// The same of a card of boxes or of layers: the model from the front and a little from above, the
+/// card from there and from both sides.
 ///
 /// @param places  of its parts (`Plan::parts`)
+[[nodiscard]] Result<std::string> print_picture(const PrintedBoxes& boxes,
+                                                std::span<const DrawnPart> places,
+                                                const Artwork& artwork, int tile_px = 480);
 [[nodiscard]] Result<std::string> print_picture(const PrintedLayers& layers,
                                                 std::span<const DrawnPart> places,
                                                 const Artwork& artwork, int tile_px = 480);

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/artwork/boxes_artwork.hpp"
 #include "core/artwork/colour_mesh_reader.hpp"
 #include "core/artwork/layers_artwork.hpp"
 #include "core/design/book.hpp"
@@ -54,10 +55,10 @@ Result<ColourMesh> asset_colours(const std::string& id, const std::string& bytes
 }
 
 double usual_shade(const PrintedDesign& design) {
-  // Layers stand as the model's fronts do, so the light of the room shades them too.
-  constexpr double kOfClay = 0.6, kOfClayLayers = 0.35;
+  // Layers and boxes stand as the model's sides do, so the light of the room shades them too.
+  constexpr double kOfClay = 0.6, kOfClayParts = 0.35;
   if (design.coloured) return 0;
-  return design.layers ? kOfClayLayers : kOfClay;
+  return design.layers || design.boxes ? kOfClayParts : kOfClay;
 }
 
 Result<PrintedDesign> printed_design(const DesignSpec& spec, const SurfaceAssets& assets,
@@ -91,6 +92,13 @@ PrintedDesign printed_layers(const LayeredCard& made, const std::optional<Colour
   return out;
 }
 
+PrintedDesign printed_boxes(const BoxedCard& made, const std::optional<ColourMesh>& model) {
+  PrintedDesign out;
+  out.coloured = model && model->coloured;
+  out.boxes = PrintedBoxes{made, model ? model_on_card(made, *model) : clay_on_card(made)};
+  return out;
+}
+
 Result<Artwork> planned_artwork(const PrintedDesign& design, const Plan& plan, const Texture* image,
                                 ArtworkOptions how) {
   const Placement& map = plan.drawing_transform;
@@ -99,6 +107,7 @@ Result<Artwork> planned_artwork(const PrintedDesign& design, const Plan& plan, c
   how.trapping = {how.trapping.trap_mm / scale, how.trapping.bleed_mm / scale};
   if (design.layers)
     return layers_artwork(design.layers->card, design.layers->model, plan.parts, how);
+  if (design.boxes) return boxes_artwork(design.boxes->card, design.boxes->model, plan.parts, how);
   std::vector<const Pattern*> parts;
   for (const Pattern& part : design.parts) parts.push_back(&part);
   return design_artwork(parts, design.models, image, how);

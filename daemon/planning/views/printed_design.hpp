@@ -7,6 +7,7 @@
 
 #include "core/artwork/colour_mesh.hpp"
 #include "core/artwork/design_artwork.hpp"
+#include "core/design/boxes/boxed_card.hpp"
 #include "core/design/layers/layered_card.hpp"
 #include "core/design/patches.hpp"
 #include "core/plan/plan.hpp"
@@ -20,6 +21,12 @@ struct PrintedLayers {
   ColourMesh model;
 };
 
+/// The same of a card of boxes.
+struct PrintedBoxes {
+  BoxedCard card;
+  ColourMesh model;
+};
+
 /// A design, and the models whose colours are printed on its parts.
 struct PrintedDesign {
   std::vector<Pattern> parts;
@@ -27,13 +34,17 @@ struct PrintedDesign {
   bool coloured{false};                   ///< they have colours of their own
   bool around{false};                     ///< the parts are the cards of a book
   std::optional<PrintedLayers> layers{};  ///< in place of parts and models
+  std::optional<PrintedBoxes> boxes{};    ///< the same
 
-  [[nodiscard]] bool empty() const { return parts.empty() && !layers; }
+  [[nodiscard]] bool empty() const { return parts.empty() && !layers && !boxes; }
 };
 
 /// @param model  in units and axes of the spec's surface; none: the shape itself, as clay
 [[nodiscard]] PrintedDesign printed_layers(const LayeredCard& made,
                                            const std::optional<ColourMesh>& model);
+
+[[nodiscard]] PrintedDesign printed_boxes(const BoxedCard& made,
+                                          const std::optional<ColourMesh>& model);
 
 /// How much of a model's colour depends on the light, unless somebody says so: colours that were
 /// painted on have their shades already.

@@ -111,6 +111,43 @@ function house() {
   return m;
 }
 
+/** Two slopes as boards over walls from `y0` to `y1`, down to `low` beyond them; the ridge runs along x. */
+function slopes(m, colour, [y0, y1], [x0, x1], walls, ridge, beyond, thick, side) {
+  const middle = (y0 + y1) / 2, low = walls - (beyond * (ridge - walls)) / (middle - y0);
+  m.prism(colour, [[y0 - beyond, low], [middle, ridge], [middle, ridge + thick], [y0 - beyond, low + thick]], x0, x1, side);
+  m.prism(colour, [[middle, ridge], [y1 + beyond, low], [y1 + beyond, low + thick], [middle, ridge + thick]], x0, x1, side);
+}
+
+/** A nave, and a tower with a spire before it. */
+function church() {
+  const m = new Model();
+  const wall = 'efe6d2', roof = '8a4b38', glass = '44679b', door = '5b3a2c';
+  m.prism(wall, [[0, 0], [44, 0], [44, 28], [22, 52], [0, 28]], 0, 80);
+  slopes(m, roof, [0, 44], [-3, 80], 28, 52, 4, 1.5, '6e3a2b');
+  m.box('e4d8bf', [80, 10, 0], [104, 34, 66]);
+  const top = [92, 22, 112];
+  for (const [a, b] of [[[80, 10], [104, 10]], [[104, 10], [104, 34]], [[104, 34], [80, 34]], [[80, 34], [80, 10]]])
+    m.face('5d6b78', [[...a, 66], [...b, 66], top]);
+  m.sign(door, 104, 16, 0, 28, 20, 0.8), m.sign(glass, 104, 18, 44, 26, 58, 0.8);
+  for (const x of [10, 32, 54])
+    m.box(glass, [x, -0.6, 8], [x + 10, 0.1, 22]), m.box(glass, [x, 43.9, 8], [x + 10, 44.6, 22]);
+  for (const [y0, y1] of [[9.4, 10.1], [33.9, 34.6]]) m.box(glass, [88, y0, 44], [96, y1, 58]);
+  return m;
+}
+
+/** A wide roof on low walls, with a small tower on its ridge. */
+function barn() {
+  const m = new Model();
+  const wall = 'a8322a', roof = '6b6f75', white = 'f6f2ea';
+  m.prism(wall, [[0, 0], [64, 0], [64, 30], [32, 54], [0, 30]], 0, 90);
+  slopes(m, roof, [0, 64], [-4, 94], 30, 54, 5, 1.5, '55585d');
+  m.box(white, [40, 27, 46], [50, 37, 64]), m.prism(roof, [[25, 64], [39, 64], [32, 70]], 38, 52);
+  m.sign(white, 90, 18, 0, 46, 26, 0.6), m.sign('8c261f', 90, 20, 0, 31, 24, 0.9), m.sign('8c261f', 90, 33, 0, 44, 24, 0.9);
+  m.sign(white, 90, 27, 36, 37, 46, 0.6);
+  for (const x of [12, 40, 68]) m.box(white, [x, -0.6, 10], [x + 10, 0.1, 20]), m.box(white, [x, 63.9, 10], [x + 10, 64.6, 20]);
+  return m;
+}
+
 function city() {
   const m = new Model(), next = random(7);
   const whole = (low, high) => low + Math.floor(next() * (high - low + 1));
@@ -239,6 +276,6 @@ async function packages(require) {
 }
 
 fs.mkdirSync(folder, { recursive: true });
-for (const [name, make] of Object.entries({ house, city, car, boat, lighthouse, tree }))
+for (const [name, make] of Object.entries({ house, church, barn, city, car, boat, lighthouse, tree }))
   if (isWanted(name)) make().write(name);
 await packages(createRequire(path.join(path.resolve(npm), 'x')));

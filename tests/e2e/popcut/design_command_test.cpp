@@ -284,6 +284,52 @@ TEST_CASE("layers are designed, verified and planned as a card of several pieces
         std::string::npos);
 }
 
+TEST_CASE("boxes are designed, verified, planned, printed and shown step by step",
+          "[cli][e2e][design]") {
+  const Bench bench;
+  json spec = json::parse(text_of_file(source_file("docs/parts/box-house.json")));
+  spec["surface"]["file"] = "house.glb";
+  bench.write("house.json", spec);
+  fs::copy_file(source_file("examples/house.glb"), bench.temp / "house.glb");
+  const Ran made = bench.design({"house.json", "-o", "house"});
+  CAPTURE(made.err);
+  REQUIRE(made.exit == 0);
+  CHECK(made.err.find("house: 1 box on a card that opens flat, in one movement") !=
+        std::string::npos);
+  CHECK(made.err.find("gabled roof, 8 panels") != std::string::npos);
+  const json report = bench.read_json("house/report.json");
+  CHECK(report["style"] == "boxes");
+  CHECK(report["panels"] == 8);
+  CHECK(report["error"] < 0.01);
+  CHECK(report["seen"]["error"] < 0.3);
+  CHECK(report["boxes"][0]["roof"] == "gabled");
+  for (const char* file : {"pattern.svg", "cut.svg", "pattern.dxf", "pattern.png", "deployed.png"})
+    CHECK(fs::exists(bench.temp / "house" / file));
+  CHECK(bench.popcut({"verify", "house/pattern.fold"}).exit == 0);
+  check_cut(bench, "house/pattern.fold", report["pieces"]);
+  for (const char* input : {"house.json", "house/pattern.fold"}) {
+    const Ran guide = bench.popcut({"fold-guide", input, "-o", "guide"});
+    CAPTURE(input, guide.err);
+    REQUIRE(guide.exit == 0);
+    CHECK(bench.read_json("guide/fold-guide.json")["tabs"].size() == report["tabs"]);
+  }
+  const Ran printed = bench.popcut({"print", "house.json", "-o", "pages", "--machine", "none",
+                                    "--mat", "A4", "--dpi", "75", "--preview"});
+  CAPTURE(printed.err);
+  REQUIRE(printed.exit == 0);
+  CHECK(printed.err.find("in the model's colours") != std::string::npos);
+  CHECK(fs::exists(bench.temp / "pages" / "preview.png"));
+  const Ran lines = bench.popcut({"print", "house.json", "-o", "flat", "--mode", "lines"});
+  CHECK(lines.exit == 2);
+  CHECK(lines.err.find("--mode: must be view for a card of boxes") != std::string::npos);
+  spec["boxes"] = {{"page_mm", 40}};
+  bench.write("small.json", spec);
+  const Ran small = bench.design({"small.json", "-o", "small"});
+  CHECK(small.exit == 4);
+  CHECK(small.err.find("/boxes/page_mm: is 40; the boxes need pages of at least") !=
+        std::string::npos);
+}
+
 TEST_CASE("slices are designed, verified and planned as a card of several pieces",
           "[cli][e2e][design]") {
   const Bench bench;

@@ -9,12 +9,14 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "core/artwork/boxes_artwork.hpp"
 #include "core/artwork/colour_mesh_reader.hpp"
 #include "core/artwork/design_artwork.hpp"
 #include "core/artwork/layers_artwork.hpp"
 #include "core/artwork/printed_sheet.hpp"
 #include "core/deploy/glb.hpp"
 #include "core/deploy/pose_table.hpp"
+#include "core/design/boxes/boxed_card.hpp"
 #include "core/design/layers/layered_card.hpp"
 #include "core/design/patches.hpp"
 #include "core/machines/machine.hpp"
@@ -646,12 +648,78 @@ TEST_CASE("layers are printed with what of the model stands there, and pages and
       CHECK(red + green > 1000);
     }
     const ColourMesh card = standing_layers(made, places, *artwork);
-    CHECK(card.size() > 50);
+    CHECK(card.size() > 25);
     CHECK(card.st.size() == 3 * card.size());
     how.mode = PrintMode::Lines;
     CHECK_FALSE(layers_artwork(made, model, places, how));
   }
   CHECK(looks[0] != looks[1]);  // the front is at either end of the spine
+}
+
+TEST_CASE("boxes are printed with the colours of the model's sides, windows too, and tabs are bare",
+          "[artwork][boxes]") {
+  // Walls 60 mm long and 30 wide; a window of the x side stands 1 mm out of it.
+  const std::string obj =
+      "v 0 0 0\nv 30 0 0\nv 30 60 0\nv 0 60 0\nv 0 0 40\nv 30 0 40\nv 30 60 40\nv 0 60 40\n"
+      "v 31 20 10\nv 31 40 10\nv 31 40 30\nv 31 20 30\n"
+      "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nf 9 10 11 12\n";
+  const auto spec =
+      parse_design_spec(R"({"popcut":1,"style":"boxes","surface":{"type":"mesh","file":"a.obj"}})");
+  if (!spec) FAIL(message(spec.error()));
+  const auto made = boxed_card(*spec, {{"a.obj", obj}});
+  if (!made) FAIL(message(made.error()));
+  ColourMesh model = clay_on_card(*made);
+  // The roof red, the window blue, all else green.
+  model.surfacings = {{{0, 255, 0, 255}}, {{255, 0, 0, 255}}, {{0, 0, 255, 255}}};
+  double window_x = 0.0;
+  for (std::uint32_t t = 0; t < model.size(); ++t) {
+    double least_z = 1e9, least_x = 1e9;
+    for (std::size_t k = 0; k < 3; ++k)
+      least_z = std::min(least_z, model.soup.corner(t, k).z()),
+      least_x = std::min(least_x, model.soup.corner(t, k).x());
+    model.surfacing_of[t] = least_z > 39.9 ? 1 : least_x > 15.5 ? 2 : 0;
+    if (model.surfacing_of[t] == 2) window_x = least_x;
+  }
+  CHECK(window_x > 15.5);
+  std::vector<DrawnPart> places;
+  double x = 0.0;
+  for (const SheetPart& part : made->card.parts) {
+    Eigen::AlignedBox2d box;
+    for (const Vec2& p : part.vertices) box.extend(p);
+    places.push_back({part.name, {x, 0.0, x + box.sizes().y(), box.sizes().x()}});
+    x += box.sizes().y() + 10.0;
+  }
+  ArtworkOptions how;
+  how.pixel_mm = 0.25;
+  how.trapping = {0.0, 0.0};
+  const auto artwork = boxes_artwork(*made, model, places, how);
+  if (!artwork) FAIL(message(artwork.error()));
+  std::array<std::array<std::size_t, 4>, 3> pixels{};  // red, green, blue, bare; of each part
+  for (std::size_t j = 0; j < artwork->frame.height; ++j)
+    for (std::size_t i = 0; i < artwork->frame.width; ++i) {
+      const PagePoint at = artwork->frame.middle(i, j);
+      if (artwork->on_paper[j * artwork->frame.width + i] == 0) continue;
+      for (std::size_t p = 0; p < places.size(); ++p) {
+        const Box& box = places[p].box;
+        if (at.x < box.x0 || at.x > box.x1 || at.y < box.y0 || at.y > box.y1) continue;
+        const Colour colour = artwork->image.colour(i, j);
+        ++pixels[p][colour.a < 128 ? 3 : colour.r > 128 ? 0 : colour.g > 128 ? 1 : 2];
+      }
+    }
+  REQUIRE(places.size() == 3);  // pages, walls, lid
+  const auto mm2 = [&](std::size_t part, std::size_t colour) {
+    return how.pixel_mm * how.pixel_mm * static_cast<double>(pixels[part][colour]);
+  };
+  CHECK(pixels[0][0] + pixels[0][1] + pixels[0][2] == 0);
+  CHECK(mm2(1, 2) == Approx(20.0 * 20.0).epsilon(0.15));           // the window
+  CHECK(mm2(1, 1) == Approx(180.0 * 40.0 - 400.0).epsilon(0.05));  // the walls
+  CHECK(mm2(2, 0) == Approx(30.0 * 60.0).epsilon(0.05));           // the roof
+  CHECK(mm2(1, 3) > 100.0);                                        // tabs
+  const ColourMesh card = standing_boxes(*made, places, *artwork);
+  CHECK(card.size() == 20);  // two pages and eight panels, without tabs
+  CHECK(card.st.size() == 3 * card.size());
+  how.mode = PrintMode::Flat;
+  CHECK_FALSE(boxes_artwork(*made, model, places, how));
 }
 
 }  // namespace

@@ -2,7 +2,9 @@
 // Cards of several parts, and the faults that verify must find in them.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <random>
 #include <string>
 #include <utility>
@@ -21,11 +23,13 @@
 #include "core/judge/glue_guide.hpp"
 #include "core/judge/glue_order.hpp"
 #include "core/judge/layers_likeness.hpp"
+#include "core/judge/sound_boxes.hpp"
 #include "core/judge/sound_layers.hpp"
 #include "core/judge/sound_slices.hpp"
 #include "core/parts/elements.hpp"
 #include "core/parts/structure_fold.hpp"
 #include "core/verify/parts/parts.hpp"
+#include "tests/support/paths.hpp"
 
 namespace verify_parts_test {
 
@@ -279,7 +283,8 @@ TEST_CASE("a gabled house of eight panels has the walls, gables and slopes of it
   BoxElement house;
   house.name = "house";
   house.from_mm = 35.0, house.to_mm = 105.0, house.half_mm = 24.0, house.height_mm = 30.0;
-  house.lid = BoxLid::Gabled, house.rise_mm = 20.0, house.eaves_mm = 5.0, house.verge_mm = 3.0;
+  house.lid = BoxLid::Gabled, house.rise_mm = 20.0, house.eaves_mm = 5.0;
+  house.verge_mm = {3.0, 3.0};
   REQUIRE(add(card, spine_of(card), house));
   const PartsVerifyReport report = judged(text_of(card));
   if (!report.ok()) FAIL(verify_text(report));
@@ -1146,6 +1151,178 @@ TEST_CASE("a solid that cannot be sliced says why, and what would do", "[core][p
                "/sliceform/frame_deg");
   refused_spec(R"("surface":{"type":"mesh","file":"a.obj"},"layers":{})", "/layers");
   refused_spec(R"("surface":{"type":"mesh","file":"a.obj"},"card":false)", "/card");
+}
+
+namespace {
+
+/// Boxes, houses and pyramids, with the spine along y.
+struct Village : ObjText {
+  void box(double x0, double x1, double y0, double y1, double z0, double z1) {
+    const std::size_t n = corners;
+    for (const double z : {z0, z1})
+      for (const auto& [x, y] :
+           {std::pair(x0, y0), std::pair(x1, y0), std::pair(x1, y1), std::pair(x0, y1)})
+        corner(x, y, z);
+    face({n + 3, n + 2, n + 1, n}), face({n + 4, n + 5, n + 6, n + 7});
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::size_t l = (k + 1) % 4;
+      face({n + k, n + l, n + 4 + l, n + 4 + k});
+    }
+  }
+  /// Walls, gables, and a roof that goes beyond them.
+  void house(double half, double y0, double y1, double walls, double rise, double eaves,
+             double verge) {
+    const std::size_t n = corners;
+    for (const double y : {y0, y1})
+      for (const auto& [x, z] :
+           {std::pair(-half, 0.0), std::pair(half, 0.0), std::pair(half, walls),
+            std::pair(0.0, walls + rise), std::pair(-half, walls)})
+        corner(x, y, z);
+    face({n, n + 1, n + 2, n + 3, n + 4}), face({n + 9, n + 8, n + 7, n + 6, n + 5});
+    face({n + 1, n + 6, n + 7, n + 2}), face({n, n + 4, n + 9, n + 5}),
+        face({n, n + 5, n + 6, n + 1});
+    const double low = walls - eaves * rise / half;
+    for (const double side : {-1.0, 1.0}) {
+      const std::size_t r = corners;
+      corner(0.0, y0 - verge, walls + rise), corner(0.0, y1 + verge, walls + rise);
+      corner(side * (half + eaves), y1 + verge, low),
+          corner(side * (half + eaves), y0 - verge, low);
+      face({r, r + 1, r + 2, r + 3});
+    }
+  }
+  void pyramid(double half, double y0, double y1, double walls, double top) {
+    const std::size_t n = corners;
+    corner(-half, y0, walls), corner(half, y0, walls), corner(half, y1, walls);
+    corner(-half, y1, walls), corner(0.0, 0.5 * (y0 + y1), top);
+    for (std::size_t k = 0; k < 4; ++k) face({n + k, n + (k + 1) % 4, n + 4});
+  }
+};
+
+std::string church_obj() {
+  Village out;
+  out.house(20.0, 0.0, 70.0, 25.0, 22.0, 3.0, 0.0);
+  out.box(-11.0, 11.0, -22.0, 0.0, 0.0, 60.0);
+  out.pyramid(11.0, -22.0, 0.0, 60.0, 100.0);
+  return out.text;
+}
+
+std::string barn_obj() {
+  Village out;
+  out.house(32.0, 0.0, 90.0, 30.0, 22.0, 4.0, 4.0);
+  out.box(-6.0, 6.0, 40.0, 52.0, 45.0, 60.0);                                            // a cupola
+  out.box(-8.0, 8.0, -0.8, 0.0, 0.0, 18.0), out.box(32.0, 32.8, 20.0, 40.0, 0.0, 15.0);  // doors
+  return out.text;
+}
+
+DesignSpec boxes_spec(const std::string& file, const std::string& rest) {
+  auto spec = parse_design_spec(
+      R"({"popcut":1,"name":"model","style":"boxes","surface":{"type":"mesh","file":")" + file +
+      R"("})" + rest + "}");
+  if (!spec) FAIL(message(spec.error()));
+  return *spec;
+}
+
+judge::SoundBoxes boxes_of(const std::string& obj, const std::string& rest = "") {
+  auto sound = judge::sound_boxes(boxes_spec("model.obj", rest), {{"model.obj", obj}}, "test");
+  if (!sound) FAIL(message(sound.error()));
+  return std::move(*sound);
+}
+
+}  // namespace
+
+TEST_CASE("a house, a church and a barn are boxes of few panels, less than 1 % off",
+          "[core][parts][boxes]") {
+  SECTION("the house of the examples") {
+    std::ifstream file(testing::source_file("examples/house.glb"), std::ios::binary);
+    const std::string bytes(std::istreambuf_iterator<char>(file), {});
+    const auto sound =
+        judge::sound_boxes(boxes_spec("house.glb", R"(,"scale_mm":1000,"rotate_deg":[90,0,90])"),
+                           {{"house.glb", bytes}}, "test");
+    if (!sound) FAIL(message(sound.error()));
+    const BoxedCard& made = sound->made;
+    CHECK(made.panels <= 12);
+    CHECK(made.error() < 0.01);
+    CHECK(sound->report.degrees_of_freedom == 1U);
+    REQUIRE(made.boxes.size() == 1);
+    // The model's own numbers: docs/gallery/models/models.mjs.
+    const Block& block = made.boxes[0].block;
+    CHECK(block.roof == BlockRoof::Gabled);
+    CHECK(block.half_mm == Approx(42.0).margin(0.5));
+    CHECK(block.to_mm - block.from_mm == Approx(40.0).margin(0.5));
+    CHECK(block.height_mm == Approx(44.0).margin(0.5));
+    CHECK(block.rise_mm == Approx(35.0).margin(0.5));
+    CHECK(block.eaves_mm == Approx(7.8).margin(1.0));
+  }
+  SECTION("a church: a nave, and a tower with a spire") {
+    const judge::SoundBoxes sound = boxes_of(church_obj());
+    const BoxedCard& made = sound.made;
+    REQUIRE(made.boxes.size() == 2);
+    CHECK(made.panels == 20);
+    CHECK(made.error() < 0.01);
+    CHECK(sound.report.degrees_of_freedom == 1U);
+    CHECK(made.boxes[0].block.roof == BlockRoof::Pyramid);
+    CHECK(made.boxes[1].block.roof == BlockRoof::Gabled);
+    CHECK(made.boxes[0].block.top_mm() == Approx(100.0).margin(1.0));
+    CHECK(made.boxes[1].block.from_mm - made.boxes[0].block.to_mm ==
+          Approx(made.card.thickness_mm));
+  }
+  SECTION("a barn, without its cupola") {
+    const judge::SoundBoxes sound = boxes_of(barn_obj());
+    CHECK(sound.made.boxes.size() == 1);
+    CHECK(sound.made.panels == 8);
+    CHECK(sound.made.error() < 0.01);
+    CHECK(std::any_of(sound.made.warnings.begin(), sound.made.warnings.end(),
+                      [](const Warning& one) { return one.code == "left_out"; }));
+  }
+  SECTION("a roof alone is a tent, and a turned church is turned back") {
+    Village tent;
+    tent.house(25.0, 0.0, 60.0, 0.0, 40.0, 0.0, 0.0);
+    const judge::SoundBoxes sound = boxes_of(tent.text);
+    REQUIRE(sound.made.boxes.size() == 1);
+    CHECK(sound.made.boxes[0].block.is_tent());
+    CHECK(sound.made.panels == 2);
+    const BoxedCard straight = boxes_of(church_obj()).made;
+    const BoxedCard turned = boxes_of(church_obj(), R"(,"rotate_deg":[0,0,27])").made;
+    CHECK(turned.turn_rad == Approx(radians(-27.0)).margin(1e-3));
+    CHECK(turned.error() == Approx(straight.error()).margin(1e-3));
+  }
+}
+
+TEST_CASE("what cannot be made of boxes says why, and what would do", "[core][parts][boxes]") {
+  const auto says = [](const std::string& obj, const std::string& rest, const std::string& place,
+                       const std::string& what) {
+    const auto made = boxed_card(boxes_spec("model.obj", rest), {{"model.obj", obj}});
+    REQUIRE_FALSE(made);
+    CAPTURE(message(made.error()));
+    CHECK(made.error().kind == ErrorKind::Infeasible);
+    CHECK(made.error().place == place);
+    CHECK(made.error().detail.find(what) != std::string::npos);
+  };
+  std::vector<std::pair<double, double>> ball;
+  for (int k = 0; k <= 16; ++k)
+    ball.emplace_back(0.1 + 40.0 * std::sin(radians(11.25 * k)),
+                      40.0 - 40.0 * std::cos(radians(11.25 * k)));
+  says(turned_obj(ball, 32), "", "/surface", "has no boxes");
+  says(kTree, "", "/surface", "use the style layers or slices");
+  says(church_obj(), R"(,"scale_mm":0.1)", "/scale_mm", "boxes need at least 20 mm");
+  says(church_obj(), R"(,"boxes":{"most":1})", "/boxes/most", "is 1; the shape has 2 boxes");
+  says(church_obj(), R"(,"boxes":{"page_mm":60})", "/boxes/page_mm", "need pages of at least");
+  says(church_obj(), R"(,"boxes":{"spine_mm":60})", "/boxes/spine_mm", "a spine of at least");
+  Village street;
+  for (int k = 0; k < 11; ++k) street.house(14.0, 40.0 * k, 40.0 * k + 26.0, 16.0, 10.0, 0.0, 0.0);
+  says(street.text, "", "/boxes/most", "a card has at most 9");
+  const auto refused_spec = [](const std::string& rest, const std::string& place) {
+    const auto spec = parse_design_spec(R"({"popcut":1,"style":"boxes",)" + rest + "}");
+    REQUIRE_FALSE(spec);
+    CHECK(spec.error().place == place);
+  };
+  refused_spec(R"("surface":{"type":"implicit","f":"x-1"})", "/surface/type");
+  refused_spec(R"("surface":{"type":"mesh","file":"a.obj"},"sliceform":{})", "/sliceform");
+  refused_spec(R"("surface":{"type":"mesh","file":"a.obj"},"boxes":{"most":10})", "/boxes/most");
+  refused_spec(R"("surface":{"type":"mesh","file":"a.obj"},"translate_mm":[1,0,0])",
+               "/translate_mm");
+  CHECK_FALSE(parse_design_spec(
+      R"({"popcut":1,"style":"layers","surface":{"type":"mesh","file":"a.obj"},"boxes":{}})"));
 }
 
 }  // namespace verify_parts_test

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "core/compare/comparison.hpp"
+#include "core/design/boxes/block_row.hpp"
+#include "core/design/spec/spec.hpp"
+#include "core/design/target/surface_spec.hpp"
+#include "core/fit/fit_figures.hpp"
+#include "core/fit/triangle_soup.hpp"
+#include "core/hands/folding.hpp"
+#include "core/parts/structure.hpp"
+#include "core/progress.hpp"
+#include "core/result.hpp"
+#include "core/warning.hpp"
+
+namespace popcut {
+
+/// A box or a tent of a card: `block` in places of the card, y along its spine.
+struct CardBox {
+  std::string name;
+  Block block;
+  std::size_t first_part{}, parts{};
+  std::size_t panels{};  ///< faces without tabs
+};
+
+/// A target as boxes and tents in a row over the spine of a card that opens flat (docs/parts.md).
+struct BoxedCard {
+  Structure card;
+  std::vector<CardBox> boxes;
+  /// How a point of the surface comes to its place on the open card: placed in the corner, moved by
+  /// -`origin`, turned about the vertical by `turn_rad`, moved by `shift`. There u is across the
+  /// pages, v along the spine, z up.
+  TargetPlacement placement;
+  Vec3 origin{0.0, 0.0, 0.0};
+  double turn_rad{};
+  Vec3 shift{0.0, 0.0, 0.0};
+  TriangleSoup target;  ///< as it stands on the open card
+  /// The panels of the open card against what is seen of the target from above and from its sides,
+  /// both ways; nothing is out of reach.
+  FitFigures fit;
+  likeness::Figures seen;  ///< the same as it is seen: from the nine directions of a card
+  std::size_t panels{};    ///< of all boxes
+  std::size_t folds{}, tabs{};
+  hands::Handwork handwork;
+  std::vector<Warning> warnings;
+
+  /// Whether the target's front, its x axis, looks along the spine; else along u.
+  [[nodiscard]] bool faces_along_spine() const { return std::sin(turn_rad) > std::cos(turn_rad); }
+  /// Mean distance of both surfaces from each other, over the size of the target.
+  [[nodiscard]] double error() const {
+    return 0.5 * (fit.to_target.mean_mm + fit.to_structure.mean_mm) / fit.size_mm;
+  }
+};
+
+/// Fits boxes with flat, gabled and pyramid roofs, and tents, to a target (`block_row`). The spine
+/// lies below their ridges. Boxes that touch stand a thickness of paper apart, and their ends fold
+/// inward there; ends that stand free fold outward.
+///
+/// @retval Malformed, OutOfRange  the surface cannot be read
+/// @retval Infeasible  it is too small, it has no upright walls with such roofs, it needs more
+/// boxes
+///                     than asked for, or a given page is too small: with the least that holds them
+[[nodiscard]] Result<BoxedCard> boxed_card(const DesignSpec& spec, const SurfaceAssets& assets,
+                                           const Progress& progress = {});
+
+/// All faces at an opening of the pages, which slope alike; z up, x to the right along u.
+[[nodiscard]] PartPoses pose_at(const BoxedCard& made, double opening_rad);
+/// The same of the open card.
+[[nodiscard]] PartPoses open_pose(const BoxedCard& made);
+
+/// Moves points (x, y, z one after the other, mm, as placed in the corner less `origin`) to their
+/// places on the card.
+void move_to_card(const BoxedCard& made, std::vector<double>& corners);
+
+}  // namespace popcut
