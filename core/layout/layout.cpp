@@ -338,10 +338,22 @@ void order_glueing(Layout& layout) {
   for (auto& [column, seams] : between) layout.steps.push_back(std::move(seams));
 }
 
+/// The area of the sheets that pieces take: the last one as far as they reach along it.
+double used_mm2(const std::vector<NestedPiece>& places,
+                const std::vector<std::array<double, 2>>& sizes,
+                const std::array<double, 2>& area) {
+  std::uint32_t last = 0;
+  for (const NestedPiece& at : places) last = std::max(last, at.sheet);
+  double end = 0.0;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (places[i].sheet == last)
+      end = std::max(end, places[i].y + sizes[i][places[i].quarters % 2 == 0 ? 1 : 0]);
+  return area[0] * (last * area[1] + end);
+}
+
 /// Pieces that nearly fill their boxes are packed as boxes; others are nested by their shapes,
 /// where that needs no more sheets.
-std::vector<NestedPiece> places_of(const Layout& layout,
-                                   const std::vector<std::array<double, 2>>& sizes,
+std::vector<NestedPiece> places_of(Layout& layout, const std::vector<std::array<double, 2>>& sizes,
                                    const std::array<double, 2>& area, double spacing_mm) {
   constexpr double kFull = 0.9;
   constexpr std::size_t kMostNested = 400;  // more take seconds
@@ -358,9 +370,13 @@ std::vector<NestedPiece> places_of(const Layout& layout,
     works.push_back(&layout.pieces[i].work);
     boxes += sizes[i][0] * sizes[i][1], paper += paper_mm2(*works.back());
   }
+  SheetUse& use = layout.use;
+  use = {paper, used_mm2(rows, sizes, area), used_mm2(rows, sizes, area), sheets};
   if (sizes.size() < 2 || sizes.size() > kMostNested || paper > kFull * boxes) return rows;
   Nest shapes = nest(works, area, spacing_mm);
-  return shapes.sheets <= sheets ? std::move(shapes.places) : rows;
+  if (shapes.sheets > sheets) return rows;
+  use.used_mm2 = used_mm2(shapes.places, sizes, area);
+  return std::move(shapes.places);
 }
 
 /// A box turned by quarters, its upper left corner at a place.
@@ -504,8 +520,7 @@ Result<Layout> lay_out(const LineWork& drawing, const LayoutOptions& options) {
     cost = laid.cost;
   }
   if (!best) return tl::unexpected(error);
-  double paper = 0.0;
-  for (const SheetPiece& piece : best->pieces) paper += paper_mm2(piece.work);
+  const double paper = best->use.paper_mm2;
   best->least_sheets = std::max<std::uint32_t>(
       1, static_cast<std::uint32_t>(std::ceil(std::min(paper, box.width() * box.height()) /
                                                   (options.area_mm[0] * options.area_mm[1]) -

@@ -62,6 +62,21 @@ struct LayoutSheet {
   std::vector<std::uint32_t> pieces;
 };
 
+/// How well pieces fill their sheets. The last sheet counts as far as its pieces reach along it.
+struct SheetUse {
+  double paper_mm2{};  ///< of the pieces, holes counted in
+  double used_mm2{};   ///< of the sheets
+  /// The same where the boxes of all pieces are packed in rows: what is used wherever nesting by
+  /// shapes saves nothing.
+  double rows_used_mm2{};
+  std::uint32_t rows_sheets{};
+
+  [[nodiscard]] double share() const { return used_mm2 > 0.0 ? paper_mm2 / used_mm2 : 0.0; }
+  [[nodiscard]] double rows_share() const {
+    return rows_used_mm2 > 0.0 ? paper_mm2 / rows_used_mm2 : 0.0;
+  }
+};
+
 /// A drawing split into pieces, with its seams and sheets.
 struct Layout {
   std::vector<SheetPiece> pieces;
@@ -69,6 +84,7 @@ struct Layout {
   std::vector<PieceSeam> seams;
   std::vector<Tab> tabs;
   std::vector<LayoutSheet> sheets;
+  SheetUse use;
   /// Glueing order; each step has seams glued together.
   std::vector<std::vector<std::uint32_t>> steps;
   double glue_mm{};              ///< total length to glue

@@ -219,6 +219,11 @@ void add_layout(const Layout& layout, Json& json) {
   json["layout"] = {{"pieces", layout.pieces.size()},     {"least_sheets", layout.least_sheets},
                     {"glue_mm", rounded(layout.glue_mm)}, {"tabs", layout.tabs.size()},
                     {"seams", std::move(seams)},          {"steps", std::move(steps)}};
+  const SheetUse& use = layout.use;
+  json["layout"]["use"] = {{"paper_mm2", std::round(use.paper_mm2)},
+                           {"share", std::round(use.share() * 1e4) / 1e4},
+                           {"rows_share", std::round(use.rows_share() * 1e4) / 1e4},
+                           {"rows_sheets", use.rows_sheets}};
 }
 
 void append_entry(std::string& text, const KnifeMarks& marks, const KnifeMarks::Mark& mark) {

@@ -147,6 +147,18 @@ void say_drawing(const Plan& plan, std::size_t i, const std::string& folder,
         cricut ? fmt::format("sheet-{:02}-cricut.svg", i + 1) : PlanJob::sheet_file(i, "svg"));
 }
 
+// How well the pieces fill their sheets.
+void say_use(const Layout& layout) {
+  const SheetUse& use = layout.use;
+  fmt::print(stderr, "  paper    {} pieces use {:.0f} % of {} sheet{}", layout.pieces.size(),
+             100.0 * use.share(), layout.sheets.size(), layout.sheets.size() == 1 ? "" : "s");
+  if (use.share() > use.rows_share())
+    fmt::print(stderr, "; in rows they would use {:.0f} % of {}", 100.0 * use.rows_share(),
+               use.rows_sheets);
+  fmt::print(stderr, "; at least {} must be used\n",
+             layout.least_sheets == 1 ? "1 sheet" : fmt::format("{} sheets", layout.least_sheets));
+}
+
 // The steps in Design Space.
 void say_cricut(const Plan& plan) {
   const auto has = [&](auto wanted) {
@@ -207,6 +219,7 @@ void say(const PlanJob& job, const std::string& folder, const Formats& formats) 
     if (formats.has("program", plan.machine))
       fmt::print(stderr, "           {}/{}\n", folder, job.program_file(i));
   }
+  if (plan.layout && plan.layout->pieces.size() > 1) say_use(*plan.layout);
   if (plan.handwork) fmt::print(stderr, "  by hand  {}\n", hands::handwork_words(*plan.handwork));
   if (formats.has("pdf", plan.machine))
     fmt::print(stderr,

@@ -358,6 +358,10 @@ TEST_CASE("slices are designed, verified and planned as a card of several pieces
     for (const char* what : {"folds", "tabs", "waste", "fold_s", "label"})
       CHECK(plan["handwork"][what] == report["handwork"][what]);
     CHECK(plan["sheets"].size() >= plan["layout"]["least_sheets"]);
+    const json& use = plan["layout"]["use"];
+    CHECK((use["share"] > 0.2 && use["share"] <= 1.0));
+    CHECK(use["rows_sheets"] >= plan["sheets"].size());
+    CHECK(planned.err.find("% of ") != std::string::npos);
   }
   const auto refuses = [&](const Names& arguments, const std::string& words) {
     const Ran ran = bench.popcut(arguments);

@@ -50,6 +50,9 @@ TEST_CASE("a drawing that fits stays one piece without seams", "[layout]") {
   CHECK(layout->seams.empty());
   CHECK(layout->tabs.empty());
   CHECK(layout->least_sheets == 1);
+  CHECK(layout->use.paper_mm2 == Approx(100.0 * 50.0));
+  CHECK(layout->use.share() == Approx(100.0 * 50.0 / (120.0 * 50.0)));  // of what the piece reaches
+  CHECK(layout->use.rows_share() == layout->use.share());
 }
 
 TEST_CASE("a drawing that fits when rotated is rotated and not split", "[layout]") {
