@@ -22,6 +22,7 @@ nlohmann::ordered_json figures_json(const FoundCardRecord& card) {
                              {"label", card.label},
                              {"wobble_mm", card.wobble_mm},
                              {"looks", card.looks}};
+  if (card.tabs > 0) out["tabs"] = card.tabs;
   if (card.page_mm) out["page_mm"] = *card.page_mm;
   return out;
 }

@@ -225,7 +225,7 @@ struct CardSearchRequest {
 
 /// A card that a search found.
 struct FoundCardRecord {
-  std::string style;     ///< "facets", "silhouette", or the name of a lattice
+  std::string style;     ///< "facets", "silhouette", the name of a lattice, or "layers"
   std::string settings;  ///< in words: "facets in strips of 2 mm, planes 1 mm apart"
   /// As `likeness::Figures`: without a unit, 0 is the model itself.
   double error{}, surface{}, contour{}, cover{}, excess{};
@@ -235,8 +235,9 @@ struct FoundCardRecord {
   std::array<double, 2> sheet_mm{};  ///< across and along the spine, of a book each of its sheets
   std::optional<double> page_mm{};   ///< of a book: how far a page reaches from the spine
   int folds{};
+  int tabs{};  ///< of a card of layers: what is glued
   double shortest_fold_mm{};
-  double hand_seconds{};  ///< to fold it
+  double hand_seconds{};  ///< to fold it, and to glue its tabs
   std::string label{};    ///< "easy", "medium", "hard"
   double wobble_mm{};     ///< of the panel that moves most in paper
   std::string looks{};    ///< printed: "good", "fair", "poor"; empty: judged as bare paper
@@ -244,7 +245,8 @@ struct FoundCardRecord {
   std::string spec;  ///< JSON; its mesh is the id of the asset
 };
 
-/// What a search found, by growing time of folding; the error falls from each to the next.
+/// What a search found, by growing time of folding; the error falls from each to the next. A card
+/// of layers, if there is one, comes last.
 struct SearchFront {
   std::vector<FoundCardRecord> cards{};
   int designed{}, planned{}, verified{};  ///< how many were tried

@@ -16,6 +16,7 @@
 #include "core/geometry/angle.hpp"
 #include "core/hands/fold_guide.hpp"
 #include "core/hands/wobble.hpp"
+#include "core/judge/glue_guide.hpp"
 #include "core/picture/poster.hpp"
 #include "core/picture/target_on_sheet.hpp"
 #include "core/plan/knife/micro_cut.hpp"
@@ -52,6 +53,13 @@ constexpr std::array kNamed{
     Named{"report.json", write_report_file},
     Named{"fold-guide.json", write_fold_guide},
 };
+
+template <typename Write>
+std::string text_written(const Write& write) {
+  std::ostringstream out;
+  write(out);
+  return std::move(out).str();
+}
 
 }  // namespace
 
@@ -164,6 +172,30 @@ Result<std::string> design_file(PatchAssembly& made, const Material& material,
   std::ostringstream out;
   if (const auto done = named->write(job, out); !done) return tl::unexpected(done.error());
   return std::move(out).str();
+}
+
+Result<std::string> parts_file(const PartsCard& made, const Material& material,
+                               std::string_view file) {
+  if (file == "pattern.fold") return made.fold;
+  if (file == "report.json") return made.report();
+  if (file == "fold-guide.json") {
+    const auto guide = judge::glue_guide(made.fold);
+    if (!guide) return tl::unexpected(guide.error());
+    return judge::glue_guide_json(*guide);
+  }
+  const Pattern drawing = parts_drawing(made.card());
+  if (file == "pattern.svg")
+    return text_written([&](std::ostream& out) { write_pattern_svg(drawing, out); });
+  if (file == "pattern.dxf")
+    return text_written([&](std::ostream& out) { write_pattern_dxf(drawing, out); });
+  if (file == "cut.svg") {
+    const Dashed dashed = micro_cut(linework_from_pattern(drawing), material.dashes);
+    return text_written(
+        [&](std::ostream& out) { write_cut_svg(drawing, micro_cuts(dashed.work), out); });
+  }
+  return fail(ErrorKind::OutOfRange, "/file",
+              fmt::format("{} is for cards of one sheet, and this card has {} parts", file,
+                          made.card().parts.size()));
 }
 
 }  // namespace popcut::planning

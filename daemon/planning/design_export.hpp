@@ -13,6 +13,7 @@
 #include "core/machines/machine.hpp"
 #include "core/picture/deployed_svg.hpp"
 #include "core/result.hpp"
+#include "daemon/planning/views/parts_card.hpp"
 
 namespace popcut::planning {
 
@@ -72,5 +73,12 @@ struct ExportJob {
 /// @retval OutOfRange  there is no such file ("/file") or part ("/part")
 [[nodiscard]] Result<std::string> design_file(PatchAssembly& made, const Material& material,
                                               std::string_view file, std::size_t part);
+
+/// One file of a card of several parts, as `popcut design` and `popcut fold-guide` write it:
+/// "pattern.fold", "pattern.svg", "cut.svg", "pattern.dxf", "report.json", "fold-guide.json".
+///
+/// @retval OutOfRange  the file is for cards of one sheet
+[[nodiscard]] Result<std::string> parts_file(const PartsCard& made, const Material& material,
+                                             std::string_view file);
 
 }  // namespace popcut::planning

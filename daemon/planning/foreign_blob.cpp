@@ -15,9 +15,12 @@
 #include "core/formats/lattice/lattice_blob.hpp"
 #include "core/judge/sheet_motion.hpp"
 #include "core/machines/machine.hpp"
+#include "core/text/fold_text.hpp"
+#include "core/verify/parts/parts.hpp"
 #include "core/verify/verify.hpp"
 #include "daemon/planning/plan_input.hpp"
 #include "daemon/planning/plan_job.hpp"
+#include "daemon/planning/views/parts_card.hpp"
 
 namespace popcut::planning {
 namespace {
@@ -168,9 +171,30 @@ Result<std::string> opened_blob(const Foreign& foreign, LatticeBlobOptions& how)
       how);
 }
 
+/// A card of several parts: what verify says of it, and its motion.
+Result<std::string> joined_blob(const std::string& fold, LatticeBlobOptions how) {
+  const auto report = verify_parts(fold);
+  if (!report) return tl::unexpected(report.error());
+  const auto take = [&](const std::vector<VerifyCheck>& checks, const std::string& of) {
+    for (const VerifyCheck& check : checks) {
+      if (std::find(how.judged.begin(), how.judged.end(), check.name) == how.judged.end())
+        how.judged.push_back(check.name);
+      if (!check.ok() && !check.failures.empty())
+        how.warnings.push_back(
+            {.code = "unsound",
+             .message = fmt::format("{}: {}{}", check.name, of, check.failures.front().detail)});
+    }
+  };
+  take(report->checks, "");
+  for (std::size_t p = 0; p < report->parts.size(); ++p)
+    take(report->parts[p].checks, report->names[p] + ": ");
+  return parts_blob(fold, std::move(how));
+}
+
 }  // namespace
 
 Result<std::string> foreign_blob(std::string text, InputKind kind, const SvgReadOptions& how_read) {
+  const std::string joined = kind == InputKind::Fold && lists_joints(text) ? text : std::string();
   const auto foreign = read_foreign(std::move(text), kind, how_read);
   if (!foreign) return tl::unexpected(foreign.error());
   LatticeBlobOptions how;
@@ -178,6 +202,8 @@ Result<std::string> foreign_blob(std::string text, InputKind kind, const SvgRead
   how.kind = name_of(kind);
   how.error = false;
   how.warnings = foreign->warnings;
+  if (!joined.empty())
+    if (auto blob = joined_blob(joined, how)) return blob;
   // Without a fold nothing opens, and there is no movement to judge.
   const bool has_folds = kind == InputKind::Fold || folds_of(foreign->lines) > 0;
   if (has_folds) {

@@ -99,7 +99,7 @@ Result<PlanningOutcome> outcome_of(const PlanJob& job, PlanningOutcome outcome,
 
 }  // namespace
 
-Result<PlanJob> planned(WorkerTask& task, PlanningOutcome& outcome, const DesignReceiver& designed,
+Result<PlanJob> planned(WorkerTask& task, PlanningOutcome& outcome, SpecSources sources,
                         const Progress& progress, bool by_hand) {
   auto options = read_plan_options(task.options);
   if (!options) return tl::unexpected(in_request(options.error()));
@@ -111,12 +111,10 @@ Result<PlanJob> planned(WorkerTask& task, PlanningOutcome& outcome, const Design
   if (!by_hand || !task.machine_json.empty()) options->machine = tables->machine;
   options->material = tables->material;
   options->progress = progress;
-  SpecSources sources;
   sources.assets = [&](const DesignSpec& spec) { return assets_for(spec, task.assets); };
   sources.tables = tables->texts;
   sources.material = options->material;
   sources.progress = progress;
-  sources.designed = designed;
   const auto read = [&](const SvgReadOptions& how) -> Result<DrawingInput> {
     if (task.kind == Kind::TestCut) return test_shape_input();
     const auto kind =
@@ -136,13 +134,14 @@ namespace {
 
 Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add, const Progress& progress) {
   PlanningOutcome outcome;
-  const auto designed = [&](const DesignSpec& spec, PatchAssembly& made) -> Result<void> {
+  SpecSources sources;
+  sources.designed = [&](const DesignSpec& spec, PatchAssembly& made) -> Result<void> {
     if (const auto ids = asset_ids(spec)) outcome.assets = *ids;
     for (Design& part : made.parts) part.report.surface_fit = surface_fit(part);
     if (made.book) made.book->fit = book_fit(made);
     return add_design_files(made, add, outcome.warnings);
   };
-  const auto job = planned(task, outcome, designed, progress);
+  const auto job = planned(task, outcome, std::move(sources), progress);
   if (!job) return tl::unexpected(job.error());
   return outcome_of(*job, std::move(outcome), add);
 }

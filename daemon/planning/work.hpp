@@ -10,6 +10,7 @@
 #include "core/progress.hpp"
 #include "core/result.hpp"
 #include "daemon/planning/design_files.hpp"
+#include "daemon/planning/plan_input.hpp"
 #include "daemon/planning/plan_job.hpp"
 #include "daemon/planning/planner.hpp"
 
@@ -38,14 +39,13 @@ struct WorkerTask {
 /// `perform` of what somebody looks at (Preview, Lattice, Picture, Export, Place).
 [[nodiscard]] Result<daemon::PlanningOutcome> show(WorkerTask& task, const FileSink& add);
 
-using DesignReceiver = std::function<Result<void>(const DesignSpec&, PatchAssembly&)>;
 /// The plan of a task; the same task gives the same.
 ///
-/// @param outcome   receives what kind of design it is
-/// @param designed  receives the design of a spec
-/// @param by_hand   the machine may be one that popcut does not drive, or none: an ideal plotter
+/// @param outcome  receives what kind of design it is
+/// @param sources  who receives the design of a spec; all else of it comes from the task
+/// @param by_hand  the machine may be one that popcut does not drive, or none: an ideal plotter
 [[nodiscard]] Result<PlanJob> planned(WorkerTask& task, daemon::PlanningOutcome& outcome,
-                                      const DesignReceiver& designed, const Progress& progress,
+                                      SpecSources sources, const Progress& progress,
                                       bool by_hand = false);
 
 /// What the options of a task begin with that are not those of its plan: "way", a row of

@@ -73,7 +73,8 @@ Result<PlanningOutcome> draw_artwork(WorkerTask& task, const FileSink& add,
   PrintedDesign design;
   const SurfaceAssets assets = task.assets;  // planning takes those of the spec out of the task
   PlanningOutcome outcome;
-  const auto designed = [&](const DesignSpec& spec, PatchAssembly& made) -> Result<void> {
+  SpecSources sources;
+  sources.designed = [&](const DesignSpec& spec, PatchAssembly& made) -> Result<void> {
     if (!spec.patches.empty() && !wanted.model.empty())
       return fail(ErrorKind::OutOfRange, "?model",
                   "is for designs of one surface, and this one has patches; leave it out");
@@ -84,9 +85,20 @@ Result<PlanningOutcome> draw_artwork(WorkerTask& task, const FileSink& add,
     design = std::move(*printed);
     return {};
   };
-  const auto job = planned(task, outcome, designed, progress);
+  sources.layered = [&](const DesignSpec& spec, const LayeredCard& made) -> Result<void> {
+    const auto model = model_of(wanted, spec, assets);
+    if (!model) return tl::unexpected(model.error());
+    design = printed_layers(made, *model);
+    return {};
+  };
+  bool are_slices = false;  // on their sheets are names, and where tabs go
+  sources.sliced = [&]() -> Result<void> {
+    are_slices = true;
+    return {};
+  };
+  const auto job = planned(task, outcome, std::move(sources), progress);
   if (!job) return tl::unexpected(job.error());
-  if (design.empty())
+  if (design.empty() && !are_slices)
     return fail(ErrorKind::OutOfRange, "", "is a drawing, and artwork is laid on a spec's design");
   if (wanted.sheet >= job->plan.sheets.size() ||
       daemon::sha256_hex(job->programs[wanted.sheet].bytes) != wanted.sha256)
@@ -103,7 +115,8 @@ Result<PlanningOutcome> draw_artwork(WorkerTask& task, const FileSink& add,
   how.trapping = pages.trapping;
   how.shade = usual_shade(design);
   how.progress = progress;
-  const auto artwork = planned_artwork(design, job->plan, nullptr, how);
+  const auto artwork =
+      are_slices ? Result<Artwork>(Artwork()) : planned_artwork(design, job->plan, nullptr, how);
   if (!artwork) return tl::unexpected(artwork.error());
   auto pdf = artwork_sheet_pdf(*artwork, "", job->plan, wanted.sheet, pages);
   if (!pdf) return tl::unexpected(pdf.error());

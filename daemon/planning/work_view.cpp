@@ -11,11 +11,13 @@
 #include "core/layout/layout.hpp"
 #include "core/machines/machine.hpp"
 #include "core/search/standing.hpp"
+#include "core/text/fold_text.hpp"
 #include "daemon/planning/design_export.hpp"
 #include "daemon/planning/design_files.hpp"
 #include "daemon/planning/foreign_blob.hpp"
 #include "daemon/planning/plan_input.hpp"
 #include "daemon/planning/task_inputs.hpp"
+#include "daemon/planning/views/parts_card.hpp"
 #include "daemon/planning/views/preview.hpp"
 #include "daemon/planning/views/small_card.hpp"
 #include "daemon/planning/work.hpp"
@@ -73,6 +75,13 @@ Result<PatchAssembly> exact_of(const WantedDesign& wanted) {
   return std::move(*made);
 }
 
+/// Of a card of several parts; verify does not look at a draft.
+Result<std::string> shown_parts(const WantedDesign& wanted, LatticeQuality quality) {
+  const auto made = parts_card(wanted.spec, wanted.assets, quality != LatticeQuality::Draft);
+  if (!made) return tl::unexpected(made.error());
+  return shown_blob(*made, quality);
+}
+
 Result<std::string> placed(const WorkerTask& task, const WantedDesign& wanted) {
   const bool quarter = task.options.at("place") == "quarter";
   const auto side = [&](const char* name) {
@@ -100,6 +109,8 @@ Result<std::string> preview_blob(WorkerTask& task) {
   }
   const auto quality = task.options.find("quality");
   const bool is_draft = quality != task.options.end() && quality->second == "draft";
+  if (is_of_parts(wanted->spec.style))
+    return shown_parts(*wanted, is_draft ? LatticeQuality::Draft : LatticeQuality::Exact);
   const auto made = is_draft ? draft_of(wanted->spec, wanted->assets) : exact_of(*wanted);
   if (!made) return tl::unexpected(made.error());
   return shown_blob(*made, is_draft ? LatticeQuality::Draft : LatticeQuality::Exact);
@@ -109,6 +120,7 @@ Result<std::string> preview_blob(WorkerTask& task) {
 Result<std::string> stored_spec_blob(WorkerTask& task) {
   const auto wanted = read_wanted(task);
   if (!wanted) return tl::unexpected(wanted.error());
+  if (is_of_parts(wanted->spec.style)) return shown_parts(*wanted, LatticeQuality::Stored);
   const auto made = exact_of(*wanted);
   if (!made) return tl::unexpected(made.error());
   return shown_blob(*made, LatticeQuality::Stored);
@@ -124,20 +136,33 @@ Result<std::string> foreign_blob_of(WorkerTask& task, InputKind kind) {
 }
 
 /// As it will be cut, or nearly so where that would take long.
-Result<PatchAssembly> shown_design(WorkerTask& task) {
-  auto wanted = read_wanted(task);
-  if (!wanted) return tl::unexpected(wanted.error());
-  auto made = units_of(wanted->spec) > most_quick_units(wanted->spec)
-                  ? draft_of(wanted->spec, wanted->assets)
-                  : design_assembly(wanted->spec, wanted->assets);
+Result<PatchAssembly> shown_design(const WantedDesign& wanted) {
+  auto made = units_of(wanted.spec) > most_quick_units(wanted.spec)
+                  ? draft_of(wanted.spec, wanted.assets)
+                  : design_assembly(wanted.spec, wanted.assets);
   // The picture is of what was read; what a file calls it is not shown.
   if (made)
     for (Design& part : made->parts) part.pattern.name = "design";
   return made;
 }
 
+Result<void> add_parts_pictures(const std::string& fold, const std::string& flat,
+                                const FileSink& add) {
+  auto opened = small_parts_svg(fold);
+  if (auto done = add("deployed.svg", opened ? std::move(*opened) : flat); !done) return done;
+  return add("pattern.svg", flat);
+}
+
 Result<void> add_spec_pictures(WorkerTask& task, const FileSink& add) {
-  const auto made = shown_design(task);
+  const auto wanted = read_wanted(task);
+  if (!wanted) return tl::unexpected(wanted.error());
+  if (is_of_parts(wanted->spec.style)) {
+    const auto card = parts_card(wanted->spec, wanted->assets, false);
+    if (!card) return tl::unexpected(card.error());
+    return add_parts_pictures(card->fold,
+                              preview_svg(linework_from_pattern(parts_drawing(card->card()))), add);
+  }
+  const auto made = shown_design(*wanted);
   if (!made) return tl::unexpected(made.error());
   std::vector<const Pattern*> parts;
   for (const Design& part : made->parts) parts.push_back(&part.pattern);
@@ -152,9 +177,12 @@ Result<void> add_pictures(WorkerTask& task, const FileSink& add) {
       task.design_kind.empty() ? kind_of_content(task.design) : input_kind_from(task.design_kind);
   if (!kind) return tl::unexpected(kind.error());
   if (*kind == InputKind::Spec) return add_spec_pictures(task, add);
+  const std::string joined =
+      *kind == InputKind::Fold && lists_joints(task.design) ? task.design : std::string();
   auto drawing = foreign_drawing(std::move(task.design), *kind);
   if (!drawing) return tl::unexpected(drawing.error());
   const std::string flat = preview_svg(drawing->lines);
+  if (!joined.empty()) return add_parts_pictures(joined, flat, add);
   if (drawing->pattern) drawing->pattern->name = "design";
   if (auto done =
           add("deployed.svg", drawing->pattern ? small_card_svg({&*drawing->pattern}) : flat);
@@ -175,9 +203,15 @@ Result<void> add_export(WorkerTask& task, const FileSink& add) {
   if (!wanted) return tl::unexpected(wanted.error());
   if (!wanted->has_material)
     return fail(ErrorKind::OutOfRange, "/material", "is not known to popcut");
+  const std::string& file = task.options.at("file");
+  if (is_of_parts(wanted->spec.style)) {
+    const auto card = parts_card(wanted->spec, wanted->assets, true);
+    auto text = card ? parts_file(*card, wanted->material, file)
+                     : Result<std::string>(tl::unexpected(card.error()));
+    return text ? add(file, std::move(*text)) : tl::unexpected(text.error());
+  }
   auto made = exact_of(*wanted);
   if (!made) return tl::unexpected(made.error());
-  const std::string& file = task.options.at("file");
   std::size_t part = 0;
   for (const char digit : task.options.at("part"))
     part = std::min<std::size_t>(1'000'000, 10 * part + static_cast<std::size_t>(digit - '0'));

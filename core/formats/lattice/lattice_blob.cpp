@@ -153,6 +153,9 @@ class LatticeWriter {
     arrays_.face_merged.resize(faces, 0);
     if (parts_.size() > 1)
       arrays_.face_part.resize(faces, static_cast<std::int32_t>(&part - parts_.data()));
+    for (std::size_t p = 0; p < options_.parts.size(); ++p)
+      arrays_.face_part.insert(arrays_.face_part.end(), options_.parts[p].faces,
+                               static_cast<std::int32_t>(p));
     if (part.design != nullptr && part.design->panel_face.size() == part.design->strips.panels()) {
       add_panels(*part.design);
     } else if (pattern.card) {
@@ -471,6 +474,15 @@ class LatticeWriter {
                           {"at", {{"slice", worst_.slice}, {"level", worst_.level}}}};
     json["motion"] = is_pose ? "pose" : is_frames ? "frames" : "flat";
     if (is_frames) json["frames"] = {{"psi_rad", frames_->psi_rad}};
+    if (!options_.parts.empty()) {
+      json["parts"] = Json::array();
+      for (const LatticePart& part : options_.parts)
+        json["parts"].push_back({{"name", part.name},
+                                 {"folds", part.folds},
+                                 {"tabs", part.tabs},
+                                 {"box_mm", part.box_mm},
+                                 {"shift_mm", part.shift_mm}});
+    }
     json["judged"] = options_.judged;
     json["not_judged"] = options_.not_judged;
     std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -513,7 +525,8 @@ Result<std::string> lattice_blob(const Pattern& pattern, const LatticeBlobOption
 Result<std::string> lattice_blob(const Pattern& pattern, const LatticeFrames& frames,
                                  const LatticeBlobOptions& options) {
   const Part part{&pattern, nullptr};
-  return LatticeWriter({&part, 1}, &frames, options).write(pattern.name, "null");
+  return LatticeWriter({&part, 1}, &frames, options)
+      .write(pattern.name, options.report.empty() ? "null" : options.report);
 }
 
 }  // namespace popcut

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -23,6 +24,16 @@ enum class LatticeQuality : std::uint8_t { Draft, Exact, Stored };
 /// What of a side of a triangle is drawn; the numbers are those of the blob.
 enum class SideRole : std::uint8_t { Inside = 0, Outline = 1, Mountain = 2, Valley = 3, Slit = 4 };
 
+/// A part of a card of several parts, whose faces follow those of the part before.
+struct LatticePart {
+  std::string name;
+  std::uint32_t faces{};
+  std::size_t folds{}, tabs{};
+  std::array<double, 4> box_mm{};    ///< left, top, width and height on the page (v, u)
+  std::array<double, 2> shift_mm{};  ///< (x, y) of its own sheet is at u = shift[0] - y,
+                                     ///< v = shift[1] + x
+};
+
 /// What goes into a blob beside the pattern.
 struct LatticeBlobOptions {
   LatticeQuality quality{LatticeQuality::Exact};
@@ -32,7 +43,9 @@ struct LatticeBlobOptions {
   std::size_t most_ghost_triangles{0};  ///< of the target's ghost; 0: none
   std::vector<Warning> warnings{};      ///< after those of the design's own report
   std::vector<std::string> judged{},
-      not_judged{};  ///< what was checked of a pattern from elsewhere
+      not_judged{};                  ///< what was checked of a pattern from elsewhere
+  std::vector<LatticePart> parts{};  ///< of a pattern alone that is a card of several parts
+  std::string report{};              ///< of a pattern alone: a JSON document; empty: none
 };
 
 /// How a pattern opens that popcut's own law of motion does not describe: the places (x, v, z) of

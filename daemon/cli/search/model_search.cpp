@@ -38,21 +38,6 @@ Result<TriangleMesh> read_model(const std::string& file, const std::string& byte
   return read_mesh(file, bytes, &notes);
 }
 
-/// The card of layers beside those of one sheet, with the model as it stands in the recommended
-/// one.
-void add_layers(const planning::SearchRequest& asked, SearchedModel& out) {
-  const auto spec = parse_design_spec(out.found.front[out.found.recommended].spec);
-  if (!spec) return;
-  auto layers = planning::layers_card({out.found.mesh, asked.colours, asked.model,
-                                       spec->placement.rotate_deg, out.found.area_mm, asked.plan,
-                                       asked.tables, asked.most_s, asked.hands, asked.progress});
-  if (layers)
-    out.layers = std::move(*layers);
-  else
-    out.found.notes.push_back("there is no card of layers beside these: " +
-                              message(layers.error()));
-}
-
 }  // namespace
 }  // namespace model_search_parts
 
@@ -112,7 +97,6 @@ Result<SearchedModel> search_model(const ModelSearchOptions& options,
   request.progress = work.progress();
   request.stopped = stopped;
   planning::keep_freed_memory();
-  const bool with_layers = options.style == "any" && options.cards == 1 && !options.plain;
   TriangleMesh searched = std::move(request.mesh);
   const planning::SearchRequest asked = request;
   request.mesh = std::move(searched);
@@ -124,7 +108,7 @@ Result<SearchedModel> search_model(const ModelSearchOptions& options,
   }
   out.found = std::move(*cards);
   out.found.notes.insert(out.found.notes.begin(), notes.begin(), notes.end());
-  if (with_layers) add_layers(asked, out);
+  out.layers = planning::layers_beside(asked, out.found);
   return out;
 }
 

@@ -222,6 +222,7 @@ ordered_json card_json(const FoundCardRecord& card, std::size_t number, const st
   ordered_json out{{"card", number}};
   out.update(figures_json(card));
   if (!card.page_mm) out["page_mm"] = nullptr;
+  out["tabs"] = card.tabs;
   out["warnings"] = ordered_json::parse(warnings_json(card.warnings), nullptr, false);
   out["spec"] = ordered_json::parse(card.spec, nullptr, false);
   out["links"] = {

@@ -26,6 +26,27 @@ daemon::FoundCardRecord record_of(const FoundCard& card) {
   return out;
 }
 
+daemon::FoundCardRecord record_of_layers(const FoundLayers& card) {
+  const Structure& made = card.sound.made.card;
+  const std::size_t layers = card.sound.made.layers.size();
+  daemon::FoundCardRecord out;
+  out.style = "layers";
+  out.settings =
+      fmt::format("{} layer{} on a card that opens flat", layers, layers == 1 ? "" : "s");
+  const likeness::PrintedFigures& f = card.printed;
+  out.error = f.error(), out.surface = f.colour, out.contour = f.contour, out.cover = f.cover;
+  out.looks = likeness::name_of(likeness::looks(f));
+  out.seconds = card.seconds, out.seconds_range = card.seconds_range;
+  out.cut_mm = card.cut_mm, out.fold_mm = card.fold_mm;
+  out.sheet_mm = {2.0 * made.page_mm, made.length_mm};
+  out.folds = static_cast<int>(card.hands.folds), out.tabs = static_cast<int>(card.hands.tabs);
+  out.shortest_fold_mm = card.hands.shortest_mm, out.hand_seconds = card.hands.time_s;
+  out.label = card.hands.label, out.wobble_mm = card.sound.report.wobble_mm.value_or(0.0);
+  out.warnings = card.sound.made.warnings;
+  out.spec = card.spec;
+  return out;
+}
+
 }  // namespace
 }  // namespace found_front_parts
 
@@ -40,9 +61,10 @@ std::string settings_words(const Candidate& candidate) {
                      candidate.units);
 }
 
-daemon::SearchFront figures_of(const FoundCards& found) {
+daemon::SearchFront figures_of(const FoundCards& found, const std::optional<FoundLayers>& layers) {
   daemon::SearchFront out;
   for (const FoundCard& card : found.front) out.cards.push_back(found_front_parts::record_of(card));
+  if (layers) out.cards.push_back(found_front_parts::record_of_layers(*layers));
   out.designed = static_cast<int>(found.counts.designed);
   out.planned = static_cast<int>(found.counts.planned);
   out.verified = static_cast<int>(found.counts.verified);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "core/search/candidate.hpp"
 #include "daemon/model/model.hpp"
 #include "daemon/planning/search/card_search.hpp"
+#include "daemon/planning/search/layers_card.hpp"
 
 namespace popcut::planning {
 
@@ -13,6 +15,9 @@ namespace popcut::planning {
 [[nodiscard]] std::string settings_words(const Candidate& candidate);
 
 /// The figures of what a search found, without its designs.
-[[nodiscard]] daemon::SearchFront figures_of(const FoundCards& found);
+///
+/// @param layers  beside it
+[[nodiscard]] daemon::SearchFront figures_of(const FoundCards& found,
+                                             const std::optional<FoundLayers>& layers);
 
 }  // namespace popcut::planning

@@ -91,7 +91,8 @@ Result<FoundLayers> layers_card(const LayersRequest& request) {
     }
     auto sound = judge::sound_layers(*spec, assets, "popcut", request.progress);
     if (!sound) return tl::unexpected(sound.error());
-    out = FoundLayers{std::move(text), std::move(*sound), {}, {}, {}};
+    out.emplace();
+    out->spec = std::move(text), out->sound = std::move(*sound);
     break;
   }
   if (!out) return out;
@@ -102,12 +103,30 @@ Result<FoundLayers> layers_card(const LayersRequest& request) {
       },
       "");
   if (!job) return tl::unexpected(job.error());
-  for (const PlannedSheet& sheet : job->plan.sheets) out->seconds += sheet.seconds;
+  for (const PlannedSheet& sheet : job->plan.sheets) {
+    out->seconds += sheet.seconds;
+    for (std::size_t k = 0; k < 2; ++k) out->seconds_range[k] += sheet.seconds_range[k];
+    out->cut_mm += sheet.cut_mm, out->fold_mm += sheet.fold_line_mm;
+  }
+  out->places = job->plan.parts;
   out->hands = job->plan.handwork.value_or(out->sound.made.handwork);
   out->printed = judge::layers_likeness(out->sound.made, request.colours);
   if (const std::string limit = broken_limit(*out, request); !limit.empty())
     return fail(ErrorKind::Infeasible, "", limit);
   return out;
+}
+
+std::optional<FoundLayers> layers_beside(const SearchRequest& asked, FoundCards& found) {
+  if (asked.plain || asked.cards != 1 || asked.styles.name != style_choices().front().name)
+    return std::nullopt;
+  const auto spec = parse_design_spec(found.front[found.recommended].spec);
+  if (!spec) return std::nullopt;
+  auto layers = layers_card({found.mesh, asked.colours, asked.model, spec->placement.rotate_deg,
+                             found.area_mm, asked.plan, asked.tables, asked.most_s, asked.hands,
+                             asked.progress});
+  if (layers) return std::move(*layers);
+  found.notes.push_back("there is no card of layers beside these: " + message(layers.error()));
+  return std::nullopt;
 }
 
 }  // namespace popcut::planning

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/compare/printed.hpp"
 #include "core/judge/sound_layers.hpp"
 #include "core/model/triangle_mesh.hpp"
+#include "core/plan/plan.hpp"
 #include "core/plan/plan_options.hpp"
 #include "core/progress.hpp"
 #include "core/result.hpp"
@@ -37,11 +39,22 @@ struct FoundLayers {
   likeness::PrintedFigures printed;  ///< `judge::layers_likeness`
   hands::Handwork hands;
   double seconds{};  ///< of cutting
+  std::array<double, 2> seconds_range{};
+  double cut_mm{}, fold_mm{};
+  std::vector<DrawnPart> places;  ///< of its parts on their common page
 };
 
 /// Makes a card of layers as large as fits, proves it, plans it and compares it printed.
 ///
 /// @retval Infeasible  it cannot be made, or breaks a limit; the detail says which
 [[nodiscard]] Result<FoundLayers> layers_card(const LayersRequest& request);
+
+/// The card of layers beside the cards that a search found, with the model as it stands in the
+/// recommended one. None, and a note says why, where it cannot be made; none, too, if the search
+/// is for one style, for books or for bare paper.
+///
+/// @param asked  the request of that search; its mesh is not looked at
+[[nodiscard]] std::optional<FoundLayers> layers_beside(const SearchRequest& asked,
+                                                       FoundCards& found);
 
 }  // namespace popcut::planning

@@ -20,6 +20,7 @@
 #include "daemon/planning/search/search_words.hpp"
 #include "daemon/planning/search/thumbnail.hpp"
 #include "daemon/planning/task_inputs.hpp"
+#include "daemon/planning/views/parts_card.hpp"
 #include "daemon/planning/views/preview.hpp"
 #include "daemon/planning/views/printed_design.hpp"
 
@@ -47,6 +48,17 @@ std::string shown_card(const std::string& spec, const Material& material, PatchA
   suit_material(suited, *wanted);
   add_figures(&suited, *wanted, made);
   return shown_blob(made, LatticeQuality::Exact).value_or(std::string());
+}
+
+/// The card of layers, with what a page shows of it.
+Result<void> add_layers(const FoundLayers& found, const std::optional<ColourMesh>& model,
+                        int number, const FileSink& add) {
+  auto png = thumbnail_png(found, model);
+  if (!png) return tl::unexpected(png.error());
+  if (auto done = add(thumbnail_file(number), std::move(*png)); !done) return done;
+  const PartsCard card{found.sound.made, std::nullopt, found.sound.fold};
+  auto shown = shown_blob(card, LatticeQuality::Exact);
+  return shown ? add(lattice_file(number), std::move(*shown)) : Result<void>();
 }
 
 /// The model, if its colours are wanted.
@@ -157,6 +169,9 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
     return shown_card(spec, *material, made);
   };
   request.progress = progress;
+  TriangleMesh searched = std::move(request.mesh);
+  const SearchRequest asked = request;
+  request.mesh = std::move(searched);
   if (const auto judges = task.assets.find(kJudgeFile); judges != task.assets.end())
     return judge_some(request, judges->second, task.design, add);
   std::optional<WantedCards> more;
@@ -174,16 +189,18 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
     return daemon::PlanningOutcome{};
   }
   if (!found) return tl::unexpected(in_request(found.error()));
+  const std::optional<FoundLayers> layers = layers_beside(asked, *found);
   tell(progress, "drawing the cards");
   daemon::PlanningOutcome outcome;
   outcome.design_kind = "spec";
   outcome.assets = {wanted->model};
-  if (auto done = add(kFrontFile, front_text(figures_of(*found))); !done)
+  if (auto done = add(kFrontFile, front_text(figures_of(*found, layers))); !done)
     return tl::unexpected(done.error());
   const bool are_drawn = std::all_of(found->front.begin(), found->front.end(),
                                      [](const FoundCard& card) { return !card.picture.empty(); });
-  const std::optional<ColourMesh> colours =
-      wanted->plain || are_drawn ? std::nullopt : colours_of(std::exchange(task.design, {}));
+  const std::optional<ColourMesh> colours = wanted->plain || (are_drawn && !layers)
+                                                ? std::nullopt
+                                                : colours_of(std::exchange(task.design, {}));
   for (std::size_t k = 0; k < found->front.size(); ++k) {
     FoundCard& card = found->front[k];
     if (card.picture.empty()) {
@@ -194,6 +211,10 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
     if (auto done = add_card(card, static_cast<int>(k) + 1, add); !done)
       return tl::unexpected(done.error());
   }
+  if (layers)
+    if (auto done = add_layers(*layers, colours, static_cast<int>(found->front.size()) + 1, add);
+        !done)
+      return tl::unexpected(done.error());
   return outcome;
 }
 

@@ -66,6 +66,7 @@ daemon::FoundCardRecord read_card(FieldReader& fields) {
     card.label = fields.text("label", {}, short_line(kMostWords));
     card.wobble_mm = figure("wobble_mm");
   }
+  if (fields.has("tabs")) card.tabs = fields.integer("tabs", {}, 0, kMostCount);
   if (fields.has("looks")) card.looks = fields.text("looks", {}, short_line(kMostWords));
   card.warnings = daemon::warnings_from_json(fields.text("warnings", {}));
   daemon::shorten(card.warnings, kMostCardWarnings, kMostNote);

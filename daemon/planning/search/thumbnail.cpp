@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/artwork/design_artwork.hpp"
+#include "core/artwork/layers_artwork.hpp"
 #include "core/compare/picture.hpp"
 #include "core/design/spec/spec.hpp"
 #include "core/geometry/angle.hpp"
@@ -52,6 +53,17 @@ Result<std::string> printed_png(const FoundCard& card, const ColourMesh& model) 
 
 }  // namespace
 }  // namespace thumbnail_parts
+
+Result<std::string> thumbnail_png(const FoundLayers& card, const std::optional<ColourMesh>& model) {
+  constexpr double kPixel_mm = 0.25;
+  const PrintedDesign design = printed_layers(card.sound.made, model);
+  ArtworkOptions how;
+  how.pixel_mm = kPixel_mm;
+  how.shade = usual_shade(design);
+  const auto artwork = layers_artwork(design.layers->card, design.layers->model, card.places, how);
+  if (!artwork) return tl::unexpected(artwork.error());
+  return print_picture(*design.layers, card.places, *artwork, false, kThumbnailHeight_px);
+}
 
 Result<std::string> thumbnail_png(const TriangleMesh& mesh, const FoundCard& card,
                                   const std::optional<ColourMesh>& model) {

@@ -8,6 +8,7 @@
 #include "core/compare/comparison.hpp"
 #include "core/result.hpp"
 #include "daemon/planning/search/card_search.hpp"
+#include "daemon/planning/search/layers_card.hpp"
 
 namespace popcut::planning {
 
@@ -26,6 +27,12 @@ inline constexpr int kThumbnailWidth_px = 800, kThumbnailHeight_px = 400;
 /// @param model  in units and axes of the file that was searched; none: cards stay bare
 /// @retval Internal  libpng cannot write it
 [[nodiscard]] Result<std::string> thumbnail_png(const TriangleMesh& mesh, const FoundCard& card,
+                                                const std::optional<ColourMesh>& model);
+
+/// The same of a card of layers, always printed.
+///
+/// @param model  none: clay
+[[nodiscard]] Result<std::string> thumbnail_png(const FoundLayers& card,
                                                 const std::optional<ColourMesh>& model);
 
 }  // namespace popcut::planning

@@ -67,8 +67,9 @@ class Strip {
 };
 
 /// A model from the front, which looks along x, and its card open flat: from there and from both
-/// sides.
-Result<std::string> open_picture(const ColourMesh& model, const ColourMesh& card, int tile_px) {
+/// sides; without the model, from there and from one side.
+Result<std::string> open_picture(const ColourMesh& model, const ColourMesh& card, bool with_model,
+                                 int tile_px) {
   const auto side = static_cast<std::size_t>(tile_px);
   PictureLook look;
   look.width_px = look.height_px = side;
@@ -76,10 +77,11 @@ Result<std::string> open_picture(const ColourMesh& model, const ColourMesh& card
     return Vec3{std::cos(radians(turn_deg)), std::sin(radians(turn_deg)), std::tan(radians(30))};
   };
   look.toward = toward(0);
-  Strip strip(4, side);
-  strip.add(lit_picture(model, look));
+  Strip strip(with_model ? 4 : 2, side);
+  if (with_model) strip.add(lit_picture(model, look));
   look.back = kBack;
   for (const double turn_deg : {0.0, -35.0, 35.0}) {
+    if (turn_deg > 0.0 && !with_model) break;
     look.toward = toward(turn_deg);
     strip.add(lit_picture(card, look));
   }
@@ -114,16 +116,17 @@ Result<std::string> print_picture(const PrintedDesign& design, const Artwork& ar
 }
 
 Result<std::string> print_picture(const PrintedLayers& layers, std::span<const DrawnPart> places,
-                                  const Artwork& artwork, int tile_px) {
+                                  const Artwork& artwork, bool with_model, int tile_px) {
   return print_picture_parts::open_picture(as_seen_in_front(layers.card, layers.model),
-                                           standing_layers(layers.card, places, artwork), tile_px);
+                                           standing_layers(layers.card, places, artwork),
+                                           with_model, tile_px);
 }
 
 Result<std::string> print_picture(const PrintedBoxes& boxes, std::span<const DrawnPart> places,
                                   const Artwork& artwork, int tile_px) {
   return print_picture_parts::open_picture(
       as_seen_in_front(boxes.card, boxes.model),
-      as_seen_in_front(boxes.card, standing_boxes(boxes.card, places, artwork)), tile_px);
+      as_seen_in_front(boxes.card, standing_boxes(boxes.card, places, artwork)), true, tile_px);
 }
 
 }  // namespace popcut::planning

@@ -444,4 +444,110 @@ TEST_CASE("the artwork of a planned sheet is that of popcut print, and so is the
   refused("/v1/plans/" + drawn + "/sheets/1/artwork.pdf", 404, "of a drawing");
 }
 
+namespace {
+
+/// The JSON before the arrays of a lattice blob.
+Json head_of(const std::string& blob) {
+  REQUIRE(blob.substr(0, 4) == "PCLB");
+  const auto byte = [&](std::size_t at) {
+    return static_cast<std::size_t>(static_cast<unsigned char>(blob.at(at)));
+  };
+  return Json::parse(blob.substr(12, byte(8) + (byte(9) << 8) + (byte(10) << 16)));
+}
+
+Json wood(const char* layers) {
+  return {
+      {"popcut", 1},
+      {"name", "wood"},
+      {"style", "layers"},
+      {"surface",
+       {{"type", "implicit"},
+        {"f", "min(sqrt((x-60)^2+(y-30)^2+(z-20)^2)-18,max(abs(x-25)-5,max(abs(y-45)-30,z-50)))"}}},
+      {"layers", Json::parse(layers)}};
+}
+
+}  // namespace
+
+TEST_CASE("a card of layers is shown, kept, exported, planned and printed with all its parts",
+          "[popcutd][preview][parts]") {
+  RunningDaemon desk(0, kMore);
+  desk.open();
+  const std::filesystem::path folder = desk.daemon().folder().path();
+  const Json spec = wood(R"({"layers": 3, "length_mm": 80})");
+  RawConnection page(desk.daemon().socket());
+  for (const char* quality : {"draft", "exact"}) {
+    CAPTURE(quality);
+    REQUIRE(page.send(wanted(spec, quality)));
+    const WireResponse blob = page.receive();
+    REQUIRE(blob.status == 200);
+    const Json head = head_of(blob.body);
+    CHECK(head["quality"] == quality);
+    CHECK(head["motion"] == "frames");
+    CHECK(head["report"]["style"] == "layers");
+    REQUIRE(head["parts"].size() == head["report"]["pieces"]);
+    CHECK(head["parts"][0]["name"] == "card");
+    CHECK(head["parts"][1]["name"] == "layer-1");
+    CHECK(head["parts"][1]["tabs"] == 2);
+    CHECK(head["arrays"].contains("face_part"));
+  }
+  // What cannot be made is an error at the place in the spec.
+  REQUIRE(page.send(wanted(wood(R"({"length_mm": 80, "spine_mm": 50})"), "exact")));
+  const WireResponse narrow = page.receive();
+  CHECK(narrow.status == 422);
+  CHECK_THAT(narrow.body, Catch::Contains("/spec/layers/spine_mm") && Catch::Contains("at least"));
+
+  const auto put = [&](const std::string& target, const std::string& bytes) {
+    const auto made = desk.ask("POST", target, bytes);
+    REQUIRE((made.status == 201 || made.status == 202));
+    return "/v1/designs/" + Json::parse(made.body)["id"].get<std::string>();
+  };
+  const std::string design = put("/v1/designs", spec.dump());
+  const Json stored = head_of(desk.ask("GET", design + "/lattice").body);
+  CHECK(stored["quality"] == "stored");
+  CHECK(stored["parts"].size() == 4);
+  CHECK_THAT(desk.ask("GET", design + "/deployed.svg").body,
+             Catch::Contains("data:image/png;base64,"));
+  CHECK_THAT(desk.ask("GET", design + "/pattern.svg").body, Catch::Contains("<path"));
+  write_file(folder / "spec.json", spec.dump());
+  REQUIRE(run_program({popcut_program(), "design", "spec.json", "-q", "-o", "files", "--formats",
+                       "fold,svg,cut,dxf,report"},
+                      folder)
+              .exit == 0);
+  REQUIRE(run_program({popcut_program(), "fold-guide", "spec.json", "-q", "-o", "files"}, folder)
+              .exit == 0);
+  for (const char* name :
+       {"pattern.fold", "pattern.svg", "cut.svg", "pattern.dxf", "fold-guide.json"}) {
+    CAPTURE(name);
+    const auto file = desk.ask("GET", design + "/files/" + name);
+    CHECK(file.status == 200);
+    CHECK(file.body == text_of_file(folder / "files" / name));
+  }
+  Json report = Json::parse(desk.ask("GET", design + "/files/report.json").body),
+       expected = Json::parse(text_of_file(folder / "files/report.json"));
+  report.erase("seconds");
+  expected.erase("seconds");
+  CHECK(report == expected);
+  const auto animation = desk.ask("GET", design + "/files/deploy.glb");
+  CHECK(animation.status == 422);
+  CHECK_THAT(animation.body, Catch::Contains("is for cards of one sheet"));
+
+  // Its file from elsewhere: what verify says of it, and the same parts.
+  const std::string file = put("/v1/designs", text_of_file(folder / "files/pattern.fold"));
+  const Json opened = head_of(desk.ask("GET", file + "/lattice").body);
+  CHECK(opened["parts"] == stored["parts"]);
+  CHECK(opened["warnings"].empty());
+  for (const char* check : {"joints", "tabs", "opening", "degrees_of_freedom", "crossing"})
+    CHECK(std::count(opened["judged"].begin(), opened["judged"].end(), check) == 1);
+
+  const auto planned =
+      desk.ask("POST", design + "/plan", R"({"machine": "cameo3", "options": {"marks": true}})");
+  REQUIRE(planned.status == 202);
+  const std::string plan = "/v1/plans/" + Json::parse(planned.body)["id"].get<std::string>();
+  REQUIRE(happens([&] { return desk.get(plan)["state"] == "planned"; }));
+  CHECK(desk.get(plan)["handwork"]["tabs"] == 6);
+  const auto printed = desk.ask("GET", plan + "/sheets/1/artwork.pdf?dpi=60");
+  CHECK(printed.status == 200);
+  CHECK(printed.body.substr(0, 5) == "%PDF-");
+}
+
 }  // namespace preview_test

@@ -23,6 +23,7 @@
 #include "core/judge/glue_guide.hpp"
 #include "core/judge/glue_order.hpp"
 #include "core/judge/layers_likeness.hpp"
+#include "core/judge/parts_motion.hpp"
 #include "core/judge/sound_boxes.hpp"
 #include "core/judge/sound_layers.hpp"
 #include "core/judge/sound_slices.hpp"
@@ -481,6 +482,69 @@ void check_guide(const Structure& card, bool reaches) {
   CHECK(Json::parse(judge::glue_guide_json(*guide))["steps"].size() == guide->steps.size());
 }
 
+/// What a page shows of a card: sheets apart, panels rigid and joined at every opening, nothing
+/// below the table.
+///
+/// @param part_x  receives how far each part reaches on the open card toward who looks at it
+judge::PartsMotion check_shown(const Structure& card, std::vector<double>& part_x) {
+  const auto shown = judge::parts_motion(text_of(card));
+  if (!shown) FAIL(message(shown.error()));
+  CHECK(shown->stopped.empty());
+  const Pattern& flat = shown->pattern;
+  REQUIRE(shown->parts.size() == card.parts.size());
+  REQUIRE(shown->motion.psi_rad.size() >= 7);
+  CHECK(shown->motion.psi_rad.front() == Approx(radians(card.opens_deg)));
+  CHECK(std::is_sorted(shown->motion.psi_rad.rbegin(), shown->motion.psi_rad.rend()));
+  std::vector<std::size_t> part_of_vertex(flat.vertices.size());
+  std::size_t tabs = 0;
+  for (std::size_t p = 0; p < card.parts.size(); ++p) {
+    const judge::ShownPart& part = shown->parts[p];
+    CHECK(part.name == card.parts[p].name);
+    REQUIRE(part.faces == card.parts[p].faces.size());
+    tabs += part.tabs;
+    for (std::uint32_t f = 0; f < part.faces; ++f) {
+      const auto face = flat.face(part.first_face + f);
+      const auto& own = card.parts[p].faces[f];
+      REQUIRE(face.size() == own.size());
+      for (std::size_t k = 0; k < face.size(); ++k) {
+        const Vec2 at = card.parts[p].vertices[own[k]];
+        const PatternVertex& vertex = flat.vertices[face[k]];
+        CHECK(flat.u(vertex) == Approx(part.shift_mm[0] - at.y()));
+        CHECK(vertex.v == Approx(part.shift_mm[1] + at.x()));
+        CHECK(vertex.v >= part.box_mm[0] - 1e-6);
+        CHECK(vertex.v <= part.box_mm[0] + part.box_mm[2] + 1e-6);
+        CHECK(flat.u(vertex) >= part.box_mm[1] - 1e-6);
+        CHECK(flat.u(vertex) <= part.box_mm[1] + part.box_mm[3] + 1e-6);
+        part_of_vertex[face[k]] = p;
+      }
+    }
+  }
+  CHECK(tabs == static_cast<std::size_t>(std::count_if(
+                    card.joints.begin(), card.joints.end(),
+                    [](const PartJoint& joint) { return joint.kind == PartJointKind::Glue; })));
+  const auto on_sheet = [&](std::uint32_t i) {
+    return Vec2{flat.u(flat.vertices[i]), flat.vertices[i].v};
+  };
+  for (const auto& places : shown->motion.places) {
+    double stretched_mm = 0.0, lowest_mm = 0.0;
+    for (std::size_t f = 0; f < flat.faces(); ++f) {
+      const auto face = flat.face(f);
+      for (std::size_t k = 1; k < face.size(); ++k)
+        stretched_mm =
+            std::max(stretched_mm, std::abs(norm(Vec3(places[face[k]] - places[face[0]])) -
+                                            norm(Vec2(on_sheet(face[k]) - on_sheet(face[0])))));
+    }
+    for (const Vec3& at : places) lowest_mm = std::min(lowest_mm, at.z());
+    CHECK(stretched_mm < 1e-6);
+    CHECK(lowest_mm > -0.3);  // with a tab, which is shown above or below its bed
+  }
+  part_x.assign(card.parts.size(), -1e9);
+  for (std::size_t i = 0; i < flat.vertices.size(); ++i)
+    part_x[part_of_vertex[i]] =
+        std::max(part_x[part_of_vertex[i]], shown->motion.places.front()[i].x());
+  return *shown;
+}
+
 }  // namespace
 
 TEST_CASE("every front of a shape is in a layer, and the card of them is sound",
@@ -517,6 +581,17 @@ TEST_CASE("every front of a shape is in a layer, and the card of them is sound",
     if (!any) FAIL_CHECK("cell " << cell << " is in no layer");
   }
   check_guide(sound->made.card, true);
+  std::vector<double> part_x;
+  const judge::PartsMotion shown = check_shown(sound->made.card, part_x);
+  double high = 0.0, highest = 0.0;
+  for (const Vec3& at : shown.motion.places.front()) high = std::max(high, at.z());
+  for (const CardLayer& layer : sound->made.layers) highest = std::max(highest, layer.height_mm);
+  CHECK(high == Approx(highest).epsilon(0.01));
+  // The foremost layer is nearest to who looks.
+  CHECK(std::is_sorted(part_x.rbegin(), part_x.rend() - 1));
+  CHECK(std::all_of(shown.parts.begin() + 1, shown.parts.end(), [](const judge::ShownPart& part) {
+    return part.tabs == 2 && part.folds == 3;
+  }));
   const likeness::PrintedFigures printed = judge::layers_likeness(sound->made, {}, 96);
   CHECK(printed.cover > 0.5);
   CHECK(printed.error() < 0.5);
@@ -569,6 +644,9 @@ TEST_CASE("layers on a card that opens to 90 degrees stay parallel to its wall",
     CHECK(made.layers[j].at_mm - made.layers[j + 1].at_mm ==
           Approx(made.layers[j + 1].depth_mm - made.layers[j].depth_mm));
   check_guide(made.card, true);
+  std::vector<double> part_x;
+  check_shown(made.card, part_x);
+  for (std::size_t j = 1; j < count; ++j) CHECK(part_x[j] > part_x[j + 1]);
   const likeness::PrintedFigures printed = judge::layers_likeness(made, {}, 96);
   CHECK(printed.cover > 0.4);
   CHECK(Json::parse(layered_report_json(made, printed, 0.0))["opens_deg"] == 90.0);
@@ -966,6 +1044,8 @@ TEST_CASE("slices of a solid follow its sections, go together from above, open a
     std::reverse(order.begin(), order.end());
     CHECK(stopped(made, order) > 10);
     check_slides(sound);
+    std::vector<double> part_x;
+    check_shown(made.card, part_x);
     // No slot ends at the tab of a foot, so both fold in one line.
     for (const std::size_t foot : made.lattice.feet)
       for (const SliceCrossing& one : made.lattice.crossings)

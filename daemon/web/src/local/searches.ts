@@ -147,7 +147,7 @@ async function run(search: Search, design: Bytes, how: { machine: string; materi
     const front = JSON.parse(plain.decode(files.get('front.json'))) as Front;
     search.cards = front.cards.map(({ spec, ...card }, k) => {
       const own = `${search.links.self}/cards/${k + 1}`;
-      return { page_mm: null, ...card, card: k + 1, spec: JSON.parse(spec) as unknown, links: { picture: `${own}.png`, lattice: `${own}/lattice`, design: `${own}/design` } } as unknown as Search['cards'][number];
+      return { page_mm: null, tabs: 0, ...card, card: k + 1, spec: JSON.parse(spec) as unknown, links: { picture: `${own}.png`, lattice: `${own}/lattice`, design: `${own}/design` } } as unknown as Search['cards'][number];
     });
     search.recommended = front.recommended || null;
     search.better_front = front.better_front ?? null;
