@@ -275,3 +275,105 @@ test('a person who may only look sees no search', async () => {
   assert.equal(await page.locator('.search').count(), 0);
   await close();
 });
+
+test('a model becomes a card of layers: searched, shown, pulled apart, glued step by step, cut in pieces, and slices after it', async () => {
+  const { page, sent, complaints, close } = await desk({ style: 'any' });
+  await give(page, 'house.obj', house());
+  await found(page);
+  const layers = page.locator('.found-card').last();
+  assert.match(await layers.innerText(), /^\d+ folds, \d+ glued tabs, shortest [\d.]+ mm, (about \d+ minutes?|under a minute) to fold and glue, .* to cut; looks: (good|fair|poor)$/);
+  await page.locator('.found-card[aria-pressed=true]').waitFor();   // the recommended one is on the desk by itself
+  const before = await specOf(page);
+  const previews = () => sent.filter((one) => one.path === '/v1/preview').length;
+  const asked = previews();
+  await layers.scrollIntoViewIfNeeded();
+  await until(async () => (await layers.locator('img').count()) === 1, 'its picture is there');
+  assert.deepEqual(await layers.locator('img').evaluate((one) => [one.naturalWidth, one.naturalHeight]), [800, 400]);
+  await layers.click();
+  await exact(page);
+  const spec = await specOf(page);
+  assert.equal(spec.style, 'layers');
+  assert.equal(previews(), asked, 'it is shown as the search designed it');
+
+  // Its pieces: one is looked at alone, and all of them apart.
+  const rows = page.locator('[aria-labelledby=pieces] tbody tr');
+  const names = await rows.locator('th').allInnerTexts();
+  assert.equal(names[0], 'card');
+  assert.ok(names.length >= 3 && names.slice(1).every((name, k) => name === `layer-${k + 1}`), names.join());
+  const folds = (await rows.locator('td:nth-child(3)').allInnerTexts()).reduce((sum, text) => sum + Number(text), 0);
+  assert.match(await page.locator('.by-hand').innerText(), new RegExp(`${names.length} pieces, ${folds} folds, ${2 * (names.length - 1)} tabs to glue; .* looks (good|fair|poor) when printed`));
+  assert.equal(await page.locator('.flat-sheet figcaption').innerText(), `all ${names.length} pieces`);
+  await picture(page, 'parts-design');
+  await rows.getByRole('button', { name: 'layer-1' }).click();
+  assert.match(await page.locator('.flat-sheet figcaption').innerText(), /^layer-1 \d+/);
+  await page.locator('.segment', { hasText: 'Apart' }).click();
+  await page.getByLabel(/^Opening/).first().fill('120');
+  await picture(page, 'parts-apart');
+  await page.evaluate(axeSource());
+  const { violations } = await page.evaluate(() => window.axe.run('[aria-labelledby=pieces]'));
+  assert.deepEqual(violations.map((one) => one.id), []);
+
+  // All sheets to cut by hand.
+  await page.getByRole('button', { name: 'Make it…' }).click();
+  await page.locator('.make-choice', { hasText: 'By hand' }).click();
+  await page.getByRole('button', { name: /sheets\.pdf/ }).waitFor({ timeout: 120_000 });
+  await picture(page, 'parts-by-hand');
+  await page.getByRole('dialog').getByRole('button', { name: 'Close' }).click();
+
+  // Each part is folded, then glued with its tabs by their letters.
+  await page.getByRole('button', { name: 'How to fold it' }).click();
+  const letters = new Set();
+  let glued = 0;
+  for (let k = 0; ; k++) {
+    await page.locator('.fold-sheet').waitFor({ timeout: 60_000 });
+    const title = await page.locator('.fold-text h2').innerText();
+    assert.ok(['Crease', 'Glue'].includes(title), title);
+    if (title === 'Glue') {
+      if (glued++ === 0) await picture(page, 'parts-glue-first');
+      for (const letter of await page.locator('.fold-tab text').allTextContents()) letters.add(letter);
+      assert.ok(await page.locator('.fold-place').count() > 0, 'it shows where they go');
+    } else if (k === 1) await picture(page, 'parts-fold');
+    const next = page.getByRole('button', { name: 'Next' });
+    if (await next.count() === 0) break;
+    await next.click();
+  }
+  assert.equal(letters.size, 2 * (names.length - 1), 'every tab is glued');
+  assert.match(await page.locator('.fold-text').innerText(), /The card is done\./);
+  await picture(page, 'parts-glue-last');
+  await page.getByRole('link', { name: 'Done', exact: true }).last().click();
+
+  // Printed, then cut: all parts are on the sheets.
+  await page.getByRole('button', { name: 'Cut this…' }).click();
+  await page.getByRole('dialog').getByLabel('Print a picture on the card').check();
+  await page.getByRole('dialog').getByRole('combobox', { name: /^Cutter/ }).selectOption('sim:cameo3');
+  await page.getByRole('button', { name: 'Show the sheets' }).click();
+  const print = page.getByRole('button', { name: 'Page to print (PDF)' });
+  await print.waitFor({ timeout: 120_000 });
+  await picture(page, 'parts-sheets');
+  const plan = /#\/sheets\/(\w+)/.exec(page.url())[1];
+  const { body: drawn_ } = await server.ask('GET', `/v1/plans/${plan}/plan.json`);
+  assert.deepEqual([...new Set(drawn_.sheets.flatMap((one) => one.parts.map((part) => part.name)))].sort(), [...names].sort());
+  const [download] = await Promise.all([page.waitForEvent('download', { timeout: 120_000 }), print.click()]);
+  assert.equal((await bytesOf(download)).toString('latin1', 0, 5), '%PDF-');
+  assert.ok(await page.getByRole('link', { name: 'How to fold it' }).isVisible());
+
+  // The same model as slices, and back as it stood in its corner.
+  await page.getByRole('link', { name: 'Design', exact: true }).click();
+  await page.getByLabel('Style').selectOption('slices');
+  await exact(page);
+  await until(async () => (await rows.locator('th').allInnerTexts()).includes('x0'), 'slices are shown');
+  await picture(page, 'parts-slices');
+  await page.getByLabel('Name of the design').waitFor();
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await exact(page);
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await exact(page);
+  assert.deepEqual(await specOf(page), before);
+  await page.getByLabel('Style').selectOption('layers');
+  await exact(page);
+  await page.getByLabel('Style').selectOption('facets');
+  await exact(page);
+  assert.deepEqual((await specOf(page)).translate_mm, before.translate_mm);
+  assert.deepEqual(complaints, []);
+  await close();
+});

@@ -13,6 +13,7 @@ const { Previews } = await sources('preview.ts');
 const ramps = await sources('ramps.ts');
 const glue = await sources('glue_steps.ts');
 const guide = await sources('fold_guide.ts');
+const parts = await sources('parts_card.ts');
 const { nearer } = await sources('zoom.ts');
 const { strokesAt, strokeAt, strokeNumber, strokeStarts, endOf } = await sources('strokes.ts');
 
@@ -31,6 +32,13 @@ test('a spec goes from lattice to facets and back with its shape and its length'
   assert.deepEqual(layers, { popcut: 1, name: 'a', style: 'silhouette', surface: lattice.surface, scale_mm: 2, silhouette: { from_mm: -6, length_mm: 60 } });
   assert.deepEqual(spec.asPanels(layers, 'facets'), facets);
   assert.deepEqual(spec.asLattice(layers), back);
+  // Cards of several parts stand in the middle of their pages, and keep the shape and its length.
+  const glued = spec.asParts({ ...layers, translate_mm: [1, 2, 3], min_panel_mm: 2 }, 'layers');
+  assert.deepEqual(glued, { popcut: 1, name: 'a', style: 'layers', surface: lattice.surface, scale_mm: 2, layers: { from_mm: -6, length_mm: 60 } });
+  assert.deepEqual(spec.asPanels(glued, 'facets'), facets);
+  const solid = { popcut: 1, style: 'facets', surface: { type: 'mesh', file: 'x' }, facets: { strip_mm: 3 }, translate_mm: [1, 0, 0] };
+  assert.deepEqual(spec.asParts(solid, 'slices'), { popcut: 1, style: 'slices', surface: solid.surface });
+  assert.ok(spec.isSolid(solid) && !spec.isSolid(lattice));
 });
 
 test('a lattice is read as it was written', () => {
@@ -316,6 +324,52 @@ test('a fold guide is its steps card by card, and lines and triangles become pat
   assert.deepEqual(guide.boxAround([[10, 0], [30, 100]], 0.1), [-10, 0, 120, 40]);
   assert.equal(guide.pathOf([[[10, 0], [10.00049, 5]]]), 'M0 10L5 10');
   assert.equal(guide.trianglesPath([0, 0, 4, 0, 4, 3]), 'M0 0L4 0L4 3Z');
+});
+
+/** Two pages of 40 x 20 mm, and a triangle on the right one that lies flat when they are shut; two poses. */
+function smallCard(change = {}) {
+  const points = [[0, 0], [0, 40], [20, 40], [20, 0], [0, 50], [0, 60], [10, 50]].flatMap(([u, v]) => [u, 0, v]);
+  const open = [[0, 0, 0], [0, 40, 0], [20, 40, 0], [20, 0, 0], [10, 25, 0], [10, 35, 0], [10, 25, 10]];
+  const shut = open.map(([x, v, z]) => [x, v, z / 10]);
+  const one = (name, box_mm, shift_mm) => ({ name, folds: 1, tabs: 0, box_mm, shift_mm });
+  return readLattice(blob({
+    quality: 'exact', name: 'small', card: { wall_mm: 0, ground_mm: 0, width_mm: 0, card: false }, design_psi_rad: 3, faces: 2, motion: 'frames',
+    frames: { psi_rad: [3, 1] }, parts: [one('card', [0, 0, 40, 20], [20, 0]), one('layer', [50, 0, 10, 10], [10, 50])], ...change,
+  }, {
+    points: ['f32', points], triangles: ['u32', [0, 1, 2, 0, 2, 3, 4, 5, 6]], triangle_face: ['u32', [0, 0, 1]], sides: ['u8', [1, 1, 0, 0, 1, 1, 1, 1, 1]],
+    face_kind: ['u8', [0, 0]], face_slice: ['i32', [-1, -1]], face_level: ['i32', [-1, -1]], face_error: ['f32', [0, 0]], face_merged: ['u8', [0, 0]],
+    face_part: ['i32', [0, 1]], lines: ['f32', [0, 0, 20, 0, 0, 50, 0, 60]], line_role: ['u8', [1, 1]], frames: ['f32', [...open, ...shut].flat()],
+  }));
+}
+
+test('of a card of several parts some are shown alone, and all are pulled apart at every opening', () => {
+  const card = smallCard();
+  assert.deepEqual(card.parts.map(({ name }) => name), ['card', 'layer']);
+  assert.throws(() => smallCard({ parts: [{ name: 'card', folds: 1, tabs: 0, box_mm: [0, 0, 40], shift_mm: [0, 0] }] }), /box_mm must have 4 numbers/);
+  assert.throws(() => smallCard({ parts: smallCard().parts.slice(1) }), /names a part that is not there/);
+  const alone = parts.onlyParts(card, new Set([1]));
+  assert.deepEqual([...alone.triangles], [0, 1, 2]);
+  assert.deepEqual([...alone.triangle_face], [1]);
+  assert.deepEqual([...alone.frames], [10, 25, 0, 10, 35, 0, 10, 25, 10, 10, 25, 0, 10, 35, 0, 10, 25, 1]);
+  assert.deepEqual([...posedPoints(alone, 1)].slice(6), [10, 25, 1]);
+  const apart = parts.apart(card);
+  assert.deepEqual([...apart.frames.subarray(0, 12)], [...card.frames.subarray(0, 12)], 'the pages stay');
+  const away = (i) => [0, 1, 2].map((k) => apart.frames[3 * i + k] - card.frames[3 * i + k]);
+  assert.ok(away(4)[2] > 3 && away(4)[1] > 3, 'up, and to its side');
+  for (const i of [5, 6, 11, 12, 13]) assert.deepEqual(away(i).map((mm) => mm.toFixed(3)), away(4).map((mm) => mm.toFixed(3)));
+  assert.ok(parts.isOn(card.parts[1], 0, 60) && !parts.isOn(card.parts[1], 0, 40));
+});
+
+test('the guide of a card of several parts has its places on the page of all parts', () => {
+  const { guide: { cards }, steps } = guide.cardsOfParts({
+    name: 'small', parts: [{ name: 'card', waste: 0, folds: [{ from: [5, 0], to: [5, 20], sense: 'valley' }] }, { name: 'layer', waste: 0, folds: [] }],
+    tabs: [{ letter: 'A', part: 'layer', on: 'card', outline_mm: [[0, 0], [10, 0], [0, 10]], place_mm: [[20, 1], [30, 1], [20, 11]] }],
+    steps: [{ kind: 'fold', part: 'card', with: [], words: 'crease', folds: [0], tabs: [] }, { kind: 'glue', part: 'layer', with: ['strut'], words: 'glue', folds: [], tabs: ['A'] }],
+  }, smallCard().parts);
+  assert.deepEqual(cards[0].folds, [{ from: [20, 5], to: [0, 5], sense: 'valley' }]);
+  assert.deepEqual(steps.map(({ card, step: { kind, standing, added } }) => [card, kind, standing, added]), [[0, 'fold', [], []], [1, 'glue', ['card', 'layer', 'strut'], ['layer', 'strut']]]);
+  assert.deepEqual(steps[1].step.tabs, [
+    { letter: 'A', outline: [[10, 50], [10, 60], [0, 50]], isPlace: false }, { letter: 'A', outline: [[19, 20], [19, 30], [9, 20]], isPlace: true }]);
 });
 
 test('a drawing comes nearer about a place, and stays within its edges', () => {

@@ -40,9 +40,10 @@ function Deploy() {
   const frame = useRef(0);
   const now = deg(desk.psi.value);
   const designed = of ? deg(of.design_psi_rad) : 90;
+  const most = of && of.parts.length > 0 ? Math.round(designed) : 180;   // a card of parts is glued, and opens no further
   useLayoutEffect(() => {
-    input.current?.style.setProperty('--at', `${(now / 180) * 100}%`);
-    input.current?.parentElement?.style.setProperty('--designed', String(designed / 180));
+    input.current?.style.setProperty('--at', `${(now / most) * 100}%`);
+    input.current?.parentElement?.style.setProperty('--designed', String(designed / most));
   });
   const stop = (): void => {
     cancelAnimationFrame(frame.current);
@@ -57,9 +58,10 @@ function Deploy() {
     playing.value = true;
     const start = performance.now();
     const from = deg(desk.psi.value);
-    const phase = Math.acos(Math.max(-1, Math.min(1, (from - 92) / 84)));
+    const [middle, swing] = [most / 2 + 2, most / 2 - 6];
+    const phase = Math.acos(Math.max(-1, Math.min(1, (from - middle) / swing)));
     const tick = (time: number): void => {
-      desk.psi.value = rad(92 + 84 * Math.cos(phase + (time - start) / 1600));
+      desk.psi.value = rad(middle + swing * Math.cos(phase + (time - start) / 1600));
       frame.current = requestAnimationFrame(tick);
     };
     frame.current = requestAnimationFrame(tick);
@@ -72,12 +74,12 @@ function Deploy() {
   return (
     <div class="deploy">
       <div class="deploy-track">
-        <input ref={input} type="range" min="0" max="180" step="1" value={Math.round(now)} aria-label={words.psi.label} aria-valuetext={words.psi.text(now)}
+        <input ref={input} type="range" min="0" max={most} step="1" value={Math.round(now)} aria-label={words.psi.label} aria-valuetext={words.psi.text(now)}
           onInput={(event) => jump(Number(event.currentTarget.value))} />
         <div class="deploy-marks">
           <button type="button" class="mark mark-shut" onClick={() => jump(0)}>{words.psi.shut}</button>
-          <button type="button" class="mark mark-designed" onClick={() => jump(designed)}>{words.psi.designed}</button>
-          <button type="button" class="mark mark-flat" onClick={() => jump(180)}>{words.psi.flat}</button>
+          {most > designed && <button type="button" class="mark mark-designed" onClick={() => jump(designed)}>{words.psi.designed}</button>}
+          <button type="button" class="mark mark-flat" onClick={() => jump(most)}>{most < 180 ? words.psi.designed : words.psi.flat}</button>
         </div>
       </div>
       <output class="deploy-value figure">{Math.round(now)}°</output>
@@ -117,8 +119,8 @@ function ShareDialog({ onClose }: { onClose: () => void }) {
   );
 }
 
-/** Films the card as it opens from flat to `designed`, radians; null if it was stopped. */
-async function film(view: NonNullable<typeof shownModel.view>, designed: number, stop: AbortSignal): Promise<Blob | null> {
+/** Films the card as it opens from `flat`, or from where it is shut, to `designed`, radians; null if it was stopped. */
+async function film(view: NonNullable<typeof shownModel.view>, flat: number, designed: number, stop: AbortSignal): Promise<Blob | null> {
   const stream = view.canvas.captureStream(30);
   const type = MediaRecorder.isTypeSupported('video/webm;codecs=vp9') ? 'video/webm;codecs=vp9' : 'video/webm';
   const recorder = new MediaRecorder(stream, { mimeType: type, videoBitsPerSecond: 6_000_000 });
@@ -135,7 +137,7 @@ async function film(view: NonNullable<typeof shownModel.view>, designed: number,
       if (stop.aborted) return done();
       const share = Math.min(1, (time - start) / whole_ms);
       const eased = share * share * (3 - 2 * share);
-      desk.psi.value = Math.PI + eased * (designed - Math.PI);
+      desk.psi.value = flat + eased * (designed - flat);
       if (share < 1) requestAnimationFrame(tick);
       else setTimeout(done, 300);
     };
@@ -151,15 +153,19 @@ async function film(view: NonNullable<typeof shownModel.view>, designed: number,
 
 const designName = (): string => (desk.foreign.value?.name ?? nameOf(desk.spec.value ?? {})) || 'design';
 
+const kShut_rad = 0.1;
+const kOneSheetFiles = ['segments.csv', 'deploy.glb', 'poster.svg', 'deployed.svg'];
+
 /** All other formats, as files of the design. */
 function OtherFormats() {
   const { problem, run: ask } = useAsking();
   const busy = useSignal<string | null>(null);
   const name = designName();
+  const ofParts = (desk.lattice.value?.parts.length ?? 0) > 0;
   const closed = useRef(new AbortController());
   useEffect(() => () => closed.current.abort(), []);
   const makeFilm = async (of: NonNullable<typeof shownModel.view>): Promise<void> => {
-    const blob = await film(of, desk.lattice.peek()?.design_psi_rad ?? Math.PI / 2, closed.current.signal);
+    const blob = await film(of, ofParts ? kShut_rad : Math.PI, desk.lattice.peek()?.design_psi_rad ?? Math.PI / 2, closed.current.signal);
     if (blob) saveAs(blob, `${name}.webm`);
   };
   const run = (what: string, act: () => Promise<void>): Promise<void> => {
@@ -189,10 +195,10 @@ function OtherFormats() {
       {blocked.value && <p class="note note-bad" role="alert">{words.exports.blocked}</p>}
       {!desk.foreign.value && <p class="muted">{words.exports.what}</p>}
       <ul class="export-list">
-        {!desk.foreign.value && Object.entries(words.exports.files).map(([file, text]) => (
+        {!desk.foreign.value && Object.entries(words.exports.files).filter(([file]) => !ofParts || !kOneSheetFiles.includes(file)).map(([file, text]) => (
           <li key={file}><button type="button" class="export" disabled={off} onClick={() => void get(file)}>{text}</button></li>
         ))}
-        {!desk.foreign.value && <li><button type="button" class="export" disabled={off} onClick={simulate}>
+        {!desk.foreign.value && !ofParts && <li><button type="button" class="export" disabled={off} onClick={simulate}>
           {busy.value === 'simulator' ? words.exports.simulatorOpens : words.exports.simulator}</button></li>}
         {view && (
           <>
@@ -214,9 +220,10 @@ function SizeOnPaper() {
   const spec = desk.spec.value;
   const paper = outfit.chosenPaper.value;
   if (!of || !paper) return null;
-  const [, , width, length] = sheetBox(of);
-  if (outfit.fillFactor(width, length, 0) >= 1) return <p class="muted small">{words.cut.fits(size(width, length))}</p>;
-  const smaller = (): void => { if (spec) desk.set(scaled(spec, outfit.fillFactor(width, length))); };
+  const [, , width, length] = of.parts[0]?.box_mm ?? sheetBox(of);
+  const factor = of.parts.length > 0 ? desk.factorToFill(of, 0) : outfit.fillFactor(width, length, 0);
+  if (factor >= 1) return <p class="muted small">{words.cut.fits(size(width, length))}</p>;
+  const smaller = (): void => { if (spec) desk.setFitting(scaled(spec, of.parts.length > 0 ? desk.factorToFill(of) : outfit.fillFactor(width, length))); };
   return (
     <div class="note note-amber small" role="status">
       <p>{words.cut.tooLarge(size(width, length), paper.title, outfit.marked.value)}</p>

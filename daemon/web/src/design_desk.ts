@@ -35,6 +35,7 @@ export interface Foreign {
 export type Lit =
   | { kind: 'face'; face: number }
   | { kind: 'slice'; slice: number }
+  | { kind: 'part'; part: number }
   | { kind: 'level'; level: number };
 
 /** Values of a field that were found to be impossible: from there on, to the low or the high side. */
@@ -69,6 +70,8 @@ export const canCut = computed(() => foreign.value !== null
 
 /** The card was not drawn in the time that a preview may take: it can be tried again. */
 export const isLate = computed(() => problem.value?.errors[0]?.code === 'too-long');
+/** Parts are drawn away from each other. */
+export const isApart = signal(false);
 /** What is on the desk cannot be made. */
 export const isImpossible = computed(() => problem.value?.status === 422 && !isLate.value);
 
@@ -174,13 +177,27 @@ function comeNearer(made: Lattice): void {
 /** A design that is made smaller until it fits the paper. */
 let fits: { of: Spec; tries: number } | null = null;
 
-function comeToFit({ card }: Lattice): void {
+/** The sheets that a card is cut from: across and along, mm. */
+export function sheetsNeeded({ card, parts }: Lattice): [number, number][] {
+  return parts.length > 0 ? parts.map(({ box_mm }) => [box_mm[2], box_mm[3]]) : [[card.width_mm, card.wall_mm + card.ground_mm]];
+}
+
+/** The factor by which the card is to be made smaller or larger, so that its largest part fills the paper. */
+export const factorToFill = (of: Lattice, margin_mm?: number): number =>
+  Math.min(...sheetsNeeded(of).map(([width, length]) => fillFactor(width, length, margin_mm)));
+
+/** A change to another card, which is made smaller if it is larger than the paper. */
+export function setFitting(next: Spec): void {
+  set(next);
+  fits = { of: next, tries: 3 };
+}
+
+function comeToFit(made: Lattice): void {
   if (!fits) return;
   const { of, tries } = fits;
   fits = null;
-  const [width, length] = [card.width_mm, card.wall_mm + card.ground_mm];
-  if (tries === 0 || fillFactor(width, length, 0) >= 1) return;
-  const next = scaled(of, fillFactor(width, length));
+  if (tries === 0 || factorToFill(made, 0) >= 1) return;
+  const next = scaled(of, factorToFill(made));
   spec.value = next;
   undo.amend(next);
   fits = { of: next, tries: tries - 1 };
@@ -450,11 +467,18 @@ export async function readAgain(): Promise<void> {
   await openStored(of.id, opening()).catch((error: unknown) => { if (!isProblem(error)) throw error; });
 }
 
+/** What a face lights up: itself, or its part. */
+export function litBy(face: number): Lit {
+  const part = lattice.peek()?.face_part[face];
+  return part === undefined ? { kind: 'face', face } : { kind: 'part', part };
+}
+
 /** Faces that are lit, or null for none. */
 export function litFaces(of: Lattice, which: Lit | null): number[] | null {
   if (!which) return null;
   if (which.kind === 'face') return [which.face];
   const out: number[] = [];
+  if (which.kind === 'part') return [...of.face_part.keys()].filter((f) => of.face_part[f] === which.part);
   for (let f = 0; f < of.faces; f++) {
     if (of.face_kind[f] !== FaceKind.panel) continue;
     if (which.kind === 'slice' ? of.face_slice[f] === which.slice : of.face_level[f] === which.level) out.push(f);

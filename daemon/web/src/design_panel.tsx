@@ -5,10 +5,11 @@ import type { ComponentChildren } from 'preact';
 import { useEffect, useId, useLayoutEffect, useMemo, useRef } from 'preact/hooks';
 import * as desk from './design_desk';
 import { mustAnswer } from './drawing';
-import { FaceKind, onSheet, type Lattice } from './lattice';
+import { FaceKind, onSheet, type Lattice, type Part } from './lattice';
 import * as outfit from './outfit';
+import { isOn } from './parts_card';
 import { SheetView, type Strokes } from './sheet_view';
-import { asLattice, asPanels, isFacets, isPlain, isSilhouette, scaled, slicesOf, stretched, unitsOf, widthOf, widthsOf, withField, withSlices, withSliceWidth, withUnits, withWidth, type PanelStyle, type Spec } from './spec';
+import { asLattice, asPanels, asParts, isFacets, isOfParts, isPlain, isSilhouette, isSolid, scaled, slicesOf, stretched, unitsOf, widthOf, widthsOf, withField, withSlices, withSliceWidth, withUnits, withWidth, type PanelStyle, type Spec } from './spec';
 import { Button, Trouble, useAsking } from './parts';
 import { foldOf, go } from './route';
 import { may, stale } from './store';
@@ -32,17 +33,18 @@ export function sheetBox(of: Lattice): [number, number, number, number] {
   return left <= right ? [left, top, right - left, bottom - top] : [0, 0, 0, 0];
 }
 
-/** The lines of a lattice as strokes: page axes, v to the right and u down. */
-export function flatStrokes(of: Lattice): Strokes {
+/** The lines of a lattice, or of one of its parts, as strokes: page axes, v to the right and u down. */
+export function flatStrokes(of: Lattice, part: Part | undefined): Strokes {
   const xy: number[] = [];
-  const n = of.line_role.length;
   const kind: number[] = [];
-  for (let i = 0; i < n; i++) {
+  for (let i = 0; i < of.line_role.length; i++) {
     const [u0, v0, u1, v1] = of.lines.subarray(4 * i, 4 * i + 4) as unknown as [number, number, number, number];
+    if (part && !isOn(part, u0, v0)) continue;
     xy.push(v0, u0, v1, u1);
     kind.push((of.line_role[i] as number) - 1);
   }
-  const box = sheetBox(of);
+  const n = kind.length;
+  const box = part?.box_mm ?? sheetBox(of);
   const same = (value: number): number[] => Array.from({ length: n }, () => value);
   return {
     sheet: 1, width_mm: box[0] + box[2], length_mm: box[1] + box[3], mat: null, drawing_mm: box, kinds: kLineKinds,
@@ -63,6 +65,12 @@ export function facesOnSheet(of: Lattice, faces: readonly number[]): Float32Arra
 
 const kSheetEvery_ms = 250;
 
+/** The part that is looked at alone. */
+function pinnedPart(of: Lattice): Part | undefined {
+  const pinned = desk.pinned.value;
+  return pinned?.kind === 'part' ? of.parts[pinned.part] : undefined;
+}
+
 export function FlatSheet() {
   const canvas = useRef<HTMLCanvasElement>(null);
   useEffect(() => {
@@ -75,27 +83,31 @@ export function FlatSheet() {
     };
     view.onHover = (_, xy) => {
       const face = faceUnder(xy);
-      desk.hovered.value = face === null ? null : { kind: 'face', face };
+      desk.hovered.value = face === null ? null : desk.litBy(face);
     };
     view.onPick = (_, xy) => {
       const of = desk.lattice.peek();
       const face = faceUnder(xy);
       const panel = of !== null && face !== null && of.face_kind[face] === FaceKind.panel;
-      desk.pinned.value = panel ? { kind: 'face', face: face as number } : null;
+      desk.pinned.value = panel ? desk.litBy(face as number) : null;
     };
     let shown: Lattice | null = null;
+    let shownPart: Part | undefined;
     let shownAt = 0;
     let timer: ReturnType<typeof setTimeout> | undefined;
     const show = (of: Lattice | null): void => {
-      if (of === shown) return;
+      const part = of ? pinnedPart(of) : undefined;
+      if (of === shown && part === shownPart) return;
       shown = of;
+      shownPart = part;
       shownAt = performance.now();
-      view.setStrokes(of ? flatStrokes(of) : null);
+      view.setStrokes(of ? flatStrokes(of, part) : null);
     };
     const stops = [
       // While a hand moves, the sheet follows more slowly than the model: that is what is looked at.
       effect(() => {
         const of = desk.lattice.value;
+        void desk.pinned.value;
         const wait = desk.busy.value ? kSheetEvery_ms - (performance.now() - shownAt) : 0;
         clearTimeout(timer);
         if (wait <= 0 || of === null) show(of);
@@ -115,11 +127,13 @@ export function FlatSheet() {
     };
   }, []);
   const of = desk.lattice.value;
-  const text = of ? size(sheetBox(of)[2], sheetBox(of)[3]) : '';
+  const part = of ? pinnedPart(of) : undefined;
+  const box = part?.box_mm ?? (of ? sheetBox(of) : null);
+  const text = box ? size(box[2], box[3]) : '';
   return (
     <figure class="flat-sheet">
       <canvas ref={canvas} class="flat-canvas" role="img" tabIndex={0} aria-label={`${words.sheetPane}, ${text}`} />
-      <figcaption class="figure">{text && words.sheetSize(text)}</figcaption>
+      <figcaption class="figure">{part ? `${part.name} ${text}` : of && of.parts.length > 0 ? words.parts.all(of.parts.length) : text && words.sheetSize(text)}</figcaption>
     </figure>
   );
 }
@@ -218,21 +232,120 @@ function standing(of: Lattice): { height: number; depth: number; along: number }
   return { height, depth, along: high > low ? high - low : 0 };
 }
 
+/** Where shapes stood in the corner of a card before they became cards of parts, which have no place for it. */
+const stood = new Map<string, Pick<Spec, 'scale_mm' | 'translate_mm'>>();
+
+/** The same shape in another style. */
+function restyled(spec: Spec, style: string): Spec {
+  const key = JSON.stringify([spec.surface, spec.rotate_deg]);
+  if (style === 'layers' || style === 'slices') {
+    if (!isOfParts(spec)) stood.set(key, { scale_mm: spec.scale_mm, translate_mm: spec.translate_mm });
+    return asParts(spec, style);
+  }
+  const before = isOfParts(spec) ? stood.get(key) : undefined;
+  const from = before ? Object.entries(before).reduce((out, [field, value]) => withField(out, field, value), spec) : spec;
+  return style === 'lattice' ? asLattice(from) : asPanels(from, style as PanelStyle);
+}
+
 function StyleField({ spec }: { spec: Spec }) {
-  const style = isFacets(spec) ? 'facets' : isSilhouette(spec) ? 'silhouette' : 'lattice';
+  const style = isFacets(spec) ? 'facets' : isSilhouette(spec) ? 'silhouette' : isOfParts(spec) ? String(spec.style) : 'lattice';
   return (
     <label class="field field-row">
       <span>{words.fields.style}</span>
       <select value={style} onChange={(event) => {
-        const { value } = event.currentTarget;
-        desk.set(value === 'lattice' ? asLattice(spec) : asPanels(spec, value as PanelStyle));
+        const next = restyled(spec, event.currentTarget.value);
+        desk.pinned.value = null;   // a part of the card before
+        if (isOfParts(next)) desk.setFitting(next);   // its pages are as large as the shape asks for
+        else desk.set(next);
       }}>
         <option value="lattice" selected={style === 'lattice'}>{words.fields.styleLattice}</option>
         <option value="facets" selected={style === 'facets'}>{words.fields.styleFacets}</option>
         <option value="silhouette" selected={style === 'silhouette'}>{words.fields.styleSilhouette}</option>
+        <option value="layers" selected={style === 'layers'}>{words.parts.layers}</option>
+        <option value="slices" selected={style === 'slices'} disabled={!isSolid(spec)}>{words.parts.slices}</option>
       </select>
     </label>
   );
+}
+
+/** How high an open card of parts stands. */
+function heightOf(of: Lattice): number {
+  let high = 0;
+  for (let i = 2; i < of.points.length; i += 3) high = Math.max(high, of.frames[i] as number);   // the first frame is open
+  return high;
+}
+
+/** Fields of layers and of slices. */
+function PartsFields({ spec, of }: { spec: Spec; of: Lattice | null }) {
+  const isLayers = spec.style === 'layers';
+  const key = isLayers ? 'layers' : 'sliceform';
+  const own = (spec[key] ?? {}) as Record<string, unknown>;
+  const number = (field: string, otherwise: number): number => (typeof own[field] === 'number' ? own[field] : otherwise);
+  const withOwn = (field: string, value: unknown): Spec => withField(spec, key, withField(own, field, value));
+  const slider = (field: string, label: string, otherwise: number, least: number, most: number) => (
+    <Slider label={label} field={field} value={number(field, otherwise)} least={least} most={Math.max(most, number(field, otherwise))} pointers={[`/${key}/${field}`]}
+      text={integer(number(field, otherwise))} onMove={(n) => desk.change(withOwn(field, n), field, n)} />
+  );
+  return (
+    <div class="fields">
+      <fieldset>
+        <legend>{words.fields.fineness}</legend>
+        <StyleField spec={spec} />
+        {isLayers ? <>
+          {slider('layers', words.fields.layers, 5, 3, 9)}
+          <label class="field field-row">
+            <span>{words.parts.opens}</span>
+            <select value={number('opens_deg', 180)} onChange={(event) => desk.setFitting(withOwn('opens_deg', event.currentTarget.value === '90' ? 90 : null))}>
+              <option value="180" selected={number('opens_deg', 180) === 180}>{words.parts.flat}</option>
+              <option value="90" selected={number('opens_deg', 180) === 90}>{words.parts.corner}</option>
+            </select>
+          </label>
+        </> : <>
+          {slider('x_slices', words.parts.across, 7, 2, 20)}
+          {slider('y_slices', words.parts.along, 7, 2, 20)}
+        </>}
+      </fieldset>
+      <fieldset>
+        <legend>{words.fields.shape}</legend>
+        <div class="field-grid">
+          <NumberField label={words.fields.height} value={of && of.parts.length > 0 ? heightOf(of) : null} unit="mm" pointers={['/scale_mm']} least={1}
+            title={words.fields.scales} onSet={(v) => desk.setSize(v, heightOf)} />
+        </div>
+        <Refusal id="surface-r" text={refusedFor('/surface', '/layers', '/sliceform', '/scale_mm', '')} />
+      </fieldset>
+    </div>
+  );
+}
+
+/** All parts of the card, with what is to do on each; a row lights its part, and a press shows its sheet alone. */
+function Pieces({ of }: { of: Lattice }) {
+  return (
+    <section class="places" aria-labelledby="pieces">
+      <h2 id="pieces">{words.parts.title}</h2>
+      <p class="muted small">{words.parts.what}</p>
+      <table>
+        <thead><tr><th scope="col">{words.parts.piece}</th><th scope="col">{words.parts.size}</th><th scope="col">{words.figures.folds}</th><th scope="col">{words.parts.tabs}</th></tr></thead>
+        <tbody>
+          {of.parts.map((one, part) => (
+            <tr key={one.name} class={same(desk.lit.value, { kind: 'part', part }) ? 'row-lit' : ''}>
+              <th scope="row"><LitButton which={{ kind: 'part', part }} name={one.name} /></th>
+              <td class="figure">{size(one.box_mm[2], one.box_mm[3])}</td>
+              <td class="figure">{one.folds}</td>
+              <td class="figure">{one.tabs}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </section>
+  );
+}
+
+/** Lights something while one rests on it, and holds it lit when it is pressed. */
+function LitButton({ which, name }: { which: desk.Lit; name: string }) {
+  return <button type="button" class="link-button" aria-pressed={same(desk.pinned.value, which)}
+    onPointerEnter={() => { desk.hovered.value = which; }} onPointerLeave={() => { desk.hovered.value = null; }}
+    onFocus={() => { desk.hovered.value = which; }} onBlur={() => { desk.hovered.value = null; }}
+    onClick={() => { desk.pinned.value = same(desk.pinned.value, which) ? null : which; }}>{name}</button>;
 }
 
 /** How finely a silhouette follows its shape. */
@@ -323,6 +436,7 @@ function Fields({ spec, of }: { spec: Spec; of: Lattice | null }) {
     desk.set(scaled(spec, outfit.fillFactor(...sheet)));
   };
   if (!isPlain(spec)) return <p class="note">{words.fields.notPlain}</p>;
+  if (isOfParts(spec)) return <PartsFields spec={spec} of={of} />;
   if (isFacets(spec) || isSilhouette(spec)) return <PanelFields spec={spec} of={of} />;
   return (
     <div class="fields">
@@ -394,6 +508,8 @@ interface Report {
   cuts?: number;
   cut_length_mm?: number;
   fold_length_mm?: number;
+  tabs?: number;
+  printed?: { looks: string };
   handwork?: { folds: number; shortest_fold_mm: number; fold_s: number; label: string };
   wobble?: { largest_mm: number; mean_mm: number; loose_panels: number };   // of an exact design whose folds are parallel
 }
@@ -404,14 +520,15 @@ function Row({ name, means, children }: { name: string; means?: string; children
 
 /** What the design is to fold, how firmly it holds in paper, and the way to its steps. */
 export function ByHand({ of }: { of: Lattice }) {
-  const { handwork, wobble } = of.report as Report;
+  const { handwork, wobble, tabs, printed } = of.report as Report;
   const { busy, problem, run } = useAsking();
   if (!handwork) return null;
   const guide = (): Promise<void> => run(async () => { go(foldOf(await desk.storedId())); });
   return (
     <section class="by-hand" aria-labelledby="by-hand">
       <h2 id="by-hand">{words.byHand.title}</h2>
-      <p>{everyWords.byHand(handwork.folds, handwork.shortest_fold_mm, handwork.fold_s, handwork.label)}</p>
+      <p>{tabs ? words.parts.byHand(handwork.folds, tabs, of.parts.length, handwork.fold_s, handwork.label)
+        : everyWords.byHand(handwork.folds, handwork.shortest_fold_mm, handwork.fold_s, handwork.label)}{printed && words.parts.looks(printed.looks)}</p>
       {wobble && <p class="muted" title={words.byHand.firmWhat}>{words.byHand.firm(length(wobble.mean_mm), length(wobble.largest_mm))}{' '}
         {wobble.loose_panels > 0 && words.byHand.loose(wobble.loose_panels)}</p>}
       {problem.value && <Trouble problem={problem.value} onClose={() => { problem.value = null; }} />}
@@ -440,10 +557,10 @@ export function Figures({ of }: { of: Lattice }) {
         )}
         {freedom !== undefined && <Row name={words.figures.freedom} means={words.figures.means.freedom}>{freedom === 1 ? words.figures.freedomOne : words.figures.freedomMany(freedom)}</Row>}
         {report.pieces !== undefined && <Row name={words.figures.pieces}>{integer(report.pieces)}</Row>}
-        <Row name={words.figures.panels}>{integer(desk.panelsOf(of))}</Row>
+        {of.parts.length === 0 && <Row name={words.figures.panels}>{integer(desk.panelsOf(of))}</Row>}
         {report.folds !== undefined && <Row name={words.figures.folds}>{integer(report.handwork?.folds ?? report.folds)}{report.fold_length_mm !== undefined && <small>{length(report.fold_length_mm)}</small>}</Row>}
         {report.cuts !== undefined && <Row name={words.figures.cuts}>{integer(report.cuts)}{report.cut_length_mm !== undefined && <small>{length(report.cut_length_mm)}</small>}</Row>}
-        <Row name={words.figures.sheet}>{size(sheetBox(of)[2], sheetBox(of)[3])}</Row>
+        {of.parts.length === 0 && <Row name={words.figures.sheet}>{size(sheetBox(of)[2], sheetBox(of)[3])}</Row>}
       </dl>
       <details onToggle={(event) => { desk.engine.value = event.currentTarget.open; }}>
         <summary>{words.figures.engine}</summary>
@@ -490,10 +607,7 @@ function PlacesTable({ of }: { of: Lattice }) {
         {rows.map(([which, name, error]) => (
           <tr key={name} class={same(desk.lit.value, which) ? 'row-lit' : ''}>
             <th scope="row">
-              <button type="button" class="link-button" aria-pressed={same(desk.pinned.value, which)}
-                onPointerEnter={() => { desk.hovered.value = which; }} onPointerLeave={() => { desk.hovered.value = null; }}
-                onFocus={() => { desk.hovered.value = which; }} onBlur={() => { desk.hovered.value = null; }}
-                onClick={() => { desk.pinned.value = same(desk.pinned.value, which) ? null : which; }}>{name}</button>
+              <LitButton which={which} name={name} />
             </th>
             <td class="figure">{error >= 0 ? length(error) : '–'}</td>
           </tr>
@@ -558,6 +672,7 @@ export function Panel() {
       <FlatSheet />
       {spec && <Fields spec={spec} of={of} />}
       {of && desk.foreign.value && !asks && <Judged of={of} />}
+      {of && of.parts.length > 0 && <Pieces of={of} />}
       {of && !asks && <Warnings of={of} />}
       {of && !desk.foreign.value && <ByHand of={of} />}
       {of && !desk.foreign.value && <Figures of={of} />}

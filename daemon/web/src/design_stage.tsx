@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The three-dimensional side of Design: the model, its handles, its legend.
-import { effect, signal, useSignal } from '@preact/signals';
+import { computed, effect, signal, useSignal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import * as desk from './design_desk';
 import { mustAnswer } from './drawing';
 import { FaceKind, posedPoints, type Lattice } from './lattice';
 import { paintModel } from './model_paper';
 import type { ModelView } from './model_view';
+import { apart } from './parts_card';
 import { css, curvatures, scaleOf, stopsOf, type Colouring, type Scale } from './ramps';
 import * as searching from './search_desk';
 import {
@@ -439,6 +440,7 @@ export function litWords(of: Lattice | null, which: desk.Lit | null): string {
     const error = desk.errorsBy(of).slices.get(which.slice) ?? -1;
     return `${words.figures.slice(which.slice + 1)}${error >= 0 ? `, ${words.figures.errorOf} ${length(error)}` : ''}`;
   }
+  if (which.kind === 'part') return of.parts[which.part]?.name ?? '';
   if (which.kind === 'level') {
     const error = desk.errorsBy(of).levels.get(which.level) ?? -1;
     return `${words.figures.level(which.level)}${error >= 0 ? `, ${words.figures.errorOf} ${length(error)}` : ''}`;
@@ -463,6 +465,8 @@ export function sentenceOf(of: Lattice, name: string, psi: number): string {
 function nextPin(of: Lattice, face: number | null): desk.Lit | null {
   if (face === null || of.face_kind[face] !== FaceKind.panel) return null;
   const now = desk.pinned.value;
+  const part = of.face_part[face];
+  if (part !== undefined) return now?.kind === 'part' && now.part === part ? null : { kind: 'part', part };
   const slice = of.face_slice[face] as number;
   const level = of.face_level[face] as number;
   if (now?.kind === 'face' && now.face === face && slice >= 0) return { kind: 'slice', slice };
@@ -567,7 +571,7 @@ export function Stage() {
       let view: ModelView;
       try {
         view = new View(canvas.current, {
-          onHover: (face) => { desk.hovered.value = face === null ? null : { kind: 'face', face }; },
+          onHover: (face) => { desk.hovered.value = face === null ? null : desk.litBy(face); },
           onPick: (face) => {
             const of = desk.lattice.peek();
             if (of) desk.pinned.value = nextPin(of, face);
@@ -594,9 +598,13 @@ export function Stage() {
       const themes = new MutationObserver(retheme);
       themes.observe(document.documentElement, { attributes: true });
       let shown: Lattice | null = null;
+      const pictured = computed(() => {
+        const of = desk.lattice.value;
+        return of && of.parts.length > 0 && desk.isApart.value ? apart(of) : of;
+      });
       stops.push(
         effect(() => {
-          const of = desk.lattice.value;
+          const of = pictured.value;
           const moving = desk.moving.value;
           if (of === shown) {
             if (!moving && of) view.fit(false);
@@ -613,7 +621,9 @@ export function Stage() {
         effect(() => view.setDim(desk.isImpossible.value)),
         effect(() => {
           const which = desk.lit.value;
-          view.light(which === null ? null : which.kind === 'face' ? { face: which.face } : which.kind === 'slice' ? { slice: which.slice } : { level: which.level });
+          const of = pictured.value;
+          if (of && of.parts.length > 0) view.markFaces(new Set(desk.litFaces(of, which)));
+          view.light(which === null || which.kind === 'part' ? null : which.kind === 'face' ? { face: which.face } : which.kind === 'slice' ? { slice: which.slice } : { level: which.level });
         }),
         () => { dark.removeEventListener('change', retheme); themes.disconnect(); },
       );
@@ -668,6 +678,12 @@ export function Stage() {
             <input type="checkbox" class="visually-hidden" checked={desk.targetShown.value}
               onChange={(event) => { desk.targetShown.value = event.currentTarget.checked; }} />
             {words.stage.target}
+          </label>
+        )}
+        {of && of.parts.length > 0 && (
+          <label class={desk.isApart.value ? 'segment segment-single segment-on' : 'segment segment-single'}>
+            <input type="checkbox" class="visually-hidden" checked={desk.isApart.value} onChange={(event) => { desk.isApart.value = event.currentTarget.checked; }} />
+            {words.stage.apart}
           </label>
         )}
         <button type="button" class="segment segment-single" onClick={() => model.value?.fit(true)}>{words.stage.fit}</button>

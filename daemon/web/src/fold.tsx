@@ -5,9 +5,10 @@ import { useEffect, useMemo } from 'preact/hooks';
 import { useAgain } from './again';
 import * as desk from './design_desk';
 import { facesOnSheet, sheetBox } from './design_panel';
-import { boxAround, pathOf, stepsOf, trianglesPath, type Box, type Guide, type GuideCard, type GuideFold, type GuideStep, type Point } from './fold_guide';
-import { readLattice, Role, type Lattice } from './lattice';
+import { boxAround, cardsOfParts, pathOf, stepsOf, trianglesPath, type Box, type Guide, type GuideCard, type GuideFold, type GuideStep, type PartsGuide, type Point } from './fold_guide';
+import { readLattice, Role, type Lattice, type Part } from './lattice';
 import { Button, LinkButton, Loading, Trouble } from './parts';
+import { isOn, onlyParts, partNamed } from './parts_card';
 import { isProblem, read, readAnswer, readBlob, saveAs, type ServerProblem } from './server';
 import { StepModel, useStepKeys } from './steps';
 import { useZoom } from './zoom';
@@ -16,6 +17,8 @@ import { designWords } from './words_design';
 const words = designWords.fold;
 const kKept = 'popcut.fold';
 const kWhole = 0.03, kNear = 0.25;   // margin around the sheet and around a step, as a share of them
+const kBetween_mm = 10;              // between the sheets of parts
+const kAsGlued = 0.9;               // of its opening: how far a card of several parts is open as it is glued
 const kShutting_rad = 1.2;           // how far a card is open that is being pushed
 
 /** Where a person was in the guide of a design; that of one design is kept. */
@@ -36,12 +39,13 @@ function keepStep(id: string, step: number): void {
   }
 }
 
-/** Cuts and borders of a lattice on its sheet. */
-function cutsOf(of: Lattice): [Point, Point][] {
+/** Cuts and borders of a lattice on its sheet, or of some of its parts. */
+function cutsOf(of: Lattice, parts: readonly Part[]): [Point, Point][] {
   const out: [Point, Point][] = [];
   of.line_role.forEach((role, i) => {
     if (role !== Role.cut && role !== Role.slit) return;
     const [u0, v0, u1, v1] = of.lines.subarray(4 * i, 4 * i + 4) as unknown as [number, number, number, number];
+    if (parts.length > 0 && !parts.some((part) => isOn(part, u0, v0))) return;
     out.push([[u0, v0], [u1, v1]]);
   });
   return out;
@@ -53,17 +57,31 @@ const linesOf = (folds: readonly GuideFold[]): [Point, Point][] => folds.map(({ 
 /** The sheet of a card: the folds of a step drawn strongly, its panels lit. Without `of`, it shows folds alone. */
 function StepSheet({ card, step, of, near }: { card: GuideCard; step: GuideStep; of: Lattice | null; near: boolean }) {
   const sheet = useMemo(() => {
-    if (!of) return { box: boxAround(ends(card.folds), kWhole), paper: null, cuts: '' };
-    const [left, top, width, height] = sheetBox(of);
-    return {
-      box: boxAround([[top, left], [top + height, left + width]], kWhole),
-      paper: of.card.card ? { left, top, width, height } : null, cuts: pathOf(cutsOf(of)),
+    const told = step.tabs ?? [];
+    // Of a card of several parts, those that this step is about, side by side.
+    const parts = of?.parts.filter((part) => part.name === card.name || told.some(({ outline: [at] }) => at && isOn(part, ...at))) ?? [];
+    const lefts = parts.map((_, k) => parts.slice(0, k).reduce((sum, part) => sum + part.box_mm[2] + kBetween_mm, 0));
+    const moved = (at: Point): Point => {
+      const k = parts.findIndex((part) => isOn(part, ...at));
+      const part = parts[k];
+      return part ? [at[0] - part.box_mm[1], at[1] - part.box_mm[0] + (lefts[k] as number)] : at;
     };
-  }, [of, card]);
-  const own = step.folds.map((k) => card.folds[k]).filter((fold) => fold !== undefined);
-  const others = useMemo(() => pathOf(linesOf(card.folds)), [card]);
+    const folds = card.folds.map((fold) => ({ ...fold, from: moved(fold.from), to: moved(fold.to) }));
+    const tabs = told.map((tab) => ({ ...tab, outline: tab.outline.map(moved) }));
+    if (!of) return { box: boxAround(ends(folds), kWhole), paper: null, cuts: '', folds, tabs };
+    const [left, top, width, height] = sheetBox(of);
+    const corners = parts.length === 0 ? [[top, left], [top + height, left + width]] as Point[]
+      : parts.flatMap(({ box_mm: [x, y, w, h] }) => [moved([y, x]), moved([y + h, x + w])]);
+    return {
+      box: boxAround(corners, kWhole), folds, tabs,
+      paper: of.card.card ? { left, top, width, height } : null, cuts: pathOf(cutsOf(of, parts).map(([a, b]): [Point, Point] => [moved(a), moved(b)])),
+    };
+  }, [of, card, step]);
+  const { tabs } = sheet;
+  const own = step.folds.map((k) => sheet.folds[k]).filter((fold) => fold !== undefined);
+  const others = useMemo(() => pathOf(linesOf(sheet.folds)), [sheet]);
   const corners = of ? facesOnSheet(of, step.panels) : new Float32Array();
-  const at: Point[] = [...ends(own)];
+  const at: Point[] = [...ends(own), ...tabs.flatMap(({ outline }) => outline)];
   if (own.length === 0) for (let i = 0; i + 1 < corners.length; i += 2) at.push([corners[i + 1] as number, corners[i] as number]);
   const box = (near ? boxAround(at, kNear) : null) ?? sheet.box ?? [0, 0, 100, 100];
   const { shown, isNear, closer, farther, handlers } = useZoom(box as Box, `${near} ${step.words} ${step.folds.join(' ')}`);
@@ -76,6 +94,13 @@ function StepSheet({ card, step, of, near }: { card: GuideCard; step: GuideStep;
       <svg class={isNear ? 'fold-sheet fold-near' : 'fold-sheet'} viewBox={shown.join(' ')} role="img" aria-label={words.sheet(said)} {...handlers}>
         {sheet.paper && <rect class="fold-paper" x={sheet.paper.left} y={sheet.paper.top} width={sheet.paper.width} height={sheet.paper.height} />}
         <path class="fold-lit" d={trianglesPath(corners)} />
+        {tabs.map(({ letter, outline, isPlace }) => {
+          const [u, v] = [0, 1].map((k) => outline.reduce((sum, p) => sum + (p[k] as number), 0) / outline.length) as Point;
+          return <g key={`${letter}${isPlace}`} class="fold-tab">
+            <path class={isPlace ? 'fold-place' : 'fold-lit'} d={`M${outline.map(([y, x]) => `${x} ${y}`).join('L')}Z`} />
+            <text x={v} y={u} text-anchor="middle" dominant-baseline="central">{letter}</text>
+          </g>;
+        })}
         <path class="fold-other" d={others} />
         <path class={step.kind === 'waste' ? 'fold-cuts fold-cuts-strong' : 'fold-cuts'} d={sheet.cuts} />
         <path class="fold-mountain" d={pathOf(linesOf(mountains))} />
@@ -96,7 +121,7 @@ function StepSheet({ card, step, of, near }: { card: GuideCard; step: GuideStep;
 
 /** `#/fold/DESIGN` */
 export default function Fold({ rest: id }: { rest: string }) {
-  const guide = useSignal<Guide | null>(null);
+  const read_ = useSignal<Guide | PartsGuide | null>(null);
   const lattice = useSignal<Lattice | null>(null);
   const at = useSignal(keptStep(id));
   const near = useSignal(matchMedia('(max-width: 40rem)').matches);   // on a phone a whole sheet is small
@@ -107,17 +132,30 @@ export default function Fold({ rest: id }: { rest: string }) {
     const missed = (error: unknown): void => {
       if (!stop.signal.aborted && isProblem(error)) trouble.value = error;
     };
-    guide.value = null;
+    read_.value = null;
     lattice.value = null;
     trouble.value = null;
-    read<Guide>(`${address}/files/fold-guide.json`, { signal: stop.signal }).then((got) => { guide.value = got; }, missed);
+    read<Guide | PartsGuide>(`${address}/files/fold-guide.json`, { signal: stop.signal }).then((got) => { read_.value = got; }, missed);
     readAnswer(`${address}/lattice`, { accept: 'application/vnd.popcut.lattice', signal: stop.signal })
       .then(async (answer) => { lattice.value = readLattice(await answer.arrayBuffer()); }).catch(missed);
     return () => stop.abort();
   }, [id, useAgain(trouble.value)]);
-  const steps = useMemo(() => (guide.value ? stepsOf(guide.value) : []), [guide.value]);
+  const whole = lattice.value;
+  const { guide, steps } = useMemo(() => {
+    const got = read_.value;
+    if (!got || !whole) return { guide: null, steps: [] };
+    return 'parts' in got ? cardsOfParts(got, whole.parts) : { guide: got, steps: stepsOf(got) };
+  }, [read_.value, whole]);
   const now = steps[Math.max(0, Math.min(steps.length - 1, at.value))];
-  const lit = useMemo(() => new Set(now?.step.panels), [now]);
+  // Of a card of several parts one sees what is there, and what comes now is lit.
+  const shown = useMemo(() => {
+    const names = now?.step.kind === 'fold' ? [guide?.cards[now.card]?.name ?? ''] : now?.step.standing ?? [];
+    return whole && whole.parts.length > 0 ? onlyParts(whole, new Set(names.map((name) => partNamed(whole, name)))) : whole;
+  }, [whole, now]);
+  const lit = useMemo(() => {
+    const added = new Set(now?.step.added?.map((name) => (whole ? partNamed(whole, name) : -1)));
+    return new Set([...now?.step.panels ?? [], ...(whole ? [...whole.face_part.keys()].filter((f) => added.has(whole.face_part[f] as number)) : [])]);
+  }, [whole, now]);
   const go = (to: number): void => {
     at.value = Math.max(0, Math.min(steps.length - 1, to));
     keepStep(id, at.value);
@@ -125,14 +163,15 @@ export default function Fold({ rest: id }: { rest: string }) {
   const move = (by: number): void => go(Math.min(at.value, steps.length - 1) + by);
   useStepKeys(move, steps.length);
   if (trouble.value) return <Trouble problem={trouble.value} />;
-  if (guide.value && steps.length === 0) return <p class="note">{words.nothing}</p>;
-  if (!guide.value || !now || !lattice.value) return <Loading />;
-  const { cards } = guide.value;
+  if (guide && steps.length === 0) return <p class="note">{words.nothing}</p>;
+  if (!guide || !now || !whole || !shown) return <Loading />;
+  const { cards } = guide;
+  const ofParts = whole.parts.length > 0;
   const card = cards[now.card] as GuideCard;
   const k = steps.indexOf(now);
   // In a lattice of a book all its cards lie side by side, and its faces have other numbers.
-  const of = cards.length === 1 ? lattice.value : null;
-  const psi_rad = now.step.kind === 'push' ? kShutting_rad : lattice.value.design_psi_rad || Math.PI / 2;
+  const of = cards.length === 1 || ofParts ? whole : null;
+  const psi_rad = now.step.kind === 'push' ? kShutting_rad : (ofParts ? kAsGlued : 1) * (whole.design_psi_rad || Math.PI / 2);
   const back = desk.spec.value ? '#/design' : `#/design/${id}`;   // the one on the desk, as it is
   const save = async (): Promise<void> => {
     try {
@@ -157,11 +196,11 @@ export default function Fold({ rest: id }: { rest: string }) {
         </div>
         <div class="glue-text fold-text">
           <div aria-live="polite">
-            {cards.length > 1 && <p class="muted">{words.card(card.name, now.card + 1, cards.length)}</p>}
+            {cards.length > 1 && !ofParts && <p class="muted">{words.card(card.name, now.card + 1, cards.length)}</p>}
             <h2>{words.kinds[now.step.kind] ?? ''}</h2>
             <p class="server-words">{now.step.words}</p>
           </div>
-          {of && of.motion !== 'flat' && <StepModel of={of} psi_rad={psi_rad} lit={lit} side={now.step.look_from} />}
+          {of && of.motion !== 'flat' && <StepModel of={shown} psi_rad={psi_rad} lit={lit} side={now.step.look_from} />}
         </div>
       </div>
       <div class="glue-acts fold-acts">

@@ -1,22 +1,62 @@
 // SPDX-License-Identifier: MIT
 // fold-guide.json of a design, read and laid out: pure.
+import type { Part } from './lattice';
 
 export type Point = [number, number];   // u, v on the sheet, mm
 
 export interface GuideFold { from: Point; to: Point; sense: 'mountain' | 'valley' }
 
 export interface GuideStep {
-  kind: 'waste' | 'crease' | 'push';
+  kind: 'waste' | 'crease' | 'push' | 'fold' | 'slide' | 'glue';
   words: string;
   folds: number[];
   panels: number[];   // faces of the pattern
   look_from?: 'right' | 'left';   // from where the standing card shows them best
+  /** Of a card of several parts: those that are there, the last ones come now. */
+  standing?: string[];
+  added?: string[];
+  /** Tabs that are glued now, on the sheet that they are on or go on: outlines. */
+  tabs?: { letter: string; outline: Point[]; isPlace: boolean }[];
 }
 
 /** A card of a book, or the only one. */
 export interface GuideCard { name: string; folds: GuideFold[]; steps: GuideStep[] }
 
 export interface Guide { cards: GuideCard[] }
+
+/** The guide of a card of several parts: each has its own sheet; `folds` and outlines are (x, y) on it. */
+export interface PartsGuide {
+  name: string;
+  parts: { name: string; waste: number; folds: GuideFold[] }[];
+  tabs: { letter: string; part: string; on: string; outline_mm: Point[]; place_mm: Point[] }[];
+  steps: { kind: 'fold' | 'slide' | 'glue'; part: string; with: string[]; words: string; folds: number[]; tabs: string[] }[];
+}
+
+/** The same as a guide of cards, a card for each part, its places on the page where the parts lie side by side. */
+export function cardsOfParts(guide: PartsGuide, parts: readonly Part[]): { guide: Guide; steps: PlacedStep[] } {
+  const number = (name: string): number => guide.parts.findIndex((one) => one.name === name);
+  const placed = (part: number): ((at: Point) => Point) => {
+    const [u, v] = parts[part]?.shift_mm ?? [0, 0];
+    return ([x, y]) => [u - y, v + x];
+  };
+  const cards = guide.parts.map(({ name, folds }, part): GuideCard => {
+    const to = placed(part);
+    return { name, folds: folds.map((fold) => ({ ...fold, from: to(fold.from), to: to(fold.to) })), steps: [] };
+  });
+  let standing: string[] = [];
+  const steps = guide.steps.map(({ kind, part, with: others, words, folds, tabs }): PlacedStep => {
+    const card = number(part);
+    const added = kind === 'fold' ? [] : [part, ...others];
+    // What slides together stands alone until it is glued on the first part, which is the card.
+    standing = [...new Set([...(kind === 'glue' ? [guide.parts[0]?.name ?? ''] : []), ...standing, ...added])];
+    const glued = guide.tabs.filter(({ letter }) => tabs.includes(letter)).flatMap((tab) => [
+      { letter: tab.letter, outline: tab.outline_mm.map(placed(number(tab.part))), isPlace: false },
+      { letter: tab.letter, outline: tab.place_mm.map(placed(number(tab.on))), isPlace: true },
+    ]);
+    return { card, step: { kind, words, folds, panels: [], standing, added, tabs: glued } };
+  });
+  return { guide: { cards }, steps };
+}
 
 /** A step of a card, and the numbers of both. */
 export interface PlacedStep { card: number; step: GuideStep }

@@ -6,6 +6,7 @@ import { useAgain } from './again';
 import { bands, fans, glueSteps, type GlueStep, type PlanFile } from './glue_steps';
 import { readLattice, type Lattice } from './lattice';
 import { Button, LinkButton, Loading, Trouble } from './parts';
+import { foldOf } from './route';
 import { isProblem, read, readBlob, readAnswer, type ServerProblem } from './server';
 import { readStrokes, usePlan } from './sheets';
 import { SheetView, type Strokes } from './sheet_view';
@@ -190,7 +191,9 @@ export default function Glue({ rest: id }: { rest: string }) {
   // Only a card is pressed shut: the net of a box, say, moves in more than one way.
   const of = lattice.value;
   const shuts = !of || of.card.card || (of.motion === 'frames' && !of.warnings.some(({ code }) => code === 'many_ways'));
-  const steps = file.value && folds.value ? glueSteps(file.value, folds.value, shuts) : [];
+  // A card of several parts has a guide of its own for all that comes after the pieces of its pages.
+  const ofParts = (of?.parts.length ?? 0) > 0;
+  const steps = file.value && folds.value ? glueSteps(file.value, ofParts ? { mountains: 0, valleys: 0 } : folds.value, shuts) : [];
   const count = steps.length;
   const move = (by: number): void => {
     step.value = Math.max(0, Math.min(count - 1, step.value + by));
@@ -245,7 +248,8 @@ export default function Glue({ rest: id }: { rest: string }) {
           <Button big onClick={() => move(-1)} disabled={at === 0}>{words.back}</Button>
           {at + 1 < count
             ? <Button big kind="primary" onClick={() => move(1)}>{words.next}</Button>
-            : <LinkButton big kind="primary" href="#/">{words.done}</LinkButton>}
+            : ofParts ? <LinkButton big kind="primary" href={foldOf(plan.design)}>{designWords.sheets.fold}</LinkButton>
+              : <LinkButton big kind="primary" href="#/">{words.done}</LinkButton>}
         </div>
       </div>
       <Printed name={file.value?.name ?? ''} steps={steps} pictures={pictures.value} psi_deg={psi_deg} />

@@ -22,6 +22,16 @@ export interface DesignWarning {
   spoils?: boolean;
 }
 
+/** A part of a card of several parts. A place (x, y) of its own sheet is at u = shift[0] - y, v = shift[1] + x here. */
+export interface Part {
+  name: string;
+  folds: number;
+  tabs: number;
+  /** On the page: left, top, width, height (v, u). */
+  box_mm: [number, number, number, number];
+  shift_mm: [number, number];
+}
+
 export interface Lattice {
   quality: 'draft' | 'exact' | 'stored';
   method: string;
@@ -46,6 +56,9 @@ export interface Lattice {
   face_level: Int32Array;
   face_error: Float32Array;
   face_merged: Uint8Array;
+  /** Of a card of several parts; else both are empty. */
+  parts: Part[];
+  face_part: Int32Array;
   point_k: Float32Array | null;
   point_h: Float32Array | null;
   /** Means over the corners of each face. */
@@ -204,6 +217,22 @@ function warnings(value: unknown): DesignWarning[] {
   });
 }
 
+function numbers(value: unknown, length: number, what: string): number[] {
+  if (!Array.isArray(value) || value.length !== length) fail(`${what} must have ${length} numbers`);
+  return (value as unknown[]).map((one) => finite(one, what));
+}
+
+function parts(value: unknown): Part[] {
+  if (!Array.isArray(value)) return [];
+  return value.map((each, i) => {
+    const row = record(each, `parts[${i}]`);
+    return {
+      name: String(row['name']), folds: whole(row['folds'], 'folds'), tabs: whole(row['tabs'], 'tabs'),
+      box_mm: numbers(row['box_mm'], 4, 'box_mm') as Part['box_mm'], shift_mm: numbers(row['shift_mm'], 2, 'shift_mm') as Part['shift_mm'],
+    };
+  });
+}
+
 function worst(value: unknown): Lattice['error_mm'] {
   if (value === undefined || value === null) return null;
   const row = record(value, 'error_mm');
@@ -282,6 +311,13 @@ export function readLattice(bytes: ArrayBuffer): Lattice {
     allFinite(frames, 'frames');
   }
 
+  const all_parts = parts(json['parts']);
+  const face_part = all_parts.length > 0 ? arrays.i32('face_part') : new Int32Array(0);
+  if (all_parts.length > 0) {
+    same(face_part, faces, 'face_part');
+    if (face_part.some((part) => part < 0 || part >= all_parts.length)) fail('"face_part" names a part that is not there');
+  }
+
   const optional = (name: string, length = n): Float32Array | null => {
     if (!arrays.has(name)) return null;
     const values = arrays.f32(name);
@@ -317,6 +353,8 @@ export function readLattice(bytes: ArrayBuffer): Lattice {
     face_level: face.level,
     face_error: face.error,
     face_merged: face.merged,
+    parts: all_parts,
+    face_part,
     point_k: optional('point_k'),
     point_h: optional('point_h'),
     face_k: optional('face_k', faces),

@@ -76,7 +76,8 @@ function Way({ way, name }: { way: string; name: string }) {
   return (
     <div class="make-way">
      <div class="make-left">
-      <ol class="make-steps">{Object.values(words.steps[way] ?? {}).map((step) => <li key={step}>{step}</li>)}</ol>
+      <ol class="make-steps">{Object.values(words.steps[way] ?? {}).map((step) => <li key={step}>{step}</li>)}
+        {desk.lattice.value?.parts.length ? <li>{designWords.parts.glue}</li> : null}</ol>
       {way === 'silhouette' && <p class="muted small">{words.svgToo}</p>}
       <div class="field-grid">
         {way === 'cricut' && (

@@ -41,10 +41,17 @@ function Wishes({ of, again }: { of: string; again: boolean }) {
   );
 }
 
+/** How many cards are of one sheet, and whether one of layers comes after them. */
+function countsOf({ cards }: Search): [number, boolean] {
+  const sheets = cards.filter(({ tabs }) => tabs === 0).length;
+  return [sheets, sheets < cards.length];
+}
+
 /** Pictures side by side; arrow keys go from one to the next. */
 function Found({ of }: { of: Search }) {
   const list = useRef<HTMLUListElement>(null);
   const last = of.cards.length;
+  const [best] = countsOf(of);
   return (
     <ul ref={list} class="found-cards" aria-label={words.found(last)} onKeyDown={(event) => {
       const step = event.key === 'ArrowRight' ? 1 : event.key === 'ArrowLeft' ? -1 : 0;
@@ -65,8 +72,8 @@ function Found({ of }: { of: Search }) {
               <Picture path={card.links.picture} alt={words.picture(card.card, last)} class="found-picture" />
               <span class="found-words">
                 {card.card === of.recommended && <strong class="found-make" title={words.makeWhat}>{words.make}</strong>}
-                {card.card === last && <span class="found-best">{words.best}</span>}
-                <span class="found-what">{words.card(card.folds, card.shortest_fold_mm, card.hand_seconds, outfit.chosenCutter.value === kByHand ? 0 : card.seconds, card.looks)}</span>
+                {card.card === best && <span class="found-best">{words.best}</span>}
+                <span class="found-what">{words.card(card.folds, card.tabs, card.shortest_fold_mm, card.hand_seconds, outfit.chosenCutter.value === kByHand ? 0 : card.seconds, card.looks)}</span>
               </span>
             </button>
           </li>
@@ -127,7 +134,7 @@ export function SearchCards() {
       {runs && <Running of={search} />}
       {found && !runs && (
         <>
-          <p class="muted small" role="status">{words.foundWhat(found.cards.length)}</p>
+          <p class="muted small" role="status">{words.foundWhat(...countsOf(found))}</p>
           <Found of={found} />
           <Better of={of} front={found.better_front} />
           {found.notes.length > 0 && <ul class="plain-list small muted server-words">{found.notes.map((note) => <li key={note}>{note}</li>)}</ul>}

@@ -307,8 +307,8 @@ export default function Sheets({ rest: id }: { rest: string }) {
         <h1>{words.title}{name && <span class="muted">, {name}</span>}</h1>
         <div class="row">
           <Button kind="quiet" onClick={() => void save()}>{words.drawing}</Button>
-          {total === 1 && kind === 'spec' ? <LinkButton kind="quiet" href={foldOf(plan.design)}>{words.fold}</LinkButton>
-            : <LinkButton kind="quiet" href={`#/glue/${id}`}>{total > 1 ? words.glue : words.fold}</LinkButton>}
+          {kind === 'spec' && <LinkButton kind="quiet" href={foldOf(plan.design)}>{words.fold}</LinkButton>}
+          {(total > 1 || kind !== 'spec') && <LinkButton kind="quiet" href={`#/glue/${id}`}>{total > 1 ? words.glue : words.fold}</LinkButton>}
         </div>
       </div>
       {unsaved.value && <Trouble problem={unsaved.value} onClose={() => { unsaved.value = null; }} />}

@@ -54,17 +54,32 @@ export function isPlain(spec: Spec): boolean {
 export const isSilhouette = (spec: Spec): boolean => spec['style'] === 'silhouette';
 export const isFacets = (spec: Spec): boolean => spec['style'] === 'facets';
 
+/** Cards of several parts: of layers, or of crossing slices. */
+export const isOfParts = (spec: Spec): boolean => spec['style'] === 'layers' || spec['style'] === 'slices';
+
 const kLatticeOnly = ['units_per_slice', 'slices', 'widths_mm', 'lattice', 'fit', 'splay', 'curvature', 'design_angle_deg'];
 const kTriangles = ['mesh', 'grid', 'text', 'outline'];
 
-/** Styles of large panels; each keeps its fields in an object of its own name. */
-export type PanelStyle = 'facets' | 'silhouette';
+/** Styles of large panels and of layers; each keeps its fields in an object of its own name. */
+export type PanelStyle = 'facets' | 'silhouette' | 'layers';
+const kPanelStyles = ['facets', 'silhouette', 'layers'];
+const kCornerOnly = ['translate_mm', 'card', 'min_panel_mm', 'sheet', 'book'];   // not of what stands on two pages
+
+/** Whether the shape has an inside, so that it can be sliced. */
+export const isSolid = (spec: Spec): boolean => isRecord(spec['surface']) && ['mesh', 'text', 'outline'].includes(String(spec['surface']['type']));
+
+/** The same shape as layers or slices. */
+export function asParts(spec: Spec, style: 'layers' | 'slices'): Spec {
+  const out = asPanels(spec, 'layers');
+  for (const field of [...kCornerOnly, ...(style === 'slices' ? ['layers'] : [])]) delete out[field];
+  return { ...out, style };
+}
 
 /** The same shape as facets or layers; what only other styles have is left out. Its length stays. */
 export function asPanels(spec: Spec, style: PanelStyle): Spec {
   const out: Spec = { ...spec, style };
-  const before = isFacets(spec) ? spec['facets'] : isSilhouette(spec) ? spec['silhouette'] : undefined;
-  for (const field of [...kLatticeOnly, 'facets', 'silhouette']) delete out[field];
+  const before = kPanelStyles.includes(String(spec['style'])) ? spec[String(spec['style'])] : undefined;
+  for (const field of [...kLatticeOnly, ...kPanelStyles, 'sliceform']) delete out[field];
   const surface = spec['surface'];
   if (isRecord(surface) && kTriangles.includes(String(surface['type']))) return out;
   if (isRecord(before) && typeof before['length_mm'] === 'number') {
@@ -80,9 +95,9 @@ export function asPanels(spec: Spec, style: PanelStyle): Spec {
 /** The same shape as a lattice of ten slices. */
 export function asLattice(spec: Spec): Spec {
   const out: Spec = { ...spec, units_per_slice: 6, slices: 10, widths_mm: 10, fit: 'nearest' };
-  const panels = spec['facets'] ?? spec['silhouette'];
+  const panels = spec['facets'] ?? spec['silhouette'] ?? spec['layers'];
   if (isRecord(panels) && typeof panels['length_mm'] === 'number') out['widths_mm'] = round(panels['length_mm'] / 10, 3);
-  for (const field of ['style', 'facets', 'silhouette']) delete out[field];
+  for (const field of ['style', ...kPanelStyles, 'sliceform']) delete out[field];
   return out;
 }
 

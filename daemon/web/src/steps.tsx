@@ -39,15 +39,14 @@ export function StepModel({ of, psi_rad, lit, side }: { of: Lattice; psi_rad: nu
         paper.value = true;
         return;
       }
-      const made = new View(canvas.current);
-      made.setLattice(of);
-      view.value = made;
+      view.value = new View(canvas.current);
     });
     return () => {
       stopped = true;
       view.peek()?.dispose();
     };
-  }, [of]);
+  }, []);
+  useEffect(() => { view.value?.setLattice(of); }, [view.value, of]);
   useEffect(() => {
     if (paper.value && canvas.current) paintModel(canvas.current, of, psi_rad, 'paper', lit);
     const made = view.value;
