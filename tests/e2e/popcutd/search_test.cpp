@@ -96,52 +96,6 @@ TEST_CASE("popcutd finds the cards of popcut auto, and a picked one is planned a
   CHECK(page.body.starts_with("%PDF"));
 }
 
-TEST_CASE("popcutd finds the card of layers of popcut auto after the cards of one sheet",
-          "[popcutd][search][parts]") {
-  RunningDaemon desk;
-  desk.open();
-  std::string house;  // with a gable
-  for (const char* corner : {"0 0 0", "60 0 0", "60 40 0", "0 40 0", "0 0 40", "60 0 40",
-                             "60 40 40", "0 40 40", "0 20 65", "60 20 65"})
-    house += fmt::format("v {}\n", corner);
-  for (const char* face :
-       {"4 3 2 1", "1 2 6 5", "3 4 8 7", "2 3 7 10 6", "4 1 5 9 8", "5 6 10 9", "7 8 9 10"})
-    house += fmt::format("f {}\n", face);
-  const std::string model =
-      put(desk, "/v1/assets?name=house.obj", house, "application/octet-stream");
-  const Json wanted{{"effort", 0.01}, {"up", "z"}, {"front", "x"}, {"mat", "A4"}};
-  const std::string id = put(desk, "/v1/assets/" + model + "/search", wanted.dump());
-  const Json search = found(desk, id);
-  INFO(search.dump().substr(0, 1200));
-  REQUIRE(search["state"] == "found");
-  const std::filesystem::path folder = desk.daemon().folder().path();
-  write_file(folder / "house.obj", house);
-  const Ran ran = run_program(
-      {popcut_program(), "auto", "house.obj", "--effort", "0.01", "--up", "z", "--front", "x",
-       "--machine", "cameo3", "--mat", "A4", "-q", "--json", "-o", "cards"},
-      folder);
-  INFO(ran.err);
-  REQUIRE(ran.exit == 0);
-  const Json alone = Json::parse(ran.out);
-  const std::size_t sheets = alone["cards"].size();
-  REQUIRE(search["cards"].size() == sheets + 1);
-  for (std::size_t k = 0; k < sheets; ++k) CHECK(search["cards"][k]["tabs"] == 0);
-  CHECK(search["recommended"].get<std::size_t>() <= sheets);
-  const Json& layers = search["cards"].back();
-  CHECK(layers["style"] == "layers");
-  CHECK(layers["tabs"].get<int>() >= 6);
-  for (const char* figure : {"error", "seconds", "folds", "tabs", "hand_seconds", "label"})
-    CHECK(layers[figure] == alone["layers"][figure]);
-  CHECK(layers["looks"] == alone["layers"]["printed"]["looks"]);
-  const std::string of_card = fmt::format("/v1/searches/{}/cards/{}", id, sheets + 1);
-  CHECK(desk.ask("GET", of_card + ".png").body.starts_with("\x89PNG"));
-  const std::string blob = desk.ask("GET", of_card + "/lattice").body;
-  CHECK(blob.starts_with("PCLB"));
-  CHECK(blob.find("\"name\":\"layer-1\"") != std::string::npos);
-  const std::string design = put(desk, of_card + "/design", "{}");
-  CHECK(Json::parse(desk.ask("GET", "/v1/designs/" + design + "/content").body) == layers["spec"]);
-}
-
 TEST_CASE("popcutd finds the books of popcut auto, and a picked one is planned card by card",
           "[popcutd][search]") {
   RunningDaemon desk;
