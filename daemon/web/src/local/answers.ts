@@ -348,6 +348,8 @@ export async function answer(path: string, init: RequestInit): Promise<Response>
   return json(refusal(404, 'not-found', 'this needs popcutd').body, 404);
 }
 
-/** Loads what the first design needs, while somebody looks at the page. */
+/** Loads what the first design needs, while somebody looks at the page, and then tries it out. */
 quick.warm();
+const kRehearsed = utf8.encode(JSON.stringify({ popcut: 1, surface: { type: 'revolution', radius: '50' }, units_per_slice: 10, slices: 50, widths_mm: 2 }));
+quick.rehearse(['draft', 'exact', 'draft', 'exact'].map((quality) => ({ kind: 'preview', design: kRehearsed, designKind: 'spec', options: { quality } })));
 

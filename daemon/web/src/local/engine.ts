@@ -46,11 +46,17 @@ async function newWorker(): Promise<Worker> {
 const kMuch = 512 << 20;
 /** How long a task that is not wanted any more may still run before its worker is ended, ms. */
 const kGrace_ms = 80;
+/** How long nobody asks for anything until a worker rehearses, ms. */
+const kRest_ms = 300;
 
 /** A line of tasks, done one after the other. */
 export class Lane {
   private worker: Promise<Worker> | null = null;
   private spare: Promise<Worker> | null = null;
+  private rehearsal: Promise<Worker> | null = null;   // the spare, while it rehearses
+  private toRehearse: Task[] = [];
+  private rest: ReturnType<typeof setTimeout> | undefined;
+  private tasks = 0;   // that wait or are done
   private tail: Promise<unknown> = Promise.resolve();
 
   /** @param keepsSpare  a second worker stands by, since tasks are called off often */
@@ -62,10 +68,65 @@ export class Lane {
     this.worker.catch(() => { this.worker = null; });
   }
 
+  /**
+   * Has the worker that stands by do tasks of which nobody wants anything: a browser compiles code well only once it has
+   * run for a while, and then for all workers. Any other task comes first.
+   */
+  rehearse(tasks: Task[]): void {
+    this.toRehearse = tasks;
+    this.restOver();
+  }
+
+  private restOver(): void {
+    clearTimeout(this.rest);
+    if (this.tasks > 0 || this.toRehearse.length === 0) return;
+    this.rest = setTimeout(() => {
+      const spare = this.spare ??= newWorker();
+      this.rehearsal = spare;
+      spare.then((worker) => this.rehearseIn(worker, spare), () => { this.spare = this.rehearsal = null; });
+    }, kRest_ms);
+  }
+
+  private rehearseIn(worker: Worker, spare: Promise<Worker>): void {
+    const next = (): void => {
+      if (this.rehearsal !== spare) return;   // it was ended
+      const task = this.toRehearse[0];
+      if (!task) this.rehearsal = worker.onmessage = worker.onerror = null;
+      else worker.postMessage({ task: framesOf(task) } satisfies ToWorker);
+    };
+    const fails = (): void => {
+      this.toRehearse = [];
+      this.endRehearsal();
+    };
+    worker.onmessage = ({ data }: MessageEvent<FromWorker>) => {
+      if ('frame' in data || this.rehearsal !== spare) return;
+      if ('broken' in data) return fails();
+      this.toRehearse.shift();
+      return next();
+    };
+    worker.onerror = (event) => {
+      event.preventDefault();
+      fails();
+    };
+    next();
+  }
+
+  private endRehearsal(): void {
+    clearTimeout(this.rest);
+    if (!this.rehearsal) return;
+    void this.rehearsal.then((worker) => worker.terminate(), () => undefined);
+    this.spare = this.rehearsal = null;
+  }
+
   /** The frames of a task, without phases, which `onPhase` gets. Throws what `signal` says, EngineBroken. */
   run(task: Task, signal?: AbortSignal | null, onPhase?: (text: string) => void): Promise<Frame[]> {
+    this.tasks++;
+    this.endRehearsal();
     const mine = this.tail.then(() => this.one(task, signal, onPhase));
-    this.tail = mine.catch(() => undefined);
+    this.tail = mine.catch(() => undefined).then(() => {
+      this.tasks--;
+      this.restOver();
+    });
     return mine;
   }
 
