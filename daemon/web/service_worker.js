@@ -6,7 +6,8 @@ const kFiles = FILES;
 self.addEventListener('install', (event) => {
   const fill = async () => {
     const cache = await caches.open(kCache);
-    await cache.addAll(kFiles.map((file) => new Request(file, { cache: file.startsWith('./') ? 'reload' : 'default' })));
+    await Promise.all(kFiles.map((file) => cache.add(new Request(file, { cache: file.startsWith('./') ? 'reload' : 'default' }))
+      .catch(() => cache.add(new Request(file, { cache: 'reload' })))));
   };
   event.waitUntil(fill());
 });

@@ -132,7 +132,7 @@ export const words = localized({
     newer: 'A newer version of this page is ready.',
     unkept: {
       full: 'This browser has no room left, so what you make now is kept only until you close this tab. Save it as files, or delete what you no longer need in Settings.',
-      forbidden: 'This browser keeps nothing for this page (a private window does that), so what you make is gone when you close this tab. Save it as files.',
+      forbidden: 'This browser keeps nothing for this page (its settings or a private window forbid it), so what you make is gone when you close this tab. Save it as files.',
     },
     reload: 'Reload the page',
     waiting: (seconds: string) => `popcutd asks to wait ${seconds} s; this repeats by itself.`,

@@ -7,7 +7,7 @@ import { after, before, test } from 'node:test';
 import { deflateSync } from 'node:zlib';
 import { chromium } from 'playwright-core';
 import { serve } from '../../../daemon/web/serve.mjs';
-import { bytesOf, closeBrowser, drawn, launchOptions, openBrowser, openModel, picture, screens, Server, until, visit } from '../harness.mjs';
+import { bytesOf, closeBrowser, drawn, launchOptions, openBrowser, openModel, picture, screens, Server, until, visit, wait } from '../harness.mjs';
 import { begin, exact, house, keptWhole, open as openAt, start } from './visit.mjs';
 
 const folder = process.env.POPCUT_SITE ?? 'build/site/page';
@@ -178,6 +178,9 @@ test('a browser whose disk is full says so, and what is open stays', async () =>
   const devtools = await context.newCDPSession(page);
   await devtools.send('Storage.overrideQuotaForOrigin', { origin: new URL(address).origin, quotaSize: 1 });
   await makesAnyway(page, 'no room left');
+  await page.reload();
+  await page.getByRole('button', { name: 'Go on with your last design' }).click();
+  await exact(page);
   assert.equal(await page.locator('.design-name').inputValue(), 'unit');
   assert.deepEqual(complaints, []);
   await close();
@@ -222,6 +225,61 @@ test('a model that is too large for this computer is refused with what fits', as
   await close();
 });
 
+/** A wavy sheet of 2 * `side`^2 triangles, as a GLB. */
+function denseGlb(side) {
+  const corners = side + 1;
+  const place = new Float32Array(3 * corners ** 2);
+  const index = new Uint32Array(6 * side ** 2);
+  for (let i = 0; i < corners; i++) for (let j = 0; j < corners; j++) place.set([i / 10, j / 10, Math.sin(i / 50) * Math.cos(j / 50)], 3 * (i * corners + j));
+  for (let i = 0; i < side; i++) {
+    for (let j = 0; j < side; j++) {
+      const at = i * corners + j;
+      index.set([at, at + corners, at + corners + 1, at, at + corners + 1, at + 1], 6 * (i * side + j));
+    }
+  }
+  const chunk = (kind, bytes) => {
+    const head = Buffer.alloc(8);
+    head.writeUInt32LE(bytes.length, 0);
+    head.write(kind, 4, 'latin1');
+    return Buffer.concat([head, bytes]);
+  };
+  const bin = Buffer.concat([Buffer.from(place.buffer), Buffer.from(index.buffer)]);
+  const json = JSON.stringify({
+    asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }], meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] }],
+    buffers: [{ byteLength: bin.length }], bufferViews: [{ buffer: 0, byteLength: place.byteLength }, { buffer: 0, byteOffset: place.byteLength, byteLength: index.byteLength }],
+    accessors: [{ bufferView: 0, componentType: 5126, count: corners ** 2, type: 'VEC3', min: [0, 0, -1], max: [side / 10, side / 10, 1] },
+      { bufferView: 1, componentType: 5125, count: index.length, type: 'SCALAR' }],
+  });
+  const body = Buffer.concat([chunk('JSON', Buffer.from(json.padEnd(4 * Math.ceil(json.length / 4)))), chunk('BIN\0', bin)]);
+  const head = Buffer.from('glTF\x02\0\0\0\0\0\0\0', 'latin1');
+  head.writeUInt32LE(head.length + body.length, 8);
+  return Buffer.concat([head, body]);
+}
+
+test('on a phone a model of two million triangles is refused with the number that fits', async (t) => {
+  const models = mkdtempSync(join(tmpdir(), 'popcut-dense-'));
+  t.after(() => rmSync(models, { recursive: true }));
+  const { width, height, touch } = screens.phone;
+  const context = await (await openBrowser()).newContext({ viewport: { width, height }, hasTouch: touch, reducedMotion: 'reduce' });
+  await context.addInitScript(() => Object.defineProperty(Navigator.prototype, 'deviceMemory', { get: () => 4 }));
+  const { page, complaints, close } = await open({ context });
+  await begin(page, 'unit');
+  const whole = await page.evaluate(() => sessionStorage.getItem('popcut.design.steps'));
+  for (const [name, bytes, words] of [
+    ['dense.stl', Buffer.alloc(84 + 50 * 2_000_000), '"dense.stl" is larger than 64 MiB, which is what fits here'],
+    ['dense.glb', denseGlb(1000), /"dense.glb" has 2.000.000 triangles, and 1.342.177 fit here: make it simpler/],
+  ]) {
+    writeFileSync(join(models, name), bytes);
+    await page.locator('.design-drop > input[type=file]').setInputFiles(join(models, name));
+    await page.locator('.note-bad', { hasText: words }).waitFor();
+    assert.equal(await page.locator('.note-bad').count(), 1);
+  }
+  assert.equal(await page.locator('.design-name').inputValue(), 'unit');
+  assert.equal(await page.evaluate(() => sessionStorage.getItem('popcut.design.steps')), whole);
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
 test('without WebGL a model is asked about in words, and the card is painted', async () => {
   const context = await (await openBrowser()).newContext({ viewport: screens.desktop, reducedMotion: 'reduce' });
   await context.addInitScript(() => {
@@ -246,13 +304,21 @@ async function spoilWorkers(context, spoil) {
 
 for (const [what, spoil, words] of [
   ['crashes', () => { addEventListener('message', (event) => { if (event.data.task) { event.stopImmediatePropagation(); throw new Error('crash'); } }); }, /too much for this browser/],
-  ['gets no more memory', () => { WebAssembly.Memory.prototype.grow = () => { throw new RangeError('no memory'); }; }, /needs more memory than a design may use|too much for this browser/],
+  ['gets no more memory', () => {   // for its first task
+    let tasks = 0;
+    addEventListener('message', (event) => { if (event.data.task) tasks++; });
+    const { grow } = WebAssembly.Memory.prototype;
+    WebAssembly.Memory.prototype.grow = function grown(pages) {
+      if (tasks === 1) throw new RangeError('no memory');
+      return grow.call(this, pages);
+    };
+  }, /needs more memory than a design may use|too much for this browser/],
 ]) {
   test(`an engine that ${what} costs the one design, in a sentence`, async () => {
     // What a service worker answers cannot be changed on its way.
     const context = await (await openBrowser()).newContext({ viewport: screens.desktop, reducedMotion: 'reduce', serviceWorkers: 'block' });
     const { page, complaints, close } = await open({ context });
-    await begin(page, 'unit');
+    await begin(page, 'village');
     const whole = await page.evaluate(() => sessionStorage.getItem('popcut.design.steps'));
     await spoilWorkers(context, spoil);
     await page.getByRole('button', { name: 'Make it…' }).click();
@@ -268,6 +334,56 @@ for (const [what, spoil, words] of [
     await close();
   });
 }
+
+test('an engine whose loading breaks off is loaded once more', async () => {
+  const context = await (await openBrowser()).newContext({ viewport: screens.desktop, reducedMotion: 'reduce', serviceWorkers: 'block' });
+  let loads = 0;
+  await context.route(/engine-[0-9A-Z]+\.wasm$/, (route) => (loads++ === 0 ? route.abort() : route.continue()));
+  const { page, complaints, close } = await open({ context });
+  await begin(page, 'unit');
+  assert.equal(loads, 2);
+  assert.deepEqual(complaints.filter((one) => !/blocked by Playwright|ERR_FAILED/.test(one)), []);
+  await close();
+});
+
+/** Counts tasks of workers and workers that are ended, in `window.seen`. */
+function watchWorkers() {
+  window.seen = { tasks: 0, ended: 0 };
+  const { postMessage, terminate } = Worker.prototype;
+  Worker.prototype.postMessage = function counted(data, ...more) {
+    if (data.task) window.seen.tasks++;
+    return postMessage.call(this, data, ...more);
+  };
+  Worker.prototype.terminate = function ended() {
+    window.seen.ended++;
+    return terminate.call(this);
+  };
+}
+
+test('while nobody asks for anything the engine is tried out, and whatever is asked for comes first', async () => {
+  const { page, complaints, close } = await open({ beforehand: watchWorkers });
+  const seen = () => page.evaluate(() => window.seen);
+  await until(async () => (await seen()).tasks > 0, 'it begins');
+  await begin(page, 'unit');
+  assert.ok((await seen()).ended > 0, 'what is tried out ends for the card');
+  await until(async () => (await seen()).tasks >= 6, 'when the card is there, all four are tried out');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('on a phone nothing is tried out', async () => {
+  const { width, height } = screens.phone;
+  const userAgent = 'Mozilla/5.0 (Linux; Android 14; Pixel 7) AppleWebKit/537.36 (KHTML, like Gecko) Chrome/150.0.0.0 Mobile Safari/537.36';
+  const context = await (await openBrowser()).newContext({ viewport: { width, height }, isMobile: true, hasTouch: true, userAgent, reducedMotion: 'reduce' });
+  const { page, complaints, close } = await open({ context, beforehand: watchWorkers });
+  await start(page);
+  assert.equal(await page.evaluate(() => navigator.userAgentData.mobile), true);
+  await wait(2000);
+  assert.equal((await page.evaluate(() => window.seen)).tasks, 0);
+  await begin(page, 'unit');
+  assert.deepEqual(complaints, []);
+  await close();
+});
 
 test('a link of a newer popcut, and one that was cut off, are refused in a sentence, and what is open stays', async () => {
   const newer = deflateSync(JSON.stringify({ popcut: 2, name: 'tomorrow' })).toString('base64url');

@@ -348,8 +348,11 @@ export async function answer(path: string, init: RequestInit): Promise<Response>
   return json(refusal(404, 'not-found', 'this needs popcutd').body, 404);
 }
 
-/** Loads what the first design needs, while somebody looks at the page, and then tries it out. */
+// Loads what the first design needs, while somebody looks at the page. Then tries it out, where the browser compiles well
+// only what has run for a while (Chromium), and where memory and a battery allow it.
 quick.warm();
 const kRehearsed = utf8.encode(JSON.stringify({ popcut: 1, surface: { type: 'revolution', radius: '50' }, units_per_slice: 10, slices: 50, widths_mm: 2 }));
-quick.rehearse(['draft', 'exact', 'draft', 'exact'].map((quality) => ({ kind: 'preview', design: kRehearsed, designKind: 'spec', options: { quality } })));
-
+const { userAgentData } = navigator as Navigator & { userAgentData?: { mobile: boolean } };   // of Chromium only
+if (userAgentData?.mobile === false && memory_GB >= 4) {
+  quick.rehearse(['draft', 'exact', 'draft', 'exact'].map((quality) => ({ kind: 'preview', design: kRehearsed, designKind: 'spec', options: { quality } })));
+}

@@ -21,14 +21,18 @@ export function scriptAt(address: string): string {
 
 let compiled: Promise<WebAssembly.Module> | null = null;
 /** Compiled once for all workers, while it comes. A server that does not know .wasm costs a second. */
-function module(): Promise<WebAssembly.Module> {
-  const compile = async (): Promise<WebAssembly.Module> => {
-    const answer = await fetch(placeOf('engine'));
+export function module(): Promise<WebAssembly.Module> {
+  const compile = async (cache: RequestCache): Promise<WebAssembly.Module> => {
+    const answer = await fetch(placeOf('engine'), { cache });
     if (!answer.ok) throw new EngineBroken(`the engine cannot be loaded (${answer.status}); reload the page`);
     if (answer.headers.get('Content-Type')?.startsWith('application/wasm')) return WebAssembly.compileStreaming(answer);
     return WebAssembly.compile(await answer.arrayBuffer());
   };
-  compiled ??= compile().catch((error: unknown) => {
+  const again = (error: unknown): Promise<WebAssembly.Module> => {   // what a cache has of it can be broken
+    if (error instanceof EngineBroken) throw error;
+    return compile('reload');
+  };
+  compiled ??= compile('default').catch(again).catch((error: unknown) => {
     compiled = null;
     throw error instanceof EngineBroken ? error : new EngineBroken('the engine cannot be loaded; check the connection and reload the page');
   });

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Keeps this page for when there is no network (service_worker.js), and says when a newer one is there.
 import { newer } from '../backend';
-import { scriptAt } from './engine';
+import { module, scriptAt } from './engine';
 
 export async function install(): Promise<void> {
   if (!('serviceWorker' in navigator)) return;
   try {
+    // It loads all files once more. Chromium's cache fails where a large one is loaded twice at a time.
+    await module().catch(() => undefined);
     // A newer service worker has a newer engine. An open page keeps its own engine, and says that a newer page is ready.
     const first = navigator.serviceWorker.controller === null;
     const registration = await navigator.serviceWorker.register(scriptAt(new URL('service_worker.js', document.baseURI).href), { updateViaCache: 'none' });
