@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 
 #include "core/deploy/pose_table.hpp"
+#include "core/deploy/sheet_mesh.hpp"
+#include "core/deploy/stl.hpp"
 #include "core/formats/write/pattern_files.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "core/formats/write/segments_csv.hpp"
@@ -48,6 +50,7 @@ constexpr std::array kNamed{
     Named{"pattern.dxf", write_dxf_file},
     Named{"segments.csv", write_csv_file},
     Named{"deploy.glb", write_glb_file},
+    Named{"deployed.stl", write_stl_file},
     Named{"deployed.svg", write_deployed_file, true},
     Named{"poster.svg", write_poster_file, true},
     Named{"report.json", write_report_file},
@@ -113,6 +116,21 @@ Result<void> write_glb_file(const ExportJob& job, std::ostream& out) {
   if (!glb) return tl::unexpected(glb.error());
   out << *glb;
   return {};
+}
+
+Result<void> write_stl_file(const ExportJob& job, std::ostream& out) {
+  const Pattern& pattern = job.made.pattern;
+  const double psi_rad = job.psi_rad.back();
+  const auto mesh = surface_mesh(pattern, job.made.strips);
+  if (!mesh) return tl::unexpected(mesh.error());
+  const auto table = pose_table(pattern, {&psi_rad, 1});
+  if (!table) return tl::unexpected(table.error());
+  write_stl(*mesh, *table, 0, MeshAxes::Upright, stl_title(pattern, psi_rad), out);
+  return {};
+}
+
+std::string stl_title(const Pattern& pattern, double psi_rad) {
+  return fmt::format("psi {:.6f} rad, {}", psi_rad, pattern.name);
 }
 
 std::vector<double> drawn_angles(const std::vector<double>& psi_rad, std::size_t count) {

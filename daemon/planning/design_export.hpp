@@ -53,6 +53,11 @@ struct ExportJob {
 [[nodiscard]] Result<void> write_report_file(const ExportJob& job, std::ostream& out);
 /// The animation of its opening.
 [[nodiscard]] Result<void> write_glb_file(const ExportJob& job, std::ostream& out);
+/// The opened card: the last STL file of `popcut design --formats stl`.
+[[nodiscard]] Result<void> write_stl_file(const ExportJob& job, std::ostream& out);
+
+/// What the header of an STL file of a pose says.
+[[nodiscard]] std::string stl_title(const Pattern& pattern, double psi_rad);
 
 /// `count` opening angles on the way from the first to the last; shut ones are moved to where a
 /// picture can be drawn.

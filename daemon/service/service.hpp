@@ -109,8 +109,8 @@ class Designs {
   virtual void picture(const Principal&, const std::string& id, const std::string& name,
                        Shown done) = 0;
   /// A file of a stored spec as `popcut design` writes it: "pattern.fold", "pattern.svg",
-  /// "cut.svg", "pattern.dxf", "segments.csv", "deploy.glb", "deployed.svg", "poster.svg",
-  /// "report.json".
+  /// "cut.svg", "pattern.dxf", "segments.csv", "deploy.glb", "deployed.stl", "deployed.svg",
+  /// "poster.svg", "report.json".
   ///
   /// @param part  of a design of several parts; the first is 1
   virtual CallOff file(const Principal&, const std::string& id, const std::string& name, int part,

@@ -110,7 +110,7 @@ Result<void> add_meshes(const Pattern& pattern, const SheetMesh& mesh,
     for (std::size_t k = 0; k < angles.size(); ++k) {
       tell(progress, "writing the poses",
            static_cast<double>(first + k) / static_cast<double>(psi_rad.size()));
-      const std::string title = fmt::format("psi {:.6f} rad, {}", angles[k], pattern.name);
+      const std::string title = planning::stl_title(pattern, angles[k]);
       auto done = folder.add(fmt::format("{}psi_{:03}.stl", prefix, first + k + 1),
                              Streamed([&](std::ostream& out) -> Result<void> {
                                write_stl(mesh, *table, k, axes, title, out);

@@ -20,9 +20,9 @@ const Body body::kPlanRequest{.schema = "PlanRequest",
 namespace handle {
 namespace {
 
-constexpr std::array<std::string_view, 11> kExports{
-    "pattern.fold", "pattern.svg", "cut.svg",     "pattern.dxf",     "segments.csv", "deploy.glb",
-    "deployed.svg", "poster.svg",  "report.json", "fold-guide.json", "spec.json"};
+constexpr std::array<std::string_view, 12> kExports{
+    "pattern.fold", "pattern.svg",  "cut.svg",    "pattern.dxf", "segments.csv",    "deploy.glb",
+    "deployed.stl", "deployed.svg", "poster.svg", "report.json", "fold-guide.json", "spec.json"};
 constexpr std::string_view kKept = "private, max-age=86400";
 constexpr std::string_view kDrawingPolicy =
     "default-src 'none'; style-src 'unsafe-inline'; sandbox; frame-ancestors 'none'";
@@ -39,6 +39,7 @@ std::string type_of(std::string_view file) {
   if (file.ends_with(".svg")) return "image/svg+xml";
   if (file.ends_with(".json")) return "application/json";
   if (file.ends_with(".glb")) return "model/gltf-binary";
+  if (file.ends_with(".stl")) return "model/stl";
   if (file.ends_with(".dxf")) return "application/dxf";
   if (file.ends_with(".csv")) return "text/csv; charset=utf-8";
   return "application/octet-stream";

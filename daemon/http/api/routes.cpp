@@ -321,7 +321,7 @@ constexpr auto kTable = std::to_array<Route>({
         "Get a file of a spec, as popcut design writes it",
         {.query = "part",
          .gives = {"application/octet-stream image/svg+xml application/dxf text/csv "
-                   "model/gltf-binary application/json",
+                   "model/gltf-binary model/stl application/json",
                    200, "the file, as an attachment"},
          .headers = "Content-Disposition",
          .is_cached = true,

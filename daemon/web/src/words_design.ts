@@ -326,6 +326,7 @@ export const designWords = localized({
       'pattern.dxf': 'Pattern for CAD (DXF)',
       'segments.csv': 'Table of all panels (CSV)',
       'deploy.glb': 'Animated 3D model (GLB)',
+      'deployed.stl': '3D model of the opened card (STL)',
       'poster.svg': 'Poster of the opening (SVG)',
       'deployed.svg': 'Opened card (SVG)',
       'report.json': 'Report (JSON)',

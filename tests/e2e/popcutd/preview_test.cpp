@@ -313,7 +313,7 @@ TEST_CASE("files of a design are those of popcut design, byte for byte", "[popcu
   const std::filesystem::path folder = desk.daemon().folder() / "files";
   write_file(desk.daemon().folder() / "spec.json", spec.dump());
   const Ran ran = run_program({popcut_program(), "design", "spec.json", "-q", "-o", folder.string(),
-                               "--formats", "fold,svg,cut,dxf,csv,glb,picture,poster,report"},
+                               "--formats", "fold,svg,cut,dxf,csv,glb,stl,picture,poster,report"},
                               desk.daemon().folder() / "");
   INFO(ran.err);
   REQUIRE(ran.exit == 0);
@@ -326,8 +326,10 @@ TEST_CASE("files of a design are those of popcut design, byte for byte", "[popcu
                       more + "\r\n"));
     return page.receive();
   };
-  for (const char* name : {"pattern.fold", "pattern.svg", "cut.svg", "pattern.dxf", "segments.csv",
-                           "deploy.glb", "deployed.svg", "poster.svg", "fold-guide.json"}) {
+  std::filesystem::copy_file(folder / "deploy/psi_060.stl", folder / "deployed.stl");
+  for (const char* name :
+       {"pattern.fold", "pattern.svg", "cut.svg", "pattern.dxf", "segments.csv", "deploy.glb",
+        "deployed.stl", "deployed.svg", "poster.svg", "fold-guide.json"}) {
     CAPTURE(name);
     const WireResponse file = get(name);
     CHECK(file.status == 200);
