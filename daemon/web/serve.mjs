@@ -34,7 +34,7 @@ export function serve(folder, port = 0, { plain = false } = {}) {
     const headers = { 'Content-Type': kTypes[extname(file)] ?? 'application/octet-stream' };
     if (!plain) {
       Object.assign(headers, {
-        'Cache-Control': hashed ? 'public, max-age=31536000, immutable' : 'no-cache', 'Content-Security-Policy': policy, 'Cross-Origin-Opener-Policy': 'same-origin',
+        'Cache-Control': hashed ? 'public, max-age=31536000, immutable' : 'no-cache', 'Content-Security-Policy': policy, 'Cross-Origin-Opener-Policy': 'same-origin-allow-popups',
         'Permissions-Policy': 'usb=(), serial=(), camera=(), microphone=(), geolocation=()', 'Referrer-Policy': 'no-referrer', 'X-Content-Type-Options': 'nosniff',
       });
       const takes = request.headers['accept-encoding'] ?? '';

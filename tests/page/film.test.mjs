@@ -1,11 +1,11 @@
 // A picture and a film of the opening, made of what the canvas shows.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { bytesOf, closeBrowser, picture, Server, visit } from './harness.mjs';
+import { bytesOf, closeBrowser, picture, startBackend, visit } from './harness.mjs';
 
 let server;
 
-before(async () => { server = await Server.start(); });
+before(async () => { server = await startBackend(); });
 after(async () => { await closeBrowser(); await server.remove(); });
 
 /** The export dialog of the design `unit`. */
@@ -108,8 +108,8 @@ test('who leaves while the film is made gets none, and the page works on', async
   await page.getByRole('button', { name: 'Filming…' }).waitFor();
   assert.equal(await page.getByRole('button', { name: 'Filming…' }).isDisabled(), true);
   await page.keyboard.press('Escape');
-  await page.getByRole('link', { name: 'Done', exact: true }).click();
-  await page.locator('.done').waitFor();
+  await page.getByRole('link', { name: 'Settings', exact: true }).click();
+  await page.locator('.settings').waitFor();
   await page.evaluate(() => new Promise((done) => { setTimeout(done, 5500); }));      // a film takes 4.3 s
   assert.equal(downloads, 0);
   await page.getByRole('link', { name: 'Design', exact: true }).click();

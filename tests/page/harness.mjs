@@ -1,4 +1,4 @@
-// popcutd with simulated cutters, and a browser that looks at its page.
+// popcutd with simulated cutters, or the page of static files, and a browser that looks at its page.
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -7,6 +7,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { setTimeout as wait } from 'node:timers/promises';
 import { chromium } from 'playwright-core';
+import { serve } from '../../daemon/web/serve.mjs';
 
 export { wait };
 
@@ -206,6 +207,30 @@ export class Server {
   }
 }
 
+/** The folder of static files that the tests of the page run on in place of popcutd ('./run test --site'). */
+const folder = process.env.POPCUT_PAGE_FOLDER;
+export const onPopcutd = folder === undefined;
+/** Of a test of what only popcutd does: it does not run on static files. */
+export const ofPopcutd = { skip: !onPopcutd && 'needs popcutd' };
+
+/** The page of static files on a plain server. */
+class StaticPage {
+  static async start() {
+    const of = new StaticPage();
+    of.server = await serve(folder);
+    of.address = `http://127.0.0.1:${of.server.address().port}`;
+    return of;
+  }
+
+  async remove() {
+    this.server.closeAllConnections();
+    this.server.close();
+  }
+}
+
+/** What answers the page in tests of both: static files where they are to be tested, else popcutd as `options` say. */
+export const startBackend = (options) => (onPopcutd ? Server.start(options) : StaticPage.start());
+
 let browser = null;
 
 /** The browser that the tests of a run share, or one of this test file alone. */
@@ -236,7 +261,8 @@ export const screens = {
 
 /**
  * A browser of its own, signed in with `role` and at `hash`. Everything that went wrong in it is in `complaints`:
- * what the console said, errors, refused content. `sent` lists its requests that change something.
+ * what the console said, errors, refused content. `sent` lists its requests that change something. Static files know no
+ * one, so nobody signs in there.
  */
 export async function visit(server, { role = 'operator', name, hash = '', screen = 'desktop', theme = 'light', beside = 'sim:cameo3',
   language, signIn = true, motion = 'no-preference' } = {}) {
@@ -268,7 +294,7 @@ export async function visit(server, { role = 'operator', name, hash = '', screen
     if (stands) localStorage.setItem('popcut.beside', stands);
     if (words) localStorage.setItem('popcut.language', words);
   }, { beside, language });
-  if (signIn) {
+  if (signIn && server instanceof Server) {
     const link = await server.link(role, name);
     await page.goto(link.replace(server.address, pageAddress(server)));
     await page.locator('.bar-person').waitFor();
@@ -303,6 +329,9 @@ export const unreachable = /Failed to load resource: net::ERR_/;
 function pageAddress(server) {
   return server.pageAddress ?? server.address;
 }
+
+/** Opens the dialog that plans the design. */
+export const openPlan = (page) => page.getByRole('button', { name: onPopcutd ? 'Cut this…' : 'Plan the sheets…' }).click();
 
 /** The three ticks. */
 export async function tickAll(page) {

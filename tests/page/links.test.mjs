@@ -2,11 +2,11 @@
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { deflateRawSync, deflateSync, gzipSync } from 'node:zlib';
-import { closeBrowser, expectComplaints, picture, refused, Server, unitSpec, visit } from './harness.mjs';
+import { closeBrowser, expectComplaints, picture, refused, startBackend, unitSpec, visit } from './harness.mjs';
 
 let server;
 
-before(async () => { server = await Server.start({ limits: { previews_per_s: 1000 } }); });
+before(async () => { server = await startBackend({ limits: { previews_per_s: 1000 } }); });
 after(async () => { await closeBrowser(); await server.remove(); });
 
 const packed = (text) => deflateSync(text).toString('base64url');
@@ -30,10 +30,10 @@ async function answered(page, what) {
   return notes[0] ?? '';
 }
 
-/** The page still does what it should: an empty desk, then an example. */
+/** The page still shows another view. */
 async function lives(page, what) {
-  await page.getByRole('link', { name: 'Now', exact: true }).click({ timeout: 60_000 }).catch(() => { throw new Error(`dead after ${what}`); });
-  await page.locator('.now').waitFor();
+  await page.getByRole('link', { name: 'Settings', exact: true }).click({ timeout: 60_000 }).catch(() => { throw new Error(`dead after ${what}`); });
+  await page.locator('.settings').waitFor();
 }
 
 test('a link that is no design says so, and sends nothing', async () => {
