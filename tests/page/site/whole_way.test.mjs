@@ -1,9 +1,10 @@
-// The maker's whole way on the page of static files, in Chromium and in Firefox: its server is gone after the first load.
+// The maker's whole way on the page of static files, in Chromium and in Firefox, from a server that sends no headers and is
+// gone after the first load.
 import assert from 'node:assert/strict';
 import { after, test } from 'node:test';
 import { serve } from '../../../daemon/web/serve.mjs';
 import { closeBrowser, openModel } from '../harness.mjs';
-import { closeFirefox, exact, keptWhole, noFirefox, open, start } from './visit.mjs';
+import { begin, closeFirefox, exact, keptWhole, noFirefox, open, start } from './visit.mjs';
 
 const folder = process.env.POPCUT_SITE ?? 'build/site/page';
 after(async () => {
@@ -22,7 +23,7 @@ const hall = Object.entries({
 
 for (const inFirefox of [false, true]) {
   test(`from a model to every file, without a network, in ${inFirefox ? 'Firefox' : 'Chromium'}`, { skip: inFirefox && noFirefox }, async () => {
-    const server = await serve(folder);
+    const server = await serve(folder, 0, { plain: true });
     const { page, complaints, saved, close } = await open(`http://127.0.0.1:${server.address().port}/`, { inFirefox });
     const press = (name) => page.getByRole('button', { name }).click();
     await start(page);
@@ -35,7 +36,12 @@ for (const inFirefox of [false, true]) {
     await start(page);
 
     await openModel(page, hall, 'x');
-    await page.getByRole('progressbar', { name: 'Searching for the best cards' }).waitFor();
+    const progress = page.getByRole('progressbar', { name: 'Searching for the best cards' });
+    await progress.waitFor();
+    await press('Cancel');
+    await progress.waitFor({ state: 'detached' });
+    await press('Find the best cards');
+    await progress.waitFor();
     await page.locator('.found-card').last().click({ timeout: 300_000 });
     await exact(page);
     assert.ok((await page.locator('.found-card img').count()) > 0, 'the cards are seen printed');
@@ -48,16 +54,39 @@ for (const inFirefox of [false, true]) {
       assert.equal(file.toString('latin1', 0, head.length), head, way);
       await press('Other ways');
     }
+    await page.locator('.make-more summary').click();
+    for (const [format, head] of [['(FOLD)', '{'], ['(STL)', 'popcut, mm'], ['(GLB)', 'glTF']]) {
+      const file = await saved(() => page.locator('.export', { hasText: format }).click());
+      assert.equal(file.toString('latin1', 0, head.length), head, format);
+    }
     await page.locator('.make-choice', { hasText: 'Print a picture on it' }).click();
-    await page.getByRole('dialog').getByLabel('Paper or mat').selectOption('A4');
-    await press('Show the sheets');
-    await page.locator('.sheets .facts').waitFor();
+    for (const [paper, title] of [['letter', 'Letter, 8.5 x 11 in'], ['12x12', '12 x 12 in'], ['A4', 'A4, 210 x 297 mm']]) {
+      await page.getByRole('dialog').getByLabel('Paper or mat').selectOption(paper);
+      await press('Show the sheets');
+      await page.locator('.sheets .facts', { hasText: title }).waitFor();
+      if (paper === 'A4') break;
+      await page.evaluate(() => { location.hash = '#/design'; });
+      await exact(page);
+      await press('Plan the sheets…');
+    }
     const printed = await saved(() => press('Page to print (PDF)'));
     assert.equal(printed.toString('latin1', 0, 5), '%PDF-');
     assert.match(printed.toString('latin1'), /\/Subtype *\/Image/, 'its texture is on the page');
     await page.getByRole('link', { name: 'How to fold it' }).click();
     await page.locator('.fold-acts').waitFor();
     await press('Next');
+
+    await page.getByRole('link', { name: 'Design', exact: true }).click();
+    await press('Examples');
+    await begin(page, 'unit');
+    await press('Share');
+    const link = await page.getByRole('dialog').locator('input').first().inputValue();
+    await press('Close');
+    await press('Examples');
+    await start(page);
+    await page.evaluate((to) => { location.hash = to; }, new URL(link).hash);
+    await exact(page);
+    assert.equal(await page.locator('.design-name').inputValue(), 'unit');
     assert.deepEqual(complaints, []);
     await close();
   });
