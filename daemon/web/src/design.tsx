@@ -257,7 +257,7 @@ function CutDialog({ onClose, print = false }: { onClose: () => void; print?: bo
     go(sheetsOf(made.id));
   });
   return (
-    <Dialog title={can('queue') ? words.cut.title : words.bar.sheets} onNo={onClose} yes={words.cut.sheets} onYes={() => void plan()} busy={busy.value || !desk.canCut.value || stale.value || mustAnswer(desk.foreign.value?.id)}>
+    <Dialog title={can('queue') ? words.cut.title : words.cut.titleOfSheets} onNo={onClose} yes={words.cut.sheets} onYes={() => void plan()} busy={busy.value || !desk.canCut.value || stale.value || mustAnswer(desk.foreign.value?.id)}>
       {problem.value && <Trouble problem={problem.value} />}
       {desk.foreign.value && <DrawingQuestion design={desk.foreign.value.id} onAnswer={desk.readAgain} />}
       {!desk.canCut.value && <p class="muted" role="status">{words.cut.wait}</p>}

@@ -371,7 +371,7 @@ export const designWords = localized({
     best: 'most like the model',
   },
   cut: {
-    title: 'Cut this',
+    title: 'Cut this', titleOfSheets: 'Plan the sheets',
     material: 'Material',
     cutter: 'Cutter',
     copies: 'Copies',
