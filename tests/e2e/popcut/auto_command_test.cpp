@@ -180,7 +180,9 @@ TEST_CASE("a candidate that was designed before keeps its spec and its cost", "[
                                {"0.25", "--seed", "4", "--mat", "110x110", "--style", "facets"});
   INFO(ran.err);
   REQUIRE(ran.exit == 0);
-  for (const json& card : bench.read_json("out/front.json")["cards"]) {
+  const json front = bench.read_json("out/front.json");
+  REQUIRE_FALSE(front["cards"].empty());
+  for (const json& card : front["cards"]) {
     INFO(card.dump());
     CHECK(card["folds"] > 0);
     CHECK(card["seconds"] > 0.0);
