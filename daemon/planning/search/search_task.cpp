@@ -56,7 +56,7 @@ Result<void> add_layers(const FoundLayers& found, const std::optional<ColourMesh
   auto png = thumbnail_png(found, model);
   if (!png) return tl::unexpected(png.error());
   if (auto done = add(thumbnail_file(number), std::move(*png)); !done) return done;
-  const PartsCard card{found.sound.made, std::nullopt, found.sound.fold};
+  const PartsCard card{found.sound.made, std::nullopt, std::nullopt, found.sound.fold};
   auto shown = shown_blob(card, LatticeQuality::Exact);
   return shown ? add(lattice_file(number), std::move(*shown)) : Result<void>();
 }

@@ -11,6 +11,7 @@
 #include "core/compare/depth_image.hpp"
 #include "core/compare/picture.hpp"
 #include "core/compare/view.hpp"
+#include "core/design/boxes/boxed_report.hpp"
 #include "core/design/layers/layered_report.hpp"
 #include "core/design/slices/sliced_report.hpp"
 #include "core/geometry/triangulate.hpp"
@@ -51,8 +52,9 @@ std::vector<float> open_triangles(const judge::PartsMotion& moves) {
 }  // namespace parts_card_parts
 
 std::string PartsCard::report() const {
-  return layers ? layered_report_json(*layers, judge::layers_likeness(*layers, {}), 0.0)
-                : sliced_report_json(*slices, 0.0);
+  return layers   ? layered_report_json(*layers, judge::layers_likeness(*layers, {}), 0.0)
+         : slices ? sliced_report_json(*slices, 0.0)
+                  : boxed_report_json(*boxes, 0.0);
 }
 
 Result<PartsCard> parts_card(const DesignSpec& spec, const SurfaceAssets& assets, bool is_checked,
@@ -63,6 +65,10 @@ Result<PartsCard> parts_card(const DesignSpec& spec, const SurfaceAssets& assets
     auto made = layered_card(spec, assets, progress);
     if (!made) return tl::unexpected(made.error());
     out.layers = std::move(*made);
+  } else if (spec.style == DesignStyle::Boxes) {
+    auto made = boxed_card(spec, assets, progress);
+    if (!made) return tl::unexpected(made.error());
+    out.boxes = std::move(*made);
   } else {
     auto made = sliced_card(spec, assets, progress);
     if (!made) return tl::unexpected(made.error());
@@ -72,8 +78,9 @@ Result<PartsCard> parts_card(const DesignSpec& spec, const SurfaceAssets& assets
   if (!fold) return tl::unexpected(fold.error());
   out.fold = std::move(*fold);
   if (!is_checked) return out;
-  const char* const instead =
-      out.layers ? "try other layers or another size" : "try other numbers of slices";
+  const char* const instead = out.layers  ? "try other layers or another size"
+                              : out.boxes ? "try another size"
+                                          : "try other numbers of slices";
   if (auto sound = judge::sound_report(out.fold, instead, progress); !sound)
     return tl::unexpected(sound.error());
   return out;

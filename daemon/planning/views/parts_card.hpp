@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/design/boxes/boxed_card.hpp"
 #include "core/design/layers/layered_card.hpp"
 #include "core/design/slices/sliced_card.hpp"
 #include "core/design/spec/spec.hpp"
@@ -18,22 +19,25 @@
 
 namespace popcut::planning {
 
-/// A card of several parts that was designed from a spec: of layers or of slices.
+/// A card of several parts that was designed from a spec: of layers, of slices or of boxes.
 struct PartsCard {
   std::optional<LayeredCard> layers;
   std::optional<SlicedCard> slices;
+  std::optional<BoxedCard> boxes;
   std::string fold;  ///< its file
 
-  [[nodiscard]] const Structure& card() const { return layers ? layers->card : slices->card; }
+  [[nodiscard]] const Structure& card() const {
+    return layers ? layers->card : slices ? slices->card : boxes->card;
+  }
   [[nodiscard]] const std::vector<Warning>& warnings() const {
-    return layers ? layers->warnings : slices->warnings;
+    return layers ? layers->warnings : slices ? slices->warnings : boxes->warnings;
   }
   /// Its `report.json`.
   [[nodiscard]] std::string report() const;
 };
 
 /// @param is_checked  false: verify does not look at it, which is quicker
-/// @retval Internal  verify finds faults; else as `layered_card` and `sliced_card`
+/// @retval Internal  verify finds faults; else as `layered_card`, `sliced_card` and `boxed_card`
 [[nodiscard]] Result<PartsCard> parts_card(const DesignSpec& spec, const SurfaceAssets& assets,
                                            bool is_checked, const Progress& progress = {});
 

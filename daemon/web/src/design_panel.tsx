@@ -9,7 +9,7 @@ import { FaceKind, onSheet, type Lattice, type Part } from './lattice';
 import * as outfit from './outfit';
 import { isOn } from './parts_card';
 import { SheetView, type Strokes } from './sheet_view';
-import { asLattice, asPanels, asParts, isFacets, isOfParts, isPlain, isSilhouette, isSolid, scaled, slicesOf, stretched, unitsOf, widthOf, widthsOf, withField, withSlices, withSliceWidth, withUnits, withWidth, type PanelStyle, type Spec } from './spec';
+import { asLattice, asPanels, asParts, isFacets, isOfParts, isPartsStyle, isPlain, isSilhouette, isSolid, scaled, slicesOf, stretched, unitsOf, widthOf, widthsOf, withField, withSlices, withSliceWidth, withUnits, withWidth, type PanelStyle, type Spec } from './spec';
 import { Button, Trouble, useAsking } from './parts';
 import { foldOf, go } from './route';
 import { may, stale } from './store';
@@ -238,7 +238,7 @@ const stood = new Map<string, Pick<Spec, 'scale_mm' | 'translate_mm'>>();
 /** The same shape in another style. */
 function restyled(spec: Spec, style: string): Spec {
   const key = JSON.stringify([spec.surface, spec.rotate_deg]);
-  if (style === 'layers' || style === 'slices') {
+  if (isPartsStyle(style)) {
     if (!isOfParts(spec)) stood.set(key, { scale_mm: spec.scale_mm, translate_mm: spec.translate_mm });
     return asParts(spec, style);
   }
@@ -263,6 +263,7 @@ function StyleField({ spec }: { spec: Spec }) {
         <option value="silhouette" selected={style === 'silhouette'}>{words.fields.styleSilhouette}</option>
         <option value="layers" selected={style === 'layers'}>{words.parts.layers}</option>
         <option value="slices" selected={style === 'slices'} disabled={!isSolid(spec)}>{words.parts.slices}</option>
+        <option value="boxes" selected={style === 'boxes'} disabled={!isSolid(spec)}>{words.parts.boxes}</option>
       </select>
     </label>
   );
@@ -275,10 +276,10 @@ function heightOf(of: Lattice): number {
   return high;
 }
 
-/** Fields of layers and of slices. */
+/** Fields of layers, slices and boxes. */
 function PartsFields({ spec, of }: { spec: Spec; of: Lattice | null }) {
   const isLayers = spec.style === 'layers';
-  const key = isLayers ? 'layers' : 'sliceform';
+  const key = spec.style === 'slices' ? 'sliceform' : String(spec.style);
   const own = (spec[key] ?? {}) as Record<string, unknown>;
   const number = (field: string, otherwise: number): number => (typeof own[field] === 'number' ? own[field] : otherwise);
   const withOwn = (field: string, value: unknown): Spec => withField(spec, key, withField(own, field, value));
@@ -300,7 +301,7 @@ function PartsFields({ spec, of }: { spec: Spec; of: Lattice | null }) {
               <option value="90" selected={number('opens_deg', 180) === 90}>{words.parts.corner}</option>
             </select>
           </label>
-        </> : <>
+        </> : spec.style === 'boxes' ? slider('most', words.parts.most, 4, 1, 9) : <>
           {slider('x_slices', words.parts.across, 7, 2, 20)}
           {slider('y_slices', words.parts.along, 7, 2, 20)}
         </>}
@@ -311,7 +312,7 @@ function PartsFields({ spec, of }: { spec: Spec; of: Lattice | null }) {
           <NumberField label={words.fields.height} value={of && of.parts.length > 0 ? heightOf(of) : null} unit="mm" pointers={['/scale_mm']} least={1}
             title={words.fields.scales} onSet={(v) => desk.setSize(v, heightOf)} />
         </div>
-        <Refusal id="surface-r" text={refusedFor('/surface', '/layers', '/sliceform', '/scale_mm', '')} />
+        <Refusal id="surface-r" text={refusedFor('/surface', `/${key}`, '/scale_mm', '')} />
       </fieldset>
     </div>
   );

@@ -54,8 +54,10 @@ export function isPlain(spec: Spec): boolean {
 export const isSilhouette = (spec: Spec): boolean => spec['style'] === 'silhouette';
 export const isFacets = (spec: Spec): boolean => spec['style'] === 'facets';
 
-/** Cards of several parts: of layers, or of crossing slices. */
-export const isOfParts = (spec: Spec): boolean => spec['style'] === 'layers' || spec['style'] === 'slices';
+/** Cards of several parts: of layers, of crossing slices, or of boxes. */
+export type PartsStyle = 'layers' | 'slices' | 'boxes';
+export const isPartsStyle = (style: unknown): style is PartsStyle => style === 'layers' || style === 'slices' || style === 'boxes';
+export const isOfParts = (spec: Spec): boolean => isPartsStyle(spec['style']);
 
 const kLatticeOnly = ['units_per_slice', 'slices', 'widths_mm', 'lattice', 'fit', 'splay', 'curvature', 'design_angle_deg'];
 const kTriangles = ['mesh', 'grid', 'text', 'outline'];
@@ -68,10 +70,10 @@ const kCornerOnly = ['translate_mm', 'card', 'min_panel_mm', 'sheet', 'book'];  
 /** Whether the shape has an inside, so that it can be sliced. */
 export const isSolid = (spec: Spec): boolean => isRecord(spec['surface']) && ['mesh', 'text', 'outline'].includes(String(spec['surface']['type']));
 
-/** The same shape as layers or slices. */
-export function asParts(spec: Spec, style: 'layers' | 'slices'): Spec {
+/** The same shape as layers, slices or boxes. */
+export function asParts(spec: Spec, style: PartsStyle): Spec {
   const out = asPanels(spec, 'layers');
-  for (const field of [...kCornerOnly, ...(style === 'slices' ? ['layers'] : [])]) delete out[field];
+  for (const field of [...kCornerOnly, ...(style === 'layers' ? [] : ['layers'])]) delete out[field];
   return { ...out, style };
 }
 
@@ -79,7 +81,7 @@ export function asParts(spec: Spec, style: 'layers' | 'slices'): Spec {
 export function asPanels(spec: Spec, style: PanelStyle): Spec {
   const out: Spec = { ...spec, style };
   const before = kPanelStyles.includes(String(spec['style'])) ? spec[String(spec['style'])] : undefined;
-  for (const field of [...kLatticeOnly, ...kPanelStyles, 'sliceform']) delete out[field];
+  for (const field of [...kLatticeOnly, ...kPanelStyles, 'sliceform', 'boxes']) delete out[field];
   const surface = spec['surface'];
   if (isRecord(surface) && kTriangles.includes(String(surface['type']))) return out;
   if (isRecord(before) && typeof before['length_mm'] === 'number') {
@@ -97,7 +99,7 @@ export function asLattice(spec: Spec): Spec {
   const out: Spec = { ...spec, units_per_slice: 6, slices: 10, widths_mm: 10, fit: 'nearest' };
   const panels = spec['facets'] ?? spec['silhouette'] ?? spec['layers'];
   if (isRecord(panels) && typeof panels['length_mm'] === 'number') out['widths_mm'] = round(panels['length_mm'] / 10, 3);
-  for (const field of ['style', ...kPanelStyles, 'sliceform']) delete out[field];
+  for (const field of ['style', ...kPanelStyles, 'sliceform', 'boxes']) delete out[field];
   return out;
 }
 

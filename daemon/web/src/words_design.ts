@@ -396,6 +396,8 @@ export const designWords = localized({
   parts: {
     layers: 'layers, glued on two pages',
     slices: 'slices that cross, for solids',
+    boxes: 'boxes with roofs, for houses',
+    most: 'At most',
     opens: 'Opens',
     flat: 'flat, to 180 degrees',
     corner: 'to 90 degrees',

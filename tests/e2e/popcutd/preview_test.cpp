@@ -492,6 +492,23 @@ TEST_CASE("a card of layers is shown, kept, exported, planned and printed with a
     CHECK(head["parts"][1]["tabs"] == 2);
     CHECK(head["arrays"].contains("face_part"));
   }
+  // So is a house of boxes.
+  const auto house =
+      desk.ask("POST", "/v1/assets?name=house.glb", text_of_file(source_file("examples/house.glb")),
+               "application/octet-stream");
+  REQUIRE(house.status == 201);
+  REQUIRE(
+      page.send(wanted({{"popcut", 1},
+                        {"style", "boxes"},
+                        {"surface", {{"type", "mesh"}, {"file", Json::parse(house.body)["id"]}}},
+                        {"scale_mm", 1000},
+                        {"rotate_deg", {90, 0, 90}}},
+                       "exact")));
+  const WireResponse boxes = page.receive();
+  CAPTURE(boxes.body.substr(0, 300));
+  REQUIRE(boxes.status == 200);
+  CHECK(head_of(boxes.body)["report"]["style"] == "boxes");
+  CHECK(head_of(boxes.body)["parts"][1]["name"] == "box-1");
   // What cannot be made is an error at the place in the spec.
   REQUIRE(page.send(wanted(wood(R"({"length_mm": 80, "spine_mm": 50})"), "exact")));
   const WireResponse narrow = page.receive();
