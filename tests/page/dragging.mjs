@@ -21,12 +21,16 @@ export const revolution = (units, slices, width) => ({
 
 /**
  * Times from an input event to the picture of its draft, and from the last input to the exact one, ms; closes the page.
- * `rests`: how often the hand moves once more afterwards, and rests until the exact one is there.
+ * `rests`: how often the hand moves once more afterwards, and rests until the exact one is there. `look_ms`: how long a
+ * person looks at the page before.
  */
-export async function dragging({ page, close }, spec, rests = 0) {
+export async function dragging({ page, close }, spec, rests = 0, look_ms = 0) {
   await page.evaluate((text) => sessionStorage.setItem('popcut.design.steps', JSON.stringify({ steps: [text], at: 0 })), JSON.stringify(spec));
   await page.evaluate(() => { location.hash = '#/design'; });
-  await page.getByRole('button', { name: 'Go on with your last design' }).click();
+  const goOn = page.getByRole('button', { name: 'Go on with your last design' });
+  await goOn.waitFor();
+  await wait(look_ms);
+  await goOn.click();
   await page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 60_000 });
   await wait(3000);
   const result = await page.evaluate(async (more) => {

@@ -5,7 +5,7 @@ import { readdirSync, statSync } from 'node:fs';
 import { join } from 'node:path';
 import { serve } from '../../../daemon/web/serve.mjs';
 import { dragging, median, p95, revolution, say } from '../dragging.mjs';
-import { closeBrowser, openBrowser, openModel, screens, Server, visit, wait } from '../harness.mjs';
+import { closeBrowser, openBrowser, openModel, screens, Server, visit } from '../harness.mjs';
 import { exact, house, open, start } from './visit.mjs';
 
 const folder = process.env.POPCUT_SITE ?? 'build/site/page';
@@ -84,8 +84,7 @@ try {
         const quality = /"quality":"(draft|exact)"/.exec(request.postData() ?? '')?.[1];
         if (quality) engine[quality].push(request.timing().responseEnd);
       });
-      await wait(kLook_ms);
-      const { times, exact: rest } = await dragging({ page: visited.page, close }, spec, 8);
+      const { times, exact: rest } = await dragging({ page: visited.page, close }, spec, 8, kLook_ms);
       const what = `500 units, ${where}: `;
       say(`${what}draft, asked and answered, median`, median(engine.draft), 'ms', 60);
       say(`${what}exact, asked and answered, the first`, engine.exact[0], 'ms', null);
