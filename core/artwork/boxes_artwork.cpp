@@ -12,7 +12,6 @@
 
 #include "core/artwork/artwork.hpp"
 #include "core/artwork/parts_artwork.hpp"
-#include "core/design/target/placement_map.hpp"
 
 namespace popcut {
 namespace boxes_artwork_parts {
@@ -82,23 +81,12 @@ ColourImage seen_on_faces(const ColourMesh& model, const SheetPart& sheet,
 }  // namespace boxes_artwork_parts
 
 ColourMesh model_on_card(const BoxedCard& made, ColourMesh model) {
-  const PlacementMap map(made.placement);
-  std::vector<double>& corners = model.soup.corners;
-  for (std::size_t k = 0; k + 2 < corners.size(); k += 3) {
-    const auto p = map.to_corner({corners[k], corners[k + 1], corners[k + 2]});
-    for (std::size_t n = 0; n < 3; ++n)
-      corners[k + n] = p[n] - made.origin[static_cast<Eigen::Index>(n)];
-  }
-  move_to_card(made, corners);
+  model = placed_model(std::move(model), made.placement, made.origin);
+  move_to_card(made, model.soup.corners);
   return model;
 }
 
-ColourMesh clay_on_card(const BoxedCard& made) {
-  ColourMesh mesh;
-  mesh.soup = made.target;
-  make_clay(mesh);
-  return mesh;
-}
+ColourMesh clay_on_card(const BoxedCard& made) { return clay_model(made.target); }
 
 Result<Artwork> boxes_artwork(const BoxedCard& made, const ColourMesh& model,
                               std::span<const DrawnPart> places, const ArtworkOptions& options) {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/artwork/parts_artwork.hpp"
-#include "core/design/target/placement_map.hpp"
 
 namespace popcut {
 namespace layers_artwork_parts {
@@ -104,23 +103,12 @@ ColourImage drawn_on(const FaceSurface& surface, const SheetPart& sheet, const C
 }  // namespace layers_artwork_parts
 
 ColourMesh model_on_card(const LayeredCard& made, ColourMesh model) {
-  const PlacementMap map(made.placement);
-  std::vector<double>& corners = model.soup.corners;
-  for (std::size_t k = 0; k + 2 < corners.size(); k += 3) {
-    const auto p = map.to_corner({corners[k], corners[k + 1], corners[k + 2]});
-    for (std::size_t n = 0; n < 3; ++n)
-      corners[k + n] = p[n] - made.origin[static_cast<Eigen::Index>(n)];
-  }
-  move_to_card(made, corners);
+  model = placed_model(std::move(model), made.placement, made.origin);
+  move_to_card(made, model.soup.corners);
   return model;
 }
 
-ColourMesh clay_on_card(const LayeredCard& made) {
-  ColourMesh mesh;
-  mesh.soup = made.target;
-  make_clay(mesh);
-  return mesh;
-}
+ColourMesh clay_on_card(const LayeredCard& made) { return clay_model(made.target); }
 
 Result<Artwork> layers_artwork(const LayeredCard& made, const ColourMesh& model,
                                std::span<const DrawnPart> places, const ArtworkOptions& options) {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/design/target/placement_map.hpp"
 #include "core/geometry/triangulate.hpp"
 
 namespace popcut {
@@ -68,6 +69,24 @@ std::vector<CutLine> lines_of(const Structure& card, std::size_t part, const Par
 
 }  // namespace
 }  // namespace parts_artwork_parts
+
+ColourMesh placed_model(ColourMesh model, const TargetPlacement& placement, const Vec3& origin) {
+  const PlacementMap map(placement);
+  std::vector<double>& corners = model.soup.corners;
+  for (std::size_t k = 0; k + 2 < corners.size(); k += 3) {
+    const auto p = map.to_corner({corners[k], corners[k + 1], corners[k + 2]});
+    for (std::size_t n = 0; n < 3; ++n)
+      corners[k + n] = p[n] - origin[static_cast<Eigen::Index>(n)];
+  }
+  return model;
+}
+
+ColourMesh clay_model(const TriangleSoup& target) {
+  ColourMesh mesh;
+  mesh.soup = target;
+  make_clay(mesh);
+  return mesh;
+}
 
 Result<Artwork> parts_artwork(const Structure& card, const PartPoses& pose,
                               std::span<const DrawnPart> places, const ArtworkOptions& options,

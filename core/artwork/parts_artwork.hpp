@@ -10,11 +10,20 @@
 #include "core/artwork/colour_mesh.hpp"
 #include "core/artwork/design_artwork.hpp"
 #include "core/artwork/face_pixels.hpp"
+#include "core/design/target/surface_spec.hpp"
+#include "core/fit/triangle_soup.hpp"
+#include "core/geometry/vec.hpp"
 #include "core/parts/structure.hpp"
 #include "core/plan/plan.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
+
+/// A model, its corners less `origin` after it is placed in the corner of wall and ground, mm.
+[[nodiscard]] ColourMesh placed_model(ColourMesh model, const TargetPlacement& placement,
+                                      const Vec3& origin);
+/// A target in clay.
+[[nodiscard]] ColourMesh clay_model(const TriangleSoup& target);
 
 /// Draws what is printed on a part, on the pixels of a frame around it; none: it stays bare.
 using DrawPart = std::function<std::optional<ColourImage>(std::size_t part, const FaceSurface&,

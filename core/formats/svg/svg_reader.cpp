@@ -503,8 +503,8 @@ class SvgReader {
     return spend(e.node, lines.points.size());
   }
 
-  // The first child of a <switch> that viewers show. What stands for other languages is told,
-  // what needs an extension is not: programs put it before what all viewers can show.
+  // The first child of a <switch> that viewers show. A note tells of children for other languages.
+  // None tells of children that need an extension: programs put these before what viewers can show.
   Result<void> chosen(const pugi::xml_node& parent, const Place& place, const SvgStyle& style) {
     for (const pugi::xml_node& node : parent.children()) {
       if (node.type() != pugi::node_element) continue;

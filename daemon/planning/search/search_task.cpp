@@ -146,6 +146,7 @@ Result<daemon::PlanningOutcome> search(WorkerTask& task, const FileSink& add,
   auto mesh = read_mesh("", task.design);
   if (!mesh) return tl::unexpected(within(wanted->name, mesh.error()));
   request.mesh = std::move(*mesh);
+  // Pictures read them again: the model's own pictures would take memory during the search.
   if (!wanted->plain && wanted->cards == 1)
     if (const auto colours = colours_of(task.design))
       request.colours = mean_colours(*colours, request.mesh.size());

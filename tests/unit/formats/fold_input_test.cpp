@@ -319,7 +319,7 @@ TEST_CASE("a FOLD file may be UTF-16, have its frames in a list, and name units 
   CHECK(total_mm(*work, Operation::Outline) == Approx(60));
 }
 
-TEST_CASE("a fold whose angle is that of the other side is told", "[core][formats][fold]") {
+TEST_CASE("a warning names folds whose angle is that of the other side", "[core][formats][fold]") {
   const auto told = [](const std::string& letters, const std::string& angles) {
     const auto work =
         linework_from_fold("{" + kTriangle + R"(,"frame_unit":"mm",)" + R"("edges_assignment":[)" +

@@ -256,7 +256,7 @@ TEST_CASE("a frame keeps its own place and transform where it is used",
   CHECK(length(root.points) == Approx(20));
 }
 
-TEST_CASE("what styles say of the size and place of an svg is told", "[core][formats][svg]") {
+TEST_CASE("a warning names styles that give an svg another size or place", "[core][formats][svg]") {
   const auto told = [](const std::string& style) {
     return is_told(read(svg("<path stroke='red' d='M0 5H10'/>",
                             std::string(kPage) + " style='" + style + "'")),

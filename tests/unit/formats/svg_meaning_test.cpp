@@ -312,7 +312,7 @@ TEST_CASE("what is for readers of another language or needs an extension is left
   CHECK(is_told(clipped, "depends on the reader's language"));
 }
 
-TEST_CASE("a drawing that moves is told wherever the animation stands", "[core][formats][svg]") {
+TEST_CASE("a warning names animations, wherever they stand in a drawing", "[core][formats][svg]") {
   const std::string line = "<path id='p' stroke='red' d='M0 0H5'";
   for (const std::string& moving :
        {line + "><animate attributeName='d' to='M0 0H9'/></path>",
