@@ -85,6 +85,36 @@ PrintedTarget::PrintedTarget(Triangles triangles, std::span<const Rgb> colours, 
   }
 }
 
+double PrintedTarget::detail() const {
+  constexpr float kBorder = 12.0F;  // of L*a*b*: more than from facet to facet of a ball
+  std::size_t edges = 0;
+  ContourPixels jumps;
+  std::vector<char> is_edge;
+  for (const Seen& seen : seen_) {
+    const auto size = static_cast<std::size_t>(seen.frame.pixels);
+    find_contours(seen.image, static_cast<float>(kWithin * diagonal_mm_), jumps);
+    is_edge.assign(size * size, 0);
+    for (const std::uint32_t pixel : jumps.pixels) is_edge[pixel] = 1;
+    const auto differs = [&](std::size_t a, std::size_t b) {
+      if (seen.image.depth[a] == kNothing || seen.image.depth[b] == kNothing) return false;
+      float sum = 0.0F;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const float by = seen.colour[a][i] - seen.colour[b][i];
+        sum += by * by;
+      }
+      return sum > kBorder * kBorder && is_edge[b] == 0;
+    };
+    for (std::size_t row = 0; row + 1 < size; ++row)
+      for (std::size_t column = 0; column + 1 < size; ++column) {
+        const std::size_t at = row * size + column;
+        if (is_edge[at] == 0 && (differs(at, at + 1) || differs(at, at + size))) is_edge[at] = 1;
+      }
+    edges += static_cast<std::size_t>(std::count(is_edge.begin(), is_edge.end(), char{1}));
+  }
+  if (seen_.empty()) return 0.0;
+  return static_cast<double>(edges) * kSide / static_cast<double>(seen_.size()) / scene_.pixels;
+}
+
 template <typename IsBetter>
 PrintedTarget::Seen PrintedTarget::painted(const View& view, int pixels, Triangles triangles,
                                            std::span<const Lab> colours,

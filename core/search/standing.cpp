@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/compare/printed.hpp"
 #include "core/design/facets/roofs.hpp"
 #include "core/design/target/placement_map.hpp"
 #include "core/geometry/angle.hpp"
@@ -133,6 +134,38 @@ double misfit_of(const TriangleMesh& model, const Way& way) {
   const likeness::Target target(standing, scene);
   if (target.is_unseen()) return std::numeric_limits<double>::infinity();
   return target.measure(seen_along_diagonal(standing, kNet)).error();
+}
+
+double detail_of(const TriangleMesh& model, std::span<const likeness::Rgb> colours,
+                 const Way& way) {
+  constexpr double kRise_deg = 30.0;
+  constexpr int kPixels = 128;
+  const std::vector<float> standing = standing_model(model, way);
+  likeness::Scene scene;
+  scene.views = {likeness::risen_view(0.0, radians(kRise_deg))};
+  scene.pixels = kPixels;
+  return likeness::PrintedTarget(standing, colours, scene).detail();
+}
+
+std::vector<Way> telling_ways(std::vector<Way> ways) {
+  constexpr double kNearly = 0.85, kAsMuch = 0.97;
+  double most = 0.0;
+  for (const Way& way : ways) most = std::max(most, way.detail);
+  // Turned by half a turn about the vertical, so that one shows the other's back.
+  const auto is_back_of = [](const Way& way, const Way& other) {
+    const TurnMatrix a = turn_of(way.rotate_deg), b = turn_of(other.rotate_deg);
+    double front = 0.0, up = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) front += a[0][k] * b[0][k], up += a[2][k] * b[2][k];
+    return front < -0.999 && up > 0.999;
+  };
+  std::vector<Way> out;
+  for (const Way& way : ways) {
+    const bool shows_back = std::any_of(ways.begin(), ways.end(), [&](const Way& other) {
+      return way.detail < kAsMuch * other.detail && is_back_of(way, other);
+    });
+    if (way.detail >= kNearly * most && !shows_back) out.push_back(way);
+  }
+  return out;
 }
 
 std::vector<std::array<double, 3>> upright_turns(const UpSide& up, const FrontSide& front) {

@@ -4,11 +4,13 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/compare/comparison.hpp"
+#include "core/compare/picture.hpp"
 #include "core/model/triangle_mesh.hpp"
 
 namespace popcut {
@@ -20,6 +22,7 @@ struct Way {
   MeshBox box;                         ///< of the turned model, before it is moved
   double shut_reach{};                 ///< the largest x + z: how far it reaches when shut
   double misfit{};                     ///< `misfit_of`
+  double detail{};                     ///< `detail_of`, where it was asked for
   std::optional<double> roof_off{};    ///< `roof_off_of`
 
   [[nodiscard]] double length() const { return box.high[1] - box.low[1]; }
@@ -41,6 +44,15 @@ struct Way {
 /// How well a way suits cards: the error (`likeness::Figures::error`) of the part of the model that
 /// is seen along the diagonal, from nine directions, 64 pixels wide.
 [[nodiscard]] double misfit_of(const TriangleMesh& model, const Way& way);
+
+/// How much there is to see of a model from where people look at a card (`PrintedTarget::detail`).
+/// @param colours  of the triangles, one each; empty: clay
+[[nodiscard]] double detail_of(const TriangleMesh& model, std::span<const likeness::Rgb> colours,
+                               const Way& way);
+/// The ways that show nearly as much as the one that shows most (`Way::detail`), without those that
+/// show less than their back. What is seen of the back of a cat fits a card as well as its face
+/// does, and nobody wants that card.
+[[nodiscard]] std::vector<Way> telling_ways(std::vector<Way> ways);
 
 /// How far a model must stand off the wall, in its own units, so that its largest roof can be a
 /// sloped panel (`plan_kites`). None: it has no roof, or stands better without.

@@ -448,7 +448,7 @@ Result<GivenDesign> given_design(const Options& options, const Globals& globals)
   for (const std::string& note : model->found.notes)
     fmt::print(stderr, "{}: {}\n", shown_text(options.spec), note);
   fmt::print(stderr,
-             "the easiest card is taken that looks about as much like the model as any of {}; "
+             "an easy card is taken that looks about as much like the model as any of {}; "
              "'popcut auto {} "
              "-o DIR' tries more, and shows cards that are easier to fold\n",
              model->found.counts.designed, shown_text(options.spec));

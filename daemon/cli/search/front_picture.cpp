@@ -109,7 +109,8 @@ std::string graph(const Tiles& tiles, std::size_t at, const FoundCards& found) {
 std::string settings(const Candidate& c) {
   if (c.style == DesignStyle::Facets)
     return fmt::format("facets, strips {:g} mm, planes {:g} mm", c.strip_mm, c.pitch_mm);
-  if (c.style == DesignStyle::Silhouette) return fmt::format("silhouette, {} layers", c.layers);
+  if (c.style == DesignStyle::Silhouette)
+    return fmt::format("silhouette, {} layer{}", c.layers, c.layers == 1 ? "" : "s");
   return fmt::format("{} lattice, {} x {} units", style_name(c), c.slices, c.units);
 }
 

@@ -202,8 +202,8 @@ std::string front_text(const ModelSearchOptions& options, const SearchedModel& m
   const std::string easiest = front_folder(recommended, found.recommended);
   out += fmt::format("  closest  {}/{} looks most like the model\n", folder,
                      front_folder(found.front.back(), found.front.size() - 1));
-  out += fmt::format("  make     {}/{}: the easiest to fold of those that look about as good\n",
-                     folder, easiest);
+  out += fmt::format("  make     {}/{}: easy to fold, and looks about as good as any\n", folder,
+                     easiest);
   out += fmt::format("  look at  {}/front.svg\n", folder);
   const std::string best =
       client::quoted(fmt::format("{}/{}/spec.json", folder, easiest)) + plan_words(options);

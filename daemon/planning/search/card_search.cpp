@@ -43,6 +43,7 @@ constexpr std::size_t kDrawn = 100, kChanged = 70, kParents = 16, kFine = 28, kF
 constexpr std::array kShortSearches{0.02, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0};
 constexpr double kMuchMore = 3.0;  ///< times the effort of a shorter search
 constexpr std::size_t kWays = 6, kStraightWays = 2, kWaysTurnedOn = 5;
+constexpr double kHardlyLonger_s = 60.0;            ///< of folding: a better likeness is worth it
 constexpr double kNearFactor = 1.25, kNear = 0.02;  ///< an error that is as good as the least one
 constexpr double kBroad_mm = 5.0;
 /// Cards that take longer to fold go on after all others: nobody makes them, and designing one
@@ -373,6 +374,15 @@ class CardSearch {
     return {ways_, drawn_ways_, out_.counts.ways, out_.better_front};
   }
 
+  /// Leaves out the ways that show little of what the model has to show.
+  [[nodiscard]] std::vector<Way> telling(std::vector<Way> ways, Part part) {
+    const TriangleMesh& shown = request_.colours.empty() ? coarse() : request_.mesh;
+    for_each(ways.size(), "looking for the front", part, [&](std::size_t, std::size_t k) {
+      ways[k].detail = detail_of(shown, request_.colours, ways[k]);
+    });
+    return telling_ways(std::move(ways));
+  }
+
   /// Ways to stand: the best by what is seen along the diagonal, straight ones, and as the file
   /// stands.
   void find_ways() {
@@ -391,18 +401,21 @@ class CardSearch {
       return ways;
     };
     std::vector<Way> ways = judged(upright_turns(request_.up, request_.front), {0.0, 0.02});
+    constexpr std::array<double, 3> kAsTheFileStands{};
+    const auto own = std::find_if(ways.begin(), ways.end(), is_turned(kAsTheFileStands));
+    const auto as_the_file_stands = own == ways.end() ? std::nullopt : std::optional(*own);
+    if (!request_.front) ways = telling(std::move(ways), {0.02, 0.03});
     const std::vector<Way> straight = best_ways(ways, kStraightWays);
     if (request_.up && request_.front && !ways.empty()) compare_fronts(ways.front().misfit);
     std::vector<std::array<double, 3>> near;
     for (const Way& way : best_ways(ways, request_.front ? 0 : kWaysTurnedOn))
       for (const auto& turn : turns_near(way.rotate_deg, !request_.up)) near.push_back(turn);
-    for (Way& way : judged(near, {0.02, 0.06})) ways.push_back(std::move(way));
+    for (Way& way : judged(near, {0.03, 0.05})) ways.push_back(std::move(way));
+    if (!request_.front) ways = telling(std::move(ways), {0.05, 0.06});
     ways_ = with_straight(best_ways(ways, kWays), straight);
     drawn_ways_ = ways_.size();
-    constexpr std::array<double, 3> kAsTheFileStands{};
-    const auto own = std::find_if(ways.begin(), ways.end(), is_turned(kAsTheFileStands));
-    if (own != ways.end() && std::none_of(ways_.begin(), ways_.end(), is_turned(kAsTheFileStands)))
-      ways_.push_back(*own);
+    if (as_the_file_stands && std::none_of(ways_.begin(), ways_.end(), is_turned(kAsTheFileStands)))
+      ways_.push_back(*as_the_file_stands);
     take_boxes();
   }
 
@@ -946,10 +959,17 @@ class CardSearch {
       return card.error() <= near_least ||
              (card.printed && likeness::looks(*card.printed) == likeness::Looks::Good);
     };
+    // The front is in order of minutes, and each card is more like the model than the one before.
     const auto recommended = [&](const char* label) {
-      return std::find_if(out_.front.begin(), out_.front.end(), [&](const FoundCard& card) {
+      const auto suits = [&](const FoundCard& card) {
         return is_good(card) && card.cost.hands.label == label;
-      });
+      };
+      const auto easiest = std::find_if(out_.front.begin(), out_.front.end(), suits);
+      auto best = easiest;
+      for (auto card = easiest; card != out_.front.end(); ++card)
+        if (suits(*card) && card->cost.hands.time_s <= easiest->cost.hands.time_s + kHardlyLonger_s)
+          best = card;
+      return best;
     };
     auto best = out_.front.end();  // few folds that are too short are no easy card
     for (const char* const label : {"easy", "medium", "hard"})

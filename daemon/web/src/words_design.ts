@@ -367,7 +367,7 @@ export const designWords = localized({
       ...(cut_s > 0 ? [`${minutes(cut_s).replace('about ', '')} to cut`] : [])].join(', ') + (looks === '' ? '' : `; looks: ${looks}`),
     error: (settings: string, error: string): string => `${settings}; error ${error}: how much it differs from the model, 0 is the model itself`,
     make: 'make this one',
-    makeWhat: 'The easiest to fold of those that look good, or about as good as the best.',
+    makeWhat: 'Of the cards that look good, the best of the quickest to fold.',
     best: 'most like the model',
   },
   cut: {

@@ -250,6 +250,19 @@ TEST_CASE("parallax shows where colours meet", "[core][compare]") {
   CHECK(two > 1.2 * one);
 }
 
+TEST_CASE("the detail of a picture is the length of its outline and of the borders of its colours",
+          "[core][compare]") {
+  // Two squares of 20 mm side by side, seen straight on: the diagonal is 20 sqrt(5) mm.
+  const std::vector<float> plate{0, -20, 0, 0, 0,  0, 0, 0,  20, 0, -20, 0, 0, 0,  20, 0, -20, 20,
+                                 0, 0,   0, 0, 20, 0, 0, 20, 20, 0, 0,   0, 0, 20, 20, 0, 0,   20};
+  const std::vector<Rgb> two{{200, 60, 50}, {200, 60, 50}, {60, 120, 70}, {60, 120, 70}};
+  Scene scene;
+  scene.views = {view_from(Vec3(1, 0, 0))}, scene.pixels = 256;
+  const double diagonal = 20.0 * std::sqrt(5.0);
+  CHECK_THAT(PrintedTarget(plate, {}, scene).detail(), WithinAbs(120.0 / diagonal, 0.05));
+  CHECK_THAT(PrintedTarget(plate, two, scene).detail(), WithinAbs(140.0 / diagonal, 0.05));
+}
+
 TEST_CASE("each layer is printed with what lies in its own depths", "[core][compare]") {
   const auto plate = [](float x, float high) {
     return std::vector<float>{x, -20, 0, x, 20, 0,    x, 20,  high,

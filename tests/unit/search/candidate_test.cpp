@@ -299,6 +299,48 @@ TEST_CASE("open edges and crossings of a mesh are counted", "[search]") {
   CHECK(beside.crossings == 0);
 }
 
+TEST_CASE("a model with a face does not show its back", "[search]") {
+  // A dark head with two light eyes on one side, for each of the four sides.
+  constexpr std::array<std::array<int, 2>, 4> kSides{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+  for (const auto& [x, y] : kSides) {
+    TriangleMesh head = box_mesh({-10, -10, 0}, {10, 10, 24}, false);
+    const std::size_t dark = head.size();
+    for (const double aside : {-5.0, 5.0}) {
+      const double at[2] = {10.5 * x - aside * y, 10.5 * y + aside * x};
+      head = joined(head, box_mesh({at[0] - 2, at[1] - 2, 14}, {at[0] + 2, at[1] + 2, 18}, false));
+    }
+    std::vector<likeness::Rgb> colours(head.size(), {240, 240, 230});
+    std::fill_n(colours.begin(), dark, likeness::Rgb{120, 60, 40});
+    std::vector<Way> ways;
+    for (const auto& turn : upright_turns(up_side("z"))) {
+      ways.push_back(way_of(head, turn));
+      ways.back().detail = detail_of(head, colours, ways.back());
+    }
+    REQUIRE(ways.size() == 4);
+    const auto front = upright_turns(
+        up_side("z"), up_side(std::string(x + y < 0 ? "-" : "") + (x != 0 ? "x" : "y")));
+    REQUIRE(front.size() == 1);
+    const std::vector<Way> kept = telling_ways(ways);
+    REQUIRE_FALSE(kept.empty());
+    const auto most = std::max_element(
+        kept.begin(), kept.end(), [](const Way& a, const Way& b) { return a.detail < b.detail; });
+    CHECK(most->rotate_deg == front.front());
+    const auto back = upright_turns(
+        up_side("z"), up_side(std::string(x + y < 0 ? "" : "-") + (x != 0 ? "x" : "y")));
+    CHECK(std::none_of(kept.begin(), kept.end(),
+                       [&](const Way& way) { return way.rotate_deg == back.front(); }));
+  }
+  // A cube in clay shows as much from all sides.
+  std::vector<Way> alike;
+  const TriangleMesh cube = box_mesh({0, 0, 0}, {10, 10, 10}, false);
+  for (const auto& turn : upright_turns(up_side("z"))) {
+    alike.push_back(way_of(cube, turn));
+    alike.back().detail = detail_of(cube, {}, alike.back());
+  }
+  CHECK(telling_ways(alike).size() == 4);
+  CHECK(telling_ways({}).empty());
+}
+
 TEST_CASE("the share of a shape that is seen is that of its sides", "[search]") {
   const TriangleMesh box = box_mesh({0, 0, 0}, {10, 10, 10}, false);
   // Two sides of six face the diagonal; a point in 100 is at an edge.
