@@ -105,8 +105,12 @@ void count_pattern(const Pattern& pattern, DesignReport& report) {
   report.sheet_v_mm = pattern.width_mm;
 }
 
-void add_hands(const Pattern& pattern, DesignReport& report) {
+void add_hands_of_draft(const Pattern& pattern, DesignReport& report) {
   report.handwork = hands::handwork(pattern);
+}
+
+void add_hands(const Pattern& pattern, DesignReport& report) {
+  add_hands_of_draft(pattern, report);
   const auto wobble = hands::wobble_of(pattern);
   if (!wobble) return;
   report.wobble = *wobble;

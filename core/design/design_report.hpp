@@ -17,6 +17,8 @@ void count_pattern(const Pattern& pattern, DesignReport& report);
 /// What it takes to fold the pattern, and how firmly it holds in paper, with a warning that names
 /// the panels that move by more than `hands::kFirm_mm`.
 void add_hands(const Pattern& pattern, DesignReport& report);
+/// The same for a draft, without how far panels move.
+void add_hands_of_draft(const Pattern& pattern, DesignReport& report);
 
 /// How far the structure sticks out of the shut card, with a note, or with a warning where the spec
 /// wants it inside. A pattern without a card has nothing to stick out of.

@@ -361,7 +361,8 @@ Result<PatchAssembly> design_assembly(const DesignSpec& spec, const SurfaceAsset
                                       const Progress& progress) {
   auto made = assembly_of(spec, assets, progress);
   if (!made || made->parts.empty()) return made;
-  for (Design& part : made->parts) add_hands(part.pattern, part.report);
+  for (Design& part : made->parts)
+    (spec.is_draft ? add_hands_of_draft : add_hands)(part.pattern, part.report);
   std::vector<Warning>& warnings = made->parts.front().report.warnings;
   const auto add = [&](const std::optional<SurfaceSpec>& surface) {
     if (!surface) return;

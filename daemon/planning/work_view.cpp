@@ -60,6 +60,7 @@ void set_lattice(DesignSpec& spec, LatticeMethod lattice) {
 
 /// The quickest pattern of a spec: what is asked of its lattice is left out.
 Result<PatchAssembly> draft_of(DesignSpec spec, const SurfaceAssets& assets) {
+  spec.is_draft = true;
   set_lattice(spec, LatticeMethod::Levels);
   auto made = design_assembly(spec, assets);
   if (made) return made;

@@ -136,10 +136,13 @@ TEST_CASE("a draft has the plain lattice and an exact preview that of the spec",
   CHECK(draft["lattice"] == "levels");
   CHECK(draft["name"] == "ball");
   CHECK_FALSE(draft["arrays"].contains("ghost_points"));
+  CHECK(draft["report"].contains("handwork"));
+  CHECK_FALSE(draft["report"].contains("wobble"));  // took as long as all else of a draft
   const json exact = head_of(bench.run(preview(spec, "exact", "ana")));
   CHECK(exact["quality"] == "exact");
   CHECK(exact["lattice"] == "conformal");
   CHECK(exact["report"]["lattice"] == "conformal");
+  CHECK(exact["report"].contains("wobble"));
   CHECK(exact["arrays"].contains("ghost_points"));
   CHECK(exact["arrays"].contains("point_k"));
 }
