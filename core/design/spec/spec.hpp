@@ -235,8 +235,8 @@ struct DesignSpec {
   double join_tolerance_mm{1.0};  ///< largest distance of the edges' profiles
   bool is_patch{false};           ///< one of `patches`: its edges are wanted too
   bool is_card{false};            ///< one of a book: it may have nothing of the target
-  /// Not a field of a spec. Who draws it while a hand moves a slider sets it: how far panels move in
-  /// paper is not computed.
+  /// Not a field of a spec. Who draws it while a hand moves a slider sets it: how far panels move
+  /// in paper is not computed.
   bool is_draft{false};
 };
 
