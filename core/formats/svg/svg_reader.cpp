@@ -56,6 +56,30 @@ bool has_english(std::string_view list) {
   return false;
 }
 
+// Whether SVG 1.0, 1.1 or Tiny 1.2 names a feature (SVG 1.1, appendix N). What is not asked for by
+// its full name is none.
+bool is_feature(std::string_view name) {
+  constexpr std::string_view
+      kSvg11 = "http://www.w3.org/TR/SVG11/feature#",
+      kNames =
+          " SVG SVGDOM SVG-static SVGDOM-static SVG-animation SVGDOM-animation SVG-dynamic "
+          "SVGDOM-dynamic CoreAttribute Structure BasicStructure ContainerAttribute "
+          "ConditionalProcessing Image Style ViewportAttribute Shape Text BasicText PaintAttribute "
+          "BasicPaintAttribute OpacityAttribute GraphicsAttribute BasicGraphicsAttribute Marker "
+          "ColorProfile Gradient Pattern Clip BasicClip Mask Filter BasicFilter "
+          "DocumentEventsAttribute GraphicalEventsAttribute AnimationEventsAttribute Cursor "
+          "Hyperlinking XlinkAttribute ExternalResourcesRequired View Script Animation Font "
+          "BasicFont "
+          "Extensibility ";
+  if (name.starts_with(kSvg11)) {
+    const std::string_view own = name.substr(kSvg11.size());
+    const std::size_t at = own.empty() ? own.npos : kNames.find(fmt::format(" {} ", own));
+    return at != own.npos;
+  }
+  return name.starts_with("http://www.w3.org/Graphics/SVG/feature/") ||
+         name.starts_with("org.w3c.svg") || name.starts_with("org.w3c.dom.svg");
+}
+
 // Whether an element is shown to readers of English by a viewer without extensions, in a <switch>
 // or not (SVG 2, section 5.8). Only SVG 1.1 has features; those that it names are taken as met.
 Unmet unmet_of(const pugi::xml_node& node) {
@@ -63,8 +87,7 @@ Unmet unmet_of(const pugi::xml_node& node) {
   if (const auto features = node.attribute("requiredFeatures")) {
     std::string_view rest = features.value();
     for (std::string_view one; !(one = take_word(rest = trimmed(rest), kBlanks)).empty();)
-      if (!one.starts_with("http://www.w3.org/") && !one.starts_with("org.w3c."))
-        return Unmet::Needs;
+      if (!is_feature(one)) return Unmet::Needs;
   }
   const auto language = node.attribute("systemLanguage");
   return language && !has_english(language.value()) ? Unmet::Language : Unmet::Nothing;
@@ -117,6 +140,7 @@ class SvgReader {
     if (!element) return tl::unexpected(element.error());
     if (style.display_none) note(SvgNote::Hidden, root);
     tell_motion(root);
+    if (!style.overflows) sheet_mm_ = page_mm_;
     if (auto done = transform(*element, style, place); !done) return tl::unexpected(done.error());
     SvgClipPath clip;
     if (auto done = enter_clip(*element, style, place, clip); !done)
@@ -622,10 +646,20 @@ class SvgReader {
     }
     if (!is_shown(target)) return {};
     if (style.masked) note(SvgNote::Masked, target);
+    if (has_point(target)) note(SvgNote::SymbolPoint, target);
     if (auto done = transform(*read, style, place); !done) return done;
     SvgClipPath clip;
     if (auto done = enter_clip(*read, style, place, clip); !done) return done;
     return framed(target, use_node, place, style);
+  }
+
+  // Whether a symbol has a point that is to lie where it is used (SVG 2, section 5.6).
+  static bool has_point(const pugi::xml_node& symbol) {
+    const auto is_set = [&](const char* name) {
+      const auto point = parse_svg_length(symbol.attribute(name).value());
+      return symbol.attribute(name) && (!point || point->value != 0.0);
+    };
+    return is_set("refX") || is_set("refY");
   }
 
   Result<void> shape(const SvgElement& e, const Place& place, const SvgStyle& style) {
@@ -700,6 +734,9 @@ class SvgReader {
     for (const SvgClipPath* clip = place.clips; clip != nullptr; clip = clip->around)
       clipped = std::max(clipped, strokes_.clip(*clip->region, first, steps_));
     if (clipped > 0) note(SvgNote::Clipped, e.node, clipped);
+    // Dashes are parts of one line.
+    if (const std::size_t count = std::min(beyond_page(first), lines_.size()); count > 0)
+      note(SvgNote::BeyondPage, e.node, count);
     return place.clips == nullptr ? Result<void>{} : spend(e.node, 0);
   }
 
@@ -735,6 +772,22 @@ class SvgReader {
     note(dots ? SvgNote::Dots : SvgNote::Dashed, e.node);
     if (dashed_.size() == 0) return {};
     return add(e, place, dashed_, to_page, operation);
+  }
+
+  // How many lines from `first` leave the page.
+  [[nodiscard]] std::size_t beyond_page(std::size_t first) const {
+    const double touches_mm = kTouchesPage_mm / options_.enlarged;
+    const auto leaves = [&](double value, double size) {
+      return size > 0.0 && (value < -touches_mm || value > size + touches_mm);
+    };
+    return static_cast<std::size_t>(
+        std::count_if(work_.lines.begin() + static_cast<std::ptrdiff_t>(first), work_.lines.end(),
+                      [&](const DrawnLine& line) {
+                        const auto points = work_.points_of(line);
+                        return std::any_of(points.begin(), points.end(), [&](const PagePoint& p) {
+                          return leaves(p.x, sheet_mm_[0]) || leaves(p.y, sheet_mm_[1]);
+                        });
+                      }));
   }
 
   // Whether a fill is the page's background: one line around (nearly) all of it. A drawing that
@@ -780,8 +833,12 @@ class SvgReader {
     if (*added == 0) note(SvgNote::Empty, e.node);
     if (work_.lines.size() == first) return {};
     if (is_cut(operation)) add_shape(e, style, first);
+    const std::size_t beyond = beyond_page(first);
+    if (named && beyond > 0) note(SvgNote::BeyondPage, e.node, beyond);
     if (named) return {};
     if (fills_.empty()) first_fill_ = svg_where(text_, e.node);
+    if (fills_beyond_ == 0 && beyond > 0) first_beyond_ = svg_where(text_, e.node);
+    fills_beyond_ += beyond;
     ++filled_shapes_;
     for (std::size_t i = first; i < work_.lines.size(); ++i) fills_.push_back(i);
     return {};
@@ -793,6 +850,9 @@ class SvgReader {
     const bool named = purposes_.has_names();
     if (!fills_.empty())
       notes_.add(named ? SvgNote::FillUnnamed : SvgNote::FillCut, first, filled_shapes_);
+    if (!named && fills_beyond_ > 0)
+      notes_.add(
+          SvgNote::BeyondPage, [&] { return first_beyond_; }, fills_beyond_);
     if (named && !fills_.empty()) {
       // Line `i` becomes line `i` less those that go before it.
       std::erase_if(shapes_, [&](FilledShape& shape) {
@@ -843,7 +903,9 @@ class SvgReader {
   SvgStyleReader styles_;
   SvgPurposes purposes_;
   SvgStrokes strokes_;
-  std::array<double, 2> page_mm_{};
+  static constexpr double kTouchesPage_mm = 0.1;  ///< lines so near beside the page are on it
+  std::array<double, 2> page_mm_{};               ///< 0: not known
+  std::array<double, 2> sheet_mm_{};              ///< the page, if lines beyond it are not shown
   std::unordered_map<std::string_view, pugi::xml_node> ids_;
   bool ids_read_{false};  ///< a drawing may have none
   std::vector<pugi::xml_node> used_;
@@ -855,7 +917,8 @@ class SvgReader {
   std::vector<std::size_t> fills_;   ///< lines of fills without a name
   std::vector<FilledShape> shapes_;  ///< fills that are cut
   std::size_t filled_shapes_{};
-  std::string first_fill_, first_shape_;
+  std::size_t fills_beyond_{};  ///< lines of fills without a name beyond the page
+  std::string first_fill_, first_shape_, first_beyond_;
 };
 
 bool is_svg(std::string_view name) {

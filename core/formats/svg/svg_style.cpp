@@ -28,6 +28,7 @@ enum class SvgStyleReader::Property : std::uint8_t {
   Opacity,
   Font,
   FontSize,
+  Clip,
   ClipPath,
   ClipRule,
   FillRule,
@@ -148,12 +149,13 @@ std::string svg_where(const SvgText& text, const pugi::xml_node& node) {
 SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
   using P = Property;
   // Static: it is asked for each attribute, and a table on the stack would be filled each time.
-  static constexpr std::array<std::pair<std::string_view, P>, 47> kNames{
+  static constexpr std::array<std::pair<std::string_view, P>, 48> kNames{
       // in alphabetical order
       {{"-webkit-mask", P::Mask},
        {"-webkit-mask-image", P::Mask},
        {"animation", P::Animation},
        {"animation-name", P::Animation},
+       {"clip", P::Clip},
        {"clip-path", P::ClipPath},
        {"clip-rule", P::ClipRule},
        {"color", P::Colour},
@@ -374,6 +376,10 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
     case P::Transform:
       if (!is_attribute && sets_shape(property, value, element))
         notes_.add(SvgNote::SheetGeometry, [&] { return svg_where(text_, element.node); });
+      break;
+    case P::Clip:
+      if (!same_word(value, "auto"))
+        notes_.add(SvgNote::ClipUnread, [&] { return svg_where(text_, element.node); });
       break;
     case P::Animation:
       if (!is_attribute && value != "none")

@@ -265,6 +265,69 @@ TEST_CASE("features that are not applied are named with their place", "[core][fo
   CHECK(work.lines.size() == 3);
 }
 
+TEST_CASE("lines beyond the page of a drawing are told and cut whole", "[core][formats][svg]") {
+  const auto draw = [](const std::string& content, const std::string& root) {
+    return read("<svg xmlns='http://www.w3.org/2000/svg' " + root + ">" + content + "</svg>");
+  };
+  const std::string page = "width='50mm' height='50mm' viewBox='0 0 100 100'";
+  const auto path = [](const std::string& d) {
+    return "<path id='p' d='" + d + "' stroke='red' fill='none'/>";
+  };
+  const std::string wholly = path("M110 0H130"), partly = path("M0 -20V40");
+  const LineWork both = draw(wholly + partly + path("M0 0H9"), page);
+  CHECK(total_mm(both, Operation::Cut) == Approx(10 + 30 + 4.5));
+  REQUIRE(both.warnings.size() == 1);
+  CHECK(is_told(both, "2 lines lie wholly or partly beyond the page of the drawing"));
+  CHECK(is_told(both, "the first at line 1 (id \"p\")"));
+  CHECK(both.warnings[0].spoils);
+  // Dashes are one line, and a fill is told where it is cut.
+  CHECK(is_told(draw("<path d='M90 9H190' stroke-dasharray='3' stroke='red'/>", page),
+                "1 line lies wholly or partly beyond the page"));
+  CHECK(
+      is_told(draw("<rect x='90' width='20' height='9'/>", page), "1 line lies wholly or partly"));
+  CHECK_FALSE(is_told(draw("<rect x='90' width='20' height='9'/><path id='cut' d='M0 0H9' "
+                           "stroke='red'/>",
+                           page),
+                      "beyond the page"));
+  for (const char* shown :
+       {"overflow='visible'", "style='overflow:visible'", "viewBox='0 0 200 99'"}) {
+    CAPTURE(shown);
+    CHECK(draw(wholly,
+               std::string(shown) + (shown[0] == 'v' ? " width='50mm' height='50mm'" : " " + page))
+              .warnings.empty());
+  }
+  // What touches the border is on the page, and so is all of a drawing without one.
+  CHECK(draw(path("M-0.19 0H100.19V100.19"), page).warnings.empty());
+  CHECK_FALSE(draw(path("M-0.3 0H100"), page).warnings.empty());
+  CHECK_FALSE(is_told(draw(wholly, ""), "beyond the page"));
+  CHECK(is_told(draw(wholly, "width='20mm'"), "beyond the page"));
+  // A page that is larger than its viewBox shows what lies beside it.
+  CHECK(draw(wholly, "width='100mm' height='50mm' viewBox='0 0 100 100'").warnings.empty());
+  // Before a drawing becomes larger, 0.1 mm of it are less.
+  SvgReadOptions larger;
+  larger.profile = find_stroke_profile("popcut").value();
+  larger.enlarged = 10;
+  const auto small = linework_from_svg(
+      "<svg xmlns='http://www.w3.org/2000/svg' " + page + ">" + path("M-0.1 0H9") + "</svg>",
+      larger);
+  REQUIRE(small);
+  CHECK(is_told(*small, "beyond the page"));
+}
+
+TEST_CASE("what viewers disagree about is told", "[core][formats][svg]") {
+  const std::string symbol = "<path d='M0 0H5' stroke='red'/></symbol><use href='#s'/>";
+  CHECK(is_told(read(svg("<symbol id='s' refX='2' overflow='visible'>" + symbol)),
+                "1 <symbol> has a refX or refY"));
+  CHECK(is_told(read(svg("<symbol id='s' refY='center' overflow='visible'>" + symbol)),
+                "1 <symbol> has a refX or refY"));
+  CHECK(read(svg("<symbol id='s' refX='0' overflow='visible'>" + symbol)).warnings.empty());
+  const std::string line = "<path d='M0 0H5' stroke='red' ";
+  CHECK(is_told(read(svg(line + "style='clip:rect(0,9px,9px,0)'/>")),
+                "1 clip path is not made of shapes"));
+  CHECK(is_told(read(svg(line + "clip='rect(0 9 9 0)'/>")), "1 clip path is not made of shapes"));
+  CHECK(read(svg(line + "clip='auto'/>")).warnings.empty());
+}
+
 // SVG 2, section 5.8: the tests of an element count in a <switch> and outside of it.
 TEST_CASE("what is for readers of another language or needs an extension is left out and told",
           "[core][formats][svg]") {
@@ -282,13 +345,16 @@ TEST_CASE("what is for readers of another language or needs an extension is left
     CHECK(is_told(work_of(left_out), "1 part of the drawing depends on the reader's language"));
   }
   for (const char* left_out : {"requiredExtensions='http://x'", "requiredExtensions=''",
+                               "requiredFeatures='http://www.w3.org/TR/SVG11/feature#Nonsense'",
+                               "requiredFeatures='http://www.w3.org/TR/SVG11/feature#'",
                                "requiredFeatures='http://www.w3.org/TR/SVG11/feature#Shape y'"}) {
     CAPTURE(left_out);
     CHECK(cut_mm(left_out) == Approx(5));
     CHECK(is_told(work_of(left_out), "1 element asks for a feature or an extension"));
   }
   for (const char* shown : {"systemLanguage='EN'", "systemLanguage='de,en-US'",
-                            "requiredFeatures='http://www.w3.org/TR/SVG11/feature#Shape'"}) {
+                            "requiredFeatures='http://www.w3.org/TR/SVG11/feature#Shape'",
+                            "requiredFeatures='org.w3c.svg.static'"}) {
     CAPTURE(shown);
     CHECK(cut_mm(shown) == Approx(12));
     CHECK(work_of(shown).warnings.empty());

@@ -84,6 +84,17 @@ constexpr std::array<Wording, static_cast<std::size_t>(SvgNote::Count_)> kWordin
      "line leaves the frame of its <svg> or <symbol> and is cut only inside it",
      "lines leave the frame of their <svg> or <symbol> and are cut only inside it",
      "set overflow=\"visible\" there to cut them whole"},
+    {"beyond_page", true,
+     "line lies wholly or partly beyond the page of the drawing, where viewers do not show it, and "
+     "is read whole",
+     "lines lie wholly or partly beyond the page of the drawing, where viewers do not show them, "
+     "and are read whole",
+     "remove what is not meant, or make the page as large as the drawing (Inkscape: Edit > Resize "
+     "Page to Content), or set overflow=\"visible\" on the root <svg>"},
+    {"symbol_point", true,
+     "<symbol> has a refX or refY, which popcut does not apply, like most viewers",
+     "<symbol> elements have a refX or refY, which popcut does not apply, like most viewers",
+     "move their content instead"},
     {"other_file", true, "<use> of another file is left out because popcut fetches nothing",
      "<use> of other files are left out because popcut fetches nothing",
      "copy it into the drawing"},

@@ -38,6 +38,8 @@ enum class SvgNote {
   Marked,
   PaintServer,
   OutOfFrame,
+  BeyondPage,
+  SymbolPoint,
   ForeignUse,
   MissingUse,
   ForeignSheet,
