@@ -152,8 +152,9 @@ class GpglReader final : public CommandReader {
 /// A command ends at a semicolon or where the next mnemonic begins; lower case is read as upper
 /// case; blanks and line ends are skipped. PU, PD, PA and PR become Move and Draw with absolute
 /// points, depending on whether the pen is down; PU and PD without points are a Move and a Draw
-/// without points. ESC . introduces device controls. Arcs, user scales and rotations are not
-/// followed: they are Unknown, with their bytes, as is everything that is not HPGL.
+/// without points. IW becomes a WindowNear and a WindowFar. ESC . introduces device controls. Arcs,
+/// user scales and rotations are not followed: they are Unknown, with their bytes, as is everything
+/// that is not HPGL.
 class HpglReader final : public CommandReader {
  public:
   HpglReader();
@@ -166,6 +167,7 @@ class HpglReader final : public CommandReader {
   void take_number(char c, Program& into);
   void close(std::uint64_t end, Program& into);
   void close_points(std::uint64_t end, Program& into);
+  void close_window(std::uint64_t end, Program& into);
 
   char raw_end_{';'};
   bool down_{};

@@ -37,7 +37,7 @@ constexpr auto kHpglCommands = [] {
       CommandEntry{"FC", BladeOffset},
       CommandEntry{"FD", Other},
       CommandEntry{"IP", Other},
-      CommandEntry{"IW", Other},
+      CommandEntry{"IW", WindowFar},
       CommandEntry{"LT", LineType},
       CommandEntry{"PS", Other},
       CommandEntry{"PW", Other},
@@ -183,10 +183,20 @@ void HpglReader::close(std::uint64_t end, Program& into) {
   if (verb == Verb::Initialise) down_ = relative_ = false;
   if (mnemonic_ == "DF") relative_ = false;  // default settings; the pen stays where it is
   if (verb == Verb::Home) position_ = {}, down_ = false;
+  if (verb == Verb::WindowFar) return close_window(end, into);
   constexpr double kNone[] = {0};
   const bool deselects = verb == Verb::SelectTool && values.empty();
   push_numbers(verb, mnemonic_, deselects ? std::span<const double>(kNone) : std::span(values), end,
                into);
+}
+
+// One command of HPGL is both corners; without numbers the window is as large as it can be.
+void HpglReader::close_window(std::uint64_t end, Program& into) {
+  const std::span<const double> values = arguments_.values();
+  if (!values.empty() && values.size() != 4) return push_unknown(end, into);
+  push_numbers(Verb::WindowNear, mnemonic_, values.first(values.size() / 2), end, into);
+  push_numbers(Verb::WindowFar, mnemonic_, values.last(values.size() / 2), end, into);
+  into.commands.back().begin = end;  // its bytes are those of the first half
 }
 
 void HpglReader::close_points(std::uint64_t end, Program& into) {

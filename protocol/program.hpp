@@ -32,8 +32,8 @@ enum class Verb : std::uint8_t {
   SelectTool,    ///< J, SP; args: holder or pen, 0 is none
   Mat,           ///< TG; args: mat code
   Orientation,   ///< FN, TB50; args as sent
-  WindowNear,    ///< \  ; args: feed, carriage
-  WindowFar,     ///< Z  ; args: feed, carriage
+  WindowNear,    ///< \  ; args: feed, carriage; HPGL: any corner of IW; none: all
+  WindowFar,     ///< Z  ; args: feed, carriage; HPGL: the other corner
   Autoblade,     ///< TF; args: depth, tool
   TrackEnhance,  ///< FY; args as sent
   LineType,      ///< L; args as sent

@@ -165,6 +165,10 @@ void SimCutter::apply_corner(const Command& command, std::span<const double> arg
 }
 
 void SimCutter::apply_window(const Command& command, std::span<const double> args) {
+  if (args.empty()) {
+    window_ = bed_.reach();
+    return;
+  }
   const MachinePoint corner{arg(args, 0, 0), arg(args, 1, 0)};
   (command.verb == Verb::WindowNear ? near_ : far_) = corner;
   // If the page begins left of the machine's zero, drivers send negative coordinates with a window
@@ -172,7 +176,11 @@ void SimCutter::apply_window(const Command& command, std::span<const double> arg
   PagePoint near = bed_.to_page(near_);
   near.x += std::min(machine_.margin_left_mm, 0.0);
   near.y += std::min(machine_.margin_top_mm, 0.0);
-  const PagePoint far = bed_.to_page(far_);
+  PagePoint far = bed_.to_page(far_);
+  if (dialect_ == Dialect::Hpgl) {  // the axes may point either way
+    if (far.x < near.x) std::swap(far.x, near.x);
+    if (far.y < near.y) std::swap(far.y, near.y);
+  }
   // No window is larger than the reach of rollers and carriage.
   window_ = {std::clamp(near.x, 0.0, bed_.carriage_mm()), std::clamp(near.y, 0.0, bed_.feed_mm()),
              std::clamp(far.x, 0.0, bed_.carriage_mm()), std::clamp(far.y, 0.0, bed_.feed_mm())};

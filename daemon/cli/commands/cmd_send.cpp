@@ -38,9 +38,11 @@ Result<Trace> rehearse(const EncodedProgram& program, const Machine& machine) {
   auto trace = simulate(program.view(), machine, sheet);
   if (!trace) return trace;
   if (trace->clipped_mm > 0.1)
-    return fail(ErrorKind::Infeasible, "",
-                fmt::format("{:.1f} mm of its lines lie beyond the {:g} x {:g} mm that {} reaches",
-                            trace->clipped_mm, machine.width_mm, machine.length_mm, machine.title));
+    return fail(
+        ErrorKind::Infeasible, "",
+        fmt::format("{:.1f} mm of its lines lie beyond the {:g} x {:g} mm that {} reaches, or "
+                    "beyond a window that it sets",
+                    trace->clipped_mm, machine.width_mm, machine.length_mm, machine.title));
   return trace;
 }
 

@@ -283,6 +283,18 @@ TEST_CASE("a line is clipped at the window and not dropped", "[device][sim]") {
   CHECK(trace.clipped.size() == 6);
 }
 
+TEST_CASE("the window of an HPGL program clips what it cuts", "[device][sim]") {
+  for (const std::string& window : {"IW0,0,400,400;", "IW400,400,0,0;", "IW0,400,400,0;"}) {
+    CAPTURE(window);
+    const Trace trace =
+        value(simulate(bytes("IN;" + window + "SP1;PU0,200;PD800,200;PU;IW;PU0,300;PD800,300;SP0;"),
+                       machine("hpgl-generic")));
+    CHECK(trace.clipped_mm == Approx(10));
+    CHECK(trace.cut_mm == Approx(40));
+    CHECK(trace.remarks.empty());
+  }
+}
+
 TEST_CASE("the window that the host sets clips as the machine does", "[device][sim]") {
   // The recorded matless job draws from carriage -100 on.
   const Trace trace = value(simulate(bytes("\\0,0\x03Z5596,5900\x03M0,-100\x03"

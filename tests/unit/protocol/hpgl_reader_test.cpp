@@ -58,6 +58,12 @@ TEST_CASE("HPGL settings and queries are distinguished", "[protocol][hpgl][decod
         "query \\x1b.B; setting \\x1b.@;0:; setting LT");
 }
 
+TEST_CASE("the window of HPGL is read", "[protocol][hpgl][decode]") {
+  CHECK(brief(read("IW1,2,30,40;PD5,5;IW;")) ==
+        "window near IW 1,2; window far IW 30,40; draw 5,5; window near IW; window far IW");
+  CHECK(brief(read("IW1,2,30;")) == "unknown IW1,2,30");
+}
+
 TEST_CASE("HPGL that changes geometry in other ways is unknown", "[protocol][hpgl][decode]") {
   const Program program = read("SC0,1,0,1;AA1,2,90;LBhi; there\x03PU1,1;PD1;ZZ1;Q5;\x80\x81;PU;");
   CHECK(brief(program) ==
