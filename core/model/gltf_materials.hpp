@@ -34,7 +34,7 @@ struct GltfPlaces {
 [[nodiscard]] float srgb_of_light(double light);
 
 /// Reads the materials of a glTF file: base colours and their textures, or the diffuse ones of
-/// KHR_materials_pbrSpecularGlossiness.
+/// KHR_materials_pbrSpecularGlossiness, and what materials give off themselves.
 class GltfMaterials {
  public:
   /// @param model  gets materials and pictures; the first material is that of triangles without one
@@ -54,6 +54,8 @@ class GltfMaterials {
     GltfPlaces places;
   };
   [[nodiscard]] static Texture texture_of(const tinygltf::TextureInfo& base);
+  static void add_glow(const tinygltf::Material& material, std::array<double, 4>& light,
+                       Texture& texture);
   [[nodiscard]] Result<void> add(const tinygltf::Material& material);
   [[nodiscard]] Result<std::int32_t> picture_of(int texture);
   [[nodiscard]] std::optional<std::string_view> bytes_of(const tinygltf::Image& image) const;

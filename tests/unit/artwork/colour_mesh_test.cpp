@@ -207,6 +207,40 @@ TEST_CASE("KHR_texture_transform moves the places of a texture", "[artwork]") {
   CHECK(moved(R"("rotation": 1.5707963)").b == Approx(255).margin(1));
 }
 
+TEST_CASE("a glTF material shows what it gives off itself", "[artwork]") {
+  const std::vector<float> numbers{0, 0, 0, 1, 0, 0, 0, 1, 0, 0.25, 0.25, 0.25, 0.25, 0.25, 0.25};
+  const std::string buffer(reinterpret_cast<const char*>(numbers.data()), 60);
+  const auto colour = [&](const std::string& material) {
+    const auto mesh = read_colour_mesh(
+        "q.gltf",
+        R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0}]}],
+"textures": [{"source": 0}], "images": [{"uri": "skin.png"}],
+"buffers": [{"byteLength": 60, "uri": "q.bin"}],
+"bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 24}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+              {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2"}],
+"materials": [{)" +
+            material + "}]}",
+        files_of({{"q.bin", buffer}, {"skin.png", small_png()}}));
+    if (!mesh) FAIL(message(mesh.error()));
+    const Colour c = colour_of(*mesh, 0, {0.4, 0.3, 0.3}, 1);
+    return fmt::format("{:.0f} {:.0f} {:.0f}", c.r, c.g, c.b);
+  };
+  const std::string black = R"("pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]})",
+                    red = R"("pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]})";
+  CHECK(colour(black) == "0 0 0");
+  CHECK(colour(black + R"(, "emissiveFactor": [0, 1, 0])") == "0 255 0");
+  CHECK(colour(red + R"(, "emissiveFactor": [0, 1, 0])") == "255 255 0");
+  CHECK(colour(black + R"(, "emissiveFactor": [0.1, 0, 0], "extensions": {)"
+                       R"("KHR_materials_emissive_strength": {"emissiveStrength": 10}})") ==
+        "255 0 0");
+  // The picture that glows: its upper left pixel is red.
+  CHECK(colour(black + R"(, "emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0})") ==
+        "255 0 0");
+  CHECK(colour(black + R"(, "emissiveTexture": {"index": 0})") == "0 0 0");
+}
+
 TEST_CASE("faces of an OBJ that have no place in a picture have the colour of their material",
           "[artwork]") {
   const auto colour = [](const std::string& face) {
