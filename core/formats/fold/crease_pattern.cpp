@@ -25,20 +25,28 @@ bool is_comment(std::string_view line) {
   return line.starts_with('#') || line.starts_with("//") || line.starts_with('%');
 }
 
-std::optional<Crease> crease_in(std::string_view line) {
+/// Sets `wrong` to the first part of the line that is not right.
+std::optional<Crease> crease_in(std::string_view line, std::string_view& wrong) {
   constexpr std::string_view kBetween = " \t\n\r\f,;";
   Crease crease{};
   for (double& number : crease) {
     line = trimmed(line, kBetween);
     const std::string_view word = take_word(line, kBetween);
     const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), number);
-    if (fault != std::errc() || end != word.data() + word.size() || !std::isfinite(number))
+    wrong = word;
+    if (fault != std::errc() || end != word.data() + word.size() || !std::isfinite(number) ||
+        crease[0] != std::floor(crease[0]))
       return std::nullopt;
   }
   line = trimmed(line, kBetween);
-  if ((!line.empty() && !is_comment(line)) || crease[0] != std::floor(crease[0]))
-    return std::nullopt;
+  wrong = line;
+  if (!line.empty() && !is_comment(line)) return std::nullopt;
   return crease;
+}
+
+bool is_crease(std::string_view line) {
+  std::string_view wrong;
+  return crease_in(line, wrong).has_value();
 }
 
 /// A number as Java writes it; NaN for anything else.
@@ -75,8 +83,8 @@ class FoldText {
   std::size_t count_{};
 };
 
-/// The first line that is no comment.
-std::string_view first_line(std::string_view text) {
+/// The next line that is no comment; empty at the end of `text`.
+std::string_view next_line(std::string_view& text) {
   std::string_view line;
   do {
     text = trimmed(text);
@@ -84,6 +92,22 @@ std::string_view first_line(std::string_view text) {
     text.remove_prefix(line.size());
   } while (is_comment(line));
   return line;
+}
+
+/// Whether the first line is a crease, or it is not right but most of the next ones are: a pattern
+/// with one wrong line is one.
+bool is_cp(std::string_view text) {
+  constexpr int kLines = 8;
+  const std::string_view first = next_line(text);
+  if (is_crease(first)) return true;
+  if (first.empty() || first[0] == '<' || first[0] == '{' || first[0] == '[') return false;
+  int lines = 1, creases = 0;
+  for (; lines < kLines; ++lines) {
+    const std::string_view line = next_line(text);
+    if (line.empty()) break;
+    creases += is_crease(line) ? 1 : 0;
+  }
+  return 2 * creases > lines;
 }
 
 bool is_opx(std::string_view text) {
@@ -96,13 +120,15 @@ Result<std::string> fold_of_cp(std::string_view text) {
   FoldText fold;
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = text.find_first_of("\r\n");
-    const std::string_view line = trimmed(text.substr(0, end));
+    const std::string_view whole = text.substr(0, end), line = trimmed(whole);
     const bool two = end != text.npos && text.substr(end).starts_with("\r\n");
     text.remove_prefix(end == text.npos ? text.size() : end + (two ? 2 : 1));
     if (line.empty() || is_comment(line)) continue;
-    const auto crease = crease_in(line);
+    std::string_view wrong;
+    const auto crease = crease_in(line, wrong);
     if (!crease)
-      return fail(ErrorKind::Malformed, fmt::format("line {}", number),
+      return fail(ErrorKind::Malformed,
+                  fmt::format("line {}, column {}", number, wrong.data() - whole.data() + 1),
                   fmt::format("\"{}\" is not a line of a crease pattern; write its type (1 border, "
                               "2 mountain, 3 valley, 4 auxiliary) and x1 y1 x2 y2",
                               shown_ascii(line, 60)));
@@ -125,6 +151,8 @@ Result<std::string> fold_of_opx(std::string_view text) {
     explicit Lines(FoldText& into) : fold(into) {}
     bool for_each(pugi::xml_node& node) override {
       const std::string_view kind = node.attribute("class").value();
+      if (std::string_view(node.name()) == "array" && kind.ends_with("OriLineProxy"))
+        announced += node.attribute("length").as_uint();
       if (std::string_view(node.name()) != "object" || !kind.ends_with("OriLineProxy")) return true;
       Crease crease{};  // Java leaves out what is zero
       constexpr std::array<std::string_view, 5> kNames{"type", "x0", "y0", "x1", "y1"};
@@ -134,14 +162,20 @@ Result<std::string> fold_of_opx(std::string_view text) {
             crease[i] = number_in(property.first_child().text().get());
       for (const double number : crease) sound = sound && std::isfinite(number);
       if (sound) fold.add(crease);
+      ++lines;
       return sound;
     }
     FoldText& fold;
+    std::uint64_t announced{}, lines{};
     bool sound{true};
   } lines(fold);
   document.traverse(lines);
   if (!lines.sound)
     return fail(ErrorKind::Malformed, "", "has a line whose type or place is not a number");
+  if (lines.announced > lines.lines)
+    return fail(ErrorKind::Malformed, "",
+                fmt::format("announces {} lines and has {}; is the file complete?", lines.announced,
+                            lines.lines));
   return fold.text();
 }
 
@@ -150,7 +184,7 @@ Result<std::string> fold_of_opx(std::string_view text) {
 bool is_crease_pattern(std::string_view text) {
   std::string kept;
   text = plain_text(text, kept);
-  return is_opx(text) || crease_in(first_line(text)).has_value();
+  return is_opx(text) || is_cp(text);
 }
 
 Result<std::string> fold_of_crease_pattern(std::string_view text) {

@@ -115,6 +115,9 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
   const bool foreign =
       kind != InputKind::Pdf && ending != ".json" && !foreign_advice(*text, file).empty();
   if (!kind || foreign) return tl::unexpected(neither_design_nor_drawing(file, *text));
+  if (ending == ".cp" && !is_crease_pattern(*text) && !text->starts_with('{'))
+    if (const auto none = fold_of_crease_pattern(*text); !none)
+      return tl::unexpected(within(file, none.error()));
   std::vector<Warning> page_warnings;
   if (kind == InputKind::Pdf) {
     auto page = planning::pdf_page_apart(std::move(*text), how.pdf_page);

@@ -72,7 +72,24 @@ TEST_CASE("crease patterns of ORIPA and Oriedita are read", "[core][formats][fol
   REQUIRE(is_crease_pattern(commas));
   CHECK(total_mm(*linework_from_fold(*fold_of_crease_pattern(commas)), Operation::FoldMountain) ==
         Approx(40));
-  CHECK(fold_of_crease_pattern("1 0 0 1 1\n2 0 0 x 1\n").error().place == "line 2");
+  const auto place = [](const std::string& text) {
+    return fold_of_crease_pattern(text).error().place;
+  };
+  CHECK(place("1 0 0 1 1\n2 0 0 x 1\n") == "line 2, column 7");
+  CHECK(place("1 0 0 1 1\n  1.5 0 0 1 1\n") == "line 2, column 3");
+  CHECK(place("1 0 0 1 1\n1 0 0 1\n") == "line 2, column 8");
+  CHECK(place("1 0 0 1 1 9\n") == "line 1, column 11");
+  // The first line may be the wrong one.
+  for (const std::string& first : {"one 0 0 9 0\n", "1 0 0 9\n", "crease pattern\n", "4\n"}) {
+    CAPTURE(first);
+    const std::string text = first + "1 0 0 9 0\n1 9 0 9 9\n1 9 9 0 0\n";
+    CHECK(is_crease_pattern(text));
+    CHECK(place(text).starts_with("line 1, column "));
+  }
+  std::string longer = opx;
+  longer.replace(longer.find("length=\"2\""), 10, "length=\"4\"");
+  CHECK(message(fold_of_crease_pattern(longer).error()) ==
+        "announces 4 lines and has 2; is the file complete?");
   CHECK_FALSE(is_crease_pattern("0\nSECTION\n"));
   CHECK_FALSE(is_crease_pattern("<svg/>"));
 }
