@@ -274,22 +274,30 @@ class Materials {
   Result<void> read(const std::string& file, const std::string& bytes) {
     std::uint32_t now = 0;
     std::string kept;
-    return for_each_line(plain_lines(bytes, kept),
-                         [&](std::string_view line, std::size_t number) -> Result<void> {
-                           const Entry entry(line, number);
-                           if (same_word(entry.key, "newmtl")) {
-                             now = static_cast<std::uint32_t>(model_.materials.size());
-                             model_.materials.push_back({kWhite});
-                             by_name_[std::string(entry.rest)] = now;
-                             by_name_.try_emplace(std::string(without_comment(entry.rest)), now);
-                           }
-                           if (now == 0) return {};
-                           if (same_word(entry.key, "Kd"))
-                             return colour(entry, file, model_.materials[now]);
-                           if (same_word(entry.key, "map_Kd")) return picture(entry, file, now);
-                           if (entry.key == "d") dissolve(entry, model_.materials[now]);
-                           return {};
-                         });
+    std::map<std::uint32_t, ModelColour> glow;  // of materials
+    auto done = for_each_line(
+        plain_lines(bytes, kept), [&](std::string_view line, std::size_t number) -> Result<void> {
+          const Entry entry(line, number);
+          if (same_word(entry.key, "newmtl")) {
+            now = static_cast<std::uint32_t>(model_.materials.size());
+            model_.materials.push_back({kWhite});
+            by_name_[std::string(entry.rest)] = now;
+            by_name_.try_emplace(std::string(without_comment(entry.rest)), now);
+          }
+          if (now == 0) return {};
+          if (same_word(entry.key, "Kd")) return colour(entry, file, model_.materials[now]);
+          if (same_word(entry.key, "map_Kd")) return picture(entry, file, now);
+          if (entry.key == "d") dissolve(entry, model_.materials[now]);
+          if (same_word(entry.key, "Ke")) numbers_of(entry.rest, glow[now]);
+          return {};
+        });
+    // What reflects nothing shows what it gives off itself.
+    for (const auto& [number, colour] : glow) {
+      ModelMaterial& material = model_.materials[number];
+      if (material.colour == ModelColour{} && material.picture < 0) material.colour = colour;
+      for (float& part : *material.colour) part = std::clamp(part, 0.0F, 1.0F);
+    }
+    return done;
   }
 
   static Result<void> colour(const Entry& entry, const std::string& file, ModelMaterial& material) {

@@ -151,6 +151,7 @@ class SimCutter {
   void apply_scaled(const Command& command, std::span<const double> args);
   void apply_corner(const Command& command, std::span<const double> args);
   void apply_window(const Command& command, std::span<const double> args);
+  void tell_dashes(std::span<const double> args);
   void apply_tool(std::span<const double> args);
   void apply_home(Verb verb);
   void search_marks(std::span<const double> args);
@@ -204,7 +205,7 @@ class SimCutter {
   MachinePoint origin_{};
   MachinePoint near_{}, far_{};  ///< working window as sent
   Window window_;
-  bool setup_done_{false}, drawn_{false}, marks_found_{false};
+  bool setup_done_{false}, drawn_{false}, marks_found_{false}, dashes_told_{false};
   double way_in_mm_{};  ///< from home to the first stroke
 
   Trace trace_;

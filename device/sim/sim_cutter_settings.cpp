@@ -2,6 +2,7 @@
 // Part of device/sim/sim_cutter.hpp: settings and queries.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -95,6 +96,8 @@ void SimCutter::apply(const Command& command) {
     case Verb::WindowNear:
     case Verb::WindowFar:
       return apply_window(command, args);
+    case Verb::LineType:
+      return tell_dashes(args);
     case Verb::SelectTool:
       return apply_tool(args);
     case Verb::Mat:
@@ -188,6 +191,14 @@ void SimCutter::apply_window(const Command& command, std::span<const double> arg
     setup_done_ = true;
     plan_dwell(machine_.motion.setup_s, Commit::Nothing);
   }
+}
+
+/// Line types other than the solid one are those of pens: LT of HPGL with a number, L with another
+/// than 0.
+void SimCutter::tell_dashes(std::span<const double> args) {
+  const bool dashed = !args.empty() && (dialect_ == Dialect::Hpgl || args[0] != 0);
+  if (dashed && !std::exchange(dashes_told_, true))
+    remark(fmt::format("line type {:g}: dashes are not followed, lines are shown whole", args[0]));
 }
 
 void SimCutter::apply_tool(std::span<const double> args) {

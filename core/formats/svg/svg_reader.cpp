@@ -693,6 +693,9 @@ class SvgReader {
       note(SvgNote::Marked, e.node);
     // What a fill hides of other shapes, its stroke does not bring back.
     const bool stroked = !purpose->fill;
+    const bool white = style.stroke.kind == SvgPaint::Kind::Colour && style.stroke.rgb == 0xFFFFFF;
+    if (stroked && white && options_.profile.asks && !style.has_layer && !style.has_assignment)
+      note(SvgNote::White, e.node);
     if (options_.weld && purpose->use && is_cut(*purpose->use) && is_area(e, style))
       purpose->fill = true;
     lines_.clear();

@@ -133,7 +133,8 @@ Result<void> read_assignments(const FrameText& frame, FoldModel& file) {
         ErrorKind::OutOfRange, place,
         fmt::format("{} assignments for {} edges", column.number.size(), file.edges.size()));
   for (std::size_t e = 0; e < file.edges.size(); ++e) {
-    const char letter = static_cast<char>(static_cast<int>(column.number[e]));
+    char letter = static_cast<char>(static_cast<int>(column.number[e]));
+    if (letter >= 'a' && letter <= 'z') letter = static_cast<char>(letter - 'a' + 'A');
     const std::size_t which = kLetters.find(letter);
     if (which == std::string_view::npos) {
       return fail(ErrorKind::OutOfRange, fmt::format("{}/{}", place, e),

@@ -115,6 +115,21 @@ TEST_CASE("colours of an MTL may go to 255", "[artwork]") {
   CHECK(red("1.2 0 0") == Approx(255).margin(1));
 }
 
+TEST_CASE("a black material of an MTL shows what it gives off itself", "[artwork]") {
+  const auto colour = [](const std::string& lines) {
+    const auto mesh = read_colour_mesh("m.obj", "mtllib a.mtl\n" + kQuad + "usemtl a\nf 1 2 3\n",
+                                       files_of({{"a.mtl", "newmtl a\n" + lines}}));
+    if (!mesh) FAIL(message(mesh.error()));
+    const Colour c = colour_of(*mesh, 0, {0.4, 0.3, 0.3}, 1);
+    return fmt::format("{:.0f} {:.0f} {:.0f}", c.r, c.g, c.b);
+  };
+  CHECK(colour("Kd 0 0 0\nKe 1 0 0\n") == "255 0 0");
+  CHECK(colour("Ke 9 0 0\nKd 0 0 0\n") == "255 0 0");
+  CHECK(colour("Kd 0 1 0\nKe 1 0 0\n") == "0 255 0");
+  CHECK(colour("Kd 0 0 0\nKe 0 0 0\n") == "0 0 0");
+  CHECK(colour("Kd 0 0 0\nKe much\n") == "0 0 0");
+}
+
 TEST_CASE("comments, keys of either case and options of an MTL are read", "[artwork]") {
   const std::map<std::string, std::string> files{
       {"a.mtl",

@@ -283,6 +283,24 @@ TEST_CASE("a line is clipped at the window and not dropped", "[device][sim]") {
   CHECK(trace.clipped.size() == 6);
 }
 
+TEST_CASE("line types that are not solid are told once", "[device][sim]") {
+  const auto remarks = [](const std::string& program, const std::string& model) {
+    return value(simulate(bytes(program), machine(model.c_str()))).remarks;
+  };
+  const auto dashed = remarks("IN;SP1;LT2,4;PU0,0;PD800,0;LT3;PU;SP0;", "hpgl-generic");
+  REQUIRE(dashed.size() == 1);
+  CHECK(dashed[0] == "line type 2: dashes are not followed, lines are shown whole");
+  CHECK(remarks("IN;SP1;LT;PU0,0;PD800,0;PU;SP0;", "hpgl-generic").empty());
+  CHECK(remarks("L1\x03M0,0\x03"
+                "D100,0\x03",
+                "cameo3")
+            .size() == 1);
+  CHECK(remarks("L0\x03M0,0\x03"
+                "D100,0\x03",
+                "cameo3")
+            .empty());
+}
+
 TEST_CASE("the window of an HPGL program clips what it cuts", "[device][sim]") {
   for (const std::string& window : {"IW0,0,400,400;", "IW400,400,0,0;", "IW0,400,400,0;"}) {
     CAPTURE(window);

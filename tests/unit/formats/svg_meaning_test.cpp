@@ -314,6 +314,19 @@ TEST_CASE("lines beyond the page of a drawing are told and cut whole", "[core][f
   CHECK(is_told(*small, "beyond the page"));
 }
 
+TEST_CASE("white strokes without a name are told", "[core][formats][svg]") {
+  SvgReadOptions how;
+  how.profile = find_stroke_profile("auto").value();
+  const auto told = [&](const std::string& content) {
+    const auto work = linework_from_svg(svg(content), how);
+    REQUIRE(work);
+    return is_told(*work, "1 stroke is white");
+  };
+  CHECK(told("<path d='M0 0H5' stroke='white'/>"));
+  CHECK_FALSE(told("<path d='M0 0H5' stroke='black'/>"));
+  CHECK_FALSE(told("<g id='cut'><path d='M0 0H5' stroke='white'/></g>"));
+}
+
 TEST_CASE("what viewers disagree about is told", "[core][formats][svg]") {
   const std::string symbol = "<path d='M0 0H5' stroke='red'/></symbol><use href='#s'/>";
   CHECK(is_told(read(svg("<symbol id='s' refX='2' overflow='visible'>" + symbol)),

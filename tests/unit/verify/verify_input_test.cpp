@@ -148,6 +148,16 @@ TEST_CASE("null fold angles and null assignments are ignored", "[core][verify]")
   CHECK(report->ok());
 }
 
+TEST_CASE("assignments in lower case are read", "[core][verify]") {
+  std::string text = box_card().text();
+  for (const char letter : {'B', 'M', 'V'})
+    for (const std::string capital{'"', letter, '"'}; text.find(capital) != text.npos;)
+      text[text.find(capital) + 1] = static_cast<char>(letter - 'A' + 'a');
+  const auto report = verify_fold(text, {.degrees_of_freedom = 1});
+  REQUIRE(report);
+  CHECK(report->ok());
+}
+
 TEST_CASE("the old name of fold angles and other units are understood", "[core][verify]") {
   std::string text = replaced(box_card().text(), "\"edges_foldAngle\":", "\"edges_foldAngles\":");
   text = replaced(text, "\"frame_unit\":\"mm\"", "\"frame_unit\":\"cm\"");

@@ -131,6 +131,9 @@ constexpr std::array<Wording, static_cast<std::size_t>(SvgNote::Count_)> kWordin
     {"stroke_zero", true, "stroke of width 0, which viewers do not show, is read as any other",
      "strokes of width 0, which viewers do not show, are read as any other",
      "set a stroke-width if it is right, or stroke=\"none\" to leave it out"},
+    {"stroke_white", false, "stroke is white, which paper does not show, and is read as any other",
+     "strokes are white, which paper does not show, and are read as any other",
+     "say what they are for with `colors`, such as \"#ffffff=ignore\""},
     {"assignment_unknown", true, "data-assignment is unknown and ignored",
      "data-assignments are unknown and ignored", "use B, M, V, C, F, U or J"},
 }};

@@ -52,6 +52,7 @@ enum class SvgNote {
   NamedGroup,
   NamedShape,
   NoWidth,
+  White,
   Assignment,
   Count_,
 };
