@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/model/gltf_numbers.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <utility>
@@ -61,12 +62,15 @@ class Finder {
                                                     std::size_t offset, std::size_t count,
                                                     std::size_t each, std::size_t step) const {
     const auto& data = model_.buffers[static_cast<std::size_t>(view.buffer)].data;
-    const bool begins = view.byteOffset <= data.size() && offset <= data.size() - view.byteOffset;
-    const std::size_t room = begins ? data.size() - view.byteOffset - offset : std::size_t{0};
+    const std::size_t behind = data.size() - std::min(view.byteOffset, data.size());
+    const std::size_t length = std::min(view.byteLength, behind);
+    const bool begins = view.byteOffset <= data.size() && offset <= length;
+    const std::size_t room = begins ? length - offset : std::size_t{0};
     if (count > 0 && (room < each || (count - 1) > (room - each) / step))
-      return fail(ErrorKind::Malformed, place_,
-                  fmt::format("announces {} values, more than its buffer holds; is the file whole?",
-                              count));
+      return fail(
+          ErrorKind::Malformed, place_,
+          fmt::format("announces {} values, more than its buffer view holds; is the file whole?",
+                      count));
     return begins ? data.data() + view.byteOffset + offset : nullptr;
   }
 

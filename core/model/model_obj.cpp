@@ -183,10 +183,19 @@ bool is_face_line(std::string_view line) {
   return is_key(line, 'f') || (line.starts_with("fo") && line.size() > 2 && is_blank(line[2]));
 }
 
+/// Whether a line is a surface that is not made of faces: "surf", or its patches in the first
+/// version of the format (Wavefront, appendix B1). Curves are no surfaces.
+bool is_free_form(std::string_view line) {
+  for (const std::string_view word : {"surf", "bzp", "bsp", "cdp"})
+    if (line.starts_with(word) && line.size() > word.size() && is_blank(line[word.size()]))
+      return true;
+  return false;
+}
+
 /// Whether a line begins with a word that an entry begins with.
 bool begins_entry(std::string_view line) {
   for (const std::string_view word :
-       {"v", "vt", "vn", "f", "fo", "g", "o", "s", "usemtl", "mtllib"})
+       {"v", "vt", "vn", "f", "fo", "surf", "g", "o", "s", "usemtl", "mtllib"})
     if (line.starts_with(word) && line.size() > word.size() && is_blank(line[word.size()]))
       return true;
   return false;
@@ -427,6 +436,9 @@ class ObjReader {
     const bool is_place = line.starts_with("vt") && line.size() > 2 && is_blank(line[2]);
     // A comment may stand behind numbers; names may hold its sign.
     if (is_vertex || is_face || is_place) line = trimmed(line.substr(0, line.find('#')), kSpaces);
+    if (is_free_form(line))
+      return broken(
+          "is a free-form surface, which popcut does not read; save the model as polygons");
     if (pass == Pass::Vertices) {
       if (is_vertex) return read_shape(line);
       if (is_place && reads_colours()) keep(read_picture_place(Entry(line, number_)));

@@ -393,6 +393,7 @@ class DxfReader {
   void see_colour(const Place& own, LayerUse& use) {
     if (use.meaning == LayerMeaning::Unknown && !std::exchange(use.is_named, true))
       unknown_.push_back(use.layer.name);
+    has_wordless_ = has_wordless_ || use.meaning == LayerMeaning::Wordless;
     const std::pair<int, int> colour = colour_of(own);
     if (!first_colour_) first_colour_ = colour, first_layer_ = use.layer.name;
     if (*first_colour_ == colour || second_colour_) return;
@@ -477,6 +478,9 @@ class DxfReader {
                                   dxf_shown(first_layer_)),
            .place = {.source = fmt::format("layer \"{}\"", first_layer_)},
            .spoils = true});
+    if (!any_known_ && !looks_.any() && !unknown_.empty() &&
+        unknown_.size() + (has_wordless_ ? 1 : 0) > 1)
+      work_.warnings.push_back({.code = "names_unknown", .message = only_unknown_names(unknown_)});
     add_layer_warnings();
     say(paper_, "paper_layout",
         "entities on a paper layout are left out; only the model space is cut");
@@ -552,6 +556,7 @@ class DxfReader {
   std::set<std::pair<int, int>> cut_colours_;        // on layers whose names mean cuts
   std::optional<Error> second_colour_;
   bool cut_is_said_{false};           // of a colour
+  bool has_wordless_{false};          // a line's layer has a name that says nothing
   std::vector<std::string> unknown_;  // names of layers, in the order of their first lines
   bool fold_letters_{false};          // lines lie on a layer M or V
   bool any_known_{false};             // any line's layer or block has a known name

@@ -356,19 +356,37 @@ std::string layer_key(std::string_view name) {
   return joined(words, 0, words.size());
 }
 
-std::string unknown_names(std::span<const std::string> names) {
-  constexpr std::size_t kMostListed = 6;
-  std::string list, uses;
-  for (const std::string& name : names.first(std::min(names.size(), kMostListed))) {
+namespace {
+
+constexpr std::size_t kMostListed = 6;
+
+std::string listed_names(std::span<const std::string> names) {
+  std::string list;
+  for (const std::string& name : names.first(std::min(names.size(), kMostListed)))
     list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", name);
-    uses += fmt::format("{}{}=fold", uses.empty() ? "" : "; ", name);
-  }
+  return names.size() > kMostListed ? list + " ..." : list;
+}
+
+}  // namespace
+
+std::string only_unknown_names(std::span<const std::string> names) {
   const bool one = names.size() == 1;
   return fmt::format(
-      "the name{} {}{} {} neither cut nor fold, and other names do; popcut does not guess what "
+      "the name{} {} {} neither cut nor fold, and no other name does: all lines are cut; if some "
+      "are folds, say so with `layers`, such as \"{}=fold\"",
+      one ? "" : "s", listed_names(names), one ? "says" : "say", names.back());
+}
+
+std::string unknown_names(std::span<const std::string> names) {
+  std::string uses;
+  for (const std::string& name : names.first(std::min(names.size(), kMostListed)))
+    uses += fmt::format("{}{}=fold", uses.empty() ? "" : "; ", name);
+  const bool one = names.size() == 1;
+  return fmt::format(
+      "the name{} {} {} neither cut nor fold, and other names do; popcut does not guess what "
       "these lines are for; use `layers` \"{}\" with fold, score, cut, draw or ignore for each, or "
       "`svg-profile` popcut to cut them all",
-      one ? "" : "s", list, names.size() > kMostListed ? " ..." : "", one ? "says" : "say", uses);
+      one ? "" : "s", listed_names(names), one ? "says" : "say", uses);
 }
 
 Operation operation_of(LayerMeaning meaning) {

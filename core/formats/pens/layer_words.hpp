@@ -93,4 +93,7 @@ struct ColourUse {
 /// What is wrong with names that nobody knows beside names with a meaning, and what to type.
 [[nodiscard]] std::string unknown_names(std::span<const std::string> names);
 
+/// The warning where all names of a drawing are such, and several lines have different ones.
+[[nodiscard]] std::string only_unknown_names(std::span<const std::string> names);
+
 }  // namespace popcut

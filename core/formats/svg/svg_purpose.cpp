@@ -89,6 +89,9 @@ std::optional<SvgPurpose> SvgPurposes::meaning(const SvgElement& e, const SvgSty
   // The dashes of a stroke say what to do with it: cut them.
   const bool said = profile_.asks && line_style(dashes) != LineStyle::Solid;
   if (!said) names_.draw(style.unknown);
+  if (!said && !first_drawn_) first_drawn_ = style.unknown;
+  if (!said && !differ_ && style.unknown != *first_drawn_)
+    differ_ = names_.name(style.unknown) != names_.name(*first_drawn_);
   if (!said && add_colour(colours_, rgb)) {
     if (colours_.size() == 1) first_colour_ = here();
     if (colours_.size() == 2) second_colour_ = here();
@@ -153,6 +156,12 @@ std::string SvgPurposes::colour_warning() const {
       "strokes have {} and no names: all are cut; if the colours have a meaning, use `svg-profile` "
       "origami-sim, lightburn or one of your own",
       colour_list());
+}
+
+std::string SvgPurposes::unknown_warning() const {
+  if (!profile_.asks || has_names_ || looks_.any() || !differ_) return {};
+  const std::vector<std::string> names = names_.asked(true);
+  return names.empty() ? std::string() : only_unknown_names(names);
 }
 
 std::string SvgPurposes::name_warning() const {

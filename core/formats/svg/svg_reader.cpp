@@ -888,6 +888,8 @@ class SvgReader {
     if (std::string warning = purposes_.colour_warning(); !warning.empty())
       work_.warnings.push_back(
           {.code = "colours_without_meaning", .message = std::move(warning), .spoils = true});
+    if (std::string warning = purposes_.unknown_warning(); !warning.empty())
+      work_.warnings.push_back({.code = "names_unknown", .message = std::move(warning)});
     if (std::string warning = purposes_.name_warning(); !warning.empty())
       work_.warnings.push_back({.code = "strokes_without_name",
                                 .message = std::move(warning),

@@ -210,6 +210,8 @@ class SvgPurposes {
   /// A warning if other strokes have names, and those without one look different from the named
   /// cuts, or like named folds; else empty.
   [[nodiscard]] std::string name_warning() const;
+  /// A warning if no name of the drawing is known, and its strokes have different ones; else empty.
+  [[nodiscard]] std::string unknown_warning() const;
   /// Where the first stroke without a meaning is.
   [[nodiscard]] const std::string& first_unnamed() const { return first_colour_; }
 
@@ -232,7 +234,9 @@ class SvgPurposes {
   std::vector<std::uint32_t> cut_colours_;    ///< of strokes with names: those that are cut
   std::vector<std::uint32_t> other_colours_;  ///< and the others
   bool has_names_{false};
-  bool cut_is_said_{false};  ///< a rule about colours cuts some strokes
+  bool cut_is_said_{false};                   ///< a rule about colours cuts some strokes
+  std::optional<std::uint32_t> first_drawn_;  ///< the name around the first stroke without one
+  bool differ_{false};                        ///< another such stroke has another name
 };
 
 }  // namespace popcut

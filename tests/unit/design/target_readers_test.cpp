@@ -106,6 +106,13 @@ TEST_CASE("vertices of a glTF may be interleaved, and its indices of each size",
   const auto mesh = read_mesh("square.gltf", text);
   if (!mesh) FAIL(message(mesh.error()));
   CHECK(mesh->corners == std::vector<float>{0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 0, 0, 2, 2, 0, 0, 2, 0});
+  // The last corner ends at byte 60, and no accessor reaches into the next view.
+  std::string shorter = text;
+  const std::size_t at = text.find("\"byteLength\": 64");
+  CHECK(read_mesh("square.gltf", shorter.replace(at, 16, "\"byteLength\": 60")));
+  CHECK_THAT(
+      refused(read_mesh("square.gltf", shorter.replace(at, 16, "\"byteLength\": 59"))).detail,
+      Catch::StartsWith("announces 4 values, more than its buffer view holds"));
 }
 
 namespace {
@@ -457,6 +464,16 @@ TEST_CASE("polygons and indices of every kind in an OBJ are read and its other l
                               "vt 0 0\nvn 0 0 1\nv 0 1 0\r\nf 1/1/1 2//1 -2/1 -1\ncurv2 9 9\n");
   if (!mesh) FAIL(message(mesh.error()));
   CHECK(mesh->size() == 2);
+}
+
+TEST_CASE("an OBJ with surfaces that are no polygons is refused", "[core][mesh]") {
+  const std::string faces = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n";
+  for (const char* surface : {"surf 0 1 0 1 1 2 3 4", "bzp 1 2 3 4", "surf 0 1 0 1 1 2 \\\n3 4"}) {
+    const Error error = refused(read_mesh("s.obj", faces + surface + "\n"));
+    CHECK(error.place == "s.obj: line 5");
+    CHECK_THAT(error.detail, Catch::StartsWith("is a free-form surface"));
+  }
+  CHECK(read_mesh("s.obj", faces + "curv 0 1 1 2\no surface\ng surf\n"));
 }
 
 TEST_CASE("a file that is no mesh is called what it is, whatever its name says", "[core][mesh]") {

@@ -10,6 +10,7 @@
 #include "core/formats/write/pattern_files.hpp"
 #include "tests/support/box_card.hpp"
 #include "tests/support/linework_checks.hpp"
+#include "tests/support/svg_drafts.hpp"
 
 namespace dxf_reader_test {
 
@@ -144,7 +145,10 @@ TEST_CASE("a DXF layer that nobody knows beside known ones is asked about",
   CHECK(total_mm(said, Operation::FoldMountain) == Approx(2));
   asks.layers.clear();
   // No other name is known, or the lines are dashes already.
-  CHECK(read(drawing(line_on("Wings", 2) + line_on("0", 4)), asks).lines.size() == 2);
+  const LineWork all = read(drawing(line_on("Wings", 2) + line_on("0", 4)), asks);
+  CHECK(all.lines.size() == 2);
+  CHECK(is_told(all, "the name \"Wings\" says neither cut nor fold, and no other name does"));
+  CHECK_FALSE(is_told(read(drawing(line_on("Wings", 2)), asks), "neither cut nor fold"));
   CHECK(read(drawing(line_on("CUT", 1) + "0 LINE 8 Wings 6 HIDDEN 11 9 "), asks).lines.size() == 2);
   // Letters; B and C are those of FOLD beside M or V.
   CHECK_FALSE(linework_from_dxf(drawing(line_on("CUT", 1) + line_on("S", 2)), asks));

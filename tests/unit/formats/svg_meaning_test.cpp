@@ -314,6 +314,27 @@ TEST_CASE("lines beyond the page of a drawing are told and cut whole", "[core][f
   CHECK(is_told(*small, "beyond the page"));
 }
 
+TEST_CASE("names that are all unknown are told if lines have different ones",
+          "[core][formats][svg][profile]") {
+  SvgReadOptions how;
+  how.profile = find_stroke_profile("auto").value();
+  const auto told = [&](const std::string& content) {
+    const auto work = linework_from_svg(svg(content), how);
+    REQUIRE(work);
+    CHECK(total_mm(*work, Operation::Cut) == Approx(5 * work->lines.size()));
+    return is_told(*work, "neither cut nor fold, and no other name does: all lines are cut");
+  };
+  const auto in = [](const std::string& name, int y) {
+    return "<g id='" + name + "'><path d='M0 " + std::to_string(y) + "H5' stroke='black'/></g>";
+  };
+  CHECK(told(in("Bird", 1) + in("Tree", 2)));
+  CHECK(told(in("Bird", 1) + in("g12", 2)));
+  CHECK_FALSE(told(in("Bird", 1)));
+  CHECK_FALSE(told(in("Bird", 1) + in("Bird", 2)));
+  CHECK_FALSE(told(in("g11", 1) + in("path12", 2)));
+  CHECK_FALSE(told(in("cut", 1)));
+}
+
 TEST_CASE("white strokes without a name are told", "[core][formats][svg]") {
   SvgReadOptions how;
   how.profile = find_stroke_profile("auto").value();
@@ -710,6 +731,9 @@ TEST_CASE("words of many languages say what lines are for", "[core][formats][wor
                   "เส้นพับ",
                   "ĐƯỜNG GẤP",
                   "garis lipat",
+                  "मोड़",
+                  "ভাঁজ",
+                  "خط تا",
                   "M/V",
                   "p\xCC\x81li"});
   all_mean(FoldMountain,
