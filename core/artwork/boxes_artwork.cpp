@@ -19,6 +19,13 @@ namespace {
 
 constexpr double kNear = 0.02;  ///< of the target's size: so far from a panel it is on it
 
+/// How far from a part the model may be to be on it: bent ends are a little off the model's.
+double near_mm(const BoxedCard& made, std::size_t part) {
+  const auto box = std::find_if(made.boxes.begin(), made.boxes.end(),
+                                [&](const CardBox& one) { return one.first_part == part; });
+  return kNear * made.fit.size_mm + (box == made.boxes.end() ? 0.0 : box->off_mm);
+}
+
 /// The model as each face of a part is looked at, square to it: what is nearer than `near_mm`
 /// first, its outermost point; else what is nearest.
 ColourImage seen_on_faces(const ColourMesh& model, const SheetPart& sheet,
@@ -94,10 +101,10 @@ Result<Artwork> boxes_artwork(const BoxedCard& made, const ColourMesh& model,
   return parts_artwork(made.card, pose, places, options,
                        [&](std::size_t part, const FaceSurface& surface,
                            const PixelFrame& frame) -> std::optional<ColourImage> {
-                         if (part == 0) return std::nullopt;
+                         if (part == 0 || made.is_inner(part)) return std::nullopt;
                          return boxes_artwork_parts::seen_on_faces(
                              model, made.card.parts[part], pose[part], surface, frame,
-                             boxes_artwork_parts::kNear * made.fit.size_mm, options.shade);
+                             boxes_artwork_parts::near_mm(made, part), options.shade);
                        });
 }
 

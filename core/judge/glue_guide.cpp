@@ -100,7 +100,12 @@ class CardGuide {
       if (auto done = add_slide_steps(unit); !done) return tl::unexpected(done.error());
     std::vector<std::size_t> standing;
     add_glue_steps(units_.front(), standing);
-    for (const std::size_t unit : order) add_glue_steps(units_[unit], standing);
+    for (const std::size_t unit : order) {
+      if (encloser_of(unit) != 0) continue;
+      for (const std::size_t inner : order)
+        if (encloser_of(inner) == unit) add_inner_step(units_[inner].front(), units_[unit].front());
+      add_glue_steps(units_[unit], standing);
+    }
     if (out_.steps.empty() || out_.steps.back().kind == GlueStepKind::Fold) return std::move(out_);
     out_.steps.back().words += " The card is done.";
     return std::move(out_);
@@ -225,6 +230,8 @@ class CardGuide {
       tab.on_front = lies_on_front(tab);
       tabs_.push_back(std::move(tab));
     }
+    is_glued_.assign(tabs_.size(), false);
+    inner_of_.resize(model_.parts.size());
   }
 
   /// Whether the panels that a tab is folded from are on the printed side of what it is glued on.
@@ -336,6 +343,33 @@ class CardGuide {
           if (depth[p] + 1 < depth[q]) depth[q] = depth[p] + 1, any = true;
     }
     return depth;
+  }
+
+  /// The unit that a part stands inside of, and hangs on alone; else 0. Nobody reaches its tabs
+  /// once that unit is closed around it.
+  [[nodiscard]] std::size_t encloser_of(std::size_t unit) const {
+    std::size_t on = 0;
+    for (const CardJoint& joint : model_.joints) {
+      const std::size_t a = unit_of_[joint.a.part], b = unit_of_[joint.b.part];
+      if ((a == unit) == (b == unit)) continue;
+      const std::size_t other = a == unit ? b : a;
+      if (joint.kind != JointKind::Glue || other == 0 || (on != 0 && other != on)) return 0;
+      on = other;
+    }
+    if (on == 0 || units_[unit].size() > 1 || units_[on].size() > 1) return 0;
+    constexpr double kSlack_mm = 0.01;
+    const Eigen::AlignedBox3d inner = box_of(units_[unit].front()),
+                              around = box_of(units_[on].front());
+    const bool is_inside = (inner.min().array() >= around.min().array() - kSlack_mm).all() &&
+                           (inner.max().array() <= around.max().array() + kSlack_mm).all();
+    return is_inside ? on : 0;
+  }
+
+  [[nodiscard]] Eigen::AlignedBox3d box_of(std::size_t part) const {
+    Eigen::AlignedBox3d out;
+    for (const Triangle3& t : triangles_of(part))
+      for (const Vec3& at : t) out.extend(at);
+    return out;
   }
 
   // 3. Steps.
@@ -554,6 +588,29 @@ class CardGuide {
     return several == 1 ? "All that you put together" : "What you put together with " + first;
   }
 
+  /// A part is glued into another one, which is then folded around it.
+  void add_inner_step(std::size_t part, std::size_t around) {
+    GlueStep step{.kind = GlueStepKind::Glue, .part = part};
+    step.standing = {around};
+    const std::string target = shown_text(model_.parts[around].name);
+    step.words = shown_text(model_.parts[part].name) + ":";
+    for (std::size_t k = 0; k < tabs_.size(); ++k) {
+      if (is_glued_[k] || (tabs_[k].part != part && tabs_[k].on_part != part)) continue;
+      is_glued_[k] = true;
+      GlueTab tab = tabs_[k];
+      tab.letter = letter_of(out_.tabs.size());
+      const bool is_own = tab.part == part;
+      step.words += step.tabs.empty() ? std::string(" While ") + target + " is open, glue"
+                                      : " Fold " + target + " around it, and glue";
+      step.words += is_own ? fmt::format(" tab {} on it, on outline {}.", tab.letter, tab.letter)
+                           : fmt::format(" its tab {} on outline {}.", tab.letter, tab.letter);
+      step.tabs.push_back(out_.tabs.size());
+      out_.tabs.push_back(std::move(tab));
+    }
+    inner_of_[around].push_back(part);
+    out_.steps.push_back(std::move(step));
+  }
+
   /// A part, or parts that were put together, is glued tab by tab; those on one target together.
   /// Then it stands.
   void add_glue_steps(const std::vector<std::size_t>& unit_parts,
@@ -565,6 +622,8 @@ class CardGuide {
     };
     add_glue_step(unit, is_in, is_there, standing);
     standing.insert(standing.end(), unit_parts.begin(), unit_parts.end());
+    const std::vector<std::size_t>& inner = inner_of_[unit_parts.front()];
+    standing.insert(standing.end(), inner.begin(), inner.end());
   }
 
   template <typename IsIn, typename IsThere>
@@ -577,14 +636,18 @@ class CardGuide {
     };
     GlueStep step{.kind = GlueStepKind::Glue, .part = units_[unit].front()};
     step.with.assign(units_[unit].begin() + 1, units_[unit].end());
+    const std::vector<std::size_t>& inner = inner_of_[units_[unit].front()];
+    step.with.insert(step.with.end(), inner.begin(), inner.end());
     step.standing = standing;
     std::vector<Group> groups;
     for (const bool itself : {true, false})
-      for (const GlueTab& found : tabs_) {
-        if (itself != (found.part == found.on_part)) continue;
+      for (std::size_t k = 0; k < tabs_.size(); ++k) {
+        const GlueTab& found = tabs_[k];
+        if (is_glued_[k] || itself != (found.part == found.on_part)) continue;
         if ((!is_in(found.part) && !is_in(found.on_part)) || !is_there(found.part) ||
             !is_there(found.on_part))
           continue;
+        is_glued_[k] = true;
         GlueTab tab = found;
         tab.letter = letter_of(out_.tabs.size());
         step.tabs.push_back(out_.tabs.size());
@@ -654,7 +717,9 @@ class CardGuide {
   std::vector<std::vector<std::size_t>> units_;  ///< parts that are put together; the card is first
   std::vector<std::uint32_t> unit_of_;           ///< one a part
   std::vector<std::string> page_name_;
-  std::vector<GlueTab> tabs_;  ///< without letters, as in the file
+  std::vector<GlueTab> tabs_;                       ///< without letters, as in the file
+  std::vector<bool> is_glued_;                      ///< one a tab: it has its step
+  std::vector<std::vector<std::size_t>> inner_of_;  ///< one a part: what is glued into it
   GlueGuide out_;
 };
 

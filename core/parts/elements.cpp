@@ -23,7 +23,15 @@ Vec3 at_y(const Vec3& section, double y) { return section + Vec3{0.0, y, 0.0}; }
 /// The slopes of a gabled roof, from wall to ridge.
 double slope_mm(const BoxElement& e) { return std::hypot(e.half_mm, e.rise_mm); }
 
+/// Each half of an end, from a wall to its fold.
+double half_end_mm(const BoxElement& e) { return std::hypot(e.half_mm, e.bend_mm); }
+
 constexpr double kLeastApart_rad = radians(20.0);
+
+/// From the tops of the walls to the top of a pyramid.
+double pyramid_top_mm(const BoxElement& e, double opening_rad) {
+  return std::hypot(e.rise_mm, e.half_mm * std::cos(0.5 * opening_rad));
+}
 
 /// The roof of a pyramid on its sheet: triangles around its top, counter-clockwise as seen from
 /// above. It begins at the right slope; without slopes at its far end, at the left one.
@@ -36,9 +44,11 @@ struct PyramidFan {
   explicit PyramidFan(const BoxElement& e) {
     const double half_length = 0.5 * (e.to_mm - e.from_mm);
     side_rad = std::atan2(half_length, slope_mm(e));
-    end_mm = std::hypot(half_length, e.rise_mm);
-    end_rad = std::atan2(e.half_mm, end_mm);
-    edge_mm = std::hypot(end_mm, e.half_mm);
+    end_mm = std::hypot(half_length + e.hip_bend_mm, e.rise_mm);
+    edge_mm = std::hypot(half_length, slope_mm(e));
+    const double half_foot = std::hypot(e.half_mm, e.hip_bend_mm);
+    end_rad = std::acos((edge_mm * edge_mm + end_mm * end_mm - half_foot * half_foot) /
+                        (2.0 * edge_mm * end_mm));
     const std::size_t first = e.has_hips[1] ? 0 : 3, last = !e.has_hips[1]  ? 7
                                                             : e.has_hips[0] ? 6
                                                                             : 4;
@@ -62,25 +72,20 @@ struct PyramidFan {
   /// Its foot around it, from the right corner at the beginning on, and its top, in the axes of the
   /// seat. The first and the last two of eight corners are the same.
   [[nodiscard]] static std::array<Vec3, 9> in_space(const BoxElement& e, double opening_rad) {
-    const double a = e.half_mm, half_length = 0.5 * (e.to_mm - e.from_mm),
-                 s = std::sin(0.5 * opening_rad), c = std::cos(0.5 * opening_rad);
-    const double low = e.height_mm + a * c, high = std::sqrt(e.rise_mm * e.rise_mm + a * a * c * c),
-                 middle = 0.5 * (e.from_mm + e.to_mm), end = std::hypot(half_length, e.rise_mm);
-    // In the plane over the fold: from the top outward, and down.
-    const double f = end / (half_length * half_length + high * high);
-    const double out = f * (end * half_length + a * c * high),
-                 down = f * (end * high - a * c * half_length);
-    const Vec3 top{0.0, middle, low + high}, right_from{a * s, e.from_mm, low},
-        right_to{a * s, e.to_mm, low};
+    const double a = e.half_mm, s = std::sin(0.5 * opening_rad), c = std::cos(0.5 * opening_rad);
+    const double low = e.height_mm + a * c, middle = 0.5 * (e.from_mm + e.to_mm);
+    const Vec2 foot = hip_foot(e, opening_rad);
+    const Vec3 right_from{a * s, e.from_mm, low}, right_to{a * s, e.to_mm, low},
+        base{0.0, middle, low};
     return {right_from,
             right_to,
-            top + Vec3{0.0, out, -down},
+            base + Vec3{0.0, foot.x(), foot.y()},
             Vec3{-a * s, e.to_mm, low},
             Vec3{-a * s, e.from_mm, low},
-            top + Vec3{0.0, -out, -down},
+            base + Vec3{0.0, -foot.x(), foot.y()},
             right_from,
             right_to,
-            top};
+            base + Vec3{0.0, 0.0, pyramid_top_mm(e, opening_rad)}};
   }
 
   /// Its faces, in the axes of the seat.
@@ -148,6 +153,34 @@ void add_foot(Structure& card, std::size_t part, const FlatLine& fold, const Sea
           {side.at(out_mm, from_mm), side.at(out_mm, to_mm)}, inward != is_left_of(side));
 }
 
+/// The faces of a box's lid, in the axes of the seat.
+std::vector<Isometry3d> lid_pose(const BoxElement& e, const SeatFrame& frame) {
+  if (e.lid == BoxLid::Pyramid) return PyramidFan(e).pose(e, frame.opening_rad);
+  const double a = e.half_mm, h = e.height_mm, s = std::sin(0.5 * frame.opening_rad),
+               c = std::cos(0.5 * frame.opening_rad);
+  const double slope = slope_mm(e);
+  const double wide = e.lid == BoxLid::Roof ? a : e.lid == BoxLid::Gabled ? slope : e.lid_mm;
+  const double above = e.lid == BoxLid::Roof     ? 2.0 * a * c
+                       : e.lid == BoxLid::Gabled ? a * c + std::sqrt(slope * slope - a * a * s * s)
+                                                 : 0.0;
+  const Vec3 middle{0.0, 0.0, h + above};
+  const auto side = [&](double sign) -> Vec3 {
+    if (e.lid != BoxLid::Floating) return {sign * a * s, 0.0, a * c + h};
+    return middle + wide * frame.out(sign);
+  };
+  return {laid_strip(0.0, middle, -wide, side(-1.0)), laid_strip(0.0, middle, wide, side(1.0))};
+}
+
+/// A wall between the middles of both ends of part `walls`: a tab on the right half of each.
+void add_inner_wall(Structure& card, std::size_t walls, const BoxElement& e) {
+  const std::size_t n = card.parts.size();
+  const double length = e.to_mm - e.from_mm, half = half_end_mm(e);
+  add_strip(new_part(card, e.name + "-inner"), {0.0, length}, 0.0, e.inner_mm);
+  const auto line = [&](double u) { return FlatLine{Vec2{u, 0.0}, Vec2{u, e.inner_mm}}; };
+  add_tab(card, n, line(0.0), walls, 5, line(2.0 * length + 3.0 * half), false);
+  add_tab(card, n, line(length), walls, 1, line(length + half), true);
+}
+
 /// The roof of a pyramid, on the walls of part `walls`: two tabs hold it, and one closes it.
 void add_pyramid(Structure& card, std::size_t walls, const BoxElement& e) {
   const PyramidFan fan(e);
@@ -169,7 +202,8 @@ void add_pyramid(Structure& card, std::size_t walls, const BoxElement& e) {
     add_tab(card, n, along(fan.rim.back()), n, 0, along(fan.rim.front()), true);
   }
   const double length = e.to_mm - e.from_mm, h = e.height_mm;
-  const double begin = std::min(card.tab_mm + 1.0, 0.25 * length), left = length + 2.0 * e.half_mm;
+  const double begin = std::min(card.tab_mm + 1.0, 0.25 * length),
+               left = length + 2.0 * half_end_mm(e);
   const auto edge = [&](const Vec2& first, const Vec2& last) {
     const Vec2 d = (last - first) / length;
     return FlatLine{Vec2(first + begin * d), Vec2(first + (length - begin) * d)};
@@ -216,6 +250,19 @@ Result<void> check_tent(double left_foot, double left_panel, double right_foot,
 }
 
 }  // namespace
+
+Vec2 hip_foot(const BoxElement& pyramid, double opening_rad) {
+  const BoxElement& e = pyramid;
+  const double half_length = 0.5 * (e.to_mm - e.from_mm), high = pyramid_top_mm(e, opening_rad),
+               end = std::hypot(half_length + e.hip_bend_mm, e.rise_mm);
+  // It is as far from the top, and as far from the corners of its wall, as on the sheet.
+  const double corner2 =
+      std::pow(e.hip_bend_mm, 2) + std::pow(e.half_mm * std::cos(0.5 * opening_rad), 2);
+  const Vec2 top{0.0, high}, down = Vec2{half_length, 0.0} - top;
+  const double d = norm(down), along = (end * end - corner2 + d * d) / (2.0 * d),
+               aside = std::sqrt(std::max(0.0, end * end - along * along));
+  return top + along / d * down + aside / d * Vec2{-down.y(), down.x()};
+}
 
 double panel_of_tilt(double crease_rad, double tilt_rad) {
   return std::acos(std::cos(crease_rad) * std::cos(tilt_rad));
@@ -315,12 +362,26 @@ Result<void> can_move(const BoxElement& e) {
                               "{:.6g} mm; make them less than {:.4g} mm",
                               e.eaves_mm, most));
   }
-  if (!e.ends_out[0] && !e.ends_out[1] && 2.0 * e.half_mm >= e.to_mm - e.from_mm)
+  if (!e.ends_out[0] && !e.ends_out[1] && 2.0 * half_end_mm(e) >= e.to_mm - e.from_mm)
     return fail(
         ErrorKind::Infeasible, "",
-        fmt::format("the ends meet inside as the card shuts: the box is {:.6g} mm long, and "
-                    "{:.6g} mm wide; make it longer, or let one of the ends fold outward",
-                    e.to_mm - e.from_mm, 2.0 * e.half_mm));
+        fmt::format("the ends meet inside as the card shuts: the box is {:.6g} mm long, and its "
+                    "ends are {:.6g} mm wide; make it longer, or let one of the ends fold outward",
+                    e.to_mm - e.from_mm, 2.0 * half_end_mm(e)));
+  for (const auto& [mm, what] :
+       {std::pair(e.bend_mm, "the bend of its ends"),
+        std::pair(e.hip_bend_mm, "the bend of its roof"), std::pair(e.inner_mm, "its inner wall")})
+    if (auto done = needs(mm >= 0.0, what, mm, "it must be at least 0 mm"); !done) return done;
+  if (e.inner_mm > 0.0) {
+    if (e.ends_out[0] == e.ends_out[1])
+      return fail(ErrorKind::Infeasible, "",
+                  "its inner wall stands between ends that fold in opposite directions, and would "
+                  "tear; let one end fold outward and the other one inward");
+    if (auto done = needs(e.inner_mm <= e.height_mm, "its inner wall", e.inner_mm,
+                          "it must be at most as high as its walls");
+        !done)
+      return done;
+  }
   return {};
 }
 
@@ -447,7 +508,7 @@ void build(Structure& card, const Seat& seat, const LayerElement& e) {
 void build(Structure& card, const Seat& seat, const BoxElement& e) {
   const std::size_t n = card.parts.size();
   const double a = e.half_mm, h = e.height_mm, length = e.to_mm - e.from_mm;
-  const double left = length + 2.0 * a, end = 2.0 * length + 4.0 * a;
+  const double half = half_end_mm(e), left = length + 2.0 * half, end = 2.0 * length + 4.0 * half;
   const double peak = h + (e.lid == BoxLid::Gabled ? e.rise_mm : 0.0);
   SheetPart& walls = new_part(card, e.name);
   const auto add_wall = [&](double u0, double high0, double u1, double high1) {
@@ -455,8 +516,8 @@ void build(Structure& card, const Seat& seat, const BoxElement& e) {
   };
   for (const double begin : {0.0, left}) {
     add_wall(begin, h, begin + length, h);
-    add_wall(begin + length, h, begin + length + a, peak);
-    add_wall(begin + length + a, peak, begin + length + 2.0 * a, h);
+    add_wall(begin + length, h, begin + length + half, peak);
+    add_wall(begin + length + half, peak, begin + length + 2.0 * half, h);
   }
   add_foot(card, n, {Vec2{0.0, 0.0}, Vec2{length, 0.0}}, seat.right, a, e.from_mm, e.to_mm);
   add_foot(card, n, {Vec2{left + length, 0.0}, Vec2{left, 0.0}}, seat.left, a, e.from_mm, e.to_mm);
@@ -490,42 +551,32 @@ void build(Structure& card, const Seat& seat, const BoxElement& e) {
     add_tab(card, n, right_top, n + 1, 1, on(wall), true);
     add_tab(card, n, left_top, n + 1, 0, on(-wall), false);
   }
+  if (e.inner_mm > 0.0) add_inner_wall(card, n, e);
   const auto pose = [=](const SeatFrame& frame) {
     const double s = std::sin(0.5 * frame.opening_rad), c = std::cos(0.5 * frame.opening_rad);
-    const auto bend = [&](std::size_t end) { return (e.ends_out[end] ? a : -a) * c; };
+    const double far = std::hypot(e.bend_mm, a * c);
+    const auto bend = [&](std::size_t end) { return e.ends_out[end] ? far : -far; };
     const Vec3 up{0.0, 0.0, 1.0};
     const std::array<Vec3, 7> foot{
         Vec3{a * s, e.from_mm, a * c},       Vec3{a * s, e.to_mm, a * c},
         Vec3{0.0, e.to_mm + bend(1), a * c}, Vec3{-a * s, e.to_mm, a * c},
         Vec3{-a * s, e.from_mm, a * c},      Vec3{0.0, e.from_mm - bend(0), a * c},
         Vec3{a * s, e.from_mm, a * c}};
-    const std::array<double, 7> at{0.0, length, length + a, left, left + length, left + length + a,
-                                   end};
+    const std::array<double, 7> at{
+        0.0, length, length + half, left, left + length, left + length + half, end};
     PartPoses out(1);
     for (std::size_t k = 0; k < 6; ++k)
       out[0].push_back(laid({Vec2{at[k], 0.0}, Vec2{at[k + 1], 0.0}, Vec2{at[k], 1.0}},
                             {foot[k], foot[k + 1], foot[k] + up}));
-    if (e.lid == BoxLid::None) return out;
-    if (e.lid == BoxLid::Pyramid) {
-      out.push_back(PyramidFan(e).pose(e, frame.opening_rad));
-      return out;
+    if (e.lid != BoxLid::None) out.push_back(lid_pose(e, frame));
+    if (e.inner_mm > 0.0) {
+      const Vec3 middle = foot[5];
+      out.push_back({laid({Vec2{0.0, 0.0}, Vec2{length, 0.0}, Vec2{0.0, 1.0}},
+                          {middle, at_y(middle, length), middle + up})});
     }
-    const double slope = slope_mm(e);
-    const double wide = e.lid == BoxLid::Roof ? a : e.lid == BoxLid::Gabled ? slope : e.lid_mm;
-    const double above = e.lid == BoxLid::Roof ? 2.0 * a * c
-                         : e.lid == BoxLid::Gabled
-                             ? a * c + std::sqrt(slope * slope - a * a * s * s)
-                             : 0.0;
-    const Vec3 middle{0.0, 0.0, h + above};
-    const auto side = [&](double sign) -> Vec3 {
-      if (e.lid != BoxLid::Floating) return {sign * a * s, 0.0, a * c + h};
-      return middle + wide * frame.out(sign);
-    };
-    out.push_back(
-        {laid_strip(0.0, middle, -wide, side(-1.0)), laid_strip(0.0, middle, wide, side(1.0))});
     return out;
   };
-  card.elements.push_back({seat, n, e.lid == BoxLid::None ? 1U : 2U, pose});
+  card.elements.push_back({seat, n, card.parts.size() - n, pose});
 }
 
 void build(Structure& card, const Seat& seat, const DoubleCornerElement& e) {

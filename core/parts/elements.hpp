@@ -81,7 +81,11 @@ enum class BoxLid {
 /// and rise above the walls.
 ///
 /// An end folds outward or into the box. Both can fold inward if 2 half < length; two ends that
-/// fold the same way stay parallel.
+/// fold the same way stay parallel, so that an inner wall between their middles can hold them.
+///
+/// Ends that lie in one plane on open pages are held badly: where a fold is off by d, their middle
+/// moves by d tan(opening / 2). With a bend, they are sqrt(half^2 + bend^2) wide on each side, and
+/// their middle stays out of that plane.
 struct BoxElement {
   std::string name{"box"};
   double from_mm{}, to_mm{};
@@ -93,7 +97,15 @@ struct BoxElement {
   std::array<double, 2> verge_mm{};          ///< the same beyond both ends, along the fold
   std::array<bool, 2> ends_out{true, true};  ///< which of both ends fold outward
   std::array<bool, 2> has_hips{true, true};  ///< whether a pyramid has slopes at its ends
+  /// From the middle of an end to the line between its walls, on pages that lie flat; and the same,
+  /// outward, at the foot of a pyramid's slope there.
+  double bend_mm{}, hip_bend_mm{};
+  double inner_mm{};  ///< height of a wall from the middle of one end to that of the other; 0: none
 };
+
+/// The middle of the foot of a pyramid's slope at an end: outward from the pyramid's middle, and up
+/// from the tops of its walls.
+[[nodiscard]] Vec2 hip_foot(const BoxElement& pyramid, double opening_rad);
 
 /// Two corners back to back: a panel that stands in the fold, with steps on both sides of it, each
 /// an upright panel and a level one. Without a lock it has two freedoms: tents at both ends,

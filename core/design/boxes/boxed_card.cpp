@@ -30,6 +30,16 @@ constexpr std::size_t kShownWithin = 1;  ///< of `FitFigures::kWithin`: 2 % of i
 constexpr double kMostMisfit = 0.12;     ///< volume that differs, seen from above
 constexpr double kMostEaves = 0.97;      ///< of the longest that can shut
 constexpr double kFar_mm = 1e4;
+// What holds the ends of a box: found with verify's wobble on random boxes.
+constexpr double kHeldBend_rad = radians(3.5);  ///< of each half, with an inner wall
+constexpr double kFreeBend_rad = radians(8.0);  ///< without one
+constexpr double kSlim = 2.0;                   ///< height over half width; above, ends lean more
+constexpr double kSlimBend_rad = radians(0.9), kMostBend_rad = radians(14.0);
+constexpr double kHipBend_rad = radians(12.0),
+                 kMostHipBend_rad = radians(18.0);  ///< of a pyramid's slopes at its ends
+constexpr double kPitch_rad = radians(6.5);         ///< of a flat roof
+constexpr double kInner = 0.9;  ///< height of an inner wall, of that of the walls
+constexpr double kFinger_mm = 20.0;
 
 struct Size {
   Vec3 low, high;
@@ -72,9 +82,13 @@ BoxElement box_of(const Block& block) {
   out.half_mm = block.half_mm, out.height_mm = block.height_mm;
   out.rise_mm = block.rise_mm;
   out.eaves_mm = block.eaves_mm, out.verge_mm = block.verge_mm;
-  out.lid = block.roof == BlockRoof::Flat     ? BoxLid::Roof
-            : block.roof == BlockRoof::Gabled ? BoxLid::Gabled
-                                              : BoxLid::Pyramid;
+  out.lid = block.roof == BlockRoof::Pyramid ? BoxLid::Pyramid : BoxLid::Gabled;
+  if (block.roof == BlockRoof::Flat) {
+    // Half of the pitch above the shape's roof, and half below.
+    out.rise_mm = block.half_mm * std::tan(kPitch_rad);
+    out.height_mm -= 0.5 * out.rise_mm;
+    out.eaves_mm = 0.0, out.verge_mm = {0.0, 0.0};
+  }
   return out;
 }
 
@@ -112,21 +126,40 @@ const char* word_of(const Block& block) { return block.is_tent() ? "tent" : "box
 
 /// Whether the slope at an end of a pyramid, which folds outward over the block beside it, would go
 /// through its roof.
-bool meets_roof(const Block& pyramid, const Block& other) {
+bool meets_roof(const BoxElement& pyramid, const BoxElement& other) {
   constexpr double kClear_mm = 0.5;
-  const double a = pyramid.half_mm, half_length = 0.5 * (pyramid.to_mm - pyramid.from_mm),
-               end2 = half_length * half_length + pyramid.rise_mm * pyramid.rise_mm;
   for (double c = 0.0; c <= 1.0; c += 1.0 / 64.0) {
-    const double low = pyramid.height_mm + a * c, high = std::hypot(pyramid.rise_mm, a * c);
-    // The middle of the slope's foot, as in `BoxElement`.
-    const double down = std::sqrt(end2) / (half_length * half_length + high * high) *
-                        (std::sqrt(end2) * high - a * c * half_length);
+    const double low = pyramid.height_mm + pyramid.half_mm * c,
+                 foot = hip_foot(pyramid, 2.0 * std::acos(c)).y();
     const double b = other.half_mm, walls = other.height_mm + b * c,
-                 rise = other.roof == BlockRoof::Flat ? b * c : std::hypot(other.rise_mm, b * c);
-    const double corner = walls + rise * std::max(0.0, 1.0 - a / b);
-    if (low + high - down < walls + rise + kClear_mm || low < corner + kClear_mm) return true;
+                 rise = std::hypot(other.rise_mm, b * c);
+    const double corner = walls + rise * std::max(0.0, 1.0 - pyramid.half_mm / b);
+    if (low + foot < walls + rise + kClear_mm || low < corner + kClear_mm) return true;
   }
   return false;
+}
+
+/// Bends the ends of a box, and lets an inner wall hold them, so that their middles move by at most
+/// 1 mm in paper. Ends beside another box fold inward.
+void make_firm(BoxElement& box, bool touches_before, bool touches_after) {
+  box.ends_out = {!touches_before, touches_before && !touches_after};
+  const bool is_held = box.ends_out[0] != box.ends_out[1] && box.half_mm > kTab_mm + 1.0;
+  const double slim = std::max(0.0, box.height_mm / box.half_mm - kSlim);
+  const double bend_rad = (is_held ? kHeldBend_rad : kFreeBend_rad) + slim * kSlimBend_rad;
+  box.bend_mm = box.half_mm * std::tan(std::min(bend_rad, kMostBend_rad));
+  if (box.lid == BoxLid::Pyramid)
+    box.hip_bend_mm =
+        box.half_mm * std::tan(std::min(kHipBend_rad + slim * kSlimBend_rad, kMostHipBend_rad));
+  if (is_held) box.inner_mm = kInner * box.height_mm;
+  // Below a spire it leaves room for a finger that presses the spire's tabs.
+  if (is_held && box.lid == BoxLid::Pyramid && box.half_mm < kFinger_mm)
+    box.inner_mm =
+        std::clamp(box.height_mm - kTab_mm - box.half_mm - 2.0, 0.5 * box.inner_mm, box.inner_mm);
+  if (touches_before || touches_after) return;
+  // Half of the bend in front of the shape's ends, and half behind.
+  const double by = 0.5 * box.bend_mm;
+  box.from_mm += by, box.to_mm += by;
+  box.verge_mm = {box.verge_mm[0] + by, std::max(0.0, box.verge_mm[1] - by)};
 }
 
 /// Builds the blocks on a card, whatever its pages are.
@@ -143,18 +176,24 @@ Result<void> add_blocks(const BlockRow& row, BoxedCard& out) {
       return {};
     };
     Result<void> done;
+    BoxElement box;
     if (block.is_tent()) {
       done = put(tent_of(block));
     } else {
-      BoxElement box = box_of(block);
+      box = box_of(block);
       const bool after = k > 0 && row.touches[k - 1], before = row.touches[k];
-      box.ends_out = {!after, !before};
-      box.has_hips = {!after || !meets_roof(block, row.blocks[k - 1]),
-                      !before || !meets_roof(block, row.blocks[k + 1])};
+      make_firm(box, after, before);
+      box.has_hips = {!after || !meets_roof(box, box_of(row.blocks[k - 1])),
+                      !before || !meets_roof(box, box_of(row.blocks[k + 1]))};
       done = put(box);
     }
     if (!done) return done;
-    CardBox made{name, block, first, out.card.parts.size() - first, 0};
+    CardBox made;
+    made.name = name, made.block = block;
+    made.first_part = first, made.parts = out.card.parts.size() - first;
+    made.inner_mm = box.inner_mm, made.bend_mm = box.bend_mm;
+    made.off_mm = box.bend_mm - std::max(0.0, box.from_mm - block.from_mm);
+    if (box.inner_mm > 0.0) made.inner_part = out.card.parts.size() - 1;
     for (std::size_t p = first; p < out.card.parts.size(); ++p)
       made.panels += out.card.parts[p].faces.size() - out.card.parts[p].tabs.size();
     out.panels += made.panels;
@@ -198,10 +237,12 @@ Result<double> length_for(const std::optional<double>& given, double needed, con
   return *given;
 }
 
-/// The panels of a card in space: no tabs, no pages.
-TriangleSoup panels_in_space(const Structure& card, const PartPoses& pose) {
+/// The panels of a card in space that are seen: no tabs, no pages, no inner walls.
+TriangleSoup panels_in_space(const BoxedCard& made, const PartPoses& pose) {
+  const Structure& card = made.card;
   TriangleSoup out;
   for (std::size_t p = 1; p < card.parts.size(); ++p) {
+    if (made.is_inner(p)) continue;
     const SheetPart& part = card.parts[p];
     for (std::uint32_t f = 0; f < part.faces.size(); ++f) {
       std::vector<Triangle> triangles;
@@ -238,7 +279,7 @@ std::vector<float> seen_in_front(const TriangleSoup& soup, bool faces_along_spin
 }
 
 void measure(BoxedCard& out) {
-  const TriangleSoup panels = panels_in_space(out.card, open_pose(out));
+  const TriangleSoup panels = panels_in_space(out, open_pose(out));
   const TriangleSoup shown = shown_of(out.target);
   out.fit = FitTarget(shown).measure(panels);
   out.fit.out_of_reach = {};

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,7 +27,11 @@ struct CardBox {
   std::string name;
   Block block;
   std::size_t first_part{}, parts{};
-  std::size_t panels{};  ///< faces without tabs
+  std::size_t panels{};                   ///< faces without tabs
+  std::optional<std::size_t> inner_part;  ///< the wall inside it, which nobody sees
+  double inner_mm{};                      ///< its height; 0: none
+  double bend_mm{};                       ///< as of a `BoxElement`
+  double off_mm{};                        ///< from the middles of its ends to the ends of its block
 };
 
 /// A target as boxes and tents in a row over the spine of a card that opens flat (docs/parts.md).
@@ -51,6 +57,11 @@ struct BoxedCard {
 
   /// Whether the target's front, its x axis, looks along the spine; else along u.
   [[nodiscard]] bool faces_along_spine() const { return std::sin(turn_rad) > std::cos(turn_rad); }
+  /// Whether a part is the wall inside a box.
+  [[nodiscard]] bool is_inner(std::size_t part) const {
+    return std::any_of(boxes.begin(), boxes.end(),
+                       [&](const CardBox& box) { return box.inner_part == part; });
+  }
   /// Mean distance of both surfaces from each other, over the size of the target.
   [[nodiscard]] double error() const {
     return 0.5 * (fit.to_target.mean_mm + fit.to_structure.mean_mm) / fit.size_mm;
@@ -59,7 +70,8 @@ struct BoxedCard {
 
 /// Fits boxes with flat, gabled and pyramid roofs, and tents, to a target (`block_row`). The spine
 /// lies below their ridges. Boxes that touch stand a thickness of paper apart, and their ends fold
-/// inward there; ends that stand free fold outward.
+/// inward there. Where it is possible, both ends of a box fold the same way, and an inner wall
+/// holds their middles.
 ///
 /// @retval Malformed, OutOfRange  the surface cannot be read
 /// @retval Infeasible  it is too small, it has no upright walls with such roofs, it needs more

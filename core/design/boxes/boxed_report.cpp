@@ -26,7 +26,9 @@ Json box_json(const CardBox& box) {
           {"walls_mm", block.height_mm},
           {"height_mm", block.top_mm()},
           {"eaves_mm", block.eaves_mm},
-          {"verge_mm", block.verge_mm}};
+          {"verge_mm", block.verge_mm},
+          {"bend_mm", box.bend_mm},
+          {"inner_wall_mm", box.inner_mm}};
 }
 
 }  // namespace

@@ -706,17 +706,18 @@ TEST_CASE("boxes are printed with the colours of the model's sides, windows too,
         ++pixels[p][colour.a < 128 ? 3 : colour.r > 128 ? 0 : colour.g > 128 ? 1 : 2];
       }
     }
-  REQUIRE(places.size() == 3);  // pages, walls, lid
+  REQUIRE(places.size() == 4);  // pages, walls, lid, the wall inside
   const auto mm2 = [&](std::size_t part, std::size_t colour) {
     return how.pixel_mm * how.pixel_mm * static_cast<double>(pixels[part][colour]);
   };
-  CHECK(pixels[0][0] + pixels[0][1] + pixels[0][2] == 0);
+  for (const std::size_t bare : {0U, 3U})
+    CHECK(pixels[bare][0] + pixels[bare][1] + pixels[bare][2] == 0);
   CHECK(mm2(1, 2) == Approx(20.0 * 20.0).epsilon(0.15));           // the window
   CHECK(mm2(1, 1) == Approx(180.0 * 40.0 - 400.0).epsilon(0.05));  // the walls
   CHECK(mm2(2, 0) == Approx(30.0 * 60.0).epsilon(0.05));           // the roof
   CHECK(mm2(1, 3) > 100.0);                                        // tabs
   const ColourMesh card = standing_boxes(*made, places, *artwork);
-  CHECK(card.size() == 20);  // two pages and eight panels, without tabs
+  CHECK(card.size() == 22);  // two pages and nine panels, without tabs
   CHECK(card.st.size() == 3 * card.size());
   how.mode = PrintMode::Flat;
   CHECK_FALSE(boxes_artwork(*made, model, places, how));
