@@ -63,19 +63,18 @@ EdgeRole role_of(Operation operation) {
   }
 }
 
-/// Only the lines to cut and fold, on a page (x = v, y = u).
-Pattern lines_alone(const LineWork& work) {
+/// Only the lines, on a page (x = v, y = u); those neither cut nor folded go into `others`.
+Pattern lines_alone(const LineWork& work, std::vector<SheetLine>& others) {
   Pattern pattern;
   pattern.name = work.name;
   pattern.card = false;
   for (const DrawnLine& line : work.lines) {
-    const bool is_shown = is_fold(line.operation) || line.operation == Operation::Cut ||
-                          line.operation == Operation::Outline;
-    if (!is_shown) continue;
+    const bool is_other = line.operation == Operation::Score || line.operation == Operation::Draw;
     const auto points = work.points_of(line);
     for (std::size_t i = 1; i < points.size(); ++i)
-      pattern.lines.push_back(
-          {points[i - 1].y, points[i - 1].x, points[i].y, points[i].x, role_of(line.operation)});
+      (is_other ? others : pattern.lines)
+          .push_back({points[i - 1].y, points[i - 1].x, points[i].y, points[i].x,
+                      role_of(line.operation)});
   }
   return pattern;
 }
@@ -210,7 +209,8 @@ Result<std::string> foreign_blob(std::string text, InputKind kind, const SvgRead
     judge(*foreign, how);
     if (auto blob = opened_blob(*foreign, how)) return blob;
   }
-  return lattice_blob(lines_alone(foreign->lines), LatticeFrames{}, how);
+  const Pattern lines = lines_alone(foreign->lines, how.others);
+  return lattice_blob(lines, LatticeFrames{}, how);
 }
 
 Result<ForeignDrawing> foreign_drawing(std::string text, InputKind kind) {

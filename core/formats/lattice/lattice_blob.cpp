@@ -103,7 +103,8 @@ class LatticeWriter {
         bytes += 12 * p.vertices.size() * frames_->places.size();
       }
       bytes += 20 * p.vertices.size() + 19 * most_triangles(p) + 26 * p.faces() +
-               24 * p.v_folds.size() + 17 * std::max(p.lines.size(), p.edges.size());
+               24 * p.v_folds.size() +
+               17 * (std::max(p.lines.size(), p.edges.size()) + options_.others.size());
     }
     if (bytes > kMaxLatticeBytes)
       return fail(ErrorKind::OutOfRange, "",
@@ -258,6 +259,7 @@ class LatticeWriter {
   void add_lines(const Pattern& pattern) {
     for (const SheetLine& line : pattern.lines) add_line(line, side_role({0, 0, 0, -1, line.role}));
     if (pattern.lines.empty()) add_lines_of_edges(pattern);
+    for (const SheetLine& line : options_.others) add_line(line, SideRole::Inside);
   }
 
   /// Edges as lines; borders that lie on each other are the two sides of one slit.

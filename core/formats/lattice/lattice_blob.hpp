@@ -46,6 +46,7 @@ struct LatticeBlobOptions {
       not_judged{};                  ///< what was checked of a pattern from elsewhere
   std::vector<LatticePart> parts{};  ///< of a pattern alone that is a card of several parts
   std::string report{};              ///< of a pattern alone: a JSON document; empty: none
+  std::vector<SheetLine> others{};   ///< on the sheet, neither cut nor folded: role 0
 };
 
 /// How a pattern opens that popcut's own law of motion does not describe: the places (x, v, z) of

@@ -130,6 +130,14 @@ TEST_CASE("a lattice blob tells fold, slit and flat sides of a sheet from elsewh
   for (const int kind : blob.bytes("face_kind")) CHECK(kind == 0);
 
   CHECK(LatticeReader(*lattice_blob(sheet, LatticeFrames{})).head["motion"] == "flat");
+
+  // Lines that are neither cut nor folded come after these, without a role.
+  const auto scored = lattice_blob(sheet, LatticeFrames{}, {.others = {{1, 2, 3, 4, {}}}});
+  REQUIRE(scored);
+  const auto lines = LatticeReader(*scored).floats("lines");
+  REQUIRE(lines.size() == 4 * (6 + 1 + 1 + 1));
+  CHECK(std::vector(lines.end() - 4, lines.end()) == std::vector<float>{1, 2, 3, 4});
+  CHECK(LatticeReader(*scored).bytes("line_role")[8] == 0);
 }
 
 TEST_CASE("a lattice blob turns faces that run clockwise", "[core][blob]") {
