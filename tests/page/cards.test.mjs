@@ -39,6 +39,11 @@ const file = (name, buffer) => ({ name, mimeType: 'application/octet-stream', bu
 const give = (page, name, buffer) => openModel(page, file(name, buffer), 'x');   // cards of its gable are quickly found
 const exact = (page) => page.locator('.badge', { hasText: 'exact' }).waitFor({ timeout: 60_000 });
 const found = (page) => page.locator('.found-card').first().waitFor({ timeout: 120_000 });
+/** Presses a found card, and waits until it is on the desk. */
+async function pick(card) {
+  await card.click();
+  await until(async () => await card.getAttribute('aria-pressed') === 'true', 'it is on the desk');
+}
 const specOf = (page) => page.evaluate(() => {
   const { steps, at } = JSON.parse(sessionStorage.getItem('popcut.design.steps'));
   return JSON.parse(steps[at]);
@@ -61,6 +66,10 @@ test('a model gives cards as pictures, and the one that is picked by key is the 
   assert.match(await cards.last().getAttribute('title'), /error 0\.\d+/);
   assert.deepEqual(await page.locator('.found-card:has(.found-make)').evaluateAll((all) => all.length), 1);
   assert.match(await cards.nth(search.recommended - 1).innerText(), /^make this one/);
+  assert.ok(await page.locator('.found-on').evaluate((one) => {
+    const [card, row] = [one.getBoundingClientRect(), one.closest('.found-cards').getBoundingClientRect()];
+    return card.left >= row.left && card.right <= row.right;
+  }), 'the card that is on the desk is in sight');
   for (const card of await cards.all()) await card.scrollIntoViewIfNeeded();
   await until(async () => await page.locator('.found-card img').count() === search.cards.length, 'all pictures are there');
   for (const image of await page.locator('.found-card img').all()) {
@@ -114,7 +123,7 @@ test('a model gives cards as pictures, and the one that is picked by key is the 
   assert.equal(await dialog.getByLabel('Cutter').locator('option').count(), 2, 'the one cutter, and by hand');
   // That picture is of this model: the next design is not printed because this one was.
   await dialog.getByRole('button', { name: 'Cancel' }).click();
-  await page.getByRole('button', { name: 'Examples' }).click();
+  await page.getByRole('button', { name: 'New', exact: true }).click();
   await page.locator('.start-card:enabled', { hasText: 'unit' }).click();
   await exact(page);
   await page.getByRole('button', { name: 'Cut this…' }).click();
@@ -135,7 +144,7 @@ test('a book of cards is searched, picked and planned', async () => {
   assert.deepEqual(asked[1], { max_minutes: 15, cards: 4, up: 'y', effort: 0.1, label: 'any', mat: 'A4', marks: false, material: 'paper-220' });
   await page.getByRole('progressbar', { name: 'Searching for the best cards' }).waitFor({ state: 'detached', timeout: 120_000 });
   await found(page);
-  await page.locator('.found-card').last().click();
+  await pick(page.locator('.found-card').last());
   await exact(page);
   assert.equal((await specOf(page)).book.cards, 4);
   await picture(page, 'cards-found-book');
@@ -289,7 +298,7 @@ test('a model becomes a card of layers: searched, shown, pulled apart, glued ste
   await layers.scrollIntoViewIfNeeded();
   await until(async () => (await layers.locator('img').count()) === 1, 'its picture is there');
   assert.deepEqual(await layers.locator('img').evaluate((one) => [one.naturalWidth, one.naturalHeight]), [800, 400]);
-  await layers.click();
+  await pick(layers);
   await exact(page);
   const spec = await specOf(page);
   assert.equal(spec.style, 'layers');

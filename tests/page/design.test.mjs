@@ -250,11 +250,11 @@ test('a drawn line is enough to begin', async () => {
   await exact(page);
   const radii = (await specOf(page)).surface.radius.points.map(([, r]) => r);
   for (let i = 1; i < radii.length; i++) assert.ok(radii[i] > radii[i - 1], 'the line that was drawn rises');
-  await page.getByRole('button', { name: 'Examples' }).click();
+  await page.getByRole('button', { name: 'New', exact: true }).click();
   await page.locator('.pad', { hasText: 'Seen from the side' }).getByRole('button', { name: 'Use this shape' }).click();
   await exact(page);
   assert.equal((await specOf(page)).surface.type, 'profile');
-  await page.getByRole('button', { name: 'Examples' }).click();
+  await page.getByRole('button', { name: 'New', exact: true }).click();
   await page.locator('.pad', { hasText: 'As a landscape' }).getByRole('button', { name: 'Use this shape' }).click();
   await exact(page);
   assert.equal((await specOf(page)).surface.type, 'grid');
@@ -577,7 +577,7 @@ test('a drawing asks in place what its colours are for; the answer is kept, and 
   await page.locator('dialog').getByRole('button', { name: 'Cancel' }).click();
   // It is not judged before, and keeps no other design from being cut.
   assert.equal(await page.locator('[aria-labelledby=judged], .warnings').count(), 0);
-  await page.getByRole('button', { name: 'Examples' }).click();
+  await page.getByRole('button', { name: 'New', exact: true }).click();
   await page.locator('.start-card:enabled', { hasText: 'unit' }).click();
   await exact(page);
   await openPlan(page);
@@ -732,7 +732,7 @@ test('a file that is dropped anywhere is opened, also beside the column and from
   await page.locator('.now').waitFor();
   await drop(ladder(6));
   await page.getByText('This is a pattern from a file.', { exact: false }).waitFor();
-  await page.getByRole('button', { name: 'Examples' }).click();
+  await page.getByRole('button', { name: 'New', exact: true }).click();
   await page.locator('.start-card:enabled').first().waitFor();
   await drop(ladder(7));
   await page.getByText('This is a pattern from a file.', { exact: false }).waitFor();

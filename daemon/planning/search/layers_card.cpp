@@ -125,7 +125,7 @@ std::optional<FoundLayers> layers_beside(const SearchRequest& asked, FoundCards&
                              found.area_mm, asked.plan, asked.tables, asked.most_s, asked.hands,
                              asked.progress});
   if (layers) return std::move(*layers);
-  found.notes.push_back("there is no card of layers beside these: " + message(layers.error()));
+  found.notes.push_back("popcut left out a card glued from layers: " + message(layers.error()));
   return std::nullopt;
 }
 

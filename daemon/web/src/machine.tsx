@@ -152,8 +152,7 @@ function Warnings({ job, accepted, onAccept }: {
 /** What lies where, in one word each. */
 function tickTexts(job: Job, material: MaterialValues | null): [string, string, string] {
   const load = job.load;
-  const name = material?.title ? `${material.title} (${load?.material ?? job.material ?? ''})`
-    : load?.material ?? job.material ?? '';
+  const name = material?.title ?? load?.material ?? job.material ?? '';
   const side = load?.side ? say.sides[load.side] ?? '' : '';
   const where = load?.mat ? say.onMat(load.mat) : load ? say.noMat(size(load.width_mm, load.length_mm)) : '';
   return [

@@ -112,13 +112,15 @@ export const canFindMarks = computed(() => machine.value?.marks_take_mm !== null
 /** Whether cards get room for marks, and marks. */
 export const marked = computed(() => prints.value === 'yes' && canFindMarks.value && chosenCutter.value !== kByHand);
 
-const kEdge_mm = 2;
+/** What the margins and the legend of a page to cut by hand take, mm: kPrintSideMm and kPrintFooterMm of core/layout. */
+const kHandTakes_mm = [16, 38];
+const kRounding_mm = 0.01;   // a card as large as its room fits it
 
-/** Width and length that a card may have, mm: of the paper, or of what lies between its marks. */
+/** Width and length that a card may have, mm: of the paper, of what lies between its marks, or of what is printed. */
 export const room = computed<[number, number] | null>(() => {
   const of = chosenPaper.value;
-  const [across, along] = (marked.value ? machine.value?.marks_take_mm as [number, number] | null | undefined : null) ?? [kEdge_mm, kEdge_mm];
-  return of && [of.width_mm - across, of.length_mm - along];
+  const takes = chosenCutter.value === kByHand ? kHandTakes_mm : marked.value && machine.value?.marks_take_mm || [0, 0];
+  return of && [of.width_mm - takes[0]! + kRounding_mm, of.length_mm - takes[1]! + kRounding_mm];
 });
 
 const kMostMargin_mm = 30;
@@ -136,7 +138,7 @@ export function searchWishes(): Record<string, unknown> {
   const of = chosenCutter.value;
   return {
     ...(of === kByHand ? { machine: kUsualMachine } : of !== '' ? { device: of } : {}),
-    ...(chosenPaper.value ? { mat: chosenPaper.value.name } : {}), marks: marked.value,
+    ...(room.value ? { mat: of === kByHand ? room.value.map((mm) => mm.toFixed(1)).join('x') : chosenPaper.value!.name } : {}), marks: marked.value,
   };
 }
 

@@ -8,7 +8,7 @@ import * as opening from './model_open';
 import * as outfit from './outfit';
 import { OutfitChoice } from './outfit_choice';
 import { Button, Choice, Meter, Picture, Trouble } from './parts';
-import { kByHand } from './preferences';
+import { kByHand, prints } from './preferences';
 import * as searching from './search_desk';
 import { modelOf, type Spec } from './spec';
 import { may, stale } from './store';
@@ -52,6 +52,12 @@ function Found({ of }: { of: Search }) {
   const list = useRef<HTMLUListElement>(null);
   const last = of.cards.length;
   const [best] = countsOf(of);
+  const shown = of.cards.findIndex((card) => desk.spec.value === card.spec as unknown as Spec);
+  useEffect(() => {   // the card on the desk is in sight
+    const ul = list.current!;
+    const on = ul.children[shown] as HTMLElement | undefined;
+    if (on) ul.scrollLeft = on.offsetLeft - ul.offsetLeft - (ul.clientWidth - on.offsetWidth) / 2;
+  }, [shown]);
   return (
     <ul ref={list} class="found-cards" aria-label={words.found(last)} onKeyDown={(event) => {
       const step = event.key === 'ArrowRight' ? 1 : event.key === 'ArrowLeft' ? -1 : 0;
@@ -134,7 +140,7 @@ export function SearchCards() {
       {runs && <Running of={search} />}
       {found && !runs && (
         <>
-          <p class="muted small" role="status">{words.foundWhat(...countsOf(found))}</p>
+          <p class="muted small" role="status">{words.foundWhat(...countsOf(found))}{prints.value !== 'yes' && words.asPrinted}</p>
           <Found of={found} />
           <Better of={of} front={found.better_front} />
           {found.notes.length > 0 && <ul class="plain-list small muted server-words">{found.notes.map((note) => <li key={note}>{note}</li>)}</ul>}

@@ -49,7 +49,7 @@ export const designWords = localized({
     unnamed: 'untitled',
     undo: 'Undo',
     redo: 'Redo',
-    examples: 'Examples',
+    examples: 'New',
     open: 'Open',
     share: 'Share',
     save: 'Save',
@@ -292,7 +292,7 @@ export const designWords = localized({
     several: (n: number, drawings = false): string => `There are ${n} ${drawings ? 'drawings' : 'models'}. Which one?`,
     more: (n: number): string => `and ${n} more`,
     lacks: {
-      missing: (name: string, model: string): string => `The colours of ${model} are partly in ${name}, which is not here.`,
+      missing: (name: string, model: string): string => `The colours of ${model} are partly in ${name}, which is not here.${/\.mtl$/i.test(name) ? ' Add its pictures with it.' : ''}`,
       'too-large': (name: string, _model: string, pixels?: [number, number]): string => `${name} is too large to read${pixels ? ` (${pixels[0]} x ${pixels[1]} pixels)` : ''}.`,
       unreadable: (name: string): string => `${name} cannot be read as a picture.`,
       'other-model': (name: string, model: string): string => `${name} belongs to another model: ${model} uses none of its materials.`,
@@ -359,6 +359,7 @@ export const designWords = localized({
     nothing: 'No card was found.',
     found: (n: number): string => count(n, 'card was found', 'cards were found'),
     foundWhat: (n: number, isGlued: boolean): string => `${n === 1 ? 'One card was found.' : 'The first is the quickest to fold, each further one looks more like your model.'}${isGlued ? ' The last is glued from several layers, and opens flat.' : ''} Press a card to work on it. Undo goes back.`,
+    asPrinted: ' The pictures show the cards as if they were printed.',
     picture: (k: number, n: number): string => `Card ${k} of ${n}, printed, from in front and from the side`,
     /** What a card is to make; `looks` is empty where nobody judged it printed. */
     card: (folds: number, tabs: number, shortest_mm: number, fold_s: number, cut_s: number, looks: string): string => [

@@ -141,8 +141,8 @@ TEST_CASE("a model alone becomes a front of cards that are verified, made again 
   }
   // A tower beside a hall would swing on layers, and a note says so.
   CHECK_FALSE(front.contains("layers"));
-  CHECK(front["notes"].dump().find("no card of layers beside these: its panels move by") !=
-        std::string::npos);
+  CHECK(front["notes"].dump().find(
+            "popcut left out a card glued from layers: its panels move by") != std::string::npos);
   // No style with its usual settings is better than the best.
   CHECK(front["usual"].size() >= 7);
   for (const json& usual : front["usual"])

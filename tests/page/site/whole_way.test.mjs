@@ -77,12 +77,12 @@ for (const inFirefox of [false, true]) {
     await press('Next');
 
     await page.getByRole('link', { name: 'Design', exact: true }).click();
-    await press('Examples');
+    await press('New');
     await begin(page, 'unit');
     await press('Share');
     const link = await page.getByRole('dialog').locator('input').first().inputValue();
     await press('Close');
-    await press('Examples');
+    await press('New');
     await start(page);
     await page.evaluate((to) => { location.hash = to; }, new URL(link).hash);
     await exact(page);
