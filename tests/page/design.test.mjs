@@ -615,6 +615,46 @@ test('a drawing asks in place what its colours are for; the answer is kept, and 
   await close();
 });
 
+test('of two colours one is cut and one folded, and what is dashed may be a fold', async () => {
+  const { page, complaints, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
+  await page.locator('.start-card').first().waitFor();
+  const openIt = (name, dashes) => page.locator('input[type=file]').setInputFiles({ name, mimeType: 'image/svg+xml', buffer: Buffer.from(`<svg
+    xmlns="http://www.w3.org/2000/svg" width="210mm" height="297mm" viewBox="0 0 210 297" fill="none"><path d="M5 5H205V285H5ZM60 80V200M140 80V200"
+    stroke="#ed1c24"/><path d="M5 140H60M140 140H205M60 80H140M60 200H140" stroke="#0071bc" ${dashes}/></svg>`) });
+  const uses = () => page.locator('.look select').evaluateAll((all) => all.map((one) => one.value));
+  await openIt('solid.svg', '');
+  await page.getByText('What are these lines for?').waitFor();
+  assert.deepEqual(await uses(), ['cut', 'fold'], 'a red outline is no mountain fold');
+  assert.equal((await page.locator('.flat-sheet figcaption').innerText()).trim(), '', 'no card of 0 × 0 mm');
+  await page.getByRole('button', { name: 'Yes, use these' }).click();
+  await page.getByText('Size and lines of the drawing').waitFor();
+  // A line that is scored is on the sheet, as it will be there.
+  const answer = page.waitForResponse((one) => /lattice.*score/.test(one.url()) && one.ok());
+  await page.locator('.look select').nth(1).selectOption('score');
+  const blob = await (await answer).body();
+  const head = JSON.parse(blob.subarray(12, 12 + blob.readUInt32LE(8)));
+  assert.equal(head.arrays.lines.length, 4 * (4 + 2 + 4));
+  // A file that is opened is shown, also where the answer before is still in work.
+  await page.route('**/make', async (route) => { await wait(500); await route.continue().catch(() => {}); }, { times: 1 });
+  await page.locator('.look select').nth(1).selectOption('draw');
+  await openIt('dashed.svg', 'stroke-dasharray="4 2"');
+  await page.getByText('Dashed lines are cut as dashes.', { exact: false }).waitFor();
+  assert.deepEqual(await uses(), ['', ''], 'nobody must answer');
+  assert.equal(await page.getByRole('button', { name: 'Yes, use these' }).count(), 0);
+  await page.locator('.look select').nth(1).selectOption('fold');
+  await page.getByText('On the command line').click();
+  await page.getByText('--colors "#0071bc=fold"').waitFor();
+  // It fits the sheet in a cutter, and not within the margins of a page to cut by hand.
+  await openPlan(page);
+  const dialog = page.getByRole('dialog');
+  await dialog.getByLabel('Paper or mat').selectOption('A4');
+  await dialog.getByText('The card is 200 × 280 mm: it fits.').waitFor();
+  await dialog.getByLabel('Cutter').selectOption({ label: 'by hand, with a knife' });
+  await dialog.getByText('The card is 200 × 280 mm, too large for A4', { exact: false }).waitFor();
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
 test('examples are in two groups, each with its picture, in one order everywhere; what is begun far down is in view', ofPopcutd, async () => {
   const { page, complaints, close } = await visit(server, { hash: '#/', screen: 'phone', motion: 'reduce' });
   const names = async (pictures) => {
@@ -644,8 +684,9 @@ test('examples are in two groups, each with its picture, in one order everywhere
 test('a file without a unit asks how large it is, and the view follows the file that is open', async () => {
   const { page, sent, complaints, close } = await visit(server, { hash: '#/design', motion: 'reduce' });
   await page.locator('.start-card').first().waitFor();
-  const line = (...at) => `0\nLINE\n8\n0\n${[10, 20, 11, 21].map((code, i) => `${code}\n${at[i]}\n`).join('')}`;
-  const dxf = `0\nSECTION\n2\nENTITIES\n${line(0, 0, 4, 0)}${line(4, 0, 4, 3)}${line(4, 3, 0, 3)}${line(0, 3, 0, 0)}0\nENDSEC\n0\nEOF\n`;
+  const line = (...at) => on('0', ...at);
+  const on = (layer, ...at) => `0\nLINE\n8\n${layer}\n${[10, 20, 11, 21].map((code, i) => `${code}\n${at[i]}\n`).join('')}`;
+  const dxf = `0\nSECTION\n2\nENTITIES\n${line(0, 0, 4, 0)}${line(4, 0, 4, 3)}${line(4, 3, 0, 3)}${line(0, 3, 0, 0)}${on('BEND', 1, 1, 3, 1)}0\nENDSEC\n0\nEOF\n`;
   await page.locator('input[type=file]').setInputFiles({ name: 'box.dxf', mimeType: 'image/vnd.dxf', buffer: Buffer.from(dxf) });
   for (const size of ['in mm: 4 × 3 mm', 'in cm: 40 × 30 mm', 'in inches: 101.6 × 76.2 mm']) await page.getByText(size).waitFor();
   // Nothing is planned or made before somebody has said it.
@@ -658,7 +699,10 @@ test('a file without a unit asks how large it is, and the view follows the file 
   assert.equal(await page.locator('.made-files').count(), 0);
   await page.getByRole('button', { name: 'Close' }).click();
   await picture(page, 'design-unit');
+  assert.deepEqual(await page.locator('.look-name').allTextContents(), ['BEND, 2 mm']);
   await page.getByText('in inches').click();
+  await page.getByText('BEND, 50.8 mm').waitFor();
+  assert.equal(await page.getByText('does not say its unit').count(), 0, 'it is said now');
   await page.getByText('On the command line').click();
   await page.getByText('--units "in"').waitFor();
   assert.deepEqual(sent.filter((one) => one.path.endsWith('/plan')), []);

@@ -460,11 +460,12 @@ export async function openStored(id: string, wanted: () => boolean): Promise<voi
   });
 }
 
-/** Shows the drawing on the desk as it is read now. */
-export async function readAgain(): Promise<void> {
+/** Shows the drawing on the desk as it is read once `asked` is done, unless another file is opened meanwhile. */
+export async function readAgain(asked: Promise<void>): Promise<void> {
   const of = foreign.peek();
-  if (!of) return;
-  await openStored(of.id, opening()).catch((error: unknown) => { if (!isProblem(error)) throw error; });
+  const wanted = opening();
+  await asked;
+  if (of && wanted()) await openStored(of.id, wanted).catch((error: unknown) => { if (!isProblem(error)) throw error; });
 }
 
 /** What a face lights up: itself, or its part. */

@@ -129,7 +129,7 @@ export function FlatSheet() {
   const of = desk.lattice.value;
   const part = of ? pinnedPart(of) : undefined;
   const box = part?.box_mm ?? (of ? sheetBox(of) : null);
-  const text = box ? size(box[2], box[3]) : '';
+  const text = box && box[2] > 0 ? size(box[2], box[3]) : '';
   return (
     <figure class="flat-sheet">
       <canvas ref={canvas} class="flat-canvas" role="img" tabIndex={0} aria-label={`${words.sheetPane}, ${text}`} />

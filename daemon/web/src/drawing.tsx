@@ -12,7 +12,15 @@ import { makeWords } from './words_make';
 
 const words = makeWords.drawing;
 
-export interface Look { name: string; option: 'layers' | 'colors'; colour: string; length_mm: number; path: string; fold?: boolean }
+export interface Look {
+  name: string;
+  option: 'layers' | 'colors';
+  colour: string;
+  length_mm: number;
+  path: string;
+  fold?: boolean;   // nobody must answer
+  of?: Question;    // in whose scale its lines are
+}
 export interface Question {
   kind: string;
   size_mm: [number, number];
@@ -71,8 +79,12 @@ export async function ask(design: string): Promise<void> {
     const question = await send<Question>('POST', `/v1/designs/${design}/make`, { body: { way: 'drawing', options: optionsOf(design) } });
     if (mine !== turn) return;   // another answer was given meanwhile
     const before = drawing.peek()?.design === design ? drawing.peek()!.looks : [];
-    const fresh = [...question.asks === null ? [] : question.looks, ...(question.folds ?? []).map((look) => ({ ...look, fold: true }))]
-      .filter((look) => !before.some((one) => one.name === look.name && one.option === look.option));
+    // Of several colours that nobody must explain some are dashed, and may be folds.
+    const isOpen = question.asks === null;
+    const shown = isOpen && (question.kind !== 'svg' || question.looks.length < 2) ? [] : question.looks;
+    const fresh = [...shown.map((look) => ({ ...look, fold: isOpen })), ...(question.folds ?? []).map((look) => ({ ...look, fold: true }))]
+      .filter((look) => !before.some((one) => one.name === look.name && one.option === look.option))
+      .map((look) => ({ ...look, of: question }));
     drawing.value = { design, question, looks: [...before, ...fresh] };
   } catch (error) {
     if (!isProblem(error)) throw error;
@@ -94,9 +106,21 @@ export function usualUse(colour: string): string {
   return b === most && r < clearly ? 'fold-valley' : '';
 }
 
+/** What `looks` mostly are for: where no colour would be cut the longest is, and a single colour of folds does not tell their side. */
+function guessedUses(looks: Look[], uses: Answers['uses']): Map<string, string> {
+  const all = new Map(looks.map((look) => [look.name, uses[look.option][look.name] ?? usualUse(look.colour)]));
+  const has = (use: string): string[] => [...all].filter(([, one]) => one.startsWith(use)).map(([name]) => name);
+  if (has('cut').length === 0 && looks.length > 1 && looks.every((look) => look.option === 'colors')) {
+    all.set([...looks].sort((a, b) => b.length_mm - a.length_mm)[0]!.name, 'cut');
+  }
+  const folds = has('fold');
+  if (folds.length === 1) all.set(folds[0]!, 'fold');
+  return all;
+}
+
 const shownName = ({ name, option }: Look): string => (option === 'colors' && words.colours[name.toLowerCase()]) || name;
 
-function Thumbnail({ of, look }: { of: Question; look: Look }) {
+function Thumbnail({ look, of }: { look: Look; of: Question }) {
   const [w, h] = of.size_mm.map((mm) => Math.max(mm, 1)) as [number, number];
   const line = Math.max(w, h) / 40;
   return (
@@ -108,7 +132,7 @@ function Thumbnail({ of, look }: { of: Question; look: Look }) {
 }
 
 /** The question in place: swatches of lines, and the unit. */
-export function DrawingQuestion({ design, onAnswer }: { design: string; onAnswer: () => Promise<void> }) {
+export function DrawingQuestion({ design, onAnswer }: { design: string; onAnswer: (asked: Promise<void>) => Promise<void> }) {
   const id = useId();
   useEffect(() => { if (may('submitter')) void ask(design); }, [design]);
   const shown = drawing.value;
@@ -122,9 +146,10 @@ export function DrawingQuestion({ design, onAnswer }: { design: string; onAnswer
     const next = answersOf(design);
     change(next);
     keep(design, next);
-    void ask(design).then(onAnswer);
+    void onAnswer(ask(design));
   };
-  const useOf = (look: Look, uses = answers.uses): string => uses[look.option][look.name] ?? (question.asks === null || look.fold ? '' : usualUse(look.colour));
+  const guesses = guessedUses(rows.filter((look) => !look.fold), answers.uses);
+  const useOf = (look: Look, uses = answers.uses): string => uses[look.option][look.name] ?? (question.asks === null || look.fold ? '' : guesses.get(look.name) ?? '');
   const isOpen = (fold: boolean): boolean => rows.some((look) => !look.fold !== fold && useOf(look) === '');
   const guessed = question.unit === 'guessed' || answers.units !== '';
   const unit_mm: Record<string, number> = { mm: 1, cm: 10, in: 25.4 };
@@ -136,7 +161,7 @@ export function DrawingQuestion({ design, onAnswer }: { design: string; onAnswer
       {guessed ? (
         <fieldset class="units">
           <legend class={question.unit === 'guessed' && !question.asks ? 'visually-hidden' : ''}>{words.unit}</legend>
-          <p class="muted small units-what">{words.unitWhat}</p>
+          {question.unit === 'guessed' && <p class="muted small units-what">{words.unitWhat}</p>}
           {Object.entries(words.units).map(([name, text]) => (
             <label key={name} class="tick">
               <input type="radio" name={`${id}-unit`} checked={answers.units === name} onChange={() => answer((next) => { next.units = name; })} />
@@ -147,13 +172,13 @@ export function DrawingQuestion({ design, onAnswer }: { design: string; onAnswer
       ) : <p class="muted">{words.size(...question.size_mm)}</p>}
       {rows.length > 0 && <>
         {question.asks && <p role="status">{words.what}</p>}
-        {isOpen(true) && <p class="muted small">{words.sides}</p>}
+        {isOpen(true) && <p class="muted small">{rows.some((look) => look.fold && look.option === 'colors') ? words.dashes : words.sides}</p>}
         <ul class="plain-list looks">
           {rows.map((look) => (
             <li key={`${look.option} ${look.name}`}>
               <label class="look">
-                {look.path ? <Thumbnail of={question} look={look} /> : <span class="look-picture" />}
-                <span class="look-name">{look.length_mm > 0 ? words.of(shownName(look), look.length_mm) : shownName(look)}</span>
+                {look.of ? <Thumbnail of={look.of} look={look} /> : <span class="look-picture" />}
+                <span class="look-name">{look.of ? words.of(shownName(look), look.length_mm * question.size_mm[0] / look.of.size_mm[0]) : shownName(look)}</span>
                 <select value={useOf(look)} onChange={(event) => {
                   const use = event.currentTarget.value;
                   answer((next) => {
@@ -161,8 +186,8 @@ export function DrawingQuestion({ design, onAnswer }: { design: string; onAnswer
                     else next.uses[look.option][look.name] = use;
                   });
                 }}>
-                  <option value="">{look.fold ? words.anySide : words.choose}</option>
-                  {Object.entries(words.uses).map(([use, text]) => <option key={use} value={use} selected={useOf(look) === use}>{text}</option>)}
+                  <option value="">{!look.fold ? words.choose : look.option === 'colors' ? words.asDrawn : words.anySide}</option>
+                  {Object.entries(words.uses).filter(([use]) => use !== 'fold' || !look.fold || look.option === 'colors').map(([use, text]) => <option key={use} value={use} selected={useOf(look) === use}>{text}</option>)}
                 </select>
               </label>
             </li>

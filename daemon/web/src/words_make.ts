@@ -62,6 +62,8 @@ export const makeWords = localized({
     yes: 'Yes, use these',
     done: 'Size and lines of the drawing',
     sides: 'The drawing has folds and does not say to which side. Choose where that matters.',
+    dashes: 'Dashed lines are cut as dashes. Where lines are folds, say to which side: then the card is shown as it opens.',
+    asDrawn: 'as drawn',
     anySide: 'either side',
     of: (name: string, mm: number): string => `${name}, ${length(mm)}`,
     colours: {
@@ -70,7 +72,7 @@ export const makeWords = localized({
     } as Record<string, string>,
     choose: 'choose…',
     uses: {
-      cut: 'cut', 'fold-mountain': 'mountain fold', 'fold-valley': 'valley fold', score: 'score', draw: 'draw', ignore: 'leave out',
+      cut: 'cut', fold: 'fold', 'fold-mountain': 'mountain fold', 'fold-valley': 'valley fold', score: 'score', draw: 'draw', ignore: 'leave out',
     } as Record<string, string>,
     unit: 'How large is it?',
     unitWhat: 'The file does not say its unit. Choose the right size; nothing is planned before.',
