@@ -201,16 +201,24 @@ Result<std::string> front_picture(const planning::FoundCards& found, const std::
   const Tiles tiles = is_printed ? kWideTiles : Tiles{};
   const std::size_t count = found.front.size() + 2;
   std::string svg = page_head(tiles, static_cast<int>(count), title);
-  const std::vector<float> around_best = planning::model_around(found.mesh, best);
-  auto part =
-      drawn_tile(tiles, 0, likeness::Target(around_best, planning::pictured_scene(best, kPixels)),
-                 around_best, likeness::kModelColour,
-                 {"the model",
-                  fmt::format("{} can show {:.0f} % of it",
-                              best.made.book ? fmt::format("{} cards", best.made.parts.size())
-                                             : std::string("one card"),
-                              100 * found.seen_share),
-                  best.made.book ? "turned as in the best book" : "turned as in the best card"});
+  const std::array<std::string, 3> model_words{
+      "the model",
+      fmt::format("{} can show {:.0f} % of it",
+                  best.made.book ? fmt::format("{} cards", best.made.parts.size())
+                                 : std::string("one card"),
+                  100 * found.seen_share),
+      best.made.book ? "turned as in the best book" : "turned as in the best card"};
+  Result<std::string> part;
+  if (is_printed) {
+    part = planning::model_png(best, *model).map([&](const std::string& png) {
+      return tile(tiles, 0, png, model_words);
+    });
+  } else {
+    const std::vector<float> around_best = planning::model_around(found.mesh, best);
+    part =
+        drawn_tile(tiles, 0, likeness::Target(around_best, planning::pictured_scene(best, kPixels)),
+                   around_best, likeness::kModelColour, model_words);
+  }
   if (!part) return part;
   svg += *part;
   for (std::size_t k = 0; k < found.front.size(); ++k) {

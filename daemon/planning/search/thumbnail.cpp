@@ -34,12 +34,16 @@ likeness::Scene pictured_scene(const FoundCard& card, int pixels) {
 namespace thumbnail_parts {
 namespace {
 
+Result<PrintedDesign> printed_card(const FoundCard& card, const ColourMesh& model) {
+  const auto spec = parse_design_spec(card.spec);
+  if (!spec) return tl::unexpected(spec.error());
+  return printed_design(*spec, {}, card.made, model);
+}
+
 /// With what is printed on it.
 Result<std::string> printed_png(const FoundCard& card, const ColourMesh& model) {
   constexpr double kPixel_mm = 0.25;  // about two for one of the picture
-  const auto spec = parse_design_spec(card.spec);
-  if (!spec) return tl::unexpected(spec.error());
-  const auto design = printed_design(*spec, {}, card.made, model);
+  const auto design = printed_card(card, model);
   if (!design) return tl::unexpected(design.error());
   std::vector<const Pattern*> parts;
   for (const Pattern& part : design->parts) parts.push_back(&part);
@@ -53,6 +57,12 @@ Result<std::string> printed_png(const FoundCard& card, const ColourMesh& model) 
 
 }  // namespace
 }  // namespace thumbnail_parts
+
+Result<std::string> model_png(const FoundCard& card, const ColourMesh& model) {
+  const auto design = thumbnail_parts::printed_card(card, model);
+  if (!design) return tl::unexpected(design.error());
+  return model_picture(*design, kThumbnailHeight_px);
+}
 
 Result<std::string> thumbnail_png(const FoundLayers& card, const std::optional<ColourMesh>& model) {
   constexpr double kPixel_mm = 0.25;

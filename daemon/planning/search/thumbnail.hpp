@@ -29,7 +29,10 @@ inline constexpr int kThumbnailWidth_px = 800, kThumbnailHeight_px = 400;
 [[nodiscard]] Result<std::string> thumbnail_png(const TriangleMesh& mesh, const FoundCard& card,
                                                 const std::optional<ColourMesh>& model);
 
-/// The same of a card of layers, always printed.
+/// The model in its own colours, from where `thumbnail_png` shows its printed card first.
+[[nodiscard]] Result<std::string> model_png(const FoundCard& card, const ColourMesh& model);
+
+/// As `thumbnail_png` of a card of layers, always printed.
 ///
 /// @param model  none: clay
 [[nodiscard]] Result<std::string> thumbnail_png(const FoundLayers& card,

@@ -45,6 +45,16 @@ struct Eyes {
   }
 };
 
+PartsStand parts_stand(const PrintedDesign& design) {
+  return design.around ? PartsStand::Around : PartsStand::InRow;
+}
+
+ColourImage picture_of_models(const PrintedDesign& design, const std::vector<const Pattern*>& parts,
+                              PictureLook look) {
+  look.shade = design.coloured ? 0.4 : 0.65;
+  return lit_picture(standing_models(parts, parts_stand(design), design.models), look);
+}
+
 /// Tiles side by side, three bytes a pixel.
 class Strip {
  public:
@@ -94,24 +104,29 @@ Result<std::string> open_picture(const ColourMesh& model, const ColourMesh& card
 Result<std::string> print_picture(const PrintedDesign& design, const Artwork& artwork,
                                   bool with_model, int tile_px) {
   using namespace print_picture_parts;
-  const PartsStand stand = design.around ? PartsStand::Around : PartsStand::InRow;
   std::vector<const Pattern*> parts;
   for (const Pattern& part : design.parts) parts.push_back(&part);
-  const auto card = standing_print(parts, stand, artwork);
+  const auto card = standing_print(parts, parts_stand(design), artwork);
   if (!card) return tl::unexpected(card.error());
   const auto side = static_cast<std::size_t>(tile_px);
   Eyes eyes(design, side);
   const bool is_modelled = with_model && !design.models.empty();
   Strip strip(is_modelled ? 3 : 2, side);
-  if (is_modelled) {
-    PictureLook look = eyes.front;
-    look.shade = design.coloured ? 0.4 : 0.65;
-    strip.add(lit_picture(standing_models(parts, stand, design.models), look));
-  }
+  if (is_modelled) strip.add(picture_of_models(design, parts, eyes.front));
   for (PictureLook* look : {&eyes.front, &eyes.aside}) {
     look->back = kBack;
     strip.add(lit_picture(*card, *look));
   }
+  return strip.png();
+}
+
+Result<std::string> model_picture(const PrintedDesign& design, int tile_px) {
+  using namespace print_picture_parts;
+  std::vector<const Pattern*> parts;
+  for (const Pattern& part : design.parts) parts.push_back(&part);
+  const auto side = static_cast<std::size_t>(tile_px);
+  Strip strip(1, side);
+  strip.add(picture_of_models(design, parts, Eyes(design, side).front));
   return strip.png();
 }
 

@@ -22,8 +22,11 @@ namespace popcut::planning {
 [[nodiscard]] Result<std::string> print_picture(const PrintedDesign& design, const Artwork& artwork,
                                                 bool with_model = true, int tile_px = 480);
 
-/// The same of a card of boxes or of layers: the model from the front and a little from above, the
-/// card from there and from both sides.
+/// The models alone, in their colours, as the first tile of `print_picture` shows them.
+[[nodiscard]] Result<std::string> model_picture(const PrintedDesign& design, int tile_px);
+
+/// As `print_picture` of a card of boxes or of layers: the model from the front and a little from
+/// above, the card from there and from both sides.
 ///
 /// @param places  of its parts (`Plan::parts`)
 [[nodiscard]] Result<std::string> print_picture(const PrintedBoxes& boxes,
