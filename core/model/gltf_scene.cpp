@@ -182,7 +182,10 @@ class SceneReader {
       const auto found = numbers_of(attributes.Get(word).GetNumberAsInt(), parts);
       if (!found) return tl::unexpected(found.error());
       *numbers = *found;
-      count = std::min(count.value_or(found->size()), found->size());
+      if (count.value_or(found->size()) != found->size())
+        return broken("nodes", static_cast<int>(&node - file_.nodes.data()),
+                      "has instances whose lists are not as long as each other; repair the model");
+      count = found->size();
       given = std::max(given, found->given());
     }
     if (!count) return std::vector{here};

@@ -173,9 +173,9 @@ std::string_view picture_name(std::string_view line, MapOptions& options) {
   return line;
 }
 
-/// Whether a line begins with this letter as a word of its own.
+/// Whether a line begins with this letter, in either case, as a word of its own.
 bool is_key(std::string_view line, char key) {
-  return line.size() > 1 && line[0] == key && is_blank(line[1]);
+  return line.size() > 1 && lower(line[0]) == key && is_blank(line[1]);
 }
 
 /// Whether a line is a face: "f", or "fo" as in the first version of the format.
@@ -399,7 +399,8 @@ class ObjReader {
 
   /// Whether a line has numbers, and no name.
   static bool is_numbers(std::string_view line) {
-    return line.starts_with('v') || line.starts_with('f');
+    const char first = line.empty() ? '\0' : lower(line.front());
+    return first == 'v' || first == 'f';
   }
 
   /// Whether a line ends in a comment, whose backslash may be that of a folder.
@@ -458,7 +459,7 @@ class ObjReader {
   Result<void> read_shape(std::string_view line) {
     if (line.size() > kLongestLine) return broken("is longer than 65536 characters");
     const std::string_view rest = line.substr(line[1] == 'o' ? 2 : 1);
-    return line[0] == 'v' ? read_vertex_line(rest) : read_face(rest);
+    return lower(line[0]) == 'v' ? read_vertex_line(rest) : read_face(rest);
   }
 
   Result<void> read_vertex_line(std::string_view rest) {

@@ -248,6 +248,9 @@ TEST_CASE("each instance of a node is there", "[core][mesh]") {
   CHECK(corners[0] == 2.0F);
   CHECK(corners[18] == 4.0F);
   CHECK(corners[20] == 7.0F);
+  square.more[1] = {1, 1, 1};
+  CHECK_THAT(refused(read_mesh("a.gltf", square.text())).detail,
+             Catch::StartsWith("has instances whose lists are not as long as each other"));
 }
 
 namespace {
@@ -462,6 +465,13 @@ TEST_CASE("polygons and indices of every kind in an OBJ are read and its other l
   const auto mesh = read_mesh("quad.obj",
                               "mtllib /etc/passwd\nusemtl x\nv 0 0 0 1.0\nv 1 0 0\nv 1 1 0\n"
                               "vt 0 0\nvn 0 0 1\nv 0 1 0\r\nf 1/1/1 2//1 -2/1 -1\ncurv2 9 9\n");
+  if (!mesh) FAIL(message(mesh.error()));
+  CHECK(mesh->size() == 2);
+}
+
+TEST_CASE("vertices and faces of an OBJ may be written in capital letters", "[core][mesh]") {
+  const auto mesh =
+      read_mesh("c.obj", "V 0 0 0\nv 1 0 0\nV 1 1 0\nv 0 1 0\nF 1 2 \\\n3\nf 1 3 4\n");
   if (!mesh) FAIL(message(mesh.error()));
   CHECK(mesh->size() == 2);
 }
