@@ -44,7 +44,8 @@ PartPoses corner_pose(const std::vector<CornerLayer>& layers, double middle_mm,
 std::optional<LayerStrut> strut_behind(const LayerGrid& grid, const LayerMask& mask,
                                        double least_mm, double most_mm, double deep_mm,
                                        double margin_mm) {
-  constexpr double kLow = 0.4, kHighest = 0.65;  // a strut near the top holds best
+  // How far a layer leans falls with the height of its strut; wider ones hold it a little better.
+  constexpr double kHighest = 0.65, kWide_mm = 12.0;
   const std::size_t above = cells_of(grid, margin_mm), deep = cells_of(grid, deep_mm + margin_mm);
   std::size_t high = 0;
   for (std::size_t k = 0; k < mask.size(); ++k)
@@ -66,7 +67,7 @@ std::optional<LayerStrut> strut_behind(const LayerGrid& grid, const LayerMask& m
       if (c == begin) ++c;
       const double wide = std::min(to - from, most_mm);
       if (wide < least_mm) continue;
-      const double worth = wide * (kLow + std::min(share, kHighest));
+      const double worth = std::min(share, kHighest) * wide / (wide + kWide_mm);
       if (worth <= most) continue;
       // The part that is nearest to the middle.
       const double start = std::clamp(-0.5 * wide, from, to - wide);

@@ -187,9 +187,13 @@ class HalfMaker {
     const auto share = [&](double of) {
       return static_cast<std::size_t>(of * static_cast<double>(high_));
     };
-    const std::size_t foot = std::min(
-        half_.columns(),
-        std::max({low, widest / 2, cells(paper_.least_foot_mm), share(paper_.foot_share)}));
+    const double firm =
+        std::min(paper_.firm_foot_mm / half_.grid.cell_mm, static_cast<double>(half_.columns()));
+    const std::size_t foot = std::max(
+        std::min(
+            {half_.columns(), cells(paper_.widest_foot_mm),
+             std::max({low, widest / 2, cells(paper_.least_foot_mm), share(paper_.foot_share)})}),
+        static_cast<std::size_t>(std::ceil(firm)));
     fill(0, foot, 0, cells(paper_.band_mm));
     // Who looks from above sees a little over what hides the fold.
     const std::size_t hidden = covered_ - std::min(covered_, cells(2.0 * paper_.band_mm));
@@ -322,14 +326,37 @@ std::vector<double> spread(std::vector<double> places, double apart, double end)
   return places;
 }
 
+using Stretches = std::vector<std::pair<double, double>>;
+
+/// Where a ray is inside: in one solid or in several that overlap. Surfaces that do not say by
+/// their direction which side is inside are counted: inside after each odd one. What is not closed
+/// counts as solid from its first surface to the back.
+Stretches inside_stretches(const std::vector<DepthCrossing>& at) {
+  Stretches out;
+  int deep = 0;
+  bool is_directed = true;
+  for (const DepthCrossing& one : at) {
+    if (one.enters && deep == 0) out.emplace_back(one.depth_mm, one.depth_mm);
+    deep += one.enters ? 1 : -1;
+    is_directed = is_directed && deep >= 0;
+    if (is_directed && deep == 0) out.back().second = one.depth_mm;
+  }
+  if (is_directed && deep == 0) return out;
+  out.clear();
+  if (at.size() % 2 == 1) return {{at.front().depth_mm, std::numeric_limits<double>::infinity()}};
+  for (std::size_t k = 0; k < at.size(); k += 2)
+    out.emplace_back(at[k].depth_mm, at[k + 1].depth_mm);
+  return out;
+}
+
 }  // namespace
 
-DepthStacks depth_stacks(const TriangleSoup& target, double cell_mm) {
+DepthStacks depth_stacks(const TriangleSoup& target, double cell_mm, double least_half_mm) {
   const Extent box = extent_of(target);
   DepthStacks out;
   LayerGrid& grid = out.grid;
   grid.cell_mm = cell_mm;
-  const double half = std::max(std::abs(box.low.y()), std::abs(box.high.y()));
+  const double half = std::max({std::abs(box.low.y()), std::abs(box.high.y()), least_half_mm});
   grid.columns = 2 * (static_cast<std::size_t>(std::ceil(half / cell_mm)) + 2);
   grid.rows = static_cast<std::size_t>(std::ceil(std::max(box.high.z(), 20.0) / cell_mm)) + 2;
   out.crossings.resize(grid.cells());
@@ -356,11 +383,23 @@ DepthStacks depth_stacks(const TriangleSoup& target, double cell_mm) {
         const double p = (y * w.z() - z * w.y()) / twice, q = (z * u.y() - y * u.z()) / twice;
         if (p < 0.0 || q < 0.0 || p + q > 1.0) continue;
         const double x = a.x() + p * u.x() + q * w.x();
-        out.crossings[grid.at(c, r)].push_back(static_cast<float>(box.high.x() - x));
+        out.crossings[grid.at(c, r)].push_back({static_cast<float>(box.high.x() - x), twice > 0.0});
       }
   }
-  for (auto& one : out.crossings) std::sort(one.begin(), one.end());
+  for (auto& one : out.crossings)
+    std::sort(one.begin(), one.end(), [](const DepthCrossing& a, const DepthCrossing& b) {
+      return a.depth_mm < b.depth_mm || (a.depth_mm == b.depth_mm && a.enters && !b.enters);
+    });
   return out;
+}
+
+double height_of(const LayerGrid& grid, const LayerMask& mask) {
+  std::size_t high = grid.rows;
+  while (high > 0 && std::find(mask.begin() + static_cast<std::ptrdiff_t>(grid.at(0, high - 1)),
+                               mask.begin() + static_cast<std::ptrdiff_t>(grid.at(0, high)),
+                               1) == mask.begin() + static_cast<std::ptrdiff_t>(grid.at(0, high)))
+    --high;
+  return static_cast<double>(high) * grid.cell_mm;
 }
 
 std::vector<double> layer_depths(const TriangleSoup& target, int count, double apart_mm) {
@@ -399,16 +438,15 @@ std::vector<LayerMask> layer_masks(const DepthStacks& stacks,
                                    const std::vector<double>& depths_mm) {
   std::vector<LayerMask> out(depths_mm.size(), LayerMask(stacks.grid.cells(), 0));
   constexpr double kFar = std::numeric_limits<double>::infinity();
+  std::vector<Stretches> inside;
+  for (const std::vector<DepthCrossing>& at : stacks.crossings)
+    inside.push_back(inside_stretches(at));
   for (std::size_t j = 0; j < out.size(); ++j) {
     const double from = j == 0 ? -kFar : 0.5 * (depths_mm[j - 1] + depths_mm[j]),
                  to = j + 1 == out.size() ? kFar : 0.5 * (depths_mm[j] + depths_mm[j + 1]);
-    for (std::size_t cell = 0; cell < stacks.grid.cells(); ++cell) {
-      const std::vector<float>& at = stacks.crossings[cell];
-      // What is not closed counts as solid from its first surface to the back.
-      const bool is_closed = at.size() % 2 == 0;
-      for (std::size_t k = 0; k < at.size(); k += is_closed ? 2 : at.size())
-        if (at[k] < to && (!is_closed || at[k + 1] >= from)) out[j][cell] = 1;
-    }
+    for (std::size_t cell = 0; cell < stacks.grid.cells(); ++cell)
+      for (const auto& [first, last] : inside[cell])
+        if (first < to && last >= from) out[j][cell] = 1;
   }
   return out;
 }

@@ -24,16 +24,25 @@ struct LayerGrid {
 /// Which cells of a grid are paper: 1, or 0.
 using LayerMask = std::vector<std::uint8_t>;
 
-/// What a target has behind each cell: the depths at which its surface is crossed, from the front
-/// on, mm behind its foremost point.
+/// A depth at which a surface is crossed from the front on, mm behind its foremost point.
+struct DepthCrossing {
+  float depth_mm{};
+  bool enters{};  ///< the surface looks to the front
+};
+
+/// What a target has behind each cell.
 struct DepthStacks {
   LayerGrid grid;
-  std::vector<std::vector<float>> crossings;  ///< one a cell, ascending
+  std::vector<std::vector<DepthCrossing>> crossings;  ///< one a cell, ascending
 };
 
 /// Looks through a target, whose x axis points to the front, y to the right and z up, from z = 0
-/// on.
-[[nodiscard]] DepthStacks depth_stacks(const TriangleSoup& target, double cell_mm);
+/// on. The grid has all of it, and at least `least_half_mm` on each side of the middle.
+[[nodiscard]] DepthStacks depth_stacks(const TriangleSoup& target, double cell_mm,
+                                       double least_half_mm = 0.0);
+
+/// The height of a layer, mm.
+[[nodiscard]] double height_of(const LayerGrid& grid, const LayerMask& mask);
 
 /// The depths of at most `count` layers that lie nearest to what is seen of a target from in front
 /// and above (k-medians), moved as little as puts each at least `apart_mm` behind the last; fewer
@@ -42,7 +51,7 @@ struct DepthStacks {
                                                double apart_mm);
 
 /// The layers of a target: each has all of the target that is nearer in depth to it than to another
-/// layer, whether it is seen or not.
+/// layer, whether it is seen or not. Solids that overlap are one.
 [[nodiscard]] std::vector<LayerMask> layer_masks(const DepthStacks& stacks,
                                                  const std::vector<double>& depths_mm);
 
@@ -51,6 +60,8 @@ struct LayerPaper {
   double band_mm{6.0};         ///< height of the strip at its foot that holds all of it
   double least_foot_mm{22.0};  ///< of that strip, on each side of the middle
   double foot_share{0.45};     ///< the same, of the layer's height
+  double widest_foot_mm{1e9};  ///< the most of all these
+  double firm_foot_mm{};       ///< the least, however wide that is
   double ridge_mm{16.0};       ///< least height of the fold in the middle
   double ridge_share{0.42};    ///< the same, of the layer's height
   double hidden_share{0.5};    ///< the same, well below what hides it in front

@@ -1411,6 +1411,50 @@ TEST_CASE("a house, a church and a barn are boxes of few panels, less than 1 % o
   }
 }
 
+TEST_CASE("layers of tall and slim shapes move by at most 1 mm", "[core][parts][layers]") {
+  for (const char* turn : {"0", "90"})
+    for (const char* opens : {"180", "90"}) {
+      CAPTURE(turn, opens);
+      const auto spec = parse_design_spec(
+          R"({"popcut":1,"style":"layers","surface":{"type":"mesh","file":"a.obj"},)"
+          R"("rotate_deg":[0,0,)" +
+          std::string(turn) + R"(],"layers":{"opens_deg":)" + opens + "}}");
+      REQUIRE(spec);
+      const auto sound = judge::sound_layers(*spec, {{"a.obj", church_obj()}}, "test");
+      if (!sound) FAIL(message(sound.error()));
+      CHECK(sound->report.wobble_mm.value_or(9.0) <= 1.0);
+    }
+}
+
+TEST_CASE("solids that overlap are one in each layer", "[core][parts][layers]") {
+  // A small box deep in a large one, and the same with all faces inside out.
+  for (const bool is_turned : {false, true}) {
+    CAPTURE(is_turned);
+    TriangleSoup soup;
+    const auto box = [&](double half, double front, double back) {
+      const auto corner = [&](int k) {
+        return Vec3{k & 1 ? -front : -back, k & 2 ? half : -half, k & 4 ? 40.0 : 0.0};
+      };
+      for (const std::array<int, 4>& side : std::initializer_list<std::array<int, 4>>{
+               {1, 3, 7, 5}, {0, 4, 6, 2}, {2, 6, 7, 3}, {0, 1, 5, 4}, {4, 5, 7, 6}, {0, 2, 3, 1}})
+        for (const std::array<int, 3>& t :
+             {std::array{side[0], side[1], side[2]}, std::array{side[0], side[2], side[3]}})
+          soup.add(corner(t[is_turned ? 2 : 0]), corner(t[1]), corner(t[is_turned ? 0 : 2]));
+    };
+    box(30.0, 0.0, 60.0);
+    box(10.0, 10.0, 50.0);
+    const DepthStacks stacks = depth_stacks(soup, 1.0);
+    const std::vector<LayerMask> masks = layer_masks(stacks, {5.0, 30.0, 55.0});
+    const std::size_t middle = stacks.grid.at(stacks.grid.columns / 2, 20);
+    CHECK(stacks.crossings[middle].size() == 4);
+    // Without a direction the inner box is a hole in the outer one.
+    CHECK(masks[1][middle] == (is_turned ? 0 : 1));
+    CHECK(masks[0][middle] == 1);
+    CHECK(masks[2][middle] == 1);
+    CHECK(height_of(stacks.grid, masks[1]) == Approx(40.0).margin(1.0));
+  }
+}
+
 TEST_CASE("what cannot be made of boxes says why, and what would do", "[core][parts][boxes]") {
   const auto says = [](const std::string& obj, const std::string& rest, const std::string& place,
                        const std::string& what) {
