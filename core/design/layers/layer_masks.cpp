@@ -19,6 +19,7 @@ constexpr double kLookDown_rad = 0.6;  ///< from how far above what is seen coun
 constexpr double kSample_mm2 = 2.0;
 constexpr double kShownCost = 8.0;  ///< of paper that is seen, for each of it that is hidden
 constexpr std::size_t kMostSamples = 2000;
+constexpr double kGusset = 0.25;  ///< height of what holds a foot beyond the shape, for its length
 
 struct Extent {
   Vec3 low, high;
@@ -189,12 +190,15 @@ class HalfMaker {
     };
     const double firm =
         std::min(paper_.firm_foot_mm / half_.grid.cell_mm, static_cast<double>(half_.columns()));
-    const std::size_t foot = std::max(
-        std::min(
-            {half_.columns(), cells(paper_.widest_foot_mm),
-             std::max({low, widest / 2, cells(paper_.least_foot_mm), share(paper_.foot_share)})}),
-        static_cast<std::size_t>(std::ceil(firm)));
+    const std::size_t within = std::min(
+        {half_.columns(), cells(paper_.widest_foot_mm),
+         std::max({low, widest / 2, cells(paper_.least_foot_mm), share(paper_.foot_share)})});
+    const std::size_t foot = std::max(within, static_cast<std::size_t>(std::ceil(firm)));
     fill(0, foot, 0, cells(paper_.band_mm));
+    // Where it is longer than that, it is a gusset, since a long strip alone bends.
+    for (std::size_t c = low; foot > within && c < foot; ++c)
+      fill(c, c + 1, 0,
+           cells(paper_.band_mm + kGusset * half_.grid.cell_mm * static_cast<double>(foot - c)));
     // Who looks from above sees a little over what hides the fold.
     const std::size_t hidden = covered_ - std::min(covered_, cells(2.0 * paper_.band_mm));
     const std::size_t ridge = std::max({cells(paper_.ridge_mm), share(paper_.ridge_share),
