@@ -694,7 +694,7 @@ TEST_CASE("boxes are printed with the colours of the model's sides, windows too,
   how.trapping = {0.0, 0.0};
   const auto artwork = boxes_artwork(*made, model, places, how);
   if (!artwork) FAIL(message(artwork.error()));
-  std::array<std::array<std::size_t, 4>, 3> pixels{};  // red, green, blue, bare; of each part
+  std::array<std::array<std::size_t, 4>, 4> pixels{};  // red, green, blue, bare; of each part
   for (std::size_t j = 0; j < artwork->frame.height; ++j)
     for (std::size_t i = 0; i < artwork->frame.width; ++i) {
       const PagePoint at = artwork->frame.middle(i, j);
