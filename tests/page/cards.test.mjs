@@ -324,6 +324,7 @@ test('a model becomes a card of layers: searched, shown, pulled apart, glued ste
 
   // All sheets to cut by hand.
   await page.getByRole('button', { name: 'Make it…' }).click();
+  assert.equal(await page.locator('.export', { hasText: /\((STL|GLB)\)/ }).count(), 0, 'what only cards of one sheet have is not offered');
   await page.locator('.make-choice', { hasText: 'By hand' }).click();
   await page.getByRole('button', { name: /sheets\.pdf/ }).waitFor({ timeout: 120_000 });
   await picture(page, 'parts-by-hand');

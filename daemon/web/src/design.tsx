@@ -154,7 +154,7 @@ async function film(view: NonNullable<typeof shownModel.view>, flat: number, des
 const designName = (): string => (desk.foreign.value?.name ?? nameOf(desk.spec.value ?? {})) || 'design';
 
 const kShut_rad = 0.1;
-const kOneSheetFiles = ['segments.csv', 'deploy.glb', 'poster.svg', 'deployed.svg'];
+const kOneSheetFiles = ['segments.csv', 'deploy.glb', 'deployed.stl', 'poster.svg', 'deployed.svg'];
 
 /** All other formats, as files of the design. */
 function OtherFormats() {
