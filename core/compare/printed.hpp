@@ -48,6 +48,7 @@ class PrintedTarget {
   [[nodiscard]] bool is_unseen() const { return pixels_ == 0; }
   /// How much there is to see: how long the outlines, jumps of depth and borders of colours are
   /// together, from the mean view, in diagonals of the target. A back has less than a face.
+  /// O(pixels of all views).
   [[nodiscard]] double detail() const;
   /// O(triangles + pixels of all views).
   [[nodiscard]] PrintedFigures measure(Triangles structure, Buffers& buffers) const;

@@ -100,10 +100,12 @@ class CardGuide {
       if (auto done = add_slide_steps(unit); !done) return tl::unexpected(done.error());
     std::vector<std::size_t> standing;
     add_glue_steps(units_.front(), standing);
+    std::vector<std::size_t> encloser(units_.size(), 0);
+    for (const std::size_t unit : order) encloser[unit] = encloser_of(unit);
     for (const std::size_t unit : order) {
-      if (encloser_of(unit) != 0) continue;
+      if (encloser[unit] != 0) continue;
       for (const std::size_t inner : order)
-        if (encloser_of(inner) == unit) add_inner_step(units_[inner].front(), units_[unit].front());
+        if (encloser[inner] == unit) add_inner_step(units_[inner].front(), units_[unit].front());
       add_glue_steps(units_[unit], standing);
     }
     if (out_.steps.empty() || out_.steps.back().kind == GlueStepKind::Fold) return std::move(out_);

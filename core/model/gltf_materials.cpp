@@ -82,23 +82,23 @@ GltfMaterials::Texture GltfMaterials::texture_of(const tinygltf::TextureInfo& ba
 
 // What a material gives off itself adds to what it reflects (glTF 2.0, 3.9.3 and appendix B); what
 // reflects nothing shows that alone.
-void GltfMaterials::add_glow(const tinygltf::Material& material, std::array<double, 4>& light,
-                             Texture& texture) {
-  std::array<double, 3> glow{};
+void GltfMaterials::add_emission(const tinygltf::Material& material, std::array<double, 4>& light,
+                                 Texture& texture) {
+  std::array<double, 3> emitted{};
   double strength = 1.0;
   const auto strong = material.extensions.find("KHR_materials_emissive_strength");
   if (strong != material.extensions.end() && strong->second.Has("emissiveStrength"))
     strength = strong->second.Get("emissiveStrength").GetNumberAsDouble();
   for (std::size_t k = 0; k < 3 && k < material.emissiveFactor.size(); ++k)
-    glow[k] = strength * material.emissiveFactor[k];
+    emitted[k] = strength * material.emissiveFactor[k];
   const auto lit = [](double value) { return value > 0.0; };
-  if (std::none_of(glow.begin(), glow.end(), lit)) return;
-  const Texture glowing = texture_of(material.emissiveTexture);
+  if (std::none_of(emitted.begin(), emitted.end(), lit)) return;
+  const Texture emitted_by = texture_of(material.emissiveTexture);
   const bool black = std::none_of(light.begin(), light.begin() + 3, lit);
-  if (black) texture = glowing;
+  if (black) texture = emitted_by;
   // Two pictures are not added up.
-  if (!black && (texture.index >= 0 || glowing.index >= 0)) return;
-  for (std::size_t k = 0; k < 3; ++k) light[k] += glow[k];
+  if (!black && (texture.index >= 0 || emitted_by.index >= 0)) return;
+  for (std::size_t k = 0; k < 3; ++k) light[k] += emitted[k];
 }
 
 Result<void> GltfMaterials::add(const tinygltf::Material& material) {
@@ -120,7 +120,7 @@ Result<void> GltfMaterials::add(const tinygltf::Material& material) {
         move_by(diffuse.Get("extensions").Get("KHR_texture_transform"), texture.places);
     }
   }
-  add_glow(material, light, texture);
+  add_emission(material, light, texture);
   ModelMaterial made;
   made.colour = colour_of(light);
   // Opaque materials have no alpha (glTF 2.0, 3.9.6).

@@ -54,8 +54,8 @@ class GltfMaterials {
     GltfPlaces places;
   };
   [[nodiscard]] static Texture texture_of(const tinygltf::TextureInfo& base);
-  static void add_glow(const tinygltf::Material& material, std::array<double, 4>& light,
-                       Texture& texture);
+  static void add_emission(const tinygltf::Material& material, std::array<double, 4>& light,
+                           Texture& texture);
   [[nodiscard]] Result<void> add(const tinygltf::Material& material);
   [[nodiscard]] Result<std::int32_t> picture_of(int texture);
   [[nodiscard]] std::optional<std::string_view> bytes_of(const tinygltf::Image& image) const;

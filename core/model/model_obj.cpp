@@ -283,7 +283,7 @@ class Materials {
   Result<void> read(const std::string& file, const std::string& bytes) {
     std::uint32_t now = 0;
     std::string kept;
-    std::map<std::uint32_t, ModelColour> glow;  // of materials
+    std::map<std::uint32_t, ModelColour> emitted;  // of materials
     auto done = for_each_line(
         plain_lines(bytes, kept), [&](std::string_view line, std::size_t number) -> Result<void> {
           const Entry entry(line, number);
@@ -297,11 +297,11 @@ class Materials {
           if (same_word(entry.key, "Kd")) return colour(entry, file, model_.materials[now]);
           if (same_word(entry.key, "map_Kd")) return picture(entry, file, now);
           if (entry.key == "d") dissolve(entry, model_.materials[now]);
-          if (same_word(entry.key, "Ke")) numbers_of(entry.rest, glow[now]);
+          if (same_word(entry.key, "Ke")) numbers_of(entry.rest, emitted[now]);
           return {};
         });
     // What reflects nothing shows what it gives off itself.
-    for (const auto& [number, colour] : glow) {
+    for (const auto& [number, colour] : emitted) {
       ModelMaterial& material = model_.materials[number];
       if (material.colour == ModelColour{} && material.picture < 0) material.colour = colour;
       for (float& part : *material.colour) part = std::clamp(part, 0.0F, 1.0F);

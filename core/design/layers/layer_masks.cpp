@@ -398,12 +398,10 @@ DepthStacks depth_stacks(const TriangleSoup& target, double cell_mm, double leas
 }
 
 double height_of(const LayerGrid& grid, const LayerMask& mask) {
-  std::size_t high = grid.rows;
-  while (high > 0 && std::find(mask.begin() + static_cast<std::ptrdiff_t>(grid.at(0, high - 1)),
-                               mask.begin() + static_cast<std::ptrdiff_t>(grid.at(0, high)),
-                               1) == mask.begin() + static_cast<std::ptrdiff_t>(grid.at(0, high)))
-    --high;
-  return static_cast<double>(high) * grid.cell_mm;
+  // Rows lie one after another, the lowest first.
+  const auto last = std::find_if(mask.rbegin(), mask.rend(), [](auto paper) { return paper != 0; });
+  const auto cells = static_cast<std::size_t>(mask.rend() - last);
+  return static_cast<double>((cells + grid.columns - 1) / grid.columns) * grid.cell_mm;
 }
 
 std::vector<double> layer_depths(const TriangleSoup& target, int count, double apart_mm) {

@@ -93,7 +93,9 @@ struct ColourUse {
 /// What is wrong with names that nobody knows beside names with a meaning, and what to type.
 [[nodiscard]] std::string unknown_names(std::span<const std::string> names);
 
-/// The warning where all names of a drawing are such, and several lines have different ones.
+/// The warning of a drawing whose names are all unknown, where its lines have different ones: they
+/// are cut.
+/// @param names  at least one
 [[nodiscard]] std::string only_unknown_names(std::span<const std::string> names);
 
 }  // namespace popcut

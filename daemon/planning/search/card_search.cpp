@@ -374,11 +374,11 @@ class CardSearch {
     return {ways_, drawn_ways_, out_.counts.ways, out_.better_front};
   }
 
-  /// Leaves out the ways that show little of what the model has to show.
+  /// Leaves out the ways that show little of what the model has to show. Each is measured once.
   [[nodiscard]] std::vector<Way> telling(std::vector<Way> ways, Part part) {
     const TriangleMesh& shown = request_.colours.empty() ? coarse() : request_.mesh;
     for_each(ways.size(), "looking for the front", part, [&](std::size_t, std::size_t k) {
-      ways[k].detail = detail_of(shown, request_.colours, ways[k]);
+      if (!(ways[k].detail > 0.0)) ways[k].detail = detail_of(shown, request_.colours, ways[k]);
     });
     return telling_ways(std::move(ways));
   }

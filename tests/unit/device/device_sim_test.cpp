@@ -283,7 +283,7 @@ TEST_CASE("a line is clipped at the window and not dropped", "[device][sim]") {
   CHECK(trace.clipped.size() == 6);
 }
 
-TEST_CASE("line types that are not solid are told once", "[device][sim]") {
+TEST_CASE("one warning says that line types are not solid", "[device][sim]") {
   const auto remarks = [](const std::string& program, const std::string& model) {
     return value(simulate(bytes(program), machine(model.c_str()))).remarks;
   };

@@ -265,7 +265,8 @@ TEST_CASE("features that are not applied are named with their place", "[core][fo
   CHECK(work.lines.size() == 3);
 }
 
-TEST_CASE("lines beyond the page of a drawing are told and cut whole", "[core][formats][svg]") {
+TEST_CASE("a warning counts lines beyond the page of a drawing, which are cut whole",
+          "[core][formats][svg]") {
   const auto draw = [](const std::string& content, const std::string& root) {
     return read("<svg xmlns='http://www.w3.org/2000/svg' " + root + ">" + content + "</svg>");
   };
@@ -280,7 +281,7 @@ TEST_CASE("lines beyond the page of a drawing are told and cut whole", "[core][f
   CHECK(is_told(both, "2 lines lie wholly or partly beyond the page of the drawing"));
   CHECK(is_told(both, "the first at line 1 (id \"p\")"));
   CHECK(both.warnings[0].spoils);
-  // Dashes are one line, and a fill is told where it is cut.
+  // The dashes of a stroke count as one line. A fill counts where it is cut.
   CHECK(is_told(draw("<path d='M90 9H190' stroke-dasharray='3' stroke='red'/>", page),
                 "1 line lies wholly or partly beyond the page"));
   CHECK(
@@ -314,7 +315,7 @@ TEST_CASE("lines beyond the page of a drawing are told and cut whole", "[core][f
   CHECK(is_told(*small, "beyond the page"));
 }
 
-TEST_CASE("names that are all unknown are told if lines have different ones",
+TEST_CASE("a warning lists names that are all unknown, if lines have different ones",
           "[core][formats][svg][profile]") {
   SvgReadOptions how;
   how.profile = find_stroke_profile("auto").value();
@@ -335,7 +336,7 @@ TEST_CASE("names that are all unknown are told if lines have different ones",
   CHECK_FALSE(told(in("cut", 1)));
 }
 
-TEST_CASE("white strokes without a name are told", "[core][formats][svg]") {
+TEST_CASE("a note counts white strokes without a name", "[core][formats][svg]") {
   SvgReadOptions how;
   how.profile = find_stroke_profile("auto").value();
   const auto told = [&](const std::string& content) {
@@ -348,7 +349,7 @@ TEST_CASE("white strokes without a name are told", "[core][formats][svg]") {
   CHECK_FALSE(told("<g id='cut'><path d='M0 0H5' stroke='white'/></g>"));
 }
 
-TEST_CASE("what viewers disagree about is told", "[core][formats][svg]") {
+TEST_CASE("a warning says where viewers disagree", "[core][formats][svg]") {
   const std::string symbol = "<path d='M0 0H5' stroke='red'/></symbol><use href='#s'/>";
   CHECK(is_told(read(svg("<symbol id='s' refX='2' overflow='visible'>" + symbol)),
                 "1 <symbol> has a refX or refY"));
