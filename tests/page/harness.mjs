@@ -38,10 +38,10 @@ export async function until(what, sentence, limit_ms = 60_000) {
   }
 }
 
-/** A drawing of `lines` strokes on A6, as SVG: enough to cut for a while. */
+/** A drawing of `lines` strokes, as SVG: enough to cut for a while. More than 68 reach beyond its A6 page, as is meant. */
 export function ladder(lines = 40) {
   const rungs = Array.from({ length: lines }, (_, i) => `M10 ${10 + i * 2}H90`).join('');
-  return `<svg xmlns="http://www.w3.org/2000/svg" width="105mm" height="148mm" viewBox="0 0 105 148">`
+  return `<svg xmlns="http://www.w3.org/2000/svg" width="105mm" height="148mm" viewBox="0 0 105 148" overflow="visible">`
     + `<path fill="none" stroke="#000" d="${rungs}"/></svg>`;
 }
 
