@@ -254,6 +254,7 @@ class SceneReader {
     const std::size_t vertices = indices ? indices->size() : (*places)->size();
     const std::size_t triangles =
         mode == TINYGLTF_MODE_TRIANGLES ? vertices / 3 : std::max<std::size_t>(vertices, 2) - 2;
+    if (mode == TINYGLTF_MODE_TRIANGLES) model_.corners_left_over += vertices % 3;
     // Others have three corners in one place.
     if (!indices && triangles > 3 * (*places)->given())
       return empty_values(vertices, (*places)->given());
@@ -301,6 +302,11 @@ class SceneReader {
   /// The targets of a primitive whose weight is not zero.
   Result<std::vector<Morph>> morphs_of(const tinygltf::Primitive& of,
                                        const std::vector<double>& weights) {
+    if (std::any_of(weights.begin() + std::min(weights.size(), of.targets.size()), weights.end(),
+                    [](double weight) { return weight != 0; }))
+      return fail(ErrorKind::Malformed, name_,
+                  fmt::format("has {} weights for {} morph targets; repair the model",
+                              weights.size(), of.targets.size()));
     std::vector<Morph> out;
     for (std::size_t k = 0; k < of.targets.size() && k < weights.size(); ++k) {
       if (weights[k] == 0 || moves_nothing(of.targets[k])) continue;

@@ -158,6 +158,10 @@ Result<TriangleMesh> read_mesh(const std::string& name, std::string_view bytes,
     notes->push_back(fmt::format(
         "the model lies far from its origin and is moved there: by {:.10g}, {:.10g}, {:.10g}",
         by[0], by[1], by[2]));
+  if (notes != nullptr && model->corners_left_over > 0)
+    notes->push_back(
+        fmt::format("corners of the model that make no whole triangle, {}: popcut leaves them out",
+                    model->corners_left_over));
   TriangleMesh mesh;
   mesh.corners.reserve(model->corners.size());
   for (const double value : model->corners) mesh.corners.push_back(static_cast<float>(value));

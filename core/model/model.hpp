@@ -44,8 +44,9 @@ struct Model {
   std::vector<std::uint32_t> material_of;            ///< one a triangle
   std::vector<ModelMaterial> materials;  ///< the first is that of triangles without a material
   std::vector<ModelPicture> pictures;
-  bool uses_materials{false};     ///< a triangle has a material of the file
-  std::array<double, 3> moved{};  ///< what was added to x y z of a model far from its origin
+  bool uses_materials{false};       ///< a triangle has a material of the file
+  std::array<double, 3> moved{};    ///< what was added to x y z of a model far from its origin
+  std::size_t corners_left_over{};  ///< of lists of corners, what makes no whole triangle
 
   [[nodiscard]] std::size_t size() const { return corners.size() / 9; }
 };

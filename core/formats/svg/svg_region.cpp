@@ -17,7 +17,8 @@ namespace {
 // Points this near are one: a share of the largest coordinate, since a drawing may become larger
 // after it is read, and at most 1 nm.
 constexpr double kSameShare = 1e-8, kMostSame_mm = 1e-6;
-constexpr double kAside = 10.0;  // times as far beside a line its sides are looked at
+constexpr double kLeastShare = 1e-15;  // what a double tells apart
+constexpr double kAside = 10.0;        // times as far beside a line its sides are looked at
 
 PagePoint on_line(const PagePoint& a, const PagePoint& b, double t) {
   return {std::lerp(a.x, b.x, t), std::lerp(a.y, b.y, t)};
@@ -110,7 +111,7 @@ void SvgRegion::finish(Part area) {
     least_y_ = std::min({least_y_, e.a.y, e.b.y});
     most = std::max({most, e.a.y, e.b.y});
   }
-  same_mm_ = std::min(kSameShare * largest, kMostSame_mm);
+  same_mm_ = std::min(kSameShare * largest, std::max(kMostSame_mm, kLeastShare * largest));
   // A tall edge is in many bands: their number stays small if there are many edges.
   const auto n = static_cast<double>(edges_.size());
   const double count = std::max(1.0, std::floor(std::min(2.0 * std::sqrt(n), 1e7 / n)));

@@ -232,8 +232,20 @@ TEST_CASE("morph targets move vertices by the weights of the node, else by those
   CHECK(corners_of(square)[2] == 0.0F);
   square.mesh = R"(, "weights": [0.5])";
   CHECK(corners_of(square)[2] == 2.0F);
-  square.nodes = R"({"mesh": 0, "weights": [0.25]})";
+  square.nodes = R"({"mesh": 0, "weights": [0.25, 0]})";
   CHECK(corners_of(square)[2] == 1.0F);
+  square.nodes = R"({"mesh": 0, "weights": [0.25, 1]})";
+  CHECK(refused(read_mesh("a.gltf", square.text())).detail ==
+        "has 2 weights for 1 morph targets; repair the model");
+}
+
+TEST_CASE("corners of a glTF that make no whole triangle are told", "[core][mesh]") {
+  Square square;  // four corners, as triangles
+  std::vector<std::string> notes;
+  REQUIRE(read_mesh("a.gltf", square.text(), &notes));
+  CHECK(notes ==
+        std::vector<std::string>{
+            "corners of the model that make no whole triangle, 1: popcut leaves them out"});
 }
 
 TEST_CASE("each instance of a node is there", "[core][mesh]") {

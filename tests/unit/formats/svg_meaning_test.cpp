@@ -905,6 +905,15 @@ TEST_CASE("filled shapes that lie over each other are told and welded on request
   CHECK(total_mm(cut(crossing, false), Operation::Cut) == Approx(200));
   CHECK(is_told(cut(crossing, false), "2 filled shapes lie over each other"));
   CHECK(total_mm(cut(crossing, true), Operation::Cut) == Approx(160));
+  SvgReadOptions weld;
+  weld.profile = *find_stroke_profile("auto");
+  weld.weld = true;
+  for (const char* scale : {"1e9", "1e18", "1e130"}) {
+    const auto huge = linework_from_svg(
+        svg("<g transform='scale(" + std::string(scale) + ")'>" + crossing + "</g>"), weld);
+    REQUIRE_FALSE(huge);
+    CHECK_THAT(huge.error().detail, Catch::StartsWith("is more than 100 m from the origin"));
+  }
   // Beside each other, and one within the other.
   const std::string beside =
       "<rect x='10' y='10' width='30' height='20'/><rect x='40' y='10' width='30' height='20'/>";
