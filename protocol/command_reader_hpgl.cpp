@@ -196,7 +196,8 @@ void HpglReader::close_window(std::uint64_t end, Program& into) {
   if (!values.empty() && values.size() != 4) return push_unknown(end, into);
   push_numbers(Verb::WindowNear, mnemonic_, values.first(values.size() / 2), end, into);
   push_numbers(Verb::WindowFar, mnemonic_, values.last(values.size() / 2), end, into);
-  into.commands.back().begin = end;  // its bytes are those of the first half
+  // Each has bytes of its own: the second half the last one.
+  into.commands.back().begin = into.commands.rbegin()[1].end = end - 1;
 }
 
 void HpglReader::close_points(std::uint64_t end, Program& into) {

@@ -62,6 +62,11 @@ TEST_CASE("the window of HPGL is read", "[protocol][hpgl][decode]") {
   CHECK(brief(read("IW1,2,30,40;PD5,5;IW;")) ==
         "window near IW 1,2; window far IW 30,40; draw 5,5; window near IW; window far IW");
   CHECK(brief(read("IW1,2,30;")) == "unknown IW1,2,30");
+  std::uint64_t end = 0;
+  for (const Command& command : read("IW;IW1,2,30,40;IWPU5,5;").commands) {
+    CHECK(command.begin == std::exchange(end, command.end));
+    CHECK(command.begin < command.end);
+  }
 }
 
 TEST_CASE("HPGL that changes geometry in other ways is unknown", "[protocol][hpgl][decode]") {
