@@ -243,6 +243,12 @@ def report_suite(judge, build, units):
     print("  the longest:                  wall s    CPU s")
     for wall, cpu, _, name in sorted(tests, reverse=True)[:10]:
         print(f"  {wall:37.1f}{cpu:9.1f}  {name}")
+    # A slow test is small beside the suite: each entry has a budget too, by its label.
+    allowed = judge.budget.get(f"entry {build.name}", {})
+    for _, cpu, label, name in tests:
+        if label in allowed:
+            judge.judge(f"entry {build.name}, {name}", cpu / units["run_s"], allowed[label], judge.budget["entry margin"],
+                        " units")
 
 
 def report_lines():

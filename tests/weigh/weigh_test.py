@@ -67,6 +67,9 @@ def main(compiler, folder):
     check("build build, all" in text, f"a slow compilation passes: {text}")
     code, text = report(compiler, folder, SLOW)
     check(code == 1 and "suite build, all" in text, f"a slow test passes: {text}")
+    budget.write_text(json.dumps({**empty, "entry margin": 0.5, "entry build": {"cpu": 0.5}}))
+    code, text = report(compiler, folder, SLOW)
+    check(code == 1 and "entry build, small" in text, f"one slow entry passes: {text}")
     check("raised only by a commit that says why" in text, f"nobody says what to do: {text}")
 
 
