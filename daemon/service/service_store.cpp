@@ -39,6 +39,7 @@ ServiceStore::ServiceStore(Store& store, const ServiceOptions& options)
 
 void ServiceStore::forget_after(const Marks& marks) {
   after_.resize(marks.after);
+  with_.resize(marks.with);
   events_.resize(marks.events);
 }
 
@@ -57,6 +58,7 @@ void ServiceStore::follow_up() {
   // The effects may change something again, with events and effects of their own.
   const std::vector<Event> events = std::exchange(events_, {});
   const std::vector<std::function<void()>> after = std::exchange(after_, {});
+  for (const auto& work : std::exchange(with_, {})) try_to(work);
   // This is committed, so an effect that fails must not prevent the others.
   if (!events.empty()) try_to([&] { store_.bear_witness(events.back().seq); });
   if (in_fleet())

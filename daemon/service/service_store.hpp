@@ -106,6 +106,8 @@ class ServiceStore {
   }
   /// Runs `work` after the commit of the transaction, and never after a rollback.
   void after_commit(std::function<void()> work) { after_.push_back(std::move(work)); }
+  /// The same, before the events of the commit are told: who hears one sees what it is about.
+  void on_commit(std::function<void()> work) { with_.push_back(std::move(work)); }
 
   /// Stores an event, in a transaction. `members` come after those that all events have.
   void emit(const std::string& kind, const std::string& job, const JsonObject& members);
@@ -162,9 +164,9 @@ class ServiceStore {
 
  private:
   struct Marks {
-    std::size_t after, events;
+    std::size_t after, with, events;
   };
-  [[nodiscard]] Marks marks() const { return {after_.size(), events_.size()}; }
+  [[nodiscard]] Marks marks() const { return {after_.size(), with_.size(), events_.size()}; }
   void forget_after(const Marks& marks);
   static constexpr int kMostTries = 5;
   static constexpr std::int64_t kMostTrying_ms = 1000;
@@ -181,7 +183,7 @@ class ServiceStore {
   Store& store_;
   const ServiceOptions& options_;
   UlidSource ulids_;
-  std::vector<std::function<void()>> after_;
+  std::vector<std::function<void()>> after_, with_;
   std::vector<Event> events_;  ///< of this transaction; in a fleet numbered after its commit
   NodeMark node_;
   std::int64_t last_delivered_{0};  ///< in a fleet: the last event that was published here

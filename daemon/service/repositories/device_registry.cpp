@@ -359,7 +359,7 @@ void DeviceRegistry::set_enabled(const std::string& id, bool enabled) {
                   .text("state", changed.record.state)
                   .flag("enabled", enabled)
                   .number("rev", changed.record.rev));
-  store_.after_commit([this, id, enabled, rev = changed.record.rev] {
+  store_.on_commit([this, id, enabled, rev = changed.record.rev] {
     entries_.at(id).record.enabled = enabled;
     entries_.at(id).record.rev = rev;
   });
