@@ -156,8 +156,8 @@ class FakePlanner final : public daemon::Planner {
       const auto is_cancelled = [&] {
         return std::find(cancels_.begin(), cancels_.end(), one.number) != cancels_.end();
       };
-      if (one.task.kind != daemon::PlanningTask::Kind::Check &&
-          text.find("slow") != std::string::npos)
+      const bool is_check = one.task.kind == daemon::PlanningTask::Kind::Check;
+      if (text.find(is_check ? "held" : "slow") != std::string::npos)
         wake_.wait(lock, [&] { return ending_ || released_ || is_cancelled() || is_forgotten(); });
       if (ending_) return;
       if (is_forgotten()) continue;

@@ -16,7 +16,9 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -25,12 +27,6 @@ namespace popcut::daemon {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-std::filesystem::path new_folder() {
-  std::string text = (std::filesystem::temp_directory_path() / "popcut-http-XXXXXX").string();
-  if (::mkdtemp(text.data()) == nullptr) throw std::runtime_error("no temporary folder");
-  return text;
-}
 
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -185,64 +181,39 @@ void RawConnection::shrink_buffer(int bytes) {
   ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof(bytes));
 }
 
-WorkThread::WorkThread() : thread_([this] { loop(); }) {}
-
-WorkThread::~WorkThread() {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    ending_ = true;
-  }
-  wake_.notify_all();
-  thread_.join();
+Service with_devices(const Service& service, Devices& devices) {
+  return {service.access,  service.designs, service.plans,     service.searches,  service.jobs,
+          service.cutting, devices,         service.materials, service.operations};
 }
 
-bool WorkThread::post(std::function<void()> work) {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (ending_) return false;
-    queue_.push_back(std::move(work));
-  }
-  wake_.notify_all();
-  return true;
+ServiceForHttp::ServiceForHttp() : previewer(*new testing::FakePreviewer) {
+  bench.options.previewer.reset(&previewer);
+  bench.options.wall_ms = [this, now = bench.options.wall_ms] {
+    if (!has_clock) throw std::runtime_error("there is no clock");
+    return now();
+  };
+  if (const std::string fault = bench.start(); !fault.empty()) throw std::runtime_error(fault);
+  for (const Role role : {Role::Viewer, Role::Submitter, Role::Operator, Role::Admin})
+    renew_token(role);
+  devices_.emplace(bench.service().devices);
+  service_.emplace(with_devices(bench.service(), *devices_));
 }
 
-void WorkThread::run(const std::function<void()>& work) {
-  std::mutex mutex;
-  std::condition_variable finished;
-  bool done = false;
-  post([&] {
-    work();
-    const std::lock_guard<std::mutex> lock(mutex);
-    done = true;
-    finished.notify_all();
-  });
-  std::unique_lock<std::mutex> lock(mutex);
-  finished.wait(lock, [&] { return done; });
-}
-
-void WorkThread::loop() {
-  while (true) {
-    std::function<void()> work;
-    {
-      std::unique_lock<std::mutex> lock(mutex_);
-      wake_.wait(lock, [&] { return ending_ || !queue_.empty(); });
-      if (queue_.empty()) return;
-      work = std::move(queue_.front());
-      queue_.pop_front();
-    }
-    work();
-  }
-}
-
-LiveServer::LiveServer(const std::function<void(HttpOptions&)>& change) : folder_(new_folder()) {
-  socket_path_ = (folder_ / "popcut.sock").string();
-  std::filesystem::create_directory(folder_ / "incoming");
+LiveServer::LiveServer(const std::function<void(HttpOptions&)>& change) {
+  socket_path_ = bench.folder() + "/popcut.sock";
+  incoming_ = bench.folder() + "/incoming";
   HttpOptions options;
   options.listen = {{"127.0.0.1:0"}, {"unix:" + socket_path_}};
-  options.incoming_folder = (folder_ / "incoming").string();
+  options.incoming_folder = incoming_;
   options.build = "0.0-test";
-  options.service = &fake;
-  options.on_service = [this](std::function<void()> work) { return thread_.post(std::move(work)); };
+  options.service = &service();
+  using Lane = ServiceThread::Lane;
+  options.on_service = [this](std::function<void()> work) {
+    return bench.thread().post(Lane::Asking, std::move(work));
+  };
+  options.on_service_urgent = [this](std::function<void()> work) {
+    return bench.thread().post(Lane::Urgent, std::move(work));
+  };
   // Suites ask more often than people; one case proves the defaults.
   options.limits.rate_per_s = 1e6;
   options.limits.rate_burst = 1e6;
@@ -254,18 +225,55 @@ LiveServer::LiveServer(const std::function<void(HttpOptions&)>& change) : folder
 
 LiveServer::~LiveServer() {
   server_->stop(0.2);
-  server_.reset();
-  std::error_code none;
-  std::filesystem::remove_all(folder_, none);
+  bench.stop();
 }
 
-void LiveServer::ask(const std::function<void(FakeService&)>& what) {
-  thread_.run([&] { what(fake); });
+void ServiceForHttp::renew_token(Role role) {
+  const std::string name(name_of(role));
+  tokens_[name] = bench.on([&](LiveService& service) {
+    return service.access.create_token(bench.admin, name, role, std::nullopt).value().text;
+  });
+}
+
+Principal ServiceForHttp::principal(Role role) const {
+  const std::string id = token_id(std::string(name_of(role)));
+  return {.name = "token:" + id, .role = role, .credential = id};
+}
+
+void ServiceForHttp::put_texts(const std::string& job, const std::string& name,
+                               const std::string& note) {
+  ask([&](LiveService&) {
+    bench.store().database().run("UPDATE job SET name=?, note=? WHERE id=?", name, note, job);
+  });
+}
+
+void ServiceForHttp::tell(const std::string& job, int times) {
+  static std::atomic<int> number{0};
+  ask([&](LiveService& service) {
+    const IdempotentRequest once{fmt::format("tell-events-{:06}", ++number), ""};
+    const auto effect = [&] {
+      std::int64_t rev = service.jobs.brief(job).value().rev;
+      for (int i = 0; i < times; ++i)
+        rev = service.jobs.patch(bench.tutor, job, rev, {.priority = i % 2}).value().rev;
+      return Rendered{};
+    };
+    service.operations.once(bench.tutor, once, effect).value();
+  });
+}
+
+std::int64_t ServiceForHttp::jobs() {
+  return bench.on([](LiveService& service) {
+    return static_cast<std::int64_t>(service.jobs.list({}, {}).value().items.size());
+  });
+}
+
+std::int64_t ServiceForHttp::last_event() {
+  return bench.on([](LiveService& service) { return service.operations.last_event(); });
 }
 
 std::size_t LiveServer::spools() const {
   std::error_code none;
-  const std::filesystem::directory_iterator all(folder_ / "incoming", none);
+  const std::filesystem::directory_iterator all(incoming_, none);
   return static_cast<std::size_t>(std::distance(begin(all), end(all)));
 }
 
@@ -274,7 +282,7 @@ std::string LiveServer::request(std::string_view method, std::string_view target
                                 std::string_view body) const {
   std::string out =
       fmt::format("{} {} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n{}", method, target, port(), more);
-  if (!role.empty()) out += fmt::format("Authorization: Bearer pc_{}_0123456789\r\n", role);
+  if (!role.empty()) out += fmt::format("Authorization: Bearer {}\r\n", token(std::string(role)));
   if (!body.empty()) out += fmt::format("Content-Length: {}\r\n", body.size());
   return fmt::format("{}\r\n{}", out, body);
 }

@@ -1,21 +1,19 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <condition_variable>
+#include <atomic>
 #include <cstdint>
-#include <deque>
-#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <thread>
+#include <vector>
 
 #include "daemon/http/server.hpp"
-#include "tests/support/fake_service.hpp"
+#include "tests/support/fake_previewer.hpp"
+#include "tests/support/service_bench.hpp"
 #include "tests/support/timing.hpp"
 
 namespace popcut::daemon {
@@ -61,37 +59,77 @@ class RawConnection {
   std::string pending_;
 };
 
-/// One thread that runs what it is given, in order: stands for the service's.
-class WorkThread {
+/// The cutters of a service, which cannot be read if a test says so.
+class FaultyDevices final : public Devices {
  public:
-  WorkThread();
-  ~WorkThread();
-  bool post(std::function<void()> work);
-  /// Runs `work` there and waits.
-  void run(const std::function<void()>& work);
+  explicit FaultyDevices(Devices& real) : real_(real) {}
+  std::function<void()> fault{};  ///< of the service's thread; throws
+  std::vector<DeviceRecord> list() override {
+    if (fault) fault();
+    return real_.list();
+  }
+  Answer<DeviceRecord> find(const std::string& id) override {
+    if (fault) fault();
+    return real_.find(id);
+  }
+  Answer<DeviceRecord> act(const Principal& who, const std::string& id, std::int64_t if_match,
+                           const DeviceRequest& request) override {
+    return real_.act(who, id, if_match, request);
+  }
 
  private:
-  void loop();
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::deque<std::function<void()>> queue_;
-  bool ending_{false};
-  std::thread thread_;
+  Devices& real_;
 };
 
-/// The server on a free port and a unix socket, with the fake service behind it.
-class LiveServer {
+/// A service with these cutters instead of its own.
+[[nodiscard]] Service with_devices(const Service& service, Devices& devices);
+
+/// The service of a bench with what HTTP needs besides: previews, and a token for each role, whose
+/// name is that of the role.
+class ServiceForHttp {
+ public:
+  ServiceForHttp();
+
+  testing::ServiceBench bench{false};
+  testing::FakePreviewer& previewer;
+  std::atomic<bool> has_clock{true};  ///< if not, the service fails wherever it needs the time
+  [[nodiscard]] FaultyDevices& devices() { return *devices_; }
+  [[nodiscard]] Service& service() { return *service_; }
+  /// `work(service)` on the service's thread.
+  void ask(const std::function<void(LiveService&)>& work) { bench.on(work); }
+  [[nodiscard]] const std::string& token(const std::string& role) const { return tokens_.at(role); }
+  [[nodiscard]] std::string token_id(const std::string& role) const {
+    return token(role).substr(3, 26);
+  }
+  /// Gives the role another token.
+  void renew_token(Role role);
+  /// The id of a stored design, of which the planner makes two sheets.
+  [[nodiscard]] std::string design() { return bench.add_design(R"({"card":1})").value().id; }
+  /// Who sends the token of that role.
+  [[nodiscard]] Principal principal(Role role) const;
+  /// Stores texts of a job that no client could send.
+  void put_texts(const std::string& job, const std::string& name, const std::string& note);
+  /// Changes `job` so many times in one commit: each change is an event of the kind "job".
+  void tell(const std::string& job, int times);
+  [[nodiscard]] std::int64_t jobs();        ///< how many there are
+  [[nodiscard]] std::int64_t last_event();  ///< its number
+
+ private:
+  std::map<std::string, std::string> tokens_;
+  std::optional<FaultyDevices> devices_;
+  std::optional<Service> service_;
+};
+
+/// The server on a free port and a unix socket.
+class LiveServer : public ServiceForHttp {
  public:
   explicit LiveServer(const std::function<void(HttpOptions&)>& change = {});
   ~LiveServer();
 
-  FakeService fake;  ///< of the service's thread; look at it inside `ask`
   [[nodiscard]] std::uint16_t port() const { return server_->port(); }
   [[nodiscard]] const std::string& socket_path() const { return socket_path_; }
-  [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
   [[nodiscard]] RawConnection connect() const { return RawConnection(port()); }
   [[nodiscard]] HttpServer& server() { return *server_; }
-  void ask(const std::function<void(FakeService&)>& what);
   /// Number of uploads that lie about.
   [[nodiscard]] std::size_t spools() const;
 
@@ -106,9 +144,7 @@ class LiveServer {
                                    std::string_view body = "") const;
 
  private:
-  std::filesystem::path folder_;
-  std::string socket_path_;
-  WorkThread thread_;
+  std::string incoming_, socket_path_;
   std::unique_ptr<HttpServer> server_;
 };
 

@@ -31,43 +31,47 @@ int count(std::string_view text, std::string_view word) {
   return found;
 }
 
-void tell(LiveServer& server, int times, std::size_t bytes = 10) {
-  server.ask([&](FakeService& fake) {
-    for (int i = 0; i < times; ++i)
-      fake.tell("job", "01J", fmt::format(R"("rev":1,"text":"{}")", std::string(bytes, 'x')));
-  });
-}
-
 }  // namespace
 
 TEST_CASE("a stream begins with a snapshot and continues with events", "[daemon][http][events]") {
   LiveServer server;
-  server.ask([](FakeService& fake) { fake.add_job(JobState::Ready, "token:submitter"); });
-  tell(server, 3);
+  const std::string job = server.bench.ready_job().id;
+  server.tell(job, 3);
+  const std::int64_t seen = server.last_event();
   RawConnection connection = server.connect();
   const std::string head = open_stream(server, connection);
   CHECK(head.find("200 OK") != std::string::npos);
   CHECK(head.find("Content-Type: text/event-stream") != std::string::npos);
   const std::string first = connection.receive_until("\"more\":false}\n\n");
-  CHECK(first.starts_with("event: reset\ndata: {\"seq\":3}\n\nid: 3\nevent: snapshot\n"));
+  CHECK(first.starts_with(
+      fmt::format("event: reset\ndata: {{\"seq\":{0}}}\n\nid: {0}\nevent: snapshot\n", seen)));
   CHECK(first.find("load sheet 1 of 2") != std::string::npos);
-  tell(server, 1);
-  CHECK(connection.receive_until("\n\n") ==
-        "id: 4\nevent: job\ndata: {\"seq\":4,\"kind\":\"job\",\"job\":\"01J\",\"rev\":1,"
-        "\"text\":\"xxxxxxxxxx\",\"time\":\"2026-11-21T10:00:00.123Z\"}\n\n");
-  server.ask([](FakeService& fake) { fake.tell_progress("01J", R"("paths_sent":7)"); });
-  CHECK(connection.receive_until("\n\n").starts_with("event: progress\ndata: {\"seq\":0"));
+  server.tell(job, 1);
+  const std::string frame = connection.receive_until("\n\n");
+  CHECK(frame.starts_with(
+      fmt::format("id: {0}\nevent: job\ndata: "
+                  "{{\"seq\":{0},\"kind\":\"job\",\"job\":\"{1}\",\"state\":\"ready\","
+                  "\"rev\":",
+                  seen + 1, job)));
+  CHECK(count(frame, "\"time\":\"") == 1);
+  CHECK(frame.ends_with("}\n\n"));
+  server.bench.started(job);
+  server.bench.cutters.progress(server.bench.device, {.phase = popcut::SessionPhase::Held});
+  const std::string progress = "event: progress\ndata: {\"seq\":0";
+  CHECK(connection.receive_until(progress).ends_with("\n\n" + progress));
 }
 
 TEST_CASE("a stream resumes after the last event that the client saw", "[daemon][http][events]") {
   LiveServer server;
-  tell(server, 1000);
+  const std::string job = server.bench.ready_job().id;
+  const std::int64_t begin = server.last_event();
+  server.tell(job, 1000);
   RawConnection connection = server.connect();
-  open_stream(server, connection, "Last-Event-ID: 400\r\n");
-  tell(server, 20);
-  const std::string all = connection.receive_until("id: 1020\n");
+  open_stream(server, connection, fmt::format("Last-Event-ID: {}\r\n", begin + 400));
+  server.tell(job, 20);
+  const std::string all = connection.receive_until(fmt::format("id: {}\n", begin + 1020));
   CHECK(count(all, "event: job") == 619);
-  for (int seq = 401; seq <= 1020; ++seq)
+  for (std::int64_t seq = begin + 401; seq <= begin + 1020; ++seq)
     if (count(all, fmt::format("id: {}\n", seq)) != 1) FAIL("event " << seq);
   CHECK(all.find("reset") == std::string::npos);
 }
@@ -75,89 +79,114 @@ TEST_CASE("a stream resumes after the last event that the client saw", "[daemon]
 TEST_CASE("a stream that was interrupted too long begins again with a snapshot",
           "[daemon][http][events]") {
   LiveServer server;
-  tell(server, 100);
-  server.ask([](FakeService& fake) { fake.first_kept = 50; });
-  for (const char* seen :
-       {"Last-Event-ID: 48\r\n", "Last-Event-ID: 101\r\n", "Last-Event-ID: nonsense\r\n",
-        "Last-Event-ID: -1\r\n", "Last-Event-ID: 99999999999999999999\r\n"}) {
+  server.tell(server.bench.ready_job().id, 100);
+  const std::int64_t last = server.last_event(), kept = last - 50;
+  server.ask([&](LiveService&) {
+    server.bench.store().database().run("DELETE FROM event WHERE seq<?", kept);
+  });
+  const auto open = [&](RawConnection& connection, const std::string& seen) {
+    open_stream(server, connection, "Last-Event-ID: " + seen + "\r\n");
+  };
+  for (const std::string& seen :
+       {std::to_string(kept - 2), std::to_string(last + 1), std::string("nonsense"),
+        std::string("-1"), std::string("99999999999999999999")}) {
     CAPTURE(seen);
     RawConnection connection = server.connect();
-    open_stream(server, connection, seen);
-    CHECK(connection.receive_until("\n\n") == "event: reset\ndata: {\"seq\":100}\n\n");
+    open(connection, seen);
+    CHECK(connection.receive_until("\n\n") ==
+          fmt::format("event: reset\ndata: {{\"seq\":{}}}\n\n", last));
   }
   RawConnection connection = server.connect();
-  open_stream(server, connection, "Last-Event-ID: 49\r\n");
-  CHECK(connection.receive_until("\n\n").starts_with("id: 50\n"));
+  open(connection, std::to_string(kept - 1));
+  CHECK(connection.receive_until("\n\n").starts_with(fmt::format("id: {}\n", kept)));
 }
 
 TEST_CASE("an event that is heard as it happens comes with the job or the device as it is",
           "[daemon][http][events]") {
   LiveServer server;
-  std::string job, large;
-  server.ask([&](FakeService& fake) {
-    job = fake.add_job(JobState::Ready, "token:submitter").id;
-    fake.job_map.at(job).name = "a\nb\u2028\"<script>";
-    fake.job_map.at(job).next_actions = {{.action = "retry-sheet"}};
-    Job& long_one = fake.add_job(JobState::Ready, "token:submitter");
-    large = long_one.id;
-    long_one.note = std::string(13'000, 'x');
+  const std::string job = server.bench.ready_job().id;
+  const auto act = [&](const std::string& action) {
+    server.ask([&](LiveService& service) {
+      const std::string& id = server.bench.device;
+      const std::int64_t now = service.devices.find(id).value().rev;
+      service.devices.act(server.bench.admin, id, now, {.action = action}).value();
+    });
+  };
+  // The job waits for a cutter that is disabled: there is a way to go on.
+  act("disable");
+  server.ask([&](LiveService& service) {
+    const JobPatch wanted{.device = server.bench.device};
+    const std::int64_t now = service.jobs.brief(job).value().rev;
+    service.jobs.patch(server.bench.tutor, job, now, wanted).value();
   });
+  server.put_texts(job, "a\nb\u2028\"<script>", "");
+  const std::string large = server.bench.ready_job().id;
+  server.put_texts(large, "", std::string(13'000, 'x'));
   RawConnection connection = server.connect();
   open_stream(server, connection);
   const std::string first = connection.receive_until("\"more\":false}\n\n");
   const std::string data = first.substr(first.rfind("data: ") + 6);
   CHECK(nlohmann::json::parse(data).at("now").get<std::string>().ends_with("Z"));
-  const auto heard = [&](const std::function<void(FakeService&)>& happens) {
-    server.ask(happens);
+  const std::int64_t begin = server.last_event();
+  const auto next = [&] {
     const std::string frame = connection.receive_until("\n\n");
     CHECK(count(frame, "\ndata: ") == 1);
     return nlohmann::json::parse(frame.substr(frame.find("data: ") + 6));
   };
-  const auto of_job = heard([&](FakeService& fake) { fake.tell("job", job, R"("rev":2)"); });
-  auto shown = nlohmann::json::parse(server.fetch("GET", "/v1/jobs/" + job, "viewer").body);
-  CHECK(shown.contains("ways"));
-  shown.erase("ways");
-  CHECK(of_job.at("whole") == shown);
+  const auto get = [&](const std::string& path) {
+    return nlohmann::json::parse(server.fetch("GET", path, "viewer").body);
+  };
+  const auto shown = [&] {
+    auto whole = get("/v1/jobs/" + job);
+    CHECK(whole.contains("ways"));
+    whole.erase("ways");
+    return whole;
+  };
+  const std::int64_t rev = server.bench.job(job).rev;
+  server.tell(job, 1);
+  const auto of_job = next();
+  CHECK(of_job.at("whole") == shown());
   CHECK(of_job.at("now").get<std::string>().ends_with("Z"));
-  CHECK(of_job.at("rev") == 2);
-  CHECK(heard([&](FakeService& fake) { fake.tell("queue", job, R"("held":true)"); }).at("whole") ==
-        shown);
-  const auto of_device = heard([](FakeService& fake) {
-    fake.tell("device", "", R"("device":"sim:cameo3","state":"idle","rev":1)");
-  });
-  CHECK(of_device.at("whole") ==
-        nlohmann::json::parse(server.fetch("GET", "/v1/devices/sim:cameo3", "viewer").body));
+  CHECK(of_job.at("rev") == rev + 1);
+  server.ask([&](LiveService& service) { service.jobs.move(server.bench.tutor, job, "").value(); });
+  CHECK(next().at("kind") == "job");
+  const auto of_queue = next();
+  CHECK(of_queue.at("kind") == "queue");
+  CHECK(of_queue.at("whole") == shown());
+  act("enable");
+  CHECK(next().at("whole") == get("/v1/devices/sim:cameo3"));
   // What is gone, or too much, or not to be had now, is left out; the event is not.
-  for (const std::string& id : {std::string("01JD0000000000000000000000"), large})
-    CHECK_FALSE(heard([&](FakeService& fake) {
-                  fake.tell("job", id, R"("deleted":true)");
-                }).contains("whole"));
-  for (const char* odd : {R"("device":"gone")", R"("device":7)", R"("x":1)"})
-    CHECK_FALSE(heard([&](FakeService& fake) { fake.tell("device", "", odd); }).contains("whole"));
+  server.ask(
+      [&](LiveService&) { server.devices().fault = [] { throw std::runtime_error("not now"); }; });
+  act("disable");
+  CHECK_FALSE(next().contains("whole"));
+  server.tell(large, 1);
+  CHECK_FALSE(next().contains("whole"));
+  server.bench.act(large, JobAction::Cancel).value();
+  server.ask(
+      [&](LiveService& service) { REQUIRE(service.jobs.remove(server.bench.tutor, large)); });
+  auto gone = next();
+  while (!gone.contains("deleted")) gone = next();
+  CHECK_FALSE(gone.contains("whole"));
   // Missed events come as they were stored.
   RawConnection later = server.connect();
-  open_stream(server, later, "Last-Event-ID: 0\r\n");
-  const std::string missed = later.receive_until("id: 7\n");
-  CHECK(count(missed, "event: ") >= 6);
+  open_stream(server, later, fmt::format("Last-Event-ID: {}\r\n", begin));
+  const std::string missed = later.receive_until(fmt::format("id: {}\n", server.last_event()));
+  CHECK(count(missed, "event: ") >= 5);
   CHECK(count(missed, "whole") == 0);
 }
 
 TEST_CASE("a stream that is slow loses no event to jobs that are long", "[daemon][http][events]") {
   LiveServer server;
-  std::string job;
-  server.ask([&](FakeService& fake) {
-    job = fake.add_job(JobState::Ready, "token:submitter").id;
-    fake.job_map.at(job).note = std::string(8000, 'x');
-  });
+  const std::string job = server.bench.ready_job().id;
+  server.put_texts(job, "", std::string(8000, 'x'));
   RawConnection slow = server.connect();
   slow.shrink_buffer(4096);
   open_stream(server, slow);
   CHECK(slow.receive_until("\"more\":false}\n\n").starts_with("event: reset"));
   constexpr int kEvents = 200;
-  server.ask([&](FakeService& fake) {
-    for (int i = 0; i < kEvents; ++i) fake.tell("job", job, fmt::format(R"("rev":{})", i));
-  });
-  const std::string all = slow.receive_until(fmt::format("\"seq\":{},", kEvents));
+  server.tell(job, kEvents);
+  const std::string all = slow.receive_until(fmt::format("\"seq\":{},", server.last_event()));
   CHECK(all.find("overflow") == std::string::npos);
   CHECK(count(all, "event: job") == kEvents);
   CHECK(count(all, "\"whole\"") > 5);
@@ -180,23 +209,22 @@ TEST_CASE("no event is lost or doubled while clients come and go", "[daemon][htt
     options.limits.stream_events = 1'000'000;
     options.limits.stream_bytes = std::size_t{1} << 30;
   });
+  const std::string job = server.bench.ready_job().id;
+  server.tell(job, 800);
   std::atomic<bool> ends{false};
   std::thread teller([&] {
     while (!ends) {
-      tell(server, 3);
+      server.tell(job, 3);
       std::this_thread::sleep_for(std::chrono::microseconds(200));
     }
   });
   std::string wrong;
   for (int round = 0; round < 20 && wrong.empty(); ++round) {
     RawConnection connection = server.connect();
-    std::int64_t after = 0;
-    server.ask([&](FakeService& fake) {
-      // Sometimes nothing was missed, sometimes several pages.
-      after = std::max<std::int64_t>(fake.operations.last_event() - round * 40, 0);
-    });
+    // Sometimes nothing was missed, sometimes several pages.
+    const std::int64_t last = server.last_event(), after = last - round * 40;
     open_stream(server, connection, fmt::format("Last-Event-ID: {}\r\n", after));
-    for (std::int64_t seq = after + 1; seq < after + 1000 && wrong.empty(); ++seq) {
+    for (std::int64_t seq = after + 1; seq < last + 200 && wrong.empty(); ++seq) {
       const std::string frame = connection.receive_until("\n\n");
       if (!frame.starts_with(fmt::format("id: {}\n", seq)))
         wrong = fmt::format("{}: {}", seq, frame);
@@ -212,16 +240,19 @@ TEST_CASE("a client that does not read is dropped and delays nobody", "[daemon][
     options.limits.stream_events = 16;
     options.limits.body_s = 1;
   });
+  const std::string job = server.bench.ready_job().id;
+  server.put_texts(job, "", std::string(8000, 'x'));
   RawConnection deaf = server.connect();
   deaf.shrink_buffer(2048);
   open_stream(server, deaf);
   RawConnection good = server.connect();
   open_stream(server, good);
   (void)good.receive_until("snapshot");
+  const std::int64_t begin = server.last_event();
   // Far more than what the kernel keeps between the two.
   for (int i = 0; i < 200; ++i) {
-    tell(server, 4, 8000);
-    const std::string got = good.receive_until(fmt::format("id: {}\n", (i + 1) * 4));
+    server.tell(job, 4);
+    const std::string got = good.receive_until(fmt::format("id: {}\n", begin + (i + 1) * 4));
     if (count(got, "overflow") != 0) FAIL("a client that reads was dropped");
   }
   CHECK(comes_true([&] {
@@ -233,11 +264,13 @@ TEST_CASE("a client that does not read is dropped and delays nobody", "[daemon][
 
 TEST_CASE("a client that reads too slowly is asked to reconnect", "[daemon][http][events]") {
   LiveServer server([](HttpOptions& options) { options.limits.stream_events = 16; });
+  const std::string job = server.bench.ready_job().id;
+  server.put_texts(job, "", std::string(8000, 'x'));
   RawConnection slow = server.connect();
   slow.shrink_buffer(4096);
   open_stream(server, slow);
   (void)slow.receive_until("snapshot");
-  for (int i = 0; i < 100; ++i) tell(server, 8, 8000);
+  for (int i = 0; i < 100; ++i) server.tell(job, 8);
   const std::string all = slow.receive_until("event: overflow\ndata: {}\n\n");
   CHECK(count(all, "event: overflow") == 1);
   CHECK(slow.closes());
@@ -279,12 +312,14 @@ TEST_CASE("streams are limited in all and for each person and operators have pla
 
 TEST_CASE("events are available as a list", "[daemon][http][events]") {
   LiveServer server;
-  tell(server, 5);
-  const WireResponse list = server.fetch("GET", "/v1/events?after=2&limit=2", "viewer");
+  server.tell(server.bench.ready_job().id, 5);
+  const std::int64_t last = server.last_event();
+  const WireResponse list =
+      server.fetch("GET", fmt::format("/v1/events?after={}&limit=2", last - 3), "viewer");
   CHECK(list.status == 200);
   CHECK(list.headers.at("content-type") == "application/json");
   CHECK(count(list.body, "\"seq\":") == 2);
-  CHECK(list.body.find(R"("first_seq":1,"last_seq":5})") != std::string::npos);
+  CHECK(list.body.find(fmt::format(R"("first_seq":1,"last_seq":{}}})", last)) != std::string::npos);
   CHECK(server.fetch("GET", "/v1/events?after=x", "viewer").status == 422);
   CHECK(server.fetch("GET", "/v1/events?limit=0", "viewer").status == 422);
 }
@@ -294,7 +329,7 @@ TEST_CASE("a token that is deleted ends its streams", "[daemon][http][events]") 
   RawConnection connection = server.connect();
   open_stream(server, connection);
   CHECK(connection.receive_until(":\n\n:\n\n").find("snapshot") != std::string::npos);
-  CHECK(server.fetch("DELETE", "/v1/tokens/viewer").status == 204);
+  CHECK(server.fetch("DELETE", "/v1/tokens/" + server.token_id("viewer")).status == 204);
   CHECK(connection.closes());
 }
 

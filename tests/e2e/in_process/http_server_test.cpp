@@ -3,12 +3,12 @@
 #include <sys/resource.h>
 
 #include <csignal>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "daemon/digest/digest.hpp"
 #include "daemon/http/api/routes.hpp"
@@ -26,11 +26,14 @@ const std::string kSvg = "Content-Type: image/svg+xml\r\n";
 
 TEST_CASE("a job is made, acted on and seen over HTTP", "[daemon][http][server]") {
   LiveServer server;
-  const WireResponse made = server.fetch("POST", "/v1/jobs", "submitter", acting(),
-                                         R"({"design":"sha256-aa","copies":2,"tags":["a"]})");
+  server.bench.ready_job();  // so that the plan is made
+  const WireResponse made =
+      server.fetch("POST", "/v1/jobs", "submitter", acting(),
+                   fmt::format(R"({{"design":"{}","copies":2,"tags":["a"]}})", server.design()));
   REQUIRE(made.status == 201);
   const std::string at = made.headers.at("location");
-  CHECK(at.starts_with("/v1/jobs/01J"));
+  CHECK(at.starts_with("/v1/jobs/01"));
+  CHECK(at.size() == 9 + 26);
   const WireResponse seen = server.fetch("GET", at, "viewer");
   CHECK(seen.status == 200);
   CHECK(seen.headers.at("etag") == made.headers.at("etag"));
@@ -47,12 +50,12 @@ TEST_CASE("a job is made, acted on and seen over HTTP", "[daemon][http][server]"
   CHECK(late.status == 412);
   CHECK(late.problem() == "stale");
   CHECK(late.headers.at("etag") == armed.headers.at("etag"));
-  CHECK(late.body.find(R"("allowed_actions":["arm","cancel"])") != std::string::npos);
+  CHECK(late.body.find(R"("allowed_actions":["disarm","start","cancel"])") != std::string::npos);
 }
 
 TEST_CASE("the same key gets the same answer and does nothing twice", "[daemon][http][server]") {
   LiveServer server;
-  const std::string key = acting(), body = R"({"design":"sha256-aa"})";
+  const std::string key = acting(), body = fmt::format(R"({{"design":"{}"}})", server.design());
   const WireResponse first = server.fetch("POST", "/v1/jobs", "submitter", key, body);
   const WireResponse second = server.fetch("POST", "/v1/jobs", "submitter", key, body);
   CHECK(first.status == 201);
@@ -61,7 +64,7 @@ TEST_CASE("the same key gets the same answer and does nothing twice", "[daemon][
   CHECK(first.headers.count("idempotent-replayed") == 0);
   CHECK(second.headers.at("idempotent-replayed") == "true");
   CHECK(second.headers.at("location") == first.headers.at("location"));
-  server.ask([](FakeService& fake) { CHECK(fake.made_jobs == 1); });
+  CHECK(server.jobs() == 1);
   const WireResponse other =
       server.fetch("POST", "/v1/jobs", "submitter", key, R"({"design":"sha256-bb"})");
   CHECK(other.status == 422);
@@ -75,7 +78,7 @@ TEST_CASE("the same key gets the same answer and does nothing twice", "[daemon][
     CHECK(without.status == 400);
     CHECK(without.problem() == "idempotency-key-missing");
   }
-  server.ask([](FakeService& fake) { CHECK(fake.made_jobs == 2); });
+  CHECK(server.jobs() == 2);
 }
 
 TEST_CASE("each route lets in the roles of its row and no other", "[daemon][http][roles]") {
@@ -92,10 +95,7 @@ TEST_CASE("each route lets in the roles of its row and no other", "[daemon][http
     for (const Role role : {Role::Viewer, Role::Submitter, Role::Operator, Role::Admin}) {
       CAPTURE(name_of(role));
       // One of the routes ends the session that it is called with.
-      server.ask([&](FakeService& fake) {
-        const std::string name(name_of(role));
-        fake.bearers["pc_" + name + "_0123456789"] = {"token:" + name, role};
-      });
+      server.renew_token(role);
       const std::string more = route.is_stream ? "Accept: application/json\r\n" : std::string();
       const WireResponse response = server.fetch(method, path, name_of(role), more);
       const bool is_let_in = route.access.is_open() || role >= route.access.role();
@@ -122,14 +122,14 @@ TEST_CASE("an upload is in the incoming folder only until the service takes it",
   hash.add(body);
   const std::string id = "sha256-" + hash.hex();
   CHECK(made.headers.at("location") == "/v1/designs/" + id);
-  server.ask([&](FakeService& fake) {
-    CHECK(fake.last_upload_text == body);
-    CHECK(fake.last_upload.bytes == body.size());
-    CHECK(fake.last_upload_name == "<img onerror>.svg");
-    CHECK(fake.last_media_type == "image/svg+xml");
-    // The name that a client gives never reaches the file system.
-    CHECK(fake.last_upload.path.find("onerror") == std::string::npos);
-  });
+  CHECK(server.fetch("GET", "/v1/designs/" + id + "/content").body == body);
+  const auto design = nlohmann::json::parse(server.fetch("GET", "/v1/designs/" + id).body);
+  CHECK(design.at("bytes") == body.size());
+  CHECK(design.at("name") == "<img onerror>.svg");
+  const popcut::daemon::PlanningTask checked = server.bench.planner.last_task();
+  CHECK(checked.media_type == "image/svg+xml");
+  // The name that a client gives never reaches the file system.
+  CHECK(checked.design_path.find("onerror") == std::string::npos);
   CHECK(server.fetch("POST", "/v1/designs", "submitter", kSvg, body).status == 200);
   CHECK(comes_true([&] { return server.spools() == 0; }));
 }
@@ -163,34 +163,38 @@ TEST_CASE("an upload that fails in any way leaves nothing behind", "[daemon][htt
     CHECK(server.fetch("POST", "/v1/designs", "submitter", kSvg).status == 422);
   }
   SECTION("the service refuses it") {
-    server.ask([](FakeService& fake) {
-      fake.next_problem = Problem{ProblemKind::Validation, "line 3 is wrong"};
-    });
-    CHECK(server.fetch("POST", "/v1/designs", "submitter", kSvg, "<svg").status == 422);
+    CHECK(server.fetch("POST", "/v1/designs", "submitter", kSvg, "<svg bad").status == 422);
   }
   SECTION("the service forgets to answer") {
-    server.ask([](FakeService& fake) { fake.drops_replies = true; });
-    CHECK(server.fetch("POST", "/v1/designs", "submitter", kSvg, "<svg").status == 500);
+    RawConnection connection = server.connect();
+    connection.send(server.request("POST", "/v1/designs", "submitter", kSvg, "<svg held"));
+    CHECK(comes_true([&] { return server.bench.planner.started == 1; }));
+    server.bench.planner.forget();
+    CHECK(connection.receive().status == 500);
   }
   SECTION("the service fails") {
-    server.ask([](FakeService& fake) { fake.throws = true; });
-    CHECK(server.fetch("POST", "/v1/designs", "submitter", kSvg, "<svg").status == 500);
+    RawConnection local(server.socket_path());  // who is known without a clock
+    server.has_clock = false;
+    local.send(fmt::format(
+        "POST /v1/designs HTTP/1.1\r\nHost: popcut\r\n{}Content-Length: 4\r\n\r\n<svg", kSvg));
+    CHECK(local.receive().status == 500);
   }
   CHECK(comes_true([&] { return server.spools() == 0; }));
-  server.ask([](FakeService& fake) { fake.throws = false; });
+  server.has_clock = true;
   CHECK(server.fetch("GET", "/healthz", "").status == 200);
 }
 
 TEST_CASE("a full disk answers 507 and reads still work", "[daemon][http][upload]") {
   LiveServer server;
-  // No file of this process may become longer than 64 KiB: a write beyond it fails.
+  // No file of this process may become longer than 4 MiB: a write beyond it fails. The database is
+  // much smaller.
   rlimit before{};
   REQUIRE(::getrlimit(RLIMIT_FSIZE, &before) == 0);
   const auto old = std::signal(SIGXFSZ, SIG_IGN);
-  const rlimit small{65'536, before.rlim_max};
+  const rlimit small{4u << 20, before.rlim_max};
   REQUIRE(::setrlimit(RLIMIT_FSIZE, &small) == 0);
   const WireResponse full =
-      server.fetch("POST", "/v1/designs", "submitter", kSvg, std::string(200'000, 'x'));
+      server.fetch("POST", "/v1/designs", "submitter", kSvg, std::string(5u << 20, 'x'));
   const WireResponse list = server.fetch("GET", "/v1/jobs");
   const WireResponse fits = server.fetch("POST", "/v1/designs", "submitter", kSvg, "<svg/>");
   ::setrlimit(RLIMIT_FSIZE, &before);
@@ -227,61 +231,55 @@ TEST_CASE("only files that an earlier run left among the uploads are removed",
 TEST_CASE("a preview that waits too long ends, and placing a shape has more time",
           "[daemon][http][preview]") {
   LiveServer server([](HttpOptions& options) { options.limits.answer_s = 0.5; });
-  server.ask([](FakeService& fake) { fake.holds_previews = true; });
+  server.previewer.holds = true;
   const std::string json = "Content-Type: application/json\r\n";
   const WireResponse late =
       server.fetch("POST", "/v1/preview", "submitter", json, R"({"spec": {}, "quality": "exact"})");
   CHECK(late.status == 503);
   CHECK(late.body.find("no answer yet; try again") != std::string::npos);  // it has no key
-  CHECK(server.fake.previews_called_off == 1);
+  CHECK(server.previewer.called_off == 1);
   for (const http::Route& route : http::routes())
     if (route.path == "/v1/place") CHECK(route.patience == http::Patience::Design);
 }
 
 TEST_CASE("a preview ends when its client goes, and not before", "[daemon][http][preview]") {
   LiveServer server;
-  server.ask([](FakeService& fake) { fake.holds_previews = true; });
+  server.previewer.holds = true;
   const std::string body = R"({"spec": {}, "quality": "exact"})";
   const std::string wanted = server.request("POST", "/v1/preview", "submitter",
                                             "Content-Type: application/json\r\n", body);
-  const auto held = [&] {
-    std::size_t count = 0;
-    server.ask([&](FakeService& fake) { count = fake.held_previews.size(); });
-    return count;
-  };
+  server.previewer.blob = "blob";
+  const auto held = [&] { return server.previewer.held(); };
   SECTION("closed") {
     auto connection = std::make_unique<RawConnection>(server.connect());
     REQUIRE(connection->send(wanted));
     REQUIRE(comes_true([&] { return held() == 1; }));
-    CHECK(server.fake.previews_called_off == 0);
+    CHECK(server.previewer.called_off == 0);
     connection.reset();
-    CHECK(comes_true([&] { return server.fake.previews_called_off == 1; }));
+    CHECK(comes_true([&] { return server.previewer.called_off == 1; }));
   }
   SECTION("reset") {
     RawConnection connection = server.connect();
     REQUIRE(connection.send(wanted));
     REQUIRE(comes_true([&] { return held() == 1; }));
     connection.reset();
-    CHECK(comes_true([&] { return server.fake.previews_called_off == 1; }));
+    CHECK(comes_true([&] { return server.previewer.called_off == 1; }));
   }
   SECTION("answered, and the connection goes on") {
     RawConnection connection = server.connect();
     for (int k = 0; k < 3; ++k) {
       REQUIRE(connection.send(wanted));
       REQUIRE(comes_true([&] { return held() == 1; }));
-      server.ask([](FakeService& fake) {
-        fake.held_previews.front()(std::string("blob"));
-        fake.held_previews.clear();
-      });
+      server.previewer.release();
       CHECK(connection.receive().body == "blob");
     }
-    CHECK(server.fake.previews_called_off == 0);
+    CHECK(server.previewer.called_off == 0);
   }
   SECTION("another request behind it is answered after it") {
     RawConnection connection = server.connect();
     REQUIRE(connection.send(wanted + server.request("GET", "/healthz", "")));
     REQUIRE(comes_true([&] { return held() == 1; }));
-    server.ask([](FakeService& fake) { fake.held_previews.front()(std::string("blob")); });
+    server.previewer.release();
     CHECK(connection.receive().body == "blob");
     CHECK(connection.receive().status == 200);
   }
@@ -312,15 +310,6 @@ TEST_CASE("uploaded files are served as bytes to save", "[daemon][http][upload]"
   const std::string evil =
       "<svg xmlns='http://www.w3.org/2000/svg'><script>alert(1)</script></svg>";
   const WireResponse made = server.fetch("POST", "/v1/designs", "submitter", kSvg, evil);
-  const std::string path = (server.folder() / "kept").string();
-  server.ask([&](FakeService& fake) {
-    Design& design = fake.design_map.begin()->second;
-    design.kind = "svg";
-    std::FILE* const file = std::fopen(path.c_str(), "w");
-    std::fputs(evil.c_str(), file);
-    std::fclose(file);
-    fake.files[design.id] = path;
-  });
   const std::string at = made.headers.at("location");
   const WireResponse content = server.fetch("GET", at + "/content", "viewer");
   CHECK(content.status == 200);

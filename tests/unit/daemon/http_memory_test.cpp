@@ -54,19 +54,20 @@ using namespace popcut::daemon::http;
 namespace {
 
 // The status of the answer, 0 if there was none; `failed` tells whether memory failed meanwhile.
-int status_when(long fails_at, const Request& request, const Route& route, bool& failed) {
-  FakeService fake;
-  for (int i = 0; i < 60; ++i) fake.add_job(JobState::Ready, "token:admin");
+int status_when(long fails_at, ServiceForHttp& http, const Request& request, const Route& route,
+                bool& failed) {
   const HandlerContext context;
   int status = 0, answers = 0;
   const Reply reply([&](const Response& response) {
     status = response.status;
     ++answers;
   });
-  allocations_left = fails_at;
-  dispatch(request, route, fake, context, reply);
-  failed = allocations_left < 0;
-  allocations_left = -1;
+  http.ask([&](LiveService&) {
+    allocations_left = fails_at;
+    dispatch(request, route, http.service(), context, reply);
+    failed = allocations_left < 0;
+    allocations_left = -1;
+  });
   return answers == 1 ? status : 0;
 }
 
@@ -75,7 +76,6 @@ Request request_for(Method method, const std::string& target, const std::string&
   request.method = method;
   request.target = target;
   request.id = "01JREQUEST";
-  request.headers = {{"idempotency-key", "0123456789abcdef"}, {"if-match", "\"1\""}};
   request.body = body;
   request.principal = {"token:admin", Role::Admin};
   return request;
@@ -85,10 +85,13 @@ Request request_for(Method method, const std::string& target, const std::string&
 
 TEST_CASE("a request for which there is no memory is refused and answered once",
           "[daemon][http][memory]") {
-  const std::string job = "/v1/jobs/01JD0000000000000000000001";
+  ServiceForHttp http;
+  const std::string id = http.bench.ready_job().id, job = "/v1/jobs/" + id;
+  for (int i = 0; i < 60; ++i) REQUIRE(http.bench.create(http.design()));
   const std::vector<std::pair<Request, int>> requests{
-      {request_for(Method::Post, "/v1/jobs",
-                   R"({"design":"sha256-aa","note":")" + std::string(1500, 'n') + R"("})"),
+      {request_for(
+           Method::Post, "/v1/jobs",
+           R"({"design":")" + http.design() + R"(","note":")" + std::string(1500, 'n') + R"("})"),
        201},
       {request_for(Method::Post, job + "/actions/arm", R"({"sheet":1})"), 200},
       {request_for(Method::Post, job + "/actions/arm",
@@ -97,6 +100,7 @@ TEST_CASE("a request for which there is no memory is refused and answered once",
       {request_for(Method::Get, job, ""), 200},
       {request_for(Method::Get, "/v1/jobs", ""), 200},
   };
+  long number = 0;
   for (const auto& [made, status] : requests) {
     CAPTURE(made.target);
     Request request = made;
@@ -105,7 +109,12 @@ TEST_CASE("a request for which there is no memory is refused and answered once",
     bool failed = true;
     long refused = 0;
     for (long n = 0; failed && n < 100'000; ++n) {
-      const int got = status_when(n, request, *match.route, failed);
+      // Each request is new, and finds the job as the first one did.
+      const Job now = http.bench.job(id);
+      if (now.state == JobState::Armed) REQUIRE(http.bench.act(id, JobAction::Disarm));
+      request.headers = {{"idempotency-key", "0123456789abcdef" + std::to_string(++number)},
+                         {"if-match", "\"" + std::to_string(http.bench.job(id).rev) + "\""}};
+      const int got = status_when(n, http, request, *match.route, failed);
       if (failed && got != 503 && got != status) FAIL("allocation " << n << " gave " << got);
       refused += got == 503 ? 1 : 0;
     }

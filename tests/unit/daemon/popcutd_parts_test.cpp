@@ -19,8 +19,8 @@
 #include "daemon/popcutd/service_manager.hpp"
 #include "daemon/popcutd/turn_away.hpp"
 #include "daemon/popcutd/webhook.hpp"
-#include "tests/support/fake_service.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/raw_http.hpp"
 
 namespace popcutd_parts_test {
 
@@ -107,24 +107,24 @@ TEST_CASE("popcutd notifies the service manager", "[daemon][systemd]") {
 
 TEST_CASE("the service's thread is alive also if its cutters cannot be listed",
           "[daemon][systemd]") {
-  ServiceThread thread;
-  FakeService fake;
+  ServiceForHttp http;
   Pulse pulse;
   const auto beat = [&] {
-    pulse.ask(thread, fake);
-    thread.run(ServiceThread::Lane::Asking, [] {});
+    pulse.ask(http.bench.thread(), http.service());
+    http.ask([](LiveService&) {});
   };
-  fake.throws_bad_alloc = true;
+  http.devices().fault = [] { throw std::bad_alloc(); };
   beat();
-  fake.throws_bad_alloc = false;
+  http.devices().fault = {};
   CHECK(pulse.status().empty());
   beat();  // the one before was answered
   CHECK(pulse.status() == "waiting for jobs");
   CHECK(pulse.alive(600));
-  fake.device_map["sim:cameo3"].state = "busy";
-  fake.device_map["sim:cameo3"].job = "7";
+  const std::string job = http.bench.ready_job().id;
+  http.bench.started(job);
+  http.bench.cutters.set_state(http.bench.device, "idle");  // tells the service to look at them
   beat();
-  CHECK(pulse.status() == "sim:cameo3 is cutting job 7");
+  CHECK(pulse.status() == "sim:cameo3 is cutting job " + job);
 }
 
 TEST_CASE("sockets for another process are not used", "[daemon][systemd]") {
