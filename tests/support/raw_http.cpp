@@ -186,8 +186,8 @@ Service with_devices(const Service& service, Devices& devices) {
           service.cutting, devices,         service.materials, service.operations};
 }
 
-ServiceForHttp::ServiceForHttp() : previewer(*new testing::FakePreviewer) {
-  bench.options.previewer.reset(&previewer);
+ServiceForHttp::ServiceForHttp() {
+  bench.options.previewer = previewer;
   bench.options.wall_ms = [this, now = bench.options.wall_ms] {
     if (!has_clock) throw std::runtime_error("there is no clock");
     return now();

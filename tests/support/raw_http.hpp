@@ -91,7 +91,7 @@ class ServiceForHttp {
   ServiceForHttp();
 
   testing::ServiceBench bench{false};
-  testing::FakePreviewer& previewer;
+  std::shared_ptr<testing::FakePreviewer> previewer{std::make_shared<testing::FakePreviewer>()};
   std::atomic<bool> has_clock{true};  ///< if not, the service fails wherever it needs the time
   [[nodiscard]] FaultyDevices& devices() { return *devices_; }
   [[nodiscard]] Service& service() { return *service_; }

@@ -388,7 +388,7 @@ TEST_CASE("large answers that nobody reads are ended before they fill the memory
           "[daemon][http][limits]") {
   constexpr std::size_t kBlob = 16u << 20;  // more than the system takes from a sender
   LiveServer server([](HttpOptions& options) { options.limits.answer_bytes = 4 * kBlob; });
-  server.previewer.blob.assign(kBlob, 'x');
+  server.previewer->blob.assign(kBlob, 'x');
   const std::string body = R"({"spec":{},"quality":"draft"})";
   const auto ask = [&](RawConnection& page, const char* role) {
     page.send(

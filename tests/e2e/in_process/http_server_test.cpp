@@ -231,55 +231,55 @@ TEST_CASE("only files that an earlier run left among the uploads are removed",
 TEST_CASE("a preview that waits too long ends, and placing a shape has more time",
           "[daemon][http][preview]") {
   LiveServer server([](HttpOptions& options) { options.limits.answer_s = 0.5; });
-  server.previewer.holds = true;
+  server.previewer->holds = true;
   const std::string json = "Content-Type: application/json\r\n";
   const WireResponse late =
       server.fetch("POST", "/v1/preview", "submitter", json, R"({"spec": {}, "quality": "exact"})");
   CHECK(late.status == 503);
   CHECK(late.body.find("no answer yet; try again") != std::string::npos);  // it has no key
-  CHECK(server.previewer.called_off == 1);
+  CHECK(server.previewer->called_off == 1);
   for (const http::Route& route : http::routes())
     if (route.path == "/v1/place") CHECK(route.patience == http::Patience::Design);
 }
 
 TEST_CASE("a preview ends when its client goes, and not before", "[daemon][http][preview]") {
   LiveServer server;
-  server.previewer.holds = true;
+  server.previewer->holds = true;
   const std::string body = R"({"spec": {}, "quality": "exact"})";
   const std::string wanted = server.request("POST", "/v1/preview", "submitter",
                                             "Content-Type: application/json\r\n", body);
-  server.previewer.blob = "blob";
-  const auto held = [&] { return server.previewer.held(); };
+  server.previewer->blob = "blob";
+  const auto held = [&] { return server.previewer->held(); };
   SECTION("closed") {
     auto connection = std::make_unique<RawConnection>(server.connect());
     REQUIRE(connection->send(wanted));
     REQUIRE(comes_true([&] { return held() == 1; }));
-    CHECK(server.previewer.called_off == 0);
+    CHECK(server.previewer->called_off == 0);
     connection.reset();
-    CHECK(comes_true([&] { return server.previewer.called_off == 1; }));
+    CHECK(comes_true([&] { return server.previewer->called_off == 1; }));
   }
   SECTION("reset") {
     RawConnection connection = server.connect();
     REQUIRE(connection.send(wanted));
     REQUIRE(comes_true([&] { return held() == 1; }));
     connection.reset();
-    CHECK(comes_true([&] { return server.previewer.called_off == 1; }));
+    CHECK(comes_true([&] { return server.previewer->called_off == 1; }));
   }
   SECTION("answered, and the connection goes on") {
     RawConnection connection = server.connect();
     for (int k = 0; k < 3; ++k) {
       REQUIRE(connection.send(wanted));
       REQUIRE(comes_true([&] { return held() == 1; }));
-      server.previewer.release();
+      server.previewer->release();
       CHECK(connection.receive().body == "blob");
     }
-    CHECK(server.previewer.called_off == 0);
+    CHECK(server.previewer->called_off == 0);
   }
   SECTION("another request behind it is answered after it") {
     RawConnection connection = server.connect();
     REQUIRE(connection.send(wanted + server.request("GET", "/healthz", "")));
     REQUIRE(comes_true([&] { return held() == 1; }));
-    server.previewer.release();
+    server.previewer->release();
     CHECK(connection.receive().body == "blob");
     CHECK(connection.receive().status == 200);
   }

@@ -481,14 +481,14 @@ TEST_CASE("the program of a sheet is found in either language", "[daemon][http][
 TEST_CASE("a preview reaches the service with its spec, quality and key",
           "[daemon][http][handlers]") {
   ServiceForHttp http;
-  http.previewer.blob = "PCLB";
+  http.previewer->blob = "PCLB";
   const std::vector<Header> key{{"preview-key", "page-0123456789abc"}};
   const Asked drawn = ask(http, Method::Post, "/v1/preview", key,
                           R"({"spec": {"popcut": 1, "slices": 3}, "quality": "draft"})");
   CHECK(drawn.response.status == 200);
   CHECK(drawn.response.content_type == "application/vnd.popcut.lattice");
   CHECK(drawn.response.body == "PCLB");
-  PreviewTask asked = http.previewer.last_task();
+  PreviewTask asked = http.previewer->last_task();
   CHECK(json::parse(asked.task.design_text) == json{{"popcut", 1}, {"slices", 3}});
   CHECK(asked.task.options.at("quality") == "draft");
   CHECK(asked.key == "page-0123456789abc");
@@ -496,7 +496,7 @@ TEST_CASE("a preview reaches the service with its spec, quality and key",
   CHECK(ask(http, Method::Post, "/v1/preview", {},
             R"({"spec": {}, "quality": "exact", "place": "quarter"})")
             .response.status == 200);
-  asked = http.previewer.last_task();
+  asked = http.previewer->last_task();
   CHECK(asked.task.options.at("quality") == "exact");
   CHECK(asked.task.options.at("place") == "quarter");
   const struct {
@@ -518,7 +518,7 @@ TEST_CASE("a preview reaches the service with its spec, quality and key",
     CHECK(ask(http, Method::Post, "/v1/preview", {{"preview-key", bad}},
               R"({"spec": {}, "quality": "draft"})")
               .response.status == 400);
-  http.previewer.fail_next({ProblemKind::Superseded, "a newer one came"});
+  http.previewer->fail_next({ProblemKind::Superseded, "a newer one came"});
   const Asked older =
       ask(http, Method::Post, "/v1/preview", key, R"({"spec": {}, "quality": "draft"})");
   CHECK(older.response.status == 409);
@@ -531,15 +531,15 @@ TEST_CASE("the sheets of a design come as they were made, and a question as data
   CHECK(ask(http, Method::Post, "/v1/designs/sha256-1/make", {}, R"({"way": "hand"})")
             .response.status == 404);
   const std::string path = "/v1/designs/" + http.design() + "/make";
-  http.previewer.blob = R"({"way": "as it was made"})";
+  http.previewer->blob = R"({"way": "as it was made"})";
   const Asked made =
       ask(http, Method::Post, path, {}, R"({"way": "hand", "options": {"mat": "A4"}})");
   CHECK(made.response.status == 200);
   CHECK(made.body == json{{"way", "as it was made"}});
-  CHECK(http.previewer.last_task().task.options.at("make-way") == "hand");
+  CHECK(http.previewer->last_task().task.options.at("make-way") == "hand");
   for (const char* wrong : {"{}", R"({"way": "glue"})", R"({"way": "hand", "mat": "A4"})"})
     CHECK(ask(http, Method::Post, path, {}, wrong).response.status == 422);
-  http.previewer.blob =
+  http.previewer->blob =
       R"({"asks":{"asks": "colors", "looks": [{"name": "#ff0000", "length_mm": 90}]}})";
   const Asked asked = ask(http, Method::Post, path, {}, R"({"way": "laser"})");
   CHECK(asked.response.status == 422);
@@ -549,13 +549,13 @@ TEST_CASE("the sheets of a design come as they were made, and a question as data
 TEST_CASE("a placed spec and a design's lattice come back as they were made",
           "[daemon][http][handlers]") {
   ServiceForHttp http;
-  http.previewer.blob = R"({"popcut": 1})";
+  http.previewer->blob = R"({"popcut": 1})";
   const Asked placed =
       ask(http, Method::Post, "/v1/place", {}, R"({"spec": {"popcut": 1}, "place": "whole"})");
   CHECK(placed.response.status == 200);
   CHECK(placed.body == json{{"spec", {{"popcut", 1}}}});
   CHECK(ask(http, Method::Post, "/v1/place", {}, R"({"spec": {}})").response.status == 422);
-  http.previewer.blob = "PCLB";
+  http.previewer->blob = "PCLB";
   const std::string path = "/v1/designs/" + http.design() + "/lattice";
   const Asked lattice = ask(http, Method::Get, path);
   CHECK(lattice.response.status == 200);
