@@ -27,8 +27,9 @@ double near_mm(const BoxedCard& made, std::size_t part) {
 }
 
 /// The model as each face of a part is looked at, square to it: what is nearer than `near_mm`
-/// first, its outermost point; else what is nearest.
+/// first, its outermost point; else what is nearest. Nothing on `bare` faces.
 ColourImage seen_on_faces(const ColourMesh& model, const SheetPart& sheet,
+                          std::span<const std::uint32_t> bare,
                           std::span<const Eigen::Isometry3d> pose, const FaceSurface& surface,
                           const PixelFrame& frame, double near_mm, double shade) {
   struct Seen {
@@ -41,7 +42,7 @@ ColourImage seen_on_faces(const ColourMesh& model, const SheetPart& sheet,
   const std::vector<std::uint32_t> face_at = face_pixels(surface, frame);
   for (std::uint32_t f = 0; f < sheet.faces.size(); ++f) {
     const auto own = std::find(surface.face.begin(), surface.face.end(), f);
-    if (own == surface.face.end() ||
+    if (own == surface.face.end() || std::find(bare.begin(), bare.end(), f) != bare.end() ||
         std::find(sheet.tabs.begin(), sheet.tabs.end(), f) != sheet.tabs.end())
       continue;
     const Eigen::Isometry3d to_sheet = pose[f].inverse();
@@ -101,10 +102,12 @@ Result<Artwork> boxes_artwork(const BoxedCard& made, const ColourMesh& model,
   return parts_artwork(made.card, pose, places, options,
                        [&](std::size_t part, const FaceSurface& surface,
                            const PixelFrame& frame) -> std::optional<ColourImage> {
-                         if (part == 0 || made.is_inner(part)) return std::nullopt;
+                         if (made.is_bare(part)) return std::nullopt;
+                         const std::span<const std::uint32_t> pages(made.card.pages);
                          return boxes_artwork_parts::seen_on_faces(
-                             model, made.card.parts[part], pose[part], surface, frame,
-                             boxes_artwork_parts::near_mm(made, part), options.shade);
+                             model, made.card.parts[part], part == 0 ? pages : pages.first(0),
+                             pose[part], surface, frame, boxes_artwork_parts::near_mm(made, part),
+                             options.shade);
                        });
 }
 

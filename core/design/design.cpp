@@ -676,12 +676,12 @@ class Designer {
 
 Result<Design> design(const DesignSpec& spec, const SurfaceAssets& assets,
                       const Progress& progress) {
-  if (is_of_parts(spec.style))
+  if (is_of_parts(spec))
     return fail(
         ErrorKind::Infeasible, "/style",
         fmt::format("is {}, a card of several parts; 'popcut design' and 'popcut plan' make "
                     "it",
-                    parts_word(spec.style)));
+                    parts_word(spec)));
   if (is_of_facets(spec.style)) return facet_design(spec, assets, progress);
   return Designer(spec, assets, progress).run();
 }

@@ -120,6 +120,7 @@ FacetOptions options_of(const DesignSpec& spec, const FacetTarget& target) {
   out.shut_inside = spec.card->shut == CardShut::Inside;
   out.inward = spec.facets.inward;
   out.kites = spec.facets.sloped == SlopedParts::Kites;
+  out.tents = spec.facets.sloped == SlopedParts::Tents;
   out.lattice = spec.facets.curved == CurvedParts::Lattice;
   out.widen_to_mm = spec.facets.widen_to_mm;
   out.in_paper = spec.facets.hold == FacetHold::Paper;
@@ -350,6 +351,19 @@ void warn_of_many_folds(const DesignSpec& spec, DesignReport& report) {
 
 }  // namespace
 
+Result<FacetCard> facets_of(const DesignSpec& spec, const FacetTarget& target,
+                            const Progress& progress) {
+  return card_of_few_folds(target.soup, spec, options_of(spec, target), progress);
+}
+
+void warn_of_facets(const DesignSpec& spec, const FacetTarget& target, const FacetCard& made,
+                    DesignReport& report) {
+  warn_of_small_card(spec, target, report);
+  warn_of_hanging_parts(made, report);
+  warn_of_stepped_roofs(made, report);
+  warn_of_many_folds(spec, report);
+}
+
 Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
                             const Progress& progress) {
   tell(progress, "reading the shape");
@@ -357,7 +371,7 @@ Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
   if (!surface) return tl::unexpected(surface.error());
   const auto target = target_over(spec, *surface);
   if (!target) return tl::unexpected(target.error());
-  auto made = card_of_few_folds(target->soup, spec, options_of(spec, *target), progress);
+  auto made = facets_of(spec, *target, progress);
   if (!made) return tl::unexpected(made.error());
   Design out;
   DesignReport& r = out.report;
@@ -399,10 +413,7 @@ Result<Design> facet_design(const DesignSpec& spec, const SurfaceAssets& assets,
                                    p.translate_mm[2]};
   }
   add_closing(out.pattern, spec.card->shut, r);
-  warn_of_small_card(spec, *target, r);
-  warn_of_hanging_parts(*made, r);
-  warn_of_stepped_roofs(*made, r);
-  warn_of_many_folds(spec, r);
+  warn_of_facets(spec, *target, *made, r);
   if (is_cut_out(*spec.surface))
     warn_of_filled_gaps(out.strips, made->card.margin_mm, *target, solid_word(*spec.surface), r);
   out.target.push_back({std::move(*surface)});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/design/design.hpp"
+#include "core/design/facets/facets.hpp"
 #include "core/fit/triangle_soup.hpp"
 
 namespace popcut {
@@ -15,6 +16,15 @@ struct FacetTarget {
 
 /// The same errors as `facet_design`, as far as they are about the surface.
 [[nodiscard]] Result<FacetTarget> facet_target(const DesignSpec& spec, const SurfaceAssets& assets);
+
+/// The facets of a spec, with the fewest folds that it asks for. The same errors as
+/// `facet_design`, as far as they are about facets.
+[[nodiscard]] Result<FacetCard> facets_of(const DesignSpec& spec, const FacetTarget& target,
+                                          const Progress& progress);
+
+/// Adds the warnings about facets to a report, which has their work by hand.
+void warn_of_facets(const DesignSpec& spec, const FacetTarget& target, const FacetCard& made,
+                    DesignReport& report);
 
 /// A design of facets (`"style": "facets"`, docs/facets.md), as `design` makes one.
 ///

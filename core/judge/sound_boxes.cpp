@@ -3,14 +3,20 @@
 
 #include <utility>
 
+#include "core/design/boxes/tented_card.hpp"
 #include "core/judge/sound_layers.hpp"
 #include "core/parts/structure_fold.hpp"
 
 namespace popcut::judge {
 
+Result<BoxedCard> designed_boxes(const DesignSpec& spec, const SurfaceAssets& assets,
+                                 const Progress& progress) {
+  return has_tents(spec) ? tented_card(spec, assets, progress) : boxed_card(spec, assets, progress);
+}
+
 Result<SoundBoxes> sound_boxes(const DesignSpec& spec, const SurfaceAssets& assets,
                                const std::string& creator, const Progress& progress) {
-  auto made = boxed_card(spec, assets, progress);
+  auto made = designed_boxes(spec, assets, progress);
   if (!made) return tl::unexpected(made.error());
   auto fold = structure_fold(made->card, creator);
   if (!fold) return tl::unexpected(fold.error());

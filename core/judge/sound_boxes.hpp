@@ -17,9 +17,13 @@ struct SoundBoxes {
   PartsVerifyReport report;
 };
 
-/// Designs a card of boxes (`boxed_card`), and judges it by its FOLD file.
+/// A card of boxes (`boxed_card`), or of facets with glued roofs (`tented_card`).
+[[nodiscard]] Result<BoxedCard> designed_boxes(const DesignSpec& spec, const SurfaceAssets& assets,
+                                               const Progress& progress = {});
+
+/// Designs such a card, and judges it by its FOLD file.
 ///
-/// @retval Internal  verify finds faults; else as `boxed_card`
+/// @retval Internal  verify finds faults; else as `designed_boxes`
 [[nodiscard]] Result<SoundBoxes> sound_boxes(const DesignSpec& spec, const SurfaceAssets& assets,
                                              const std::string& creator,
                                              const Progress& progress = {});

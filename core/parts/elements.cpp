@@ -494,8 +494,8 @@ void build(Structure& card, const Seat& seat, const LayerElement& e) {
   const auto line = [&](double u) { return FlatLine{Vec2{u, e.from_mm}, Vec2{u, e.to_mm}}; };
   add_foot(card, n, line(0.0), seat.right, e.foot_mm, e.from_mm, e.to_mm);
   add_foot(card, n + 1, line(0.0), seat.left, e.strut_foot_mm, e.from_mm, e.to_mm);
-  // Up the layer, which is on the right of the direction of y on its sheet.
-  add_tab(card, n + 1, line(e.strut_mm), n, 0, line(e.strut_at_mm), false);
+  // What is up the layer is on the right of the direction of y on its sheet.
+  add_tab(card, n + 1, line(e.strut_mm), n, 0, line(e.strut_at_mm), e.tab_down);
   const auto pose = [e](const SeatFrame& frame) {
     const Vec3 l = e.strut_foot_mm * frame.out(-1.0), r = e.foot_mm * frame.out(1.0);
     const Vec3 joint = meeting(l, e.strut_mm, r, e.strut_at_mm);
@@ -503,6 +503,23 @@ void build(Structure& card, const Seat& seat, const LayerElement& e) {
                      {laid_strip(0.0, l, e.strut_mm, joint)}};
   };
   card.elements.push_back({seat, n, 2, pose});
+}
+
+void add_glued_roof(Structure& card, const Seat& seat, std::uint32_t front,
+                    const TentSection& section, const std::string& name, double from_mm,
+                    double to_mm) {
+  LayerElement roof;
+  roof.name = name, roof.from_mm = from_mm, roof.to_mm = to_mm;
+  roof.foot_mm = section.foot_mm, roof.height_mm = section.roof_mm;
+  roof.strut_at_mm = section.strut_at_mm;
+  roof.strut_foot_mm = section.strut_foot_mm, roof.strut_mm = section.strut_mm;
+  roof.tab_down = true;
+  const std::size_t part = card.parts.size(), joint = card.joints.size();
+  build(card, seat, roof);
+  // Tabs where `TentSection` wants them: on the front below the eave, and above the strut's foot.
+  card.joints[joint].b.face = front;
+  for (const std::size_t k : {joint, joint + 1}) card.joints[k].turned = !card.joints[k].turned;
+  turn_over(card, part);  // its outside is printed
 }
 
 void build(Structure& card, const Seat& seat, const BoxElement& e) {

@@ -3,10 +3,12 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/geometry/tent_section.hpp"
 #include "core/parts/structure.hpp"
 #include "core/result.hpp"
 
@@ -58,6 +60,7 @@ struct LayerElement {
   double foot_mm{}, height_mm{};  ///< of the layer
   double strut_at_mm{};           ///< on the layer, from its foot
   double strut_foot_mm{}, strut_mm{};
+  bool tab_down{};  ///< the strut's tab on the layer points to its foot, not away from it
 };
 
 /// The strut that makes a layer stand upright on pages that lie flat: its foot and its length.
@@ -140,6 +143,14 @@ void build(Structure& card, const Seat& seat, const TentElement& element);
 void build(Structure& card, const Seat& seat, const LayerElement& element);
 void build(Structure& card, const Seat& seat, const BoxElement& element);
 void build(Structure& card, const Seat& seat, const DoubleCornerElement& element);
+
+/// Adds a glued roof and its strut to a sheet of facets, from `from_mm` to `to_mm` along the fold.
+///
+/// @param seat   the fold between the upright panel behind the roof and the level panel below it
+/// @param front  the face that the level panel's eave is a fold of, too: the roof's tab lies on it
+void add_glued_roof(Structure& card, const Seat& seat, std::uint32_t front,
+                    const TentSection& section, const std::string& name, double from_mm,
+                    double to_mm);
 
 /// Whether the parts from `first_part` on lie inside the pages when the card is shut.
 ///

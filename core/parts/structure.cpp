@@ -213,7 +213,14 @@ PartPoses posed(const Structure& card, double opening_rad) {
     pose.emplace_back(part.faces.size(), Isometry3d::Identity());
     known.emplace_back(part.faces.size(), false);
   }
-  pose[0][0] = Eigen::AngleAxisd(std::acos(-1.0) - opening_rad, Vec3{0.0, 1.0, 0.0});
+  const Isometry3d upright(Eigen::AngleAxisd(std::acos(-1.0) - opening_rad, Vec3{0.0, 1.0, 0.0}));
+  pose[0][card.pages[0]] = upright;
+  const Vec3 both{1.0 + std::cos(opening_rad), 0.0, std::sin(opening_rad)};
+  for (std::size_t f = 0; f < card.planes.size(); ++f) {
+    const SheetPlane& plane = card.planes[f];
+    pose[0][f] = Eigen::Translation3d(plane.offset_mm * both) *
+                 (plane.upright ? upright : Isometry3d::Identity());
+  }
   known[0].assign(known[0].size(), true);
   for (const Element& element : card.elements) {
     const SeatFrame frame = frame_of(element.seat, pose);

@@ -90,6 +90,13 @@ struct Element {
   std::function<PartPoses(const SeatFrame&)> pose;
 };
 
+/// Where a face of the first part lies: parallel to the left page (upright) or to the right one, so
+/// far from it. It stays so while the card opens.
+struct SheetPlane {
+  bool upright{};
+  double offset_mm{};
+};
+
 /// A card of several parts. The first part is the card: two pages with the spine between them, the
 /// left page `u < 0`, the right page `u > 0`, v along the spine.
 struct Structure {
@@ -99,6 +106,9 @@ struct Structure {
   double opens_deg{180.0};        ///< between the pages of the open card
   double tab_mm{8.0};             ///< depth of glued tabs
   std::vector<SheetPart> parts;
+  std::array<std::uint32_t, 2> pages{0, 1};  ///< faces of the first part: left and right
+  /// Of all faces of the first part, where that has more than its pages.
+  std::vector<SheetPlane> planes;
   std::vector<PartJoint> joints;
   std::vector<Element> elements;
 };

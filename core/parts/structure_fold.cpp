@@ -109,6 +109,7 @@ Result<std::string> structure_fold(const Structure& card, const std::string& cre
             {"file_title", card.name},
             {"popcut:opening_deg", degrees(opening_rad)}};
   if (card.opens_deg < 180.0) file["popcut:opens_deg"] = card.opens_deg;
+  if (!card.planes.empty()) file["popcut:pages"] = card.pages;
   file["popcut:thickness_mm"] = card.thickness_mm;
   file["popcut:joints"] = std::move(joints);
   file["file_frames"] = std::move(frames);

@@ -170,7 +170,7 @@ Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sourc
   if (!assets) return tl::unexpected(assets.error());
   if (spec->style == DesignStyle::Layers) return from_layers(*spec, sources, *assets, how);
   if (spec->style == DesignStyle::Slices) return from_slices(*spec, sources, *assets, how);
-  if (spec->style == DesignStyle::Boxes) return from_boxes(*spec, sources, *assets, how);
+  if (is_of_boxes(*spec)) return from_boxes(*spec, sources, *assets, how);
   auto made = judge::sound_design(*spec, *assets, sources.progress);
   if (!made) return tl::unexpected(made.error().error);
   const std::string& cut_from = sources.material.empty() ? spec->material : sources.material;

@@ -110,7 +110,7 @@ Result<std::string> preview_blob(WorkerTask& task) {
   }
   const auto quality = task.options.find("quality");
   const bool is_draft = quality != task.options.end() && quality->second == "draft";
-  if (is_of_parts(wanted->spec.style))
+  if (is_of_parts(wanted->spec))
     return shown_parts(*wanted, is_draft ? LatticeQuality::Draft : LatticeQuality::Exact);
   const auto made = is_draft ? draft_of(wanted->spec, wanted->assets) : exact_of(*wanted);
   if (!made) return tl::unexpected(made.error());
@@ -121,7 +121,7 @@ Result<std::string> preview_blob(WorkerTask& task) {
 Result<std::string> stored_spec_blob(WorkerTask& task) {
   const auto wanted = read_wanted(task);
   if (!wanted) return tl::unexpected(wanted.error());
-  if (is_of_parts(wanted->spec.style)) return shown_parts(*wanted, LatticeQuality::Stored);
+  if (is_of_parts(wanted->spec)) return shown_parts(*wanted, LatticeQuality::Stored);
   const auto made = exact_of(*wanted);
   if (!made) return tl::unexpected(made.error());
   return shown_blob(*made, LatticeQuality::Stored);
@@ -157,7 +157,7 @@ Result<void> add_parts_pictures(const std::string& fold, const std::string& flat
 Result<void> add_spec_pictures(WorkerTask& task, const FileSink& add) {
   const auto wanted = read_wanted(task);
   if (!wanted) return tl::unexpected(wanted.error());
-  if (is_of_parts(wanted->spec.style)) {
+  if (is_of_parts(wanted->spec)) {
     const auto card = parts_card(wanted->spec, wanted->assets, false);
     if (!card) return tl::unexpected(card.error());
     return add_parts_pictures(card->fold,
@@ -205,7 +205,7 @@ Result<void> add_export(WorkerTask& task, const FileSink& add) {
   if (!wanted->has_material)
     return fail(ErrorKind::OutOfRange, "/material", "is not known to popcut");
   const std::string& file = task.options.at("file");
-  if (is_of_parts(wanted->spec.style)) {
+  if (is_of_parts(wanted->spec)) {
     const auto card = parts_card(wanted->spec, wanted->assets, true);
     auto text = card ? parts_file(*card, wanted->material, file)
                      : Result<std::string>(tl::unexpected(card.error()));

@@ -241,12 +241,13 @@ Result<double> length_for(const std::optional<double>& given, double needed, con
 TriangleSoup panels_in_space(const BoxedCard& made, const PartPoses& pose) {
   const Structure& card = made.card;
   TriangleSoup out;
-  for (std::size_t p = 1; p < card.parts.size(); ++p) {
+  for (std::size_t p = 0; p < card.parts.size(); ++p) {
     if (made.is_inner(p)) continue;
     const SheetPart& part = card.parts[p];
     for (std::uint32_t f = 0; f < part.faces.size(); ++f) {
       std::vector<Triangle> triangles;
-      if (std::find(part.tabs.begin(), part.tabs.end(), f) != part.tabs.end() ||
+      if ((p == 0 && (f == card.pages[0] || f == card.pages[1])) ||
+          std::find(part.tabs.begin(), part.tabs.end(), f) != part.tabs.end() ||
           !triangulate(part.vertices, part.faces[f], triangles))
         continue;
       const auto at = [&](std::uint32_t v) {
@@ -278,17 +279,6 @@ std::vector<float> seen_in_front(const TriangleSoup& soup, bool faces_along_spin
   return out;
 }
 
-void measure(BoxedCard& out) {
-  const TriangleSoup panels = panels_in_space(out, open_pose(out));
-  const TriangleSoup shown = shown_of(out.target);
-  out.fit = FitTarget(shown).measure(panels);
-  out.fit.out_of_reach = {};
-  const bool turns = out.faces_along_spine();
-  const std::vector<float> target = seen_in_front(shown, turns);
-  out.seen = likeness::Target(target, {likeness::cone_views(), 512, {}})
-                 .measure(seen_in_front(panels, turns));
-}
-
 void warn_of_rest(const BlockRow& row, BoxedCard& out) {
   if (row.aside > 0)
     out.warnings.push_back(
@@ -310,6 +300,20 @@ void warn_of_rest(const BlockRow& row, BoxedCard& out) {
 }
 
 }  // namespace
+
+void measure(BoxedCard& out) {
+  const TriangleSoup panels = panels_in_space(out, open_pose(out));
+  const TriangleSoup shown = shown_of(out.target);
+  out.fit = FitTarget(shown).measure(panels);
+  out.fit.out_of_reach = {};
+  const bool turns = out.faces_along_spine();
+  likeness::Scene scene{likeness::cone_views(), 512, {}};
+  if (out.is_of_facets()) scene.corner = likeness::Corner{};
+  // Facets are compared as 'popcut compare' does: with all of the target that is in the corner.
+  const TriangleSoup& whole = out.is_of_facets() ? out.target : shown;
+  out.seen =
+      likeness::Target(seen_in_front(whole, turns), scene).measure(seen_in_front(panels, turns));
+}
 
 Result<BoxedCard> boxed_card(const DesignSpec& spec, const SurfaceAssets& assets,
                              const Progress& progress) {
@@ -382,6 +386,7 @@ Result<BoxedCard> boxed_card(const DesignSpec& spec, const SurfaceAssets& assets
 
 PartPoses pose_at(const BoxedCard& made, double opening_rad) {
   PartPoses out = posed(made.card, opening_rad);
+  if (made.is_of_facets()) return out;
   const Eigen::Isometry3d turn(
       Eigen::AngleAxisd(-0.5 * (std::numbers::pi - opening_rad), Vec3{0.0, 1.0, 0.0}));
   for (auto& part : out)
@@ -391,7 +396,7 @@ PartPoses pose_at(const BoxedCard& made, double opening_rad) {
 
 PartPoses open_pose(const BoxedCard& made) {
   constexpr double kOpen_rad = radians(179.99);  // closed forms end before 180 degrees
-  return pose_at(made, kOpen_rad);
+  return pose_at(made, std::min(kOpen_rad, radians(made.card.opens_deg)));
 }
 
 void move_to_card(const BoxedCard& made, std::vector<double>& corners) {

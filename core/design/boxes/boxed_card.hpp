@@ -14,6 +14,7 @@
 #include "core/design/target/surface_spec.hpp"
 #include "core/fit/fit_figures.hpp"
 #include "core/fit/triangle_soup.hpp"
+#include "core/geometry/tent_section.hpp"
 #include "core/hands/folding.hpp"
 #include "core/parts/structure.hpp"
 #include "core/progress.hpp"
@@ -34,10 +35,20 @@ struct CardBox {
   double off_mm{};                        ///< from the middles of its ends to the ends of its block
 };
 
-/// A target as boxes and tents in a row over the spine of a card that opens flat (docs/parts.md).
+/// A roof that is glued on a sheet of facets (docs/facets.md).
+struct CardTent {
+  std::string name;
+  TentSection section;
+  std::array<double, 2> along_mm{};  ///< from and to along the spine
+  std::size_t roof_part{}, strut_part{};
+};
+
+/// A target as boxes and tents in a row over the spine of a card that opens flat (docs/parts.md),
+/// or as facets with glued roofs on a card that opens to 90 degrees (`tented_card`).
 struct BoxedCard {
   Structure card;
   std::vector<CardBox> boxes;
+  std::vector<CardTent> tents;  ///< of facets alone, which have no boxes
   /// How a point of the surface comes to its place on the open card: placed in the corner, moved by
   /// -`origin`, turned about the vertical by `turn_rad`, moved by `shift`. There u is across the
   /// pages, v along the spine, z up.
@@ -57,6 +68,14 @@ struct BoxedCard {
 
   /// Whether the target's front, its x axis, looks along the spine; else along u.
   [[nodiscard]] bool faces_along_spine() const { return std::sin(turn_rad) > std::cos(turn_rad); }
+  /// Whether it is a sheet of facets with glued roofs.
+  [[nodiscard]] bool is_of_facets() const { return !tents.empty(); }
+  /// Whether nothing is printed on a part: inner walls, struts, and pages that carry boxes.
+  [[nodiscard]] bool is_bare(std::size_t part) const {
+    return is_inner(part) || (part == 0 && !is_of_facets()) ||
+           std::any_of(tents.begin(), tents.end(),
+                       [&](const CardTent& tent) { return tent.strut_part == part; });
+  }
   /// Whether a part is the wall inside a box.
   [[nodiscard]] bool is_inner(std::size_t part) const {
     return std::any_of(boxes.begin(), boxes.end(),
@@ -80,7 +99,11 @@ struct BoxedCard {
 [[nodiscard]] Result<BoxedCard> boxed_card(const DesignSpec& spec, const SurfaceAssets& assets,
                                            const Progress& progress = {});
 
-/// All faces at an opening of the pages, which slope alike; z up, x to the right along u.
+/// Compares the panels of the open card, all but pages, tabs and inner walls, with the target.
+void measure(BoxedCard& made);
+
+/// All faces at an opening of the pages; z up, x to the right along u. Both pages slope alike, or
+/// the right one is level on a card that opens to 90 degrees.
 [[nodiscard]] PartPoses pose_at(const BoxedCard& made, double opening_rad);
 /// The same of the open card.
 [[nodiscard]] PartPoses open_pose(const BoxedCard& made);

@@ -31,6 +31,19 @@ Json box_json(const CardBox& box) {
           {"inner_wall_mm", box.inner_mm}};
 }
 
+Json tent_json(const CardTent& tent) {
+  const TentSection& section = tent.section;
+  return {{"name", tent.name},
+          {"from_mm", tent.along_mm[0]},
+          {"to_mm", tent.along_mm[1]},
+          {"slope_deg", degrees(section.slope_rad)},
+          {"eave_mm", section.foot_mm},
+          {"roof_mm", section.roof_mm},
+          {"strut_at_mm", section.strut_at_mm},
+          {"strut_foot_mm", section.strut_foot_mm},
+          {"strut_mm", section.strut_mm}};
+}
+
 }  // namespace
 
 const char* roof_word(const Block& block) {
@@ -49,7 +62,7 @@ std::string boxed_report_json(const BoxedCard& made, double seconds) {
         fit.share_within[w];
   return json_file(Json{
       {"name", card.name},
-      {"style", "boxes"},
+      {"style", made.is_of_facets() ? "facets" : "boxes"},
       {"opens_deg", card.opens_deg},
       {"pieces", card.parts.size()},
       {"panels", made.panels},
@@ -57,7 +70,8 @@ std::string boxed_report_json(const BoxedCard& made, double seconds) {
       {"tabs", made.tabs},
       {"page_mm", {card.page_mm, card.length_mm}},
       {"turned_deg", degrees(made.turn_rad)},
-      {"boxes", json_list(made.boxes, box_json)},
+      {made.is_of_facets() ? "tents" : "boxes",
+       made.is_of_facets() ? json_list(made.tents, tent_json) : json_list(made.boxes, box_json)},
       {"error", made.error()},
       {"fit",
        {{"structure_to_target_mm", distances_json(fit.to_target)},

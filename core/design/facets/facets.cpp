@@ -27,6 +27,7 @@ constexpr double kMostPoints = 64e6;
 constexpr int kSweeps = 12, kRoughSweeps = 4;
 constexpr std::array kStrengths{1.0, 1.6};  ///< of holding, until a card holds in paper
 constexpr double kLeastLayer_mm2 = 40.0;    ///< smaller pieces of a layer are left out
+constexpr double kMostRoofPlay_mm = 0.6;    ///< of a glued roof; with its sheet it is then firm
 constexpr double kLeastDeeper_mm = 2.0;     ///< of what a window shows
 
 int steps_up(double mm, double step_mm) { return static_cast<int>(std::ceil(mm / step_mm - 1e-9)); }
@@ -75,13 +76,16 @@ class FacetMaker {
       planes_.emplace(silhouette_planes(image_, grid_, options_.layers, most_x, most_z));
     } else {
       const int pitch = std::max(1, static_cast<int>(std::llround(options_.pitch_mm / step_mm_)));
-      if (options_.kites)
-        if (auto done = lay_kites(image_, most_x, most_z); !done) return done;
-      planes_.emplace(
-          planes_for(image_, grid_, pitch, most_x, most_z, options_.inward, roofs_.kites));
+      if (options_.kites || options_.tents)
+        if (auto done = lay_roofs(image_, most_x, most_z); !done) return done;
+      std::vector<FacetPlane> of_tents;
+      for (const TentRun& run : tents_.runs)
+        of_tents.insert(of_tents.end(), {run.level, run.front});
+      planes_.emplace(planes_for(image_, grid_, pitch, most_x, most_z, options_.inward,
+                                 roofs_.kites, of_tents));
     }
     uncut_.emplace(image_, *planes_, grid_, options_.weights, limits());
-    fix_kites(*uncut_);
+    fix_roofs(*uncut_);
     if (options_.layers > 0 && options_.rough) return {};
     least_ = uncut_->least_distance();
     if (options_.layers > 0) return {};
@@ -126,7 +130,7 @@ class FacetMaker {
     if (is_moved) {
       tell(progress_, "moving panels nearer to the shape");
       moved_on.emplace(image, fine, grid_, options_.weights, limits());
-      fix_kites(*moved_on);
+      fix_roofs(*moved_on);
       take_over(labelling, *repaired, *moved_on);
       moves = move_patches(*moved_on, hold_rule(), options_.widen_to_mm, kMostRepairWork);
       least = moved_on->least_distance();
@@ -138,24 +142,31 @@ class FacetMaker {
   }
 
  private:
-  /// Which strips are kites.
-  Result<void> lay_kites(const SeenTarget& image, int most_x, int most_z) {
+  /// Which strips are kites or have a glued roof.
+  Result<void> lay_roofs(const SeenTarget& image, int most_x, int most_z) {
     KiteLimits within;
     within.least_run = least_run(), within.most_x = most_x, within.most_z = most_z;
     within.dormer_mm = options_.widen_to_mm;
     const double reach = limits().most_reach_mm / step_mm_;
     if (reach < within.most_reach) within.most_reach = static_cast<int>(reach);
-    roofs_ = plan_kites(target_, image, grid_, within);
-    if (!roofs_.runs.empty()) return {};
+    if (options_.tents)
+      tents_ = plan_tents(target_, image, grid_, within, kMostRoofPlay_mm);
+    else
+      roofs_ = plan_kites(target_, image, grid_, within);
+    if (!roofs_.runs.empty() || !tents_.runs.empty()) return {};
+    const std::vector<RefusedRoof>& refused = options_.tents ? tents_.refused : roofs_.refused;
     return fail(
         ErrorKind::Infeasible, "/facets/sloped",
-        roofs_.refused.empty()
+        refused.empty()
             ? std::string("no roof is seen: no plane of the shape falls away from the wall, "
                           "with its ridge along the spine, at 8 to 82 degrees, and 12 mm of "
                           "it free; turn the shape with rotate_deg, or leave sloped out")
-            : roofs_.refused.front().reason());
+            : refused.front().reason());
   }
-  void fix_kites(Labelling& labelling) const {
+  void fix_roofs(Labelling& labelling) const {
+    for (const TentRun& run : tents_.runs)
+      for (int s = run.first; s < run.end; ++s)
+        labelling.fix(s, tent_labels(labelling.planes(), grid_, run));
     for (const KiteRun& run : roofs_.runs)
       for (int s = run.first; s < run.end; ++s)
         labelling.fix(s, kite_labels(labelling.planes(), grid_, run, s));
@@ -186,9 +197,17 @@ class FacetMaker {
     for (FacetStrut& strut : repaired.struts) strut.without = moved(strut.without, labels.grid);
     auto pattern = pattern_of(labels, planes, card, options_.min_panel_mm);
     if (!pattern) return tl::unexpected(pattern.error());
-    FacetCard out{
-        labels.grid, planes, std::move(labels), card, std::move(*pattern), std::move(repaired),
-        moves,       {},     roofs_.refused,    0};
+    FacetCard out{labels.grid,
+                  planes,
+                  std::move(labels),
+                  card,
+                  std::move(*pattern),
+                  std::move(repaired),
+                  moves,
+                  {},
+                  options_.tents ? tents_.refused : roofs_.refused,
+                  tents_.runs,
+                  0};
     measure(image, labelling, least, out);
     if (options_.layers == 0) open_windows(image, out);
     if (options_.layers > 0)
@@ -311,10 +330,15 @@ class FacetMaker {
         shut = std::max(shut, 2 * p.offset + across);
       }
     }
+    for (const TentRun& run : tents_.runs)
+      shut = std::max(
+          shut, run.level.offset + run.front.offset + steps_up(run.section.roof_mm, step_mm_));
     const double pad = std::max(kCardMargin_mm, options_.min_panel_mm);
     const double least_shut = options_.shut_inside ? shut * step_mm_ + options_.margin_mm : 0.0;
     card.wall_mm = options_.wall_mm.value_or(std::max(up * step_mm_ + pad, least_shut));
     card.ground_mm = options_.ground_mm.value_or(std::max(far * step_mm_ + pad, least_shut));
+    if (!tents_.runs.empty() && !options_.wall_mm && !options_.ground_mm)
+      card.wall_mm = card.ground_mm = std::max(card.wall_mm, card.ground_mm);
     FacetGrid grid = image.grid;
     grid.wall = steps_down(card.wall_mm);
     grid.columns = grid.wall + steps_down(card.ground_mm);
@@ -436,6 +460,7 @@ class FacetMaker {
   double strength_{};
   TargetReach reach_;
   KitePlan roofs_;
+  TentPlan tents_;
   FacetGrid grid_;
   double step_mm_{};
   // What does not depend on the strength:

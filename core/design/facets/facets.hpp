@@ -28,6 +28,7 @@ struct FacetOptions {
   bool shut_inside{true};  ///< the shut structure lies inside the card
   bool inward{};           ///< planes behind wall and ground may be taken
   bool kites{};            ///< sloped planes become kites, where they can (roofs.hpp)
+  bool tents{};            ///< they become glued roofs, where they can
   bool lattice{true};   ///< curved parts hold as a lattice does, in planes that are fitted to them
   bool in_paper{true};  ///< panels hold at places that are far enough apart (`paper_rule`)
   int layers{};  ///< upright planes of a silhouette (silhouette.hpp); 0: facets in all planes
@@ -49,7 +50,8 @@ struct FacetCard {
   FacetRepair repaired;
   std::size_t moves{};  ///< of patches and strips, once everything held (`move_patches`)
   FacetFigures figures;
-  std::vector<RefusedRoof> refused{};  ///< sloped planes that are no kites
+  std::vector<RefusedRoof> refused{};  ///< sloped planes that are neither kites nor tents
+  std::vector<TentRun> tents{};        ///< roofs to be glued on
   std::size_t windows{};               ///< cut out, where a patch would hide what is farther back
 };
 
@@ -64,9 +66,8 @@ struct FacetCard {
 ///
 /// @retval OutOfRange  the card that was asked for is too small, or there are too many cells; place
 ///                     names the field
-/// @retval Infeasible  nothing of the target stands in the corner; with `kites`, no sloped plane
-/// can
-///                     be one
+/// @retval Infeasible  nothing of the target stands in the corner; with `kites` or `tents`, no
+///                     sloped plane can be one
 [[nodiscard]] Result<FacetCard> facet_card(const TriangleSoup& target, const FacetOptions& options,
                                            const Progress& progress = {});
 

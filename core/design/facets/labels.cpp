@@ -30,8 +30,8 @@ std::vector<int> offsets(const std::map<int, double>& weight, int least, int mos
 }  // namespace
 
 FacetPlanes::FacetPlanes(const std::vector<int>& upright, const std::vector<int>& level,
-                         std::vector<LabelKite> kites)
-    : kites_(std::move(kites)) {
+                         std::vector<LabelKite> kites, std::vector<FacetPlane> carriers)
+    : kites_(std::move(kites)), carriers_(std::move(carriers)) {
   planes_ = {{true, 0}, {false, 0}};
   for (const bool is_upright : {true, false}) {
     std::vector<int> sorted = is_upright ? upright : level;
@@ -56,8 +56,9 @@ FacetPlanes::FacetPlanes(const std::vector<int>& upright, const std::vector<int>
   }
 }
 
-bool FacetPlanes::carries_kite(Label label) const {
+bool FacetPlanes::carries_roof(Label label) const {
   const FacetPlane& plane = (*this)[label];
+  if (std::find(carriers_.begin(), carriers_.end(), plane) != carriers_.end()) return true;
   return plane.kite < 0 && std::any_of(kites_.begin(), kites_.end(), [&](const LabelKite& kite) {
            return plane.offset == (plane.upright ? kite.ex : kite.qz);
          });
@@ -92,7 +93,7 @@ FacetPlanes every_step(const FacetPlanes& planes) {
     for (int at = least; at <= most; ++at) offsets[upright ? 1 : 0].push_back(at);
   }
   if (offsets[0].size() + offsets[1].size() > kMostLabels) return planes;
-  return {offsets[1], offsets[0], planes.kites()};
+  return {offsets[1], offsets[0], planes.kites(), planes.carriers()};
 }
 
 std::vector<LabelRun> runs_of(std::span<const Label> strip, const FacetPlanes& planes,
@@ -112,7 +113,8 @@ std::vector<LabelRun> runs_of(std::span<const Label> strip, const FacetPlanes& p
 }
 
 FacetPlanes planes_for(const SeenTarget& target, const FacetGrid& grid, int pitch, int most_x,
-                       int most_z, bool inward, const std::vector<LabelKite>& kites) {
+                       int most_z, bool inward, const std::vector<LabelKite>& kites,
+                       const std::vector<FacetPlane>& carriers) {
   std::map<int, double> upright, level;
   int least_x = 0, least_z = 0, reach_x = 0, reach_z = 0;
   const auto step_of = [&](double mm) { return static_cast<int>(std::llround(mm / grid.step_mm)); };
@@ -130,7 +132,8 @@ FacetPlanes planes_for(const SeenTarget& target, const FacetGrid& grid, int pitc
   std::vector<int> x = offsets(upright, least_x, std::min(most_x, reach_x + pitch), pitch),
                    z = offsets(level, least_z, std::min(most_z, reach_z + pitch), pitch);
   for (const LabelKite& kite : kites) x.push_back(kite.ex), z.push_back(kite.qz);
-  return {x, z, kites};
+  for (const FacetPlane& plane : carriers) (plane.upright ? x : z).push_back(plane.offset);
+  return {x, z, kites, carriers};
 }
 
 }  // namespace popcut

@@ -46,15 +46,17 @@ struct LabelKite {
 class FacetPlanes {
  public:
   /// @param upright, level  offsets in steps; 0 and doubles are left out
+  /// @param carriers        planes that glued roofs hang on, among them
   FacetPlanes(const std::vector<int>& upright, const std::vector<int>& level,
-              std::vector<LabelKite> kites = {});
+              std::vector<LabelKite> kites = {}, std::vector<FacetPlane> carriers = {});
 
   [[nodiscard]] const std::vector<LabelKite>& kites() const { return kites_; }
   [[nodiscard]] bool is_of_kite(Label label) const { return (*this)[label].kite >= 0; }
   /// Whether the panel of a kite lies in the column that begins `across` steps from the spine.
   [[nodiscard]] bool is_at_kite(const FacetPlane& panel, int across) const;
-  /// Whether a plane ends at a kite, which hangs on it.
-  [[nodiscard]] bool carries_kite(Label label) const;
+  /// Whether a roof hangs on a plane: a kite, at which it ends, or a glued one.
+  [[nodiscard]] bool carries_roof(Label label) const;
+  [[nodiscard]] const std::vector<FacetPlane>& carriers() const { return carriers_; }
 
   [[nodiscard]] std::size_t size() const { return planes_.size(); }
   [[nodiscard]] const FacetPlane& operator[](Label label) const {
@@ -88,6 +90,7 @@ class FacetPlanes {
 
   std::vector<FacetPlane> planes_;
   std::vector<LabelKite> kites_;
+  std::vector<FacetPlane> carriers_;
   int first_of_kites_{};
   int least_{};
   std::vector<Label> upright_, level_;  ///< by offset from `least_`
@@ -143,8 +146,10 @@ struct LabelRun {
 /// @param most_x, most_z  largest offsets, in steps
 /// @param inward          offsets below 0 too
 /// @param kites           get their labels, and the planes that they hang on
+/// @param carriers        planes that glued roofs hang on
 [[nodiscard]] FacetPlanes planes_for(const SeenTarget& target, const FacetGrid& grid, int pitch,
                                      int most_x, int most_z, bool inward,
-                                     const std::vector<LabelKite>& kites = {});
+                                     const std::vector<LabelKite>& kites = {},
+                                     const std::vector<FacetPlane>& carriers = {});
 
 }  // namespace popcut

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "core/geometry/angle.hpp"
+#include "core/hands/wobble.hpp"
 
 namespace popcut {
 namespace {
@@ -23,6 +24,7 @@ constexpr double kLeastRoof_mm2 = 100.0, kLeastLength_mm = 6.0;
 constexpr double kSeen_mm = 1.5, kSeenShare = 0.7;  ///< of a strip's roof
 constexpr double kDormer_mm = 2.4, kLeastWidth_mm = 12.0;
 constexpr double kLeastFront_mm = 2.0;  ///< of the upright panel below an eave
+constexpr double kMostEaves_mm = 12.0;  ///< beyond the wall below a tent
 constexpr double kSlack = 2e-3;         ///< of a bound: rounding to steps is finer
 
 /// A triangle of a roof: its plane x sin + z cos = d.
@@ -105,22 +107,18 @@ double seen_share(const SeenTarget& seen, const FacetGrid& grid, const RoofPlane
   return all == 0 ? 0.0 : static_cast<double>(on) / static_cast<double>(all);
 }
 
-/// How far a kite, and what it hangs on, is from what is seen in a strip, mm^3.
-double distance_of(const SeenTarget& seen, const FacetGrid& grid, const LabelKite& kite,
-                   int strip) {
+/// How far panels are from what is seen in a strip, mm^3.
+///
+/// @param depth_mm  of the panels, x + z, by x - z; NaN where they are not
+template <typename Depth>
+double distance_of(const SeenTarget& seen, const FacetGrid& grid, int strip,
+                   const Depth& depth_mm) {
   const SheetRaster& raster = seen.raster;
   const std::size_t along = raster.rows / static_cast<std::size_t>(grid.strips);
-  const KiteSection section = kite.section(grid.step_mm);
   double sum = 0.0;
   for (std::size_t c = 0; c < raster.columns; ++c) {
-    const double w = raster.across_mm(c);
-    if (w < -section.q.z || w > section.e.x) continue;
-    double depth = w < section.e.x - section.e.z ? 2.0 * section.q.z + w : 2.0 * section.e.x - w;
-    const double of_kite = section.depth_mm(w);
-    if (w > section.q.x - section.q.z && w < section.e.x - section.e.z)
-      depth = of_kite;
-    else if (of_kite > depth)
-      depth = of_kite;
+    const double depth = depth_mm(raster.across_mm(c));
+    if (std::isnan(depth)) continue;
     for (std::size_t r = 0; r < along; ++r)
       sum += std::abs(
           depth -
@@ -128,6 +126,55 @@ double distance_of(const SeenTarget& seen, const FacetGrid& grid, const LabelKit
               seen.depth_mm[(static_cast<std::size_t>(strip) * along + r) * raster.columns + c]));
   }
   return sum;
+}
+
+/// The same of a kite, and of what it hangs on.
+double distance_of(const SeenTarget& seen, const FacetGrid& grid, const LabelKite& kite,
+                   int strip) {
+  const KiteSection section = kite.section(grid.step_mm);
+  return distance_of(seen, grid, strip, [&](double w) {
+    if (w < -section.q.z || w > section.e.x) return std::numeric_limits<double>::quiet_NaN();
+    const double depth =
+        w < section.e.x - section.e.z ? 2.0 * section.q.z + w : 2.0 * section.e.x - w;
+    const double of_kite = section.depth_mm(w);
+    if (w > section.q.x - section.q.z && w < section.e.x - section.e.z) return of_kite;
+    return of_kite > depth ? of_kite : depth;
+  });
+}
+
+/// The same of a roof on walls whose eave is at `eave`, over the wall, the ground and all between.
+double distance_of(const SeenTarget& seen, const FacetGrid& grid, const RoofPlane& roof,
+                   const KitePoint& eave, int strip) {
+  return distance_of(seen, grid, strip, [&](double w) {
+    const double below = w < -eave.z           ? -w
+                         : w < eave.x - eave.z ? 2.0 * eave.z + w
+                         : w < eave.x          ? 2.0 * eave.x - w
+                                               : w;
+    const bool is_roof = w >= roof.top.x - roof.top.z && w <= eave.x - eave.z;
+    return is_roof ? std::max(below, depth_on(roof, w)) : below;
+  });
+}
+
+/// A roof with its eave on a fold of the grid, `by` steps nearer to the wall than the shape's.
+std::optional<TentRun> tent_of(RoofPlane& roof, int by, const FacetGrid& grid,
+                               const KiteLimits& limits) {
+  const double tan = std::tan(roof.slope_rad);
+  const int x = steps_of(roof.eave.x, grid) - by;
+  const double at_x = x * grid.step_mm;
+  const int z = steps_of(roof.eave.z + (roof.eave.x - at_x) * tan, grid);
+  if (x <= limits.least_run || z < limits.least_run || x > limits.most_x || z > limits.most_z)
+    return std::nullopt;
+  roof.eave = {at_x, z * grid.step_mm};
+  TentRun out;
+  out.level = {false, z}, out.front = {true, x};
+  out.section =
+      tent_at(at_x, (roof.top.z - roof.eave.z) / std::sin(roof.slope_rad), roof.slope_rad, 0.0);
+  if (out.section.roof_mm < kLeastLength_mm) return std::nullopt;
+  return out;
+}
+
+std::string words_of(const RoofPlane& roof) {
+  return fmt::format("the roof that falls at {:.0f} degrees", degrees(roof.slope_rad));
 }
 
 /// Stretches of strips where a roof is seen and no kite is yet.
@@ -151,13 +198,14 @@ std::vector<std::pair<int, int>> stretches(const SeenTarget& seen, const FacetGr
 double RoofPlane::length_mm() const { return std::hypot(eave.x - top.x, top.z - eave.z); }
 
 std::string RefusedRoof::reason() const {
+  if (!no_tent.empty()) return no_tent;
   const double slope = roof.slope_rad, length = roof.length_mm();
   if (!is_too_long)
     return fmt::format(
-        "the roof that falls at {:.0f} degrees does not fit the card: it reaches "
+        "{} does not fit the card: it reaches "
         "{:.1f} mm forward and {:.1f} mm up; leave wall_mm and ground_mm out, or make "
         "the shape smaller",
-        degrees(slope), roof.eave.x, roof.top.z);
+        words_of(roof), roof.eave.x, roof.top.z);
   const double at_eave = longest_at_eave_mm(roof.eave.x, slope),
                at_ridge = longest_at_ridge_mm(roof.top.z, slope);
   const double far = length / std::tan(0.25 * kPi - 0.5 * slope);
@@ -255,6 +303,78 @@ KitePlan plan_kites(const TriangleSoup& target, const SeenTarget& seen, const Fa
     }
     out.kites.push_back(ways[static_cast<std::size_t>(best)]);
   }
+  return out;
+}
+
+TentPlan plan_tents(const TriangleSoup& target, const SeenTarget& seen, const FacetGrid& grid,
+                    const KiteLimits& limits, double most_play_mm) {
+  TentPlan out;
+  std::vector<std::uint8_t> taken(static_cast<std::size_t>(grid.strips), 0);
+  for (const RoofPlane& roof : roofs_of(target, kMostRoofs)) {
+    const auto found = stretches(seen, grid, roof, taken);
+    if (found.empty()) continue;
+    const auto refuse = [&](std::string why) {
+      out.refused.push_back({roof, false, fmt::format("{} {}", words_of(roof), why)});
+    };
+    std::optional<TentRun> best;
+    double least = std::numeric_limits<double>::infinity();
+    for (int by = 0; by <= steps_of(kMostEaves_mm, grid); ++by) {
+      RoofPlane on_walls = roof;
+      const auto tent = tent_of(on_walls, by, grid, limits);
+      if (!tent) continue;
+      double far = 0.0;
+      for (const auto& [first, end] : found)
+        for (int s = first; s < end; ++s)
+          far += distance_of(seen, grid, on_walls, on_walls.eave, s);
+      if (far < least) least = far, best = tent;
+    }
+    if (!best) {
+      refuse(
+          fmt::format("does not fit the card: it reaches {:.1f} mm forward and {:.1f} mm up; "
+                      "leave wall_mm and ground_mm out, or make the shape smaller",
+                      roof.eave.x, roof.top.z));
+      continue;
+    }
+    const TentSection& asked = best->section;
+    const double reach = grid.step_mm * (best->front.offset + best->level.offset) + asked.roof_mm,
+                 most = grid.step_mm * limits.most_reach;
+    const auto tent = firmest_tent(asked.foot_mm, asked.roof_mm, asked.slope_rad);
+    if (reach > most) {
+      refuse(
+          fmt::format("would stick out of the shut card: it reaches {:.1f} mm from the spine, "
+                      "and the card {:.1f} mm; leave wall_mm and ground_mm out",
+                      reach, most));
+    } else if (!tent) {
+      refuse(
+          fmt::format("passes through the wall as the card shuts: its ridge is {:.1f} mm from "
+                      "the wall; move the shape away from it",
+                      roof.top.x));
+    } else if (const double play = tent->play_mm(hands::Play{}.line_mm); play > most_play_mm) {
+      refuse(
+          fmt::format("would be loose: its ridge moves by {:.2g} mm where folds are {:g} mm off "
+                      "their lines, and at most {:g} mm is allowed; move the shape away from "
+                      "the wall, or make the roof steeper",
+                      play, hands::Play{}.line_mm, most_play_mm));
+    } else {
+      best->section = *tent;
+      for (const auto& [first, end] : found) {
+        best->first = first, best->end = end;
+        out.runs.push_back(*best);
+        std::fill(taken.begin() + first, taken.begin() + end, std::uint8_t{1});
+      }
+    }
+  }
+  return out;
+}
+
+std::vector<Label> tent_labels(const FacetPlanes& planes, const FacetGrid& grid,
+                               const TentRun& run) {
+  std::vector<Label> out(static_cast<std::size_t>(grid.columns), kGroundLabel);
+  const auto at = [&](int across) { return out.begin() + grid.wall + across; };
+  const int z = run.level.offset, x = run.front.offset;
+  std::fill(out.begin(), at(-z), kWallLabel);
+  std::fill(at(-z), at(x - z), planes.find(run.level));
+  std::fill(at(x - z), at(x), planes.find(run.front));
   return out;
 }
 

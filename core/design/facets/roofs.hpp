@@ -10,6 +10,7 @@
 #include "core/design/facets/seen_target.hpp"
 #include "core/fit/triangle_soup.hpp"
 #include "core/geometry/kite.hpp"
+#include "core/geometry/tent_section.hpp"
 
 namespace popcut {
 
@@ -38,6 +39,7 @@ struct KiteLimits {
 struct RefusedRoof {
   RoofPlane roof;
   bool is_too_long{};  ///< it would cross the wall or the ground; false: it does not fit the card
+  std::string no_tent{};  ///< why it is no glued tent; empty: none was asked for
   /// What it says of it: which bound it breaks, and the nearest that works.
   [[nodiscard]] std::string reason() const;
 };
@@ -59,6 +61,31 @@ struct KitePlan {
   std::vector<RefusedRoof> refused;
   bool any_roof{};  ///< there is a sloped plane, and it is seen
 };
+
+/// A roof that is glued on a stretch of strips. Each has wall, a level panel, an upright panel and
+/// ground, and nothing else; the roof's eave is the fold between both panels.
+struct TentRun {
+  FacetPlane level, front;
+  int first{}, end{};
+  TentSection section;
+};
+
+/// The glued roofs of a card.
+struct TentPlan {
+  std::vector<TentRun> runs;  ///< no two share a strip
+  std::vector<RefusedRoof> refused;
+};
+
+/// Lays a tent over each roof that is seen: on the walls that come nearest to the shape, so that
+/// eaves beyond them are left out. A tent is given only if the roof never passes through the wall,
+/// and its ridge moves by no more than `most_play_mm` in paper.
+[[nodiscard]] TentPlan plan_tents(const TriangleSoup& target, const SeenTarget& seen,
+                                  const FacetGrid& grid, const KiteLimits& limits,
+                                  double most_play_mm);
+
+/// The labels of each strip of a run.
+[[nodiscard]] std::vector<Label> tent_labels(const FacetPlanes& planes, const FacetGrid& grid,
+                                             const TentRun& run);
 
 /// Lays a kite over each roof that is seen. Of the types whose bound holds, it takes the one nearer
 /// to the shape. A strip with a kite has wall, level plane, kite, upright plane and ground, and

@@ -172,7 +172,7 @@ class WindowCutter {
   [[nodiscard]] bool is_free(int s, int column) const {
     const Label label = image_.strip(s)[static_cast<std::size_t>(column)];
     if (label == kNoLabel || label == kWallLabel || label == kGroundLabel) return false;
-    if (planes_.is_of_kite(label) || planes_.carries_kite(label)) return false;
+    if (planes_.is_of_kite(label) || planes_.carries_roof(label)) return false;
     if (column < least_ || column + least_ >= grid().columns) return false;
     for (int k = s - ring_; k <= s + ring_; ++k)
       for (int i = column - least_; i <= column + least_; ++i)

@@ -193,6 +193,9 @@ class Design {
     if (!spec_.card)
       return wrong("card", ErrorKind::Malformed,
                    "is false; facets hang on wall and ground, so leave it out");
+    if (spec_.book && spec_.facets.sloped == SlopedParts::Tents)
+      return wrong("facets/sloped", ErrorKind::OutOfRange,
+                   "is tents, and cards of a book are of one sheet; choose kites or none");
     if (spec_.placement.design_angle_deg != 90.0)
       return wrong("design_angle_deg", ErrorKind::OutOfRange,
                    fmt::format("is {:g}; facets are made for 90 degrees only",

@@ -92,8 +92,9 @@ enum class FacetHold { Exact, Paper };
 
 /// What becomes of sloped planes of a target, such as roofs.
 enum class SlopedParts {
-  None,  ///< as of all others: panels parallel to wall or ground
-  Kites  ///< sloped panels, where they can be
+  None,   ///< as of all others: panels parallel to wall or ground
+  Kites,  ///< sloped panels of the same sheet, where they can be
+  Tents   ///< sloped panels of their own paper, glued on the sheet, where they can be
 };
 
 /// How a target is made of facets (`"facets"` or `"silhouette"` of a spec, docs/facets.md).
@@ -239,6 +240,22 @@ struct DesignSpec {
   /// in paper is not computed.
   bool is_draft{false};
 };
+
+/// Whether roofs are glued on its facets.
+[[nodiscard]] inline bool has_tents(const DesignSpec& spec) {
+  return spec.style == DesignStyle::Facets && spec.facets.sloped == SlopedParts::Tents;
+}
+/// Whether it is designed as a `BoxedCard`.
+[[nodiscard]] inline bool is_of_boxes(const DesignSpec& spec) {
+  return spec.style == DesignStyle::Boxes || has_tents(spec);
+}
+/// What a card of several parts is made of; null: it is of one sheet.
+[[nodiscard]] inline const char* parts_word(const DesignSpec& spec) {
+  return has_tents(spec) ? "facets with glued roofs" : parts_word(spec.style);
+}
+[[nodiscard]] inline bool is_of_parts(const DesignSpec& spec) {
+  return parts_word(spec) != nullptr;
+}
 
 inline constexpr double kRelaxedStep = 5.0;
 inline constexpr int kMaxUnitsPerSlice = 2000;

@@ -496,10 +496,10 @@ FieldTable facet_table(FacetSpec& facets, std::optional<double>& given_from_mm) 
       {"hold", word(&facets.hold, {"exact", "paper"}),
        "paper: panels hold at folds that lie far enough apart, so that a fold 0.1 mm off its line "
        "moves none much; exact: any two different places hold, as in exact geometry"},
-      {"sloped", word(&facets.sloped, {"none", "kites"}),
-       "kites: planes that slope away from the wall, such as roofs with their ridge along the "
-       "spine, "
-       "become sloped panels; none: they become stairs"},
+      {"sloped", word(&facets.sloped, {"none", "kites", "tents"}),
+       "what planes that slope away from the wall become, such as roofs with their ridge along the "
+       "spine. kites: sloped panels of the same sheet; tents: panels of their own paper, glued on "
+       "the sheet; none: stairs"},
       {"inward", flag(&facets.inward),
        "true: parts of the target behind wall and ground are made too, where nothing is in front "
        "of them"},

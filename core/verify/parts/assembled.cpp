@@ -66,14 +66,28 @@ class Assembler {
     if (out_.hinges.empty() || out_.hinges.front().part != 0)
       return fail(ErrorKind::OutOfRange, model_.parts.front().place,
                   "has no fold; the first part is the card, with the spine between its pages");
+    double longest_mm = 0.0;
     for (std::size_t h = 0; h < out_.hinges.size() && out_.hinges[h].part == 0; ++h)
-      if (out_.hinges[h].length_mm > out_.hinges[out_.drive].length_mm) out_.drive = h;
+      if (out_.hinges[h].length_mm > longest_mm && is_of_pages(out_.hinges[h]))
+        out_.drive = h, longest_mm = out_.hinges[h].length_mm;
+    if (!(longest_mm > 0.0))
+      return fail(ErrorKind::OutOfRange, "/popcut:pages",
+                  "names two faces without a fold between them; name those on both sides of the "
+                  "spine");
     for (std::size_t j = 0; j < model_.joints.size(); ++j) add_joint(j);
     return std::move(out_);
   }
 
  private:
   static constexpr std::uint32_t kNone = 0xffffffffU;
+
+  /// Whether a fold of the first part can be the spine.
+  [[nodiscard]] bool is_of_pages(const BodyHinge& fold) const {
+    if (!model_.pages) return true;
+    const auto [a, b] = *model_.pages;
+    return std::minmax(fold.right, fold.left) ==
+           std::minmax(out_.body[out_.panel_of(0, a)], out_.body[out_.panel_of(0, b)]);
+  }
 
   /// Numbers the bodies; each has the frame of its first panel's sheet.
   void glue() {

@@ -47,7 +47,7 @@ struct Assembled {
   std::size_t bodies{};
   std::vector<BodyHinge> hinges;
   std::vector<BodySlot> slots;
-  std::size_t drive{};  ///< the longest fold of the first part: the spine between the pages
+  std::size_t drive{};  ///< the spine between the pages: the longest fold of both
   double reach_mm{};    ///< size of the largest part
 
   [[nodiscard]] std::size_t panel_of(std::size_t part, std::size_t face) const {
@@ -66,7 +66,7 @@ struct Assembled {
 /// different places.
 ///
 /// @param sheets  one a part, as `make_sheet` finds it
-/// @retval OutOfRange  the first part has no fold, so there are no pages
+/// @retval OutOfRange  the first part has no fold, or none between the named pages
 [[nodiscard]] Result<Assembled> assemble(const JointModel& model, std::vector<Sheet> sheets,
                                          VerifyCheck& check);
 

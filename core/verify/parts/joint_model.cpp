@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/verify/parts/joint_model.hpp"
 
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -81,6 +82,20 @@ class JointReader {
   std::map<std::string, std::size_t> number_;
 };
 
+void read_pages(FieldReader& in, JointModel& model) {
+  const std::vector<double> given = in.numbers("popcut:pages", 2);
+  if (given.size() != 2) return;
+  const auto faces = static_cast<double>(model.parts.front().sheet.faces());
+  for (const double face : given)
+    if (!(face >= 0.0 && face < faces && face == std::floor(face)) || given[0] == given[1]) {
+      in.refuse(
+          "popcut:pages", ErrorKind::OutOfRange,
+          fmt::format("must be two different faces of the first part, 0 to {:g}", faces - 1.0));
+      return;
+    }
+  model.pages = {static_cast<std::size_t>(given[0]), static_cast<std::size_t>(given[1])};
+}
+
 }  // namespace
 
 Result<JointModel> read_joint_model(std::string_view text) {
@@ -111,7 +126,7 @@ Result<JointModel> read_joint_model(std::string_view text) {
   }
   // The rest of the file is FOLD's, so only what is read here may not be wrong.
   nlohmann::json own{{kJoints, (*json)[kJoints]}};
-  for (const char* name : {"popcut:thickness_mm", "popcut:opens_deg"})
+  for (const char* name : {"popcut:thickness_mm", "popcut:opens_deg", "popcut:pages"})
     if (const auto found = json->find(name); found != json->end()) own[name] = *found;
   FieldReader in(own);
   JointReader joints(model);
@@ -119,6 +134,7 @@ Result<JointModel> read_joint_model(std::string_view text) {
       kJoints, [&](FieldReader& joint) { joints.read(joint); }, kMostJoints);
   model.thickness_mm = in.number("popcut:thickness_mm", 0.3, 0.0, 10.0);
   model.opens_deg = in.number("popcut:opens_deg", 180.0, 30.0, 180.0);
+  if (in.has("popcut:pages")) read_pages(in, model);
   if (auto done = in.finish(); !done) return tl::unexpected(done.error());
   return model;
 }

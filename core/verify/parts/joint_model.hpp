@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,6 +52,9 @@ struct JointModel {
   std::vector<CardJoint> joints;
   double thickness_mm{0.3};  ///< `popcut:thickness_mm`
   double opens_deg{180.0};   ///< `popcut:opens_deg`: between the pages of the open card
+  /// `popcut:pages`: the faces of the first part that are its pages. None: those on both sides of
+  /// its longest fold.
+  std::optional<std::array<std::size_t, 2>> pages;
 };
 
 inline constexpr std::size_t kMostParts = 400, kMostJoints = 4000;

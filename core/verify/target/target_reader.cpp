@@ -199,7 +199,7 @@ Result<Target> target_of_patches(const std::vector<DesignSpec>& patches, const T
 }  // namespace
 
 Result<Target> read_target(const DesignSpec& spec, const TargetFiles& files) {
-  if (is_of_parts(spec.style))
+  if (is_of_parts(spec))
     return fail(
         ErrorKind::Malformed, "/style",
         "is layers or slices, which have no fold vertices on the shape; leave --target out");

@@ -588,7 +588,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   const PartsInto into{options, globals, *material, wanted, *folder, work};
   if (spec->style == DesignStyle::Layers) return layers_into(into, *spec, *assets);
   if (spec->style == DesignStyle::Slices) return slices_into(into, *spec, *assets);
-  if (spec->style == DesignStyle::Boxes) return boxes_into(into, *spec, *assets);
+  if (is_of_boxes(*spec)) return boxes_into(into, *spec, *assets);
   auto made = timed_design(*spec, *assets, *hands, work->progress());
   if (!made) {
     judge::DesignFault& fault = made.error();

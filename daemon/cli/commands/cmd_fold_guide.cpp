@@ -158,7 +158,7 @@ Result<std::optional<std::string>> parts_file(const Options& options, const Prog
   if (lists_joints(*text)) return std::optional(std::move(*text));
   if (!is_design_spec(*text)) return none;
   const auto spec = parse_design_spec(*text);
-  if (!spec || !is_of_parts(spec->style)) return none;
+  if (!spec || !is_of_parts(*spec)) return none;
   const auto assets = load_assets(*spec, options.file);
   if (!assets) return tl::unexpected(within(options.file, assets.error()));
   const auto fold_of = [&](auto sound) -> Result<std::optional<std::string>> {

@@ -158,26 +158,53 @@ Result<std::string> add_slice_files(const judge::SoundSlices& sound, const Mater
       material, wants, folder);
 }
 
+namespace layer_files_parts {
+namespace {
+
+std::size_t count_of(const BoxedCard& made) {
+  return made.is_of_facets() ? made.tents.size() : made.boxes.size();
+}
+
+const char* word_of(const BoxedCard& made) {
+  const bool is_one = count_of(made) == 1;
+  if (made.is_of_facets()) return is_one ? "glued roof" : "glued roofs";
+  return is_one ? "box" : "boxes";
+}
+
+}  // namespace
+}  // namespace layer_files_parts
+
 Result<std::string> add_box_files(const judge::SoundBoxes& sound, const Material& material,
                                   double seconds,
                                   const std::function<bool(std::string_view)>& wants,
                                   OutputFolder& folder) {
   const BoxedCard& made = sound.made;
   return layer_files_parts::add_files(
-      {made.card, sound.fold, made.target, false, made.boxes.size() == 1 ? "box" : "boxes",
-       made.boxes.size(), boxed_report_json(made, seconds),
+      {made.card, sound.fold, made.target, false, layer_files_parts::word_of(made),
+       layer_files_parts::count_of(made), boxed_report_json(made, seconds),
        [&](double opening_rad) { return pose_at(made, opening_rad); }, !made.faces_along_spine()},
       material, wants, folder);
 }
 
 void say_boxes(const judge::SoundBoxes& sound) {
   const BoxedCard& made = sound.made;
-  fmt::print(stderr, "{}: {} box{} on a card that opens flat, in one movement\n",
-             shown_text(made.card.name), made.boxes.size(), made.boxes.size() == 1 ? "" : "es");
+  const char* const word = layer_files_parts::word_of(made);
+  fmt::print(stderr, "{}: {} {} on a card that opens {}, in one movement\n",
+             shown_text(made.card.name), layer_files_parts::count_of(made), word,
+             made.is_of_facets() ? "to 90 degrees" : "flat");
   fmt::print(stderr,
-             "  pages    {:.1f} mm from the spine, {:.1f} mm along it; shut, the boxes reach "
+             "  pages    {:.1f} mm from the spine, {:.1f} mm along it; shut, the {} reach{} "
              "{:.1f} mm, and the stack is {:.1f} mm high\n",
-             made.card.page_mm, made.card.length_mm, sound.report.closed_mm, sound.report.stack_mm);
+             made.card.page_mm, made.card.length_mm, word,
+             layer_files_parts::count_of(made) == 1 ? "es" : "", sound.report.closed_mm,
+             sound.report.stack_mm);
+  for (const CardTent& tent : made.tents)
+    fmt::print(
+        stderr,
+        "  {:<8} {:.1f} mm long, {:.1f} across, falls at {:.0f} degrees; its strut is {:.1f} "
+        "mm\n",
+        tent.name, tent.along_mm[1] - tent.along_mm[0], tent.section.roof_mm,
+        degrees(tent.section.slope_rad), tent.section.strut_mm);
   for (const CardBox& box : made.boxes)
     fmt::print(
         stderr, "  {:<8} {:.1f} mm long, {:.1f} wide, {:.1f} high; {}, {} panels\n", box.name,

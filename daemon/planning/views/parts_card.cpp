@@ -17,6 +17,7 @@
 #include "core/geometry/triangulate.hpp"
 #include "core/judge/layers_likeness.hpp"
 #include "core/judge/parts_motion.hpp"
+#include "core/judge/sound_boxes.hpp"
 #include "core/judge/sound_layers.hpp"
 #include "core/judge/sound_slices.hpp"
 #include "core/parts/structure_fold.hpp"
@@ -65,8 +66,8 @@ Result<PartsCard> parts_card(const DesignSpec& spec, const SurfaceAssets& assets
     auto made = layered_card(spec, assets, progress);
     if (!made) return tl::unexpected(made.error());
     out.layers = std::move(*made);
-  } else if (spec.style == DesignStyle::Boxes) {
-    auto made = boxed_card(spec, assets, progress);
+  } else if (is_of_boxes(spec)) {
+    auto made = judge::designed_boxes(spec, assets, progress);
     if (!made) return tl::unexpected(made.error());
     out.boxes = std::move(*made);
   } else {
