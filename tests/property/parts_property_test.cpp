@@ -409,7 +409,7 @@ TEST_CASE("a house and a church with glued roofs hold in paper; other roofs say 
     CAPTURE(message(made.error()));
     CHECK(made.error().detail.find(what) != std::string::npos);
   };
-  refused(glued(house_obj(30.0, 60.0, 35.0, 12.0), 30.0, 5.0), "would be loose");
+  refused(glued(house_obj(40.0, 60.0, 35.0, 24.0), 40.0, 5.0), "would be loose");
   refused(glued(house, 30.0, -31.0), "through the wall");
 }
 

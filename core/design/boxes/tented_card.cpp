@@ -15,6 +15,7 @@ namespace popcut {
 namespace {
 
 constexpr double kRoofTab_mm = 7.0;
+constexpr double kBeside_mm = 1.0;  ///< from a roof to what is beside it, whose contours are moved
 
 /// The sheet as the first part of a card: u = 0 at the spine.
 Structure sheet_of(const FacetCard& made) {
@@ -47,14 +48,14 @@ Structure sheet_of(const FacetCard& made) {
   return card;
 }
 
-/// Glues a roof and its strut on the sheet, a thickness of paper from what is beside it.
+/// Glues a roof and its strut on the sheet.
 Result<CardTent> add_tent(const FacetCard& made, const TentRun& run, const std::string& name,
                           Structure& card) {
   const double step = made.grid.step_mm, strip = made.grid.strip_mm;
   CardTent out;
   out.name = name, out.section = run.section;
-  out.along_mm = {made.card.margin_mm + run.first * strip + card.thickness_mm,
-                  made.card.margin_mm + run.end * strip - card.thickness_mm};
+  out.along_mm = {made.card.margin_mm + run.first * strip + kBeside_mm,
+                  made.card.margin_mm + run.end * strip - kBeside_mm};
   // Runs of a strip: wall, level panel, front, ground.
   const auto face = [&](std::size_t k) {
     return static_cast<std::uint32_t>(made.pattern.face_of(run.first, k));

@@ -24,6 +24,7 @@ constexpr double kLeastRoof_mm2 = 100.0, kLeastLength_mm = 6.0;
 constexpr double kSeen_mm = 1.5, kSeenShare = 0.7;  ///< of a strip's roof
 constexpr double kDormer_mm = 2.4, kLeastWidth_mm = 12.0;
 constexpr double kLeastFront_mm = 2.0;  ///< of the upright panel below an eave
+constexpr double kLeastStrut_mm = 7.5;  ///< from a tent's eave: its tab is below it
 constexpr double kMostEaves_mm = 12.0;  ///< beyond the wall below a tent
 constexpr double kSlack = 2e-3;         ///< of a bound: rounding to steps is finer
 
@@ -349,6 +350,11 @@ TentPlan plan_tents(const TriangleSoup& target, const SeenTarget& seen, const Fa
           fmt::format("passes through the wall as the card shuts: its ridge is {:.1f} mm from "
                       "the wall; move the shape away from it",
                       roof.top.x));
+    } else if (tent->strut_at_mm < kLeastStrut_mm) {
+      refuse(
+          fmt::format("is too small: its strut would be {:.1f} mm from its eave, and the tab "
+                      "there needs {:g} mm",
+                      tent->strut_at_mm, kLeastStrut_mm));
     } else if (const double play = tent->play_mm(hands::Play{}.line_mm); play > most_play_mm) {
       refuse(
           fmt::format("would be loose: its ridge moves by {:.2g} mm where folds are {:g} mm off "
