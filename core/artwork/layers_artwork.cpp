@@ -28,7 +28,13 @@ struct SlabDepths {
   }
 };
 
-/// The model as it is seen from the front with the depths of a slab first: x = across, y = -z.
+/// Where a place of the card lies in the picture along the look: x = across, y = down.
+PagePoint seen_at(const LayeredCard& made, const Vec3& p) {
+  const double along = made.looks_along_spine ? 1.0 : -1.0;
+  return {p.x(), -p.z() - made.look.fall * along * (p.y() - made.begin_mm)};
+}
+
+/// The model as it is seen along the look with the depths of a slab first.
 ColourImage slab_view(const LayeredCard& made, const ColourMesh& mesh, const SlabDepths& slab,
                       const PixelFrame& frame, double shade) {
   struct Seen {
@@ -38,16 +44,19 @@ ColourImage slab_view(const LayeredCard& made, const ColourMesh& mesh, const Sla
   };
   std::vector<Seen> seen(frame.pixels());
   const double along = made.looks_along_spine ? 1.0 : -1.0;
-  const auto page = [](const Vec3& p) { return PagePoint{p.x(), -p.z()}; };
+  const auto page = [&](const Vec3& p) { return seen_at(made, p); };
   for (std::uint32_t t = 0; t < mesh.size(); ++t) {
     std::array<PagePoint, 3> at;
+    std::array<double, 3> across{};
     std::array<double, 3> depth{};
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 p = mesh.soup.corner(t, k);
-      at[k] = page(p), depth[k] = along * (p.y() - made.begin_mm);
+      at[k] = page(p), across[k] = p.x(), depth[k] = along * (p.y() - made.begin_mm);
     }
     each_pixel(frame, at, [&](std::size_t i, std::size_t j, const std::array<double, 3>& w) {
-      const auto rank = slab.rank(w[0] * depth[0] + w[1] * depth[1] + w[2] * depth[2]);
+      const auto rank =
+          slab.rank(w[0] * depth[0] + w[1] * depth[1] + w[2] * depth[2] -
+                    made.look.behind_mm(w[0] * across[0] + w[1] * across[1] + w[2] * across[2]));
       Seen& before = seen[j * frame.width + i];
       if (!(rank < before.rank)) return;
       before = {rank, t, {static_cast<float>(w[0]), static_cast<float>(w[1])}};
@@ -78,8 +87,9 @@ ColourImage slab_view(const LayeredCard& made, const ColourMesh& mesh, const Sla
 }
 
 /// What is printed on a part, on the pixels of `frame`.
-ColourImage drawn_on(const FaceSurface& surface, const SheetPart& sheet, const ColourImage& view,
-                     const PixelFrame& view_frame, const PixelFrame& frame) {
+ColourImage drawn_on(const LayeredCard& made, std::size_t layer, const FaceSurface& surface,
+                     const SheetPart& sheet, const ColourImage& view, const PixelFrame& view_frame,
+                     const PixelFrame& frame) {
   ColourImage out(frame.width, frame.height);
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     if (std::find(sheet.tabs.begin(), sheet.tabs.end(), surface.face[t]) != sheet.tabs.end())
@@ -87,8 +97,10 @@ ColourImage drawn_on(const FaceSurface& surface, const SheetPart& sheet, const C
     const auto& c = surface.triangles[t];
     each_pixel(frame, {c[0].page, c[1].page, c[2].page},
                [&](std::size_t i, std::size_t j, const std::array<double, 3>& w) {
-                 const Vec3 p = w[0] * c[0].place + w[1] * c[1].place + w[2] * c[2].place;
-                 const PagePoint at = view_frame.in_pixels({p.x(), -p.z()});
+                 Vec3 p = w[0] * c[0].place + w[1] * c[1].place + w[2] * c[2].place;
+                 p.y() -= (made.looks_along_spine ? 1.0 : -1.0) * made.look.raised_share(layer) *
+                          made.look.behind_mm(p.x());
+                 const PagePoint at = view_frame.in_pixels(seen_at(made, p));
                  const double across = static_cast<double>(view_frame.width) - 1,
                               down = static_cast<double>(view_frame.height) - 1;
                  if (at.x < 0 || at.y < 0 || at.x > across || at.y > down) return;
@@ -115,11 +127,16 @@ Result<Artwork> layers_artwork(const LayeredCard& made, const ColourMesh& model,
   using namespace layers_artwork_parts;
   Box seen;
   for (std::size_t k = 0; k + 2 < model.soup.corners.size(); k += 3)
-    seen.add({model.soup.corners[k], -model.soup.corners[k + 2]});
+    seen.add(seen_at(
+        made, {model.soup.corners[k], model.soup.corners[k + 1], model.soup.corners[k + 2]}));
   // A model that is far off the card is seen nowhere; its picture is not larger than the card's.
   Box card;
-  for (const CardLayer& layer : made.layers)
-    card.add({-layer.width_mm, -layer.height_mm}), card.add({layer.width_mm, 0.0});
+  for (const CardLayer& layer : made.layers) {
+    const double fall = made.look.fall * layer.depth_mm,
+                 bend = std::abs(made.look.fall * made.look.behind_mm(layer.width_mm));
+    card.add({-layer.width_mm, -layer.height_mm - fall - bend});
+    card.add({layer.width_mm, bend - fall});
+  }
   seen = {std::max(seen.x0, card.x0), std::max(seen.y0, card.y0), std::min(seen.x1, card.x1),
           std::min(seen.y1, card.y1)};
   if (!(seen.width() > 0.0 && seen.height() > 0.0))
@@ -138,7 +155,7 @@ Result<Artwork> layers_artwork(const LayeredCard& made, const ColourMesh& model,
                          };
                          const SlabDepths slab{j == 0 ? -kFar : between(j),
                                                j + 1 == made.layers.size() ? kFar : between(j + 1)};
-                         return drawn_on(surface, made.card.parts[p],
+                         return drawn_on(made, j, surface, made.card.parts[p],
                                          slab_view(made, model, slab, view_frame, options.shade),
                                          view_frame, frame);
                        });

@@ -134,7 +134,7 @@ PrintedTarget::Seen PrintedTarget::painted(const View& view, int pixels, Triangl
             const float here =
                 std::clamp(at + slope * static_cast<float>(static_cast<int>(x - first)), low, high);
             float& depth = out.image.depth[row * width + x];
-            if (!is_better(here, depth)) continue;
+            if (!is_better(here, depth, x)) continue;
             depth = here;
             out.colour[row * width + x] = colours[t];
           }
@@ -145,24 +145,44 @@ PrintedTarget::Seen PrintedTarget::painted(const View& view, int pixels, Triangl
 PrintedTarget::Seen PrintedTarget::seen_from(const View& view, int pixels, Triangles triangles,
                                              std::span<const Lab> colours) const {
   Seen out = painted(view, pixels, triangles, colours,
-                     [](float here, float before) { return here > before; });
+                     [](float here, float before, std::size_t) { return here > before; });
   if (scene_.corner) draw(out.frame, *scene_.corner, out.backdrop);
   hide_behind(out.backdrop, kTouch * diagonal_mm_, out.image);
   return out;
 }
 
+Vec3 PrintedTarget::fallen(const PrintedLayer& layer, const Vec3& place) const {
+  // As high as it is seen, so that all of the target is within the frame.
+  const Vec3 centre = box_.centre();
+  const double longer = std::hypot(1.0, layer.fall);
+  return {place.x(), place.y(),
+          centre.z() + (place.z() - centre.z() - layer.fall * (place.x() - centre.x())) / longer};
+}
+
 PrintedTarget::Seen PrintedTarget::print_of(const PrintedLayer& layer) const {
   const int pixels = std::min(kMostPixels, static_cast<int>(kFinerPrint * scene_.pixels));
-  const auto from = static_cast<float>(layer.far_mm - box_.centre().x()),
-             to = static_cast<float>(layer.near_mm - box_.centre().x());
+  const double pitch = kSide * diagonal_mm_ / pixels;
   // Of two places on a ray, the one with the larger rank is shown, then the larger `at`.
-  const auto rank = [&](float depth) { return depth < from ? 0 : depth >= to ? 1 : 2; };
-  const auto is_better = [&](float here, float before) {
+  const auto is_better = [&](float here, float before, std::size_t column) {
+    const double y = box_.centre().y() + pitch * (static_cast<double>(column) + 0.5 - 0.5 * pixels);
+    const double nearer = box_.centre().x() + layer.bend * std::abs(y);
+    const auto rank = [&](float depth) {
+      const double x = static_cast<double>(depth) + nearer;
+      return x < layer.far_mm ? 0 : x >= layer.near_mm ? 1 : 2;
+    };
     if (before == kNothing || rank(here) != rank(before))
       return before == kNothing || rank(here) > rank(before);
     return rank(here) == 1 ? here < before : here > before;
   };
-  return painted(view_from(Vec3(1, 0, 0)), pixels, triangles_, lit_, is_better);
+  std::vector<float> moved;
+  moved.reserve(triangles_.size());
+  for (std::size_t k = 0; k + 2 < triangles_.size(); k += 3) {
+    const Vec3 at =
+        fallen(layer, {static_cast<double>(triangles_[k]), static_cast<double>(triangles_[k + 1]),
+                       static_cast<double>(triangles_[k + 2])});
+    for (const double of : {at.x(), at.y(), at.z()}) moved.push_back(static_cast<float>(of));
+  }
+  return painted(view_from(Vec3(1, 0, 0)), pixels, moved, lit_, is_better);
 }
 
 const PrintedTarget::Lab* PrintedTarget::printed_at(const Seen& print, const Vec3& place) {
@@ -204,7 +224,7 @@ void PrintedTarget::draw_card(const Seen& seen, Triangles structure, DepthImage&
 
 void PrintedTarget::draw_layers(const Seen& seen, std::span<const PrintedLayer> layers,
                                 std::span<const Seen> prints, DepthImage& image,
-                                std::vector<Lab>& own) {
+                                std::vector<Lab>& own) const {
   static const Lab bare = lab_of(kBare, 1.0);
   draw(seen.frame, Triangles{}, image);
   own.resize(image.depth.size());
@@ -218,10 +238,11 @@ void PrintedTarget::draw_layers(const Seen& seen, std::span<const PrintedLayer> 
       for (int column = 0; column < frame.pixels; ++column, ++p) {
         if (!(one.depth[p] > image.depth[p])) continue;
         image.depth[p] = one.depth[p];
-        const Lab* const print =
-            printed_at(prints[k], frame.centre + (first + pitch * column) * frame.view.right +
-                                      (first + pitch * row) * frame.view.up +
-                                      static_cast<double>(one.depth[p]) * frame.view.toward);
+        Vec3 at = frame.centre + (first + pitch * column) * frame.view.right +
+                  (first + pitch * row) * frame.view.up +
+                  static_cast<double>(one.depth[p]) * frame.view.toward;
+        at.x() += layers[k].raised * std::abs(at.y());
+        const Lab* const print = printed_at(prints[k], fallen(layers[k], at));
         own[p] = print != nullptr ? *print : bare;
       }
   }

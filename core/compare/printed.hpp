@@ -26,11 +26,14 @@ enum class Looks : std::uint8_t { Good, Fair, Poor };
 [[nodiscard]] Looks looks(const PrintedFigures& figures);
 [[nodiscard]] const char* name_of(Looks looks);
 
-/// A layer of a card that lies open flat, printed with the target as it is seen along x. It shows
-/// what lies between the two depths first; else what is nearest in front of them; else behind.
+/// A layer of a card, printed with the target as it is seen along (1, 0, fall). It shows what lies
+/// between the two depths first; else what is nearest in front of them; else behind.
 struct PrintedLayer {
   Triangles triangles;
   double far_mm{}, near_mm{};  ///< x of the target
+  double fall{};
+  double bend{};    ///< at y, both depths are `bend * |y|` less
+  double raised{};  ///< what is printed at y is that of a place `raised * |y|` nearer
 };
 
 /// A target in its colours, that printed structures are compared with. What is printed on a
@@ -76,7 +79,9 @@ class PrintedTarget {
                              std::span<const Lab> colours, const IsBetter& is_better) const;
   [[nodiscard]] Seen seen_from(const View& view, int pixels, Triangles triangles,
                                std::span<const Lab> colours) const;
-  /// The target along x with the depths of a layer first.
+  /// A place of the target moved up or down so that the look of a layer is along x.
+  [[nodiscard]] Vec3 fallen(const PrintedLayer& layer, const Vec3& place) const;
+  /// The target along the look of a layer, with the depths of the layer first.
   [[nodiscard]] Seen print_of(const PrintedLayer& layer) const;
   /// The colour at a place of the card; null: bare paper.
   [[nodiscard]] static const Lab* printed_at(const Seen& print, const Vec3& place);
@@ -85,8 +90,8 @@ class PrintedTarget {
                  std::vector<Lab>& own) const;
 
   /// Draws layers as `draw_card` a structure; `prints`: one a layer.
-  static void draw_layers(const Seen& seen, std::span<const PrintedLayer> layers,
-                          std::span<const Seen> prints, DepthImage& image, std::vector<Lab>& own);
+  void draw_layers(const Seen& seen, std::span<const PrintedLayer> layers,
+                   std::span<const Seen> prints, DepthImage& image, std::vector<Lab>& own) const;
   /// Compares what `draw_own` draws with the target, from all sides.
   template <typename Draw>
   [[nodiscard]] PrintedFigures compared(Buffers& buffers, const Draw& draw_own) const;

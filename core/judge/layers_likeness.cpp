@@ -40,7 +40,8 @@ likeness::PrintedFigures layers_likeness(const LayeredCard& made,
           add(pose[j + 1][f] * Vec3{part.vertices[v].x(), part.vertices[v].y(), 0.0}, faces[j]);
     }
     layers.push_back({faces[j], j + 1 == made.layers.size() ? -kFar : between(j),
-                      j == 0 ? kFar : between(j - 1)});
+                      j == 0 ? kFar : between(j - 1), made.look.fall, made.look.bend,
+                      made.look.raised_share(j) * made.look.bend});
   }
   likeness::Scene scene;
   scene.views = made.opens_flat ? likeness::page_views() : likeness::cone_views();

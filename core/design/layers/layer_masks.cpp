@@ -355,9 +355,14 @@ Stretches inside_stretches(const std::vector<DepthCrossing>& at) {
 
 }  // namespace
 
-DepthStacks depth_stacks(const TriangleSoup& target, double cell_mm, double least_half_mm) {
+DepthStacks depth_stacks(TriangleSoup target, const LayerLook& look, double cell_mm,
+                         double least_half_mm) {
+  const double front = extent_of(target).high.x();
+  for (std::size_t k = 0; k < target.corners.size(); k += 3)
+    target.corners[k + 2] += look.fall * (front - target.corners[k]);
   const Extent box = extent_of(target);
   DepthStacks out;
+  out.look = look;
   LayerGrid& grid = out.grid;
   grid.cell_mm = cell_mm;
   const double half = std::max({std::abs(box.low.y()), std::abs(box.high.y()), least_half_mm});
@@ -387,7 +392,8 @@ DepthStacks depth_stacks(const TriangleSoup& target, double cell_mm, double leas
         const double p = (y * w.z() - z * w.y()) / twice, q = (z * u.y() - y * u.z()) / twice;
         if (p < 0.0 || q < 0.0 || p + q > 1.0) continue;
         const double x = a.x() + p * u.x() + q * w.x();
-        out.crossings[grid.at(c, r)].push_back({static_cast<float>(box.high.x() - x), twice > 0.0});
+        const double depth = front - x - look.behind_mm(y + a.y());
+        out.crossings[grid.at(c, r)].push_back({static_cast<float>(depth), twice > 0.0});
       }
   }
   for (auto& one : out.crossings)
@@ -438,7 +444,8 @@ std::vector<double> layer_depths(const TriangleSoup& target, int count, double a
 
 std::vector<LayerMask> layer_masks(const DepthStacks& stacks,
                                    const std::vector<double>& depths_mm) {
-  std::vector<LayerMask> out(depths_mm.size(), LayerMask(stacks.grid.cells(), 0));
+  const LayerGrid& grid = stacks.grid;
+  std::vector<LayerMask> out(depths_mm.size(), LayerMask(grid.cells(), 0));
   constexpr double kFar = std::numeric_limits<double>::infinity();
   std::vector<Stretches> inside;
   for (const std::vector<DepthCrossing>& at : stacks.crossings)
@@ -446,9 +453,20 @@ std::vector<LayerMask> layer_masks(const DepthStacks& stacks,
   for (std::size_t j = 0; j < out.size(); ++j) {
     const double from = j == 0 ? -kFar : 0.5 * (depths_mm[j - 1] + depths_mm[j]),
                  to = j + 1 == out.size() ? kFar : 0.5 * (depths_mm[j] + depths_mm[j + 1]);
-    for (std::size_t cell = 0; cell < stacks.grid.cells(); ++cell)
-      for (const auto& [first, last] : inside[cell])
-        if (first < to && last >= from) out[j][cell] = 1;
+    for (std::size_t c = 0; c < grid.columns; ++c) {
+      const double aside =
+          (static_cast<double>(c) + 0.5 - 0.5 * static_cast<double>(grid.columns)) * grid.cell_mm;
+      const auto fallen = static_cast<std::ptrdiff_t>(std::llround(
+          stacks.look.fall *
+          (depths_mm[j] + (1.0 - stacks.look.raised_share(j)) * stacks.look.behind_mm(aside)) /
+          grid.cell_mm));
+      const auto rows = static_cast<std::ptrdiff_t>(grid.rows);
+      for (std::ptrdiff_t r = std::max<std::ptrdiff_t>(0, fallen);
+           r < rows + std::min<std::ptrdiff_t>(0, fallen); ++r)
+        for (const auto& [first, last] : inside[grid.at(c, static_cast<std::size_t>(r))])
+          if (first < to && last >= from)
+            out[j][grid.at(c, static_cast<std::size_t>(r - fallen))] = 1;
+    }
   }
   return out;
 }

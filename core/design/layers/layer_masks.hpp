@@ -21,24 +21,42 @@ struct LayerGrid {
   }
 };
 
+/// How layers are looked at: a place of the target goes to the paper along this look.
+struct LayerLook {
+  double fall{};  ///< how far a ray falls for each mm that it goes back: the tangent of its angle
+  double bend{};  ///< how far paper lies farther back for each mm beside the middle; else nearer
+
+  /// How far behind its own middle the paper lies `aside_mm` beside it.
+  [[nodiscard]] double behind_mm(double aside_mm) const {
+    return bend * (aside_mm < 0.0 ? -aside_mm : aside_mm);
+  }
+  /// The share of that by which the picture on a layer is raised. On the foremost layer, the front
+  /// of the target would sink into the page where the paper goes back from it; it stands there.
+  [[nodiscard]] double raised_share(std::size_t layer) const {
+    return layer == 0 && bend > 0.0 ? 1.0 : 0.0;
+  }
+};
+
 /// Which cells of a grid are paper: 1, or 0.
 using LayerMask = std::vector<std::uint8_t>;
 
-/// A depth at which a surface is crossed from the front on, mm behind its foremost point.
+/// A depth at which a surface is crossed from the front on, mm behind its foremost point, less what
+/// the paper there is behind its middle.
 struct DepthCrossing {
   float depth_mm{};
   bool enters{};  ///< the surface looks to the front
 };
 
-/// What a target has behind each cell.
+/// What a target has behind each cell. A row is where a ray meets the plane of the foremost point.
 struct DepthStacks {
   LayerGrid grid;
+  LayerLook look;
   std::vector<std::vector<DepthCrossing>> crossings;  ///< one a cell, ascending
 };
 
 /// Looks through a target, whose x axis points to the front, y to the right and z up, from z = 0
 /// on. The grid has all of it, and at least `least_half_mm` on each side of the middle.
-[[nodiscard]] DepthStacks depth_stacks(const TriangleSoup& target, double cell_mm,
+[[nodiscard]] DepthStacks depth_stacks(TriangleSoup target, const LayerLook& look, double cell_mm,
                                        double least_half_mm = 0.0);
 
 /// The height of a layer, mm.
@@ -51,7 +69,8 @@ struct DepthStacks {
                                                double apart_mm);
 
 /// The layers of a target: each has all of the target that is nearer in depth to it than to another
-/// layer, whether it is seen or not. Solids that overlap are one.
+/// layer, whether it is seen or not, where the look shows it on the layer. Solids that overlap are
+/// one.
 [[nodiscard]] std::vector<LayerMask> layer_masks(const DepthStacks& stacks,
                                                  const std::vector<double>& depths_mm);
 

@@ -149,17 +149,25 @@ double firm_foot_mm(double height_mm) {
   return kMoves_mm / kFirm_mm * height_mm + kEnds_mm;
 }
 
+/// People look down on an open card. Folded layers go back on both sides of their fold, or come
+/// nearer.
+LayerLook look_of(bool opens_flat, bool looks_along_spine) {
+  constexpr double kOnPages_rad = radians(40.0), kInCorner_rad = radians(45.0);  // as it is judged
+  if (!opens_flat) return {std::tan(kInCorner_rad), 0.0};
+  return {std::tan(kOnPages_rad), (looks_along_spine ? 1.0 : -1.0) / std::tan(kCrease_rad)};
+}
+
 std::vector<CutLayer> cut_layers(const TriangleSoup& target, int count, bool opens_flat,
-                                 const Progress& progress, double cell_mm) {
+                                 const LayerLook& look, const Progress& progress, double cell_mm) {
   tell(progress, "choosing the depths of the layers");
   const std::vector<double> depths = layer_depths(target, count, kApart_mm);
-  double half_mm = 0.0, high_mm = 0.0;
+  double half_mm = 0.0, high_mm = 0.0;  // of what is seen along the look
   for (std::size_t k = 0; k < target.corners.size(); k += 3) {
     half_mm = std::max(half_mm, std::abs(target.corners[k + 1]));
-    high_mm = std::max(high_mm, target.corners[k + 2]);
+    high_mm = std::max(high_mm, target.corners[k + 2] - look.fall * target.corners[k]);
   }
   const double widest_mm = firm_foot_mm(high_mm + 2.0 * cell_mm);
-  const DepthStacks stacks = depth_stacks(target, cell_mm, opens_flat ? widest_mm : 0.0);
+  const DepthStacks stacks = depth_stacks(target, look, cell_mm, opens_flat ? widest_mm : 0.0);
   const std::vector<LayerMask> masks = layer_masks(stacks, depths);
   LayerMask hidden(stacks.grid.cells(), 0);
   std::vector<CutLayer> out;
@@ -401,23 +409,32 @@ Result<LayeredCard> layered_card(const DesignSpec& spec, const SurfaceAssets& as
   LayeredCard out;
   auto target = standing_target(spec, assets, out);
   if (!target) return tl::unexpected(target.error());
+  out.opens_flat = spec.layers.opens_deg == 180.0;
+  const double fall = look_of(out.opens_flat, true).fall;
   double width = 0.0, height = 0.0;
   for (std::size_t k = 0; k < target->corners.size(); k += 3) {
     width = std::max(width, 2.0 * std::abs(target->corners[k + 1]));
-    height = std::max(height, target->corners[k + 2]);
+    height = std::max(height, target->corners[k + 2] - fall * target->corners[k]);
   }
   const double cell_mm = std::max(kFinest_mm, std::sqrt(width * height / kMostCells));
-  out.opens_flat = spec.layers.opens_deg == 180.0;
-  const std::vector<CutLayer> layers =
-      cut_layers(*target, spec.layers.layers, out.opens_flat, progress, cell_mm);
+  const auto cut = [&](bool looks_along_spine) {
+    out.look = look_of(out.opens_flat, looks_along_spine);
+    return cut_layers(*target, spec.layers.layers, out.opens_flat, out.look, progress, cell_mm);
+  };
+  std::vector<CutLayer> layers = cut(true);
   if (layers.empty())
     return fail(ErrorKind::Infeasible, "/layers",
                 "no layer is large enough to cut; use a larger "
                 "scale_mm");
   Standing standing = out.opens_flat ? standing_of(layers, true) : corner_standing_of(layers);
-  if (out.opens_flat)
-    if (Standing other = standing_of(layers, false); other.length_mm < standing.length_mm)
-      standing = std::move(other);
+  if (out.opens_flat) {
+    const LayerLook look = out.look;
+    std::vector<CutLayer> turned = cut(false);
+    if (Standing other = standing_of(turned, false); other.length_mm < standing.length_mm)
+      standing = std::move(other), layers = std::move(turned);
+    else
+      out.look = look;
+  }
   if (auto done = set_pages(spec.layers, standing); !done) return tl::unexpected(done.error());
 
   out.looks_along_spine = standing.looks_along_spine;

@@ -41,6 +41,7 @@ struct LayeredCard {
   TargetPlacement placement;
   Vec3 origin{0.0, 0.0, 0.0};
   double begin_mm{};
+  LayerLook look;  ///< along which the target is drawn on the layers
   std::size_t folds{}, tabs{};
   hands::Handwork handwork;
   std::vector<Warning> warnings;

@@ -285,6 +285,15 @@ TEST_CASE("each layer is printed with what lies in its own depths", "[core][comp
   const std::vector<PrintedLayer> alike{{front, -12.0, inf}, {back, -12.0, inf}};
   CHECK(target.measure_layers(alike).colour > right.colour + 0.05);
   CHECK(target.measure_layers(std::span(layers).first(1)).cover < 0.7);
+  // Printed as it is seen from 45 degrees above: what lies 25 mm behind is 25 mm higher.
+  const std::vector<float> raised = plate(0, 65);
+  const PrintedLayer straight{raised, -inf, inf, 0.0}, fallen{raised, -inf, inf, 1.0};
+  Scene above;
+  above.views = {view_from(Vec3(1, 0, 1))}, above.pixels = 128;
+  const PrintedTarget from_above(model, colours, above);
+  CHECK(from_above.measure_layers(std::span(&fallen, 1)).colour < 0.02);
+  CHECK(from_above.measure_layers(std::span(&straight, 1)).colour > 0.1);
+  CHECK(from_above.measure_layers(std::span(&fallen, 1)).cover == Approx(1.0).margin(0.01));
   CHECK(page_views().size() == 9);
 }
 

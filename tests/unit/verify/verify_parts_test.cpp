@@ -578,7 +578,7 @@ TEST_CASE("every front of a shape is in a layer, and the card of them is sound",
   }
   std::vector<double> depths;
   for (const CardLayer& layer : sound->made.layers) depths.push_back(layer.depth_mm);
-  const DepthStacks stacks = depth_stacks(shape, 1.0);
+  const DepthStacks stacks = depth_stacks(shape, {}, 1.0);
   const std::vector<LayerMask> masks = layer_masks(stacks, depths);
   for (std::size_t cell = 0; cell < stacks.grid.cells(); ++cell) {
     if (stacks.crossings[cell].empty()) continue;
@@ -1443,7 +1443,7 @@ TEST_CASE("solids that overlap are one in each layer", "[core][parts][layers]") 
     };
     box(30.0, 0.0, 60.0);
     box(10.0, 10.0, 50.0);
-    const DepthStacks stacks = depth_stacks(soup, 1.0);
+    const DepthStacks stacks = depth_stacks(soup, {}, 1.0);
     const std::vector<LayerMask> masks = layer_masks(stacks, {5.0, 30.0, 55.0});
     const std::size_t middle = stacks.grid.at(stacks.grid.columns / 2, 20);
     CHECK(stacks.crossings[middle].size() == 4);
@@ -1452,6 +1452,22 @@ TEST_CASE("solids that overlap are one in each layer", "[core][parts][layers]") 
     CHECK(masks[0][middle] == 1);
     CHECK(masks[2][middle] == 1);
     CHECK(height_of(stacks.grid, masks[1]) == Approx(40.0).margin(1.0));
+    // Seen from 45 degrees above, the top of what lies up to 17.5 mm behind a layer is over it;
+    // what lies before it is lower.
+    const DepthStacks seen = depth_stacks(soup, {1.0, 0.0}, 1.0);
+    const std::vector<LayerMask> from_above = layer_masks(seen, {5.0, 30.0, 55.0});
+    CHECK(height_of(seen.grid, from_above[0]) == Approx(52.5).margin(2.0));
+    CHECK(height_of(seen.grid, from_above[2]) == Approx(45.0).margin(2.0));
+    // The wings of paper that goes back beside its middle end behind the target.
+    const DepthStacks bent = depth_stacks(soup, {0.0, 0.5}, 1.0);
+    const std::vector<LayerMask> folded = layer_masks(bent, {5.0, 91.0});
+    const auto paper = [&](const LayerMask& mask) {
+      return std::count(mask.begin(), mask.end(), 1);
+    };
+    CHECK(static_cast<double>(paper(folded[1])) ==
+          Approx(0.8 * static_cast<double>(paper(folded[0]))).epsilon(0.05));
+    CHECK(bent.crossings[bent.grid.at(bent.grid.columns / 2 + 20, 20)].front().depth_mm ==
+          Approx(-10.25).margin(0.1));
   }
 }
 
