@@ -30,10 +30,11 @@ struct LayerLook {
   [[nodiscard]] double behind_mm(double aside_mm) const {
     return bend * (aside_mm < 0.0 ? -aside_mm : aside_mm);
   }
-  /// The share of that by which the picture on a layer is raised. On the foremost layer, the front
-  /// of the target would sink into the page where the paper goes back from it; it stands there.
+  /// The foremost layer goes back from a broad front of the target, which would sink into the page.
+  bool lifts_front{};
+  /// The share of that by which the picture on a layer is raised.
   [[nodiscard]] double raised_share(std::size_t layer) const {
-    return layer == 0 && bend > 0.0 ? 1.0 : 0.0;
+    return layer == 0 && lifts_front ? 1.0 : 0.0;
   }
 };
 

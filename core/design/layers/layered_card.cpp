@@ -157,6 +157,21 @@ LayerLook look_of(bool opens_flat, bool looks_along_spine) {
   return {std::tan(kOnPages_rad), (looks_along_spine ? 1.0 : -1.0) / std::tan(kCrease_rad)};
 }
 
+/// Whether more than a tenth of what looks to the front would be below the page where the paper of
+/// the foremost layer goes back from it.
+bool front_sinks(const TriangleSoup& target, const LayerLook& look) {
+  constexpr double kMost = 0.1;
+  double all = 0.0, sunk = 0.0;
+  for (std::size_t t = 0; t < target.size(); ++t) {
+    const Vec3 a = target.corner(t, 0), b = target.corner(t, 1), c = target.corner(t, 2);
+    const Vec3 middle = (1.0 / 3.0) * (a + b + c);
+    const double area = std::abs(cross(Vec3(b - a), Vec3(c - a)).x());
+    all += area;
+    if (middle.z() < look.fall * (look.behind_mm(middle.y()) + middle.x())) sunk += area;
+  }
+  return sunk > kMost * all;
+}
+
 std::vector<CutLayer> cut_layers(const TriangleSoup& target, int count, bool opens_flat,
                                  const LayerLook& look, const Progress& progress, double cell_mm) {
   tell(progress, "choosing the depths of the layers");
@@ -419,6 +434,7 @@ Result<LayeredCard> layered_card(const DesignSpec& spec, const SurfaceAssets& as
   const double cell_mm = std::max(kFinest_mm, std::sqrt(width * height / kMostCells));
   const auto cut = [&](bool looks_along_spine) {
     out.look = look_of(out.opens_flat, looks_along_spine);
+    out.look.lifts_front = front_sinks(*target, out.look);
     return cut_layers(*target, spec.layers.layers, out.opens_flat, out.look, progress, cell_mm);
   };
   std::vector<CutLayer> layers = cut(true);
